@@ -6,10 +6,11 @@ make nodes and elements there, or what cannot be understood, is refused with its
 """
 
 from pathlib import Path
-from typing import Any
+from typing import Literal
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, FileName, SetName, quantity, word
 from crashsolve.foundation.mesh_files.reading import (
     OUTLINES,
@@ -18,6 +19,7 @@ from crashsolve.foundation.mesh_files.reading import (
     MeshFileError,
     read_mesh_file,
 )
+from crashsolve.meshes._joined import made_coarser
 from crashsolve.meshes._mesh import Mesh
 
 
@@ -33,9 +35,12 @@ class File(Card):
     elements: SetName = word(
         "element set, property or physical group; all elements of the file if empty", default=""
     )
+    joined: Literal[1, 2, 4, 8] = word(
+        "elements that become one along each side, where they lie in rows", default=1
+    )
 
 
-def build(card: File, scene: Any) -> Mesh:
+def build(card: File, scene: Scene) -> Mesh:
     path = Path(card.file)
     try:
         found = read_mesh_file(path)
@@ -57,10 +62,11 @@ def build(card: File, scene: Any) -> Mesh:
     at[wanted] = np.arange(len(wanted))
     elements = {name: at[own][at[own] >= 0] for name, own in found.element_sets.items()}
     points = found.points[used] * card.unit
-    return Mesh(points, numbers.reshape(corners.shape), sets, elements)
+    mesh = Mesh(points, numbers.reshape(corners.shape), sets, elements)
+    return made_coarser(mesh, card, scene)
 
 
-def _wanted(found: MeshFile, card: File, scene: Any) -> np.ndarray:
+def _wanted(found: MeshFile, card: File, scene: Scene) -> np.ndarray:
     """Numbers of the elements wanted."""
     if not card.elements:
         own = np.arange(len(found.kinds))

@@ -5,7 +5,8 @@
     shell, generated mesh       mesh.elements, in all directions; of a shared mesh, under meshes
     structure                   divisions of segments and beams, across of shells
 
-Hinges and rigid members have no mesh, and meshes that are listed or of a file are as they are. On
+Hinges and rigid members have no mesh. Meshes that are listed or of a file are not divided; to make
+them coarser their elements are joined by mesh.joined, where they lie in rows. On
 another mesh the inner nodes of a frame, a beam made coarser and a structure have other names: a
 deck that names one is not divided. Consequence to test: a deck divided by 2 and made coarser by 2
 has its own numbers of elements.
@@ -24,6 +25,8 @@ STRUCTURE = {"segments": "divisions", "beams": "divisions", "shells": "across"}
 # segments yield in the middle of their length
 SEGMENTS_ORDER = 1.0
 Numbers = tuple[int, ...]
+# elements that may become one along a side of a given mesh
+MOST_JOINED = 8
 
 
 @dataclass(frozen=True)
@@ -65,9 +68,7 @@ def finer(deck: Deck, factor: int) -> dict[str, str]:
 
 def coarser(deck: Deck, factor: int) -> dict[str, str]:
     """Overrides that make all elements `factor` times as long. Raises ValueError likewise."""
-    if rest := undivided(deck):
-        raise ValueError(f"{rest[0]} has a mesh that cannot be made coarser")
-    found: dict[str, str] = {}
+    found = _joined(deck, factor)
     for field in divisible(deck):
         own = field
         if field.coarser and any(n % factor for n in field.numbers):
@@ -78,6 +79,19 @@ def coarser(deck: Deck, factor: int) -> dict[str, str]:
             )
         _check_names(deck, own)
         found |= own.overrides(tuple(n // factor for n in own.numbers))
+    return found
+
+
+def _joined(deck: Deck, factor: int) -> dict[str, str]:
+    """Overrides that join elements of listed meshes and of files. Raises ValueError likewise."""
+    found = {}
+    for name in undivided(deck):
+        path, mesh = _mesh_of(deck, deck.entries["parts"][name])
+        if not hasattr(mesh, "joined"):
+            raise ValueError(f"{name} has a mesh that cannot be made coarser")
+        if mesh.joined * factor > MOST_JOINED:
+            raise ValueError(f"elements of {name} are joined by {mesh.joined} already")
+        found[f"{path}.joined"] = str(mesh.joined * factor)
     return found
 
 

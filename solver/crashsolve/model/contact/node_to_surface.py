@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from crashsolve.contact.cells import CELL
+from crashsolve.contact.cells import CELL, WALLS
 from crashsolve.foundation.point import LANES
 from crashsolve.foundation.record import Record
 from crashsolve.model.contact import records
@@ -81,6 +81,7 @@ PARAMETERS = Record("""
     first_own     index  first point of the part with the faces
     bucket_count  count  buckets of cubes, a power of two
     room          count  of the lists of near faces
+    first_beside  index  of records of walls beside the nearest
 """)
 TOTALS = Record("""
     fastest        m/s    largest closing speed that there can be
@@ -93,6 +94,7 @@ TOTALS = Record("""
     bristled       J      recoverable energy of friction
     friction_loss  J      lost by friction
     depth          m      deepest touch
+    deepest        m      the same of all steps
     passed         s      time at which a probe has passed through faces; 0: none has
 """)
 PROBE_STATE = Record("""
@@ -110,11 +112,16 @@ RUB = Record("""
     friction_force  N  3  friction on the probe
     bristled  J     recoverable energy of friction
 """)
+# of probes on faces, in the record of the nearest wall on a side
+BESIDE = Record("beside  count  other walls touched on this side, while it is active")
 HIT = Record("""
     depth     m         penetration; 0: no touch
     distance  m         to the face
     face      index     the nearest
     crossed   flag      whether it has been passed
+    weight    1         share of its force; less than 1 where it is one wall with a nearer one
+    beside    count     other walls found on this side, in that of the nearest
+    partner   index     which of the walls touched before it is; -1: none
     normal    1      3  towards the side where the probe belongs
     N         1      4  weights of the corners
 """)
@@ -228,11 +235,16 @@ class NodalBuilder:
     ) -> dict[str, np.ndarray]:
         """Arrays of every group."""
         record, probe_state = PARAMETERS + law.PARAMETERS, PROBE_STATE + law.HISTORY
+        n = len(probes.rows)
         if isfinite(values.get("thick", inf)):
             probe_state = probe_state + records.FACE
+        rows = probe_states * n
+        if probe_states == 2:
+            # a record that is none, and one for what is left
+            probe_state, rows = probe_state + BESIDE, WALLS * rows + 1
         if friction is not None:
             record, probe_state = record + friction.PARAMETERS, probe_state + RUB + friction.HISTORY
-        p, n = np.zeros(1, record.dtype), len(probes.rows)
+        p = np.zeros(1, record.dtype)
         for name, value in values.items():
             p[name] = value
         totals = np.zeros(1, TOTALS.dtype)
@@ -247,11 +259,11 @@ class NodalBuilder:
             "p": p,
             "totals": totals,
             "probes": probes.rows,
-            "probe_states": np.zeros((2, probe_states * n), probe_state.dtype),
+            "probe_states": np.zeros((2, rows), probe_state.dtype),
             "slot_in_use": np.zeros(probe_states * n, np.int64),
             "due": np.zeros(n),
             # threads look before the first one presses
-            "found": np.zeros((n if threads > 1 else 1, 2), HIT.dtype),
+            "found": np.zeros((n if threads > 1 else 1, 2 * WALLS), HIT.dtype),
         } | shared
 
     def _on_shape(self, probes: Probes, a: Any, b: Any, routine: Any) -> Any:
@@ -323,6 +335,7 @@ class NodalBuilder:
             **{"first_corner": corner, "face_count": count, "first_own": first},
             **self._positions(card.part, meshed),
             **{"bucket_count": buckets, "room": room},
+            "first_beside": 2 * len(probes.rows),
         }
         own = {
             "first": np.zeros(len(probes.rows) + 1, np.int64),
