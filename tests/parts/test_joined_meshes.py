@@ -41,6 +41,19 @@ def test_a_divided_mesh_that_is_joined_is_itself_again(closed: bool, factor: int
         assert places == {tuple(np.round(p, 9)) for p in coarse.points[own]}
 
 
+def test_sets_of_elements_are_joined_unless_their_border_runs_through_a_joined_one() -> None:
+    at, quads, sides = net(4, 2)
+    points = np.column_stack([at, np.zeros(len(at))])
+    x = points[quads, 0].mean(axis=1)
+    halves = {"left": np.flatnonzero(x < 0.5), "right": np.flatnonzero(x > 0.5)}
+    found = joined(Mesh(points, quads, sides, halves), 2)
+    middle = found.points[found.quads, 0].mean(axis=1)
+    for name, is_in in (("left", middle < 0.5), ("right", middle > 0.5)):
+        assert found.element_sets[name].tolist() == np.flatnonzero(is_in).tolist()
+    with pytest.raises(ValueError, match="border of element set 'first'"):
+        joined(Mesh(points, quads, sides, {"first": np.flatnonzero(x < 0.25)}), 2)
+
+
 def test_three_faces_around_a_corner_are_joined() -> None:
     # the faces of a cube at one of its corners, where three elements meet
     at, quads, _ = net(4, 4)

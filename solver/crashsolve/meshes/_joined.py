@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.meshes._mesh import Mesh
 
 # what a node was before its mesh was divided
@@ -25,7 +26,7 @@ def joined(mesh: Mesh, factor: int) -> Mesh:
     return mesh
 
 
-def made_coarser(mesh: Mesh, card: Any, scene: Any) -> Mesh:
+def made_coarser(mesh: Mesh, card: Any, scene: Scene) -> Mesh:
     """The mesh of a card as its `joined` asks for; an error of the deck where it cannot be."""
     try:
         return joined(mesh, card.joined)
@@ -38,7 +39,8 @@ def _half(mesh: Mesh) -> Mesh:
     if (np.sort(quads, axis=1)[:, 1:] == np.sort(quads, axis=1)[:, :-1]).any():
         raise ValueError("it has triangles, which are not joined")
     kinds = _kinds(quads)
-    coarse = np.array([_around(quads[own], kinds) for own in _blocks(quads, kinds)])
+    blocks = _blocks(quads, kinds)
+    coarse = np.array([_around(quads[own], kinds) for own in blocks])
     kept = np.unique(coarse)
     index = np.full(len(mesh.points), -1)
     index[kept] = np.arange(len(kept))
@@ -47,7 +49,18 @@ def _half(mesh: Mesh) -> Mesh:
         sets[name] = index[own][index[own] >= 0]
         if len(own) and not len(sets[name]):
             raise ValueError(f"no node of set '{name}' is a corner of joined elements")
-    return Mesh(mesh.points[kept], index[coarse], sets)
+    return Mesh(mesh.points[kept], index[coarse], sets, _sets_of(blocks, mesh.element_sets))
+
+
+def _sets_of(blocks: list[np.ndarray], fine: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Element sets of joined elements. Raises ValueError where one would be partly in a set."""
+    sets = {}
+    for name, own in fine.items():
+        count = np.array([np.isin(four, own).sum() for four in blocks])
+        if not np.isin(count, (0, 4)).all():
+            raise ValueError(f"the border of element set '{name}' runs through joined elements")
+        sets[name] = np.flatnonzero(count)
+    return sets
 
 
 def _kinds(quads: np.ndarray) -> np.ndarray:

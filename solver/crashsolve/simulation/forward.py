@@ -1,18 +1,15 @@
-"""From sample to sample until the end of a run, in blocks where no sample needs Python."""
+"""From sample to sample until the end of a Run (solve.py), in blocks where none needs Python."""
 
 import time
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
 from crashsolve.recording.marching import MOST
 from crashsolve.simulation.phases import ContactPhases
 
-if TYPE_CHECKING:
-    from crashsolve.simulation.solve import Run
 
-
-def march(run: "Run") -> None:
+def march(run: Any) -> None:
     """Advance from sample to sample until the end."""
     end = run.schedule.end
     run.pulse.does("one step")
@@ -36,7 +33,7 @@ def march(run: "Run") -> None:
     _write_events(run)
 
 
-def _write_events(run: "Run") -> None:
+def _write_events(run: Any) -> None:
     """States at events, which the run must meet once more."""
     begun = time.process_time()
     run.recorder.flush()
@@ -44,12 +41,12 @@ def _write_events(run: "Run") -> None:
     run.cpu["output"] += time.process_time() - begun
 
 
-def _is_asked(run: "Run") -> bool:
+def _is_asked(run: Any) -> bool:
     run.requests.read()
     return bool(run.requests.words)
 
 
-def _march_through(run: "Run", times: np.ndarray) -> int:
+def _march_through(run: Any, times: np.ndarray) -> int:
     """Samples at times [s] in compiled code; how many are done, the last one written."""
     # no run has children while it marches: their times need not be asked for
     begun = time.process_time()
@@ -64,7 +61,7 @@ def _march_through(run: "Run", times: np.ndarray) -> int:
     return count
 
 
-def _go_to(run: "Run", target: float) -> float:
+def _go_to(run: Any, target: float) -> float:
     """Advance to one sample and take it; its time, which may be another of an equilibrium."""
     begun = time.process_time()
     try:
@@ -84,7 +81,7 @@ def _go_to(run: "Run", target: float) -> float:
     return target
 
 
-def _after(run: "Run", now: float) -> None:
+def _after(run: Any, now: float) -> None:
     """What follows a sample, the last of those taken."""
     run.account.keep_alive()
     run.write(now, force=now == run.schedule.end or run.engine.is_complete)
@@ -92,7 +89,7 @@ def _after(run: "Run", now: float) -> None:
     run.obey()
 
 
-def _times_ahead(run: "Run", k: int) -> np.ndarray:
+def _times_ahead(run: Any, k: int) -> np.ndarray:
     """Times [s] of the samples after sample k, up to the first at which more is due."""
     times = run.schedule.times(k + 1, MOST)
     begun = run.deck.control.start_time
