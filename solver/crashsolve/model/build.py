@@ -196,7 +196,7 @@ def _build_curves(deck: Deck, scene: Scene) -> np.ndarray:
     for name, entry in deck.entries["hinges"].items():
         with scene.building(entry):
             own = _module(entry).curves(entry.card, built, scene)
-            scene.backbones[id(entry.card)] = own
+            scene.backbones[name] = own
             for field, backbone in own.items():
                 # no curve of a deck has a point in its name
                 backbone.name = f"{name}.{field}"

@@ -23,6 +23,7 @@ from typing import Any, ClassVar, NamedTuple
 
 from pydantic import model_validator
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import BodyName, Card, CurveName, SurfaceName, Vec3, quantity, word
 from crashsolve.foundation.curve import curve_area, curve_value
 from crashsolve.foundation.kernels import kernel
@@ -55,7 +56,7 @@ class TyreCard(Card):
     axis: Vec3 = word("axis of the wheel, to the left of forward, in its frame", (0.0, 1.0, 0.0))
     at: Vec3 = quantity("m", "centre of the wheel, in its frame", (0.0, 0.0, 0.0))
     road: tuple[SurfaceName, ...] = word("surfaces it may roll on: planes, boxes, meshes", ())
-    profile: Profile | None = word("height of a road over the way along it", None)
+    profile: Profile | None = word("height of a road over the distance along it", None)
     radius: float = quantity("m", "R, without load", gt=0)
     stiffness: float | None = quantity("N/m", "k, of the depth", None, gt=0)
     curve: CurveName | None = word("force over depth, from 0; instead of stiffness", None)
@@ -69,7 +70,7 @@ class TyreCard(Card):
         "N/rad", "C_gamma, lateral force over camber at zero", 0.0, ge=0
     )
     friction_max: float = quantity("1", "mu without slip", gt=0)
-    friction_min: float | None = quantity("1", "mu at slip 1; mu_max when absent", None, gt=0)
+    friction_min: float | None = quantity("1", "mu at slip 1; friction_max when absent", None, gt=0)
     contact_length: float | None = quantity(
         "m", "l, of the patch; the chord of the circle when absent", None, gt=0
     )
@@ -111,8 +112,8 @@ TYRE = ROADS + Record("""
     damping_depth   m         depth over which it grows
     rim_depth       m         depth at which the rim is met; infinite for none
     rim_stiffness   N/m       k_rim
-    mu_max          1         mu without slip
-    mu_min          1         mu at slip 1
+    friction_max    1         mu without slip
+    friction_min    1         mu at slip 1
     length          m         l; 0 for the chord of the circle
     sigma_x         m         relaxation length along the wheel
     sigma_y         m         the same across
@@ -149,7 +150,7 @@ FORCES_OF_TYRE = Record("""
 """)
 
 
-def tyre_columns(card: TyreCard, scene: Any) -> dict[str, Any]:
+def tyre_columns(card: TyreCard, scene: Scene) -> dict[str, Any]:
     """Columns of TYRE."""
     node = scene.node(card.wheel)
     if node == 0:
@@ -175,8 +176,8 @@ def tyre_columns(card: TyreCard, scene: Any) -> dict[str, Any]:
         "damping_depth": card.damping_depth,
         "rim_depth": rim,
         "rim_stiffness": card.rim_stiffness,
-        "mu_max": card.friction_max,
-        "mu_min": card.friction_min or card.friction_max,
+        "friction_max": card.friction_max,
+        "friction_min": card.friction_min or card.friction_max,
         "length": card.contact_length or 0.0,
         "sigma_x": card.relaxation,
         "sigma_y": card.side_relaxation,
@@ -312,7 +313,7 @@ def grip_on(p, i, old, new, out, at, h, curves):
         # off the road the carcass is at ease
         out.loss += old.store[i] if h > 0.0 else 0.0
         out.depth = max(out.depth, at.depth)
-        return Grip(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, p.mu_max)
+        return Grip(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, p.friction_max)
     F_z, stored, lost, slope, c = vertical_force(p, at, curves)
     out.stored += stored
     out.power += lost
@@ -324,7 +325,7 @@ def grip_on(p, i, old, new, out, at, h, curves):
     s_x = (q_x - k_V / p.C_x * at.slip_x) / p.sigma_x
     s_y = (q_y - k_V / p.C_y * at.slip_y) / p.sigma_y
     now = sqrt(at.slip_x**2 + at.slip_y**2) / max(V, p.low_speed)
-    mu = p.mu_max - (p.mu_max - p.mu_min) * min(now, 1.0)
+    mu = p.friction_max - (p.friction_max - p.friction_min) * min(now, 1.0)
     # the carcass of a patch that slides all over is not drawn out further
     held = sqrt((p.C_x * q_x / p.sigma_x) ** 2 + (p.C_y * q_y / p.sigma_y) ** 2)
     share = 3.0 * mu * F_z / held if held > 3.0 * mu * F_z else 1.0

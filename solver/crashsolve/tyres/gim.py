@@ -5,8 +5,8 @@
     M_z = -[C_y s_y (2 l_n / 3 - 1 / 2) + 3 / 2 mu_y F_z S_n^2] l l_n^2
 
 with the slips s of `_tyre.py`; the camber gamma takes C_gamma sin(gamma) / C_y from s_y, and mu
-falls with the slip from mu_max to mu_min. Consequences to test: dF/ds = C at zero, |F| <= mu F_z,
-and along one direction |F| = mu F_z (1 - l_n^3).
+falls with the slip from friction_max to friction_min. Consequences to test: dF/ds = C at zero,
+|F| <= mu F_z, and along one direction |F| = mu F_z (1 - l_n^3).
 
 References: Ambrosio (2003), section 5.3; Gim and Nikravesh (1990, 1991), International Journal of
 Vehicle Design 11, 589-618; 12, 19-39; 12, 217-228.
