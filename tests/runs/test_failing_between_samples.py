@@ -1,4 +1,4 @@
-"""A step that fails among samples taken in compiled code leaves those before it, and its message."""
+"""A step that fails among samples of compiled code leaves those before it, and its message."""
 
 from pathlib import Path
 
