@@ -4,6 +4,7 @@ import json
 import os
 import signal
 import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
@@ -15,24 +16,28 @@ from command import arguments, crashsolve, environment, start
 
 from crashpost.results.status import read_status
 from crashsolve.deck.reading.deck import read_deck
+from crashsolve.foundation.streams import lost, say
 from crashsolve.output.errors import OutputError
 from crashsolve.output.lock import Lock
 from crashsolve.output.log import STOPPED, Log
 from crashsolve.simulation import progress
 from crashsolve.simulation.heartbeat import Pulse
+from crashsolve.simulation.requests import Requests
 
 OSCILLATOR = Path(__file__).parents[1] / "runs" / "oscillator.yaml"
 # as plain Python: nothing is to be compiled, and a run of a million steps lasts; 0.5 GB would come
 PLAIN = {"CRASHSOLVE_PLAIN": "1"}
+# [s] that a machine may take for what another does at once
+BUSY = 600
 SHORT = ("--set", "control.end_time=0.02", "--set", "control.estimate=off")
 LONG = ("--set", "control.end_time=100", "--set", "control.estimate=off")
 
 
-def until(happens: Callable[[], bool], seconds: float = 60.0) -> None:
-    """Wait for something, a minute at most: the machine may be busy."""
-    end = time.monotonic() + seconds
+def until(happens: Callable[[], bool], run: subprocess.Popen[str]) -> None:
+    """Wait for something that a run does, as long as it lives: the machine may be busy."""
+    end = time.monotonic() + BUSY
     while not happens():
-        assert time.monotonic() < end
+        assert run.poll() is None and time.monotonic() < end
         time.sleep(0.01)
 
 
@@ -47,7 +52,7 @@ def live(tmp_path: Path) -> Iterator[tuple[subprocess.Popen[str], Path]]:
     """A run that lasts, and its folder."""
     run = start(OSCILLATOR, "-o", tmp_path / "live", *LONG, **PLAIN)
     try:
-        until(lambda: marches(tmp_path / "live"))
+        until(lambda: marches(tmp_path / "live"), run)
         yield run, tmp_path / "live"
     finally:
         run.kill()
@@ -81,7 +86,7 @@ def test_what_is_no_file_of_words_is_passed_over_and_the_run_can_be_stopped(
     run, folder = live
     control, log = folder / "control.txt", folder / "log.txt"
     os.mkfifo(control)
-    until(lambda: "control.txt is no plain file" in log.read_text("utf-8"))
+    until(lambda: "control.txt is no plain file" in log.read_text("utf-8"), run)
     control.unlink()
     control.mkdir()
     time.sleep(0.5)
@@ -89,7 +94,7 @@ def test_what_is_no_file_of_words_is_passed_over_and_the_run_can_be_stopped(
     control.rmdir()
     (folder / "words").write_bytes(b"\xff\x1b[2J nonsense stop")
     os.replace(folder / "words", control)
-    output, errors = run.communicate(timeout=60)
+    output, errors = run.communicate(timeout=BUSY)
     assert run.returncode == 3
     assert "Traceback" not in errors
     assert "\x1b" not in output + log.read_text("utf-8")
@@ -108,7 +113,7 @@ def test_a_second_interrupt_ends_at_once(live: tuple[subprocess.Popen[str], Path
         with suppress(ProcessLookupError):
             run.send_signal(signal.SIGINT)
         time.sleep(pause)
-    _, errors = run.communicate(timeout=60)
+    _, errors = run.communicate(timeout=BUSY)
     assert run.returncode == 3
     assert "Traceback" not in errors
     status = read_status(folder / "status.json")
@@ -121,12 +126,63 @@ def test_an_old_status_does_not_speak_for_a_new_run(tmp_path: Path) -> None:
     assert read_status(tmp_path / "status.json")["state"] == "finished"
     run = start(OSCILLATOR, "-o", tmp_path, *LONG, **PLAIN)
     said = (tmp_path / "status.json").read_text
-    until(lambda: '"running"' in said())
-    # before anything that takes time
-    assert json.loads(said())["message"] == "preparing" or marches(tmp_path)
+    until(lambda: '"running"' in said(), run)
     run.kill()
     run.communicate()
     assert read_status(tmp_path / "status.json")["state"] == "killed"
+
+
+def test_the_status_is_that_of_a_run_from_its_preparation_on(tmp_path: Path) -> None:
+    deck, pulse = read_deck(OSCILLATOR), Pulse("a test", print)
+    (tmp_path / "status.json").write_text('{"state": "finished"}')
+    with progress.preparing(deck, tmp_path, pulse, append=False):
+        status = json.loads((tmp_path / "status.json").read_text("utf-8"))
+        assert (status["state"], status["message"]) == ("running", "preparing")
+
+
+def read_again(requests: Requests) -> set[str]:
+    """What has been asked, whenever it was looked at last."""
+    requests._due = 0.0
+    requests.read()
+    return requests.words
+
+
+def test_a_request_that_is_not_written_yet_is_waited_for(tmp_path: Path) -> None:
+    """A shell opens control.txt before it writes into it, and a run may look between both."""
+    requests = Requests(tmp_path, Log(tmp_path / "log.txt"), end=lambda: None)
+    control = tmp_path / "control.txt"
+    for text in ("", "\n"):
+        control.write_text(text)
+        assert not read_again(requests)
+        assert control.exists()
+    control.write_text("dump stop\n")
+    assert read_again(requests) == {"dump", "stop"}
+    assert not control.exists()
+
+
+def test_a_request_that_is_taken_back_while_it_is_read_does_not_end_the_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def taken_back(path: Path, _: int) -> str:
+        path.unlink()
+        raise FileNotFoundError(path)
+
+    requests = Requests(tmp_path, Log(tmp_path / "log.txt"), end=lambda: None)
+    (tmp_path / "control.txt").write_text("stop")
+    monkeypatch.setattr("crashsolve.simulation.requests.read_plain", taken_back)
+    assert not read_again(requests)
+
+
+def test_standard_output_that_is_full_before_there_is_a_log_is_said_in_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On a busy machine the first words come before the log: that the deck is being read."""
+    with open("/dev/full", "w") as full:
+        monkeypatch.setattr(sys, "stdout", full)
+        say("reading the deck")
+        Log(tmp_path / "log.txt").line("goes on")
+    assert "warning: standard output: No space left" in (tmp_path / "log.txt").read_text("utf-8")
+    assert not lost
 
 
 def test_a_run_that_cannot_be_prepared_has_failed(tmp_path: Path) -> None:
@@ -140,13 +196,30 @@ def test_a_run_that_cannot_be_prepared_has_failed(tmp_path: Path) -> None:
     assert (status["state"], status["exit_code"]) == ("failed", 5)
 
 
+# compiles for ever, however fast the machine is and however late the signal comes
+COMPILES = """
+import sys, time
+from pathlib import Path
+from crashsolve import cli
+from crashsolve.simulation import solve
+
+def engine_of(*_, **__):
+    Path(sys.argv[1], "compiles").touch()
+    time.sleep(600)
+
+solve.engine_of = engine_of
+sys.exit(cli.main(sys.argv[2:]))
+"""
+
+
 def test_an_interrupt_while_compiling_is_a_stop_on_request(tmp_path: Path) -> None:
-    # an empty cache: compiling takes seconds; SIGINT is ignored in what a shell runs behind itself
-    run = start(OSCILLATOR, "-o", tmp_path, *LONG, CRASHSOLVE_CACHE=str(tmp_path / "cache"))
+    # SIGINT is ignored in what a shell runs behind itself
+    words = [sys.executable, "-c", COMPILES, tmp_path, OSCILLATOR, "-o", tmp_path]
+    run = subprocess.Popen(words, stderr=subprocess.PIPE, text=True, env=environment())
     try:
-        until(lambda: (tmp_path / "log.txt").exists())
+        until(lambda: (tmp_path / "compiles").exists(), run)
         run.send_signal(signal.SIGTERM)
-        run.communicate(timeout=60)
+        run.communicate(timeout=BUSY)
     finally:
         run.kill()
     assert run.returncode == 3
@@ -195,7 +268,7 @@ def run_into(stream: str, folder: Path, *words: object) -> subprocess.CompletedP
         stderr=subprocess.PIPE,
         text=True,
         env=environment(**PLAIN),
-        timeout=120,
+        timeout=BUSY,
     )
 
 

@@ -15,20 +15,20 @@ import numpy as np
 from bench import Law
 from test_every_law import FORCES, example, module_of
 
-from crashsolve.compiler.machine import machine_codes, runs_plain
+from crashsolve.compiler.machine import machine_code, runs_plain
 from crashsolve.compiler.table import Tables
 
 HEAD = '''"""Laws of force, each on tables of its own."""
 
-from crashsolve.foundation.kernels import entry
+from crashsolve.foundation.kernels import entry, kernel
 '''
 # the time goes through a table, as an entry has one number alone
 ENTRY = """
 from {module} import force as force_{k}
 
 
-@entry
-def law_{k}(h, flag, scene):
+@kernel
+def law_{k}(h, scene):
     i = scene.place_{k}[0]
     force_{k}(
         scene.parameters_{k}[i],
@@ -42,6 +42,15 @@ def law_{k}(h, flag, scene):
         scene.curves_{k},
     )
 """
+# one function for all: the names of several would make that of the file of their code too long
+TAIL = """
+
+@entry
+def force(h, flag, scene):
+    which = scene.which[0]
+{calls}
+"""
+CALL = "    if which == {k}:\n        law_{k}(h, scene)"
 
 
 class CompiledLaws:
@@ -51,10 +60,10 @@ class CompiledLaws:
         text = HEAD + "".join(
             ENTRY.format(k=k, module=module_of(law).__name__) for k, law in enumerate(FORCES)
         )
+        text += TAIL.format(calls="\n".join(CALL.format(k=k) for k in range(len(FORCES))))
         # code is kept under the name of its source
         self.source = folder / f"laws_{hashlib.sha1(text.encode()).hexdigest()[:12]}.py"
         self.source.write_text(text, "utf-8")
-        self.names = tuple(f"law_{k}" for k in range(len(FORCES)))
         self.arrays: dict[str, np.ndarray] = {}
         for law in FORCES:
             self._add(law, example(law))
@@ -79,8 +88,8 @@ class CompiledLaws:
         one = example(law)
         assert not one.materials
         k, time = self._add(law, one)
-        tables = Tables(self.arrays)
-        function = self._checked(tables)[k]
+        tables = Tables(self.arrays | {"which": np.array([k])})
+        function = self._checked(tables)
 
         def force(p: Any, old: Any, new: Any, out: Any, t: float, h: float, *scene: Any) -> None:
             time[0] = t
@@ -93,7 +102,7 @@ class CompiledLaws:
         before = os.environ.get("CRASHSOLVE_CHECKED")
         os.environ["CRASHSOLVE_CHECKED"] = "1"
         try:
-            return machine_codes(self.source, self.names, tables)
+            return machine_code(self.source, "force", tables)
         finally:
             if before is None:
                 del os.environ["CRASHSOLVE_CHECKED"]

@@ -6,7 +6,7 @@ import pytest
 
 from crashsolve.deck.reading import files
 from crashsolve.deck.reading.deck import read_deck
-from crashsolve.foundation.errors import DeckErrors
+from crashsolve.foundation.errors import MOST, DeckErrors
 from crashsolve.model.build import build
 
 BODY = 'bodies: {"b<x>": {mass: 1, inertia: [1, 1, 1]}}\n'
@@ -74,6 +74,34 @@ def test_a_file_included_many_times_is_named_once_each(tmp_path: Path) -> None:
     assert len(tables) == 301
     assert (tmp_path / "car.yaml (300)") in tables
     assert reader.paths == [tmp_path / "deck.yaml", tmp_path / "car.yaml"]
+
+
+@pytest.mark.parametrize(
+    "field",
+    ["velocity: [0, -1e160, 0]", "velocity: [1e13 km/h, 0, 0]", "angular_velocity: [0, 0, 1e13]"],
+)
+def test_velocities_at_which_nothing_moves_are_refused(tmp_path: Path, field: str) -> None:
+    """They were taken for errors of the steps, which smaller steps would mend."""
+    deck = tmp_path / "deck.yaml"
+    deck.write_text(
+        f"control: {{end_time: 1}}\nbodies: {{b: {{mass: 1, inertia: [1, 1, 1], {field}}}}}\n"
+    )
+    with pytest.raises(DeckErrors, match="velocity: is more than 1e.12 .*look at powers and units"):
+        build(read_deck(deck))
+
+
+def test_long_words_and_many_errors_are_cut(tmp_path: Path) -> None:
+    deck = tmp_path / "deck.yaml"
+    bodies = "".join(f"  b{k}: {{mass: {'9' * 300} m}}\n" for k in range(250))
+    deck.write_text(f"control: {{end_time: 1}}\nbodies:\n{bodies}")
+    with pytest.raises(DeckErrors) as reported:
+        read_deck(deck)
+    lines = str(reported.value).splitlines()
+    # each body lacks its inertia, or has a mass in metres: one message of each kind at least
+    assert len(lines) == MOST + 1
+    assert lines[-1] == f"error: {len(reported.value.errors) - MOST} more like these"
+    assert max(map(len, lines)) < 300
+    assert f"'{'9' * 36}... (300 letters) m'" in lines[0]
 
 
 @pytest.mark.parametrize("radius", ["1e300", "2e40", "1e38 km"])

@@ -36,6 +36,8 @@ joints: {{pin: {{type: revolute, b: bob, at: [0, 0, 0], axis: [0, 0, 1]}}}}
 springs: {{tie: {{type: linear, b: bob, at_a: [0, -2, 0], stiffness: 20, length: 2}}}}
 """
 
+# [s] that a machine may take for what another does at once
+BUSY = 600
 # a run of half a second, in which control.txt is looked at every 0.1 s
 SLOW = ("--set", "control.step_max=1e-6")
 
@@ -48,7 +50,7 @@ def status(folder: Path) -> dict[str, Any]:
     return found
 
 
-def wait_for(path: Path, seconds: float = 120.0) -> None:
+def wait_for(path: Path, seconds: float = BUSY) -> None:
     """Wait until a file exists; compiling may come first."""
     until = time.monotonic() + seconds
     while not path.exists():
@@ -66,7 +68,8 @@ def test_a_run_stopped_by_a_signal_goes_on_to_the_same_bits(
         run = start(deck, "-o", tmp_path)
         wait_for(tmp_path / "states" / "000001.h5")
         run.send_signal(number)
-        if run.wait(60) == 3:
+        run.communicate(timeout=BUSY)
+        if run.returncode == 3:
             break
     stopped = status(tmp_path)
     assert (stopped["state"], stopped["exit_code"]) == ("stopped", 3)
@@ -94,7 +97,8 @@ def test_a_signal_need_not_wait_for_a_sample(method: str, end: int, tmp_path: Pa
         wait_for(cut / "states" / "000000.h5")
         time.sleep(0.3)
         run.send_signal(signal.SIGTERM)
-        if run.wait(60) == 3 and status(cut)["time"] > 0:
+        run.communicate(timeout=BUSY)
+        if run.returncode == 3 and status(cut)["time"] > 0:
             break
     assert 0 < status(cut)["time"] < end
     assert crashsolve(deck, "-o", cut, "--restart").returncode == 0
@@ -141,43 +145,61 @@ def test_the_first_run_of_a_scene_has_the_bits_of_the_next(tmp_path: Path) -> No
 def test_a_run_killed_at_any_moment_stays_readable_and_goes_on_to_the_same_bits(
     seed: int, mechanism: Path, tmp_path: Path
 ) -> None:
-    whole, rng, codes = tmp_path / "whole", random.Random(seed), []
+    whole, cut, rng, kills = tmp_path / "whole", tmp_path / "cut", random.Random(seed), 0
     assert crashsolve(mechanism, "-o", whole, *SLOW).returncode == 0
-    for _ in range(2):
-        (tmp_path / "states.xdmf").unlink(missing_ok=True)
-        run = start(mechanism, "-o", tmp_path, "--restart", *SLOW)
-        wait_for(tmp_path / "states.xdmf")
+    # on a busy machine a run may end before it is killed: then try again, from the beginning
+    for _ in range(20):
+        (cut / "states.xdmf").unlink(missing_ok=True)
+        run = start(mechanism, "-o", cut, "--restart", *SLOW)
+        wait_for(cut / "states.xdmf")
         time.sleep(rng.uniform(0.0, 0.4))
         run.kill()
-        codes.append(run.wait(60))
-        assert crashpost(["summary", str(tmp_path)]) == 0
-        assert crashpost(["channels", str(tmp_path)]) == 0
-    assert -signal.SIGKILL in codes
-    assert crashsolve(mechanism, "-o", tmp_path, "--restart", *SLOW).returncode == 0
-    assert differences(tmp_path, whole) == []
+        code = run.wait(BUSY)
+        assert crashpost(["summary", str(cut)]) == 0
+        assert crashpost(["channels", str(cut)]) == 0
+        kills += code == -signal.SIGKILL
+        if kills == 2:
+            break
+        if code == 0:
+            shutil.rmtree(cut)
+    assert kills > 0
+    assert crashsolve(mechanism, "-o", cut, "--restart", *SLOW).returncode == 0
+    assert differences(cut, whole) == []
 
 
 def test_a_dump_by_signal_or_control_file_changes_nothing(mechanism: Path, tmp_path: Path) -> None:
     whole = tmp_path / "whole"
     assert crashsolve(mechanism, "-o", whole, *SLOW).returncode == 0
-    run = start(mechanism, "-o", tmp_path, *SLOW)
-    wait_for(tmp_path / "states" / "000001.h5")
-    run.send_signal(signal.SIGUSR1)
-    run.send_signal(signal.SIGCONT)
-    (tmp_path / "control.txt").write_text("dump sleep\n", "utf-8")
-    output, _ = run.communicate(timeout=60)
-    assert run.returncode == 0
-    assert not (tmp_path / "control.txt").exists()
+    cut, unknown = tmp_path / "cut", "control.txt: unknown word 'sleep' (words: dump, states, stop)"
+    # on a busy machine the run may end before it is asked: then try again
+    for _ in range(10):
+        shutil.rmtree(cut, ignore_errors=True)
+        run = start(mechanism, "-o", cut, *SLOW)
+        wait_for(cut / "states" / "000001.h5")
+        run.send_signal(signal.SIGUSR1)
+        run.send_signal(signal.SIGCONT)
+        (cut / "control.txt").write_text("dump sleep\n", "utf-8")
+        output, _ = run.communicate(timeout=BUSY)
+        assert run.returncode == 0
+        if not (cut / "control.txt").exists():
+            break
     assert output.count("restart dump") > 5
-    assert "warning: control.txt: unknown word 'sleep' (words: dump, states, stop)" in output
-    assert differences(tmp_path, whole) == []
+    assert f"warning: {unknown}" in output
+    assert differences(cut, whole) == []
 
 
 def test_the_control_file_writes_a_state_and_stops(mechanism: Path, tmp_path: Path) -> None:
-    run = start(mechanism, "-o", tmp_path, *SLOW)
-    wait_for(tmp_path / "states" / "000000.h5")
-    (tmp_path / "control.txt").write_text("states stop", "utf-8")
-    assert run.wait(60) == 3
+    # on a busy machine the run may end before it is asked: then try again
+    for _ in range(10):
+        shutil.rmtree(tmp_path / "states", ignore_errors=True)
+        (tmp_path / "control.txt").unlink(missing_ok=True)
+        run = start(mechanism, "-o", tmp_path, *SLOW)
+        wait_for(tmp_path / "states" / "000000.h5")
+        (tmp_path / "control.txt").write_text("states stop", "utf-8")
+        run.communicate(timeout=BUSY)
+        if run.returncode == 3:
+            break
+    assert run.returncode == 3
     states = sorted((tmp_path / "states").glob("*.h5"))
     assert len(states) >= 2
     assert (tmp_path / "log.txt").read_text("utf-8").count("go on with --restart") == 1

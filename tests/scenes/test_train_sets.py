@@ -125,23 +125,55 @@ def test_a_coupler_pulls_until_it_breaks_and_nothing_else_pulls(tmp_path: Path) 
     assert 65e3 * (1.0 - 1e-9) < lost < 1.2 * 65e3
 
 
+def two_ends(high: dict[str, Any]) -> dict[str, Any]:
+    """The heavy right end of a car a, the light left end of a car b, and where both cars begin."""
+    low = {"mass": 1e9, "inertia": [1e9, 1e9, 1e9], "position": [-0.3, 0, 0]}
+    words = {"n": "1_2", "a": "a", "b": "b", "dimension": "plane"}
+    return {
+        "include": [
+            str(SHARED / "rail_plane.yaml"),
+            {"file": str(SHARED / "rail_interface.yaml"), "with": words},
+        ],
+        "bodies": {"a_right": low, "b_left": {"inertia": [1e9, 1e9, 1e9]} | high},
+        "surfaces": {
+            "b_left_shell": {"type": "box", "body": "b_left", "size": [0.6, 2.6, 0.5]},
+            "a_shell": {"type": "box", "at": [-6, 0, 0], "size": [10, 5, 4]},
+            "b_shell": {"type": "box", "at": [16, 0, 0], "size": [10, 5, 4]},
+        },
+        "loads": {},
+    }
+
+
+@pytest.mark.parametrize("higher", [0.0, 0.4])
+def test_an_end_that_is_higher_than_the_other_passes_it_and_meets_the_car(
+    tmp_path: Path, higher: float
+) -> None:
+    speed, mass = 10.0, 1e3
+    end = {"mass": mass, "position": [0.31, 0, higher], "velocity": [-speed, 0, 0]}
+    result = run(tmp_path, two_ends(end), 0.2, 1e-3)
+    plates = values(result, "rcforc.plates_1_2.normal").max()
+    car_of_a = values(result, "rcforc.under_1_2.normal")
+    if higher == 0.0:
+        # rebounds: of k_plate and c_plate
+        assert plates > 0.0 and car_of_a.max() == 0.0
+        assert values(result, "rbdout.b_left.velocity.x")[-1] > 0.0
+    else:
+        # the plate reaches 0.25 m up; the car of a begins 1 m behind it, and takes all of m v^2 / 2
+        assert plates == 0.0
+        assert not car_of_a[result.time < 0.1].any()
+        crush = -1.0 - values(result, "rbdout.b_left.position.x").min() + 0.3
+        # of the curve: 1.5 MN from 0.1 m on; the dashpot of 3e4 N s/m takes some of it
+        assert 0.0 < crush < np.sqrt(mass * speed**2 / 1.5e7)
+
+
 @pytest.mark.parametrize(("apart", "locks"), [(-0.001, True), (0.12, False)])
 def test_ribs_lock_beyond_their_play_while_ends_are_near(
     tmp_path: Path, apart: float, locks: bool
 ) -> None:
     # the right end rises past the left one, which is heavy; plates without friction
     speed, light, stiffness, play = 1.0, 1e3, 2e7, 0.13
-    low = {"mass": 1e9, "inertia": [1e9, 1e9, 1e9], "position": [-0.3, 0, 0]}
-    high = {"mass": light, "inertia": [1e9, 1e9, 1e9], "position": [0.3 + apart, 0, 0]}
-    words = {"n": "1_2", "a": "a", "b": "b", "dimension": "plane"}
-    scene = {
-        "include": [
-            str(SHARED / "rail_plane.yaml"),
-            {"file": str(SHARED / "rail_interface.yaml"), "with": words},
-        ],
-        "bodies": {"a_right": low, "b_left": high | {"velocity": [0, 0, speed]}},
-        "loads": {},
-    }
+    high = {"mass": light, "position": [0.3 + apart, 0, 0], "velocity": [0, 0, speed]}
+    scene = two_ends(high)
     numbers = (SHARED / "rail_numbers.yaml").read_text("utf-8")
     assert f"k_rib: {stiffness:.1e}".replace("e+0", "e+") in numbers
     result = run(tmp_path, scene, 0.15, 1e-3)

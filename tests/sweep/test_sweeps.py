@@ -32,7 +32,7 @@ pytestmark = pytest.mark.xdist_group("sweeps")
 
 def wait_for(folder: Path, number: int, cycles: int = 1) -> None:
     """Wait until a run has made some steps."""
-    until = time.monotonic() + 120.0
+    until = time.monotonic() + 600.0
     while (status(folder, number).get("cycle") or 0) < cycles:
         assert time.monotonic() < until, "the run never began"
         time.sleep(0.02)

@@ -21,6 +21,7 @@ from crashsolve.belts._wrap import (
     over_sphere,
     passing,
 )
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import BodyName, Card, SurfaceName, Vec3, quantity, word
 from crashsolve.foundation.columns import matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
@@ -138,7 +139,7 @@ def check_route(route: tuple[Fitting, ...]) -> None:
             )
 
 
-def route_columns(route: tuple[Fitting, ...], scene: Any) -> dict[str, Any]:
+def route_columns(route: tuple[Fitting, ...], scene: Scene) -> dict[str, Any]:
     """Columns of ROUTE but for what depends on lengths."""
     columns: dict[str, Any] = {c.name: np.zeros((MOST, max(c.size // MOST, 1))) for c in TABLES}
     for i, fitting in enumerate(route):
@@ -161,7 +162,7 @@ def route_columns(route: tuple[Fitting, ...], scene: Any) -> dict[str, Any]:
 TABLES = [c for c in ROUTE.columns if c.name not in ("segments", "shortest")]
 
 
-def _place_surface(columns: dict[str, Any], i: int, wrap: Wrap, scene: Any) -> None:
+def _place_surface(columns: dict[str, Any], i: int, wrap: Wrap, scene: Scene) -> None:
     """Writes: row i of columns."""
     module, card = scene.law("surfaces", wrap.surface)
     shape, field = module.__name__.rpartition(".")[2], f"route.{i}.wrap.surface"
@@ -178,7 +179,9 @@ def _place_surface(columns: dict[str, Any], i: int, wrap: Wrap, scene: Any) -> N
         raise scene.fail("is of cylinders alone; the way over others is the shortest", f"{field}")
 
 
-def _turn_about_cylinders(columns: dict[str, Any], route: tuple[Fitting, ...], scene: Any) -> None:
+def _turn_about_cylinders(
+    columns: dict[str, Any], route: tuple[Fitting, ...], scene: Scene
+) -> None:
     """Writes: sense and turned of columns."""
     for i in np.flatnonzero(columns["surface"].ravel() == CYLINDER):
         node, wrap = int(columns["node"][i, 0]), route[i].wrap
@@ -203,7 +206,7 @@ def _turn_about_cylinders(columns: dict[str, Any], route: tuple[Fitting, ...], s
             columns["turned"][i] = turned - sum(float(np.arccos(R / a)) for a in radii)
 
 
-def refuse_route(route: tuple[Fitting, ...], laid: Any, lengths: np.ndarray, scene: Any) -> None:
+def refuse_route(route: tuple[Fitting, ...], laid: Any, lengths: np.ndarray, scene: Scene) -> None:
     """What makes no route at the start is refused; `laid` has the columns LAID."""
     for i, fitting in enumerate(route):
         if fitting.wrap and laid["touches"][i] < 0:

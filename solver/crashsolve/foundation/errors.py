@@ -1,5 +1,6 @@
 """Errors a user may see, each with the exit code of the command that meets it."""
 
+import re
 from collections.abc import Iterable
 from enum import IntEnum
 from resource import RLIM_INFINITY, RLIMIT_AS, getrlimit
@@ -22,6 +23,16 @@ class CrashsolveError(Exception):
     """Any failure with a message for the user."""
 
     exit_code: int = ExitCode.INTERNAL
+
+
+# errors of a deck that are shown at once
+MOST = 200
+# a word of more letters is cut: a number, or a name
+_LONG = re.compile(r"[^\s'/]{101,}")
+
+
+def _cut(met: re.Match[str]) -> str:
+    return f"{met[0][:36]}... ({len(met[0])} letters)"
 
 
 class DeckError(CrashsolveError):
@@ -50,7 +61,7 @@ class DeckError(CrashsolveError):
         location = ":".join(str(part) for part in (self.file, self.line, self.column) if part)
         card = f"{self.card}: " if self.card else ""
         advice = f"; {self.advice}" if self.advice else ""
-        return printable(f"{location}: error: {card}{self.message}{advice}")
+        return printable(f"{location}: error: {card}" + _LONG.sub(_cut, f"{self.message}{advice}"))
 
 
 class DeckErrors(CrashsolveError):
@@ -63,7 +74,10 @@ class DeckErrors(CrashsolveError):
         super().__init__(self.errors)
 
     def __str__(self) -> str:
-        return "\n".join(str(error) for error in self.errors)
+        lines = [str(error) for error in self.errors[:MOST]]
+        if len(self.errors) > MOST:
+            lines.append(f"error: {len(self.errors) - MOST} more like these")
+        return "\n".join(lines)
 
 
 class SolverError(CrashsolveError):

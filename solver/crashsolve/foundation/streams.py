@@ -11,6 +11,9 @@ _UNPRINTABLE = re.compile(
     "[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]"
 )
 
+# why standard output was given up before there was a log that could say so
+lost: list[str] = []
+
 
 def printable(text: str) -> str:
     """One line of a text: what would move the cursor, colour it or begin a line is spelt out."""
@@ -59,5 +62,8 @@ def say(text: str = "") -> None:
         # in one piece: several threads may report
         sys.stdout.write(f"{text}\n")
         sys.stdout.flush()
-    except OSError:
+    except OSError as error:
         give_up(sys.stdout)
+        # a reader such as `head` has seen enough
+        if not isinstance(error, BrokenPipeError):
+            lost.append(error.strerror or str(error))

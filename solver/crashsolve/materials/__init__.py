@@ -13,6 +13,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.family import ANY, FIRST, Family
 from crashsolve.foundation.record import Record
 
@@ -28,13 +29,13 @@ class MaterialLaw(Protocol):
     LARGE_STRAIN: bool  # whether strain across the thickness is logarithmic, and stiffness grows
     DISSIPATES: bool  # whether some of the work on it is lost
 
-    def build(self, card: Any, scene: Any) -> dict[str, Any]:
+    def build(self, card: Any, scene: Scene) -> dict[str, Any]:
         """Columns of PARAMETERS."""
 
     def layer_rows(self, card: Any) -> int:
         """Rows of a layer of this card."""
 
-    def initial_layer(self, card: Any, scene: Any) -> np.ndarray:
+    def initial_layer(self, card: Any, scene: Scene) -> np.ndarray:
         """Their values at the start."""
 
     def stored(self, card: Any, layer: np.ndarray) -> np.ndarray:

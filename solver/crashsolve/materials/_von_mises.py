@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.foundation.kernels import inlined
 from crashsolve.foundation.record import Record, rows_of
 from crashsolve.materials import elastic
@@ -49,7 +50,7 @@ HEATED_FIBRE = FIBRE + Record("temperature  1  from 0 at the start to 1 at melti
 
 
 def build(
-    card: Any, scene: Any, kinematic: float, rated: bool, heating: float = 0.0
+    card: Any, scene: Scene, kinematic: float, rated: bool, heating: float = 0.0
 ) -> dict[str, Any]:
     """Columns of PARAMETERS; an equilibrium has no rate."""
     rated = rated and scene.deck.control.solution != "quasi_static"

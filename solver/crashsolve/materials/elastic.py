@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, quantity
 from crashsolve.foundation.kernels import inlined
 from crashsolve.foundation.point import LANES
@@ -37,7 +38,7 @@ SOLID = Record("stress  Pa  6  xx, yy, zz, xy, yz, zx")
 VON_MISES = LARGE_STRAIN = DISSIPATES = False
 
 
-def build(card: Elastic, scene: Any) -> dict[str, Any]:
+def build(card: Elastic, scene: Scene) -> dict[str, Any]:
     return {
         "young": card.young,
         "poisson": card.poisson,
@@ -52,7 +53,7 @@ def layer_rows(card: Elastic) -> int:
     return int(LAYER.SIZE)
 
 
-def initial_layer(card: Elastic, scene: Any) -> np.ndarray:
+def initial_layer(card: Elastic, scene: Scene) -> np.ndarray:
     return np.zeros(LAYER.SIZE)
 
 

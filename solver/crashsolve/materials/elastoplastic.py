@@ -16,6 +16,7 @@ from typing import Any, ClassVar
 import numpy as np
 from pydantic import model_validator
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import CurveName, quantity, word
 from crashsolve.foundation.curve import curve_line, curve_value
 from crashsolve.foundation.kernels import inlined
@@ -60,7 +61,7 @@ LARGE_STRAIN = SMOOTH = HEATS = False
 LINE_ROWS = 3
 
 
-def build(card: Elastoplastic, scene: Any) -> dict[str, Any]:
+def build(card: Elastoplastic, scene: Scene) -> dict[str, Any]:
     kinematic = card.kinematic * card.hardening
     return _von_mises.build(card, scene, kinematic, card.rate_D is not None) | {
         "yield_stress": card.yield_stress or 0.0,
@@ -77,7 +78,7 @@ def layer_rows(card: Elastoplastic) -> int:
     return int(LAYER.SIZE if moves else LAYER.alpha) + LINE_ROWS * (card.curve is not None)
 
 
-def initial_layer(card: Elastoplastic, scene: Any) -> np.ndarray:
+def initial_layer(card: Elastoplastic, scene: Scene) -> np.ndarray:
     found = np.zeros(layer_rows(card))
     if card.curve is not None:
         points = as_rows(scene.curve_points)

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.kernels import inlined
 from crashsolve.foundation.record import Record
@@ -55,7 +56,7 @@ LARGE_STRAIN = False
 MOLTEN = 1e-6
 
 
-def build(card: JohnsonCook, scene: Any) -> dict[str, Any]:
+def build(card: JohnsonCook, scene: Scene) -> dict[str, Any]:
     heated = card.heat_share / (card.density * card.melting_heat) if card.melting_heat else 0.0
     return _von_mises.build(card, scene, 0.0, card.rate > 0.0, heated) | {
         "yield_stress": card.yield_stress,
@@ -71,7 +72,7 @@ def layer_rows(card: JohnsonCook) -> int:
     return int(LAYER.alpha) + (card.melting_heat is not None)
 
 
-def initial_layer(card: JohnsonCook, scene: Any) -> np.ndarray:
+def initial_layer(card: JohnsonCook, scene: Scene) -> np.ndarray:
     return np.zeros(layer_rows(card))
 
 

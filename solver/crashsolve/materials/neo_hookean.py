@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.foundation.kernels import inlined
 from crashsolve.foundation.point import LANES
 from crashsolve.foundation.record import Record, rows_of
@@ -47,7 +48,7 @@ VON_MISES = DISSIPATES = False
 LARGE_STRAIN = True
 
 
-def build(card: NeoHookean, scene: Any) -> dict[str, Any]:
+def build(card: NeoHookean, scene: Scene) -> dict[str, Any]:
     return elastic.build(card, scene) | {"volumetric": card.volumetric}
 
 
@@ -55,7 +56,7 @@ def layer_rows(card: NeoHookean) -> int:
     return int(LAYER.SIZE)
 
 
-def initial_layer(card: NeoHookean, scene: Any) -> np.ndarray:
+def initial_layer(card: NeoHookean, scene: Scene) -> np.ndarray:
     return np.zeros(LAYER.SIZE)
 
 

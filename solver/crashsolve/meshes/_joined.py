@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.meshes._mesh import Mesh
 
 # what a node was before its mesh was divided
@@ -25,7 +26,7 @@ def joined(mesh: Mesh, factor: int) -> Mesh:
     return mesh
 
 
-def made_coarser(mesh: Mesh, card: Any, scene: Any) -> Mesh:
+def made_coarser(mesh: Mesh, card: Any, scene: Scene) -> Mesh:
     """The mesh of a card as its `joined` asks for; an error of the deck where it cannot be."""
     try:
         return joined(mesh, card.joined)

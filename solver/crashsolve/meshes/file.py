@@ -6,10 +6,11 @@ make nodes and elements there, or what cannot be understood, is refused with its
 """
 
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, FileName, SetName, quantity, word
 from crashsolve.foundation.mesh_files.reading import (
     OUTLINES,
@@ -39,7 +40,7 @@ class File(Card):
     )
 
 
-def build(card: File, scene: Any) -> Mesh:
+def build(card: File, scene: Scene) -> Mesh:
     path = Path(card.file)
     try:
         found = read_mesh_file(path)
@@ -65,7 +66,7 @@ def build(card: File, scene: Any) -> Mesh:
     return made_coarser(mesh, card, scene)
 
 
-def _wanted(found: MeshFile, card: File, scene: Any) -> np.ndarray:
+def _wanted(found: MeshFile, card: File, scene: Scene) -> np.ndarray:
     """Numbers of the elements wanted."""
     if not card.elements:
         own = np.arange(len(found.kinds))

@@ -3,10 +3,11 @@
 Consequence to test: the nodes are where the deck puts them.
 """
 
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, SetName, Vec3, quantity, word
 from crashsolve.meshes._joined import made_coarser
 from crashsolve.meshes._mesh import Mesh
@@ -22,7 +23,7 @@ class NodeSet(Card):
 class Listed(Card):
     """Nodes and elements one by one."""
 
-    nodes: tuple[Vec3, ...] = quantity("m", "places; numbered from 1")
+    nodes: tuple[Vec3, ...] = quantity("m", "positions; numbered from 1")
     quads: tuple[tuple[int, int, int, int], ...] = word(
         "four nodes each, counter-clockwise seen from outside; a triangle names its last one twice",
         ge=1,
@@ -38,7 +39,7 @@ class Listed(Card):
         return max(len(self.quads) // self.joined**2, 1)
 
 
-def build(card: Listed, scene: Any) -> Mesh:
+def build(card: Listed, scene: Scene) -> Mesh:
     points, quads = np.asarray(card.nodes, float), np.asarray(card.quads, np.int64) - 1
     if not quads.size:
         raise scene.fail("needs an element at least", "mesh.quads")

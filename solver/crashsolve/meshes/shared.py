@@ -4,10 +4,9 @@ Parts that name one mesh are joined at the nodes that they have in common, witho
 card. Consequence to test: a plate of two parts with equal data moves as the plate of one part.
 """
 
-from typing import Any
-
 from pydantic import model_validator
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, MeshName, SetName, Vec3, quantity, word
 from crashsolve.meshes._mesh import Mesh
 
@@ -29,6 +28,6 @@ class Shared(Card):
         return self
 
 
-def build(card: Shared, scene: Any) -> Mesh:
+def build(card: Shared, scene: Scene) -> Mesh:
     mesh: Mesh = scene.share(card)
     return mesh

@@ -12,12 +12,13 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.foundation.record import Record
 
 ATTACHED_NODE = Record("""
     node  index     the attached node
     body  index     what it is welded to
-    arm   m      3  place of the node from the mass centre, body axes
+    arm   m      3  position of the node from the mass centre, body axes
     rotation  1      4  unit quaternion, node to body
 """)
 # shares by which distances and velocities may differ and are still the same
@@ -26,7 +27,7 @@ SAME = 1e-9
 NOTHING = 1e-300
 
 
-def lump(body: int, attached_nodes: list[int], scene: Any) -> None:
+def lump(body: int, attached_nodes: list[int], scene: Scene) -> None:
     """Add mass and inertia of welded nodes to their body. Writes: scene.mass, J, r, v, offset."""
     some = [body, *attached_nodes]
     mass = scene.mass[some]
@@ -43,7 +44,7 @@ def lump(body: int, attached_nodes: list[int], scene: Any) -> None:
     scene.r[body], scene.mass[body], scene.J[body] = centre, mass.sum(), J.ravel()
 
 
-def lump_points(body: int, x: np.ndarray, mass: np.ndarray, J: np.ndarray, scene: Any) -> None:
+def lump_points(body: int, x: np.ndarray, mass: np.ndarray, J: np.ndarray, scene: Scene) -> None:
     """Add points (n, 3) of these masses and inertias about any axis to a body.
 
     Writes: scene.mass, J, r, v, offset.
@@ -63,14 +64,14 @@ def lump_points(body: int, x: np.ndarray, mass: np.ndarray, J: np.ndarray, scene
     scene.r[body], scene.mass[body], scene.J[body] = centre, total, moments.ravel()
 
 
-def inconsistency(body: int, attached_node: int, scene: Any) -> float:
+def inconsistency(body: int, attached_node: int, scene: Scene) -> float:
     """Difference of the velocities of a node and of its position on the body [m/s]."""
     arm = scene.r[attached_node] - scene.r[body]
     apart = scene.v[attached_node] - scene.v[body] - np.cross(scene.w[body], arm)
     return float(np.linalg.norm(apart))
 
 
-def table(scene: Any) -> np.ndarray:
+def table(scene: Scene) -> np.ndarray:
     """The attached nodes (n,) as kernels read them."""
     rows = np.zeros(len(scene.welded), ATTACHED_NODE.dtype)
     for row, (node, body) in zip(rows, scene.welded.items(), strict=True):
@@ -95,7 +96,7 @@ def _between(p: np.ndarray, q: np.ndarray) -> np.ndarray:
 
 
 def check_reach(
-    weld: Any, meshed: Any, points: np.ndarray, gaps: np.ndarray, field: str, scene: Any
+    weld: Any, meshed: Any, points: np.ndarray, gaps: np.ndarray, field: str, scene: Scene
 ) -> None:
     """No node may be welded to one that is farther away than `within`.
 
@@ -118,7 +119,7 @@ def check_reach(
         raise scene.fail(f"{message}; {advice}", field)
 
 
-def check_attached(meshed: Any, points: np.ndarray, body: int, field: str, scene: Any) -> None:
+def check_attached(meshed: Any, points: np.ndarray, body: int, field: str, scene: Scene) -> None:
     """The points must begin with the motion of their positions on the body."""
     arm = meshed.mesh.points[points] - scene.r[body]
     there = scene.v[body] + np.cross(scene.w[body], arm)

@@ -13,7 +13,6 @@ from crashsolve.foundation.curve import pack
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.foundation.point import ATTACHED, BLOCK_SUM, HOLD, blocks_of
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.sparse.saddle import plan
 from crashsolve.model import attachments
 from crashsolve.model.checks import methods
 from crashsolve.model.checks.finite import BEYOND_NUMBERS, of_model, refuse_beyond
@@ -35,6 +34,7 @@ from crashsolve.model.elements import (
     tables_of_elements,
 )
 from crashsolve.model.force_columns import FORCE_HISTORY, FORCE_OUTPUT, history_of_force
+from crashsolve.model.hubs import plan_of
 from crashsolve.model.implicit.assembly import embody
 from crashsolve.model.integrator_selection import Choice, by_default, choose, resolve
 from crashsolve.model.ledger import ENTRIES
@@ -93,7 +93,7 @@ def _build(deck: Deck) -> tuple[Model, State]:
     refuse_motion(deck, groups)
     scene.warnings += gyration_warnings(scene, groups, joints) + step_warnings(deck)
 
-    saddle = plan([j.rows for j in joints], [j.nodes for j in joints])
+    saddle = plan_of(joints, scene.mass)
     model = Model(
         title=deck.title,
         bodies=scene.names,
@@ -196,7 +196,7 @@ def _build_curves(deck: Deck, scene: Scene) -> np.ndarray:
     for name, entry in deck.entries["hinges"].items():
         with scene.building(entry):
             own = _module(entry).curves(entry.card, built, scene)
-            scene.backbones[id(entry.card)] = own
+            scene.backbones[name] = own
             for field, backbone in own.items():
                 # no curve of a deck has a point in its name
                 backbone.name = f"{name}.{field}"

@@ -6,11 +6,10 @@ with a kink has the pieces around it bent sharply. Consequence to test: the impu
 of straight lines is exact, whatever the step.
 """
 
-from typing import Any
-
 import numpy as np
 
 from crashsolve.foundation.curve import HOLD
+from crashsolve.model.model import Model
 
 # a jump of the slope above this share of the largest is no round-off of the points
 SHARP = 1e-9
@@ -19,13 +18,13 @@ SHARP = 1e-9
 BENT = 0.01
 
 
-def corners_in_time(model: Any) -> np.ndarray:
+def corners_in_time(model: Model) -> np.ndarray:
     """Times [s] of the corners of all curves of time, in order."""
     found = [corners(model.curves, first) for first in sorted(curves_of_time(model))]
     return np.unique(np.concatenate([np.zeros(0), *found]))
 
 
-def curves_of_time(model: Any) -> set[int]:
+def curves_of_time(model: Model) -> set[int]:
     """First points of the curves that laws read at the present time."""
     return {
         int(first)

@@ -11,11 +11,12 @@ frequency of the samples as well.
 """
 
 from math import pi
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from crashsolve.model.corners import curves_of_time
+from crashsolve.model.model import Model
 
 # steps in a period, and what a step may miss of the range of a curve
 PER_PERIOD, NOTHING = 40, 1e-8
@@ -34,7 +35,7 @@ class _Pieces(NamedTuple):
     range: float
 
 
-def steps_by_curves(model: Any) -> tuple[np.ndarray, np.ndarray]:
+def steps_by_curves(model: Model) -> tuple[np.ndarray, np.ndarray]:
     """Times [s] (n,) from which a step [s] (n,) is the longest that sees all curves of time."""
     found = [_steps(model.curves, first) for first in sorted(curves_of_time(model))]
     found = [(x, h) for x, h in found if np.isfinite(h).any()]
@@ -45,7 +46,7 @@ def steps_by_curves(model: Any) -> tuple[np.ndarray, np.ndarray]:
     return _merged(starts, np.min(each, axis=0))
 
 
-def unseen(model: Any) -> dict[str, tuple[float, float]]:
+def unseen(model: Model) -> dict[str, tuple[float, float]]:
     """Curves that a stated step hardly sees: its share of the step they need, and when [s]."""
     control, found = model.control[0], {}
     step, names = float(control["fixed_step"]), {k: name for name, k in model.curve_names.items()}
@@ -59,7 +60,7 @@ def unseen(model: Any) -> dict[str, tuple[float, float]]:
     return found
 
 
-def warn_of_unseen(model: Any) -> list[str]:
+def warn_of_unseen(model: Model) -> list[str]:
     """Curves of time of which a stated step takes too few points."""
     return [
         f"control.step takes {PER_PERIOD / share:.2g} points of a period of curve '{name}', from "

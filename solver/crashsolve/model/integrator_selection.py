@@ -28,6 +28,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from crashsolve.foundation.rows import as_rows
+from crashsolve.model.model import Group, Model, State
 
 # so many stable explicit steps in the time of a crossing cost more than implicit ones
 STIFF = 1000.0
@@ -43,7 +44,7 @@ class Choice(NamedTuple):
     reason: str
 
 
-def _of_rattle_alone(model: Any, stepwise: list[str]) -> Choice | None:
+def _of_rattle_alone(model: Model, stepwise: list[str]) -> Choice | None:
     """The choice of rattle where no other method serves; None where one does."""
     if stepwise:
         return Choice("rattle", f"'{stepwise[0]}' counts in whole steps")
@@ -54,7 +55,7 @@ def _of_rattle_alone(model: Any, stepwise: list[str]) -> Choice | None:
     return None
 
 
-def choose(model: Any, state: Any, stepwise: list[str], tolerance: float) -> Choice:
+def choose(model: Model, state: State, stepwise: list[str], tolerance: float) -> Choice:
     """The integrator for a deck whose control says auto."""
     if needs_rattle := _of_rattle_alone(model, stepwise):
         return needs_rattle
@@ -76,7 +77,7 @@ def choose(model: Any, state: Any, stepwise: list[str], tolerance: float) -> Cho
     return Choice("dormand_prince_8", f"smooth, not stiff, tolerance {tolerance:g}")
 
 
-def by_default(model: Any, stepwise: list[str]) -> Choice:
+def by_default(model: Model, stepwise: list[str]) -> Choice:
     """The integrator for a deck that says nothing of it."""
     if needs_rattle := _of_rattle_alone(model, stepwise):
         return needs_rattle
@@ -100,14 +101,14 @@ def resolve(control: np.ndarray) -> None:
     c["step_max"] = min(c["step_max"], (c["end"] - c["start"]) / LEAST_STEPS or 1.0)
 
 
-def settled(deck: Any, model: Any) -> Any:
+def settled(deck: Any, model: Model) -> Any:
     """The deck with the method of its model: runs beside this one must not choose anew."""
     resolves = bool(model.control[0]["resolves"])
     chosen = {"integrator": model.integrator, "resolve": resolves}
     return replace(deck, control=deck.control.model_copy(update=chosen))
 
 
-def has_corners(model: Any) -> bool:
+def has_corners(model: Model) -> bool:
     """Whether a law has several branches, or a curve a corner, whoever reads it."""
     if any(_has_branches(group) for group in model.branching_groups()):
         return True
@@ -122,14 +123,14 @@ def has_corners(model: Any) -> bool:
     return False
 
 
-def _has_branches(group: Any) -> bool:
+def _has_branches(group: Group) -> bool:
     """Whether a law goes over to another branch: at yield, at a stop, or where it turns back."""
     p = group.parameters
     # of a curve that is followed both ways the corners are those of its points
-    return "loose" not in p.dtype.names or bool((p["loose"] != 0).any())
+    return "loose" not in (p.dtype.names or ()) or bool((p["loose"] != 0).any())
 
 
-def times(model: Any, state: Any) -> tuple[float, float]:
+def times(model: Model, state: State) -> tuple[float, float]:
     """Time in which the fastest body crosses the model, at most step_max, and stable step [s].
 
     Forces are those of the initial state, evaluated once as plain Python; 0 where nothing is stiff.
@@ -158,7 +159,7 @@ def _world_tensors(nodes: Any) -> np.ndarray:
     return np.einsum("nij,njk,nlk->nil", A, J_inv, A).reshape(-1, 9)
 
 
-def _evaluate(group: Any, state: Any, model: Any, nodes: Any) -> None:
+def _evaluate(group: Group, state: State, model: Model, nodes: Any) -> None:
     """Forces and stiffness of one group, on copies of what it would write. Writes: nodes."""
     force = group.module.force
     old, new = as_rows(group.history.copy())

@@ -52,7 +52,9 @@ class Scene:
         self.stepwise: list[str] = []  # laws that count in whole steps
         self.methods: list[str] = []  # integrators of all families; empty for any
         self.joints: dict[str, Any] = {}
-        self.backbones: dict[int, Any] = {}  # of hinges, by the id of their cards
+        # of hinges, by their names and fields
+        self.backbones: dict[str, dict[str, Any]] = {}
+        self.under_way = ""  # name of the entry that is being built
         self.surfaces: dict[str, Any] = {}
         self.names = ["ground", *deck.entries["bodies"]]
         self.part_nodes: dict[str, list[int]] = {}  # of each part
@@ -194,16 +196,23 @@ class Scene:
     @contextmanager
     def building(self, entry: Entry) -> Iterator[None]:
         """Collect the problems of one card, with its position in the deck."""
+        before, self.under_way = self.under_way, entry.name
         try:
             yield
         except CardProblem as problem:
             self.errors.append(self.deck.error(entry, problem.field, str(problem)))
         except BEYOND_NUMBERS:
             self.errors.append(self.deck.error(entry, None, *BEYOND))
+        finally:
+            self.under_way = before
 
     def raise_errors(self) -> None:
         if self.errors:
             raise DeckErrors(self.errors)
+
+    def own_backbones(self) -> dict[str, Any]:
+        """Backbones of the hinge that is being built, by the fields that name their curves."""
+        return self.backbones[self.under_way]
 
     def fail(self, message: str, field: str | None = None) -> CardProblem:
         """The exception for a card that cannot be built: `raise scene.fail(...)`."""

@@ -8,7 +8,7 @@ from collections import Counter
 from pathlib import Path
 from typing import TextIO
 
-from crashsolve.foundation.streams import give_up, printable
+from crashsolve.foundation.streams import give_up, lost, printable
 from crashsolve.output.files import reported
 
 NORMAL = "N o r m a l    t e r m i n a t i o n"
@@ -36,6 +36,8 @@ class Log:
         self._cycles = 0
         with reported(self.path):
             self._file = self.path.open("a" if append else "w", encoding="utf-8")
+        while lost:
+            self._warn_of_loss(lost.pop())
 
     def line(self, text: str = "") -> None:
         """Write one line, at once visible in the file; no text makes it two, or moves a cursor."""
@@ -159,7 +161,10 @@ class Log:
                 give_up(stream)
                 # a reader such as `head` has seen enough
                 if not isinstance(error, BrokenPipeError):
-                    self.warning(f"standard output: {reason}; from here on only {self.path.name}")
+                    self._warn_of_loss(str(reason))
+
+    def _warn_of_loss(self, reason: str) -> None:
+        self.warning(f"standard output: {reason}; from here on only {self.path.name}")
 
 
 def _clock(seconds: float | None) -> str:

@@ -49,6 +49,7 @@ class EventStates:
         # phases hand on more than a State
         is_plain = type(engine) is Engine and size_of(engine) < MOST_BYTES
         self._watches, self._is_begun = wanted and is_plain, False
+        self._before: Snapshot | None = None
         # of every event: the copy before it, and the times before and after it [s]
         self._found: dict[str, tuple[Snapshot, float, float]] = {}
 
@@ -62,7 +63,7 @@ class EventStates:
         """A state has been written at the present sample: whether an event lies before it."""
         if not self._watches:
             return
-        if not self._is_begun:
+        if not self._is_begun or self._before is None:
             return self.begin()
         now, end = self._look(), float(self.engine.clock["sampled"])
         for name, value in now.items():
@@ -112,7 +113,8 @@ class EventStates:
 
     def _mark(self) -> None:
         # one that an event keeps is not overwritten
-        self._before = Snapshot(self.engine)
+        if self._before is None or any(kept is self._before for kept, _, _ in self._found.values()):
+            self._before = Snapshot(self.engine)
         self._before.take()
         self._begun = float(self.engine.clock["sampled"])
 

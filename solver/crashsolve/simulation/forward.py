@@ -1,15 +1,52 @@
 """From sample to sample until the end of a Run (solve.py), in blocks where none needs Python."""
 
 import time
-from typing import Any
+from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
+from crashsolve.deck.reading.deck import Deck
+from crashsolve.output.states import StateWriter
+from crashsolve.recording.between import Between
+from crashsolve.recording.histories import Histories
 from crashsolve.recording.marching import MOST
+from crashsolve.recording.recorder import Recorder
+from crashsolve.recording.sampling import Schedule
+from crashsolve.simulation.event_states import EventStates
+from crashsolve.simulation.heartbeat import Pulse
 from crashsolve.simulation.phases import ContactPhases
+from crashsolve.simulation.progress import Account
+from crashsolve.simulation.requests import Requests
+from crashsolve.system.engine import Engine
 
 
-def march(run: Any) -> None:
+class Run(Protocol):
+    """What marching asks of a run."""
+
+    deck: Deck
+    engine: Engine
+    folder: Path
+    schedule: Schedule
+    histories: Histories
+    between: Between
+    recorder: Recorder
+    events: EventStates
+    states: StateWriter
+    account: Account
+    pulse: Pulse
+    requests: Requests
+    cpu: dict[str, float]
+    sampled: float  # time of the last sample [s]
+    log_step: float
+    state_step: float
+    restart_step: float | None
+
+    def write(self, now: float, force: bool) -> None: ...
+    def obey(self) -> None: ...
+
+
+def march(run: Run) -> None:
     """Advance from sample to sample until the end."""
     end = run.schedule.end
     run.pulse.does("one step")
@@ -33,7 +70,7 @@ def march(run: Any) -> None:
     _write_events(run)
 
 
-def _write_events(run: Any) -> None:
+def _write_events(run: Run) -> None:
     """States at events, which the run must meet once more."""
     begun = time.process_time()
     run.recorder.flush()
@@ -41,12 +78,12 @@ def _write_events(run: Any) -> None:
     run.cpu["output"] += time.process_time() - begun
 
 
-def _is_asked(run: Any) -> bool:
+def _is_asked(run: Run) -> bool:
     run.requests.read()
     return bool(run.requests.words)
 
 
-def _march_through(run: Any, times: np.ndarray) -> int:
+def _march_through(run: Run, times: np.ndarray) -> int:
     """Samples at times [s] in compiled code; how many are done, the last one written."""
     # no run has children while it marches: their times need not be asked for
     begun = time.process_time()
@@ -68,7 +105,7 @@ def _march_through(run: Any, times: np.ndarray) -> int:
     return count
 
 
-def _go_to(run: Any, target: float) -> float:
+def _go_to(run: Run, target: float) -> float:
     """Advance to one sample and take it; its time, which may be another of an equilibrium."""
     begun = time.process_time()
     try:
@@ -88,7 +125,7 @@ def _go_to(run: Any, target: float) -> float:
     return target
 
 
-def _after(run: Any, now: float) -> None:
+def _after(run: Run, now: float) -> None:
     """What follows a sample, the last of those taken."""
     run.account.keep_alive()
     run.write(now, force=now == run.schedule.end or run.engine.is_complete)
@@ -96,7 +133,7 @@ def _after(run: Any, now: float) -> None:
     run.obey()
 
 
-def _times_ahead(run: Any, k: int) -> np.ndarray:
+def _times_ahead(run: Run, k: int) -> np.ndarray:
     """Times [s] of the samples after sample k, up to the first at which more is due."""
     times = run.schedule.times(k + 1, MOST)
     begun = run.deck.control.start_time

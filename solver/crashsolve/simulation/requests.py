@@ -8,6 +8,7 @@ nohup goes on when its terminal closes.
 import signal
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -62,20 +63,27 @@ class Requests:
         signal.signal(signal.SIGCONT, signal.SIG_IGN)
 
     def read(self) -> None:
-        """Take up the words of control.txt and remove it; what is no plain file is left alone."""
+        """Take up the words of control.txt and remove it; what is no plain file is left alone.
+
+        So is an empty one: whoever writes it may have come no further than to open it.
+        """
         now = time.monotonic()
         if now < self._due:
             return
         self._due = now + LOOK
         if not self._path.exists():
             return
-        with reported(self._path):
+        words: set[str] = set()
+        # who has written it may take it back at any moment
+        with reported(self._path), suppress(FileNotFoundError):
             text = read_plain(self._path, MOST_CONTROL)
             if text is None:
                 self._log.warning("control.txt is no plain file and is passed over")
                 return
+            if not text.strip():
+                return
+            words = set(text.split())
             self._path.unlink()
-        words = set(text.split())
         self.words |= words & WORDS
         for word in sorted(words - WORDS):
             known = "dump, states, stop"

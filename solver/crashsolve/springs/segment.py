@@ -28,6 +28,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import MaterialName, SectionName, Vec3, quantity, word
 from crashsolve.elements.beams.corotational import (
     half_angle_over_sine,
@@ -123,7 +124,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Segment, scene: Any) -> dict[str, Any]:
+def build(card: Segment, scene: Scene) -> dict[str, Any]:
     section, material, moduli = _laws(card, scene)
     ends, T = _ends(card, scene), _triad(card, scene)
     a, b = ends["node_a"], ends["node_b"]
@@ -159,7 +160,7 @@ def build(card: Segment, scene: Any) -> dict[str, Any]:
     }
 
 
-def _ends(card: Segment, scene: Any) -> dict[str, Any]:
+def _ends(card: Segment, scene: Scene) -> dict[str, Any]:
     """Both sides of the cut, which must be in one position at the start."""
     ends: dict[str, Any] = scene.attachments(card)
     if (apart := scene.distance(ends)) > CLOSE_ENOUGH * card.length:
@@ -168,7 +169,7 @@ def _ends(card: Segment, scene: Any) -> dict[str, Any]:
     return ends
 
 
-def _laws(card: Segment, scene: Any) -> tuple[dict[str, Any], dict[str, Any], tuple[float, ...]]:
+def _laws(card: Segment, scene: Scene) -> tuple[dict[str, Any], dict[str, Any], tuple[float, ...]]:
     """Constants of section and material, and A, Z_y, Z_z."""
     law, material_card = scene.law("materials", card.material)
     kind = law.__name__.rpartition(".")[2]
@@ -190,7 +191,7 @@ def _laws(card: Segment, scene: Any) -> tuple[dict[str, Any], dict[str, Any], tu
     return section, material, (section["area"], Z_y, Z_z)
 
 
-def _triad(card: Segment, scene: Any) -> np.ndarray:
+def _triad(card: Segment, scene: Scene) -> np.ndarray:
     """Axes of the beam as columns, in the frame of a."""
     axis, side = scene.unit(card.axis, "axis"), scene.unit(card.side, "side")
     across = side - axis * float(axis @ side)

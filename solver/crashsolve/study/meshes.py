@@ -86,12 +86,12 @@ def _joined(deck: Deck, factor: int) -> dict[str, str]:
     """Overrides that join elements of listed meshes and of files. Raises ValueError likewise."""
     found = {}
     for name in undivided(deck):
-        mesh = _mesh_of(deck.entries["parts"][name].card)
+        path, mesh = _mesh_of(deck, deck.entries["parts"][name])
         if not hasattr(mesh, "joined"):
             raise ValueError(f"{name} has a mesh that cannot be made coarser")
         if mesh.joined * factor > MOST_JOINED:
             raise ValueError(f"elements of {name} are joined by {mesh.joined} already")
-        found[f"parts.{name}.mesh.joined"] = str(mesh.joined * factor)
+        found[f"{path}.joined"] = str(mesh.joined * factor)
     return found
 
 

@@ -17,7 +17,7 @@ from crashsolve.model.implicit.compliance import (
     tangent_contacts,
     tangent_groups,
 )
-from crashsolve.model.model import Group, Model
+from crashsolve.model.model import Group, Model, State
 from crashsolve.system.contact.effective_mass import weighed_groups
 from crashsolve.threads.sharing import shared_arrays
 
@@ -132,7 +132,7 @@ def samples_within_steps(model: Model) -> bool:
     return hasattr(method(model), "DENSE") and not model.contact_groups
 
 
-def group_arrays(model: Model, state: Any) -> dict[str, np.ndarray]:
+def group_arrays(model: Model, state: State) -> dict[str, np.ndarray]:
     """Arrays of all groups by their name in the composed module."""
     arrays: dict[str, np.ndarray] = {}
     groups: list[Any] = [*model.groups, *model.contact_groups, *model.nodal_groups]

@@ -9,6 +9,7 @@ import numpy as np
 from crashsolve.foundation.record import Record
 from crashsolve.model.clock import CLOCK
 from crashsolve.model.elements import line_up
+from crashsolve.model.model import Model
 from crashsolve.threads.worker import HOME, LINE, QUEUES, ROUND
 
 JOB = Record("""
@@ -22,7 +23,7 @@ JOB = Record("""
 """)
 
 
-def shared_arrays(model: Any) -> dict[str, Any]:
+def shared_arrays(model: Model) -> dict[str, Any]:
     """What the threads notify each other, and the pieces."""
     job = np.zeros(1, JOB.dtype)
     job["threads"] = model.threads
@@ -37,7 +38,7 @@ def shared_arrays(model: Any) -> dict[str, Any]:
     return shared
 
 
-def own_arrays(model: Any) -> list[dict[str, Any]]:
+def own_arrays(model: Model) -> list[dict[str, Any]]:
     """What threads other than the first must not share with it, for each of them.
 
     Number, clock, room for a block of elements, and for the area on which a pair presses.

@@ -153,7 +153,7 @@ class Scene(Card):
     show: tuple[str, ...] = word("names of bodies and parts, with globs; all when absent", ())
     color: str = word("field of the states such as plastic_strain; by body when empty", "")
     arrows: str = word("rcforc, rcforc.CONTACT or velocity; none when empty", "")
-    follow: str = word("body or part that stays in place", "")
+    follow: str = word("body or part that the camera follows", "")
     magnify: float = quantity(
         "1",
         "small displacements are drawn this many times as large, and the picture says so",

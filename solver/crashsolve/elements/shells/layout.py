@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.elements.damping import IMPLICIT, heavier, report_added
 from crashsolve.elements.shells import outputs
 from crashsolve.elements.shells.cards import MOTIONS, ShellCard
@@ -41,7 +42,7 @@ POINTS = {"reduced": 1, "fully_integrated": 4, "triangles": 1}
 class DiscretisedShell:
     """A shell part in place: its mesh, with the masses of its nodes."""
 
-    def __init__(self, card: ShellCard, scene: Any) -> None:
+    def __init__(self, card: ShellCard, scene: Scene) -> None:
         self.law, self.material = scene.law("materials", card.material)
         self.card = card
         self.layer_rows = self.law.layer_rows(self.material)
@@ -97,7 +98,7 @@ class DiscretisedShell:
         squared: np.ndarray = (self.area + self.card.thickness**2) / 12.0
         return squared
 
-    def _refuse_explicit(self, scene: Any) -> None:
+    def _refuse_explicit(self, scene: Scene) -> None:
         """What only explicit steps can do yet."""
         control = scene.deck.control
         method = f"integrator {control.integrator}"
@@ -115,7 +116,7 @@ class DiscretisedShell:
                 message = f"{words} is for explicit steps, and {method} takes none"
                 raise scene.fail(f"{message}; say integrator: rattle", field)
 
-    def _refuse_bad(self, x: np.ndarray, normal: np.ndarray, scene: Any) -> None:
+    def _refuse_bad(self, x: np.ndarray, normal: np.ndarray, scene: Scene) -> None:
         """Every corner of an element must turn the same way."""
         for k in range(4):
             here = np.cross(x[:, (k + 1) % 4] - x[:, k], x[:, (k + 3) % 4] - x[:, k])
@@ -131,7 +132,7 @@ class DiscretisedShell:
                 )
                 raise scene.fail(message, "mesh")
 
-    def _heavier(self, scene: Any) -> np.ndarray:
+    def _heavier(self, scene: Scene) -> np.ndarray:
         """Factors of the masses of the elements."""
         if self.card.mass_scaling is None:
             return np.broadcast_to(1.0, self.area.shape)
@@ -159,7 +160,7 @@ class DiscretisedShell:
         hourglass = (float(skew[0]), float(skew[1]))
         return float(quad_bound(flat, hourglass, float(z), *size, light, law.poisson))
 
-    def _held(self, scene: Any) -> np.ndarray:
+    def _held(self, scene: Scene) -> np.ndarray:
         """Bits of the motions that every node does not make."""
         held = np.zeros(len(self.mesh.points), np.uint8)
         for k, hold in enumerate(self.card.supports):
@@ -182,7 +183,7 @@ class DiscretisedShell:
             held[own] = ATTACHED
         return held
 
-    def set_of(self, name: str, field: str, scene: Any) -> np.ndarray:
+    def set_of(self, name: str, field: str, scene: Scene) -> np.ndarray:
         """Numbers (n,) of a set of nodes; an error of the deck where there is none such."""
         if name not in self.mesh.sets:
             known = ", ".join(sorted(self.mesh.sets)) or "none"
@@ -193,7 +194,7 @@ class DiscretisedShell:
             raise scene.fail(f"{message}; name another, or leave it out", field)
         return own
 
-    def _motion(self, scene: Any) -> tuple[np.ndarray, np.ndarray]:
+    def _motion(self, scene: Scene) -> tuple[np.ndarray, np.ndarray]:
         """Velocities [m/s] and angular velocities [rad/s] of the nodes before any blow."""
         origin = self.mesh.points[0] if self.mesh.origin is None else self.mesh.origin
         arm = self.mesh.points - origin
@@ -218,7 +219,7 @@ class DiscretisedShell:
         return self.velocity + self.momentum / self.mass[:, None]
 
     def _momentum(
-        self, x: np.ndarray, normal: np.ndarray, share: np.ndarray, scene: Any
+        self, x: np.ndarray, normal: np.ndarray, share: np.ndarray, scene: Scene
     ) -> np.ndarray:
         """Momenta of the nodes from those of the elements that are hit [N s]."""
         if not self.card.impulses:
@@ -252,7 +253,7 @@ class DiscretisedShell:
         both = [(slice(0, n), self.points), (slice(n, m), 1)]
         return [(own, points) for own, points in both if own.stop > own.start]
 
-    def write_blocks(self, numbers: np.ndarray, scene: Any) -> None:
+    def write_blocks(self, numbers: np.ndarray, scene: Scene) -> None:
         """Numbers of the elements, block by block; the last is filled up. Writes: numbers."""
         start = 0
         values = [np.full(len(self.area), self.card.thickness), *self._shape().T]

@@ -24,13 +24,15 @@ BEYOND = ("its numbers are too large or too small to reckon with", "look at powe
 WORDS = "a length a run can reckon with; look at powers and units"
 # of a model: the fourth power of more is beyond a machine, and that of a stiffness with it [m]
 LONGEST = 1e40
+# of velocities that a deck starts with [m/s, rad/s]: light has 3e8 m/s
+FASTEST = 1e12
 # what they raise in Python and in its libraries
 BEYOND_NUMBERS = (ArithmeticError, np.linalg.LinAlgError)
 
 
 def refuse_beyond(deck: Deck, model: Model, state: State) -> None:
     """Raise DeckErrors naming the cards whose numbers came out as none."""
-    found = list(_too_long(deck))
+    found = [*_too_long(deck), *_too_fast(deck)]
     for group in model.groups:
         entries = deck.entries[group.keyword]
         for i in _rows_without_numbers(group.parameters):
@@ -50,24 +52,43 @@ def refuse_beyond(deck: Deck, model: Model, state: State) -> None:
         raise DeckErrors({str(error): error for error in found}.values())
 
 
-def _lengths(value: Any, unit: str) -> Iterator[float]:
-    """Lengths among the values of a field [m]; infinity may be meant."""
-    if unit == "m" and isinstance(value, float | int) and math.isfinite(value):
+def _sizes(value: Any) -> Iterator[float]:
+    """Magnitudes of the numbers of a field; infinity may be meant."""
+    if isinstance(value, float | int) and math.isfinite(value):
         yield abs(value)
-    elif unit == "m" and isinstance(value, tuple | list):
+    elif isinstance(value, tuple | list):
         for one in value:
-            yield from _lengths(one, unit)
+            yield from _sizes(one)
 
 
-def _too_long(deck: Deck) -> Iterator[DeckError]:
-    """Cards with a length whose powers no machine holds."""
+def _larger(deck: Deck, units: tuple[str, ...], most: float) -> Iterator[tuple[Any, str, str]]:
+    """Cards, fields and units of numbers in these units that are larger than `most`."""
     for entries in deck.entries.values():
         for entry in entries.values():
             kind: type[BaseModel] = type(entry.card)
             for name in kind.model_fields:
                 unit = declared(kind, name).unit
-                if max(_lengths(getattr(entry.card, name), unit), default=0.0) > LONGEST:
-                    yield deck.error(entry, name, f"is a length of more than {LONGEST:g} m", WORDS)
+                if unit in units and max(_sizes(getattr(entry.card, name)), default=0.0) > most:
+                    yield entry, name, unit
+
+
+def _too_long(deck: Deck) -> Iterator[DeckError]:
+    """Cards with a length whose powers no machine holds."""
+    for entry, name, _ in _larger(deck, ("m",), LONGEST):
+        yield deck.error(entry, name, f"is a length of more than {LONGEST:g} m", WORDS)
+
+
+def _too_fast(deck: Deck) -> Iterator[DeckError]:
+    """Cards with velocities at which nothing moves: a run would only stop in its first step.
+
+    Rates that laws refer to may be as large as they like.
+    """
+    for entry, name, unit in _larger(deck, ("m/s", "rad/s"), FASTEST):
+        if name.endswith("velocity"):
+            message = f"is more than {FASTEST:g} {unit}"
+            yield deck.error(
+                entry, name, message, "a velocity of mechanics; look at powers and units"
+            )
 
 
 def of_model(deck: Deck, what: str = "the model") -> DeckError:

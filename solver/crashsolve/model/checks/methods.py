@@ -6,12 +6,14 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card
 from crashsolve.deck.family import ANY, CHOSEN, Family, FamilyError, families
 from crashsolve.foundation.errors import DeckErrors
+from crashsolve.model.model import Model
 
 
-def refuse_methods(scene: Any) -> None:
+def refuse_methods(scene: Scene) -> None:
     """Families that the integrator of the deck cannot step. Writes: scene.errors, methods."""
     limited_families = {f.folder: f for f in families().values() if f.integrators != ANY}
     kinds = scene.deck.entries.values() if limited_families else ()
@@ -22,7 +24,7 @@ def refuse_methods(scene: Any) -> None:
                     _refuse_method(scene, limited_families[folder])
 
 
-def _refuse_method(scene: Any, family: Family) -> None:
+def _refuse_method(scene: Scene, family: Family) -> None:
     method, known = scene.deck.control.integrator, " or ".join(family.integrators)
     if method not in CHOSEN and not family.supports(method):
         message = f"{family.name} cannot be stepped by {method}"
@@ -43,7 +45,7 @@ def _folders(card: Any) -> Iterator[str]:
                 yield from _folders(part)
 
 
-def refuse_several(model: Any, deck: Any) -> None:
+def refuse_several(model: Model, deck: Any) -> None:
     """Raises DeckErrors for springs among several bodies beside what has blocks of its nodes.
 
     The matrix of all nodes has no blocks for the parts of one row.

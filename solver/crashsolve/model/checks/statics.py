@@ -7,22 +7,23 @@ import numpy as np
 
 from crashsolve.deck.family import families
 from crashsolve.foundation.errors import DeckErrors
+from crashsolve.model.model import Group
 
 # what every law of force keeps of a step
 KEPT = {"dissipated", "power", "unused"}
 
 
-def is_incremental(groups: list[Any]) -> bool:
+def is_incremental(groups: list[Group]) -> bool:
     """Whether there are path-dependent parts: steps from rest take them along it."""
     return any(g.keyword == "parts" and getattr(g.module, "STEPWISE", False) for g in groups)
 
 
-def follows_load_steps(group: Any) -> bool:
+def follows_load_steps(group: Group) -> bool:
     """Whether load steps, which have no length, take these path-dependent laws along their path."""
     return "at_rest" in (group.parameters.dtype.names or ())
 
 
-def refuse_motion(deck: Any, groups: list[Any]) -> None:
+def refuse_motion(deck: Any, groups: list[Group]) -> None:
     """Raises DeckErrors for the cards whose laws need the course of time."""
     if deck.control.solution != "quasi_static":
         return
@@ -36,7 +37,7 @@ def refuse_motion(deck: Any, groups: list[Any]) -> None:
         raise DeckErrors(found)
 
 
-def _off_paths(deck: Any, groups: list[Any]) -> Iterator[tuple[Any, str]]:
+def _off_paths(deck: Any, groups: list[Group]) -> Iterator[tuple[Any, str]]:
     """What cannot go along a path of equilibria yet."""
     beyond = "path: arc_length does not follow {} yet; say path: load"
     for entry in deck.entries["hinges"].values():
@@ -48,26 +49,39 @@ def _off_paths(deck: Any, groups: list[Any]) -> Iterator[tuple[Any, str]]:
                 yield entry, beyond.format(f"parts of type {g.type}")
 
 
-def _inconsistencies(deck: Any, groups: list[Any]) -> Iterator[tuple[Any, str]]:
-    for entry in [*deck.entries["bodies"].values(), *deck.entries["parts"].values()]:
-        if np.any(entry.card.velocity) or np.any(entry.card.angular_velocity):
-            yield entry, "a quasi-static solution has no velocities"
+def _inconsistencies(deck: Any, groups: list[Group]) -> Iterator[tuple[Any, str]]:
+    """Entries that a quasi-static solution cannot have, and why."""
+    yield from _with_velocities(deck)
     for entry in deck.entries["contacts"].values():
         yield entry, "a quasi-static solution has no contacts yet"
-    by_steps = is_incremental(groups)
+    if is_incremental(groups):
+        yield from _beside_steps_from_rest(deck)
+    for g in groups:
+        if _is_path_dependent(g):
+            for entry in (e for e in deck.entries[g.keyword].values() if e.type == g.type):
+                yield entry, "a quasi-static solution has no path-dependent laws yet"
+
+
+def _with_velocities(deck: Any) -> Iterator[tuple[Any, str]]:
+    for entry in [*deck.entries["bodies"].values(), *deck.entries["parts"].values()]:
+        card = entry.card
+        moves = bool(np.any(card.velocity) or np.any(card.angular_velocity))
+        if moves or bool(getattr(card, "velocities", ())):
+            yield entry, "a quasi-static solution has no velocities"
+
+
+def _beside_steps_from_rest(deck: Any) -> Iterator[tuple[Any, str]]:
+    """What does not go with parts that take steps from rest."""
     for entry in deck.entries["bodies"].values():
-        if by_steps and entry.card.welded:
+        if entry.card.welded:
             message = "a quasi-static solution with shells or fibre beams has no welded nodes"
             yield entry, f"{message}, but joints"
-    for g in groups:
-        remembers = set(g.history.dtype.names or ()) - KEPT and not follows_load_steps(g)
-        if hasattr(g.module, "force") and remembers and not families()[g.keyword].at_rest:
-            keyword = deck.entries[g.keyword]
-            for entry in (e for e in keyword.values() if e.type == g.type):
-                yield entry, "a quasi-static solution has no path-dependent laws yet"
     for entry in deck.entries["hinges"].values():
-        if by_steps:
-            yield entry, "a quasi-static solution with shells or fibre beams has no hinges yet"
-    for entry in deck.entries["parts"].values():
-        if getattr(entry.card, "velocities", ()):
-            yield entry, "a quasi-static solution has no velocities"
+        yield entry, "a quasi-static solution with shells or fibre beams has no hinges yet"
+
+
+def _is_path_dependent(group: Group) -> bool:
+    """Whether its law of force remembers more than losses, and quasi-static runs refuse that."""
+    remembers = set(group.history.dtype.names or ()) - KEPT and not follows_load_steps(group)
+    is_refused = hasattr(group.module, "force") and not families()[group.keyword].at_rest
+    return bool(is_refused and remembers)

@@ -10,30 +10,31 @@ from typing import Any
 import numpy as np
 
 from crashsolve.deck.family import FamilyError
-from crashsolve.foundation.sparse.saddle import plan
+from crashsolve.foundation.sparse.planning import plan
 from crashsolve.model.implicit.assembly import assembled
+from crashsolve.model.model import Group, Model, State
 from crashsolve.model.nodes import COMPLIANT, TANGENTS
 
 # of a block of the sparse matrix: motions of one body against another
 MOST_ROWS = 6
 
 
-def tangent_groups(model: Any) -> list[Any]:
+def tangent_groups(model: Model) -> list[Any]:
     """Groups of springs whose laws have a tangent."""
     return [g for g in model.groups if hasattr(g.module, "tangent")]
 
 
-def has_nodal_tangents(model: Any) -> bool:
+def has_nodal_tangents(model: Model) -> bool:
     """Whether there are elements whose tangents are blocks of their nodes."""
     return bool(model.elements) or any(hasattr(g.module, "bend") for g in model.groups)
 
 
-def tangent_contacts(model: Any) -> list[Any]:
+def tangent_contacts(model: Model) -> list[Any]:
     """Contact groups that keep all their pairs."""
     return [c for c in model.contact_groups if c.search is None]
 
 
-def compliance(model: Any, state: Any, factors: int) -> dict[str, np.ndarray]:
+def compliance(model: Model, state: State, factors: int) -> dict[str, np.ndarray]:
     """Tables of the compliant rows, and room for as many factors of their matrix.
 
     Raises FamilyError for a law with more rows than a block holds.
@@ -71,7 +72,7 @@ def compliance(model: Any, state: Any, factors: int) -> dict[str, np.ndarray]:
     return tables
 
 
-def _spring_ends(group: Any) -> tuple[int, list[tuple[int, ...]]]:
+def _spring_ends(group: Group) -> tuple[int, list[tuple[int, ...]]]:
     """Rows of an entry, and the nodes of each: two, or two for each part of the rows."""
     p = group.parameters
     if group.joins_several:
@@ -79,7 +80,7 @@ def _spring_ends(group: Any) -> tuple[int, list[tuple[int, ...]]]:
     return group.module.TANGENTS, list(zip(p["node_a"].tolist(), p["node_b"].tolist(), strict=True))
 
 
-def _contacts(model: Any) -> list[tuple[int, list[tuple[int, ...]]]]:
+def _contacts(model: Model) -> list[tuple[int, list[tuple[int, ...]]]]:
     found: list[tuple[int, list[tuple[int, ...]]]] = []
     for c in tangent_contacts(model):
         a = c.elements_a["node"][c.parameters["a"]]

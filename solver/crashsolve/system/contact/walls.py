@@ -1,6 +1,7 @@
 """Several walls that one probe touches on the same side of a surface: a crease, a closing fold.
 
-    stored = 1/2 k M^2,   M = (delta_1^p + delta_2^p)^(1/p),   p = 2 / s,   and so on with a third
+    stored = 1/2 k M^2,   M = (delta_1^p + delta_2^p)^(1/p),   p = 2 / s,   of three those that are
+                           least apart first, and their M with the third
     f_i = w_i k delta_i,   w_i = (delta_i / M)^(p - 2)
     s = c / FAR between 0 and 1,   c = (d_i - d_j n_i . n_j) / gap,   d_i <= d_j
 
@@ -55,23 +56,56 @@ def look_beside(i, s, x, p, totals, sides, mesh, lists):
         if count == w and find_wall(i, s, w, x, p, totals, sides, mesh, lists):
             count += 1
     found[s].beside = count - 1
-    share_out(s, count, found)
+    share_out(s, count, p, found)
 
 
 @kernel
-def share_out(s, count, found):
-    """Weights of the forces of all walls from how far they are apart. Writes: found."""
-    total = found[s].depth
-    for w in range(1, count):
-        hit = found[number_of(s, w)]
-        power = 2.0 / hit.weight
-        low, high = min(total, hit.depth), max(total, hit.depth)
-        whole = high * (1.0 + (low / high) ** power) ** (1.0 / power)
-        for v in range(w):
-            other = found[number_of(s, v)]
-            other.weight = other.weight * (total / whole) ** (power - 2.0)
-        hit.weight = (hit.depth / whole) ** (power - 2.0)
-        total = whole
+def share_out(s, count, p, found):
+    """Weights of the forces of all walls; of three the least apart are one side. Writes: found."""
+    one, two, three = found[s], found[number_of(s, 1)], found[number_of(s, 2)]
+    if count == 2:
+        one.weight, two.weight, _ = shares(one.depth, two.depth, separation_of(p, one, two))
+    elif count == 3:
+        a = separation_of(p, one, two)
+        b = separation_of(p, one, three)
+        c = separation_of(p, two, three)
+        if a <= b and a <= c:
+            nest(one, two, three, a, min(b, c))
+        elif b <= c:
+            nest(one, three, two, b, min(a, c))
+        else:
+            nest(two, three, one, c, min(a, b))
+
+
+@kernel
+def nest(one, two, other, inner, outer):
+    """Weights of a pair of walls and of another, so far apart. Writes: one, two, other."""
+    a, b, depth = shares(one.depth, two.depth, inner)
+    whole, c, _ = shares(depth, other.depth, outer)
+    one.weight, two.weight, other.weight = whole * a, whole * b, c
+
+
+@kernel
+def shares(one, two, apart):
+    """Weights of two depths [m] and the depth M of both [m]."""
+    power = 2.0 / max(apart, LEAST)
+    low, high = min(one, two), max(one, two)
+    whole = high * (1.0 + (low / high) ** power) ** (1.0 / power)
+    return (one / whole) ** (power - 2.0), (two / whole) ** (power - 2.0), whole
+
+
+@kernel
+def separation_of(p, one, two):
+    """How far two walls are apart, from 0 to 1."""
+    return separation_between(p, one.distance, vec(one.normal), two)
+
+
+@kernel
+def separation_between(p, distance, n, other):
+    """The same of a wall with this distance and normal, and another."""
+    cosine = dot(n, vec(other.normal))
+    low, high = min(distance, other.distance), max(distance, other.distance)
+    return min(max((low - high * cosine) / (FAR * p.gap), 0.0), 1.0)
 
 
 @kernel
@@ -97,15 +131,14 @@ def find_wall(i, s, w, x, p, totals, sides, mesh, lists):
         on, crossed = side(i, p, f, spot, to, sides.states, sides.slot_in_use, mesh)
         if on == s and crossed == 0:
             best = apart * depth * depth
-            keep(hit, p, f, N, distance, n, apart)
+            keep(hit, p, f, N, distance, n)
     return best > 0.0
 
 
 @kernel
-def keep(hit, p, f, N, distance, n, apart):
+def keep(hit, p, f, N, distance, n):
     """Remember a wall; its weight follows. Writes: hit."""
     hit.face, hit.distance, hit.depth, hit.crossed = f, distance, p.gap - distance, 0
-    hit.weight = apart
     put(hit.normal, n)
     for k in range(4):
         hit.N[k] = N[k]
@@ -118,17 +151,8 @@ def separation_from(s, w, p, distance, n, found):
     """How far a wall is one of its own beside w others, from 0 to 1."""
     apart = 1.0
     for v in range(w):
-        other = found[number_of(s, v)]
-        cosine = dot(n, vec(other.normal))
-        low, high = min(distance, other.distance), max(distance, other.distance)
-        apart = min(apart, separation((low - high * cosine) / p.gap))
+        apart = min(apart, separation_between(p, distance, n, found[number_of(s, v)]))
     return apart
-
-
-@kernel
-def separation(rise):
-    """From 0, one wall, to 1, two; `rise` in gaps."""
-    return min(max(rise / FAR, 0.0), 1.0)
 
 
 @kernel
