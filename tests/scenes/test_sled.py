@@ -70,7 +70,8 @@ def test_slack_makes_the_chest_worse_by_more_than_a_fifth(runs: dict[str, Result
     assert chest(runs["slack"]) > 1.2 * chest(runs["tight"])
     assert chest(runs["slack"]) > chest(runs["some slack"]) > chest(runs["tight"])
     head = "disbout.head.vector.x"
-    assert largest(runs["slack"], head) > largest(runs["tight"], head) + SLACK
+    # by 130 ms; the slack is shared by the shoulder and the lap
+    assert largest(runs["slack"], head) > largest(runs["tight"], head) + 0.5 * SLACK
 
 
 def test_a_pretensioner_undoes_slack(runs: dict[str, Result]) -> None:

@@ -87,11 +87,18 @@ def _march_through(run: Run, times: np.ndarray) -> int:
     """Samples at times [s] in compiled code; how many are done, the last one written."""
     # no run has children while it marches: their times need not be asked for
     begun = time.process_time()
-    count, stepping = run.between.march.go(times, run.histories.kept)
+    kept = run.histories.kept
+    before = kept.count
+    try:
+        count, stepping = run.between.march.go(times, kept)
+    except Exception:
+        # the samples before the step that failed are kept, and have times
+        run.recorder.taken(times[: kept.count - before].tolist())
+        raise
     run.cpu["steps"] += stepping
     if count:
-        before = times[count - 2] if count > 1 else run.sampled
-        run.sampled, now = float(before), float(times[count - 1])
+        previous = times[count - 2] if count > 1 else run.sampled
+        run.sampled, now = float(previous), float(times[count - 1])
         run.recorder.taken(times[:count].tolist())
         _after(run, now)
     run.cpu["output"] += time.process_time() - begun - stepping

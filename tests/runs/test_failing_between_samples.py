@@ -1,0 +1,19 @@
+"""A step that fails among samples of compiled code leaves those before it, and its message."""
+
+from pathlib import Path
+
+from command import crashsolve
+
+from crashpost.results.result import Result
+
+DECK = Path(__file__).parents[2] / "decks" / "extreme" / "cone_poles.yaml"
+
+
+def test_samples_before_a_step_that_fails_are_written(tmp_path: Path) -> None:
+    # the rod comes to 3 rad, which the stop refuses, at 0.5 s; a sample is every 3.4 ms
+    words = ("--set", "control.estimate=off", "--set", "half=2.9")
+    done = crashsolve(DECK, "-o", tmp_path / "out", *words)
+    assert done.returncode == 4, done.stderr
+    assert "half a turn is the end" in done.stderr and "Traceback" not in done.stderr
+    found = Result(tmp_path / "out").series("deforc.cone.swing")
+    assert found.time[-1] > 0.49 and found.values[-1] > 2.9
