@@ -12,7 +12,7 @@ MEMORY  := $(shell awk '/MemAvailable/ {print ($$2 > 8e6)}' /proc/meminfo)
 SCRATCH ?= $(if $(and $(filter 1,$(MEMORY)),$(wildcard /dev/shm/.)),/dev/shm,$(or $(TMPDIR),/tmp))
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --only-binary :all:
 
-.PHONY: demo test long queue bench stability beam trains structures crush certification gallery docs clean
+.PHONY: demo test long queue bench stability beam trains structures crush certification sled rollover gallery docs clean
 
 demo: $(VENV)/render.installed
 	$(BIN)/crashsolve $(DECK) -o $(RESULTS)
@@ -52,6 +52,12 @@ crush: $(VENV)/plot.installed
 
 certification: $(VENV)/plot.installed
 	$(BIN)/python decks/occupants/certification.py
+
+sled: $(VENV)/plot.installed $(VENV)/sweep.installed
+	$(BIN)/python decks/occupants/sled.py
+
+rollover: $(VENV)/render.installed
+	$(BIN)/python decks/scenes/rollover.py
 
 gallery: $(VENV)/render.installed
 	$(BIN)/python decks/gallery.py

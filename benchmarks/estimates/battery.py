@@ -1,6 +1,6 @@
 """The battery: every scene by every method and setting, estimated errors against true ones."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -134,10 +134,15 @@ def true_error(known: Known, statistic: str, found: Estimate, main: Samples) -> 
     return abs((found.value or 0.0) - truth)
 
 
-def run_all() -> list[list[Judged]]:
-    """All runs, each a list of its numbers; kinds of scenes side by side on the cores."""
+def run_all(words: Sequence[str] = ()) -> list[list[Judged]]:
+    """All runs, each a list of its numbers; kinds of scenes side by side on the cores.
+
+    Only kinds whose first scene has one of the words in its name, where some are given.
+    """
+    names = [scenes[0].name for scenes in kinds()]
+    wanted = [k for k, name in enumerate(names) if not words or any(w in name for w in words)]
     with ProcessPoolExecutor(cores()) as pool:
-        return [run for runs in pool.map(run_kind, range(len(kinds()))) for run in runs]
+        return [run for runs in pool.map(run_kind, wanted) for run in runs]
 
 
 def run_kind(number: int) -> list[list[Judged]]:

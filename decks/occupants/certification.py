@@ -126,7 +126,7 @@ def hip(folder: Path) -> list[Measure]:
     save(figure, "hip")
     at_30 = float(np.interp(30, np.maximum.accumulate(angle), moment))
     at_203 = float(np.interp(203, moment, angle))
-    source = "572.35(c), from memory"
+    source = "572.35(c), from memory, unverified"
     return [
         Measure("hip flexion", "moment at 30 deg", at_30, -np.inf, 95, "N m", source),
         Measure("", "angle at 203 N m", at_203, 40, 50, "deg", source),
@@ -142,7 +142,7 @@ def knee(folder: Path) -> list[Measure]:
     axes.legend()
     save(figure, "knee")
     peak = -float(found.values.min()) / 1e3
-    source = "572.35(b), from memory"
+    source = "572.35(b), from memory, unverified"
     return [Measure("knee impact", "peak force of the femur", peak, 4.7, 5.8, "kN", source)]
 
 
@@ -158,7 +158,7 @@ def neck(folder: Path) -> list[Measure]:
     axes.plot(angle, moment, color=LINE)
     axes.legend(loc="upper left")
     save(figure, "neck")
-    source = "572.33, from memory"
+    source = "572.33, from memory, unverified"
     return [
         Measure("neck flexion", "rotation", angle.max(), 64, 78, "deg", source),
         Measure("", "when", 1e3 * time[angle.argmax()], 57, 64, "ms", source),

@@ -199,3 +199,32 @@ def test_a_route_that_begins_within_the_body_is_refused(tmp_path: Path) -> None:
     assert "inside" in said and "deck.yaml:" in said
     said = refusal(tmp_path, BODIES + text.replace("AT", "[0, 1, 0]").replace("SURFACE", "box"))
     assert "a belt lies on one of sphere, cylinder, ellipsoid" in said
+
+
+@pytest.mark.parametrize("surface", ["ball", "egg", "roll"])
+def test_a_belt_that_slips_off_what_it_wraps_is_reported(tmp_path: Path, surface: str) -> None:
+    law = belt(tmp_path, surface, 0.3)
+    said = []
+    # the body goes through the belt: a roll takes it along, a ball and a fist do not
+    x = np.linspace(-0.05, 0.35, 81)
+    for at in x:
+        law.bench.move(2, r=[at, 0.0, 0.0])
+        law.force(1e-3)
+        law.accept()
+        said.append(bool(law.new.crossed or law.new.slipped))
+        assert np.isfinite(np.array(law.out.force)).all()
+    # it is said until the end
+    assert not said[0] and said[-1] == (surface != "roll")
+    if surface == "ball":
+        # the line from end to end passes the ball's middle where that is at 0.05 m, 25 mm from it
+        assert abs(x[said.index(True)] - 0.05) < 0.025
+
+
+def test_a_ball_that_rolls_along_under_its_belt_has_not_slipped(tmp_path: Path) -> None:
+    law = belt(tmp_path, "ball", 0.0)
+    for angle in np.linspace(0.0, 6.0, 61):
+        law.bench.move(2, r=[-0.05, 0.0, 0.0], q=[np.cos(angle / 2), 0.0, 0.0, np.sin(angle / 2)])
+        law.force(1e-3)
+        law.accept()
+    # the belt is not quite in the plane of the rotation: some slip, and not the six radians
+    assert abs(law.new.aside[1]) < 0.6 and law.new.crossed == 0

@@ -103,7 +103,9 @@ def test_all_contacts_of_the_scene_touch_and_their_pairs_are_many(two: tuple[Pat
 
 
 # beyond two, more than this machine has cores
-@pytest.mark.parametrize("threads", [1, 3, 4, 8])
+@pytest.mark.parametrize(
+    "threads", [1, *(pytest.param(n, marks=pytest.mark.long) for n in (3, 4, 8))]
+)
 def test_any_number_of_threads_gives_the_same_bits(
     two: tuple[Path, Path], threads: int, tmp_path: Path
 ) -> None:
@@ -113,7 +115,7 @@ def test_any_number_of_threads_gives_the_same_bits(
     assert differences(tmp_path, folder) == []
 
 
-@pytest.mark.parametrize("threads", [1, 3])
+@pytest.mark.parametrize("threads", [1, pytest.param(3, marks=pytest.mark.long)])
 def test_another_number_of_threads_goes_on_from_a_dump_to_the_same_bits(
     two: tuple[Path, Path], threads: int, tmp_path: Path
 ) -> None:
@@ -179,7 +181,13 @@ def after(deck: str, steps: int, threads: int) -> tuple[Any, list[str]]:
     return engine.state, [stiffest(engine, at) for at in range(1, len(model.bodies))]
 
 
-@pytest.mark.parametrize("deck", list(BATTERY))
+# two of the battery in the suite: sides that keep their faces, and friction with a history
+FEW = ("verification/contact/kept_face", "verification/friction/bristle")
+
+
+@pytest.mark.parametrize(
+    "deck", [pytest.param(d, marks=() if d in FEW else pytest.mark.long) for d in BATTERY]
+)
 def test_pieces_change_no_more_than_the_order_of_sums(
     deck: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -35,7 +35,12 @@ loads: {{weight: {{type: gravity}}}}
 """
 END, LOOKS = 0.3, 30
 # width and thickness of the ground [m]: cubes, plates, sheets
-GROUNDS = [(0.5, 0.5), (0.5, 0.02), (1.0, 0.5), (10.0, 1.0), (40.0, 20.0), (1000.0, 500.0)]
+GROUNDS = [
+    (0.5, 0.5),
+    *(pytest.param(*ground, marks=pytest.mark.long) for ground in ((0.5, 0.02), (1.0, 0.5))),
+    (40.0, 20.0),
+    *(pytest.param(*ground, marks=pytest.mark.long) for ground in ((10.0, 1.0), (1000.0, 500.0))),
+]
 
 
 @cache

@@ -107,7 +107,10 @@ def test_units_of_the_deck_can_be_set(tmp_path: Path) -> None:
             "output: history.interval: must be greater than 0 s, not 0",
         ),
         ("control.end_time.now=1", "there is no field 'now' here: the deck has 1"),
-        ("bodies.ball.velocity.4=1", "'4' is no position of a list of 3; places count from 1 to 3"),
+        (
+            "bodies.ball.velocity.4=1",
+            "'4' is no position of a list of 3; entries count from 1 to 3",
+        ),
         ("bodies.ball.velocity.0=1", "'0' is no position of a list of 3"),
         ("bodies.ball.velocity.z=1", "'z' is no position of a list of 3"),
         ("bodies.ball.velocity.²=1", "'²' is no position of a list of 3"),

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import small_runs
 from bench import Bench, Law, exponential, product, written
 from scipy.spatial.transform import Rotation
 
@@ -248,3 +249,39 @@ WRONG = {
 def test_a_range_that_cannot_be_meant_is_refused(make: Make, message: str) -> None:
     with pytest.raises(DeckErrors, match=message):
         make(WRONG[message])
+
+
+def test_a_method_keeps_its_order_through_a_stop(tmp_path: Path) -> None:
+    # out of the cone, into the stop, back through the pole: moment and stiffness have no jump
+    scene = {
+        "title": "rod in a cone",
+        "bodies": {
+            "rod": {
+                "mass": 2,
+                "inertia": [0.05, 0.05, 0.02],
+                "position": [0, 0, 0.3],
+                "velocity": [1.8, 0, 0],
+                "angular_velocity": [0, 6, 1],
+            }
+        },
+        "joints": {"ball": {"type": "spherical", "b": "rod", "at": [0, 0, 0]}},
+        "springs": {
+            "cone": {
+                "type": "cone_stop",
+                "joint": "ball",
+                "axis": [0, 0, 1],
+                "toward": [1, 0, 0],
+                "pointer": [0, 0, 1],
+                "half_angles": [0.2, 0.3, 0.25, 0.35],
+                "stiffness": 400,
+                "transition": 0.4,
+            }
+        },
+    }
+    ends = []
+    for steps in (50, 100, 200, 400):
+        result = small_runs.run(tmp_path, scene, 0.2, step=0.2 / steps, plain=True)
+        ends.append([small_runs.last(result, f"rbdout.rod.position.{c}") for c in "xy"])
+    changes = np.linalg.norm(np.diff(ends, axis=0), axis=1)
+    # rattle is of order 2; the last two of three pairs of steps are in its range
+    assert small_runs.slopes(list(changes))[-1] == pytest.approx(2.0, abs=0.15)

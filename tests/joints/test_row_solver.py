@@ -3,10 +3,12 @@
 from typing import Any
 
 import numpy as np
+import pytest
 
 from crashsolve.foundation.rows import as_rows
-from crashsolve.foundation.sparse.saddle import factorise, plan, solve_rows
-from crashsolve.model.nodes import ROW
+from crashsolve.foundation.sparse.planning import plan
+from crashsolve.foundation.sparse.saddle import factorise, solve_rows
+from crashsolve.model.nodes import NODE, ROW
 
 Block = tuple[int, tuple[int, ...]]
 # rows and nodes of five joints: a chain with a loop, and two gears (two parts, one body shared)
@@ -16,7 +18,13 @@ JOINTS: list[Block] = [(5, (0, 1)), (5, (1, 2)), (3, (2, 3)), (1, (1, 2, 0, 3)),
 class Rows:
     """Rows with random D and X = D M^-1 of some joints, their saddle, and the dense S."""
 
-    def __init__(self, rng: np.random.Generator, joints: list[Block], twin: int | None) -> None:
+    def __init__(
+        self,
+        rng: np.random.Generator,
+        joints: list[Block],
+        twin: int | None,
+        hubs: tuple[int, ...] = (),
+    ) -> None:
         """The last joint repeats the joint `twin`."""
         self.joints = joints
         sizes = [m * len(ends) // 2 for m, ends in joints]
@@ -26,6 +34,14 @@ class Rows:
         if twin is not None:
             table["D"][-sizes[-1] :] = table["D"][self.start[twin] :][: sizes[twin]]
         weight = [np.zeros((6, 6))] + [np.diag(rng.uniform(0.5, 2.0, 6)) for _ in range(3)]
+        nodes = np.zeros(4, NODE.dtype)
+        for k in range(1, 4):
+            # of three coordinates alike is a mass, and the others an inertia in any axes
+            weight[k][:3, :3] = weight[k][0, 0] * np.eye(3)
+            A = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+            weight[k][3:, 3:] = A @ weight[k][3:, 3:] @ A.T
+            nodes[k]["mass_inv"], nodes[k]["W"] = weight[k][0, 0], weight[k][3:, 3:].ravel()
+        self.nodes: Any = as_rows(nodes)
         dense = []
         for (m, ends), start in zip(joints, self.start, strict=False):
             D = np.zeros((m, 24))
@@ -42,7 +58,7 @@ class Rows:
             mass_inv[6 * k : 6 * k + 6, 6 * k : 6 * k + 6] = weight[k]
         self.S = D @ mass_inv @ D.T
         self.table: Any = as_rows(table)
-        saddle = plan([m for m, _ in joints], [ends for _, ends in joints])
+        saddle = plan([m for m, _ in joints], [ends for _, ends in joints], hubs)
         self.saddle: Any = saddle._make(as_rows(part) for part in saddle)
 
     def parts(self, column: str) -> list[np.ndarray]:
@@ -54,7 +70,7 @@ class Rows:
 
     def solve(self, factor: float) -> np.ndarray:
         """Multipliers; all parts of a row have the same."""
-        factorise(self.saddle, self.table)
+        factorise(self.saddle, self.table, self.nodes)
         solve_rows(self.saddle, self.table, factor)
         for part in self.parts("delta"):
             assert (part == part[0]).all()
@@ -90,3 +106,35 @@ def test_rows_given_twice_are_found_and_the_others_satisfy_them() -> None:
         assert rows.saddle.redundant() == JOINTS[twin][0]
         # round-off times the condition of the rows that are kept, 1e4
         np.testing.assert_allclose(residual, 0.0, atol=1e-11 * np.abs(right).max())
+
+
+# what hangs on body 1 and not on the ground: bodies 2 and 3 with each other, and a gear among all
+FREE: list[Block] = [(5, (1, 2)), (3, (1, 3)), (2, (2, 3)), (1, (1, 2, 1, 3))]
+
+
+@pytest.mark.parametrize("hub", [1, 2, 3])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_hub_changes_the_factor_and_not_the_solution(hub: int, seed: int) -> None:
+    found = []
+    for hubs in ((), (hub,)):
+        rows = Rows(np.random.default_rng(seed), FREE, None, hubs)
+        rows.table.right = np.random.default_rng(seed + 9).normal(size=len(rows.table))
+        found.append(rows.solve(-2.0))
+        assert rows.saddle.redundant() == 0 and rows.saddle.rows() == 11
+    # round-off times the condition of S
+    tolerance = 1e-13 * np.linalg.cond(rows.S) * np.abs(found[0]).max()
+    np.testing.assert_allclose(found[1], found[0], atol=tolerance)
+
+
+def test_rows_given_twice_on_a_hub_are_found() -> None:
+    rng = np.random.default_rng(2)
+    rows = Rows(rng, [*FREE, FREE[0]], 0, (1,))
+    rows.table.right[:] = 0.0
+    right = rows.S @ rng.normal(size=len(rows.S))
+    first = 0
+    for part in rows.parts("right"):
+        part[0] = right[first : first + part.shape[1]]
+        first += part.shape[1]
+    residual = rows.S @ rows.solve(1.0) - right
+    assert rows.saddle.redundant() == 5
+    np.testing.assert_allclose(residual, 0.0, atol=1e-11 * np.abs(right).max())

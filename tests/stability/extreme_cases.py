@@ -59,7 +59,13 @@ def flips(result: Result, settings: dict[str, str]) -> Iterator[tuple[str, float
     yield "flips", abs(found - 2 * given["periods"]), 0.0
 
 
-LOOKS = {"restitutions": restitutions, "flips": flips}
+def emptied(result: Result, settings: dict[str, str]) -> Iterator[tuple[str, float, float]]:
+    """That a retractor which ran out of webbing is said to have."""
+    log = (result.folder / "log.txt").read_text("utf-8")
+    yield "warnings that are missing", float("ran out of webbing" not in log), 0.0
+
+
+LOOKS = {"restitutions": restitutions, "flips": flips, "emptied": emptied}
 MAKES = {"chain": chain, "loop": loop}
 
 

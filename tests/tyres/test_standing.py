@@ -82,3 +82,30 @@ def test_being_set_down_leaves_no_forces_across(tmp_path: Path) -> None:
         for axis in "xy":
             # of 2450 N; what it pitched as it was set down, let go twice
             assert abs(result.series(f"tyrout.{name}.force.{axis}").values[0]) < 1.0
+
+
+@pytest.mark.parametrize("tyre", ["gim", "fiala"])
+def test_a_tyre_that_sinks_to_its_centre_is_reported(tmp_path: Path, tyre: str) -> None:
+    # it would sag by 0.35 m, beyond its radius of 0.32
+    soft = car(tyre, 0.0, 0.0).replace("stiffness: 2e5", "stiffness: 7e3")
+    soft = soft.replace("damping: 3000", "damping: 100")
+    log = (
+        solved(tmp_path, soft.replace("start: equilibrium, ", "")).folder / "log.txt"
+    ).read_text()
+    assert "tyre 'fl': its centre has sunk to the road" in log
+
+
+def test_a_car_dropped_on_its_tyres_is_seen_before_it_lands(tmp_path: Path) -> None:
+    """Off the road nothing else bounds the step; the first one would go through it."""
+    drop = car("gim", 0.0, 0.0, height=0.57).replace("start: equilibrium, ", "")
+    result = solved(
+        tmp_path, drop.replace("step: 5e-4, ", "").replace("damping: 3000", "damping: 0")
+    )
+    height = result.series("rbdout.car.position.z").values
+    # it falls 0.05 m to the road, and on springs of 8e5 N/m goes on by
+    # m g (1 + sqrt(1 + 2 k h/m g))/k
+    k, h = 8e5, 0.05
+    deepest = M * G / k * (1 + np.sqrt(1 + 2 * k * h / (M * G)))
+    assert 0.52 - height.min() == pytest.approx(deepest, rel=5e-3)
+    # %, of a step that meets the road at any point of itself
+    assert np.abs(result.series("glstat.model.balance").values).max() < 0.5

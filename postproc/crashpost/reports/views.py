@@ -83,15 +83,18 @@ def default_scene(result: Result, states: States) -> dict[str, Any]:
 
 
 def _strongest(result: Result) -> str:
-    """The channel of the largest normal force of all contacts; none where nothing touches."""
-    largest = {}
+    """The channel of the contact with the largest force of all steps; none where nothing touches.
+
+    Of samples alone where a result has no peaks of steps.
+    """
+    largest: dict[str, float] = {}
     for family in (f for f in result.families.values() if f.word == "rcforc"):
-        for column in (c for c in family.columns if c.name == "normal"):
+        for column in (c for c in family.columns if c.name in ("normal", "peak_normal")):
             peaks = result.extremes(family, column).greatest if len(result.time) else ()
             for entity, peak in zip(family.ids, peaks, strict=bool(len(peaks))):
-                largest[f"rcforc.'{entity}'.normal"] = (float(peak), entity)
-    name = max(largest, key=lambda n: largest[n][0], default="")
-    return f"rcforc.{largest[name][1]}.normal" if name and largest[name][0] > 0 else ""
+                largest[str(entity)] = max(largest.get(str(entity), 0.0), float(peak))
+    name = max(largest, key=lambda n: largest[n], default="")
+    return f"rcforc.{name}.normal" if name and largest[name] > 0 else ""
 
 
 def _in_order(result: Result, states: States, at: Sequence[Any]) -> list[Any]:

@@ -21,6 +21,7 @@ from crashsolve.belts._wrap import (
     over_sphere,
     passing,
 )
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import BodyName, Card, SurfaceName, Vec3, quantity, word
 from crashsolve.foundation.columns import matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
@@ -112,6 +113,8 @@ LAID = Record(f"""
     begun     m      {3 * MOST}  where the belt comes to an ellipsoid, its axes
     touches   flag   {MOST}  1 where the belt lies on a surface, -2 where it has slipped off
     slipped   flag           the belt has slipped off a surface
+    aside     rad    {MOST}  by which it slid across its direction, over a ball or an ellipsoid
+    crossed   flag           it slid so by more than a right angle
     inside    flag           a fitting was within a surface
     beyond    flag           the belt lay on a cylinder beyond its ends
 """)
@@ -136,7 +139,7 @@ def check_route(route: tuple[Fitting, ...]) -> None:
             )
 
 
-def route_columns(route: tuple[Fitting, ...], scene: Any) -> dict[str, Any]:
+def route_columns(route: tuple[Fitting, ...], scene: Scene) -> dict[str, Any]:
     """Columns of ROUTE but for what depends on lengths."""
     columns: dict[str, Any] = {c.name: np.zeros((MOST, max(c.size // MOST, 1))) for c in TABLES}
     for i, fitting in enumerate(route):
@@ -159,7 +162,7 @@ def route_columns(route: tuple[Fitting, ...], scene: Any) -> dict[str, Any]:
 TABLES = [c for c in ROUTE.columns if c.name not in ("segments", "shortest")]
 
 
-def _place_surface(columns: dict[str, Any], i: int, wrap: Wrap, scene: Any) -> None:
+def _place_surface(columns: dict[str, Any], i: int, wrap: Wrap, scene: Scene) -> None:
     """Writes: row i of columns."""
     module, card = scene.law("surfaces", wrap.surface)
     shape, field = module.__name__.rpartition(".")[2], f"route.{i}.wrap.surface"
@@ -176,7 +179,9 @@ def _place_surface(columns: dict[str, Any], i: int, wrap: Wrap, scene: Any) -> N
         raise scene.fail("is of cylinders alone; the way over others is the shortest", f"{field}")
 
 
-def _turn_about_cylinders(columns: dict[str, Any], route: tuple[Fitting, ...], scene: Any) -> None:
+def _turn_about_cylinders(
+    columns: dict[str, Any], route: tuple[Fitting, ...], scene: Scene
+) -> None:
     """Writes: sense and turned of columns."""
     for i in np.flatnonzero(columns["surface"].ravel() == CYLINDER):
         node, wrap = int(columns["node"][i, 0]), route[i].wrap
@@ -201,7 +206,7 @@ def _turn_about_cylinders(columns: dict[str, Any], route: tuple[Fitting, ...], s
             columns["turned"][i] = turned - sum(float(np.arccos(R / a)) for a in radii)
 
 
-def refuse_route(route: tuple[Fitting, ...], laid: Any, lengths: np.ndarray, scene: Any) -> None:
+def refuse_route(route: tuple[Fitting, ...], laid: Any, lengths: np.ndarray, scene: Scene) -> None:
     """What makes no route at the start is refused; `laid` has the columns LAID."""
     for i, fitting in enumerate(route):
         if fitting.wrap and laid["touches"][i] < 0:
@@ -285,6 +290,11 @@ def lie(p, j, old, new, nodes):
     put_triple(new.leave, j, add(centre, matvec(body.A, matvec(axes, arc.last))))
     middle = add(triple(p.point, j), matvec(axes, arc.middle))
     lies = matvec(axes, arc.along)
+    new.aside[j] = 0.0
+    if p.surface[j] != CYLINDER and arc.touches == 1 and old.touches[j] == 1:
+        new.aside[j] = old.aside[j] + slid_aside(p, j, old, middle)
+        if abs(new.aside[j]) > 0.5 * pi:
+            new.crossed = 1
     put_triple(new.middle, j, middle)
     put_triple(new.lies, j, lies)
     new.half[j], new.wrapped[j] = 0.5 * arc.length, arc.turned
@@ -302,9 +312,18 @@ def lie(p, j, old, new, nodes):
 
 
 @kernel
+def slid_aside(p, j, old, middle):
+    """Angle [rad] by which a belt slid across its direction over a round surface in the step."""
+    before, after = sub(triple(old.middle, j), triple(p.point, j)), sub(middle, triple(p.point, j))
+    across = cross(before, triple(old.lies, j))
+    return atan2(dot(after, across), dot(after, before))
+
+
+@kernel
 def lay(p, old, new, out, nodes):
     """Lengths and directions of the segments, and angles at the fittings. Writes: new, out."""
-    new.inside, new.beyond, new.slipped = old.inside, old.beyond, old.slipped
+    new.inside, new.beyond = old.inside, old.beyond
+    new.slipped, new.crossed = old.slipped, old.crossed
     for j in range(p.segments + 1):
         out.angle[j] = 0.0
         if p.surface[j] > 0:
@@ -330,7 +349,7 @@ def lay(p, old, new, out, nodes):
 @kernel
 def leave_alone(new, j):
     """Columns of surfaces, for a fitting that is none. Writes: new."""
-    new.half[j] = new.split[j] = new.wrapped[j] = 0.0
+    new.half[j] = new.split[j] = new.wrapped[j] = new.aside[j] = 0.0
     put_triple(new.begun, j, (0.0, 0.0, 0.0))
     put_triple(new.middle, j, (0.0, 0.0, 0.0))
     put_triple(new.lies, j, (0.0, 0.0, 0.0))
@@ -340,14 +359,23 @@ def leave_alone(new, j):
 @kernel
 def pull_segments(p, new, out, nodes):
     """Forces of all segments on the bodies of their fittings. Writes: nodes."""
-    for i in range(p.segments):
-        u = triple(new.along, i)
-        stiffness = p.steepest / new.webbing[i]
-        f = scale(out.force[i], u)
-        a, b = nodes[p.node[i]], nodes[p.node[i + 1]]
-        d_a = sub(triple(new.leave, i), vec(a.r))
-        d_b = sub(triple(new.arrive, i + 1), vec(b.r))
-        apply_force(a, f, d_a)
-        apply_force(b, scale(-1.0, f), d_b)
-        add_stiffness_bound(a, mobility(a, d_a, u), stiffness, 0.0)
-        add_stiffness_bound(b, mobility(b, d_b, u), stiffness, 0.0)
+    before, u_before, k_before = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0
+    for j in range(p.segments + 1):
+        behind, u, k = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0
+        if j < p.segments:
+            u = triple(new.along, j)
+            behind, k = scale(out.force[j], u), p.steepest / new.webbing[j]
+        body = nodes[p.node[j]]
+        d = sub(triple(new.arrive, j), vec(body.r))
+        if p.surface[j] == 0:
+            apply_force(body, sub(behind, before), d)
+        else:
+            apply_force(body, scale(-1.0, before), d)
+        if j > 0 and body.mass_inv > 0.0:
+            add_stiffness_bound(body, mobility(body, d, u_before), k_before, 0.0)
+        if p.surface[j] != 0:
+            d = sub(triple(new.leave, j), vec(body.r))
+            apply_force(body, behind, d)
+        if j < p.segments and body.mass_inv > 0.0:
+            add_stiffness_bound(body, mobility(body, d, u), k, 0.0)
+        before, u_before, k_before = behind, u, k

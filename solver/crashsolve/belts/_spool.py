@@ -14,6 +14,7 @@ from typing import Any, ClassVar
 
 from pydantic import model_validator
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import BodyName, Card, CurveName, Vec3, quantity, word
 from crashsolve.foundation.curve import curve_value
 from crashsolve.foundation.kernels import kernel
@@ -87,7 +88,7 @@ WOUND = Record("""
 """)
 
 
-def spool_columns(card: Retractor | None, scene: Any) -> dict[str, Any]:
+def spool_columns(card: Retractor | None, scene: Scene) -> dict[str, Any]:
     """Columns of SPOOL; of none for a belt between anchors."""
     never = float("inf")
     own = card or Retractor(lock_time=0.0)
@@ -106,7 +107,7 @@ def spool_columns(card: Retractor | None, scene: Any) -> dict[str, Any]:
     }
 
 
-def _force_curve(name: str, field: str, scene: Any) -> int:
+def _force_curve(name: str, field: str, scene: Scene) -> int:
     """A curve of a force over a length from 0."""
     first = int(scene.curve(name))
     part = scene.curve_points[first : scene.curve_points[first]["last"] + 1]

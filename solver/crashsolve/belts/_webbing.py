@@ -15,6 +15,7 @@ from typing import Any, ClassVar
 import numpy as np
 from pydantic import model_validator
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, CurveName, quantity, word
 from crashsolve.foundation.curve import HOLD, curve_value
 from crashsolve.foundation.kernels import kernel
@@ -49,7 +50,7 @@ WEBBING = Record("""
 """)
 
 
-def webbing_columns(card: Webbing, scene: Any) -> dict[str, Any]:
+def webbing_columns(card: Webbing, scene: Scene) -> dict[str, Any]:
     """Columns of WEBBING."""
     if card.curve is None:
         return {"k": card.stiffness, "curve": 0, "steepest": card.stiffness}
@@ -69,7 +70,7 @@ def webbing_columns(card: Webbing, scene: Any) -> dict[str, Any]:
     return {"k": k, "curve": curve, "steepest": k}
 
 
-def force_at(columns: dict[str, Any], strain: float, scene: Any) -> float:
+def force_at(columns: dict[str, Any], strain: float, scene: Scene) -> float:
     """Force of new webbing at a strain [N]."""
     if strain <= 0.0:
         return 0.0

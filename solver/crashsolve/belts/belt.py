@@ -29,6 +29,7 @@ from crashsolve.belts._route import (
 )
 from crashsolve.belts._spool import SPOOL, WOUND, spool_columns, wind
 from crashsolve.belts._webbing import WEBBING, Webbing, force_at, refuse_torn, webbing_columns
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, quantity, word
 from crashsolve.foundation.curve import REFUSE
 from crashsolve.foundation.kernels import kernel
@@ -41,6 +42,8 @@ WARNINGS = {
     "0.001 of the belt; move the ring, or give it more webbing",
     "slipped": "the belt slipped off a surface, and went straight until it was clear of it; what "
     "became slack is lost: move its fittings, or hold it by a ring",
+    "crossed": "the belt slid sideways over a ball or an ellipsoid by more than a right angle, as "
+    "nothing holds it there: it would have slipped off; hold it by a ring",
     "emptied": "the retractor ran out of webbing, and held from there on; give it more reserve",
     "inside": "a fitting was within a surface that the belt goes over, and the belt went through",
     "beyond": "the belt lay on a cylinder beyond its end, which was taken as longer",
@@ -116,7 +119,7 @@ PLACED = Record("""
 """)
 
 
-def build(card: Belt, scene: Any) -> dict[str, Any]:
+def build(card: Belt, scene: Scene) -> dict[str, Any]:
     columns = route_columns(card.route, scene) | webbing_columns(card.webbing, scene)
     columns |= spool_columns(card.route[0].retractor, scene)
     laid, lengths = laid_at_start(columns, scene)
@@ -140,7 +143,7 @@ def build(card: Belt, scene: Any) -> dict[str, Any]:
     return columns | {"start": start, "total": total, "first": first, "shortest": shortest}
 
 
-def laid_at_start(columns: dict[str, Any], scene: Any) -> tuple[Any, np.ndarray]:
+def laid_at_start(columns: dict[str, Any], scene: Scene) -> tuple[Any, np.ndarray]:
     """Columns LAID and lengths of the segments at the start [m]."""
     p, new, old = (as_rows(np.zeros(1, r.dtype))[0] for r in (ROUTE, LAID, LAID))
     out, nodes = (
@@ -156,7 +159,7 @@ def laid_at_start(columns: dict[str, Any], scene: Any) -> tuple[Any, np.ndarray]
     return new, np.array(out["length"][: columns["segments"]])
 
 
-def initial_history(card: Belt, p: Any, scene: Any) -> dict[str, Any]:
+def initial_history(card: Belt, p: Any, scene: Scene) -> dict[str, Any]:
     laid, lengths = laid_at_start(ROUTE.taken_from(p), scene)
     used, n = np.arange(SEGMENTS) < p["segments"], len(lengths)
     residual, straight = np.zeros(SEGMENTS), np.zeros(SEGMENTS)

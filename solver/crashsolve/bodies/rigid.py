@@ -10,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import model_validator
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import BodyName, Card, Rotation, SectionName, Vec3, quantity, word
 from crashsolve.foundation.orientation import matrix
 from crashsolve.foundation.record import Record
@@ -63,7 +64,8 @@ class Rigid(Card):
     mass_centre: Vec3 = quantity("m", "from the body's origin, body axes", default=(0.0, 0.0, 0.0))
     position: Vec3 = quantity(
         "m",
-        "of the body's origin; the channel rbdout.NAME.position is that of the mass centre",
+        "of the body's origin; the channel rbdout.NAME.position is that of the mass centre, "
+        "rbdout.NAME.origin, where some body's mass centre is elsewhere, that of the origin",
         default=(0.0, 0.0, 0.0),
     )
     rotation: Rotation = word("configuration, body to world", default_factory=Rotation)
@@ -93,7 +95,7 @@ class Rigid(Card):
 PARAMETERS = HISTORY = OUTPUT = Record()
 
 
-def build(card: Rigid, scene: Any) -> dict[str, Any]:
+def build(card: Rigid, scene: Scene) -> dict[str, Any]:
     mass, inertia = _mass_and_inertia(card, scene)
     quaternion = card.rotation.quaternion()
     spin = np.asarray(card.angular_velocity)
@@ -110,7 +112,7 @@ def build(card: Rigid, scene: Any) -> dict[str, Any]:
     }
 
 
-def _mass_and_inertia(card: Rigid, scene: Any) -> tuple[float, np.ndarray]:
+def _mass_and_inertia(card: Rigid, scene: Scene) -> tuple[float, np.ndarray]:
     if card.primitive is not None:
         volume, per_mass = _primitive(card.primitive)
         density = card.primitive.density

@@ -1,4 +1,4 @@
-"""Laws of contact: shapes, gaps, normal forces; neither search nor bookkeeping."""
+"""Laws of contact: shapes, gaps, normal forces; neither tables of pairs nor search."""
 
 from typing import Protocol
 

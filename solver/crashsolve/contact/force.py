@@ -26,9 +26,9 @@ class Force(Card):
     )
     speed_floor: float | None = quantity(
         "m/s",
-        "closing speed below which a touch counts as resting; absent: 1e-3 m/s, or 1e-3 of the "
-        "fastest initial speed and of a fall through the model's size where those are slower and "
-        "nothing else moves the bodies",
+        "closing speed below which a touch that is pressed deeper than a free impact of its speed "
+        "goes counts as resting; absent: 1e-3 m/s, or 1e-3 of the fastest initial speed and of a "
+        "fall through the model's size where those are slower and nothing else moves the bodies",
         default=None,
         gt=0,
     )

@@ -16,6 +16,7 @@ References: Ambrosio (2003), Eq. 23-25; Moreau (1988), in Nonsmooth Mechanics an
 
 from typing import Any
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, SurfaceName, quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
@@ -50,11 +51,11 @@ HISTORY = Record("""
 """)
 
 
-def build(card: Unilateral, scene: Any, pair: Any) -> dict[str, Any]:
+def build(card: Unilateral, scene: Scene, pair: Any) -> dict[str, Any]:
     return {"friction_coefficient": card.friction_coefficient}
 
 
-def check(card: Unilateral, scene: Any, nodes_a: set[int], nodes_b: set[int]) -> None:
+def check(card: Unilateral, scene: Scene, nodes_a: set[int], nodes_b: set[int]) -> None:
     """Refuses what the law must not be used on; `nodes` are those of the surfaces of both sides."""
     flexible = {node for nodes in scene.part_nodes.values() for node in nodes}
     rigid = sorted(scene.names[node] for node in nodes_a - flexible)

@@ -19,6 +19,7 @@ from pydantic import ValidationInfo, model_validator
 from crashsolve.channels.units import PURE, SI
 from crashsolve.curves._card import EXTRAPOLATE, PointsCard, check_axis, check_order
 from crashsolve.curves._piecewise import Array, coefficients
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import FileName, word
 from crashsolve.deck.diagnostics import refuse
 from crashsolve.deck.numbers import Context, unit_named
@@ -79,7 +80,7 @@ def _number(cells: list[str], column: int) -> float:
         return math.nan
 
 
-def build(card: File, scene: Any) -> tuple[Array, Array, int]:
+def build(card: File, scene: Scene) -> tuple[Array, Array, int]:
     """Breakpoints (n,), coefficients (n - 1, 4) and the code of extrapolation."""
     x, y = np.array(read_columns(card.file, card.columns)).T
     x = x * _factor(card.x_unit)

@@ -21,6 +21,7 @@ from pydantic import ValidationInfo, model_validator
 from crashsolve.curves._card import EXTRAPOLATE, CurveCard, check_axis
 from crashsolve.curves._derivatives import Jet, with_derivative
 from crashsolve.curves._piecewise import Array, hermite
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import word
 from crashsolve.deck.diagnostics import refuse
 from crashsolve.deck.numbers import Context, number_in
@@ -164,7 +165,7 @@ def _refuse_jump(
         )
 
 
-def build(card: Formula, scene: Any) -> tuple[Array, Array, int]:
+def build(card: Formula, scene: Scene) -> tuple[Array, Array, int]:
     """Breakpoints (n,), coefficients (n - 1, 4) and the code of extrapolation."""
     x, y, slopes, tolerance = sample(card)
     if tolerance > TOLERANCE:

@@ -12,13 +12,14 @@ Reference: ISO 8608, Mechanical vibration, road surface profiles; the classes, t
 range of n are from memory, not read in it.
 """
 
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from pydantic import model_validator
 
 from crashsolve.curves._card import EXTRAPOLATE, CurveCard
 from crashsolve.curves._piecewise import Array, hermite
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import quantity, word
 
 # G_0 [m^3] at n_0 [1/m]: geometric means of the classes
@@ -29,7 +30,7 @@ CUBICS, MOST = 16, 450_000
 
 
 class Iso8608(CurveCard):
-    """Road profile of a class of ISO 8608, height over the way along the road."""
+    """Road profile of a class of ISO 8608, height over the distance along the road."""
 
     grade: Literal["A", "B", "C", "D", "E", "F", "G", "H"] | None = word(
         "class of the road: A is very good, each next one four times as rough", None
@@ -77,7 +78,7 @@ def waves(card: Iso8608) -> tuple[Array, Array, Array]:
     return n, np.sqrt(2.0 * G_0 * (n / N_0) ** -card.exponent / card.length), phases
 
 
-def build(card: Iso8608, scene: Any) -> tuple[Array, Array, int]:
+def build(card: Iso8608, scene: Scene) -> tuple[Array, Array, int]:
     """Breakpoints (n,), coefficients (n - 1, 4) and the code of extrapolation."""
     if card.length * card.n_min < 1.0 - 1e-9:
         scene.warnings.append(

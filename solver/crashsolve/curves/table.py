@@ -15,6 +15,7 @@ from pydantic import ValidationInfo, model_validator
 from crashsolve.channels.units import Unit, describe
 from crashsolve.curves._card import EXTRAPOLATE, Points, PointsCard, check_axis, check_order
 from crashsolve.curves._piecewise import Array, coefficients
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import word
 from crashsolve.deck.diagnostics import refuse
 from crashsolve.deck.numbers import Context, SiFloat, number_in, unit_named
@@ -74,7 +75,7 @@ def _column(
     return column, unit
 
 
-def build(card: Table, scene: Any) -> tuple[Array, Array, int]:
+def build(card: Table, scene: Scene) -> tuple[Array, Array, int]:
     """Breakpoints (n,), coefficients (n - 1, 4) and the code of extrapolation."""
     x, y = np.array(card.points).T
     return x, coefficients(x, y, card.interpolation), EXTRAPOLATE[card.extrapolate]

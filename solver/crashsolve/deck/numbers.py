@@ -36,7 +36,7 @@ class SiFloat(float):
         self.unit = unit and Unit(1.0, unit.exponents)
         return self
 
-    def __getnewargs__(self) -> tuple[float, Unit | None]:
+    def __getnewargs__(self) -> tuple[float, Unit | None]:  # type: ignore[override]
         """What copies are made of."""
         return float(self), self.unit
 

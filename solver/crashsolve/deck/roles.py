@@ -7,11 +7,13 @@ law that lacks something, the contract tests and ADDING.md all read these classe
 
 from typing import Any, Protocol
 
+from crashsolve.deck.building import Scene
+
 
 class Built(Protocol):
     """Every law: its card becomes one row of PARAMETERS."""
 
-    def build(self, card: Any, scene: Any) -> Any:
+    def build(self, card: Any, scene: Scene) -> Any:
         """Words into symbols, names into indices: one row of PARAMETERS."""
 
 
@@ -123,7 +125,7 @@ class Branches(Protocol):
 class NormalLaw(Protocol):
     """A law of the normal force of contact."""
 
-    def build(self, card: Any, scene: Any, pair: Any) -> Any:
+    def build(self, card: Any, scene: Scene, pair: Any) -> Any:
         """Words into symbols; `pair` states the radii of both surfaces."""
 
     def normal_force(self, p, old, new, h, depth, rate, mass, curves):
@@ -142,7 +144,7 @@ class NormalLaw(Protocol):
 class FrictionLaw(Protocol):
     """A law of friction of contact."""
 
-    def build(self, card: Any, scene: Any) -> Any:
+    def build(self, card: Any, scene: Scene) -> Any:
         """Words into symbols."""
 
     def friction_force(self, p, old, new, slide, curves):
@@ -179,7 +181,7 @@ class GapRoutine(Protocol):
 class Shape(Protocol):
     """A shape that a surface may have: the elements that gap routines take."""
 
-    def build(self, card: Any, scene: Any) -> Any:
+    def build(self, card: Any, scene: Scene) -> Any:
         """A list of elements, each a row of PARAMETERS."""
 
     def curvature_radius(self, card: Any) -> float | None:
@@ -189,7 +191,7 @@ class Shape(Protocol):
 class PointForce(Protocol):
     """A load on the points of parts that keep their elements in blocks."""
 
-    def members(self, card: Any, scene: Any) -> Any:
+    def members(self, card: Any, scene: Scene) -> Any:
         """Points that an entry acts on (n,); without it those of all parts."""
 
     def force_on_points(self, p, old, new, out, t, h, nodes, curves, scene, members=None):

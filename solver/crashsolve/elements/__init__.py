@@ -1,1 +1,1 @@
-"""What an element is: strains, stresses, forces, tangents and energies; sets of them are parts."""
+"""Elements: strains, forces, tangents and energies of one; neither cards of parts nor materials."""

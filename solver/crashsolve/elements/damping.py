@@ -16,6 +16,7 @@ References: von Neumann and Richtmyer (1950), Journal of Applied Physics 21, 232
 
 from typing import Any
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, quantity, word
 from crashsolve.foundation.columns import matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
@@ -50,7 +51,7 @@ class Damped(Card):
     mass_scaling: MassScaling | None = word("adds mass, and says how much", default=None)
 
 
-def coefficients(card: Damped, scene: Any) -> tuple[float, float]:
+def coefficients(card: Damped, scene: Scene) -> tuple[float, float]:
     """b_1 and b_2^2 [1] of the bulk viscosity; 0 without."""
     if card.viscosity is None:
         return 0.0, 0.0
@@ -61,7 +62,7 @@ def coefficients(card: Damped, scene: Any) -> tuple[float, float]:
     return card.viscosity.linear, card.viscosity.quadratic**2
 
 
-def heavier(card: Damped, squares: Any, scene: Any) -> Any:
+def heavier(card: Damped, squares: Any, scene: Scene) -> Any:
     """Factors of the mass of elements with these squares of their highest frequency [1/s^2]."""
     if card.mass_scaling is None:
         return 0.0 * squares + 1.0
@@ -69,7 +70,7 @@ def heavier(card: Damped, squares: Any, scene: Any) -> Any:
     return (squares / wanted).clip(min=1.0)
 
 
-def report_added(card: Damped, mass: Any, factor: Any, scene: Any) -> None:
+def report_added(card: Damped, mass: Any, factor: Any, scene: Scene) -> None:
     """Report to the user how much mass has been added, or refuse it. `mass` is that of the
     elements.
     """

@@ -1,1 +1,1 @@
-"""Errors of the watched numbers of one run, from cheaper runs in memory; no new deck."""
+"""Errors of the watched numbers of one run, from cheaper runs in memory; no runs that are kept."""

@@ -2,7 +2,8 @@
 
     two coarser runs    error = |x1 - x2| / ((h2/h1)^p - 1), the observed order p as in a study;
                         at least a quarter of what |x2 - x4| says with the method's order,
-                        and all of it where p is none, or greater than any order of the method
+                        all of it where p is none; more where p is greater than any order of the
+                        method: as many times as the last difference is too small, up to four
     one coarser run     the same with the method's order
     one finer run       error = |x1 - xf| / (1 - (hf/h1)^2), enough for any order from 2 on
     samples             refined - plain, added with its sign where that of the rest is known
@@ -40,6 +41,10 @@ SAME = 1.15
 # a lucky small last difference does not make the error smaller than this share of what the
 # difference before it says
 CHANCE_MARGIN = 0.25
+# an order that the method cannot have is a last difference small by chance: of 15 impacts of a few
+# steps each, errors of orders beyond 4 in place of 2 were up to four times what the difference
+# before says
+IMPOSSIBLE = 4.0
 # errors of opposite sign never cancel to less than this share of the two
 REST = 0.1
 EXTREMES = ("argmax", "argmin")
@@ -208,12 +213,20 @@ class Judge:
         signed = float((values[-1] - found.value)[0]) if len(values[-1]) == 1 else None
         if found.stalls is None and self.order:
             a, b, c = (step**self.order for step in steps)
-            # an order that the method cannot have, or none, is a last difference small by chance
-            share = CHANCE_MARGIN if found.order <= self.order + NEAR else 1.0
-            least = share * apart[0] * c / (a - b)
+            least = _margin(found, self.order) * apart[0] * c / (a - b)
             if least > size:
                 size, signed = least, None
         return _Steps(size, signed if found.is_extrapolated else None, how)
+
+
+def _margin(found: Convergence, order: float) -> float:
+    """Share of what the difference before the last says that an error has at least."""
+    if found.order <= order + NEAR:
+        return CHANCE_MARGIN
+    # where the last difference is round-off, the one before states no chance
+    if found.has_floor or not np.isfinite(found.order):
+        return 1.0
+    return float(min(2.0 ** (found.order - order), IMPOSSIBLE))
 
 
 def _of_largest(steps: Sequence[float], values: Sequence[np.ndarray]) -> _Steps:

@@ -18,12 +18,13 @@ def call_step(step, number, flag, tables):
 
 def copy_bytes(target, source, count):
     """Copy so many bytes between pieces of memory that do not overlap."""
-    ctypes.memmove(target, source, count)
+    # plain Python has numbers of numpy here
+    ctypes.memmove(int(target), int(source), int(count))
 
 
 def number_at(address):
     """The floating point number that lies there."""
-    return ctypes.c_double.from_address(address).value
+    return ctypes.c_double.from_address(int(address)).value
 
 
 def ticks():

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.foundation.curve import LINEAR
 
 # slopes that differ by less than this share are the same
@@ -41,7 +42,7 @@ class Backbone:
         return self.x, np.stack([self.y[:-1], slope, zero, zero], axis=1), self.beyond
 
 
-def backbone(points: Any, stiffness: float | None, word: str, scene: Any) -> Backbone:
+def backbone(points: Any, stiffness: float | None, word: str, scene: Scene) -> Backbone:
     """The backbone of a curve M(theta); `stiffness` None takes its first slope."""
     angle, moment = _chords(points)
     if angle[0] != 0.0 or moment[0] != 0.0:
@@ -76,7 +77,7 @@ def backbone(points: Any, stiffness: float | None, word: str, scene: Any) -> Bac
 
 
 def _plastic(
-    angle: np.ndarray, moment: np.ndarray, k: float, beyond: int, word: str, scene: Any
+    angle: np.ndarray, moment: np.ndarray, k: float, beyond: int, word: str, scene: Scene
 ) -> Backbone:
     """The same over the plastic angle."""
     slopes = np.diff(moment) / np.diff(angle)
@@ -97,7 +98,7 @@ def _plastic(
     return Backbone(k, x, moment, beyond, limit=float(moment[0]))
 
 
-def over_work(found: Backbone, word: str, scene: Any) -> Backbone:
+def over_work(found: Backbone, word: str, scene: Scene) -> Backbone:
     """Squares of the yield moments over plastic work W: dW = y dx, so that y^2 stays straight."""
     least = float(found.y.min() / found.y.max())
     if least < LEAST:
@@ -111,7 +112,7 @@ def over_work(found: Backbone, word: str, scene: Any) -> Backbone:
     return Backbone(found.stiffness, x, found.y**2, found.beyond, limit=found.limit)
 
 
-def refuse_kinematic(found: Backbone, word: str, scene: Any) -> None:
+def refuse_kinematic(found: Backbone, word: str, scene: Scene) -> None:
     """A range that moves needs a width, and a middle that moves along with the deformation."""
     if found.limit <= 0.0:
         raise scene.fail(

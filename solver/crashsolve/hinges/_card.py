@@ -5,6 +5,7 @@ from typing import Any, ClassVar, Literal, NamedTuple
 import numpy as np
 from pydantic import model_validator
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, CurveName, MaterialName, SectionName, quantity, word
 from crashsolve.hinges._backbone import Backbone, backbone, over_work, refuse_kinematic
 from crashsolve.hinges._law import ISOTROPIC, KINEMATIC, PEAK_ORIENTED
@@ -204,7 +205,7 @@ class Motion(NamedTuple):
 
 
 def backbones(
-    motions: tuple[Motion, ...], card: Any, built: dict[str, Any], scene: Any
+    motions: tuple[Motion, ...], card: Any, built: dict[str, Any], scene: Scene
 ) -> dict[str, Backbone]:
     """Yield moments over plastic angles, by the fields of a card that name curves."""
     found: dict[str, Backbone] = {}
@@ -222,7 +223,7 @@ def backbones(
 
 
 def pair_backbones(
-    motions: tuple[Motion, ...], card: Any, built: dict[str, Any], scene: Any
+    motions: tuple[Motion, ...], card: Any, built: dict[str, Any], scene: Scene
 ) -> dict[str, Any]:
     """The same of two motions; on one ellipse, squares of the yield moments over plastic work."""
     if card.interaction == "uncoupled":
@@ -241,7 +242,7 @@ def pair_backbones(
     }
 
 
-def _points(source: Any, field: str, built: dict[str, Any], scene: Any) -> Any:
+def _points(source: Any, field: str, built: dict[str, Any], scene: Scene) -> Any:
     """Breakpoints, coefficients and the code of extrapolation."""
     if source.name is not None:
         if source.name not in built:
@@ -252,9 +253,9 @@ def _points(source: Any, field: str, built: dict[str, Any], scene: Any) -> Any:
     return axial_curve(source, field, built, scene)
 
 
-def law(card: Any, motions: tuple[Motion, ...], scene: Any) -> dict[str, Any]:
+def law(card: Any, motions: tuple[Motion, ...], scene: Scene) -> dict[str, Any]:
     """Columns of LAW."""
-    found = scene.backbones[id(card)]
+    found = scene.own_backbones()
     # a second direction without a curve has the first one's
     found = {motion.curve: found[motions[0].curve] for motion in motions} | found
     stiffness, curves = np.zeros(2), np.zeros(4, np.int64)
@@ -300,7 +301,7 @@ def _refuse_start(
     moments: np.ndarray,
     limits: np.ndarray,
     failure: np.ndarray,
-    scene: Any,
+    scene: Scene,
 ) -> None:
     """Raise DeckErrors where a hinge begins beyond yield, or has failed."""
     for begins, limit in zip(moments, limits, strict=True):

@@ -37,6 +37,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.foundation.curve import REFUSE
 
 POISSON = 0.3
@@ -110,7 +111,7 @@ def fold_moment(angle: float, a: float, b: float) -> float:
 
 
 def curve(
-    card: Any, section: Any, constants: tuple[float, float, float], field: str, scene: Any
+    card: Any, section: Any, constants: tuple[float, float, float], field: str, scene: Scene
 ) -> Any:
     """M over theta: elastic, M_max, the fold until it closes; no answer beyond."""
     young, stress, stiffness = constants
@@ -146,7 +147,7 @@ def curve(
     return x, c, REFUSE
 
 
-def crush_force(section: Any, stress: float, field: str, scene: Any) -> float:
+def crush_force(section: Any, stress: float, field: str, scene: Scene) -> float:
     """P_m of a square tube [N]."""
     a, b, t = sides(section, "y", field, scene)
     if abs(a - b) > 1e-3 * a:
@@ -159,7 +160,7 @@ def crush_force(section: Any, stress: float, field: str, scene: Any) -> float:
     return 52.22 * 0.25 * stress * t * t * (width / t) ** (1.0 / 3.0)
 
 
-def sides(section: Any, about: str, field: str, scene: Any) -> tuple[float, float, float]:
+def sides(section: Any, about: str, field: str, scene: Scene) -> tuple[float, float, float]:
     """Compressed flange, depth and wall of a rectangular tube [m]."""
     if type(section).__name__ != "RectangularTube":
         raise scene.fail("collapse by folding is that of a rectangular_tube; name one", field)

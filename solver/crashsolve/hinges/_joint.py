@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.joints._card import direction
@@ -23,7 +24,7 @@ def at_start(p: Any, speed: float) -> dict[str, Any]:
     return {"x": -p["initial"], "latch": -1.0, "factor": 1.0, "speed": abs(speed)}
 
 
-def across(card: Any, field: str, scene: Any) -> np.ndarray:
+def across(card: Any, field: str, scene: Scene) -> np.ndarray:
     """Direction in a field of the card, which must be at right angles to its axis, and made so.
 
     Raises DeckErrors where it is not.
@@ -35,7 +36,7 @@ def across(card: Any, field: str, scene: Any) -> np.ndarray:
     return np.asarray(scene.unit(found - cosine * axis, field))
 
 
-def motion_of(scene: Any, p: Any) -> tuple[np.ndarray, np.ndarray]:
+def motion_of(scene: Scene, p: Any) -> tuple[np.ndarray, np.ndarray]:
     """Velocity (3,) [m/s] of b's joint point, spin (3,) [rad/s] of b, seen from a, world axes."""
     a, b = p["node_a"], p["node_b"]
     arms = [scene.matrix(node) @ p[f"point_{side}"] for side, node in (("a", a), ("b", b))]

@@ -13,12 +13,13 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.foundation.curve import HOLD
 from crashsolve.hinges import _collapse
 from crashsolve.sections._plastic import GRID, plastic_modulus
 
 
-def material_of(card: Any, field: str, built: dict[str, Any], scene: Any) -> tuple[float, float]:
+def material_of(card: Any, field: str, built: dict[str, Any], scene: Scene) -> tuple[float, float]:
     """Young's modulus and yield stress [Pa]."""
     module, material = scene.law("materials", card.material)
     young, stress = getattr(material, "young", None), getattr(material, "yield_stress", None)
@@ -30,14 +31,14 @@ def material_of(card: Any, field: str, built: dict[str, Any], scene: Any) -> tup
     return float(young), float(stress)
 
 
-def section_of(card: Any, field: str, scene: Any) -> tuple[Any, Any, dict[str, Any]]:
+def section_of(card: Any, field: str, scene: Scene) -> tuple[Any, Any, dict[str, Any]]:
     """Module and card of the section, and its constants."""
     module, section = scene.law("sections", card.section)
     # kappa, which depends on Poisson's ratio, has no part in a hinge
     return module, section, module.build(section, 0.3)
 
 
-def squash_load(card: Any, scene: Any) -> float:
+def squash_load(card: Any, scene: Scene) -> float:
     """N_p of the section of a curve of moments [N]; infinite where it names none, or no yield."""
     if card.section is None:
         return float("inf")
@@ -47,7 +48,7 @@ def squash_load(card: Any, scene: Any) -> float:
     return float(stress) * float(section_of(card, "curve", scene)[2]["area"])
 
 
-def plastic_curve(start: float, limit: float, until: float | None, field: str, scene: Any) -> Any:
+def plastic_curve(start: float, limit: float, until: float | None, field: str, scene: Scene) -> Any:
     """From 0 to the limit at `start`, and level to `until`, 1 when absent; level beyond."""
     until = until or 1.0
     if not until > start:
@@ -58,7 +59,7 @@ def plastic_curve(start: float, limit: float, until: float | None, field: str, s
     return x, c, HOLD
 
 
-def bending_curve(card: Any, field: str, built: dict[str, Any], scene: Any) -> Any:
+def bending_curve(card: Any, field: str, built: dict[str, Any], scene: Scene) -> Any:
     """Moment over angle of a section: breakpoints, coefficients, the code of extrapolation."""
     young, stress = material_of(card, field, built, scene)
     module, section, constants = section_of(card, field, scene)
@@ -74,7 +75,9 @@ def bending_curve(card: Any, field: str, built: dict[str, Any], scene: Any) -> A
     return plastic_curve(limit / stiffness, limit, card.until, field, scene)
 
 
-def given_curve(card: Any, stiffness: float, field: str, built: dict[str, Any], scene: Any) -> Any:
+def given_curve(
+    card: Any, stiffness: float, field: str, built: dict[str, Any], scene: Scene
+) -> Any:
     """M over theta = x + M / k of points M over x: breakpoints, coefficients, extrapolation."""
     if card.plastic_curve not in built:
         raise scene.fail(f"curve '{card.plastic_curve}' cannot be built", field)
@@ -99,7 +102,7 @@ def given_curve(card: Any, stiffness: float, field: str, built: dict[str, Any], 
     return angle, rows, beyond
 
 
-def axial_curve(card: Any, field: str, built: dict[str, Any], scene: Any) -> Any:
+def axial_curve(card: Any, field: str, built: dict[str, Any], scene: Scene) -> Any:
     """Force over change of length of a section, the same."""
     young, stress = material_of(card, field, built, scene)
     _, section, constants = section_of(card, field, scene)

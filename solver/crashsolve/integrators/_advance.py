@@ -10,13 +10,14 @@ from crashsolve.integrators.rattle import finish, prepare_sample, take_step
 from crashsolve.model.clock import CURVE_END, PAUSED, REACHED, REBUILD, RUNNING, TOUCHED
 from crashsolve.system.contact.effective_mass import has_unweighed
 from crashsolve.system.energy import check, check_contacts
-from crashsolve.system.loops.energy import energy
+from crashsolve.system.loops.energy import check_laws, energy
 from crashsolve.system.loops.events import need_rebuild
 from crashsolve.system.placeholders import (
     CONTACTS,
     COUNTS_ROTATIONS,
     LOOKS_AHEAD,
     NODAL,
+    WATCHED,
     WEIGHED,
 )
 from crashsolve.system.timestep import count_rotations
@@ -49,6 +50,8 @@ def advance(until, sampling, scene):
             check(clock, control, nodes, ledger)
             if CONTACTS or NODAL:
                 check_contacts(clock, control, nodes, scene)
+            if WATCHED:
+                check_laws(clock, control, nodes, scene)
         if sampling:
             return
         if COUNTS_ROTATIONS:

@@ -133,19 +133,12 @@ def set_positions(h, clock, nodes, rows, saddle, scene):
         scatter_trial(rows, nodes)
     previous, renewed = 1e300, False
     for iteration in range(POSITION_ITERATIONS):
-        kick_off(nodes, h)
-        if JOINTS:
-            kick_half_by_joints(nodes, 0.5 * h)
-        if UNILATERAL:
-            impulses_of_first_half(h, clock, control, nodes, scene)
-        drift(nodes, h)
+        kick_and_drift(h, clock, control, nodes, scene)
         if not JOINTS:
             break
         residual(clock.current, clock.time + h, nodes, rows, scene.curves, scene)
         worst, row = worst_residual(rows)
-        tolerance = control.constraint_tolerance
-        # a decimal better than asked, or as good as asked and stalled at round-off
-        if worst <= 0.1 * tolerance or (worst <= tolerance and worst > 0.5 * previous):
+        if is_closed(worst, previous, control):
             clock.residual = max(clock.residual, worst)
             break
         if not worst < 1e3 or iteration == POSITION_ITERATIONS - 1:
@@ -159,13 +152,7 @@ def set_positions(h, clock, nodes, rows, saddle, scene):
         # past a singular configuration it points the wrong way: begin anew along D of the end
         anew = worst > 0.5 * previous and not renewed
         if anew or (iteration >= 3 and worst > 0.1 * previous):
-            if anew:
-                clear_trial(rows, nodes)
-                kick_off(nodes, h)
-                drift(nodes, h)
-            refresh(nodes)
-            jacobian(clock.current, clock.time + h, nodes, rows, scene.curves, scene)
-            factor_constraints(rows, saddle, nodes)
+            factor_at_the_end(anew, h, clock, nodes, rows, saddle, scene)
             if anew:
                 renewed, previous = True, 1e300
                 continue
@@ -173,6 +160,39 @@ def set_positions(h, clock, nodes, rows, saddle, scene):
         clock.iterations += 1
         solve_rows(saddle, rows, -2.0 / (h * h))
         correct_trial(rows, nodes)
+
+
+@stage
+def kick_and_drift(h, clock, control, nodes, scene):
+    """First kick, by the forces of joints that are being tried, and drift. Writes: nodes."""
+    kick_off(nodes, h)
+    if JOINTS:
+        kick_half_by_joints(nodes, 0.5 * h)
+    if UNILATERAL:
+        impulses_of_first_half(h, clock, control, nodes, scene)
+    drift(nodes, h)
+
+
+@stage
+def is_closed(worst, previous, control):
+    """Whether joints are: a decimal better than asked, or as asked and stalled at round-off."""
+    tolerance = control.constraint_tolerance
+    return worst <= 0.1 * tolerance or (worst <= tolerance and worst > 0.5 * previous)
+
+
+@stage
+def factor_at_the_end(anew, h, clock, nodes, rows, saddle, scene):
+    """Factor the constraints with D of the end; anew: of the end without forces of joints.
+
+    Writes: nodes, rows, saddle.
+    """
+    if anew:
+        clear_trial(rows, nodes)
+        kick_off(nodes, h)
+        drift(nodes, h)
+    refresh(nodes)
+    jacobian(clock.current, clock.time + h, nodes, rows, scene.curves, scene)
+    factor_constraints(rows, saddle, nodes)
 
 
 @stage

@@ -12,6 +12,7 @@ from typing import Any
 
 from pydantic import model_validator
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, CurveName, word
 from crashsolve.foundation.curve import curve_area, curve_moment, curve_value
 from crashsolve.foundation.kernels import kernel
@@ -63,7 +64,7 @@ class DrivenCard(Card):
 
 
 def motion(
-    card: DrivenCard, scene: Any, coordinate: float, rate: float, tolerance: float
+    card: DrivenCard, scene: Scene, coordinate: float, rate: float, tolerance: float
 ) -> dict[str, Any]:
     """Columns of MOTION, so that the coordinate begins as the model stands, and a velocity too.
 
@@ -89,7 +90,7 @@ def motion(
     }
 
 
-def start_values(card: DrivenCard, scene: Any) -> tuple[int, tuple[float, float, float]]:
+def start_values(card: DrivenCard, scene: Scene) -> tuple[int, tuple[float, float, float]]:
     """First point of the curve; its value, integral and integral of that when the run starts."""
     name = getattr(card, card.field)
     first, points, t = scene.curve(name), scene.curve_points, scene.deck.control.start_time

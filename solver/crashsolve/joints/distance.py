@@ -8,6 +8,7 @@ a particle on a rod is a pendulum.
 
 from typing import Any
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import point_velocity
@@ -34,7 +35,7 @@ class Distance(Card):
     )
 
 
-def build(card: Distance, scene: Any) -> dict[str, Any]:
+def build(card: Distance, scene: Scene) -> dict[str, Any]:
     ends = scene.attachments(card)
     start = scene.distance(ends)
     allowed = scene.deck.control.constraint_tolerance * scene.size

@@ -9,6 +9,7 @@ theta_1_ddot = T / (J_1 + ratio^2 J_2).
 
 from typing import Any
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, JointName, quantity, word
 from crashsolve.foundation.angles import FULL_TURN, angle_about, angle_jacobian_rate, counted
 from crashsolve.foundation.kernels import kernel
@@ -45,7 +46,7 @@ class Gear(Card):
     )
 
 
-def build(card: Gear, scene: Any) -> dict[str, Any]:
+def build(card: Gear, scene: Scene) -> dict[str, Any]:
     if card.first == card.second:
         raise scene.fail("couples a joint with itself; name another", "second")
     if card.ratio == 0.0:

@@ -10,6 +10,7 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import BodyName, Vec3, quantity, word
 from crashsolve.foundation.record import Record
 from crashsolve.joints._card import POINTS, direction
@@ -59,7 +60,7 @@ class PointDriver(DrivenCard):
     )
 
 
-def build(card: PointDriver, scene: Any) -> dict[str, Any]:
+def build(card: PointDriver, scene: Scene) -> dict[str, Any]:
     node = scene.node(card.body)
     if node == 0:
         raise scene.fail("the ground cannot be moved; name another body", "body")
@@ -76,7 +77,7 @@ def build(card: PointDriver, scene: Any) -> dict[str, Any]:
     return motion(card, scene, start, slide_rate(frame, scene), tolerance) | frame
 
 
-def _point(card: PointDriver, scene: Any, node: int) -> np.ndarray:
+def _point(card: PointDriver, scene: Scene, node: int) -> np.ndarray:
     """Where the point is at the start, in the world [m]."""
     if card.at is None:
         found: np.ndarray = scene.world_point(node, (0.0, 0.0, 0.0))

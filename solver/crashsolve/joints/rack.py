@@ -8,6 +8,7 @@ turns a pinion of inertia J accelerates with m g / (m + J / R^2).
 
 from typing import Any
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, JointName, quantity, word
 from crashsolve.foundation.angles import FULL_TURN, angle_about, angle_jacobian_rate, counted
 from crashsolve.foundation.kernels import kernel
@@ -42,10 +43,12 @@ class Rack(Card):
 
     pinion: JointName = word("joint of the pinion, which has an angle: revolute, ...")
     rack: JointName = word("joint of the rack, which has a travel: prismatic, ...")
-    radius: float = quantity("m", "pitch radius; negative when the rack moves the other way")
+    radius: float = quantity(
+        "m", "pitch radius; negative when the rack moves in the opposite direction"
+    )
 
 
-def build(card: Rack, scene: Any) -> dict[str, Any]:
+def build(card: Rack, scene: Scene) -> dict[str, Any]:
     if card.radius == 0.0:
         raise scene.fail("must not be 0", "radius")
     one = named_frame(scene, "pinion", card.pinion, "angle")

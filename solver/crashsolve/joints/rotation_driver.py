@@ -8,6 +8,7 @@ needs the torque J alpha, and the driver's work is its kinetic energy.
 
 from typing import Any, ClassVar
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import JointName, word
 from crashsolve.foundation.angles import angle_about, angle_jacobian_rate, counted
 from crashsolve.foundation.kernels import kernel
@@ -46,7 +47,7 @@ class RotationDriver(DrivenCard):
     joint: JointName = word("joint that has an angle: revolute, cylindrical, ...")
 
 
-def build(card: RotationDriver, scene: Any) -> dict[str, Any]:
+def build(card: RotationDriver, scene: Scene) -> dict[str, Any]:
     frame = named_frame(scene, "joint", card.joint, "angle")
     columns = frame | motion(
         card, scene, 0.0, turn_rate(frame, scene), scene.deck.control.constraint_tolerance
@@ -54,7 +55,7 @@ def build(card: RotationDriver, scene: Any) -> dict[str, Any]:
     return PARAMETERS.taken_from(columns)
 
 
-def turn_rate(frame: dict[str, Any], scene: Any) -> float:
+def turn_rate(frame: dict[str, Any], scene: Scene) -> float:
     """Rate of the angle at the start [rad/s]."""
     a, b = frame["node_a"], frame["node_b"]
     return float(scene.matrix(a) @ frame["axis_a"] @ (scene.w[b] - scene.w[a]))

@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import JointName, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
@@ -42,14 +43,14 @@ class TranslationDriver(DrivenCard):
     joint: JointName = word("joint that has a travel: prismatic, cylindrical, ...")
 
 
-def build(card: TranslationDriver, scene: Any) -> dict[str, Any]:
+def build(card: TranslationDriver, scene: Scene) -> dict[str, Any]:
     frame = named_frame(scene, "joint", card.joint, "travel")
     tolerance = scene.deck.control.constraint_tolerance * scene.size
     columns = frame | motion(card, scene, 0.0, slide_rate(frame, scene), tolerance)
     return PARAMETERS.taken_from(columns)
 
 
-def slide_rate(frame: dict[str, Any], scene: Any) -> float:
+def slide_rate(frame: dict[str, Any], scene: Scene) -> float:
     """Rate of the travel at the start [m/s]."""
     (a, A), (b, B) = ((frame[n], scene.matrix(frame[n])) for n in ("node_a", "node_b"))
     s_a, s_b = A @ frame["point_a"], B @ frame["point_b"]

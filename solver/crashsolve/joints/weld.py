@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.joints._card import FRAME, JointCard
 from crashsolve.joints.basic import parallel, point, rows_of, square
 
@@ -22,7 +23,7 @@ class Weld(JointCard):
     """Fixes b to a; the reaction is reported at `at`."""
 
 
-def build(card: Weld, scene: Any) -> dict[str, Any]:
+def build(card: Weld, scene: Scene) -> dict[str, Any]:
     frame = dict(scene.joint_frame(card))
     for name, u in zip(("axis", "side", "third"), np.eye(3), strict=True):
         frame[f"{name}_a"] = scene.rotation_to_body(frame["node_a"], u)

@@ -9,6 +9,7 @@ wheel J_w takes T n / (J_w + n^2 J_e) from the torque T on the flywheel.
 
 from typing import Any, ClassVar
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, CurveName, JointName, quantity, word
 from crashsolve.foundation.angles import angle_gradient
 from crashsolve.foundation.curve import curve_value
@@ -46,7 +47,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: DriveTorque, scene: Any) -> dict[str, Any]:
+def build(card: DriveTorque, scene: Scene) -> dict[str, Any]:
     scene.refuse_joint(card.joint, ("angle",), "joint")
     frame = scene.joints[card.joint].frame
     return {

@@ -12,6 +12,7 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, CurveName, PartName, SetName, Vec3, quantity, word
 from crashsolve.foundation.columns import add_to
 from crashsolve.foundation.curve import curve_value
@@ -46,7 +47,7 @@ HISTORY = Record("factor  1  phi at the last step")
 OUTPUT = Record("force  N  3  total, world axes")
 
 
-def build(card: NodalForce, scene: Any) -> dict[str, Any]:
+def build(card: NodalForce, scene: Scene) -> dict[str, Any]:
     meshed, _, _ = scene.skin(card.part, "part")
     own = meshed.set_of(card.nodes, "nodes", scene)
     return {
@@ -56,7 +57,7 @@ def build(card: NodalForce, scene: Any) -> dict[str, Any]:
     }
 
 
-def members(card: NodalForce, scene: Any) -> np.ndarray:
+def members(card: NodalForce, scene: Scene) -> np.ndarray:
     """The points (n,) it acts on."""
     meshed, _, first = scene.skin(card.part, "part")
     points: np.ndarray = first + meshed.set_of(card.nodes, "nodes", scene)

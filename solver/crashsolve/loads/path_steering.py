@@ -20,6 +20,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import BodyName, Card, CurveName, JointName, Vec3, quantity, word
 from crashsolve.foundation.angles import angle_about, angle_gradient, counted
 from crashsolve.foundation.curve import curve_value
@@ -108,7 +109,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: PathSteering, scene: Any) -> dict[str, Any]:
+def build(card: PathSteering, scene: Scene) -> dict[str, Any]:
     scene.refuse_joint(card.joint, ("travel", "angle"), "joint")
     if card.ratio == 0.0:
         raise scene.fail("must not be 0: he would never steer", "ratio")

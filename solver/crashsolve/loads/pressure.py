@@ -8,6 +8,7 @@ Consequence to test: a flat plate takes p A in all, and a closed body nothing.
 
 from typing import Any, ClassVar, NamedTuple
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, CurveName, PartName, quantity, word
 from crashsolve.foundation.columns import add_to
 from crashsolve.foundation.curve import curve_value
@@ -46,7 +47,7 @@ FORCE, TOTAL, MOMENT, WORK = (3 * NEXT + k for k in (0, 3, 6, 9))
 EMPTY = FORCE + NEXT + 3
 
 
-def build(card: Pressure, scene: Any) -> dict[str, Any]:
+def build(card: Pressure, scene: Scene) -> dict[str, Any]:
     if scene.can_fail(card.part):
         message = (
             f"the elements of '{card.part}' may be deleted (failure_strain): load its nodes instead"

@@ -7,6 +7,7 @@ Consequence to test: a disc of inertia J under constant T about its axis turns b
 
 from typing import Any
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Vec3, quantity
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import apply_external
@@ -28,7 +29,7 @@ HISTORY = Record()
 OUTPUT = Record("torque  N m  3  world axes")
 
 
-def build(card: Torque, scene: Any) -> dict[str, Any]:
+def build(card: Torque, scene: Scene) -> dict[str, Any]:
     return body_load(card, card.torque, scene)
 
 

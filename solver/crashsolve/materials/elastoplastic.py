@@ -16,6 +16,7 @@ from typing import Any, ClassVar
 import numpy as np
 from pydantic import model_validator
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import CurveName, quantity, word
 from crashsolve.foundation.curve import curve_line, curve_value
 from crashsolve.foundation.kernels import inlined
@@ -54,13 +55,13 @@ PARAMETERS = _von_mises.PARAMETERS + Record("""
     rate_D        1/s    D of Cowper and Symonds; 0 for none
     rate_q        1      q of Cowper and Symonds
 """)
-LAYER, FIBRE = _von_mises.LAYER, _von_mises.FIBRE
+LAYER, FIBRE, SOLID = _von_mises.LAYER, _von_mises.FIBRE, _von_mises.SOLID
 VON_MISES = DISSIPATES = True
 LARGE_STRAIN = SMOOTH = HEATS = False
 LINE_ROWS = 3
 
 
-def build(card: Elastoplastic, scene: Any) -> dict[str, Any]:
+def build(card: Elastoplastic, scene: Scene) -> dict[str, Any]:
     kinematic = card.kinematic * card.hardening
     return _von_mises.build(card, scene, kinematic, card.rate_D is not None) | {
         "yield_stress": card.yield_stress or 0.0,
@@ -77,7 +78,7 @@ def layer_rows(card: Elastoplastic) -> int:
     return int(LAYER.SIZE if moves else LAYER.alpha) + LINE_ROWS * (card.curve is not None)
 
 
-def initial_layer(card: Elastoplastic, scene: Any) -> np.ndarray:
+def initial_layer(card: Elastoplastic, scene: Scene) -> np.ndarray:
     found = np.zeros(layer_rows(card))
     if card.curve is not None:
         points = as_rows(scene.curve_points)
@@ -87,6 +88,7 @@ def initial_layer(card: Elastoplastic, scene: Any) -> np.ndarray:
 
 stored, plastic_strain = elastic.stored, _von_mises.plastic_strain
 update, energy = elastic.update, elastic.energy
+solid, solid_energy = _von_mises.solid, elastic.solid_energy
 
 
 @inlined

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.kernels import inlined
 from crashsolve.foundation.record import Record
@@ -48,14 +49,14 @@ PARAMETERS = _von_mises.PARAMETERS + Record("""
     rate_0        1/s  rate above which C counts
     softening     1    m
 """)
-LAYER, FIBRE = _von_mises.LAYER, _von_mises.HEATED_FIBRE
+LAYER, FIBRE, SOLID = _von_mises.LAYER, _von_mises.HEATED_FIBRE, _von_mises.SOLID
 VON_MISES = DISSIPATES = SMOOTH = HEATS = True
 LARGE_STRAIN = False
 # share of its strength that a molten layer keeps
 MOLTEN = 1e-6
 
 
-def build(card: JohnsonCook, scene: Any) -> dict[str, Any]:
+def build(card: JohnsonCook, scene: Scene) -> dict[str, Any]:
     heated = card.heat_share / (card.density * card.melting_heat) if card.melting_heat else 0.0
     return _von_mises.build(card, scene, 0.0, card.rate > 0.0, heated) | {
         "yield_stress": card.yield_stress,
@@ -71,12 +72,13 @@ def layer_rows(card: JohnsonCook) -> int:
     return int(LAYER.alpha) + (card.melting_heat is not None)
 
 
-def initial_layer(card: JohnsonCook, scene: Any) -> np.ndarray:
+def initial_layer(card: JohnsonCook, scene: Scene) -> np.ndarray:
     return np.zeros(layer_rows(card))
 
 
 stored, plastic_strain = elastic.stored, _von_mises.plastic_strain
 update, energy = elastic.update, elastic.energy
+solid, solid_energy = _von_mises.solid, elastic.solid_energy
 
 
 @inlined

@@ -3,10 +3,9 @@
 Consequence to test: the area is 2 (a b + b c + c a), and a pressure all round has no resultant.
 """
 
-from typing import Any
-
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, Vec3, quantity, word
 from crashsolve.meshes._mesh import Mesh, net, welded
 
@@ -25,7 +24,7 @@ class Box(Card):
         return 2 * (x * y + y * z + z * x)
 
 
-def build(card: Box, scene: Any) -> Mesh:
+def build(card: Box, scene: Scene) -> Mesh:
     points: list[np.ndarray] = []
     quads: list[np.ndarray] = []
     for k in range(3):

@@ -6,10 +6,10 @@ Consequence to test: corners lie on the cylinder; the area tends to angle R leng
 """
 
 from math import pi
-from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, Vec3, quantity, word
 from crashsolve.foundation.orientation import perpendicular
 from crashsolve.meshes._mesh import Mesh, net
@@ -32,7 +32,7 @@ class Cylinder(Card):
         return self.elements[0] * self.elements[1]
 
 
-def build(card: Cylinder, scene: Any) -> Mesh:
+def build(card: Cylinder, scene: Scene) -> Mesh:
     if card.angle > 2 * pi * (1.0 + 1e-12):
         raise scene.fail("is more than a whole turn", "mesh.angle")
     axis = scene.unit(card.axis, "mesh.axis")

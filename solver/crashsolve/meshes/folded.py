@@ -5,10 +5,9 @@
 Consequence to test: the area is the length of the line times that of the vector.
 """
 
-from typing import Any
-
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, Vec3, quantity, word
 from crashsolve.meshes._mesh import Mesh
 
@@ -26,7 +25,7 @@ class Folded(Card):
         return sum(self.elements[:-1]) * self.elements[-1] if self.elements else 0
 
 
-def build(card: Folded, scene: Any) -> Mesh:
+def build(card: Folded, scene: Scene) -> Mesh:
     line, pieces = np.asarray(card.line, float).reshape(-1, 3), card.elements[:-1]
     if len(line) < 2 or len(card.elements) != len(line):
         message = (

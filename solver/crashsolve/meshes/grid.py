@@ -6,10 +6,9 @@
 line. Consequence to test: the elements have the area |along x across| together.
 """
 
-from typing import Any
-
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, Vec3, quantity, word
 from crashsolve.meshes._mesh import Mesh, net
 
@@ -29,7 +28,7 @@ class Grid(Card):
         return self.elements[0] * self.elements[1]
 
 
-def build(card: Grid, scene: Any) -> Mesh:
+def build(card: Grid, scene: Scene) -> Mesh:
     along, across = np.asarray(card.along), np.asarray(card.across)
     if not np.linalg.norm(np.cross(along, across)) > 1e-9 * np.linalg.norm(along) * np.linalg.norm(
         across

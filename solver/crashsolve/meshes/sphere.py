@@ -3,10 +3,11 @@
 Consequence to test: all nodes lie on the sphere, and the sides of an eighth on planes of symmetry.
 """
 
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, Vec3, quantity, word
 from crashsolve.meshes._mesh import Mesh, net, welded
 
@@ -28,7 +29,7 @@ class Sphere(Card):
         return 3 * {"eighth": 1, "half": 4, "whole": 8}[self.part] * self.elements**2
 
 
-def build(card: Sphere, scene: Any) -> Mesh:
+def build(card: Sphere, scene: Scene) -> Mesh:
     points, quads = _eighth(card.elements)
     positions: list[np.ndarray] = []
     corners: list[np.ndarray] = []

@@ -9,10 +9,9 @@ tube begins to fold. Consequence to test: the area is 2 (width + height) length.
 A round tube is a whole `cylinder`.
 """
 
-from typing import Any
-
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, Vec3, quantity, word
 from crashsolve.meshes._mesh import Mesh, net
 
@@ -43,7 +42,7 @@ class Tube(Card):
         return 2 * (self.elements[0] + self.elements[1]) * self.elements[2]
 
 
-def build(card: Tube, scene: Any) -> Mesh:
+def build(card: Tube, scene: Scene) -> Mesh:
     axis, side = scene.unit(card.axis, "mesh.axis"), np.asarray(card.side, float)
     side = scene.unit(side - axis * float(axis @ side), "mesh.side")
     other, height = np.cross(axis, side), card.height or card.width

@@ -13,7 +13,6 @@ from crashsolve.foundation.curve import pack
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.foundation.point import ATTACHED, BLOCK_SUM, HOLD, blocks_of
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.sparse.saddle import plan
 from crashsolve.model import attachments
 from crashsolve.model.checks import methods
 from crashsolve.model.checks.finite import BEYOND_NUMBERS, of_model, refuse_beyond
@@ -34,6 +33,8 @@ from crashsolve.model.elements import (
     initial_points,
     tables_of_elements,
 )
+from crashsolve.model.force_columns import FORCE_HISTORY, FORCE_OUTPUT, history_of_force
+from crashsolve.model.hubs import plan_of
 from crashsolve.model.implicit.assembly import embody
 from crashsolve.model.integrator_selection import Choice, by_default, choose, resolve
 from crashsolve.model.ledger import ENTRIES
@@ -48,16 +49,6 @@ if TYPE_CHECKING:
     from crashsolve.deck.reading.deck import Deck
     from crashsolve.deck.reading.items import Entry
 
-# every law that stores or loses energy has these beside its own columns
-FORCE_HISTORY = Record("""
-    dissipated  J  energy lost so far
-    power       W  its present rate
-""")
-FORCE_OUTPUT = Record("""
-    stored  J  recoverable energy
-    power   W  rate of energy lost, or of work done by a load
-    loss    J  energy lost in this step without a rate
-""")
 # columns of loads on points, whose positions are known when all entries are
 FILLED_LATER = ("first_member", "member_count")
 # error of a step where the deck asks for nothing
@@ -102,12 +93,13 @@ def _build(deck: Deck) -> tuple[Model, State]:
     refuse_motion(deck, groups)
     scene.warnings += gyration_warnings(scene, groups, joints) + step_warnings(deck)
 
-    saddle = plan([j.rows for j in joints], [j.nodes for j in joints])
+    saddle = plan_of(joints, scene.mass)
     model = Model(
         title=deck.title,
         bodies=scene.names,
         mass=np.where(np.isin(np.arange(len(scene.mass)), list(scene.welded)), 0.0, scene.mass),
         attached_nodes=attachments.table(scene),
+        mass_centres=scene.offset,
         size=scene.size,
         integrator=deck.control.integrator,
         choice="",
@@ -204,7 +196,7 @@ def _build_curves(deck: Deck, scene: Scene) -> np.ndarray:
     for name, entry in deck.entries["hinges"].items():
         with scene.building(entry):
             own = _module(entry).curves(entry.card, built, scene)
-            scene.backbones[id(entry.card)] = own
+            scene.backbones[name] = own
             for field, backbone in own.items():
                 # no curve of a deck has a point in its name
                 backbone.name = f"{name}.{field}"
@@ -294,7 +286,8 @@ def _build_group(keyword: str, entries: list[Entry], scene: Scene) -> Group:
         parameters = parameters + Record("first_row  index  first constraint row")
     if hasattr(module, "force"):
         try:
-            history, output = history + FORCE_HISTORY, output + FORCE_OUTPUT
+            history = history + history_of_force(keyword, module, scene)
+            output = output + FORCE_OUTPUT
         except ValueError as error:
             message = f"{module.__name__}: {error}; every law of force has these of itself"
             raise FamilyError(message) from None

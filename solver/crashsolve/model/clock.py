@@ -21,7 +21,8 @@ from crashsolve.foundation.record import Record
     ROTATED,
     CONTACT_GAIN,
     TOUCHED,
-) = range(17)
+    LAW_GAIN,
+) = range(18)
 
 # of `kinked`: at a corner of a curve of time, which the next step begins behind
 CORNER = 2

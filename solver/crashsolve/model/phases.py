@@ -4,6 +4,8 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
+from crashsolve.deck.building import Scene
+
 
 @dataclass(frozen=True)
 class Phase:
@@ -15,7 +17,7 @@ class Phase:
     end: float
 
 
-def build_phases(deck: Any, scene: Any) -> list[Phase]:
+def build_phases(deck: Any, scene: Scene) -> list[Phase]:
     """Phases in the order of the deck; none where the run is one. Writes: scene.errors."""
     control, entries = deck.control, list(deck.entries["phases"].values())
     found, begun = [], control.start_time

@@ -59,6 +59,24 @@ class StateWriter:
         if clock.monotonic() >= self._index_due:
             self._write_index()
 
+    def has(self, time: float) -> bool:
+        """Whether a state is at a time [s]."""
+        return time in self.times
+
+    def insert(self, time: float, values: dict[str, dict[str, np.ndarray]]) -> None:
+        """Add a state before those of later times, whose numbers grow by one."""
+        number = int(np.searchsorted(self.times, time))
+        later, self.times = self.times[number:], self.times[:number]
+        with reported(self.folder / "states"):
+            for k in range(number + len(later), number, -1):
+                (self.folder / _state_file(k - 1)).rename(self.folder / _state_file(k))
+        self._template.write(self.folder / _state_file(number), time, values)
+        for grids in self._grids.values():
+            del grids[number:]
+        for moved in (time, *later):
+            self._add_to_index(moved)
+        self._write_index()
+
     def close(self) -> None:
         """Bring the index up to date."""
         self._write_index()

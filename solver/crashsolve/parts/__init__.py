@@ -1,4 +1,4 @@
-"""Parts: deformable bodies made of nodes and elements."""
+"""Parts: deformable bodies as sets of elements; strains and forces are in elements/."""
 
 from typing import Protocol
 

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import word
 from crashsolve.elements.beams import element, fibres, properties
 from crashsolve.elements.beams.corotational import (
@@ -68,12 +69,12 @@ class FibreBeam(beam.Beam):
     )
 
 
-def build(card: FibreBeam, scene: Any) -> list[dict[str, Any]]:
+def build(card: FibreBeam, scene: Scene) -> list[dict[str, Any]]:
     """The nodes as bodies."""
     return beam.build(card, scene)
 
 
-def elements(card: FibreBeam, nodes: list[int], scene: Any) -> list[dict[str, Any]]:
+def elements(card: FibreBeam, nodes: list[int], scene: Scene) -> list[dict[str, Any]]:
     """The elements between neighbours."""
     section, _ = properties.laws(card, scene)
     law, material_card = scene.law("materials", card.material)
@@ -85,7 +86,7 @@ def elements(card: FibreBeam, nodes: list[int], scene: Any) -> list[dict[str, An
     return [row | own for row in beam.elements(card, nodes, scene)]
 
 
-def _table(card: FibreBeam, scene: Any) -> np.ndarray:
+def _table(card: FibreBeam, scene: Scene) -> np.ndarray:
     """Fibres (y, z, A) of the section."""
     law, section = scene.law("sections", card.section)
     if not hasattr(law, "fibres"):

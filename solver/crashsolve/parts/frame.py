@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import MaterialName, SectionName, Vec3, quantity, word
 from crashsolve.elements.beams import element, properties, releases, static_tangent
 from crashsolve.elements.beams.corotational import mean_frame_of
@@ -68,7 +69,7 @@ class Frame(Damped):
         return [f"{part}_{k + 1}" for k in range(self.elements * len(self.bars))]
 
 
-def build(card: Frame, scene: Any) -> list[dict[str, Any]]:
+def build(card: Frame, scene: Scene) -> list[dict[str, Any]]:
     """The nodes as bodies."""
     _check(card, scene)
     section, material = properties.laws(card, scene)
@@ -98,7 +99,7 @@ def build(card: Frame, scene: Any) -> list[dict[str, Any]]:
     ]
 
 
-def elements(card: Frame, nodes: list[int], scene: Any) -> list[dict[str, Any]]:
+def elements(card: Frame, nodes: list[int], scene: Scene) -> list[dict[str, Any]]:
     """The elements, bar after bar."""
     section, material = properties.laws(card, scene)
     positions, chains = _mesh(card)
@@ -131,7 +132,7 @@ def _mesh(card: Frame) -> tuple[np.ndarray, list[tuple[int, int]]]:
     return np.array(positions), chains
 
 
-def _check(card: Frame, scene: Any) -> None:
+def _check(card: Frame, scene: Scene) -> None:
     """Refuses bars to points that do not exist, without length, twice; points without a bar."""
     count, seen = len(card.points), set()
     for k, bar in enumerate(card.bars, start=1):

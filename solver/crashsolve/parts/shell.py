@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.elements.damping import coefficients
 from crashsolve.elements.shells.cards import ShellCard
 from crashsolve.elements.shells.energies import moving
@@ -91,11 +92,11 @@ OUTPUT = Record("""
     deleted         count  elements deleted
 """)
 
-# thickness over width of elements, from which a shell is told to be none
+# thickness over width of elements, from which it is reported that a shell is none
 MANY = 4.0
 
 
-def discretise(card: Shell, scene: Any) -> DiscretisedShell:
+def discretise(card: Shell, scene: Scene) -> DiscretisedShell:
     """The part in place."""
     if card.layers == 1:
         scene.warn(
@@ -112,7 +113,7 @@ def discretise(card: Shell, scene: Any) -> DiscretisedShell:
     return part
 
 
-def build(card: Shell, scene: Any) -> list[dict[str, Any]]:
+def build(card: Shell, scene: Scene) -> list[dict[str, Any]]:
     """The nodes that are bodies."""
     part = scene.meshed(card)
     speed = part.velocities()
@@ -130,7 +131,7 @@ def build(card: Shell, scene: Any) -> list[dict[str, Any]]:
     ]
 
 
-def parameters(card: Shell, scene: Any) -> dict[str, Any]:
+def parameters(card: Shell, scene: Scene) -> dict[str, Any]:
     """Columns of PARAMETERS but for the positions in the tables."""
     part = scene.meshed(card)
     zeta, weight = part.rule

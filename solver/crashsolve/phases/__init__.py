@@ -1,4 +1,4 @@
-"""Phases of a run: stretches of its time, each with its own way to go on from sample to sample."""
+"""Phases of a run: stretches of its time, each with its own method from sample to sample."""
 
 from typing import Any, Protocol
 

@@ -19,6 +19,7 @@ Structures 14, 89-104.
 from math import ceil
 from typing import Any
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import quantity
 from crashsolve.phases._card import PhaseCard
 
@@ -46,7 +47,7 @@ class Equilibrium(PhaseCard):
     )
 
 
-def build(card: Equilibrium, scene: Any) -> dict[str, Any]:
+def build(card: Equilibrium, scene: Scene) -> dict[str, Any]:
     return {"tolerance": card.tolerance, "rise": card.rise}
 
 

@@ -10,6 +10,7 @@ test: a car that has settled on its springs begins with the speed of the deck an
 
 from typing import Any
 
+from crashsolve.deck.building import Scene
 from crashsolve.phases._card import PhaseCard
 
 
@@ -17,7 +18,7 @@ class Transient(PhaseCard):
     """Motion, from the velocities of the deck if it is the first of its kind."""
 
 
-def build(card: Transient, scene: Any) -> dict[str, Any]:
+def build(card: Transient, scene: Scene) -> dict[str, Any]:
     return {}
 
 

@@ -14,6 +14,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
+
 Array = np.ndarray
 
 
@@ -39,7 +41,7 @@ class Motion(NamedTuple):
     w: Array
 
 
-def link(scene: Any, joint: str, card: Any) -> Link:
+def link(scene: Scene, joint: str, card: Any) -> Link:
     """A joint of the scene as a link of a chain, from where its bodies are now."""
     a, b, point = scene.joint_point(card)
     A_a, A_b = scene.matrix(a), scene.matrix(b)

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from pydantic import model_validator
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import BodyName, Card, JointName, Rotation, Vec3, quantity, word
 from crashsolve.foundation.orientation import matrix, quaternion_of
 from crashsolve.postures._chain import Link, Motion, in_order, link, next_body
@@ -49,7 +50,7 @@ class Angles(Card):
     joints: tuple[Turned, ...] = word("every joint of the chain; one without an angle is at zero")
 
 
-def build(card: Angles, scene: Any) -> None:
+def build(card: Angles, scene: Scene) -> None:
     """Writes: positions, rotations and velocities of the chain in the scene."""
     root = scene.node(card.root)
     if root == 0:
@@ -78,7 +79,7 @@ def build(card: Angles, scene: Any) -> None:
         scene.r[node], scene.v[node], scene.w[node] = motion.x, motion.v, motion.w
 
 
-def _card(turned: Turned, i: int, scene: Any) -> Any:
+def _card(turned: Turned, i: int, scene: Scene) -> Any:
     """The card of a joint, which must move with its bodies."""
     card = scene.joint_entry(turned.joint).card
     if getattr(card, "frame", "world") == "world":
@@ -90,7 +91,7 @@ def _card(turned: Turned, i: int, scene: Any) -> Any:
     return card
 
 
-def _rotation(turned: Turned, one: Link, i: int, scene: Any) -> tuple[np.ndarray, np.ndarray]:
+def _rotation(turned: Turned, one: Link, i: int, scene: Scene) -> tuple[np.ndarray, np.ndarray]:
     """Q (3, 3) and its angular velocity (3,) in axes of a.
 
     Writes: the angle that the joint has at the start.

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.model.checks.statics import is_incremental
 from crashsolve.model.model import Model, State
+from crashsolve.system.compose import composed
 from crashsolve.system.engine import Engine
 
 
@@ -24,6 +25,7 @@ def engine_of(
 
     `does` takes words for what lasts long beside compiling.
     """
+    program = program or composed(model, deck.text)
     if not is_static(deck):
         engine = _in_time(model, state, program)
         if deck.control.start == "equilibrium":

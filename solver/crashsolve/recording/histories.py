@@ -164,11 +164,19 @@ class Histories:
     def _bodies(self) -> Part:
         columns = [Column(q, a, unit, m) for q, _, unit, m in BODY for a in AXES]
         columns += [Column("quaternion", c, "1", "body to world") for c in ("w", *AXES)]
-        family = Family("rbdout", tuple(self.engine.model.bodies[1:]), tuple(columns))
         names = [name for _, name, _, _ in BODY] + ["q"]
         count = len(self.engine.model.bodies)
-        nodes = Columns(self.engine.nodes, frozenset(names))
-        return family, (nodes,), lambda nodes: _flat(nodes[:, 1:count], names)
+        arms = self.engine.model.mass_centres[1:count]
+        has_origins = bool(np.any(arms))
+        columns += [Column("origin", a, "m", "origin of the body") for a in AXES if has_origins]
+        family = Family("rbdout", tuple(self.engine.model.bodies[1:]), tuple(columns))
+        read = frozenset([*names, "A"] if has_origins else names)
+
+        def values(nodes: np.ndarray) -> np.ndarray:
+            found = _flat(nodes[:, 1:count], names)
+            return _beside(found, _origins(nodes[:, 1:count], arms)) if has_origins else found
+
+        return family, (Columns(self.engine.nodes, read),), values
 
     def _joints(self) -> Part:
         columns = [Column("force", a, "N", "of the joint on body b, world axes") for a in AXES]
@@ -208,9 +216,9 @@ class Histories:
     def _traces(self) -> list[Part]:
         """Nodes of shells whose history the deck asks for."""
         names, numbers = [], []
-        for part, meshed, row in self._meshed():
+        for part, meshed, _ in self._meshed():
             names += [f"{part}_{trace.name}" for trace in meshed.card.traces]
-            numbers += [int(row["first_point"]) + k for k in meshed.traced]
+            numbers += [meshed.first + k for k in meshed.traced]
         if not names:
             return []
         points = self.engine.state.points
@@ -329,6 +337,12 @@ def _flat(tables: np.ndarray, names: Iterable[str]) -> np.ndarray:
         found[first:last] = column.transpose(2, 0, 1)
         first = last
     return found.transpose(1, 2, 0)
+
+
+def _origins(nodes: np.ndarray, arms: np.ndarray) -> np.ndarray:
+    """Positions (samples, n, 3) of the origins of bodies [m], by their mass centres from these."""
+    A = nodes["A"].reshape(*nodes.shape, 3, 3)
+    return np.asarray(nodes["r"] - np.einsum("tnij,nj->tni", A, arms))
 
 
 def _width(column: np.dtype[Any]) -> int:

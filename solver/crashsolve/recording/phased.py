@@ -229,7 +229,7 @@ class PhasedEngine(Engine):
 
     def _look_around(self) -> None:
         """A sample of the present state that the run does not count."""
-        for now, copy in self._copied:
+        for now, copy in self.copied:
             copy[:] = now
         self._advance(float(self.clock.time), True, self._sampled)
 

@@ -22,7 +22,7 @@ class Fibres(Card):
     """Section given by its fibres."""
 
     fibres: tuple[tuple[float, float, float], ...] = word(
-        "places y and z [m] and areas [m^2] in the axes of the section"
+        "positions y and z [m] and areas [m^2] in the axes of the section"
     )
     torsion: float = quantity("m^4", "J, torsion constant", gt=0)
     shear_y: float = quantity("1", "kappa_y, share of A that bears shear along y", gt=0)

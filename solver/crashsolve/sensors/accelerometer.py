@@ -14,6 +14,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import field_validator
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
@@ -29,7 +30,7 @@ class Accelerometer(Card):
     """Acceleration and velocity of a point of a body, in the axes of the body."""
 
     body: BodyName = word("body it is fixed to")
-    at: Vec3 = quantity("m", "place in the frame of the body", default=(0.0, 0.0, 0.0))
+    at: Vec3 = quantity("m", "position in the frame of the body", default=(0.0, 0.0, 0.0))
     gravity: bool | None = word(
         "true: subtract free fall, as an instrument does; false or absent: the motion alone",
         default=None,
@@ -62,7 +63,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Accelerometer, scene: Any) -> dict[str, Any]:
+def build(card: Accelerometer, scene: Scene) -> dict[str, Any]:
     node = scene.node(card.body)
     loads = scene.deck.entries["loads"].values()
     falls = [entry.card.acceleration for entry in loads if entry.type == "gravity"]

@@ -8,6 +8,7 @@ at w for a time t shows w t, however many turns that is.
 
 from typing import Any
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, word
 from crashsolve.foundation.angles import FULL_TURN, angle_about, angle_rate, counted
 from crashsolve.foundation.kernels import kernel
@@ -33,7 +34,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Angle, scene: Any) -> dict[str, Any]:
+def build(card: Angle, scene: Scene) -> dict[str, Any]:
     return dict(scene.turning(card))
 
 

@@ -7,6 +7,7 @@ Consequence to test: a point fixed in b beside a turning a has, in the axes of a
 
 from typing import Any, Literal
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
@@ -48,7 +49,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Displacement, scene: Any) -> dict[str, Any]:
+def build(card: Displacement, scene: Scene) -> dict[str, Any]:
     ends = scene.attachments(card)
     return ends | {"is_attached": card.axes == "a", "start": scene.distance(ends)}
 

@@ -10,6 +10,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import BodyName, Card, JointName, Vec3, quantity, word
 from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
@@ -49,7 +50,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: SectionForce, scene: Any) -> dict[str, Any]:
+def build(card: SectionForce, scene: Scene) -> dict[str, Any]:
     joint = scene.joints[card.joint]
     if joint.parts > 1:
         raise scene.fail("this joint acts between more than two bodies; name one of two", "joint")

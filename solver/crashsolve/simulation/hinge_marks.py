@@ -1,6 +1,6 @@
 """Hinges in pictures: a ball in the point of each, with how far it has turned or moved for good.
 
-    plastic_angle = |(alpha_1, alpha_2)|,   plastic_stroke = alpha of the way along the beam
+    plastic_angle = |(alpha_1, alpha_2)|,   plastic_stroke = alpha of the travel along the beam
 
 alpha is the sum of plastic displacements in both directions, as in the channels of the hinge.
 """

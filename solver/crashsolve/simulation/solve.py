@@ -38,23 +38,24 @@ from crashsolve.recording.between import Between
 from crashsolve.recording.changing import changing, restore
 from crashsolve.recording.engines import engine_of, is_static
 from crashsolve.recording.histories import Histories
-from crashsolve.recording.marching import MOST
 from crashsolve.recording.recorder import Recorder
 from crashsolve.recording.sampling import Schedule
+from crashsolve.simulation.event_states import EventStates
 from crashsolve.simulation.expected_size import expected_size
+from crashsolve.simulation.forward import march
 from crashsolve.simulation.heartbeat import Pulse
 from crashsolve.simulation.inconsistencies import refuse_inconsistencies
 from crashsolve.simulation.missed import missed_contacts
-from crashsolve.simulation.phases import ContactPhases
 from crashsolve.simulation.pictures import Pictures
 from crashsolve.simulation.progress import Account, cpu_time, preparing, provenance
 from crashsolve.simulation.redundant import arbitrary_reactions, undetermined
-from crashsolve.simulation.remarks import met_by, pressed_at_start, remarks
+from crashsolve.simulation.remarks import met_by, pressed_at_start, remarks, settling
 from crashsolve.simulation.requests import Requests, stop_as_by_keyboard
 from crashsolve.simulation.resume import FREE, OF_ERRORS, differing
 from crashsolve.simulation.totals import write_totals
 from crashsolve.system.contact.balance import contact_warnings
 from crashsolve.system.engine import Engine
+from crashsolve.system.flags import law_warnings
 
 if TYPE_CHECKING:
     from crashsolve.estimate.runner import Estimating
@@ -149,11 +150,11 @@ class Run:
             for text in (*notes, *self.notes, *self.engine.model.warnings):
                 self.log.warning(text)
             self._begin(dump)
-            self._march()
+            march(self)
             self.engine.finish()
             while self._misses_its_accuracy():
                 self._start_anew()
-                self._march()
+                march(self)
                 self.engine.finish()
             self._end("finished", ExitCode.NORMAL, "")
             return ExitCode.NORMAL
@@ -210,6 +211,8 @@ class Run:
         self.histories = Histories(engine)
         self.between = Between(engine, not is_static(self.deck), lambda t: self.recorder.take(t))
         self.pictures = Pictures(engine, self.deck)
+        is_free = self.deck.output.states.interval is None and not is_static(self.deck)
+        self.events = EventStates(engine, self.schedule, is_free, self.pictures.fields)
 
     def _open(self, resumed: float | None) -> None:
         """Evaluate the initial state, unless a dump brought another; open the files."""
@@ -218,7 +221,8 @@ class Run:
             self.engine.start()
             refuse_inconsistencies(self.deck, self.engine)
             self.overlapping = pressed_at_start(self.engine)
-            for text in (*self.engine.notes, *self.overlapping):
+            notes = (*self.engine.notes, *self.overlapping, *settling(self.engine))
+            for text in notes:
                 self.log.line(text)
         self.cpu["compile or load"] += cpu_time() - cpu
         families, blocks = self.histories.families, self.pictures.blocks
@@ -240,7 +244,7 @@ class Run:
         if resumed is None:
             self.engine.sample()
             self.recorder.take(self.deck.control.start_time)
-            self._write(self.deck.control.start_time, force=True)
+            self.write(self.deck.control.start_time, force=True)
 
     def _prepare_estimates(self, dump: Any) -> "Estimating | None":
         """Look up the watched channels, and the step an accuracy needs; None without any.
@@ -295,83 +299,11 @@ class Run:
         self.requests.read()
         return "stop" in self.requests.words
 
-    def _march(self) -> None:
-        """Advance from sample to sample until the end."""
-        end = self.schedule.end
-        self.pulse.does("one step")
-        march = self.between.march
-        self.account.phases = ContactPhases(march)
-        self.sampled = float(self.engine.clock["sampled"])
-        k = self.schedule.last_until(self.sampled)
-        target = self.schedule.time(k)
-        self.between.begin()
-        while target < end and not self.engine.is_complete:
-            times, kept = self._times_ahead(k), self.histories.kept
-            if march.may_go(float(times[-1]), kept):
-                count = self._march_through(times)
-                k += count
-                target = self.schedule.time(k)
-                if count == len(times):
-                    continue
-            k += 1
-            target = self._go_to(self.schedule.time(k))
-
-    def _march_through(self, times: np.ndarray) -> int:
-        """Samples at times [s] in compiled code; how many are done, the last one written."""
-        # no run has children while it marches: their times need not be asked for
-        begun = time.process_time()
-        count, stepping = self.between.march.go(times, self.histories.kept)
-        self.cpu["steps"] += stepping
-        if count:
-            before = times[count - 2] if count > 1 else self.sampled
-            self.sampled, now = float(before), float(times[count - 1])
-            self.recorder.taken(times[:count].tolist())
-            self._after(now)
-        self.cpu["output"] += time.process_time() - begun - stepping
-        return count
-
-    def _go_to(self, target: float) -> float:
-        """Advance to one sample and take it; its time, which may be another of an equilibrium."""
-        begun = time.process_time()
-        try:
-            self.engine.reach(target)
-        finally:
-            advanced = time.process_time()
-            self.cpu["steps"] += advanced - begun
-        if self.engine.is_complete:
-            target = float(self.engine.clock["time"])
-        self.between.fill(target)
-        self.engine.sample(target)
-        self.between.mark()
-        self.between.march.tally()
-        self.recorder.take(target)
-        self._after(target)
-        self.cpu["output"] += time.process_time() - advanced
-        return target
-
-    def _after(self, now: float) -> None:
-        """What follows a sample, the last of those taken."""
-        self.account.keep_alive()
-        self._write(now, force=now == self.schedule.end or self.engine.is_complete)
-        self.sampled = now
-        self._obey()
-
-    def _times_ahead(self, k: int) -> np.ndarray:
-        """Times [s] of the samples after sample k, up to the first at which more is due."""
-        times = self.schedule.times(k + 1, MOST)
-        begun = self.deck.control.start_time
-        all_times = np.concatenate([[self.sampled], times]) - begun
-        is_due = times >= self.schedule.end
-        for step in (self.state_step, self.log_step, self.restart_step):
-            if step:
-                number = (all_times / step + 1e-9).astype(np.int64)
-                is_due |= number[1:] > number[:-1]
-        return times[: int(np.argmax(is_due)) + 1] if is_due.any() else times
-
-    def _write(self, now: float, force: bool) -> None:
+    def write(self, now: float, force: bool) -> None:
         """Whatever is due at this sample, beside what is kept of it."""
         if force or self._due(now, self.state_step):
             self.states.write(now, self.pictures.fields())
+            self.events.state_written()
         if force or self._due(now, self.log_step):
             self.account.progress()
         if self.restart_step and self._due(now, self.restart_step):
@@ -394,13 +326,12 @@ class Run:
         engine = self.engine
         moves = self.deck.control.solution == "transient"
         unbalanced = contact_warnings(engine.model, engine.state, engine.ledger) if moves else []
-        history = self.folder / "history.h5"
-        missed = [c.words(self.schedule.interval) for c in missed_contacts(engine, history)]
-        met = (*met_by(engine), *missed)
+        found = missed_contacts(engine, self.folder / "history.h5")
         for text in (
             *self.overlapping,
-            *engine.law_warnings(),
-            *met,
+            *law_warnings(engine.model, engine.state),
+            *met_by(engine),
+            *(c.words(self.schedule.interval) for c in found),
             *arbitrary_reactions(self.account.remarks["undetermined"], self.deck),
             *unbalanced,
             *engine.step_warnings(),
@@ -469,7 +400,7 @@ class Run:
                 act()
         os._exit(ExitCode.STOPPED)
 
-    def _obey(self) -> None:
+    def obey(self) -> None:
         """Act on signals and on control.txt."""
         self.requests.read()
         if "states" in self.requests.words:

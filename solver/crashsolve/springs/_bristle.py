@@ -2,9 +2,9 @@
 
     f = K z + c z_dot,   |f| <= F;   beyond F / K the stretch z is cut and the slider follows
 
-The energy lost in a step is the work of f, by the trapezoid of f over the way, less the change of
-K z^2 / 2. That is what the integrator takes from the bodies, to its own order, also when the
-bristle is stretched to its limit within one step.
+The energy lost in a step is the work of f, by the trapezoid of f over the displacement, less the
+change of K z^2 / 2. That is what the integrator takes from the bodies, to its own order, also when
+the bristle is stretched to its limit within one step.
 """
 
 from math import sqrt
@@ -14,12 +14,12 @@ from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, dot, sub
 
 BRISTLE = Record("""
-    level      N or N m            constant part of the limit
-    pressed    1 or m              limit per force that presses the joint: mu, times the pin radius
-    first_row  index               first row of the joint
-    pressing   count               rows whose reactions press the joint
-    stiffness  N/m or N m/rad      K
-    damping    N s/m or N m s/rad  c
+    level                 N or N m            constant part of the limit
+    friction_coefficient  1 or m              mu, times the pin radius: limit per pressing force
+    first_row             index               first row of the joint
+    pressing              count               rows whose reactions press the joint
+    stiffness             N/m or N m/rad      K
+    damping               N s/m or N m s/rad  c
 """)
 
 PRESSING = Record("""
@@ -48,7 +48,7 @@ def friction_limit(p, level, old, new, h, rows):
     if h > 0.0 and old.step > 0.0:
         force += (force - old.pressing) * h / old.step
         force = min(max(force, (1.0 - TREND) * new.pressing), (1.0 + TREND) * new.pressing)
-    new.limit = level + p.pressed * force
+    new.limit = level + p.friction_coefficient * force
     if h == 0.0 and old.step > 0.0:
         # a sample repeats the last step
         new.pressing, new.step, new.limit = old.pressing, old.step, old.limit

@@ -4,6 +4,7 @@ from typing import Any
 
 from pydantic import model_validator
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, CurveName, JointName, word
 from crashsolve.foundation.curve import curve_area, curve_value
 from crashsolve.foundation.kernels import kernel
@@ -42,13 +43,13 @@ class StopCard(Card):
         return self
 
 
-def named_joint(scene: Any, name: str, *motions: str) -> Any:
+def named_joint(scene: Scene, name: str, *motions: str) -> Any:
     """The joint a card names, which must have one of some motions."""
     scene.refuse_joint(name, motions, "joint")
     return scene.joints[name]
 
 
-def stops(card: Any, scene: Any) -> dict[str, Any]:
+def stops(card: Any, scene: Scene) -> dict[str, Any]:
     """Columns of STOPS from the words of a card."""
     curve = scene.curve(card.curve) if card.curve else 0
     if curve and scene.curve_points[curve]["x"] != 0.0:

@@ -20,6 +20,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.foundation.curve import curve_area, curve_value, segment
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
@@ -54,7 +55,7 @@ SLIDER = Record("""
 """)
 
 
-def resistance(card: Any, scene: Any) -> dict[str, Any]:
+def resistance(card: Any, scene: Scene) -> dict[str, Any]:
     """Parameters of the law from the words of a card."""
     a, b = _power_law(card)
     curves = [name for name in (card.curve, card.unloading_curve) if name]
@@ -110,7 +111,7 @@ def read(points: np.ndarray, start: int, x: np.ndarray) -> np.ndarray:
     return np.asarray(c[0] + s * (c[1] + s * (c[2] + s * c[3])))
 
 
-def _check_hysteresis(card: Any, scene: Any, only: int, k: float, steepest_slope: float) -> None:
+def _check_hysteresis(card: Any, scene: Scene, only: int, k: float, steepest_slope: float) -> None:
     """Energy is lost, never won: 0 <= u <= y and slopes below k, wherever the curves are read."""
     if steepest_slope >= k:
         raise scene.fail(

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 from crashsolve.foundation.columns import matvec
 from crashsolve.foundation.kernels import kernel
@@ -41,7 +42,7 @@ class Guide(Card):
     at: Vec3 = quantity("m", "in the frame of the body", default=(0.0, 0.0, 0.0))
 
 
-def points_of(guides: tuple[Guide, ...], field: str, scene: Any) -> dict[str, Any]:
+def points_of(guides: tuple[Guide, ...], field: str, scene: Scene) -> dict[str, Any]:
     """Columns POINTS. Raises the scene's errors for too few or many, and for lines of no use."""
     if not 2 <= len(guides) <= MOST:
         raise scene.fail(f"has {len(guides)} points; from 2 to {MOST} are possible", field)
@@ -63,7 +64,7 @@ def points_of(guides: tuple[Guide, ...], field: str, scene: Any) -> dict[str, An
     }
 
 
-def start_length(columns: dict[str, Any], scene: Any) -> float:
+def start_length(columns: dict[str, Any], scene: Scene) -> float:
     """Length of the line at the start [m]."""
     points = columns["point"].reshape(-1, 3)
     positions = [

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import add_stiffness_bound, apply_force, arm, mobility, point_at
@@ -66,7 +67,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: AntiRollBar, scene: Any) -> dict[str, Any]:
+def build(card: AntiRollBar, scene: Scene) -> dict[str, Any]:
     node = scene.node(card.body)
     if node == 0:
         raise scene.fail("the ground does not roll; name the body that does", "body")
@@ -96,7 +97,7 @@ class End(NamedTuple):
     side: float
 
 
-def _end(name: str, card: AntiRollBar, scene: Any) -> End:
+def _end(name: str, card: AntiRollBar, scene: Scene) -> End:
     """Raises a refusal of a link that cannot turn its arm."""
     link: Link = getattr(card, name)
     bar, far = scene.node(card.body), scene.node(link.body)

@@ -16,6 +16,7 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import CurveName, Vec3, quantity, word
 from crashsolve.foundation.curve import curve_value
 from crashsolve.foundation.kernels import kernel
@@ -75,7 +76,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Brake, scene: Any) -> dict[str, Any]:
+def build(card: Brake, scene: Scene) -> dict[str, Any]:
     ends = scene.attachments(card)
     axis = scene.unit(card.axis, "axis")
     side = perpendicular(axis)

@@ -16,6 +16,7 @@ Dynamics 32, 71-92.
 from math import sqrt
 from typing import Any
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Vec3, quantity
 from crashsolve.foundation.angles import (
     check_rotation_limit,
@@ -78,7 +79,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Bushing, scene: Any) -> dict[str, Any]:
+def build(card: Bushing, scene: Scene) -> dict[str, Any]:
     ends = scene.attachments(card)
     return ends | {
         "stiffness": card.stiffness,

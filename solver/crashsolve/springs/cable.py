@@ -9,6 +9,7 @@ bodies on one cable keep their momentum, and vibrate with omega^2 = k sum_j s_j 
 
 from typing import Any
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
@@ -49,7 +50,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Cable, scene: Any) -> dict[str, Any]:
+def build(card: Cable, scene: Scene) -> dict[str, Any]:
     columns = points_of(card.through, "through", scene)
     length = start_length(columns, scene) if card.length is None else card.length
     own = {"stiffness": card.stiffness, "damping": card.damping, "length": length}

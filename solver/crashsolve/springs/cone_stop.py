@@ -21,6 +21,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from pydantic import model_validator
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Vec3, quantity, word
 from crashsolve.foundation.angles import check_rotation_limit
 from crashsolve.foundation.columns import matvec_t
@@ -110,7 +111,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: ConeStop, scene: Any) -> dict[str, Any]:
+def build(card: ConeStop, scene: Scene) -> dict[str, Any]:
     joint = named_joint(scene, card.joint, "ball", "swing")
     axis, pointer = scene.unit(card.axis, "axis"), scene.unit(card.pointer, "pointer")
     side = scene.unit(card.toward, "toward")
@@ -147,7 +148,7 @@ def _stretch(azimuth: np.ndarray, half: np.ndarray) -> float:
     return 1.0 + float(most)
 
 
-def _check_start(card: ConeStop, scene: Any, p: dict[str, Any]) -> None:
+def _check_start(card: ConeStop, scene: Scene, p: dict[str, Any]) -> None:
     """A joint that begins past its cone would be kicked back into it."""
     s = scene.rotation_to_body(p["node_a"], scene.matrix(p["node_b"]) @ p["pointer"])
     across = float(np.hypot(s @ p["side_a"], s @ p["third_a"]))

@@ -8,6 +8,7 @@ x - f(x) / k, and the spring has absorbed int f dx, of which f^2 / 2k returns.
 
 from typing import Any, ClassVar, Literal
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import line_tangent, pull
@@ -55,7 +56,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Curve, scene: Any) -> dict[str, Any]:
+def build(card: Curve, scene: Scene) -> dict[str, Any]:
     ends = scene.attachments(card)
     return ends | _resistance.resistance(card, scene) | {"length": rest_length(card, scene, ends)}
 

@@ -7,6 +7,7 @@ Consequence to test: with `unloading_stiffness` k a turn theta leaves the set th
 
 from typing import Any, ClassVar, Literal
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import quantity, word
 from crashsolve.foundation.angles import FULL_TURN
 from crashsolve.foundation.kernels import kernel
@@ -52,7 +53,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: CurveTorsional, scene: Any) -> dict[str, Any]:
+def build(card: CurveTorsional, scene: Scene) -> dict[str, Any]:
     return scene.turning(card) | _resistance.resistance(card, scene) | {"angle": card.angle}
 
 

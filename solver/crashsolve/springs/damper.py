@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import CurveName, word
 from crashsolve.foundation.curve import LINEAR, curve_value, segment
 from crashsolve.foundation.kernels import kernel
@@ -44,14 +45,14 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Damper, scene: Any) -> dict[str, Any]:
+def build(card: Damper, scene: Scene) -> dict[str, Any]:
     curve = scene.curve(card.curve)
     _check(scene.curve_points, curve, card.curve, scene)
     stiffest = steepest(scene.curve_points, curve)
     return scene.attachments(card) | {"curve": curve, "stiffest": stiffest}
 
 
-def _check(points: np.ndarray, start: int, name: str, scene: Any) -> None:
+def _check(points: np.ndarray, start: int, name: str, scene: Scene) -> None:
     """Refuse a curve that is not 0 at rest, or that drives instead of damping."""
     part = points[start : points[start]["last"] + 1]
     # a cubic is looked at between its points as well

@@ -13,6 +13,7 @@ Reference: Simo and Hughes (1998), Computational Inelasticity, 1.2 to 1.6.
 
 from typing import Any, Literal
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import line_tangent, pull
@@ -59,7 +60,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Elastoplastic, scene: Any) -> dict[str, Any]:
+def build(card: Elastoplastic, scene: Scene) -> dict[str, Any]:
     k, tangent = card.stiffness, card.tangent
     if tangent >= k:
         raise scene.fail(f"must be below stiffness, {k:g} N/m", "tangent")

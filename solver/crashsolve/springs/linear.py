@@ -8,6 +8,7 @@ dissipated power c l_dot^2.
 
 from typing import Any
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import line_tangent, pull
@@ -41,7 +42,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Linear, scene: Any) -> dict[str, Any]:
+def build(card: Linear, scene: Scene) -> dict[str, Any]:
     ends = scene.attachments(card)
     length = rest_length(card, scene, ends)
     return ends | {"stiffness": card.stiffness, "damping": card.damping, "length": length}

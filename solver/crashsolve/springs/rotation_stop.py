@@ -8,6 +8,7 @@ pi sqrt(J / k); with the damping ratio zeta it rebounds with the restitution exp
 
 from typing import Any, ClassVar
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.angles import FULL_TURN
 from crashsolve.foundation.kernels import kernel
@@ -41,7 +42,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: RotationStop, scene: Any) -> dict[str, Any]:
+def build(card: RotationStop, scene: Scene) -> dict[str, Any]:
     frame = _joint.named_joint(scene, card.joint, "angle").frame
     start = scene.angles_at_start.get(card.joint, 0.0)
     columns = FULL_TURN.taken_from(frame) | _joint.stops(card, scene) | {"start": start}

@@ -28,6 +28,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import MaterialName, SectionName, Vec3, quantity, word
 from crashsolve.elements.beams.corotational import (
     half_angle_over_sine,
@@ -82,6 +83,9 @@ class Segment(PointSpringCard):
     section: SectionName = word("cross section of the beam")
     material: MaterialName = word("what it is made of: elastic, or elastoplastic, which yields")
     damping: float = quantity("s", "beta, damping over stiffness", default=0.0, ge=0)
+    buckling_load: float | None = quantity(
+        "N", "compression along the beam of which the end of the run warns", default=None, gt=0
+    )
 
 
 PARAMETERS = POINTS + Record("""
@@ -99,6 +103,7 @@ PARAMETERS = POINTS + Record("""
     curve              index       Y over e; 0 for none
     rate_D             1/s         D of Cowper and Symonds; 0 for none
     rate_q             1           q of Cowper and Symonds
+    buckling           N           compression to warn of; infinite if there is none
     at_rest            flag        NO_STEP, FLOWS or FROZEN, in load steps
 """)
 HISTORY = Record("""
@@ -106,6 +111,7 @@ HISTORY = Record("""
     held     any  3  N, M_y, M_z
     strain   1       e
     work     J       plastic work
+    peak_compression  N  largest compression along the beam so far
 """)
 OUTPUT = Record("""
     force           N    3  tension, shear along y and z, axes of the beam
@@ -118,7 +124,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Segment, scene: Any) -> dict[str, Any]:
+def build(card: Segment, scene: Scene) -> dict[str, Any]:
     section, material, moduli = _laws(card, scene)
     ends, T = _ends(card, scene), _triad(card, scene)
     a, b = ends["node_a"], ends["node_b"]
@@ -149,11 +155,12 @@ def build(card: Segment, scene: Any) -> dict[str, Any]:
         "curve": material.get("curve", 0),
         "rate_D": material.get("rate_D", 0.0),
         "rate_q": material.get("rate_q", 1.0),
+        "buckling": card.buckling_load or np.inf,
         "at_rest": FLOWS if scene.deck.control.solution == "quasi_static" else NO_STEP,
     }
 
 
-def _ends(card: Segment, scene: Any) -> dict[str, Any]:
+def _ends(card: Segment, scene: Scene) -> dict[str, Any]:
     """Both sides of the cut, which must be in one position at the start."""
     ends: dict[str, Any] = scene.attachments(card)
     if (apart := scene.distance(ends)) > CLOSE_ENOUGH * card.length:
@@ -162,7 +169,7 @@ def _ends(card: Segment, scene: Any) -> dict[str, Any]:
     return ends
 
 
-def _laws(card: Segment, scene: Any) -> tuple[dict[str, Any], dict[str, Any], tuple[float, ...]]:
+def _laws(card: Segment, scene: Scene) -> tuple[dict[str, Any], dict[str, Any], tuple[float, ...]]:
     """Constants of section and material, and A, Z_y, Z_z."""
     law, material_card = scene.law("materials", card.material)
     kind = law.__name__.rpartition(".")[2]
@@ -184,7 +191,7 @@ def _laws(card: Segment, scene: Any) -> tuple[dict[str, Any], dict[str, Any], tu
     return section, material, (section["area"], Z_y, Z_z)
 
 
-def _triad(card: Segment, scene: Any) -> np.ndarray:
+def _triad(card: Segment, scene: Scene) -> np.ndarray:
     """Axes of the beam as columns, in the frame of a."""
     axis, side = scene.unit(card.axis, "axis"), scene.unit(card.side, "side")
     across = side - axis * float(axis @ side)
@@ -241,6 +248,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     out.loss = lost
     new.work = old.work + lost
     f, m = add(f, lag), add(m, drag)
+    new.peak_compression = max(old.peak_compression, -f[0])
     put(out.force, f)
     put(out.moment, m)
     put(out.displacement, u)

@@ -14,6 +14,7 @@ from typing import Any, ClassVar
 import numpy as np
 from pydantic import model_validator
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import CurveName, quantity, word
 from crashsolve.foundation.curve import curve_area, curve_value
 from crashsolve.foundation.kernels import kernel
@@ -113,7 +114,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Strut, scene: Any) -> dict[str, Any]:
+def build(card: Strut, scene: Scene) -> dict[str, Any]:
     ends = scene.attachments(card)
     curves = {
         name: scene.curve(getattr(card, name)) if getattr(card, name) else 0
@@ -144,7 +145,7 @@ def build(card: Strut, scene: Any) -> dict[str, Any]:
     return ends | curves | own
 
 
-def _check_stop(name: str, curve: int, scene: Any) -> None:
+def _check_stop(name: str, curve: int, scene: Scene) -> None:
     """Raises a refusal unless the force of a stop begins at 0 and pushes."""
     if not curve:
         return
@@ -155,7 +156,7 @@ def _check_stop(name: str, curve: int, scene: Any) -> None:
         raise scene.fail(f"must not fall below 0, as at {x[y.argmin()]:g} m: a stop pushes", name)
 
 
-def _check_damper(curve: int, scene: Any) -> None:
+def _check_damper(curve: int, scene: Scene) -> None:
     """Raises a refusal where the force of a damper would drive."""
     if not curve:
         return
@@ -178,7 +179,7 @@ def _check_damper(curve: int, scene: Any) -> None:
         )
 
 
-def _samples(curve: int, scene: Any) -> tuple[np.ndarray, np.ndarray]:
+def _samples(curve: int, scene: Scene) -> tuple[np.ndarray, np.ndarray]:
     """A curve at its points and between them."""
     points = scene.curve_points
     x = points["x"][curve : points[curve]["last"] + 1]

@@ -9,6 +9,7 @@ with omega^2 = k / J; stored energy k (theta - theta_0)^2 / 2.
 
 from typing import Any
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.angles import FULL_TURN
 from crashsolve.foundation.kernels import kernel
@@ -43,7 +44,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Torsional, scene: Any) -> dict[str, Any]:
+def build(card: Torsional, scene: Scene) -> dict[str, Any]:
     constants = {"stiffness": card.stiffness, "damping": card.damping, "angle": card.angle}
     return scene.turning(card) | constants
 

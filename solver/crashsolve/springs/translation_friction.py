@@ -16,6 +16,7 @@ from typing import Any
 
 from pydantic import model_validator
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, JointName, quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
@@ -59,11 +60,11 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: TranslationFriction, scene: Any) -> dict[str, Any]:
+def build(card: TranslationFriction, scene: Scene) -> dict[str, Any]:
     joint = named_joint(scene, card.joint, "travel")
     return SLIDE.taken_from(joint.frame) | {
         "level": card.force,
-        "pressed": card.coefficient,
+        "friction_coefficient": card.coefficient,
         "first_row": joint.first_row,
         "pressing": joint.angular.count(False),
         "stiffness": card.stiffness,

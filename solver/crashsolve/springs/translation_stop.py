@@ -8,6 +8,7 @@ pi sqrt(m / k); with the damping ratio zeta it rebounds with the restitution exp
 
 from typing import Any, ClassVar
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, axis_tangent
@@ -40,7 +41,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: TranslationStop, scene: Any) -> dict[str, Any]:
+def build(card: TranslationStop, scene: Scene) -> dict[str, Any]:
     frame = _joint.named_joint(scene, card.joint, "travel").frame
     return SLIDE.taken_from(frame) | _joint.stops(card, scene)
 

@@ -35,7 +35,8 @@ class Standing:
     def __init__(self, model: Model, nodes: np.ndarray, current: int) -> None:
         """`nodes` with the velocities of the deck; `current` of the two histories is accepted."""
         self.model, self.current = model, current
-        still = ~(nodes["v"].any(axis=1) | nodes["w"].any(axis=1))
+        moves = np.concatenate([nodes["v"], nodes["w"]], axis=1).any(axis=1)
+        still = np.logical_not(moves)
         self.patches = [
             (group, row, road)
             for group in model.groups

@@ -1,1 +1,1 @@
-"""One deck with many numerical settings: cost and error of each; the physics is the same."""
+"""One deck with many numerical settings: cost and error of each; no parameter of it changes."""

@@ -1,1 +1,1 @@
-"""One deck with many values of its parameters: plan, runs, table; settings are the same."""
+"""One deck with many values of its parameters: plan, runs, table; no numerical setting changes."""

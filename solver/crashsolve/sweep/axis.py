@@ -93,6 +93,19 @@ class Axis(Card):
 
     def _check_range(self) -> None:
         """Raises ValueError for a range that is empty or that its distribution cannot fill."""
+        self._check_numbers()
+        low, high = self._number("from_"), self._number("to")
+        if low is not None and high is not None:
+            _check_ends(low, high)
+        self._check_shape(low, high)
+        self._check_positive(low)
+        if self.whole:
+            self._check_whole(low, high)
+        if self.distribution in NORMALS and self._share()[1] < LEAST_SHARE:
+            raise ValueError("from: the limits leave nothing of the distribution")
+
+    def _check_numbers(self) -> None:
+        """All in one unit, and of sizes that can be drawn from."""
         units = {amount.unit for amount in self._given().values()}
         if len(units) > 1:
             message = " and ".join(f"'{unit or 'none'}'" for unit in sorted(units))
@@ -100,22 +113,14 @@ class Axis(Card):
         for name, amount in self._given().items():
             if amount.number and not SMALLEST <= abs(amount.number) <= LARGEST:
                 raise ValueError(f"{name.rstrip('_')}: {amount.number:g} is no size to draw from")
-        low, high = self._number("from_"), self._number("to")
-        if low is not None and high is not None:
-            if low > high:
-                raise ValueError(f"from: {low:g} is more than to: {high:g}")
-            if low == high:
-                raise ValueError(f"from: and to are both {low:g}, which leaves nothing to vary")
+
+    def _check_shape(self, low: float | None, high: float | None) -> None:
+        """The peak within the range, and a deviation that spreads."""
         peak, deviation = self._number("peak"), self._number("deviation")
         if peak is not None and not (low or 0.0) <= peak <= (high or 0.0):
             raise ValueError(f"peak: must lie from {low:g} to {high:g}")
         if deviation is not None and deviation <= 0.0:
             raise ValueError("deviation: must be greater than 0")
-        self._check_positive(low)
-        if self.whole:
-            self._check_whole(low, high)
-        if self.distribution in NORMALS and self._share()[1] < LEAST_SHARE:
-            raise ValueError("from: the limits leave nothing of the distribution")
 
     def _check_positive(self, low: float | None) -> None:
         is_log = self.distribution in ("log_uniform", "lognormal")
@@ -245,6 +250,13 @@ def _unit_of(value: Any) -> str | None:
         return unit
     except UnitError:
         return None
+
+
+def _check_ends(low: float, high: float) -> None:
+    if low > high:
+        raise ValueError(f"from: {low:g} is more than to: {high:g}")
+    if low == high:
+        raise ValueError(f"from: and to are both {low:g}, which leaves nothing to vary")
 
 
 def as_text(value: Any) -> str:

@@ -1,1 +1,1 @@
-"""What all scenes share: kinetics, constraints, contact, energy, and the composed step."""
+"""The step: kinetics, constraints, contact, energy, composition; neither laws nor methods."""

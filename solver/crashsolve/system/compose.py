@@ -6,11 +6,18 @@ scene lacks appears in it. `crashsolve explain` prints it.
 """
 
 import hashlib
+from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
-from crashsolve.compiler.cache import cache_folder, read_own, write_whole
+from crashsolve.compiler.cache import (
+    cache_folder,
+    read_own,
+    read_sealed,
+    write_sealed,
+    write_whole,
+)
 from crashsolve.compiler.machine import Function, machine_code, machine_codes, runs_plain
-from crashsolve.compiler.program import Program
 from crashsolve.compiler.table import Tables
 from crashsolve.model.clock import NOT_FINITE
 from crashsolve.system.placeholders import is_assembled, is_shared, method, placeholders
@@ -42,6 +49,9 @@ def compose(model: Any) -> str:
     def is_copied(module: str) -> bool:
         return module.startswith((f"{INTEGRATORS}._", f"{LOOPS}.")) or module == main
 
+    # most runs find what was composed before
+    from crashsolve.compiler.program import Program
+
     program = Program(placeholders(model), SCENE, is_copied, replaced)
     program.add(f"{INTEGRATORS}._advance", "advance")
     if is_shared(model):
@@ -49,9 +59,46 @@ def compose(model: Any) -> str:
     return program.text()
 
 
+def composed(model: Any, deck: str) -> str:
+    """The same for the model of a deck's text, from the cache where it has been composed before.
+
+    What is composed depends on the groups of a scene, on what they are made of, and on files of
+    meshes through their tables: the key has all of them. Raises CacheError.
+    """
+    key = hashlib.sha256("\n".join([deck, *_description(model)]).encode()).hexdigest()[:32]
+    path = cache_folder() / f"program_{key}"
+    known = (read_sealed(path) or b"").decode(errors="replace")
+    text = (read_own(_step_file(known)) or b"").decode(errors="replace") if known else ""
+    if not text or _name_of(text) != known:
+        text = compose(model)
+        write_whole(_step_file(_name_of(text)), text.encode(), sync=False)
+        write_sealed(path, _name_of(text).encode(), sync=False)
+    return text
+
+
+def _description(model: Any) -> Iterator[str]:
+    """What a composed step may depend on beside the deck's text."""
+    for name, value in placeholders(model).items():
+        yield f"{name} {value if isinstance(value, bool) else [g.word for g in value]}"
+    for group in (*model.groups, *model.contact_groups, *model.nodal_groups):
+        for name, table in group.tables().items():
+            yield f"{group.word} {name} {table.dtype.descr} {table.shape}"
+        parameters = getattr(group, "parameters", None)
+        if parameters is not None:
+            yield hashlib.sha256(parameters.tobytes()).hexdigest()
+
+
+def _name_of(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def _step_file(name: str) -> Path:
+    return cache_folder() / f"crashsolve_step_{name}.py"
+
+
 def load(text: str, tables: Tables) -> Function:
     """The composed step, compiled, under a name and file that depend on nothing but the text."""
-    path = cache_folder() / f"crashsolve_step_{hashlib.sha256(text.encode()).hexdigest()[:16]}.py"
+    path = _step_file(_name_of(text))
     if read_own(path) != text.encode():
         write_whole(path, text.encode())
     if runs_plain():

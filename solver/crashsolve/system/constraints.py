@@ -21,7 +21,7 @@ def factor_constraints(rows, saddle, nodes):
         row = rows[k]
         weigh(row.D, row.X, 0, nodes[row.node_a])
         weigh(row.D, row.X, 6, nodes[row.node_b])
-    factorise(saddle, rows)
+    factorise(saddle, rows, nodes)
 
 
 @kernel
@@ -188,7 +188,8 @@ def worst_rate(rows, saddle):
     columns = saddle.columns
     for p in range(columns.shape[0]):
         c = columns[p]
-        for i in range(c.rows):
+        # a hub has no rows
+        for i in range(c.rows if c.end > c.entry else 0):
             k = c.entry + i
             total = 0.0
             while k < c.end:

@@ -4,11 +4,14 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.family import families
 from crashsolve.foundation.errors import SolverError
+from crashsolve.foundation.rows import as_rows
 from crashsolve.model import ledger as energy
 from crashsolve.model.clock import (
     CONTACT_GAIN,
     CURVE_END,
+    LAW_GAIN,
     NOT_FINITE,
     POSITION,
     ROTATED,
@@ -18,6 +21,7 @@ from crashsolve.model.clock import (
     VELOCITY,
 )
 from crashsolve.model.model import Model, State
+from crashsolve.system.gain import gained
 from crashsolve.system.timestep import QUARTER
 
 # what helps most where a shell folds on itself: a node meets the nearer of two walls alone
@@ -53,6 +57,8 @@ def diagnose(model: Model, state: State, clock: Any, ledger: np.ndarray) -> Solv
         found = collapsed_step(model, state, int(clock["limit_node"]), step)
     elif status == CONTACT_GAIN:
         found = gaining_contact(model, state, clock)
+    elif status == LAW_GAIN:
+        found = gaining_law(model, state)
     elif status == CURVE_END:
         found = curve_end(model, clock)
     else:
@@ -273,3 +279,23 @@ def gaining_contact(model: Model, state: State, clock: Any) -> Diagnosis:
         shorter = f"{OWN_FACES}; or {shorter}"
     advice = f"{shorter}; control.energy_limit sets the bound"
     return f"contact '{model.contacts[number]}'", cause, advice
+
+
+def gaining_law(model: Model, state: State) -> Diagnosis:
+    """The spring, hinge or tyre that has made most energy over what it took and gave."""
+    current, worst = int(state.clock[0]["current"]), (0.0, "", 0.0, 0.0, 0.0)
+    for group in (g for g in model.force_groups() if g.is_watched):
+        rows = zip(group.names, as_rows(group.history[current]), group.output, strict=True)
+        for name, now, out in rows:
+            gain = float(gained(now, float(out["stored"])))
+            share = gain / max(float(now["exchanged"]), 1e-300)
+            if share > worst[0]:
+                taken = 0.5 * float(now["exchanged"] - now["given"])
+                word = families()[group.keyword].entry
+                worst = share, f"{word} '{name}'", gain, taken, float(now["held_first"])
+    _, where, gain, taken, held = worst
+    cause = (
+        f"its force has given its bodies {gain:.3g} J more than it took from them ({taken:.3g} J) "
+        f"and held at the start ({held:.3g} J)"
+    )
+    return where, cause, f"{closer(model, state)}; control.energy_limit sets the bound"

@@ -113,13 +113,19 @@ def check(clock, control, nodes, ledger):
 
 
 @kernel
+def unseen_distance(clock, control, nodes):
+    """Round-off of all displacements so far [m]."""
+    farthest = control.length
+    for i in range(1, nodes.shape[0]):
+        farthest = max(farthest, norm(vec(nodes[i].r)))
+    return EPSILON * clock.cycle * farthest
+
+
+@kernel
 def check_contacts(clock, control, nodes, scene):
     """Stop at a contact that gives its bodies energy that it never took. Writes: clock."""
     if clock.status == RUNNING and control.energy_limit > 0.0:
-        farthest = control.length
-        for i in range(1, nodes.shape[0]):
-            farthest = max(farthest, norm(vec(nodes[i].r)))
-        unseen, limit = EPSILON * clock.cycle * farthest, control.energy_limit
+        unseen, limit = unseen_distance(clock, control, nodes), control.energy_limit
         card = gaining_card(clock.current, limit, unseen, scene.card_history)
         rubbing = gaining_friction(clock.current, limit, unseen, scene.card_history)
         if card >= 0 or rubbing >= 0:

@@ -10,13 +10,13 @@ import numpy as np
 
 from crashsolve.compiler.machine import runs_checked, runs_plain
 from crashsolve.compiler.table import Tables
-from crashsolve.deck.family import families
 from crashsolve.foundation.rows import as_rows
 from crashsolve.model import ledger as energy
 from crashsolve.model.clock import (
     CONTACT_GAIN,
     CORNER,
     ENERGY,
+    LAW_GAIN,
     NOT_FINITE,
     PAUSED,
     POSITION,
@@ -340,7 +340,7 @@ class Engine:
             points[name] = kept
         self.state.clock[0]["sampled"] = clock["time"]
         self._refuse_passing()
-        is_stopped = clock["status"] in (NOT_FINITE, ENERGY, CONTACT_GAIN, POSITION)
+        is_stopped = clock["status"] in (NOT_FINITE, ENERGY, CONTACT_GAIN, LAW_GAIN, POSITION)
         is_judged = clock["cycle"] >= FIRST_JUDGED
         if is_stopped or (is_judged and energy.is_out_of_nothing(self.ledger, self._limit)):
             raise diagnose(self.model, self.state, clock, self.ledger)
@@ -370,31 +370,6 @@ class Engine:
         passed = passed_through(self.model, self.state)
         if passed is not None:
             raise passed
-
-    def law_warnings(self) -> list[str]:
-        """What laws have met outside their range of validity, per card."""
-        current, found = int(self.clock["current"]), set()
-        others = [
-            f"{families()[g.keyword].entry} '{name}': {text}"
-            for g in self.model.force_groups()
-            for column, text in getattr(g.module, "WARNINGS", {}).items()
-            for name in np.array(g.names)[g.history[column][current] != 0]
-        ]
-        for group in self.model.contact_groups:
-            for bit, (name, text) in enumerate(getattr(group.normal, "WARNINGS", {}).items()):
-                met = group.history[name][current] != 0
-                found |= {(int(card), text) for card in group.parameters["card"][met]}
-                # of pairs that have left the list of near ones, the card remembers
-                left = self.state.card_history["left_warnings"][current] >> bit & 1
-                listed = group.search.cards() if group.search else []
-                found |= {(card, text) for card in listed if left[card]}
-        for nodal in self.model.nodal_groups:
-            probe_states, card = nodal.arrays["probe_states"], int(nodal.arrays["p"]["card"][0])
-            for name, text in getattr(nodal.normal, "WARNINGS", {}).items():
-                found |= {(card, text)} if probe_states[name].any() else set()
-        return others + [
-            f"contact '{self.model.contacts[card]}': {text}" for card, text in sorted(found)
-        ]
 
     def step_warnings(self) -> list[str]:
         """Signs that the step is too long for what no law states: the tension in joints."""

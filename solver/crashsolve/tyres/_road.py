@@ -2,9 +2,9 @@
 
     distance d of the wheel's centre, unit normal n from the nearest point to the centre
 
-A profile is a height z = y(s) over the way s along a road: on a smooth piece s_0 of the nearest
-point solves (s_0 - s) + (y - z) y' = 0. Consequence to test: the distance from every road against
-a brute-force search, and a rigid disc that crosses a step of height h lifts when it is
+A profile is a height z = y(s) over the distance s along a road: on a smooth piece s_0 of the
+nearest point solves (s_0 - s) + (y - z) y' = 0. Consequence to test: the distance from every road
+against a brute-force search, and a rigid disc that crosses a step of height h lifts when it is
 sqrt(2 R h - h^2) away.
 """
 
@@ -18,6 +18,7 @@ import numpy as np
 from crashsolve.contact.narrow import _tree
 from crashsolve.contact.narrow.sphere_box import from_box
 from crashsolve.contact.narrow.sphere_mesh import nearest, outward
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, CurveName, Vec3, quantity, word
 from crashsolve.foundation.columns import matvec, matvec_t
 from crashsolve.foundation.curve import curve_value, segment
@@ -44,15 +45,15 @@ ROADS = Record(f"""
 
 
 class Profile(Card):
-    """Height of a road over the way along it, fixed in the ground."""
+    """Height of a road over the distance along it, fixed in the ground."""
 
-    curve: CurveName = word("height over the way")
-    at: Vec3 = quantity("m", "point where way and height are zero", (0.0, 0.0, 0.0))
-    along: Vec3 = word("direction of the way, horizontal; any length", (1.0, 0.0, 0.0))
+    curve: CurveName = word("height over the distance")
+    at: Vec3 = quantity("m", "point where distance and height are zero", (0.0, 0.0, 0.0))
+    along: Vec3 = word("direction of the distance, horizontal; any length", (1.0, 0.0, 0.0))
     up: Vec3 = word("direction of the height; any length", (0.0, 0.0, 1.0))
 
 
-def road_columns(names: Sequence[str], profile: Profile | None, scene: Any) -> dict[str, Any]:
+def road_columns(names: Sequence[str], profile: Profile | None, scene: Scene) -> dict[str, Any]:
     """Columns of ROADS of some surfaces and a profile."""
     if len(names) + (profile is not None) > MOST:
         raise scene.fail(f"at most {MOST} roads; join meshes, or give other tyres theirs", "road")
@@ -81,7 +82,7 @@ def road_columns(names: Sequence[str], profile: Profile | None, scene: Any) -> d
     return flat | {"roads": len(names) + (profile is not None)}
 
 
-def _place_profile(profile: Profile, i: int, shapes: dict[str, Any], scene: Any) -> None:
+def _place_profile(profile: Profile, i: int, shapes: dict[str, Any], scene: Scene) -> None:
     """Writes: row i of shapes."""
     along, up = scene.unit(profile.along, "profile.along"), scene.unit(profile.up, "profile.up")
     if abs(along @ up) > 1e-6:
@@ -91,7 +92,7 @@ def _place_profile(profile: Profile, i: int, shapes: dict[str, Any], scene: Any)
     shapes["road_root"][i] = scene.curve(profile.curve)
 
 
-def _shape(name: str, card: Any, scene: Any) -> Any:
+def _shape(name: str, card: Any, scene: Scene) -> Any:
     """The one element of a surface."""
     elements = import_module(type(card).__module__).build(card, scene)
     if len(elements) != 1:
@@ -99,7 +100,7 @@ def _shape(name: str, card: Any, scene: Any) -> Any:
     return elements[0]
 
 
-def mesh_tables(cards: Sequence[Any], table: np.ndarray, scene: Any) -> tuple[np.ndarray, ...]:
+def mesh_tables(cards: Sequence[Any], table: np.ndarray, scene: Scene) -> tuple[np.ndarray, ...]:
     """Boxes and triangles of all meshes of some tyres; () without any. Writes: table.road_root."""
     solids, positions = [], []
     for row, card in zip(table, cards, strict=True):

@@ -23,6 +23,7 @@ from typing import Any, ClassVar, NamedTuple
 
 from pydantic import model_validator
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import BodyName, Card, CurveName, SurfaceName, Vec3, quantity, word
 from crashsolve.foundation.curve import curve_area, curve_value
 from crashsolve.foundation.kernels import kernel
@@ -55,7 +56,7 @@ class TyreCard(Card):
     axis: Vec3 = word("axis of the wheel, to the left of forward, in its frame", (0.0, 1.0, 0.0))
     at: Vec3 = quantity("m", "centre of the wheel, in its frame", (0.0, 0.0, 0.0))
     road: tuple[SurfaceName, ...] = word("surfaces it may roll on: planes, boxes, meshes", ())
-    profile: Profile | None = word("height of a road over the way along it", None)
+    profile: Profile | None = word("height of a road over the distance along it", None)
     radius: float = quantity("m", "R, without load", gt=0)
     stiffness: float | None = quantity("N/m", "k, of the depth", None, gt=0)
     curve: CurveName | None = word("force over depth, from 0; instead of stiffness", None)
@@ -69,7 +70,7 @@ class TyreCard(Card):
         "N/rad", "C_gamma, lateral force over camber at zero", 0.0, ge=0
     )
     friction_max: float = quantity("1", "mu without slip", gt=0)
-    friction_min: float | None = quantity("1", "mu at slip 1; mu_max when absent", None, gt=0)
+    friction_min: float | None = quantity("1", "mu at slip 1; friction_max when absent", None, gt=0)
     contact_length: float | None = quantity(
         "m", "l, of the patch; the chord of the circle when absent", None, gt=0
     )
@@ -111,8 +112,8 @@ TYRE = ROADS + Record("""
     damping_depth   m         depth over which it grows
     rim_depth       m         depth at which the rim is met; infinite for none
     rim_stiffness   N/m       k_rim
-    mu_max          1         mu without slip
-    mu_min          1         mu at slip 1
+    friction_max    1         mu without slip
+    friction_min    1         mu at slip 1
     length          m         l; 0 for the chord of the circle
     sigma_x         m         relaxation length along the wheel
     sigma_y         m         the same across
@@ -128,7 +129,12 @@ DEFLECTED = Record(f"""
     q_x    m  {MOST}  deflection of the carcass along the wheel, on each road
     q_y    m  {MOST}  the same across
     store  J  {MOST}  energy in it
+    sunk   flag  whether its centre has been on a road or below it
 """)
+SUNK = {
+    "sunk": "its centre has sunk to the road: it is too soft for what it bears; rim_radius and "
+    "rim_stiffness, or a curve, hold it"
+}
 FORCES_OF_TYRE = Record("""
     force         N    3  on the wheel, world axes
     moment        N m  3  on the wheel about its centre, world axes
@@ -144,7 +150,7 @@ FORCES_OF_TYRE = Record("""
 """)
 
 
-def tyre_columns(card: TyreCard, scene: Any) -> dict[str, Any]:
+def tyre_columns(card: TyreCard, scene: Scene) -> dict[str, Any]:
     """Columns of TYRE."""
     node = scene.node(card.wheel)
     if node == 0:
@@ -170,8 +176,8 @@ def tyre_columns(card: TyreCard, scene: Any) -> dict[str, Any]:
         "damping_depth": card.damping_depth,
         "rim_depth": rim,
         "rim_stiffness": card.rim_stiffness,
-        "mu_max": card.friction_max,
-        "mu_min": card.friction_min or card.friction_max,
+        "friction_max": card.friction_max,
+        "friction_min": card.friction_min or card.friction_max,
         "length": card.contact_length or 0.0,
         "sigma_x": card.relaxation,
         "sigma_y": card.side_relaxation,
@@ -301,11 +307,13 @@ class Grip(NamedTuple):
 @kernel
 def grip_on(p, i, old, new, out, at, h, curves):
     """The Grip on road i after a step h. Writes: new, out."""
+    if old.sunk == 1 or at.depth >= p.radius:
+        new.sunk = 1
     if at.depth <= 0.0:
         # off the road the carcass is at ease
         out.loss += old.store[i] if h > 0.0 else 0.0
         out.depth = max(out.depth, at.depth)
-        return Grip(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, p.mu_max)
+        return Grip(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, p.friction_max)
     F_z, stored, lost, slope, c = vertical_force(p, at, curves)
     out.stored += stored
     out.power += lost
@@ -317,7 +325,7 @@ def grip_on(p, i, old, new, out, at, h, curves):
     s_x = (q_x - k_V / p.C_x * at.slip_x) / p.sigma_x
     s_y = (q_y - k_V / p.C_y * at.slip_y) / p.sigma_y
     now = sqrt(at.slip_x**2 + at.slip_y**2) / max(V, p.low_speed)
-    mu = p.mu_max - (p.mu_max - p.mu_min) * min(now, 1.0)
+    mu = p.friction_max - (p.friction_max - p.friction_min) * min(now, 1.0)
     # the carcass of a patch that slides all over is not drawn out further
     held = sqrt((p.C_x * q_x / p.sigma_x) ** 2 + (p.C_y * q_y / p.sigma_y) ** 2)
     share = 3.0 * mu * F_z / held if held > 3.0 * mu * F_z else 1.0
@@ -357,6 +365,7 @@ def clear(p, new, out):
     """Before the roads are asked. Writes: new, out."""
     for k in range(MOST):
         new.q_x[k] = new.q_y[k] = new.store[k] = 0.0
+    new.sunk = 0
     for k in range(3):
         out.force[k] = out.moment[k] = 0.0
     out.normal = out.longitudinal = out.lateral = out.aligning = 0.0
@@ -399,6 +408,18 @@ def bear(p, i, old, new, out, h, nodes, at, grip, F, M_z, store):
     out.normal += grip.F_z
     load(wheel, at.bottom, at.n, grip.slope, grip.damping)
     load(road, add(to_road, at.bottom), at.n, grip.slope, grip.damping)
+    load(wheel, at.foot, at.x, p.C_x / p.sigma_x, p.still_damping)
+    load(wheel, at.foot, at.y, p.C_y / p.sigma_y, p.still_damping)
+
+
+@kernel
+def await_road(p, nodes, curves, data):
+    """A tyre off all roads bounds the step: nothing else shortens it before one is met.
+
+    Writes: nodes.
+    """
+    at, wheel = patch_on(p, 0, nodes, curves, data), nodes[p.node]
+    load(wheel, at.bottom, at.n, p.stiffest, p.damping)
     load(wheel, at.foot, at.x, p.C_x / p.sigma_x, p.still_damping)
     load(wheel, at.foot, at.y, p.C_y / p.sigma_y, p.still_damping)
 

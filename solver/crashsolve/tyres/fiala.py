@@ -19,8 +19,10 @@ from crashsolve.tyres._road import mesh_tables
 from crashsolve.tyres._tyre import (
     DEFLECTED,
     FORCES_OF_TYRE,
+    SUNK,
     TYRE,
     TyreCard,
+    await_road,
     bear,
     clear,
     direction,
@@ -39,6 +41,7 @@ class Fiala(TyreCard):
 
 
 PARAMETERS, HISTORY, OUTPUT = TYRE, DEFLECTED, FORCES_OF_TYRE
+WARNINGS = SUNK
 build, shared_tables = tyre_columns, mesh_tables
 
 
@@ -82,6 +85,8 @@ def roll(p, old, new, out, h, nodes, curves, data):
             store = carcass_energy(p, grip)
             bear(p, i, old, new, out, h, nodes, at, grip, (F_x, F_y), M_z, store)
             show(out, at, grip, (F_x, F_y), M_z, sliding)
+    if out.normal == 0.0:
+        await_road(p, nodes, curves, data)
 
 
 @kernel

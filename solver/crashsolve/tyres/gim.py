@@ -5,8 +5,8 @@
     M_z = -[C_y s_y (2 l_n / 3 - 1 / 2) + 3 / 2 mu_y F_z S_n^2] l l_n^2
 
 with the slips s of `_tyre.py`; the camber gamma takes C_gamma sin(gamma) / C_y from s_y, and mu
-falls with the slip from mu_max to mu_min. Consequences to test: dF/ds = C at zero, |F| <= mu F_z,
-and along one direction |F| = mu F_z (1 - l_n^3).
+falls with the slip from friction_max to friction_min. Consequences to test: dF/ds = C at zero,
+|F| <= mu F_z, and along one direction |F| = mu F_z (1 - l_n^3).
 
 References: Ambrosio (2003), section 5.3; Gim and Nikravesh (1990, 1991), International Journal of
 Vehicle Design 11, 589-618; 12, 19-39; 12, 217-228.
@@ -19,8 +19,10 @@ from crashsolve.tyres._road import mesh_tables
 from crashsolve.tyres._tyre import (
     DEFLECTED,
     FORCES_OF_TYRE,
+    SUNK,
     TYRE,
     TyreCard,
+    await_road,
     bear,
     clear,
     direction,
@@ -39,6 +41,7 @@ class Gim(TyreCard):
 
 
 PARAMETERS, HISTORY, OUTPUT = TYRE, DEFLECTED, FORCES_OF_TYRE
+WARNINGS = SUNK
 build, shared_tables = tyre_columns, mesh_tables
 
 
@@ -94,6 +97,8 @@ def roll(p, old, new, out, h, nodes, curves, data):
             store = carcass_energy(p, grip)
             bear(p, i, old, new, out, h, nodes, at, grip, (F_x, F_y), M_z, store)
             show(out, at, grip, (F_x, F_y), M_z, S_n)
+    if out.normal == 0.0:
+        await_road(p, nodes, curves, data)
 
 
 @kernel

@@ -5,39 +5,51 @@
 v_0 is the impact speed: the least with which a free impact could show the speeds of this touch. It
 closes no faster than v_0 and opens no faster than x v_0, x the restitution returned, so
 
-    v_0 = max over the touch of (delta_dot, -delta_dot / x),   not below the speed floor
+    v_0 = max over the touch of (delta_dot, -delta_dot / x, min(v_f, v_d))
+    v_d^2 G(1) = K delta^(n+1) / ((n+1) m)
 
-In a free impact that is the closing speed at the onset. A touch that is driven by others has the
-speed at which it is driven, and one that begins compressed that of the free impact which passes
-its state (`_restitution.py`). The stiffness reported to the step control is that at the depth a
-free impact of speed v_0 will reach, so the first step is already short.
+v_f is the speed floor and v_d the speed of a free impact that goes as deep as the touch is now. In
+a free impact v_d is below the closing speed at the onset, which v_0 then is, however slow. A touch
+that something presses deeper counts as one at rest, at up to the floor: its damping stays finite.
+One that is driven by others has the speed at which it is driven, and one that begins compressed
+that of the free impact which passes its state (`_restitution.py`). The stiffness reported to the
+step control is that at the depth a free impact of speed v_0 will reach, so the first step is
+already short.
 """
 
 from math import inf, sqrt
 from typing import Any
 
-from crashsolve.contact.normal._restitution import returned, speed_through
+from crashsolve.contact.normal._restitution import returned, speed_through, spent
 from crashsolve.contact.normal._stiffness import SOURCES, Materials, hertz_stiffness
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 
 # how far, in shares of the restitution asked for, the one returned may be off without a warning
 SILENT = 0.02
+# how far the floor may be above the speeds of a touch without a remark, and the share of it that
+# v_0 has where a touch begins without any depth or speed
+PRESSED, LEAST = 1.02, 1e-9
 
 PARAMETERS = Record("""
     stiffness    N/m^n  K
     exponent     1      n
     chi          1      damping factor of the law
     returned     1      restitution x of a free impact
+    spent        1      G(1): share of m v_0^2 that drives a free impact to its deepest
     speed_limit  m/s    impact speed beyond which the law is outside its range
 """)
 HISTORY = Record("""
     damping_speed  m/s   v_0
     too_fast       flag  an impact was faster than speed_limit
+    pressed        flag  v_0 was that of the speed floor
 """)
 # flags of HISTORY that the log reports at the end of a run, with the words for it
 WARNINGS = {"too_fast": "impact faster than 1e-5 sqrt(E/rho): outside the law's range of validity"}
+# the same of what is no fault: a remark
+REMARKS = {"pressed": "pressed deeper than impacts of their speed, and damped as at rest"}
 
 
 class PowerCard(Materials):
@@ -57,7 +69,7 @@ class DampedPowerCard(PowerCard):
     restitution: float = quantity("1", "coefficient of restitution e", ge=0, le=1)
 
 
-def build(card: PowerCard, scene: Any, pair: Any) -> dict[str, Any]:
+def build(card: PowerCard, scene: Scene, pair: Any) -> dict[str, Any]:
     """Parameters of the force; warns where it returns another restitution than asked.
 
     Refuses two sources of stiffness.
@@ -75,11 +87,12 @@ def build(card: PowerCard, scene: Any, pair: Any) -> dict[str, Any]:
         "exponent": card.exponent,
         "chi": chi,
         "returned": returned(chi),
+        "spent": float(spent(chi, 1.0)),
         "speed_limit": card.speed_limit(),
     }
 
 
-def _check_restitution(card: DampedPowerCard, scene: Any, pair: Any, chi: float) -> None:
+def _check_restitution(card: DampedPowerCard, scene: Scene, pair: Any, chi: float) -> None:
     if chi == inf:
         raise scene.fail(
             "this law needs a restitution above 0: its damping grows without bound; give 0.01, "
@@ -98,13 +111,13 @@ def _check_restitution(card: DampedPowerCard, scene: Any, pair: Any, chi: float)
 @kernel
 def normal_force(p, old, new, h, depth, rate, mass, curves):
     """Returns force, stored energy, dissipated power, loss, stiffness, damping. Writes: new."""
-    v = damping_speed(p, old, new, h, depth, rate, mass)
-    new.damping_speed = v
-    new.too_fast = 1 if v > p.speed_limit else old.too_fast
     n = p.exponent
     spring = p.stiffness * power(depth, n)
-    factor = max(0.0, 1.0 + p.chi * rate / v)
     stored = spring * depth / (n + 1.0)
+    v = damping_speed(p, old, new, h, stored / mass, rate)
+    new.damping_speed = v
+    new.too_fast = 1 if v > p.speed_limit else old.too_fast
+    factor = max(0.0, 1.0 + p.chi * rate / v)
     # energy that a free impact puts into the spring gives the depth to come
     reach = (0.5 * (n + 1.0) * mass * v**2 / p.stiffness) ** (1.0 / (n + 1.0))
     slope = p.stiffness * power_below(max(depth, reach), n)
@@ -126,16 +139,23 @@ def power_below(depth, n):
 
 
 @kernel
-def damping_speed(p, old, new, h, depth, rate, mass):
-    """v_0 of this touch so far [m/s]."""
-    v = max(new.impact_speed, p.speed_floor, rate, -rate / p.returned)
+def damping_speed(p, old, new, h, energy, rate):
+    """v_0 of this touch so far [m/s]; the energy is that of the spring over the mass [m^2/s^2].
+
+    Writes: new.
+    """
+    v = max(new.impact_speed, rate, -rate / p.returned)
     if old.active == 1:
-        return max(v, old.damping_speed)
-    if h == 0.0:
+        v = max(v, old.damping_speed)
+    elif h == 0.0:
         # the run begins with it
-        n = p.exponent
-        energy = p.stiffness * depth ** (n + 1.0) / ((n + 1.0) * mass)
         v = max(v, speed_through(p.chi, p.returned, energy, rate))
+    new.pressed = old.pressed
+    if v < p.speed_floor:
+        deep = min(sqrt(energy / p.spent), p.speed_floor)
+        if deep > PRESSED * v and p.chi > 0.0:
+            new.pressed = 1
+        v = max(v, deep, LEAST * p.speed_floor)
     return v
 
 
@@ -144,6 +164,7 @@ def release(p, old, new):
     """Writes: new."""
     new.damping_speed = 0.0
     new.too_fast = old.too_fast
+    new.pressed = old.pressed
 
 
 @kernel
@@ -161,4 +182,4 @@ def normal_tangent(p, state, depth, rate, mass, curves):
 
 
 # what the file of such a law is made of, beside its card
-LAW = PARAMETERS, HISTORY, WARNINGS, build, normal_force, normal_tangent, release
+LAW = PARAMETERS, HISTORY, WARNINGS, REMARKS, build, normal_force, normal_tangent, release

@@ -1,11 +1,11 @@
 """What is asked of a curve of force over penetration that has an unloading of its own."""
 
-from typing import Any
-
 import numpy as np
 
+from crashsolve.deck.building import Scene
 
-def check_pressed(curve: int, name: str, stiffness: float, scene: Any) -> None:
+
+def check_pressed(curve: int, name: str, stiffness: float, scene: Scene) -> None:
     """Refuse a curve that does not start at (0, 0), pulls, or rises faster than it unloads."""
     points = scene.curve_points[curve : scene.curve_points[curve]["last"] + 1]
     if points["x"][0] != 0.0 or points["c"][0, 0] != 0.0:
@@ -25,7 +25,7 @@ def check_pressed(curve: int, name: str, stiffness: float, scene: Any) -> None:
         )
 
 
-def check_below(lower: int, upper: int, name: str, scene: Any) -> None:
+def check_below(lower: int, upper: int, name: str, scene: Scene) -> None:
     """Refuse an unloading curve that is not between 0 and the curve of loading, or ends early."""
     points = scene.curve_points
     parts = [points[k : points[k]["last"] + 1] for k in (lower, upper)]

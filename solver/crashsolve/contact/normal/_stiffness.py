@@ -11,6 +11,7 @@ from typing import Any
 
 from pydantic import model_validator
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, quantity
 
 # share of the wave speed below which local deformation is quasi-static (Ambrosio (2003), 4.2)
@@ -59,7 +60,7 @@ class Materials(Card):
         return QUASI_STATIC * min(waves, default=inf)
 
 
-def hertz_stiffness(card: Materials, scene: Any, pair: Any) -> float:
+def hertz_stiffness(card: Materials, scene: Scene, pair: Any) -> float:
     """K of Eq. 19 [N/m^1.5]; refuses a pair whose curvature is unknown."""
     compliance = card.compliance()
     if compliance == 0.0:

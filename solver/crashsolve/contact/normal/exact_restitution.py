@@ -14,7 +14,7 @@ from math import inf
 from crashsolve.contact.normal import _damped_power as shared
 from crashsolve.contact.normal._restitution import damping_factor
 
-PARAMETERS, HISTORY, WARNINGS, build, normal_force, normal_tangent, release = shared.LAW
+PARAMETERS, HISTORY, WARNINGS, REMARKS, build, normal_force, normal_tangent, release = shared.LAW
 
 
 class ExactRestitution(shared.DampedPowerCard):

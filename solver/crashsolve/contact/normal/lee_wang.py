@@ -10,7 +10,7 @@ References: Lee and Wang (1983), J. Mech. Trans. Autom. Design 105, 534-540.
 
 from crashsolve.contact.normal import _damped_power as shared
 
-PARAMETERS, HISTORY, WARNINGS, build, normal_force, normal_tangent, release = shared.LAW
+PARAMETERS, HISTORY, WARNINGS, REMARKS, build, normal_force, normal_tangent, release = shared.LAW
 
 
 class LeeWang(shared.DampedPowerCard):

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import BodyName, Card, Rotation, Vec3, quantity, word
 from crashsolve.foundation.orientation import matrix
 from crashsolve.foundation.record import Record
@@ -24,7 +25,7 @@ PLACED = Record("""
 """)
 
 
-def placement(card: PlacedCard, scene: Any) -> dict[str, Any]:
+def placement(card: PlacedCard, scene: Scene) -> dict[str, Any]:
     """Columns PLACED of a shape."""
     node = scene.node(card.body)
     axes = np.eye(3) if card.rotation is None else matrix(card.rotation.quaternion())

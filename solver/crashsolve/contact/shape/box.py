@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.contact.shape._placed import PLACED, PlacedCard, placement
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Vec3, quantity
 from crashsolve.foundation.record import Record
 
@@ -22,7 +23,7 @@ class Box(PlacedCard):
 PARAMETERS = PLACED + Record("half  m  3  half edges")
 
 
-def build(card: Box, scene: Any) -> list[dict[str, Any]]:
+def build(card: Box, scene: Scene) -> list[dict[str, Any]]:
     return [placement(card, scene) | {"half": 0.5 * np.array(card.size)}]
 
 

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.contact.shape._placed import PLACED
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 from crashsolve.foundation.orientation import perpendicular
 from crashsolve.foundation.record import Record
@@ -30,7 +31,7 @@ PARAMETERS = PLACED + Record("""
 """)
 
 
-def build(card: Cylinder, scene: Any) -> list[dict[str, Any]]:
+def build(card: Cylinder, scene: Scene) -> list[dict[str, Any]]:
     node = scene.node(card.body)
     axis = scene.unit(card.axis, "axis")
     side = perpendicular(axis)

@@ -5,6 +5,7 @@ Nodes, balls and ellipsoids press on the nearest face, from whichever side they 
 
 from typing import Any, Literal
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, PartName, quantity, word
 
 GAP_AS = "faces"
@@ -30,7 +31,7 @@ class Faces(Card):
     )
 
 
-def build(card: Faces, scene: Any) -> list[dict[str, Any]]:
+def build(card: Faces, scene: Scene) -> list[dict[str, Any]]:
     """No elements of its own: those of the part."""
     scene.skin(card.part, "part")
     return []

@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import model_validator
 
 from crashsolve.contact.shape._placed import PLACED, PlacedCard, placement
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import FileName, Vec3, quantity, word
 from crashsolve.foundation.mesh_files.reading import OUTLINES, MeshFileError, read_mesh_file
 from crashsolve.foundation.record import Record
@@ -44,7 +45,7 @@ PARAMETERS = PLACED + Record("""
 """)
 
 
-def build(card: Mesh, scene: Any) -> list[dict[str, Any]]:
+def build(card: Mesh, scene: Scene) -> list[dict[str, Any]]:
     points, faces = _read(card, scene)
     edges = _check(points, faces, scene)
     is_open = bool((edges[:, 2] < 0).any())
@@ -55,7 +56,7 @@ def build(card: Mesh, scene: Any) -> list[dict[str, Any]]:
     return [placement(card, scene) | solid | {"thickness": thickness}]
 
 
-def _read(card: Mesh, scene: Any) -> tuple[np.ndarray, np.ndarray]:
+def _read(card: Mesh, scene: Scene) -> tuple[np.ndarray, np.ndarray]:
     if card.file is None:
         assert card.vertices is not None and card.faces is not None
         return np.array(card.vertices, float), np.array(card.faces, int).reshape(-1, 3)
@@ -77,7 +78,7 @@ def _read(card: Mesh, scene: Any) -> tuple[np.ndarray, np.ndarray]:
     return card.scale * points, same.reshape(-1)[faces]
 
 
-def _check(points: np.ndarray, faces: np.ndarray, scene: Any) -> np.ndarray:
+def _check(points: np.ndarray, faces: np.ndarray, scene: Scene) -> np.ndarray:
     """Edges (m, 3): triangle, its edge, and the triangle beyond or -1. Refuses a broken mesh."""
     if len(faces) == 0:
         raise scene.fail("has no triangles", "faces")
@@ -97,7 +98,7 @@ def _check(points: np.ndarray, faces: np.ndarray, scene: Any) -> np.ndarray:
     return edges
 
 
-def _neighbours(faces: np.ndarray, scene: Any) -> np.ndarray:
+def _neighbours(faces: np.ndarray, scene: Scene) -> np.ndarray:
     """The triangle beyond each edge, which runs along the edge the other way."""
     ends: dict[tuple[int, int], tuple[int, int]] = {}
     for c in range(3):

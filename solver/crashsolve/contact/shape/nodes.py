@@ -7,6 +7,7 @@ Those of a shell are points of their own (`foundation/point.py`), met by
 from typing import Any
 
 from crashsolve.contact.shape import sphere
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, PartName, quantity, word
 
 PARAMETERS, bounding = sphere.PARAMETERS, sphere.bounding
@@ -20,12 +21,12 @@ class Nodes(Card):
     radius: float = quantity("m", "distance of its surface from the nodes", default=0.0, ge=0)
 
 
-def gap_as(card: Nodes, scene: Any) -> str:
+def gap_as(card: Nodes, scene: Scene) -> str:
     """Whose gap routines serve them."""
     return "points" if scene.has_points(card.part) else "sphere"
 
 
-def build(card: Nodes, scene: Any) -> list[dict[str, Any]]:
+def build(card: Nodes, scene: Scene) -> list[dict[str, Any]]:
     if scene.has_points(card.part):
         return []
     nodes = [node for node in scene.part_nodes[card.part] if node not in scene.welded]

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 from crashsolve.foundation.record import Record
 
@@ -21,7 +22,7 @@ PARAMETERS = Record("""
 """)
 
 
-def build(card: Plane, scene: Any) -> list[dict[str, Any]]:
+def build(card: Plane, scene: Scene) -> list[dict[str, Any]]:
     node = scene.node(card.body)
     point = scene.from_mass_centre(node, card.at)
     return [{"node": node, "point": point, "normal": scene.unit(card.normal, "normal")}]

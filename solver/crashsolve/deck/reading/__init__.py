@@ -1,1 +1,1 @@
-"""Reading a deck: text, places of keys, parameters, overrides, items, cards."""
+"""Reading a deck: text, positions of keys, parameters, overrides, items, cards."""

@@ -120,7 +120,7 @@ def _put(old: Any, path: list[str], value: Any, at: tuple[int, int]) -> Any:
     if isinstance(old, Rows):
         if not _is_location(word) or not 1 <= int(word) <= len(old):
             message = f"'{word}' is no position of a list of {len(old)}"
-            raise _NoSuchLocation(message, f"places count from 1 to {len(old)}")
+            raise _NoSuchLocation(message, f"entries count from 1 to {len(old)}")
         rows = Rows(old.file)
         rows.extend(old)
         rows.values_at = list(old.values_at)

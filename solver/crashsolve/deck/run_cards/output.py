@@ -24,7 +24,13 @@ class History(Card):
 class States(Card):
     """Configurations of all bodies for pictures and films."""
 
-    interval: float | None = quantity("s", "time between states; a 50th of the run", None, gt=0)
+    interval: float | None = quantity(
+        "s",
+        "time between states, and then at no others; a 50th of the run, and states at the first "
+        "touch of another contact, the largest contact force and the first yield",
+        None,
+        gt=0,
+    )
 
 
 class Restart(Card):
@@ -147,7 +153,7 @@ class Scene(Card):
     show: tuple[str, ...] = word("names of bodies and parts, with globs; all when absent", ())
     color: str = word("field of the states such as plastic_strain; by body when empty", "")
     arrows: str = word("rcforc, rcforc.CONTACT or velocity; none when empty", "")
-    follow: str = word("body or part that stays in place", "")
+    follow: str = word("body or part that the camera follows", "")
     magnify: float = quantity(
         "1",
         "small displacements are drawn this many times as large, and the picture says so",

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.elements.beams.bowing import coefficient
 from crashsolve.elements.beams.frequency_bound import fastest_rate, rate_of_tension
 from crashsolve.elements.damping import coefficients, heavier
@@ -17,7 +18,7 @@ from crashsolve.materials import elastic
 
 
 def halves(
-    card: Any, section: dict[str, Any], material: dict[str, Any], length: float, scene: Any
+    card: Any, section: dict[str, Any], material: dict[str, Any], length: float, scene: Scene
 ) -> tuple[float, np.ndarray]:
     """Mass [kg] and inertia (3, 3) [kg m^2] of half an element, axes of the section."""
     mass, factor = scaled(card, section, material, np.array([length]), scene)
@@ -26,7 +27,7 @@ def halves(
 
 
 def scaled(
-    card: Any, section: dict[str, Any], material: dict[str, Any], lengths: np.ndarray, scene: Any
+    card: Any, section: dict[str, Any], material: dict[str, Any], lengths: np.ndarray, scene: Scene
 ) -> tuple[np.ndarray, np.ndarray]:
     """Masses of elements of these lengths [kg], and the factors by which they are heavier."""
     mass = material["density"] * section["area"] * lengths
@@ -56,7 +57,7 @@ def stiffness_row(
 
 
 def damping_row(
-    card: Any, section: dict[str, Any], material: dict[str, Any], scene: Any
+    card: Any, section: dict[str, Any], material: dict[str, Any], scene: Scene
 ) -> dict[str, Any]:
     """Damping and viscosity of an element."""
     b_1, b_2_squared = coefficients(card, scene)
@@ -70,7 +71,7 @@ def damping_row(
 
 
 def ends_row(
-    card: Any, row: dict[str, Any], nodes: tuple[int, int], scene: Any, T: np.ndarray, half: float
+    card: Any, row: dict[str, Any], nodes: tuple[int, int], scene: Scene, T: np.ndarray, half: float
 ) -> dict[str, Any]:
     """Nodes of an element with half its mass each, drag on them and its bound of the step.
 
@@ -94,7 +95,7 @@ def rotary_inertia(section: dict[str, Any], material: dict[str, Any]) -> np.ndar
     return material["density"] * np.diag([R_y + R_z, R_y, R_z])
 
 
-def laws(card: Any, scene: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+def laws(card: Any, scene: Scene) -> tuple[dict[str, Any], dict[str, Any]]:
     """Section and material of a card."""
     law, material_card = scene.law("materials", card.material)
     word = law.__name__.rpartition(".")[2]
@@ -112,7 +113,7 @@ def laws(card: Any, scene: Any) -> tuple[dict[str, Any], dict[str, Any]]:
     return law.build(section_card, material["poisson"]), material
 
 
-def axes_of(card: Any, along: np.ndarray, section: dict[str, Any], scene: Any) -> np.ndarray:
+def axes_of(card: Any, along: np.ndarray, section: dict[str, Any], scene: Scene) -> np.ndarray:
     """Axes of the section of an element as columns (3, 3): along it, y, z."""
     if card.side is None:
         I_y, I_z = section["second"]

@@ -28,14 +28,14 @@ class NamedNode(Card):
     """A node that is a body of the deck, for joints, loads, contacts, sensors and channels."""
 
     name: NewName = word("the body is called P_name in part P")
-    at: Vec3 = quantity("m", "place; the nearest node is meant")
+    at: Vec3 = quantity("m", "position; the nearest node is meant")
 
 
 class Trace(Card):
     """A position whose history is written."""
 
     name: NewName = word("in channels P_name, for part P")
-    at: Vec3 = quantity("m", "place; the nearest node or element is meant")
+    at: Vec3 = quantity("m", "position; the nearest node or element is meant")
 
 
 class SectionCut(Card):

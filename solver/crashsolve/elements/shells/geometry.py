@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.elements.shells.cards import NamedNode, SectionCut, ShellCard, Trace
 from crashsolve.elements.shells.forces.quadrilateral import rate_bound
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.point import LANES
 
 
-def rule(card: ShellCard, scene: Any) -> tuple[np.ndarray, np.ndarray]:
+def rule(card: ShellCard, scene: Scene) -> tuple[np.ndarray, np.ndarray]:
     """Places -1 to 1 and weights, sum 2, of the layers, (layers,) each."""
     if card.rule == "gauss":
         return np.polynomial.legendre.leggauss(card.layers)
@@ -30,7 +31,7 @@ def nearest(positions: np.ndarray, card: NamedNode | Trace) -> int:
     return int(np.argmin(np.linalg.norm(positions - np.asarray(card.at), axis=1)))
 
 
-def sides(x: np.ndarray, card: SectionCut, scene: Any) -> np.ndarray:
+def sides(x: np.ndarray, card: SectionCut, scene: Scene) -> np.ndarray:
     """Which corners (n, 4) of which elements, at x (n, 4, 3), a cut has on its front side.
 
     Rows of elements that are not cut are empty.

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.elements.damping import IMPLICIT, heavier, report_added
 from crashsolve.elements.shells import outputs
 from crashsolve.elements.shells.cards import MOTIONS, ShellCard
@@ -41,7 +42,7 @@ POINTS = {"reduced": 1, "fully_integrated": 4, "triangles": 1}
 class DiscretisedShell:
     """A shell part in place: its mesh, with the masses of its nodes."""
 
-    def __init__(self, card: ShellCard, scene: Any) -> None:
+    def __init__(self, card: ShellCard, scene: Scene) -> None:
         self.law, self.material = scene.law("materials", card.material)
         self.card = card
         self.layer_rows = self.law.layer_rows(self.material)
@@ -60,22 +61,30 @@ class DiscretisedShell:
         normal = np.cross(x[:, 2] - x[:, 0], x[:, 3] - x[:, 1])
         self.area = 0.5 * np.linalg.norm(normal, axis=1)
         self._refuse_bad(x, normal, scene)
-        n = len(self.mesh.points)
+        n, own = len(self.mesh.points), self.mesh.own
         corners = self.mesh.quads.ravel()
+        self.first = 0  # of the mesh's points among all, once parts are numbered
+        # points of its elements, and those that it moves: of a shared mesh not all
+        self.used = np.arange(n) if own is None else np.unique(corners)
+        self.own = slice(0, n) if own is None else own
         self.slows = bool(card.damping or card.viscosity or card.mass_scaling)
         self.heavier = self._heavier(scene)
         share = np.full(x.shape[:2], 0.25)
         share[self.quad_count :] = [1 / 3, 1 / 3, 1 / 3, 0]
         mass = share * (self.heavier * self.weight)[:, None]
+        inertia = mass * self.radius_2[:, None]
         self.mass = np.bincount(corners, mass.ravel(), n)
-        self.J = np.bincount(corners, (mass * self.radius_2[:, None]).ravel(), n)
-        self.named = [nearest(self.mesh.points, node) for node in card.nodes]
-        self.traced = [nearest(self.mesh.points, node) for node in card.traces]
+        self.J = np.bincount(corners, inertia.ravel(), n)
+        # what each corner brings, to be summed over the parts of a shared mesh
+        self.lumps = None if own is None else (corners, mass.ravel(), inertia.ravel())
+        near = self.mesh.points[self.used]
+        self.named = [int(self.used[nearest(near, node)]) for node in card.nodes]
+        self.traced = [int(self.used[nearest(near, node)]) for node in card.traces]
         self.gauged = [nearest(x.mean(axis=1), position) for position in card.gauges]
         self.cuts = [sides(x, cut, scene) for cut in card.section_cuts]
         self.held = self._held(scene)
         self.velocity, self.spin = self._motion(scene)
-        self.blown = self._blown(x, normal, share, scene)
+        self.momentum = self._momentum(x, normal, share, scene)
 
     @property
     def weight(self) -> np.ndarray:
@@ -89,7 +98,7 @@ class DiscretisedShell:
         squared: np.ndarray = (self.area + self.card.thickness**2) / 12.0
         return squared
 
-    def _refuse_explicit(self, scene: Any) -> None:
+    def _refuse_explicit(self, scene: Scene) -> None:
         """What only explicit steps can do yet."""
         control = scene.deck.control
         method = f"integrator {control.integrator}"
@@ -107,7 +116,7 @@ class DiscretisedShell:
                 message = f"{words} is for explicit steps, and {method} takes none"
                 raise scene.fail(f"{message}; say integrator: rattle", field)
 
-    def _refuse_bad(self, x: np.ndarray, normal: np.ndarray, scene: Any) -> None:
+    def _refuse_bad(self, x: np.ndarray, normal: np.ndarray, scene: Scene) -> None:
         """Every corner of an element must turn the same way."""
         for k in range(4):
             here = np.cross(x[:, (k + 1) % 4] - x[:, k], x[:, (k + 3) % 4] - x[:, k])
@@ -123,7 +132,7 @@ class DiscretisedShell:
                 )
                 raise scene.fail(message, "mesh")
 
-    def _heavier(self, scene: Any) -> np.ndarray:
+    def _heavier(self, scene: Scene) -> np.ndarray:
         """Factors of the masses of the elements."""
         if self.card.mass_scaling is None:
             return np.broadcast_to(1.0, self.area.shape)
@@ -151,7 +160,7 @@ class DiscretisedShell:
         hourglass = (float(skew[0]), float(skew[1]))
         return float(quad_bound(flat, hourglass, float(z), *size, light, law.poisson))
 
-    def _held(self, scene: Any) -> np.ndarray:
+    def _held(self, scene: Scene) -> np.ndarray:
         """Bits of the motions that every node does not make."""
         held = np.zeros(len(self.mesh.points), np.uint8)
         for k, hold in enumerate(self.card.supports):
@@ -174,7 +183,7 @@ class DiscretisedShell:
             held[own] = ATTACHED
         return held
 
-    def set_of(self, name: str, field: str, scene: Any) -> np.ndarray:
+    def set_of(self, name: str, field: str, scene: Scene) -> np.ndarray:
         """Numbers (n,) of a set of nodes; an error of the deck where there is none such."""
         if name not in self.mesh.sets:
             known = ", ".join(sorted(self.mesh.sets)) or "none"
@@ -185,9 +194,10 @@ class DiscretisedShell:
             raise scene.fail(f"{message}; name another, or leave it out", field)
         return own
 
-    def _motion(self, scene: Any) -> tuple[np.ndarray, np.ndarray]:
+    def _motion(self, scene: Scene) -> tuple[np.ndarray, np.ndarray]:
         """Velocities [m/s] and angular velocities [rad/s] of the nodes before any blow."""
-        arm = self.mesh.points - self.mesh.points[0]
+        origin = self.mesh.points[0] if self.mesh.origin is None else self.mesh.origin
+        arm = self.mesh.points - origin
         velocity = np.asarray(self.card.velocity) + np.cross(self.card.angular_velocity, arm)
         spin = np.tile(np.asarray(self.card.angular_velocity, float), (len(arm), 1))
         given = np.zeros(len(arm), int)
@@ -204,12 +214,14 @@ class DiscretisedShell:
 
     def velocities(self) -> np.ndarray:
         """Velocities at the start [m/s], those of impulses among them."""
-        return self.velocity + self.blown
+        if not np.any(self.momentum):
+            return self.velocity
+        return self.velocity + self.momentum / self.mass[:, None]
 
-    def _blown(
-        self, x: np.ndarray, normal: np.ndarray, share: np.ndarray, scene: Any
+    def _momentum(
+        self, x: np.ndarray, normal: np.ndarray, share: np.ndarray, scene: Scene
     ) -> np.ndarray:
-        """Velocities of the nodes from the momentum of the elements that are hit [m/s]."""
+        """Momenta of the nodes from those of the elements that are hit [N s]."""
         if not self.card.impulses:
             return np.zeros(3)
         blown = np.zeros_like(self.mesh.points)
@@ -222,17 +234,18 @@ class DiscretisedShell:
             momentum = (impulse.speed * self.weight * hit)[:, None] * arm
             for corner, part in zip(self.mesh.quads.T, share.T, strict=True):
                 np.add.at(blown, corner, part[:, None] * momentum)
-        return blown / self.mass[:, None]
+        return blown
 
     def write_points(self, table: np.ndarray) -> None:
-        """Rows of POINT at the start. Writes: table."""
-        table["r"], table["v"] = self.mesh.points, self.velocities()
-        table["w"] = self.spin
-        table["mass_inv"], table["J_inv"] = 1.0 / self.mass, 1.0 / self.J
-        table["held"] = self.held
+        """Rows of POINT at the start, of the points that the part moves. Writes: table."""
+        own = self.own
+        table["r"], table["v"] = self.mesh.points[own], self.velocities()[own]
+        table["w"] = self.spin[own]
+        table["mass_inv"], table["J_inv"] = 1.0 / self.mass[own], 1.0 / self.J[own]
+        table["held"] = held = self.held[own]
         for k in range(3):
-            table["v"][self.held >> k & 1 == 1, k] = 0.0
-            table["w"][self.held >> (3 + k) & 1 == 1, k] = 0.0
+            table["v"][held >> k & 1 == 1, k] = 0.0
+            table["w"][held >> (3 + k) & 1 == 1, k] = 0.0
 
     def sections(self) -> list[tuple[slice, int]]:
         """Elements of a kind, and the points in the plane of each, as blocks hold them."""
@@ -240,7 +253,7 @@ class DiscretisedShell:
         both = [(slice(0, n), self.points), (slice(n, m), 1)]
         return [(own, points) for own, points in both if own.stop > own.start]
 
-    def write_blocks(self, numbers: np.ndarray, scene: Any) -> None:
+    def write_blocks(self, numbers: np.ndarray, scene: Scene) -> None:
         """Numbers of the elements, block by block; the last is filled up. Writes: numbers."""
         start = 0
         values = [np.full(len(self.area), self.card.thickness), *self._shape().T]

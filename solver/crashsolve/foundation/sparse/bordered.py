@@ -19,10 +19,11 @@ import numpy as np
 from crashsolve.foundation.kernels import inlined, kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.sparse import saddle
+from crashsolve.foundation.sparse.planning import updates_of
 from crashsolve.foundation.sparse.saddle import REDUNDANT, Saddle, hand_down, subtract, take_up
 
+# node: of which the block is; 0 for a joint
 COLUMN = saddle.COLUMN + Record("""
-    node  index      the node; 0 for a joint
     mass  kg         of the node
     J     kg m^2  9  its inertia, world axes
 """)
@@ -74,7 +75,7 @@ def plan(
         for q in [p, *sorted(position[b] for b in below[key])]:
             address[q, p] = len(address)
         column["block_end"] = len(address)
-    updates = saddle.updates_of(columns, order, position, below, address)
+    updates = updates_of(columns, order, position, below, address)
     blocks = np.zeros(len(address), BLOCK.dtype)
     blocks["column"] = [q for q, _ in address]
     names = [nodes[key] if key < len(nodes) else len(nodes) - 1 - key for key in order]

@@ -7,13 +7,22 @@ address are fixed at build; the compiled loops only follow them. A pivot that ha
 digits marks a redundant row: its multiplier is set to zero and the row is satisfied by the others
 when the constraints agree with each other.
 
-Reference: George and Liu (1981), Computer Solution of Large Sparse Positive Definite Systems.
+Joints of one body couple with each other, and those of a chassis fill the factor. Such a hub is
+left out of S, and its six velocities y are unknowns beside the multipliers, eliminated last:
+
+    | S'    D_c  | | lambda |   | r |
+    | D_c^T -M_c | |   y    | = | 0 |      S = S' + D_c M_c^-1 D_c^T
+
+S' is definite where S is as long as nothing that hangs on the hub is joined to the ground: moving
+all together strains no joint, so that D_c lies within the others. Consequence to test: the same
+lambda.
+
+References: George and Liu (1981), Computer Solution of Large Sparse Positive Definite Systems;
+Vanderbei (1995), Symmetric quasidefinite matrices, SIAM Journal on Optimization 5, 100-113.
 """
 
 from math import sqrt
 from typing import Any, NamedTuple
-
-import numpy as np
 
 from crashsolve.foundation.kernels import inlined, kernel
 from crashsolve.foundation.record import Record
@@ -33,6 +42,7 @@ COLUMN = Record("""
     inverse     1      6  1 / L_ii; 0 where redundant
     pivot       1      6  diagonal of S, against which pivots are judged
     work        1      6  right-hand side, then solution
+    node        index     the hub whose velocities these are; 0 for a joint
 """)
 BLOCK = Record("""
     x       1      36  S, then L, by rows of 6
@@ -51,7 +61,8 @@ PAIR = Record("""
     half_j  flag   half
     rows_j  count  rows
     block   index  block to which D_k X_j^T adds
-    lower   flag   whether that is a diagonal block: its lower triangle is enough
+    lower   flag   1: that is a diagonal block, whose lower triangle is enough; 2: it is that of a
+                   hub and joint j, and takes D_j^T
 """)
 
 
@@ -69,120 +80,33 @@ class Saddle(NamedTuple):
 
     def rows(self) -> int:
         """Number of constraint rows."""
-        return int(self.columns["rows"].sum())
-
-
-def plan(rows: list[int], nodes: list[tuple[int, ...]]) -> Saddle:
-    """Addresses for joints of `rows[k]` rows between nodes `nodes[k]`, two per part (0: ground)."""
-    touching = _joints_by_node(nodes)
-    neighbours = [
-        {j for node in set(ends) - {0} for j in touching[node]} - {k}
-        for k, ends in enumerate(nodes)
-    ]
-    order, below = _eliminate(neighbours, rows)
-    position = {joint: p for p, joint in enumerate(order)}
-    entries = [0, *np.cumsum([m * len(ends) // 2 for m, ends in zip(rows, nodes, strict=True)])]
-    columns = np.zeros(len(rows), COLUMN.dtype)
-    address: dict[tuple[int, int], int] = {}
-    for p, joint in enumerate(order):
-        column = columns[p]
-        column["rows"], column["entry"], column["end"] = (
-            rows[joint],
-            entries[joint],
-            entries[joint + 1],
-        )
-        column["block"] = len(address)
-        for q in [p, *sorted(position[b] for b in below[joint])]:
-            address[q, p] = len(address)
-        column["block_end"] = len(address)
-    updates = updates_of(columns, order, position, below, address)
-    blocks = np.zeros(len(address), BLOCK.dtype)
-    blocks["column"] = [q for q, _ in address]
-    pairs = _pairs(entries, rows, nodes, position, address)
-    return Saddle(columns, blocks, np.array(updates, UPDATE.dtype), np.array(pairs, PAIR.dtype))
-
-
-def _joints_by_node(nodes: list[tuple[int, ...]]) -> dict[int, list[int]]:
-    touching: dict[int, list[int]] = {}
-    for k, pair in enumerate(nodes):
-        for node in set(pair) - {0}:
-            touching.setdefault(node, []).append(k)
-    return touching
-
-
-def _eliminate(
-    neighbours: list[set[int]], rows: list[int]
-) -> tuple[list[int], dict[int, set[int]]]:
-    """Minimum-degree order and, for each block, the later blocks its column reaches."""
-    graph = [set(s) for s in neighbours]
-    left = set(range(len(rows)))
-    order: list[int] = []
-    below: dict[int, set[int]] = {}
-    while left:
-        block = min(left, key=lambda b: (sum(rows[j] for j in graph[b]), b))
-        left.remove(block)
-        order.append(block)
-        below[block] = graph[block]
-        for j in graph[block]:
-            graph[j] = (graph[j] | graph[block]) - {block, j}
-    return order, below
-
-
-def updates_of(
-    columns: np.ndarray,
-    order: list[int],
-    position: dict[int, int],
-    below: dict[int, set[int]],
-    address: dict[tuple[int, int], int],
-) -> list[tuple[int, int, int]]:
-    """What each column subtracts from the later ones: blocks (a, b, target), target -= a b^T.
-
-    In the order of elimination. Writes: update and update_end of the columns.
-    """
-    updates: list[tuple[int, int, int]] = []
-    for p, joint in enumerate(order):
-        reached = sorted(position[b] for b in below[joint])
-        columns[p]["update"] = len(updates)
-        updates += [
-            (address[q1, p], address[q2, p], address[q1, q2])
-            for q1 in reached
-            for q2 in reached
-            if q1 >= q2
-        ]
-        columns[p]["update_end"] = len(updates)
-    return updates
-
-
-def _pairs(
-    entries: list[int],
-    rows: list[int],
-    nodes: list[tuple[int, ...]],
-    position: dict[int, int],
-    address: dict[tuple[int, int], int],
-) -> list[tuple[int, ...]]:
-    """Products D X^T that make up S: each node adds one per pair of sides that lie on it."""
-
-    def sides(k: int, node: int) -> list[tuple[int, int, int]]:
-        """First entry, half of D and rows of each side of joint k that is this node."""
-        ends = [side for side, end in enumerate(nodes[k]) if end == node]
-        return [(entries[k] + side // 2 * rows[k], side % 2, rows[k]) for side in ends]
-
-    return [
-        (*a, *b, address[position[k], position[j]], k == j)
-        for node, joints in sorted(_joints_by_node(nodes).items())
-        for k in joints
-        for j in joints
-        if position[k] >= position[j]
-        for a in sides(k, node)
-        for b in sides(j, node)
-    ]
+        return int(self.columns["rows"][self.columns["node"] == 0].sum())
 
 
 @kernel
-def factorise(saddle, rows):
+def factorise(saddle, rows, nodes):
     """S = D X^T = L L^T, dropping redundant rows. Writes: saddle."""
     assemble(saddle.pairs, saddle.blocks, rows)
+    for p in range(saddle.columns.shape[0]):
+        c = saddle.columns[p]
+        if c.node > 0:
+            put_mass(saddle.blocks[c.block].x, nodes[c.node])
     eliminate(saddle)
+
+
+@inlined
+def put_mass(x, body):
+    """Less the lower triangle of the mass matrix of a hub, world axes. Writes: x."""
+    W = body.W
+    m = 1.0 / body.mass_inv
+    x[0] = x[7] = x[14] = -m
+    # the cofactors of W, which is symmetric
+    a, b, c = W[4] * W[8] - W[5] * W[5], W[2] * W[5] - W[1] * W[8], W[1] * W[5] - W[2] * W[4]
+    per = -1.0 / (W[0] * a + W[1] * b + W[2] * c)
+    x[21], x[27], x[33] = per * a, per * b, per * c
+    x[28] = per * (W[0] * W[8] - W[2] * W[2])
+    x[34] = per * (W[1] * W[2] - W[0] * W[5])
+    x[35] = per * (W[0] * W[4] - W[1] * W[1])
 
 
 @kernel
@@ -198,8 +122,19 @@ def eliminate(saddle):
         # with a literal size the compiler unrolls: most joints are hinges, 5 rows
         if m == 5:
             factor_column(c, columns, blocks, updates, 5)
+        elif c.node > 0:
+            # M_c + D_c^T S'^-1 D_c, whose negative has come together
+            negate(blocks[c.block].x, 36)
+            factor_column(c, columns, blocks, updates, 6)
         else:
             factor_column(c, columns, blocks, updates, m)
+
+
+@inlined
+def negate(x, n):
+    """Writes: x."""
+    for k in range(n):
+        x[k] = -x[k]
 
 
 @inlined
@@ -221,6 +156,8 @@ def assemble(pairs, blocks, rows):
         x = blocks[pair.block].x
         if pair.rows_k == 5 and pair.rows_j == 5:
             add_product(x, rows, pair, 5, 5)
+        elif pair.lower == 2:
+            add_transposed(x, rows, pair)
         else:
             add_product(x, rows, pair, pair.rows_k, pair.rows_j)
 
@@ -235,6 +172,19 @@ def add_product(x, rows, pair, height, width):
             x[6 * p + q] += (
                 d[0] * w[0] + d[1] * w[1] + d[2] * w[2] + d[3] * w[3] + d[4] * w[4] + d[5] * w[5]
             )
+
+
+@inlined
+def add_transposed(x, rows, pair):
+    """x += D_j^T of one body, a hub. Writes: x."""
+    for q in range(pair.rows_j):
+        d = half(rows[pair.row_j + q].D, pair.half_j)
+        x[q] += d[0]
+        x[6 + q] += d[1]
+        x[12 + q] += d[2]
+        x[18 + q] += d[3]
+        x[24 + q] += d[4]
+        x[30 + q] += d[5]
 
 
 @inlined
@@ -316,6 +266,10 @@ def solve(saddle):
         c = columns[p]
         if c.rows == 5:
             solve_up(c, columns, blocks, 5)
+        elif c.node > 0:
+            solve_up(c, columns, blocks, 6)
+            # its block has the other sign
+            negate(c.work, 6)
         else:
             solve_up(c, columns, blocks, c.rows)
 
@@ -375,10 +329,11 @@ def solve_rows(saddle, rows, factor):
         c = columns[p]
         for i in range(c.rows):
             k = c.entry + i
-            total = rows[k].right
-            while k + c.rows < c.end:
-                k += c.rows
+            total = 0.0
+            # all parts of a row; none of a hub
+            while k < c.end:
                 total += rows[k].right
+                k += c.rows
             c.work[i] = factor * total
     solve(saddle)
     spread_solution(columns, rows)

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.model.model import Joint
 
 # k over the reach of all from the axis below which, and over that of surfaces above which, is
@@ -24,7 +25,7 @@ USUAL = 0.4
 Points = list[tuple[np.ndarray, float]]
 
 
-def gyration_warnings(scene: Any, groups: list[Any], joints: list[Joint]) -> list[str]:
+def gyration_warnings(scene: Scene, groups: list[Any], joints: list[Joint]) -> list[str]:
     """One warning for every rigid body whose inertia is far too small or too large."""
     fixed, shapes = attached(groups, joints), outlines(scene)
     found = []
@@ -96,7 +97,7 @@ def attached(groups: list[Any], joints: list[Joint]) -> dict[int, Points]:
     return found
 
 
-def outlines(scene: Any) -> dict[int, Points]:
+def outlines(scene: Scene) -> dict[int, Points]:
     """Points of the surfaces of each body, from its mass centre, each with a radius [m]."""
     found: dict[int, Points] = {}
     for surface in scene.surfaces.values():

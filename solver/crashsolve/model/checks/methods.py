@@ -6,12 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card
 from crashsolve.deck.family import ANY, CHOSEN, Family, FamilyError, families
 from crashsolve.foundation.errors import DeckErrors
 
 
-def refuse_methods(scene: Any) -> None:
+def refuse_methods(scene: Scene) -> None:
     """Families that the integrator of the deck cannot step. Writes: scene.errors, methods."""
     limited_families = {f.folder: f for f in families().values() if f.integrators != ANY}
     kinds = scene.deck.entries.values() if limited_families else ()
@@ -22,7 +23,7 @@ def refuse_methods(scene: Any) -> None:
                     _refuse_method(scene, limited_families[folder])
 
 
-def _refuse_method(scene: Any, family: Family) -> None:
+def _refuse_method(scene: Scene, family: Family) -> None:
     method, known = scene.deck.control.integrator, " or ".join(family.integrators)
     if method not in CHOSEN and not family.supports(method):
         message = f"{family.name} cannot be stepped by {method}"

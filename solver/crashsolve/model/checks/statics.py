@@ -49,25 +49,38 @@ def _off_paths(deck: Any, groups: list[Any]) -> Iterator[tuple[Any, str]]:
 
 
 def _inconsistencies(deck: Any, groups: list[Any]) -> Iterator[tuple[Any, str]]:
-    for entry in [*deck.entries["bodies"].values(), *deck.entries["parts"].values()]:
-        if np.any(entry.card.velocity) or np.any(entry.card.angular_velocity):
-            yield entry, "a quasi-static solution has no velocities"
+    """Entries that a quasi-static solution cannot have, and why."""
+    yield from _with_velocities(deck)
     for entry in deck.entries["contacts"].values():
         yield entry, "a quasi-static solution has no contacts yet"
-    by_steps = is_incremental(groups)
+    if is_incremental(groups):
+        yield from _beside_steps_from_rest(deck)
+    for g in groups:
+        if _is_path_dependent(g):
+            for entry in (e for e in deck.entries[g.keyword].values() if e.type == g.type):
+                yield entry, "a quasi-static solution has no path-dependent laws yet"
+
+
+def _with_velocities(deck: Any) -> Iterator[tuple[Any, str]]:
+    for entry in [*deck.entries["bodies"].values(), *deck.entries["parts"].values()]:
+        card = entry.card
+        moves = bool(np.any(card.velocity) or np.any(card.angular_velocity))
+        if moves or bool(getattr(card, "velocities", ())):
+            yield entry, "a quasi-static solution has no velocities"
+
+
+def _beside_steps_from_rest(deck: Any) -> Iterator[tuple[Any, str]]:
+    """What does not go with parts that take steps from rest."""
     for entry in deck.entries["bodies"].values():
-        if by_steps and entry.card.welded:
+        if entry.card.welded:
             message = "a quasi-static solution with shells or fibre beams has no welded nodes"
             yield entry, f"{message}, but joints"
-    for g in groups:
-        remembers = set(g.history.dtype.names or ()) - KEPT and not follows_load_steps(g)
-        if hasattr(g.module, "force") and remembers and not families()[g.keyword].at_rest:
-            keyword = deck.entries[g.keyword]
-            for entry in (e for e in keyword.values() if e.type == g.type):
-                yield entry, "a quasi-static solution has no path-dependent laws yet"
     for entry in deck.entries["hinges"].values():
-        if by_steps:
-            yield entry, "a quasi-static solution with shells or fibre beams has no hinges yet"
-    for entry in deck.entries["parts"].values():
-        if getattr(entry.card, "velocities", ()):
-            yield entry, "a quasi-static solution has no velocities"
+        yield entry, "a quasi-static solution with shells or fibre beams has no hinges yet"
+
+
+def _is_path_dependent(group: Any) -> bool:
+    """Whether its law of force remembers more than losses, and quasi-static runs refuse that."""
+    remembers = set(group.history.dtype.names or ()) - KEPT and not follows_load_steps(group)
+    is_refused = hasattr(group.module, "force") and not families()[group.keyword].at_rest
+    return bool(is_refused and remembers)

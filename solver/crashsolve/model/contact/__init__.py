@@ -1,1 +1,1 @@
-"""Tables of contact, made once: elements and pairs of surfaces; nothing of a step."""
+"""Tables of contact, made once: elements and pairs of surfaces; neither laws nor the step."""

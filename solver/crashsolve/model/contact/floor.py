@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.joints._driven import DrivenCard
 from crashsolve.model.scene import Scene
 
 # the default [m/s], and its share of the speeds of a slow or small model
@@ -15,8 +16,9 @@ def speed_floor(card: Any, scene: Scene) -> float:
     """Speed floor [m/s] of a contact card; 0 where its law has none.
 
     A share of the fastest initial speed and of a fall through the model's size, at most USUAL:
-    so the restitution of a slow model is that of its law. Springs, joints, drivers, parts and
-    other loads than gravity bring speeds that nobody knows yet, and then it is USUAL.
+    so slow touches that are deeper than lone ones, as of bodies within joints, are impacts still.
+    Springs, drivers, parts and other loads than gravity bring speeds that nobody knows yet, and
+    then it is USUAL.
     """
     if not hasattr(card, "speed_floor"):
         return 0.0
@@ -24,7 +26,8 @@ def speed_floor(card: Any, scene: Scene) -> float:
         return float(card.speed_floor)
     entries = scene.deck.entries
     loads = list(entries["loads"].values())
-    is_unknown = any(entries[word] for word in ("springs", "joints", "parts"))
+    is_unknown = any(entries[word] for word in ("springs", "belts", "tyres", "parts"))
+    is_unknown |= any(isinstance(joint.card, DrivenCard) for joint in entries["joints"].values())
     if is_unknown or any(load.type != "gravity" for load in loads):
         return USUAL
     g = float(np.linalg.norm(np.sum([load.card.acceleration for load in loads], axis=0)))

@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
+
 # of the radius of a hole: what just fits is no news
 FITS = 1e-6
 # points of a set are all looked at up to so many, and some of them beyond
@@ -20,7 +22,7 @@ INSTEAD = {
 }
 
 
-def warn_of_holes(contact: str, sides: list[list[Any]], scene: Any) -> None:
+def warn_of_holes(contact: str, sides: list[list[Any]], scene: Scene) -> None:
     """Warn of every two surfaces of a card of which one fits between the points of the other."""
     for a, b in product(*sides):
         for probes, other in ((a, b), (b, a)):
@@ -42,7 +44,7 @@ def own_radius(surface: Any) -> float:
     return float(getattr(surface.entry.card, "radius", 0.0))
 
 
-def hole(surface: Any, scene: Any) -> float:
+def hole(surface: Any, scene: Scene) -> float:
     """Radius of the largest ball that touches no point as it passes between them [m]; 0: none."""
     if surface.shape == "points":
         mesh = scene.skin(surface.entry.card.part, "part")[0].mesh
@@ -56,7 +58,7 @@ def hole(surface: Any, scene: Any) -> float:
     return 0.5 * max(_second_least(np.linalg.norm(positions - x, axis=1)) for x in some)
 
 
-def half_width(surface: Any, scene: Any) -> float | None:
+def half_width(surface: Any, scene: Scene) -> float | None:
     """Half of the middle one of three extents [m]: what passes a hole; None of infinite ones."""
     if surface.shape in ("points", "faces"):
         meshed = scene.skin(surface.entry.card.part, "part")[0]
@@ -68,7 +70,7 @@ def half_width(surface: Any, scene: Any) -> float | None:
     return min(float(surface.module.half_width(element)) for element in surface.elements)
 
 
-def _positions(surface: Any, scene: Any) -> Iterator[np.ndarray]:
+def _positions(surface: Any, scene: Scene) -> Iterator[np.ndarray]:
     nodes = scene.placed_nodes()
     for element in surface.elements:
         node = element["node"]

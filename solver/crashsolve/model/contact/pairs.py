@@ -187,7 +187,7 @@ def _renew(group: ContactGroup, search: Search, state: State, current: int) -> N
     history = resting(len(rows), group.history.dtype, search)
     history[:, at[kept]] = group.history[current, kept]
     left = group.parameters["card"][~kept], group.history[current, ~kept]
-    _credit(*left, list(getattr(group.normal, "WARNINGS", {})), state.card_history)
+    _credit(*left, flags_of(group.normal), state.card_history)
     take_pairs(group, rows, history)
 
 
@@ -203,6 +203,11 @@ def _identity(group: ContactGroup, rows: np.ndarray) -> np.ndarray:
     """One number per pair, ascending along a list."""
     width = len(group.elements_b)
     return (rows["card"] * len(group.elements_a) + rows["a"]) * width + rows["b"]
+
+
+def flags_of(law: Any) -> list[str]:
+    """Columns of HISTORY of a normal law that are flags, in the order of their bits."""
+    return [*getattr(law, "WARNINGS", {}), *getattr(law, "REMARKS", {})]
 
 
 def _credit(card: np.ndarray, history: np.ndarray, warnings: list[str], cards: np.ndarray) -> None:

@@ -111,6 +111,6 @@ CARD_HISTORY = Record("""
     deepest                   m         depth of the deepest pair
     left_dissipated           J         lost by the normal force of pairs that are not near any more
     left_friction_dissipated  J         lost by their friction
-    left_warnings             flag      bit k: such a pair met the k-th of the WARNINGS of its
-                                        normal law
+    left_warnings             flag      bit k: such a pair met the k-th of the WARNINGS and
+                                        REMARKS of its normal law
 """)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.deck.family import FamilyError
-from crashsolve.foundation.sparse.saddle import plan
+from crashsolve.foundation.sparse.planning import plan
 from crashsolve.model.implicit.assembly import assembled
 from crashsolve.model.nodes import COMPLIANT, TANGENTS
 

@@ -1,1 +1,1 @@
-"""Contact within a step: search, friction, impulses, work; the laws are in contact/."""
+"""Contact within a step: search, areas, impulses, work; neither laws nor tables of pairs."""

@@ -16,6 +16,16 @@ class Pair(NamedTuple):
     b: Any
 
 
+class Ends(NamedTuple):
+    """A pair of elements before it is known to touch."""
+
+    p: Any  # row of parameters
+    old: Any  # history: accepted, and new
+    new: Any
+    a: Any  # elements of side a and of side b
+    b: Any
+
+
 class Totals(NamedTuple):
     """What a pair adds to."""
 
@@ -65,6 +75,25 @@ class Push(NamedTuple):
     damping: float  # slope over that [N s/m]
     most_stiffness: float  # bounds for the step control [N/m, N s/m]
     most_damping: float
+
+
+class Closing(NamedTuple):
+    """How a pair closes."""
+
+    rate: float  # closing speed [m/s]
+    mass: float  # of both sides along n [kg]
+    applied: float  # share of the force that counts in the step
+    corners: int  # of the area over which the sides press; 0 in a point
+
+
+class Friction(NamedTuple):
+    """What friction does to a pair."""
+
+    t: Any  # force on side a [N]
+    force: Any  # the same with the moment about the normal; None in a point
+    displacement: Any  # and what both work over; None in a point
+    power: float  # lost [W]
+    loss: float  # in the step [J]
 
 
 class Seen(NamedTuple):

@@ -8,7 +8,16 @@ nearest (system/contact/pass_through.py), and one that cannot have met is left a
 
 from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.system.contact import areas, pass_through, resting, touches, work
-from crashsolve.system.contact.pair import Meeting, Pair, Push, Sliding, Totals
+from crashsolve.system.contact.pair import (
+    Closing,
+    Ends,
+    Friction,
+    Meeting,
+    Pair,
+    Push,
+    Sliding,
+    Totals,
+)
 from crashsolve.system.loops.approach import ends_of
 from crashsolve.system.loops.contact_friction import friction_in_area, friction_in_point
 from crashsolve.system.placeholders import KICK_DRIFT_KICK, THREADS
@@ -33,38 +42,23 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
                 touches.sum_losses(card, new)
                 continue
         depth, n, x = gap(group, h, card, old, a, b, nodes, scene)
+        held, stored = False, out.stored
         if group.keeps_faces:
-            held, over, stored = False, -1.0, out.stored
-            if pass_through.is_another_face(old, depth, n, a.radius):
-                v_a = pass_through.velocity_at(nodes[a.node], x)
-                v_b = pass_through.velocity_at(nodes[b.node], x)
-                kept = group.narrow.gap_by(a, b, nodes, group.data, old.normal)
-                if pass_through.keeps_face(old, v_a, v_b, n, kept):
-                    held = True
-                    depth, n, x, over = kept
-            if group.has_core_depth and depth > a.radius:
-                over = max(over, depth - group.narrow.middle(a, b, nodes, n))
-            pass_through.note_face(clock, h, p, old, new, held, over, depth, n)
+            depth, n, x, held = kept_face(
+                group, clock, h, Ends(p, old, new, a, b), depth, n, x, nodes, scene
+            )
         elif group.has_ends:
             pass_through.note_escape(clock, h, p, old, new, depth, n)
         motion = work.motion_over(h, old, depth, m, w, b.node) if KICK_DRIFT_KICK else None
-        if KICK_DRIFT_KICK and group.resists_spin:
-            friction_loss = areas.end_first_half(h, old, motion, m, count)
-        elif KICK_DRIFT_KICK and group.friction:
-            friction_loss = work.end_first_half(h, old, motion, m, count)
-        elif KICK_DRIFT_KICK:
-            work.end_push(h, old, motion, m, count)
+        friction_loss = first_half_ended(group, h, old, motion, m, count)
         if group.in_pieces and THREADS:
             touches.note_applied(group.applied, group.load_rows, i, 1 if depth > 0.0 else 0)
         if depth <= 0.0:
             touches.separate(clock, old, new, out, depth, x)
-            group.normal.release(p, old, new)
+            released = 0.0
             if group.keeps_faces:
-                new.dissipated += pass_through.released_energy(clock, h, old, n, stored)
-            if group.friction:
-                group.friction.release(p, old, new)
-            if group.friction and KICK_DRIFT_KICK:
-                work.part_pair(old, new, friction_loss)
+                released = pass_through.released_energy(clock, h, old, n, stored)
+            part(group, p, old, new, released, friction_loss)
             touches.sum_apart(card, new, n)
             continue
         pair, meeting = Pair(p, old, new, out, a, b, m, w), Meeting(depth, n, x, motion)
@@ -105,6 +99,51 @@ def gap(group, h, card, old, a, b, nodes, scene):
 
 
 @stage
+def kept_face(group, clock, h, ends, depth, n, x, nodes, scene):
+    """Depth, normal and position of a pair by the face that it keeps, and whether it goes on by it.
+
+    Writes: new.
+    """
+    p, old, new, a, b = ends
+    held, over = False, -1.0
+    if pass_through.is_another_face(old, depth, n, a.radius):
+        v_a = pass_through.velocity_at(nodes[a.node], x)
+        v_b = pass_through.velocity_at(nodes[b.node], x)
+        kept = group.narrow.gap_by(a, b, nodes, group.data, old.normal)
+        if pass_through.keeps_face(old, v_a, v_b, n, kept):
+            held = True
+            depth, n, x, over = kept
+    if group.has_core_depth and depth > a.radius:
+        over = max(over, depth - group.narrow.middle(a, b, nodes, n))
+    pass_through.note_face(clock, h, p, old, new, held, over, depth, n)
+    return depth, n, x, held
+
+
+@stage
+def first_half_ended(group, h, old, motion, m, count):
+    """What friction loses in the half of a step in which the last forces end [J]. Writes: count."""
+    if KICK_DRIFT_KICK and group.resists_spin:
+        return areas.end_first_half(h, old, motion, m, count)
+    if KICK_DRIFT_KICK and group.friction:
+        return work.end_first_half(h, old, motion, m, count)
+    if KICK_DRIFT_KICK:
+        work.end_push(h, old, motion, m, count)
+    return 0.0
+
+
+@stage
+def part(group, p, old, new, released, friction_loss):
+    """The laws of a pair that is apart; `released` by a face that it kept [J]. Writes: new."""
+    group.normal.release(p, old, new)
+    if group.keeps_faces:
+        new.dissipated += released
+    if group.friction:
+        group.friction.release(p, old, new)
+    if group.friction and KICK_DRIFT_KICK:
+        work.part_pair(old, new, friction_loss)
+
+
+@stage
 def press(group, clock, h, pair, totals, meeting, nodes, curves, scene):
     """Forces of one pair in touch, also of many. Writes: as press_pair, nodes."""
     if group.in_pieces:
@@ -119,8 +158,8 @@ def press(group, clock, h, pair, totals, meeting, nodes, curves, scene):
 @stage
 def press_pair(group, clock, h, pair, totals, meeting, nodes, curves, scene):
     """Forces of one pair in touch. Writes: totals, output, new history."""
-    p, old, new, out, a, _, m, w = pair
-    on_a, on_b, card, count = totals
+    p, old, new, out, _, _, m, w = pair
+    card, count = totals.card, totals.count
     depth, n, x, motion = meeting
     rate, slip, d_a, d_b = touches.closing(m, w, x, n)
     touches.latch(p, old, new, depth, rate, count)
@@ -128,55 +167,88 @@ def press_pair(group, clock, h, pair, totals, meeting, nodes, curves, scene):
         count.peak_share = max(count.peak_share, depth / p.thick)
     mob_a, mob_b = touches.pair_mobility(m, w, d_a, d_b, n)
     mass = 1.0 / (mob_a + mob_b)
-    if group.is_flat or group.has_radius:
-        corners, radius = patch_of(group, pair, meeting, nodes, scene)
+    corners, radius = patch_of(group, pair, meeting, nodes, scene)
     applied = share_of_step(clock, h, old, depth, rate)
-    f, out.stored, power, loss, k, c = group.normal.normal_force(
-        p, old, new, h, depth, rate, mass, curves
+    f, power, loss, k, c, x = push_of(
+        group, h, pair, totals, meeting, Closing(rate, mass, applied, corners), curves, scene
     )
     closing_rate = rate
     if group.is_flat:
-        _, c_now = group.normal.normal_tangent(p, new, depth, rate, mass, curves)
-        spots, push = group.data[0], Push(f, rate, c_now, k, c)
-        f, more, x = areas.press_over_area(pair, totals, spots, corners, n, x, applied, push)
-        power += more
         closing_rate, slip, d_a, d_b = touches.closing(m, w, x, n)
-    elif group.has_shares:
-        # what the law returns is for the whole surface, of which this is one element
-        f, out.stored, power = a.share * f, a.share * out.stored, a.share * power
-        loss, k, c = a.share * loss, a.share * k, a.share * c
-    t, t_power, t_loss, out.friction_stored = (0.0, 0.0, 0.0), 0.0, 0.0, 0.0
     displacement = work.displacement_to(motion, m, x) if KICK_DRIFT_KICK else None
     if KICK_DRIFT_KICK and group.loses_work and h > 0.0:
         power, loss = 0.0, work_lost(group, pair, meeting, applied * f, displacement)
     sliding = Sliding(n, slip, displacement, f, mass, d_a, d_b)
-    if group.resists_spin:
-        friction_force, sliding_displacement, t_power, t_loss = friction_in_area(
-            group, clock, h, pair, totals, sliding, motion, radius, curves
-        )
-        t = areas.along_surface(friction_force, n)
-    elif group.friction:
-        t, t_power, t_loss = friction_in_point(group, clock, h, pair, totals, sliding, curves)
+    friction = resistance(group, clock, h, pair, totals, sliding, motion, radius, curves)
     if group.is_flat:
-        touches.touch(pair, totals, sliding, applied, 0.0, t, x)
+        touches.touch(pair, totals, sliding, applied, 0.0, friction.t, x)
         areas.add_pressure(f, n, out)
     else:
-        touches.touch(pair, totals, sliding, applied, f, t, x)
-        touches.count_stiffness(on_a, on_b, mob_a, mob_b, k, c)
+        touches.touch(pair, totals, sliding, applied, f, friction.t, x)
+        touches.count_stiffness(totals.on_a, totals.on_b, mob_a, mob_b, k, c)
     if group.resists_spin:
-        areas.twist(on_a, on_b, friction_force, n, radius, applied)
-    touches.dissipate(clock, old, new, applied, power, loss, t_power, t_loss)
-    touches.sum_card(card, count, p.order, applied, f, t, new, out)
-    if KICK_DRIFT_KICK and group.resists_spin:
-        areas.begin_second_half(
-            applied, pair, sliding, x, friction_force, sliding_displacement, radius, count
-        )
-    elif KICK_DRIFT_KICK and group.friction:
-        work.begin_second_half(applied, pair, sliding, x, t, count)
-    elif KICK_DRIFT_KICK:
-        work.begin_push(applied, displacement, f, n, x, out, new, count)
+        areas.twist(totals.on_a, totals.on_b, friction.force, n, radius, applied)
+    touches.dissipate(clock, old, new, applied, power, loss, friction.power, friction.loss)
+    touches.sum_card(card, count, p.order, applied, f, friction.t, new, out)
+    if KICK_DRIFT_KICK:
+        begin_second_half(group, applied, pair, sliding, x, friction, radius, count)
     else:
-        touches.note_power(applied, f, closing_rate, t, slip, out, count)
+        touches.note_power(applied, f, closing_rate, friction.t, slip, out, count)
+
+
+@stage
+def push_of(group, h, pair, totals, meeting, closing, curves, scene):
+    """Normal force [N], its power [W] and loss [J], bounds for the step control, and position.
+
+    Writes: out.stored, new; of a flat pair totals.
+    """
+    depth, n, x, _ = meeting
+    rate, mass, applied, corners = closing
+    out = pair.out
+    f, out.stored, power, loss, k, c = group.normal.normal_force(
+        pair.p, pair.old, pair.new, h, depth, rate, mass, curves
+    )
+    if group.is_flat:
+        _, c_now = group.normal.normal_tangent(pair.p, pair.new, depth, rate, mass, curves)
+        spots, push = group.data[0], Push(f, rate, c_now, k, c)
+        f, more, x = areas.press_over_area(pair, totals, spots, corners, n, x, applied, push)
+        power += more
+    elif group.has_shares:
+        # what the law returns is for the whole surface, of which this is one element
+        share = pair.first.share
+        f, out.stored, power = share * f, share * out.stored, share * power
+        loss, k, c = share * loss, share * k, share * c
+    return f, power, loss, k, c, x
+
+
+@stage
+def resistance(group, clock, h, pair, totals, sliding, motion, radius, curves):
+    """What friction does to the pair. Writes: out, new."""
+    pair.out.friction_stored = 0.0
+    if group.resists_spin:
+        force, displacement, power, loss = friction_in_area(
+            group, clock, h, pair, totals, sliding, motion, radius, curves
+        )
+        return Friction(areas.along_surface(force, sliding.n), force, displacement, power, loss)
+    if group.friction:
+        t, power, loss = friction_in_point(group, clock, h, pair, totals, sliding, curves)
+        return Friction(t, None, None, power, loss)
+    return Friction((0.0, 0.0, 0.0), None, None, 0.0, 0.0)
+
+
+@stage
+def begin_second_half(group, applied, pair, sliding, x, friction, radius, count):
+    """Note what the forces of the second half of a step begin with. Writes: out, new, count."""
+    if group.resists_spin:
+        areas.begin_second_half(
+            applied, pair, sliding, x, friction.force, friction.displacement, radius, count
+        )
+    elif group.friction:
+        work.begin_second_half(applied, pair, sliding, x, friction.t, count)
+    else:
+        work.begin_push(
+            applied, sliding.displacement, sliding.f, sliding.n, x, pair.out, pair.new, count
+        )
 
 
 @stage

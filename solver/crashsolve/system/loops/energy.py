@@ -3,6 +3,7 @@
 from crashsolve.foundation.columns import matvec
 from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.foundation.vec3 import add, cross, dot
+from crashsolve.model.clock import LAW_GAIN, RUNNING
 from crashsolve.model.ledger import (
     CONTACT_DISSIPATED,
     CONTACT_STORED,
@@ -18,7 +19,14 @@ from crashsolve.model.ledger import (
     PLASTIC,
 )
 from crashsolve.system import points
-from crashsolve.system.energy import NOTHING, clear_ledger, close_ledger, least_energy
+from crashsolve.system.energy import (
+    NOTHING,
+    clear_ledger,
+    close_ledger,
+    least_energy,
+    unseen_distance,
+)
+from crashsolve.system.gain import gains
 from crashsolve.system.kinetics import kinetic_energy
 from crashsolve.system.placeholders import (
     ASSEMBLED,
@@ -30,6 +38,7 @@ from crashsolve.system.placeholders import (
     KICK_DRIFT_KICK,
     NODAL,
     SEARCHES,
+    WATCHED,
 )
 
 
@@ -139,6 +148,18 @@ def add_nodal_contacts(scene, ledger):
         if group.friction:
             ledger[FRICTION_STORED] += group.totals[0].bristled
             ledger[FRICTION_DISSIPATED] += group.totals[0].friction_loss
+
+
+@stage
+def check_laws(clock, control, nodes, scene):
+    """Stop at a law between two bodies that gives them more than it took. Writes: clock."""
+    if clock.status == RUNNING and control.energy_limit > 0.0:
+        unseen = unseen_distance(clock, control, nodes)
+        for group in WATCHED:
+            for i in range(group.output.shape[0]):
+                now, stored = group.history[clock.current, i], group.output[i].stored
+                if gains(now, stored, control.energy_limit, unseen):
+                    clock.status = LAW_GAIN
 
 
 @kernel

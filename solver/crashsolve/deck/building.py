@@ -1,0 +1,144 @@
+"""What a law's `build` may ask while cards become numbers; `model/scene.py` answers.
+
+Frames: a body's own axes and origin are those of its card; inside, points are measured from the
+mass centre. Nodes are rows of the node table, the ground is 0.
+"""
+
+from collections.abc import Mapping
+from contextlib import AbstractContextManager
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+Columns = dict[str, Any]
+
+
+class DeckOfScene(Protocol):
+    """The deck: its control card, and entries by section and name."""
+
+    @property
+    def control(self) -> Any: ...
+    @property
+    def entries(self) -> Mapping[str, Mapping[str, Any]]: ...
+
+
+class Scene(Protocol):
+    """Names, configurations at the start, curves and errors of one deck."""
+
+    names: list[str]  # of the nodes (n,)
+    mass: np.ndarray  # (n,) [kg]
+    J: np.ndarray  # (n, 9) inertia in body axes [kg m^2]
+    r: np.ndarray  # (n, 3) mass centre [m]
+    v: np.ndarray  # (n, 3) [m/s]
+    w: np.ndarray  # (n, 3) [rad/s]
+    q: np.ndarray  # (n, 4) unit quaternion, body to world
+    A: np.ndarray  # (n, 9) rotation matrix, by rows
+    offset: np.ndarray  # (n, 3) mass centre from the body's origin, body axes [m]
+    size: float  # of the model [m]
+    part_nodes: dict[str, list[int]]  # of each part that has bodies for nodes
+    welded: dict[int, int]  # nodes that are part of a rigid body, and the body
+    attached: dict[str, list[tuple[int, int]]]  # points of a part, and their bodies
+    angles_at_start: dict[str, float]  # of joints that a posture has rotated [rad]
+    joints: dict[str, Any]
+    surfaces: dict[str, Any]
+    curves: dict[str, int]
+    curve_points: np.ndarray  # all curves, as kernels read them
+    warnings: list[str]
+    stepwise: list[str]  # laws that count in whole steps
+    methods: list[str]  # integrators of all families; empty for any
+
+    @property
+    def deck(self) -> DeckOfScene: ...
+
+    # messages
+    def fail(self, message: str, field: str | None = None) -> ValueError:
+        """The exception for a card that cannot be built: `raise scene.fail(...)`."""
+
+    def warn(self, message: str) -> None:
+        """A line of the log."""
+
+    def building(self, entry: Any) -> AbstractContextManager[None]:
+        """Collects the errors of one card, with its position in the deck."""
+
+    # other cards
+    def law(self, keyword: str, name: str) -> tuple[Any, Any]:
+        """Module and card of an entry that another card names."""
+
+    def built(self, card: Any) -> Any:
+        """What a law within a card makes of it."""
+
+    def curve(self, name: str) -> int:
+        """Number of a curve of the deck."""
+
+    def own_backbones(self) -> dict[str, Any]:
+        """Backbones of the hinge that is being built, by the fields that name their curves."""
+
+    def joint_entry(self, name: str) -> Any:
+        """Entry of a joint that another card names, of whichever family."""
+
+    def refuse_joint(self, name: str, motions: tuple[str, ...], field: str) -> None:
+        """Refuses a named joint without any of some motions: `angle`, `travel`, `ball`."""
+
+    # bodies and points at the start
+    def node(self, body: str) -> int:
+        """Row of a body, or of a node of a part that may move by itself."""
+
+    def matrix(self, node: int) -> np.ndarray:
+        """Rotation matrix (3, 3), body to world."""
+
+    def unit(self, direction: ArrayLike, field: str) -> np.ndarray:
+        """Unit vector; a direction without length is refused at `field`."""
+
+    def from_mass_centre(self, node: int, point: ArrayLike) -> np.ndarray:
+        """Point of the body's card frame, measured from the mass centre, body axes [m]."""
+
+    def world_point(self, node: int, point: ArrayLike) -> np.ndarray:
+        """Position of a point of the body's card frame [m]."""
+
+    def to_body(self, node: int, x: np.ndarray) -> np.ndarray:
+        """World point, from the mass centre in body axes [m]."""
+
+    def rotation_to_body(self, node: int, u: np.ndarray) -> np.ndarray:
+        """World direction in body axes."""
+
+    def placed_nodes(self) -> dict[str, np.ndarray]:
+        """Positions and configurations, as the node table names them."""
+
+    # columns of laws between two bodies
+    def attachments(self, card: Any) -> Columns:
+        """`node_a`, `node_b`, `point_a`, `point_b`, of the fields `a`, `b`, `at_a`, `at_b`."""
+
+    def distance(self, ends: Columns) -> float:
+        """Distance between two attachments [m]."""
+
+    def turning(self, card: Any) -> Columns:
+        """Rotation of b about `axis` of a, with sides that meet at the start."""
+
+    def joint_point(self, card: Any) -> tuple[int, int, np.ndarray]:
+        """Both nodes and the joint's point in world components."""
+
+    def joint_frame(self, card: Any) -> Columns:
+        """Point and right-handed triad (axis, side, third) of a joint, axes of both bodies."""
+
+    # parts
+    def mesh(self, card: Any) -> Any:
+        """The mesh of a part, refused where its elements do not hang together."""
+
+    def share(self, card: Any) -> Any:
+        """What a part has of a mesh of the deck, by the card that names it."""
+
+    def meshed(self, card: Any) -> Any:
+        """A part with points in place; once for every card."""
+
+    def has_points(self, part: str) -> bool:
+        """Whether the nodes of a part are points."""
+
+    def can_fail(self, part: str) -> bool:
+        """Whether elements of a part may be deleted."""
+
+    def skin(self, part: str, field: str) -> tuple[Any, int, int]:
+        """A part with points in place, its first corner and its first point."""
+
+    def faces(self, part: str, field: str) -> tuple[int, int, int]:
+        """First corner of a part with points, its quadrilaterals and its triangles."""

@@ -1,0 +1,61 @@
+"""Bodies whose velocities are unknowns beside the multipliers, as they hold many others: hubs.
+
+The joints of a chassis all couple with each other, and fill the factor of S = D M^-1 D^T. A hub is
+taken out of it (foundation/sparse/saddle.py) where nothing that hangs together with it is joined to
+the ground, where it is the heaviest of these, so that no digits are lost, and where joints enough
+meet on it to pay for its column.
+"""
+
+from collections import defaultdict
+from collections.abc import Sequence
+
+import numpy as np
+
+from crashsolve.foundation.sparse.planning import plan
+from crashsolve.foundation.sparse.saddle import Saddle
+from crashsolve.model.model import Joint
+
+# joint rows on a hub: below them its column of 6 costs what it saves
+WORTH = 24
+
+
+def plan_of(joints: Sequence[Joint], mass: np.ndarray) -> Saddle:
+    """Addresses of the constraint matrix of these joints; `mass` (n,) of all nodes."""
+    return plan([j.rows for j in joints], [j.nodes for j in joints], hubs_of(joints, mass))
+
+
+def hubs_of(joints: Sequence[Joint], mass: np.ndarray) -> tuple[int, ...]:
+    """Nodes that are hubs, at most one of what joints hold together; `mass` (n,) of all nodes."""
+    found = []
+    for group in _connected(joints):
+        nodes = {node for joint in group for node in joint.nodes}
+        rows: dict[int, int] = defaultdict(int)
+        for joint in group:
+            for node in set(joint.nodes):
+                rows[node] += joint.rows
+        if 0 in nodes:
+            continue
+        hub = max(sorted(nodes), key=lambda node: rows[node])
+        others = nodes - {hub}
+        if rows[hub] >= WORTH and all(mass[hub] >= mass[node] > 0.0 for node in others):
+            found.append(hub)
+    return tuple(found)
+
+
+def _connected(joints: Sequence[Joint]) -> list[list[Joint]]:
+    """Joints in groups that share bodies; the ground is one of them."""
+    parent: dict[int, int] = {}
+
+    def root(node: int) -> int:
+        while parent.setdefault(node, node) != node:
+            node = parent[node]
+        return node
+
+    for joint in joints:
+        first = root(joint.nodes[0])
+        for node in joint.nodes[1:]:
+            parent[root(node)] = first
+    groups: dict[int, list[Joint]] = defaultdict(list)
+    for joint in joints:
+        groups[root(joint.nodes[0])].append(joint)
+    return list(groups.values())

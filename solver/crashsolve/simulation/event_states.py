@@ -1,0 +1,172 @@
+"""States at events: first touch, largest contact force and first yield, beside those at intervals.
+
+Which sample has the largest force is known at the end alone. So the State is copied whenever one is
+written; where an event falls into the time until the next, that copy is kept, and the run goes from
+it to the event once more, to the same bits, when it has ended. Consequence to test: there is a
+state at the sample of the largest force, and all else is as without.
+"""
+
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from crashsolve.foundation.errors import SolverError
+from crashsolve.model.ledger import PLASTIC
+from crashsolve.output.states import StateWriter
+from crashsolve.recording.changing import Snapshot, size_of
+from crashsolve.recording.sampling import Schedule
+from crashsolve.system.engine import Engine
+
+# [bytes] of models that are not copied at every state
+MOST_BYTES = 1 << 26
+TOUCH, FORCE, YIELD = "first touch", "largest contact force", "first yield"
+# outputs of laws that are 0 until they yield
+PLASTIC_OUTPUT = ("plastic", "plastic_angle", "plastic_strain", "set")
+
+
+class Abandoned(Exception):
+    """Something was asked of the run meanwhile."""
+
+
+class Reached(Exception):
+    """The step of an event has been done."""
+
+
+class EventStates:
+    """Copies of the State before events of a run in time; `fields` makes what a state holds."""
+
+    def __init__(
+        self,
+        engine: Engine,
+        schedule: Schedule,
+        wanted: bool,
+        fields: Callable[[], dict[str, Any]],
+    ) -> None:
+        self.engine, self._schedule, self._fields = engine, schedule, fields
+        # phases hand on more than a State
+        is_plain = type(engine) is Engine and size_of(engine) < MOST_BYTES
+        self._watches, self._is_begun = wanted and is_plain, False
+        self._before: Snapshot | None = None
+        # of every event: the copy before it, and the times before and after it [s]
+        self._found: dict[str, tuple[Snapshot, float, float]] = {}
+
+    def begin(self) -> None:
+        """What has been by now happened before: no event of it is sought."""
+        if self._watches and not self._is_begun:
+            self._is_begun, self._seen = True, self._look()
+            self._mark()
+
+    def state_written(self) -> None:
+        """A state has been written at the present sample: whether an event lies before it."""
+        if not self._watches:
+            return
+        if not self._is_begun or self._before is None:
+            return self.begin()
+        now, end = self._look(), float(self.engine.clock["sampled"])
+        for name, value in now.items():
+            if value > self._seen[name] and (name == FORCE or name not in self._found):
+                self._found[name] = self._before, self._begun, end
+        self._seen = now
+        self._mark()
+
+    def write(self, states: StateWriter, history: Path, is_asked: Callable[[], bool]) -> None:
+        """Go to the events once more. Raises OutputError."""
+        if not self._found:
+            return
+        times, target = self._times(history), float(self.engine.clock["sampled"])
+        end, pause = Snapshot(self.engine), self.engine.on_pause
+        end.take()
+        self.engine.on_pause = _stop(is_asked)
+        try:
+            for name, (before, begun, _) in self._found.items():
+                if name in times and not states.has(times[name]):
+                    before.put_back()
+                    self._go_to(times[name], begun)
+                    self.engine.sample(times[name])
+                    states.insert(times[name], self._fields())
+        except (Abandoned, SolverError):
+            # the run itself was judged when it came by
+            pass
+        finally:
+            self.engine.on_pause = pause
+            end.put_back()
+            self.engine.sample(target)
+
+    def _go_to(self, time: float, begun: float) -> None:
+        """By the steps of the run to a sample, which may be a step of it. Raises SolverError."""
+        k = self._schedule.last_until(begun) + 1
+        while self._schedule.time(k) < time:
+            self.engine.reach(self._schedule.time(k))
+            k += 1
+        if self._schedule.time(k) == time:
+            return self.engine.reach(time)
+
+        def look() -> None:
+            if float(self.engine.clock["time"]) >= time:
+                raise Reached
+
+        with suppress(Reached):
+            self.engine.revisit(self._schedule.time(k), 1, look)
+
+    def _mark(self) -> None:
+        # one that an event keeps is not overwritten
+        if self._before is None or any(kept is self._before for kept, _, _ in self._found.values()):
+            self._before = Snapshot(self.engine)
+        self._before.take()
+        self._begun = float(self.engine.clock["sampled"])
+
+    def _look(self) -> dict[str, float]:
+        """What grows when an event happens."""
+        state, clock = self.engine.state, self.engine.state.clock[0]
+        cards = state.card_history[int(clock["current"])]
+        yielded = sum(
+            np.count_nonzero(group.output[name])
+            for group in self.engine.model.groups
+            for name in PLASTIC_OUTPUT
+            if name in (group.output.dtype.names or ())
+        )
+        found = {YIELD: float(yielded) + float(self.engine.ledger[PLASTIC] > 0.0)}
+        if len(self.engine.model.contacts):
+            met = float(np.count_nonzero(cards["onsets"]))
+            found |= {TOUCH: met, FORCE: float(cards["peak_normal"].max())}
+        return found
+
+    def _times(self, history: Path) -> dict[str, float]:
+        """The sample [s] of every event: that of its largest value, or the first that has grown."""
+        import h5py
+
+        found = {}
+        with h5py.File(history, "r") as file:
+            for name, (_, begun, end) in self._found.items():
+                time = file["glstat/time"][:]
+                rows = slice(*(np.searchsorted(time, (begun, end)) + (0, 1)))
+                course = _course(file, name, rows)
+                at = int(np.argmax(course if name == FORCE else course > course[0]))
+                if at:
+                    found[name] = float(time[rows][at])
+        return found
+
+
+def _stop(is_asked: Callable[[], bool]) -> Callable[[], None]:
+    """What a pause does: raise Abandoned where something is asked of the run."""
+
+    def pause() -> None:
+        if is_asked():
+            raise Abandoned
+
+    return pause
+
+
+def _course(file: Any, name: str, rows: slice) -> np.ndarray:
+    """What grows at an event, at rows of a history."""
+    if name == TOUCH:
+        return np.count_nonzero(file["rcforc/onsets"][rows], axis=1)
+    if name == FORCE:
+        largest: np.ndarray = file["rcforc/normal"][rows].max(axis=1)
+        return largest
+    names = [f"{family}/{path}" for family in file for path in PLASTIC_OUTPUT]
+    columns = [file[path][rows] for path in ("glstat/energy/plastic", *names) if path in file]
+    return np.count_nonzero(np.column_stack(columns), axis=1)

@@ -1,0 +1,102 @@
+"""From sample to sample until the end of a Run (solve.py), in blocks where none needs Python."""
+
+import time
+from typing import Any
+
+import numpy as np
+
+from crashsolve.recording.marching import MOST
+from crashsolve.simulation.phases import ContactPhases
+
+
+def march(run: Any) -> None:
+    """Advance from sample to sample until the end."""
+    end = run.schedule.end
+    run.pulse.does("one step")
+    march = run.between.march
+    run.account.phases = ContactPhases(march)
+    run.sampled = float(run.engine.clock["sampled"])
+    k = run.schedule.last_until(run.sampled)
+    target = run.schedule.time(k)
+    run.between.begin()
+    run.events.begin()
+    while target < end and not run.engine.is_complete:
+        times, kept = _times_ahead(run, k), run.histories.kept
+        if march.may_go(float(times[-1]), kept):
+            count = _march_through(run, times)
+            k += count
+            target = run.schedule.time(k)
+            if count == len(times):
+                continue
+        k += 1
+        target = _go_to(run, run.schedule.time(k))
+    _write_events(run)
+
+
+def _write_events(run: Any) -> None:
+    """States at events, which the run must meet once more."""
+    begun = time.process_time()
+    run.recorder.flush()
+    run.events.write(run.states, run.folder / "history.h5", lambda: _is_asked(run))
+    run.cpu["output"] += time.process_time() - begun
+
+
+def _is_asked(run: Any) -> bool:
+    run.requests.read()
+    return bool(run.requests.words)
+
+
+def _march_through(run: Any, times: np.ndarray) -> int:
+    """Samples at times [s] in compiled code; how many are done, the last one written."""
+    # no run has children while it marches: their times need not be asked for
+    begun = time.process_time()
+    count, stepping = run.between.march.go(times, run.histories.kept)
+    run.cpu["steps"] += stepping
+    if count:
+        before = times[count - 2] if count > 1 else run.sampled
+        run.sampled, now = float(before), float(times[count - 1])
+        run.recorder.taken(times[:count].tolist())
+        _after(run, now)
+    run.cpu["output"] += time.process_time() - begun - stepping
+    return count
+
+
+def _go_to(run: Any, target: float) -> float:
+    """Advance to one sample and take it; its time, which may be another of an equilibrium."""
+    begun = time.process_time()
+    try:
+        run.engine.reach(target)
+    finally:
+        advanced = time.process_time()
+        run.cpu["steps"] += advanced - begun
+    if run.engine.is_complete:
+        target = float(run.engine.clock["time"])
+    run.between.fill(target)
+    run.engine.sample(target)
+    run.between.mark()
+    run.between.march.tally()
+    run.recorder.take(target)
+    _after(run, target)
+    run.cpu["output"] += time.process_time() - advanced
+    return target
+
+
+def _after(run: Any, now: float) -> None:
+    """What follows a sample, the last of those taken."""
+    run.account.keep_alive()
+    run.write(now, force=now == run.schedule.end or run.engine.is_complete)
+    run.sampled = now
+    run.obey()
+
+
+def _times_ahead(run: Any, k: int) -> np.ndarray:
+    """Times [s] of the samples after sample k, up to the first at which more is due."""
+    times = run.schedule.times(k + 1, MOST)
+    begun = run.deck.control.start_time
+    all_times = np.concatenate([[run.sampled], times]) - begun
+    is_due = times >= run.schedule.end
+    for step in (run.state_step, run.log_step, run.restart_step):
+        if step:
+            number = (all_times / step + 1e-9).astype(np.int64)
+            is_due |= number[1:] > number[:-1]
+    return times[: int(np.argmax(is_due)) + 1] if is_due.any() else times

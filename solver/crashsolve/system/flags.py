@@ -1,0 +1,55 @@
+"""Flags that laws have raised in a run, with their words: WARNINGS are faults, REMARKS are not."""
+
+import numpy as np
+
+from crashsolve.deck.family import families
+from crashsolve.model.contact.groups import ContactGroup, NodalGroup
+from crashsolve.model.contact.pairs import flags_of
+from crashsolve.model.model import Model, State
+
+
+def law_warnings(model: Model, state: State) -> list[str]:
+    """What laws have met outside their range of validity, per card."""
+    current = int(state.clock[0]["current"])
+    others = [
+        f"{families()[g.keyword].entry} '{name}': {text}"
+        for g in model.force_groups()
+        for column, text in getattr(g.module, "WARNINGS", {}).items()
+        for name in np.array(g.names)[g.history[column][current] != 0]
+    ]
+    met = sorted(contact_flags(model, state, "WARNINGS"))
+    return others + [f"contact '{model.contacts[card]}': {text}" for card, text in met]
+
+
+def contact_flags(model: Model, state: State, table: str) -> set[tuple[int, str]]:
+    """Contact cards whose normal law has raised flags of a table, with the words of the flag."""
+    current = int(state.clock[0]["current"])
+    left = state.card_history["left_warnings"][current]
+    found: set[tuple[int, str]] = set()
+    for group in model.contact_groups:
+        found |= _of_pairs(group, table, current, left)
+    for nodal in model.nodal_groups:
+        found |= _of_probes(nodal, table)
+    return found
+
+
+def _of_pairs(
+    group: ContactGroup, table: str, current: int, left: np.ndarray
+) -> set[tuple[int, str]]:
+    found, bits = set(), flags_of(group.normal)
+    for name, text in getattr(group.normal, table, {}).items():
+        met = group.history[name][current] != 0
+        cards = {int(card) for card in group.parameters["card"][met]}
+        # of pairs that have left the list of near ones, the card remembers
+        gone = left >> bits.index(name) & 1
+        cards |= {card for card in (group.search.cards() if group.search else ()) if gone[card]}
+        found |= {(card, text) for card in cards}
+    return found
+
+
+def _of_probes(nodal: NodalGroup, table: str) -> set[tuple[int, str]]:
+    return {
+        (int(nodal.arrays["p"]["card"][0]), text)
+        for name, text in getattr(nodal.normal, table, {}).items()
+        if nodal.arrays["probe_states"][name].any()
+    }

@@ -1,0 +1,66 @@
+"""What a law between two bodies gives them, and has taken: its own balance, in any frame.
+
+    W = 1/2 (f_old . u_old + f_new . u_new)   of both bodies, u the displacement in the step
+    gain = min(W - held at the start, W + held + lost - held at the start)
+
+Kick, drift, kick: half of the forces at both ends of a step act along what it moves, see
+contact/work.py. A law that is passed in too long a step, a stop or a tyre that is hit, gives more
+than it took; the balance of the whole may hide that behind other energy. Consequence to test: the
+gain of any step is that of the kinetic energy of two free bodies.
+"""
+
+from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.vec3 import add, dot, norm, put, sub, vec
+from crashsolve.system.contact.work import motion_of
+
+
+@kernel
+def acting(p, nodes):
+    """Forces and torques that have been applied to both bodies so far."""
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    return vec(a.force), vec(a.torque), vec(b.force), vec(b.torque)
+
+
+@kernel
+def note_work(p, old, new, before, h, nodes):
+    """Work over a step of h of what the law has added to `before`. Writes: new."""
+    now = acting(p, nodes)
+    force_a, torque_a = sub(now[0], before[0]), sub(now[1], before[1])
+    force_b, torque_b = sub(now[2], before[2]), sub(now[3], before[3])
+    work = 0.0
+    if h > 0.0:
+        if p.node_a != 0:
+            force, torque = add(force_a, vec(old.force_a)), add(torque_a, vec(old.torque_a))
+            work += half_work(nodes[p.node_a], force, torque)
+        if p.node_b != 0:
+            force, torque = add(force_b, vec(old.force_b)), add(torque_b, vec(old.torque_b))
+            work += half_work(nodes[p.node_b], force, torque)
+    new.given = old.given + work
+    new.exchanged = old.exchanged + abs(work)
+    new.peak_force = max(old.peak_force, norm(force_a), norm(force_b))
+    put(new.force_a, force_a)
+    put(new.torque_a, torque_a)
+    put(new.force_b, force_b)
+    put(new.torque_b, torque_b)
+
+
+@kernel
+def half_work(body, force, torque):
+    """Half of the work of a force and a torque at the mass centre over the step [J]."""
+    displacement, rotation = motion_of(body)
+    return 0.5 * (dot(force, displacement) + dot(torque, rotation))
+
+
+@kernel
+def gained(now, stored):
+    """What a law has given more than it took and held [J]."""
+    beyond = now.given - max(now.held_first, 0.0)
+    return min(beyond, now.given + stored + now.dissipated - now.held_first)
+
+
+@kernel
+def gains(now, stored, limit, unseen):
+    """Whether that is more than `limit` of all taken and given, and than the largest force does
+    over `unseen`, the round-off of positions [m].
+    """
+    return gained(now, stored) > max(limit * now.exchanged, unseen * now.peak_force)

@@ -1,0 +1,54 @@
+"""Claim: the composed step that is kept for a deck is the one that would be composed anew."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from crashsolve.compiler import program
+from crashsolve.compiler.cache import CHOSEN, cache_folder
+from crashsolve.deck.reading.deck import read_deck
+from crashsolve.model.build import build
+from crashsolve.system.compose import compose, composed
+
+DECKS = Path(__file__).parents[2] / "decks"
+BALL = DECKS / "tutorial" / "bouncing_ball.yaml"
+
+
+@pytest.fixture(autouse=True)
+def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    monkeypatch.setenv(CHOSEN, str(tmp_path))
+    cache_folder.cache_clear()
+    yield
+    cache_folder.cache_clear()
+
+
+def test_a_deck_is_composed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    deck = read_deck(BALL)
+    model, _ = build(deck)
+    first = composed(model, deck.text)
+    assert first == compose(model)
+    # whoever would compose again finds no composer
+    monkeypatch.delattr(program, "Program")
+    assert composed(build(deck)[0], deck.text) == first
+    with pytest.raises(ImportError):
+        composed(build(read_deck(BALL, {"control.integrator": "dormand_prince_5"}))[0], "another")
+
+
+def test_another_method_is_another_step() -> None:
+    texts = []
+    for method in ("rattle", "dormand_prince_5", "rattle"):
+        deck = read_deck(BALL, {"control.integrator": method})
+        model, _ = build(deck)
+        # even where the text of the deck would not say it
+        texts.append(composed(model, "the same"))
+    assert texts[0] == texts[2] != texts[1]
+
+
+def test_damaged_text_is_composed_anew() -> None:
+    deck = read_deck(BALL)
+    model, _ = build(deck)
+    first = composed(model, deck.text)
+    for path in cache_folder().glob("crashsolve_step_*.py"):
+        path.write_text("# nothing\n", "utf-8")
+    assert composed(model, deck.text) == first

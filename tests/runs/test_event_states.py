@@ -1,0 +1,101 @@
+"""Claim: states are at first touch, largest force and first yield; all else is as without."""
+
+import shutil
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from command import crashsolve, datasets
+
+# a bar that yields as a ball strikes it, on a floor that a second ball touches from the start
+DECK = """\
+control: {end_time: 0.2, estimate: off}
+output: {history: {interval: 0.00037}}
+bodies:
+  a: {mass: 1, inertia: [1, 1, 1], position: [0, 0, 0.1], velocity: [0, 0, 0]}
+  b: {mass: 2, inertia: [1, 1, 1], position: [0, 0, 0.45], velocity: [0, 0, -2]}
+surfaces:
+  a: {type: sphere, body: a, radius: 0.1}
+  b: {type: sphere, body: b, radius: 0.1}
+  f: {type: plane}
+springs:
+  bar: {type: elastoplastic, a: a, b: ground, stiffness: 1e5, yield_force: 40, length: 0.1}
+contacts:
+  floor: {a: [a], b: [f], normal: {type: kelvin_voigt, stiffness: 1e6, restitution: 0.5}}
+  pair: {a: [a], b: [b], normal: {type: kelvin_voigt, stiffness: 1e5, restitution: 0.9}}
+"""
+
+
+def times_of_states(folder: Path) -> list[float]:
+    found = []
+    for path in sorted((folder / "states").glob("*.h5")):
+        with h5py.File(path) as file:
+            found.append(float(file.attrs["time"]))
+    return found
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """Of the same deck, with states at events and at intervals alone."""
+    folder = tmp_path_factory.mktemp("events")
+    deck = folder / "deck.yaml"
+    deck.write_text(DECK, "utf-8")
+    found = {}
+    for name, asked in {"events": (), "plain": ("--set", "output.states.interval=0.004")}.items():
+        found[name] = folder / name
+        done = crashsolve(deck, "-o", found[name], *asked)
+        assert done.returncode == 0, done.stderr
+    return found
+
+
+def test_states_are_at_events(results: dict[str, Path]) -> None:
+    times, plain = (times_of_states(results[name]) for name in ("events", "plain"))
+    assert times == sorted(times) and set(plain) < set(times)
+    with h5py.File(results["events"] / "history.h5") as file:
+        time, force = file["rcforc/time"][:], file["rcforc/normal"][:]
+        touch = time[np.argmax(np.count_nonzero(file["rcforc/onsets"][:], axis=1) > 1)]
+        largest = time[np.argmax(force.max(axis=1))]
+        begins = time[np.argmax(file["deforc-elastoplastic/set"][:, 0] != 0.0)]
+    assert set(times) - set(plain) <= {touch, largest, begins}
+    assert {touch, largest, begins} <= set(times)
+    # three events, of which none has met a state by chance
+    assert len(times) == len(plain) + len({touch, largest, begins})
+
+
+def test_a_state_at_an_event_is_the_sample_there(results: dict[str, Path]) -> None:
+    folder = results["events"]
+    with h5py.File(folder / "history.h5") as file:
+        time, z = file["rbdout/time"][:], file["rbdout/position/z"][:]
+    with h5py.File(folder / "mesh.h5") as file:
+        start = file["mass_centres/points"][:, 2]
+    for path in sorted((folder / "states").glob("*.h5")):
+        with h5py.File(path) as file:
+            row = int(np.flatnonzero(time == file.attrs["time"])[0])
+            moved = file["mass_centres/displacement"][:, 2]
+            # the path of 0.4 m by a float of 32 bits
+            np.testing.assert_allclose(moved, z[row] - start, rtol=0, atol=3e-8)
+
+
+def test_all_else_is_as_without_states_at_events(results: dict[str, Path]) -> None:
+    histories = [datasets(results[name] / "history.h5") for name in ("events", "plain")]
+    for name, values in histories[0].items():
+        assert np.array_equal(values, histories[1][name]), name
+
+
+def test_the_index_lists_the_states_by_time(results: dict[str, Path]) -> None:
+    index = (results["events"] / "states.xdmf").read_text("utf-8")
+    for k, time in enumerate(times_of_states(results["events"])):
+        assert f"states/{k:06d}.h5" in index and repr(time)[:8] in index
+
+
+def test_a_run_with_states_at_events_goes_on(results: dict[str, Path], tmp_path: Path) -> None:
+    folder = tmp_path / "again"
+    shutil.copytree(results["events"], folder)
+    deck = results["events"].parent / "deck.yaml"
+    done = crashsolve(deck, "-o", folder, "--set", "output.restart.every=0.05")
+    assert done.returncode == 0, done.stderr
+    before = times_of_states(folder)
+    again = crashsolve(deck, "-o", folder, "--set", "output.restart.every=0.05", "--restart")
+    assert again.returncode == 0, again.stderr
+    assert set(times_of_states(folder)) <= set(before)

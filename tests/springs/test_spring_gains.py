@@ -1,0 +1,69 @@
+"""Claim: a spring that makes energy in a stated step stops the run, whatever else moves."""
+
+from pathlib import Path
+
+import pytest
+
+from crashsolve.deck.reading.deck import read_deck
+from crashsolve.foundation.errors import SolverError
+from crashsolve.foundation.rows import as_rows
+from crashsolve.model.build import build
+from crashsolve.recording.engines import engine_of
+from crashsolve.system.engine import Engine
+from crashsolve.system.gain import gained
+
+# a sledge of 1 kg runs at 2 m/s, 0.1 m ahead of what it strikes: 1e7 N/m hold it for 1 ms
+DECK = """
+control: {{end_time: 0.2, step: {step}, integrator: rattle, estimate: "off"}}
+bodies:
+  sledge:
+    mass: 1
+    primitive: {{shape: sphere, radius: 0.1}}
+    position: [0, 0, {z!r}]
+    velocity: [2, 0, 0]
+  heavy: {{mass: 1000, inertia: [1, 1, 1], position: [0, 50, {z!r}], velocity: [{fast}, 0, 0]}}
+joints: {{rail: {{type: prismatic, b: sledge, at: [0, 0, {z!r}], axis: [1, 0, 0]}}}}
+loads: {{weight: {{type: gravity}}}}
+springs:
+  s: {{type: translation_stop, joint: rail, upper: 0.1, stiffness: 1e7}}
+"""
+HIDING = [(0.0, 0.0), (1e5, 0.0), (0.0, 1e4)]
+
+
+def struck(folder: Path, step: float, z: float, fast: float) -> Engine:
+    path = folder / "deck.yaml"
+    path.write_text(DECK.format(step=step, z=z, fast=fast), "utf-8")
+    deck = read_deck(path)
+    engine = engine_of(deck, *build(deck))
+    engine.start()
+    for k in range(1, 21):
+        engine.reach(0.01 * k)
+        engine.sample()
+    return engine
+
+
+@pytest.mark.parametrize(("z", "fast"), HIDING)
+def test_a_stop_that_makes_energy_is_named_in_any_frame(
+    z: float, fast: float, tmp_path: Path
+) -> None:
+    with pytest.raises(SolverError) as stop:
+        struck(tmp_path, 3e-3, z, fast)
+    # where nothing hides it, the balance of the whole is broken as well
+    assert z == fast == 0.0 or "spring 's'" in str(stop.value)
+
+
+@pytest.mark.parametrize(("z", "fast"), HIDING)
+def test_a_spring_in_short_steps_gives_what_it_took(z: float, fast: float, tmp_path: Path) -> None:
+    engine = struck(tmp_path, 1e-5, z, fast)
+    group = next(g for g in engine.model.force_groups() if g.is_watched)
+    now = as_rows(group.history)[int(engine.clock["current"]), 0]
+    # it takes and gives 1 kg (2 m/s)^2 / 2; 100 steps a half wave err by (pi / 100)^2 / 12
+    assert now.exchanged == pytest.approx(4.0, rel=2e-3)
+    assert abs(gained(now, float(group.output["stored"][0]))) < 1e-3
+
+
+def test_no_run_that_chooses_its_steps_pays_for_it(tmp_path: Path) -> None:
+    path = tmp_path / "deck.yaml"
+    path.write_text(DECK.format(step="auto", z=0.0, fast=0.0), "utf-8")
+    model, _ = build(read_deck(path))
+    assert not any(g.is_watched for g in model.force_groups())
