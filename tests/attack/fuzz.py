@@ -1,8 +1,10 @@
-"""Many changed decks or damaged results: `python fuzz.py checks|runs|looks SEED COUNT FOLDER`.
+"""Many changed decks or damaged results: `python fuzz.py KIND SEED COUNT FOLDER`.
 
-Prints every case that ends in a traceback, by a signal or not within 20 s, and leaves its deck in
-the folder; the exit code is 1 if there is any. Kernels run as plain Python, and every run in a fork
-of this process: nothing is compiled, or imported twice.
+Kinds are checks, runs, compiled and looks. Prints every case that ends in a traceback, by a signal
+or not within 20 s, and leaves its deck in the folder; the exit code is 1 if there is any. Every run
+is a fork of this process, so that nothing is imported twice. With CRASHSOLVE_PLAIN=1 kernels run as
+plain Python, but for those of `compiled`: a few decks, whose numbers alone change, so that few
+steps are compiled.
 """
 
 import os
@@ -33,6 +35,9 @@ HANGS, STOPPED_AFTER = 20, 3
 WAITS = 10
 # [bytes] so that what is too large for a machine does not depend on the machine
 MEMORY, DISK = 3 << 30, 200 << 20
+# decks that run compiled: contact, springs through guides, tyres
+COMPILED = ("tutorial/bouncing_ball", "verification/springs/cable", "verification/springs/strut")
+COMPILED += ("verification/tyres/fiala", "verification/contact/crush_curve")
 # methods whose steps take seconds as plain Python where nodes of parts are unknowns
 IMPLICIT = ("radau_iia_5", "generalized_alpha", "auto")
 
@@ -161,13 +166,42 @@ def runs(seed: int, count: int, folder: Path) -> Iterator[str]:
         if is_slow(deck):
             continue
         number += 1
-        shutil.rmtree(out, ignore_errors=True)
-        code, text = outcome(lambda deck=deck: run(deck, out), STOPPED_AFTER + HANGS)
-        # asked to stop before it listened; a history beyond DISK, or one that would hold NaN
-        is_meant = code in (0, 2, 3, 4, -signal.SIGTERM) or (code == 5 and "far too large" in text)
-        is_meant |= code == 5 and "File too large" in text
-        if not is_meant or "Traceback" in text:
-            yield kept(deck, folder, number) + f"code {code}\n{text[-1500:]}"
+        fault = fault_of_run(deck, out)
+        if fault:
+            yield kept(deck, folder, number) + fault
+
+
+def fault_of_run(deck: Path, out: Path) -> str:
+    """What is wrong with how a run ends, if anything."""
+    shutil.rmtree(out, ignore_errors=True)
+    code, text = outcome(lambda: run(deck, out), STOPPED_AFTER + HANGS)
+    # asked to stop before it listened; a history beyond DISK, or one that would hold NaN
+    is_meant = code in (0, 2, 3, 4, -signal.SIGTERM) or (code == 5 and "far too large" in text)
+    is_meant |= code == 5 and "File too large" in text
+    return (
+        "" if is_meant and "Traceback" not in text else f"code {code}\n{text[-1500:]}{trace(text)}"
+    )
+
+
+def trace(text: str) -> str:
+    """The first traceback of an output."""
+    at = text.find("Traceback")
+    return "" if at < 0 else f"\n... {text[max(at - 300, 0) : at + 1500]}"
+
+
+def compiled(seed: int, count: int, folder: Path) -> Iterator[str]:
+    """Run decks compiled whose numbers are changed at random; yields what is wrong."""
+    decks, rng = Decks(folder / "decks"), random.Random(seed)
+    paths = [folder / "decks" / f"{name}.yaml" for name in COMPILED[: max(2, count // 20)]]
+    decks.data = {path: decks.data[path] for path in paths}
+    # compiled before a run is asked to stop after a while
+    for path in paths:
+        crashsolve([str(path), "-o", str(folder / "out"), "--set", "control.estimate=off"])
+    for number in range(count):
+        deck = decks.changed(rng, numbers_alone=True)
+        fault = fault_of_run(deck, folder / "out")
+        if fault:
+            yield kept(deck, folder, number) + fault
 
 
 def looks(seed: int, count: int, folder: Path) -> Iterator[str]:
@@ -201,7 +235,7 @@ def looks(seed: int, count: int, folder: Path) -> Iterator[str]:
 def main(kind: str, seed: str, count: str, folder: str) -> int:
     """All cases of a kind; returns 1 for any fault."""
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, resource.getrlimit(resource.RLIMIT_AS)[1]))
-    work = {"checks": checks, "runs": runs, "looks": looks}[kind]
+    work = {"checks": checks, "runs": runs, "compiled": compiled, "looks": looks}[kind]
     faults = 0
     for fault in work(int(seed), int(count), Path(folder)):
         print(fault, flush=True)

@@ -1,8 +1,8 @@
 """Claim: whatever stands in a deck or a result file, there is an answer or one clear error.
 
 No traceback, no signal, nothing that takes 20 s. A small part belongs to the suite, the large one,
-20,000 checks, 500 runs and 1,000 looks at damaged results, to `make long`. Every case follows from
-its seed (fuzz.py).
+20,000 checks, 500 runs, 400 compiled ones and 1,000 looks at damaged results, to `make long`. Every
+case follows from its seed (fuzz.py).
 """
 
 import subprocess
@@ -12,9 +12,10 @@ from pathlib import Path
 import pytest
 from command import environment
 
-SMALL = [("checks", 1, 100), ("runs", 2, 5), ("looks", 3, 40)]
+SMALL = [("checks", 1, 100), ("runs", 2, 5), ("compiled", 4, 12), ("looks", 3, 40)]
 LARGE = [("checks", seed, 2000) for seed in range(100, 110)]
 LARGE += [("runs", seed, 50) for seed in range(200, 210)]
+LARGE += [("compiled", seed, 100) for seed in range(400, 404)]
 LARGE += [("looks", seed, 250) for seed in range(300, 304)]
 
 
@@ -34,7 +35,7 @@ def test_nothing_ends_in_a_traceback(kind: str, seed: int, count: int, tmp_path:
         stderr=subprocess.STDOUT,
         text=True,
         errors="replace",
-        env=environment(CRASHSOLVE_PLAIN="1"),
+        env=environment(**({} if kind == "compiled" else {"CRASHSOLVE_PLAIN": "1"})),
     )
     assert done.returncode == 0, done.stdout[-6000:]
     assert done.stdout.endswith(f"{kind}: 0 faults in {count}\n")

@@ -7,7 +7,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import h5py
@@ -22,7 +22,7 @@ from crashsolve.output.lock import Lock
 from crashsolve.output.log import STOPPED, Log
 from crashsolve.simulation import progress
 from crashsolve.simulation.heartbeat import Pulse
-from crashsolve.simulation.requests import Requests
+from crashsolve.simulation.requests import SIGNALS, Requests, stop_as_by_keyboard
 
 OSCILLATOR = Path(__file__).parents[1] / "runs" / "oscillator.yaml"
 # as plain Python: nothing is to be compiled, and a run of a million steps lasts; 0.5 GB would come
@@ -226,6 +226,42 @@ def test_an_interrupt_while_compiling_is_a_stop_on_request(tmp_path: Path) -> No
     assert read_status(tmp_path / "status.json")["state"] == "stopped"
     log = (tmp_path / "log.txt").read_text()
     assert "interrupted while preparing" in log and log.splitlines()[-1] == STOPPED
+
+
+def test_an_interrupt_that_python_drops_is_not_lost(tmp_path: Path) -> None:
+    """One that comes while an object is disposed of is printed, and goes no further."""
+
+    class Disposed:
+        def __del__(self) -> None:
+            signal.raise_signal(signal.SIGTERM)
+
+    known = {number: signal.getsignal(number) for number in SIGNALS}
+    requests = Requests(tmp_path, Log(tmp_path / "log.txt"), end=lambda: None)
+    try:
+        stop_as_by_keyboard()
+        with catch_unraisable() as dropped:
+            del (disposed := [Disposed()])[0]
+            assert not disposed
+        assert dropped == [KeyboardInterrupt]
+        with pytest.raises(KeyboardInterrupt):
+            requests.catch()
+        # of a run that begins anew nothing has been asked
+        stop_as_by_keyboard()
+        requests.catch()
+    finally:
+        for number, handler in known.items():
+            signal.signal(number, handler)
+
+
+@contextmanager
+def catch_unraisable() -> Iterator[list[type[BaseException]]]:
+    """Kinds of the exceptions that Python drops meanwhile."""
+    kinds: list[type[BaseException]] = []
+    hook, sys.unraisablehook = sys.unraisablehook, lambda met: kinds.append(met.exc_type)
+    try:
+        yield kinds
+    finally:
+        sys.unraisablehook = hook
 
 
 def test_an_interrupt_while_the_log_is_being_opened_is_in_it(

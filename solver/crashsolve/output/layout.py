@@ -81,18 +81,38 @@ def rows_until(path: Path, families: tuple[Family, ...], last_time: float) -> in
     import h5py
 
     with h5py.File(path, "r") as file:
-        if file.attrs.get("format") != FORMAT or file.attrs["format_version"] != FORMAT_VERSION:
+        versions = str(file.attrs.get("format")), str(file.attrs.get("format_version"))
+        if versions != (FORMAT, str(FORMAT_VERSION)):
             raise OutputError(path, f"not a {FORMAT} of version {FORMAT_VERSION}")
         if sorted(file) != sorted(family.name for family in families):
             raise OutputError(path, f"holds families {sorted(file)}, not those of this run")
         for family in families:
-            if _signature(file[family.name]) != (
+            group = file[family.name]
+            names = group.get("ids") if isinstance(group, h5py.Group) else None
+            if not isinstance(names, h5py.Dataset) or h5py.check_string_dtype(names.dtype) is None:
+                raise OutputError(path, f"'{family.name}' does not hold names of entities")
+            if _signature(group) != (
                 list(family.ids),
                 sorted(column.path for column in family.columns),
             ):
                 raise OutputError(path, f"entities or columns of '{family.name}' have changed")
+            _refuse_malformed(path, group, family)
         # a reserved row has time NaN, which is not <= anything
         return int(np.count_nonzero(file[families[0].name]["time"][:] <= last_time))
+
+
+def _refuse_malformed(path: Path, group: "h5py.Group", family: Family) -> None:
+    """Raises OutputError for anything but a table of numbers for each column, and its times."""
+    time = group.get("time")
+    rows = time.shape if getattr(time, "ndim", 0) == 1 else None
+    wanted = [("time", rows)]
+    if rows is not None:
+        wanted += [(column.path, (*rows, len(family.ids))) for column in family.columns]
+    for name, shape in wanted:
+        data = group.get(name)
+        kind = getattr(getattr(data, "dtype", None), "kind", "")
+        if shape is None or kind != "f" or data.shape != shape:
+            raise OutputError(path, f"{family.name}/{name} is no table of a number for each time")
 
 
 def reserve(
@@ -132,4 +152,4 @@ def _signature(group: "h5py.Group") -> tuple[list[str], list[str]]:
     group.visititems(
         lambda name, item: paths.append(name) if isinstance(item, h5py.Dataset) else None
     )
-    return list(group["ids"].asstr()[:]), sorted(set(paths) - {"time", "ids"})
+    return list(np.ravel(group["ids"].asstr()[()])), sorted(set(paths) - {"time", "ids"})

@@ -25,12 +25,22 @@ SIGNALS: dict[int, str] = {signal.SIGTERM: "stop", signal.SIGINT: "stop", signal
 SIGNALS |= {signal.SIGHUP: "stop"}
 
 
+# signals that have asked a run to stop before it could dump anything
+_interrupts: list[int] = []
+
+
 def stop_as_by_keyboard() -> None:
     """Until there is something to dump: stop as by the keyboard, and dump nothing."""
+    _interrupts.clear()
     for number in (signal.SIGTERM, signal.SIGHUP):
         if not _is_ignored(number):
-            signal.signal(number, signal.default_int_handler)
+            signal.signal(number, _interrupt)
     signal.signal(signal.SIGUSR1, signal.SIG_IGN)
+
+
+def _interrupt(number: int, _: Any) -> None:
+    _interrupts.append(number)
+    raise KeyboardInterrupt
 
 
 def _is_ignored(number: int) -> bool:
@@ -47,7 +57,13 @@ class Requests:
         self._due = 0.0
 
     def catch(self) -> None:
-        """Keep signals for the next pause; a second interrupt from the keyboard ends at once."""
+        """Keep signals for the next pause; a second interrupt from the keyboard ends at once.
+
+        Raises KeyboardInterrupt where one has come before and was lost: Python drops what is raised
+        while it disposes of an object.
+        """
+        if _interrupts:
+            raise KeyboardInterrupt
         interrupts = 0
 
         def keep(number: int, _: Any) -> None:
