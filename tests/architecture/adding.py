@@ -25,7 +25,7 @@ def files(walk: str) -> dict[str, str]:
 
 def walks() -> list[str]:
     """Headings of the walks that show files."""
-    return [w for w in re.findall(r"^## (\d\. .*)$", GUIDE.read_text("utf-8"), re.M) if files(w)]
+    return [w for w in re.findall(r"^## (\d+\. .*)$", GUIDE.read_text("utf-8"), re.M) if files(w)]
 
 
 class Copy:

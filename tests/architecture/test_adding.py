@@ -48,8 +48,9 @@ def test_a_new_method_has_the_order_that_the_page_says(tmp_path: Path) -> None:
 
 def test_the_page_walks_through_every_kind() -> None:
     asked = ("law", "joint", "spring with state", "pair of shapes", "statistic", "family")
+    asked += ("law among several bodies", "mesh that parts share", "phase")
     for word in (*asked, "method of integration", "law of contact"):
-        assert re.search(rf"^## \d\. A {word}$", GUIDE.read_text("utf-8"), re.MULTILINE), word
+        assert re.search(rf"^## \d+\. A {word}$", GUIDE.read_text("utf-8"), re.MULTILINE), word
 
 
 # modules that are no laws: what is asked of them is no hook

@@ -288,7 +288,7 @@ def test_between_two_walls_both_are_met(tmp_path: Path) -> None:
     nodes += [[0, 1, 0.15], [0, 0, 0.15]]
     quads = [[1, 2, 3, 4], [4, 3, 5, 6], [6, 5, 7, 8]]
     bench = Bench(tmp_path, nodes, quads)
-    # inside, both walls are on one side of the surface: the nearest is met
+    # inside, both walls are on one side of the surface; the nearest comes first
     ((_, depth, normal),) = bench.look([0.1, 0.5, 0.06])
     assert depth == pytest.approx(0.04, abs=1e-14)
     np.testing.assert_allclose(normal, [0, 0, 1], atol=1e-12)
@@ -439,3 +439,17 @@ def test_a_run_goes_on_from_its_dump_to_the_same_bits(tmp_path: Path) -> None:
     done = crashsolve(deck, "-o", tmp_path / "whole")
     assert done.returncode == 0, done.stdout + done.stderr
     gone_on(deck, tmp_path / "whole", tmp_path / "again")
+
+
+@runs
+def test_what_goes_deep_into_a_shell_is_named_at_the_end(tmp_path: Path) -> None:
+    words = ("--set", "control.estimate=off", "--set", "contacts.ball.normal.share=0.0005")
+    done = crashsolve(DECK, "-o", tmp_path, *words)
+    assert done.returncode == 0, done.stdout + done.stderr
+    warned = [line for line in done.stdout.splitlines() if "points went" in line]
+    depth = Result(tmp_path).series("rcforc.ball.peak_depth").values[-1]
+    # the ball of 8 mm and half of the shell's 4 mm; the dart is met as stiffly as ever
+    assert depth > 5e-3
+    text = f"contact 'ball': points went {depth:.3g} m deep into what they struck, "
+    assert any(f"{text}{100 * depth / 0.01:.0f} % of the 0.01 m" in line for line in warned)
+    assert not any("'dart'" in line for line in warned)

@@ -1,5 +1,7 @@
 """Claim: an error has the mesh in it, within a factor of ten, or says that meshes state none."""
 
+import json
+from math import inf
 from pathlib import Path
 
 import numpy as np
@@ -8,8 +10,12 @@ from small_runs import CANTILEVER
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.estimate.error import Estimate
-from crashsolve.estimate.estimator import estimate_in_memory, left_out
+from crashsolve.estimate.estimator import Estimator, estimate_in_memory, left_out
 from crashsolve.estimate.mesh import mesh_error
+from crashsolve.meshes._mesh import net
+from crashsolve.model.build import build
+from crashsolve.model.integrator_selection import settled
+from crashsolve.recording.histories import families_of
 
 FACTOR = 10.0
 
@@ -129,6 +135,52 @@ def test_the_error_is_near_the_true_one(
     assert true / FACTOR <= found.error <= FACTOR * true, found.how
     assert found.how.startswith("time ")
     assert "; mesh " in found.how
+
+
+def given_plate(folder: Path, is_file: bool, count: int) -> Path:
+    """The deck of the plate with its elements one by one, or in a file; its sides are sets."""
+    at, quads, sides = net(count, count)
+    points = np.column_stack([0.2 * at, np.zeros(len(at))])
+    numbers = {name: [int(k) + 1 for k in own] for name, own in sides.items()}
+    corners = (quads + 1).tolist()
+    if is_file:
+        text = "*NODE\n" + "".join(f"{k}, {x}, {y}, {z}\n" for k, (x, y, z) in enumerate(points, 1))
+        text += "*ELEMENT, TYPE=S4\n"
+        text += "".join(f"{k}, {', '.join(map(str, q))}\n" for k, q in enumerate(corners, 1))
+        for name, own in numbers.items():
+            text += f"*NSET, NSET={name}\n" + "".join(f"{k},\n" for k in own)
+        (folder / "plate.inp").write_text(text, "utf-8")
+        mesh: dict[str, object] = {"type": "file", "file": "plate.inp"}
+    else:
+        sets = [{"name": name, "nodes": own} for name, own in numbers.items()]
+        mesh = {"type": "listed", "nodes": points.tolist(), "quads": corners, "sets": sets}
+    grid = "{type: grid, along: [0.2, 0, 0], across: [0, 0.2, 0], elements: [COUNT, COUNT]}"
+    path = folder / f"given_{is_file}.yaml"
+    path.write_text(SCENES["plate"].replace(grid, json.dumps(mesh)), "utf-8")
+    return path
+
+
+@pytest.mark.parametrize("is_file", [False, True])
+def test_given_meshes_in_rows_have_the_error_of_generated_ones(
+    is_file: bool, tmp_path: Path
+) -> None:
+    if is_file:
+        pytest.importorskip("meshio")
+    _, (found,), _ = estimate_in_memory(read_deck(given_plate(tmp_path, is_file, 8)))
+    other = estimate(tmp_path, "plate", 8)
+    assert found.mesh is not None and other.mesh is not None
+    # the same elements in another order: round-off of a thousand steps
+    assert found.value == pytest.approx(other.value, rel=1e-9)
+    assert found.mesh == pytest.approx(other.mesh, rel=1e-6)
+
+
+def test_a_given_mesh_in_odd_rows_says_why_it_is_left_out(tmp_path: Path) -> None:
+    deck = read_deck(given_plate(tmp_path, False, 5))
+    model, state = build(deck)
+    found = Estimator(settled(deck, model), families_of(model, state)).mesh_runs(1.0, inf)
+    assert not found.runs
+    assert "the errors leave the mesh out" in found.problem
+    assert "rows of even numbers" in found.problem
 
 
 CONTACT = """

@@ -314,6 +314,11 @@ def fibre_balance(fibre: Fibre, size: float, h: float) -> float:
 
 
 if __name__ == "__main__":
+    from one_point import layer_and_point
+
+    given = yaml.safe_load(sys.argv[1])
     with tempfile.TemporaryDirectory() as name:
-        for word, value in checks(yaml.safe_load(sys.argv[1]), Path(name)).items():
+        found = checks(given, Path(name))
+        found["layer and point"] = layer_and_point(Path(name), given, 1e-3, 1e-2)
+        for word, value in found.items():
             print(f"{word}: {value:.2e}")

@@ -283,6 +283,46 @@ def test_hinges_that_bear_more_than_their_section_are_named(
         assert named == (force > limit) == (speed == -15)
 
 
+COLUMN = (
+    """title: A column is pressed along its axis
+control: {end_time: 0.03, safety: 0.8, estimate: off}
+curves: {rise: {points: [[0, 0], [0.03, 1]]}}
+parts:
+  frame:
+    type: structure
+    points: [{name: foot, at: [0, 0, 0]}, {name: tip, at: [0, 0, 3]}]
+    members: [{name: post, from: foot, to: tip}]
+    section: tube
+    material: steel
+    side: [0, 1, 0]
+    deformation: DESCRIPTION
+joints: {floor: {type: weld, b: frame_foot, at: [0, 0, 0]}}
+loads: {weight: {type: force, body: frame_tip, force: [0, 0, FORCE], curve: rise}}
+"""
+    + LAWS
+)
+
+
+@pytest.mark.parametrize("word", ["hinges", "segments"])
+@pytest.mark.parametrize("share", [0.5, 1.5, -1.5])
+def test_members_compressed_beyond_eulers_load_are_named(
+    tmp_path: Path, word: str, share: float
+) -> None:
+    # the deformed length is what joints of half a depth leave
+    width, height, t, L = 0.05, 0.07, 0.002, 3 - 0.07
+    inner = (width - 2 * t, height - 2 * t)
+    second = (height * width**3 - inner[1] * inner[0] ** 3) / 12
+    euler = np.pi**2 * 2.1e11 * second / L**2
+    text = COLUMN.replace("DESCRIPTION", word).replace("FORCE", str(-share * euler))
+    result = Result(run(written(tmp_path, text), tmp_path / "results"))
+    assert ("member 'frame_post' was compressed by" in result.log) == (share == 1.5)
+    if share == 1.5:
+        # a slow rise, with axial vibrations of a few hundredths
+        line = result.log.partition("member 'frame_post' was compressed by")[2]
+        found = float(line.partition("N, ")[2].partition(" times")[0])
+        assert found == pytest.approx(1.5, rel=0.1)
+
+
 def test_hinges_of_a_material_with_a_rate_have_that_of_eq_7(tmp_path: Path) -> None:
     text = FRAME.replace("DESCRIPTION", "hinges\n    hinge_arm: 0.4")
     text = text.replace("density: 7850, ", "density: 7850, rate_D: 40, ", 1)

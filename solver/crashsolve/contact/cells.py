@@ -15,6 +15,8 @@ from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, dot, put, scale, sub, vec
 
 FARTHEST = 1e9  # cubes
+# that a probe may touch at once on one side of a surface: those of a corner
+WALLS = 3
 CELL = Record("""
     middle  m      3  mean of the face's corners
     radius  m         its farthest corner from there

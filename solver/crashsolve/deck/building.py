@@ -125,6 +125,9 @@ class Scene(Protocol):
     def mesh(self, card: Any) -> Any:
         """The mesh of a part, refused where its elements do not hang together."""
 
+    def share(self, card: Any) -> Any:
+        """What a part has of a mesh of the deck, by the card that names it."""
+
     def meshed(self, card: Any) -> Any:
         """A part with points in place; once for every card."""
 

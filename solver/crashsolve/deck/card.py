@@ -45,8 +45,8 @@ from crashsolve.deck.source import BROKEN, NAME, NAME_ADVICE
 
 __all__ = ["Card", "Law", "Rotation", "Vec3", "quantity", "word"]
 __all__ += ["BodyName", "ContactName", "CurveName", "FileName", "JointName", "LoadName"]
-__all__ += ["MaterialName", "NewName", "PartName", "Reference", "SectionName", "SensorName"]
-__all__ += ["SetName", "SpringName", "SurfaceName", "existing_file", "number_as_name"]
+__all__ += ["MaterialName", "MeshName", "NewName", "PartName", "Reference", "SectionName"]
+__all__ += ["SensorName", "SetName", "SpringName", "SurfaceName", "existing_file", "number_as_name"]
 __all__ += ["reference_of"]
 
 # whole numbers that every part of the program counts exactly
@@ -103,6 +103,7 @@ LoadName = Annotated[str, AfterValidator(Reference("loads"))]
 CurveName = Annotated[str, AfterValidator(Reference("curves"))]
 SensorName = Annotated[str, AfterValidator(Reference("sensors"))]
 MaterialName = Annotated[str, AfterValidator(Reference("materials"))]
+MeshName = Annotated[str, AfterValidator(Reference("meshes"))]
 SectionName = Annotated[str, AfterValidator(Reference("sections"))]
 PartName = Annotated[str, AfterValidator(Reference("parts"))]
 

@@ -46,6 +46,14 @@ ATTACHED_POINT = Record("""
     spot   m      3  from the mass centre, body axes
 """)
 
+# a point that rides on a face
+TIE = Record("""
+    point   index     that rides
+    corner  index  4  points of the face; of a triangle the third comes twice
+    weight  1      4  N, of the corners
+    height  m         c, along the normal of the face
+""")
+
 HOLD = Record("point  index  that is held")
 
 # of a load on the elements of a part: which blocks it acts on

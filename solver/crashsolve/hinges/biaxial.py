@@ -78,6 +78,9 @@ class Biaxial(PairCard):
     failure_angle: float | None = quantity(
         "rad", "angle in any direction at which the hinge fails", default=None, gt=0, lt=FOLDED
     )
+    buckling_load: float | None = quantity(
+        "N", "compression along the beam of which the end of the run warns", default=None, gt=0
+    )
 
     @model_validator(mode="after")
     def _both_of_a_direction(self) -> "Biaxial":
@@ -94,13 +97,15 @@ PARAMETERS = (
         reference    1       4  q_a^-1 q_b at the start
         tip          m or 1     speed of the factor over the rate
         axial_yield  N          N_p of the section, which the joint exceeds; infinite if unknown
+        buckling     N          compression to warn of; infinite if there is none
     """)
 )
 HISTORY = (
     PATH
     + WORK
     + Record("""
-        peak_axial  N  largest force along the beam so far, in magnitude
+        peak_axial        N  largest force along the beam so far, in magnitude
+        peak_compression  N  largest compression along the beam so far
     """)
 )
 OUTPUT = COMMON + Record("""
@@ -128,6 +133,7 @@ def build(card: Biaxial, scene: Scene) -> dict[str, Any]:
             "reference": relative(scene.q[frame["node_a"]], scene.q[frame["node_b"]]),
             "tip": tip(card),
             "axial_yield": squash_load(card.curve, scene),
+            "buckling": card.buckling_load or np.inf,
         }
     )
 
@@ -195,7 +201,9 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     for c in range(2):
         out.plastic_angle[c], out.residual_angle[c] = new.flow[c], new.plastic[c]
     a, b = nodes[p.node_a], nodes[p.node_b]
-    new.peak_axial = max(old.peak_axial, abs(axial_force(p, a, rows)))
+    axial = axial_force(p, a, rows)
+    new.peak_axial = max(old.peak_axial, abs(axial))
+    new.peak_compression = max(old.peak_compression, axial)
     out.peak_axial = new.peak_axial
     torque = add_scaled(scale(first, g), second, q)
     apply_torque(a, torque)
@@ -211,7 +219,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 @kernel
 def axial_force(p, a, rows):
-    """Reaction of the point along the beam, of the last step [N]."""
+    """Reaction on b of the point along the beam, of the last step; compression if positive [N]."""
     k = p.first_row
     reaction = (rows[k].reaction, rows[k + 1].reaction, rows[k + 2].reaction)
     return dot(reaction, arm(a, vec(p.axis_a)))

@@ -2,10 +2,11 @@
 
 A material is one file: its card, what a point of it remembers, its stress after a strain, and how
 that changes with the strain. Elements know nothing else of it. LAYER names the rows of a layer of a
-shell, which begin with its stress (xx, yy, xy); FIBRE the columns of a fibre of a beam. Kernels get
-`m`, the row of PARAMETERS. A law is general, and says `update` and so on, or is that of a metal
-that yields by von Mises' stress, and says how its yield stress depends on plastic strain, rate and
-temperature: elements then return all their stresses to it together (_von_mises.py).
+shell, which begin with its stress (xx, yy, xy); FIBRE the columns of a fibre of a beam; SOLID those
+of a point in three dimensions (xx, yy, zz, xy, yz, zx). Kernels get `m`, the row of PARAMETERS. A
+law is general, and says `update` and so on, or is that of a metal that yields by von Mises' stress,
+and says how its yield stress depends on plastic strain, rate and temperature: elements then return
+all their stresses to it together (_von_mises.py).
 """
 
 from typing import Any, Protocol
@@ -23,6 +24,7 @@ class MaterialLaw(Protocol):
     PARAMETERS: Record  # with the columns of elastic.py: young, poisson, shear, density, ...
     LAYER: Any  # rows of a layer, from rows_of()
     FIBRE: Record | None  # columns of a fibre; None where beams cannot be made of it
+    SOLID: Record  # columns of a point in three dimensions, its stress among them
     VON_MISES: bool  # whether it is a law of _von_mises.py
     LARGE_STRAIN: bool  # whether strain across the thickness is logarithmic, and stiffness grows
     DISSIPATES: bool  # whether some of the work on it is lost
@@ -51,6 +53,16 @@ class MaterialLaw(Protocol):
 
     def energy(self, m, blocks, at):
         """Elastic energy of a layer per volume [J/m^3]."""
+
+    def solid(self, m, old, new, d, h, curves, material):
+        """Stress (6) of a point after the strains d (xx, yy, zz, twice xy, yz, zx) of a step of h.
+
+        Returns the stress and what is lost [J/m^3]; `material` is the module of the law. Its axes
+        turn with the material. Writes: new.
+        """
+
+    def solid_energy(self, m, new):
+        """Elastic energy of a point per volume [J/m^3]."""
 
 
 class GeneralLaw(MaterialLaw, Protocol):

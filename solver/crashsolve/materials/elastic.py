@@ -34,6 +34,7 @@ PARAMETERS = Record("""
 """)
 LAYER = rows_of(Record("stress  Pa  3  xx, yy, xy"))
 FIBRE = Record()
+SOLID = Record("stress  Pa  6  xx, yy, zz, xy, yz, zx")
 VON_MISES = LARGE_STRAIN = DISSIPATES = False
 
 
@@ -83,6 +84,33 @@ def tangent(m, kept, blocks, at, d, direction, h, curves):
     apart = 2.0 * m.shear * (direction[0] - direction[1])
     stress = (0.5 * (both + apart), 0.5 * (both - apart), m.shear * direction[2])
     return stress, -m.poisson / m.young * both
+
+
+@inlined
+def hooke(m, d):
+    """Change of the stress (6) in three dimensions with the strains d, twice those of shear."""
+    lame = m.young * m.poisson / ((1.0 + m.poisson) * (1.0 - 2.0 * m.poisson))
+    mean, twice = lame * (d[0] + d[1] + d[2]), 2.0 * m.shear
+    normal = (mean + twice * d[0], mean + twice * d[1], mean + twice * d[2])
+    return (*normal, m.shear * d[3], m.shear * d[4], m.shear * d[5])
+
+
+@inlined
+def solid(m, old, new, d, h, curves, material):
+    grown = hooke(m, d)
+    for k in range(6):
+        new.stress[k] = old.stress[k] + grown[k]
+    return new.stress, 0.0
+
+
+@inlined
+def solid_energy(m, new):
+    """By its stress."""
+    s = new.stress
+    trace = s[0] + s[1] + s[2]
+    squares = s[0] * s[0] + s[1] * s[1] + s[2] * s[2]
+    squares += 2.0 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5])
+    return 0.5 / m.young * ((1.0 + m.poisson) * squares - m.poisson * trace * trace)
 
 
 @inlined

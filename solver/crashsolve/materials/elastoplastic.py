@@ -55,7 +55,7 @@ PARAMETERS = _von_mises.PARAMETERS + Record("""
     rate_D        1/s    D of Cowper and Symonds; 0 for none
     rate_q        1      q of Cowper and Symonds
 """)
-LAYER, FIBRE = _von_mises.LAYER, _von_mises.FIBRE
+LAYER, FIBRE, SOLID = _von_mises.LAYER, _von_mises.FIBRE, _von_mises.SOLID
 VON_MISES = DISSIPATES = True
 LARGE_STRAIN = SMOOTH = HEATS = False
 LINE_ROWS = 3
@@ -88,6 +88,7 @@ def initial_layer(card: Elastoplastic, scene: Scene) -> np.ndarray:
 
 stored, plastic_strain = elastic.stored, _von_mises.plastic_strain
 update, energy = elastic.update, elastic.energy
+solid, solid_energy = _von_mises.solid, elastic.solid_energy
 
 
 @inlined

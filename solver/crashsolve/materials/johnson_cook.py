@@ -49,7 +49,7 @@ PARAMETERS = _von_mises.PARAMETERS + Record("""
     rate_0        1/s  rate above which C counts
     softening     1    m
 """)
-LAYER, FIBRE = _von_mises.LAYER, _von_mises.HEATED_FIBRE
+LAYER, FIBRE, SOLID = _von_mises.LAYER, _von_mises.HEATED_FIBRE, _von_mises.SOLID
 VON_MISES = DISSIPATES = SMOOTH = HEATS = True
 LARGE_STRAIN = False
 # share of its strength that a molten layer keeps
@@ -78,6 +78,7 @@ def initial_layer(card: JohnsonCook, scene: Scene) -> np.ndarray:
 
 stored, plastic_strain = elastic.stored, _von_mises.plastic_strain
 update, energy = elastic.update, elastic.energy
+solid, solid_energy = _von_mises.solid, elastic.solid_energy
 
 
 @inlined

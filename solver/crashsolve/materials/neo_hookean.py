@@ -39,6 +39,9 @@ LAYER = rows_of(
         across  1      ln lambda_3
     """)
 )
+SOLID = elastic.SOLID + Record("metric  1  6  C - 1: xx, yy, zz, xy, yz, zx")
+# iterations of the root of C: each doubles the digits, and seven serve stretches of 0.1 to 10
+ROOTS = 9
 # the strain of beams is small
 FIBRE = None
 VON_MISES = DISSIPATES = False
@@ -165,4 +168,97 @@ def energy(m, blocks, at):
     x, y, s = blocks[C], blocks[C + LANES], blocks[C + 2 * LANES]
     volume = 0.5 * log1p(x + y + x * y - s * s) + across
     trace = x + y + expm1(2.0 * across) - 2.0 * volume
+    return exp(-volume) * 0.5 * (m.shear * trace + m.volumetric * volume * volume)
+
+
+@inlined
+def inverse(a):
+    """Inverse of a symmetric tensor (xx, yy, zz, xy, yz, zx)."""
+    x, y, z, u, v, w = a
+    xx, yy, zz = y * z - v * v, z * x - w * w, x * y - u * u
+    xy, yz, zx = v * w - u * z, w * u - v * x, u * v - w * y
+    k = 1.0 / (x * xx + u * xy + w * zx)
+    return k * xx, k * yy, k * zz, k * xy, k * yz, k * zx
+
+
+@inlined
+def middle(a, b):
+    """Half of the sum of two symmetric tensors."""
+    normal = (0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]), 0.5 * (a[2] + b[2]))
+    return (*normal, 0.5 * (a[3] + b[3]), 0.5 * (a[4] + b[4]), 0.5 * (a[5] + b[5]))
+
+
+@inlined
+def root_of(a):
+    """Root of a symmetric tensor, by the iteration of Denman and Beavers."""
+    root, other = a, (1.0, 1.0, 1.0, 0.0, 0.0, 0.0)
+    for _ in range(ROOTS):
+        after = middle(root, inverse(other))
+        other = middle(other, inverse(root))
+        root = after
+    return root
+
+
+@inlined
+def between(a, b):
+    """a b a of symmetric tensors."""
+    x, y, z, u, v, w = a
+    p, q, r, s, t, o = b
+    # rows of a b
+    c = (x * p + u * s + w * o, x * s + u * q + w * t, x * o + u * t + w * r)
+    e = (u * p + y * s + v * o, u * s + y * q + v * t, u * o + y * t + v * r)
+    f = (w * p + v * s + z * o, w * s + v * q + z * t, w * o + v * t + z * r)
+    return (
+        c[0] * x + c[1] * u + c[2] * w,
+        e[0] * u + e[1] * y + e[2] * v,
+        f[0] * w + f[1] * v + f[2] * z,
+        c[0] * u + c[1] * y + c[2] * v,
+        e[0] * w + e[1] * v + e[2] * z,
+        f[0] * x + f[1] * u + f[2] * w,
+    )
+
+
+@inlined
+def doubled(d):
+    """exp(2 d) - 1 to third order, of strains (xx, yy, zz, twice xy, yz, zx)."""
+    x, y, z, u, v, w = d[0], d[1], d[2], 0.5 * d[3], 0.5 * d[4], 0.5 * d[5]
+    return (
+        2.0 * (x + x * x + u * u + w * w),
+        2.0 * (y + y * y + u * u + v * v),
+        2.0 * (z + z * z + v * v + w * w),
+        2.0 * (u + u * (x + y) + w * v),
+        2.0 * (v + v * (y + z) + u * w),
+        2.0 * (w + w * (z + x) + u * v),
+    )
+
+
+@inlined
+def volume_of(c):
+    """ln J of C = 1 + c, without cancellation for small strain."""
+    x, y, z, u, v, w = c[0], c[1], c[2], c[3], c[4], c[5]
+    shear = u * u + v * v + w * w
+    third = x * (y * z - v * v) - u * (u * z - v * w) + w * (u * v - w * y)
+    return 0.5 * log1p(x + y + z + (x * y + y * z + z * x - shear) + third)
+
+
+@inlined
+def solid(m, old, new, d, h, curves, material):
+    """As a layer, with all six strains: C grows by U exp(2 d) U."""
+    c = old.metric
+    root = root_of((1.0 + c[0], 1.0 + c[1], 1.0 + c[2], c[3], c[4], c[5]))
+    grown = between(root, doubled(d))
+    for k in range(6):
+        new.metric[k] = c[k] + grown[k]
+    volume = volume_of(new.metric)
+    less = exp(-volume)
+    for k in range(6):
+        pressure = m.volumetric * volume if k < 3 else 0.0
+        new.stress[k] = less * (m.shear * new.metric[k] + pressure)
+    return new.stress, 0.0
+
+
+@inlined
+def solid_energy(m, new):
+    c, volume = new.metric, volume_of(new.metric)
+    trace = c[0] + c[1] + c[2] - 2.0 * volume
     return exp(-volume) * 0.5 * (m.shear * trace + m.volumetric * volume * volume)

@@ -1,4 +1,7 @@
-"""Meshes: positions of nodes, corners of elements, and sets of nodes with names."""
+"""Meshes: positions of nodes, corners of elements, and sets with names.
+
+A mesh stands within the card of its part, or in a section of its own where parts share it.
+"""
 
 from typing import Protocol
 
@@ -11,8 +14,8 @@ class MeshLaw(Built, Protocol):
 
 
 FAMILY = Family(
-    entry=None,
-    follows=None,
+    entry="mesh",
+    follows="sections",
     law=MeshLaw,
     energy=(),
     channels=None,

@@ -1,6 +1,6 @@
-"""What every mesh hands on: places, corners of elements, and sets of nodes."""
+"""What every mesh hands on: positions, corners of elements, and sets of nodes and of elements."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -9,12 +9,16 @@ import numpy as np
 class Mesh:
     """Points (n, 3) [m], corners of elements (m, 4) counter-clockwise seen from outside.
 
-    A triangle is a quadrilateral that names one of its corners twice.
+    A triangle is a quadrilateral that names one of its corners twice. Of a mesh that parts share,
+    each has all points and its own elements (model/shared_mesh.py).
     """
 
     points: np.ndarray
     quads: np.ndarray
     sets: dict[str, np.ndarray]
+    element_sets: dict[str, np.ndarray] = field(default_factory=dict)
+    own: slice | None = None  # of a shared mesh: points that this part moves
+    origin: np.ndarray | None = None  # first point of a shared mesh, as it was written [m]
 
 
 def net(nu: int, nv: int, closed: bool = False) -> tuple[np.ndarray, np.ndarray, dict]:

@@ -6,6 +6,7 @@ make nodes and elements there, or what cannot be understood, is refused with its
 """
 
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from crashsolve.foundation.mesh_files.reading import (
     MeshFileError,
     read_mesh_file,
 )
+from crashsolve.meshes._joined import made_coarser
 from crashsolve.meshes._mesh import Mesh
 
 
@@ -33,6 +35,9 @@ class File(Card):
     elements: SetName = word(
         "element set, property or physical group; all elements of the file if empty", default=""
     )
+    joined: Literal[1, 2, 4, 8] = word(
+        "elements that become one along each side, where they lie in rows", default=1
+    )
 
 
 def build(card: File, scene: Scene) -> Mesh:
@@ -46,17 +51,23 @@ def build(card: File, scene: Scene) -> Mesh:
     if found.passed_over:
         words = ", ".join(found.passed_over[:8]) + ", ..." * (len(found.passed_over) > 8)
         scene.warn(f"{path.name}: only nodes, elements and sets are read, not {words}")
-    corners = _wanted(found, card, scene)
+    wanted = _wanted(found, card, scene)
+    corners = found.corners[wanted]
     used, numbers = np.unique(corners, return_inverse=True)
     index = np.full(len(found.points), -1)
     index[used] = np.arange(len(used))
     # of a set of nodes, those that belong to these elements
     sets = {name: index[own][index[own] >= 0] for name, own in found.node_sets.items()}
-    return Mesh(found.points[used] * card.unit, numbers.reshape(corners.shape), sets)
+    at = np.full(len(found.kinds), -1)
+    at[wanted] = np.arange(len(wanted))
+    elements = {name: at[own][at[own] >= 0] for name, own in found.element_sets.items()}
+    points = found.points[used] * card.unit
+    mesh = Mesh(points, numbers.reshape(corners.shape), sets, elements)
+    return made_coarser(mesh, card, scene)
 
 
 def _wanted(found: MeshFile, card: File, scene: Scene) -> np.ndarray:
-    """Corners of the elements wanted; the last corner of a triangle is named twice."""
+    """Numbers of the elements wanted."""
     if not card.elements:
         own = np.arange(len(found.kinds))
         if found.has_outlines:
@@ -77,5 +88,4 @@ def _wanted(found: MeshFile, card: File, scene: Scene) -> np.ndarray:
     if not len(own):
         name = f"set '{card.elements}'" if card.elements else "the file"
         raise scene.fail(f"{name} holds no elements", "mesh.elements")
-    corners: np.ndarray = found.corners[own]
-    return corners
+    return np.asarray(own)

@@ -3,10 +3,13 @@
 Consequence to test: the nodes are where the deck puts them.
 """
 
+from typing import Literal
+
 import numpy as np
 
 from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, SetName, Vec3, quantity, word
+from crashsolve.meshes._joined import made_coarser
 from crashsolve.meshes._mesh import Mesh
 
 
@@ -26,11 +29,14 @@ class Listed(Card):
         ge=1,
     )
     sets: tuple[NodeSet, ...] = word("sets of nodes", default=())
+    joined: Literal[1, 2, 4, 8] = word(
+        "elements that become one along each side, where they lie in rows", default=1
+    )
 
     @property
     def count(self) -> int:
         """Number of elements."""
-        return len(self.quads)
+        return max(len(self.quads) // self.joined**2, 1)
 
 
 def build(card: Listed, scene: Scene) -> Mesh:
@@ -45,4 +51,4 @@ def build(card: Listed, scene: Scene) -> Mesh:
         sets[own.name] = np.asarray(own.nodes, np.int64) - 1
         if sets[own.name].max(initial=-1) >= len(points):
             raise scene.fail(f"names a node beyond {len(points)}", f"mesh.sets.{k}.nodes")
-    return Mesh(points, quads, sets)
+    return made_coarser(Mesh(points, quads, sets), card, scene)

@@ -8,6 +8,8 @@ that of a rigid body. Consequence to test: a free body with a beam welded on kee
 its angular momentum, as it would with the joint `weld`.
 """
 
+from typing import Any
+
 import numpy as np
 
 from crashsolve.deck.building import Scene
@@ -16,9 +18,11 @@ from crashsolve.foundation.record import Record
 ATTACHED_NODE = Record("""
     node  index     the attached node
     body  index     what it is welded to
-    arm   m      3  place of the node from the mass centre, body axes
+    arm   m      3  position of the node from the mass centre, body axes
     rotation  1      4  unit quaternion, node to body
 """)
+# shares by which distances and velocities may differ and are still the same
+SAME = 1e-9
 # mass of an attached node's row of the node table: what it has belongs to the body
 NOTHING = 1e-300
 
@@ -89,3 +93,39 @@ def _between(p: np.ndarray, q: np.ndarray) -> np.ndarray:
     """Quaternion p^-1 q."""
     w, v = p[0], -p[1:]
     return np.array([w * q[0] - v @ q[1:], *(w * q[1:] + q[0] * v + np.cross(v, q[1:]))])
+
+
+def check_reach(
+    weld: Any, meshed: Any, points: np.ndarray, gaps: np.ndarray, field: str, scene: Scene
+) -> None:
+    """No node may be welded to one that is farther away than `within`.
+
+    By default that is the longest side of the elements at these nodes: with nodes that face
+    each other the distance is an offset of the axis or the thickness, and with a mesh that is
+    twice as coarse half of its elements.
+    """
+    x = meshed.mesh.points[meshed.mesh.quads[np.isin(meshed.mesh.quads, points).any(axis=1)]]
+    longest = float(np.linalg.norm(x - np.roll(x, -1, axis=1), axis=2).max())
+    limit = longest if weld.within is None else weld.within
+    worst = int(np.argmax(gaps))
+    if gaps[worst] > limit * (1.0 + SAME):
+        location = ", ".join(f"{value:.6g}" for value in meshed.mesh.points[points[worst]])
+        reason = "the longest side of its elements" if weld.within is None else "within"
+        message = (
+            f"the node at ({location}) m is {gaps[worst]:.3g} m from the nearest node of "
+            f"'{weld.part}' that is a body, more than {limit:.3g} m ({reason})"
+        )
+        advice = "move one of the parts, or allow the distance by within"
+        raise scene.fail(f"{message}; {advice}", field)
+
+
+def check_attached(meshed: Any, points: np.ndarray, body: int, field: str, scene: Scene) -> None:
+    """The points must begin with the motion of their positions on the body."""
+    arm = meshed.mesh.points[points] - scene.r[body]
+    there = scene.v[body] + np.cross(scene.w[body], arm)
+    apart = float(np.linalg.norm(meshed.velocities()[points] - there, axis=1).max(initial=0.0))
+    spin = float(np.linalg.norm(meshed.spin[points] - scene.w[body], axis=1).max(initial=0.0))
+    speed = float(np.linalg.norm(there, axis=1).max(initial=0.0))
+    if apart > SAME * (speed + 1.0) or spin > SAME * (1.0 + np.linalg.norm(scene.w[body])):
+        message = f"nodes begin {apart:.3g} m/s faster than their positions on the body"
+        raise scene.fail(f"{message}; give both the same motion", field)

@@ -48,29 +48,30 @@ def tables_of_elements(groups: list[Group], deck: Deck, scene: Scene) -> Element
     corners: list[np.ndarray] = []
     attached_points: list[np.ndarray] = []
     parts: dict[str, Any] = {}
-    points = first = count = 0
+    first = count = 0
     mass = 0.0
     for group in (g for g in groups if hasattr(g.module, "KINDS")):
         for name, row in zip(group.names, group.parameters, strict=True):
             meshed = parts[name] = scene.meshed(deck.entries["parts"][name].card)
-            row["first_point"], row["point_count"] = points, len(meshed.mass)
+            own = meshed.own
+            row["first_point"], row["point_count"] = meshed.first + own.start, own.stop - own.start
             row["first"], row["stride"] = first, meshed.stride
             row["first_corner"], row["first_element"] = sum(len(own) for own in corners), count
             row["element_count"] = len(meshed.area)
-            corners.append((meshed.corners() + points).astype(np.int32).ravel())
-            attached_points.append(
-                _attached(meshed, scene.part_nodes[name], scene.attached[name], points, scene)
-            )
-            mass += meshed.mass.sum() - meshed.mass[attached_points[-1]["point"] - points].sum()
-            points, first = points + len(meshed.mass), first + meshed.size
+            corners.append((meshed.corners() + meshed.first).astype(np.int32).ravel())
+            riding = _attached(meshed, scene.part_nodes[name], scene.attached[name], scene)
+            attached_points.append(riding)
+            mass += meshed.mass[own].sum() - meshed.mass[riding["point"] - meshed.first].sum()
+            first += meshed.size
             count += len(meshed.area)
     if not corners:
         return None
     rows = max(g.module.ROWS for g in groups if hasattr(g.module, "KINDS"))
     work = line_up(rows * LANES)
     taps, cuts = _cuts(groups, parts)
+    mass -= scene.tied_mass
     tables = np.concatenate(corners), np.concatenate(attached_points), work, parts, mass, taps, cuts
-    return Elements(*tables, motion=np.zeros(1, MOTION.dtype))
+    return Elements(*tables, motion=np.zeros(1, MOTION.dtype), ties=scene.ties)
 
 
 def _cuts(groups: list[Group], parts: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:
@@ -97,13 +98,13 @@ def line_up(count: int) -> np.ndarray:
 
 
 def _attached(
-    meshed: Any, named: list[int], attached: list[tuple[int, int]], first: int, scene: Scene
+    meshed: Any, named: list[int], attached: list[tuple[int, int]], scene: Scene
 ) -> np.ndarray:
     """Points of a part that ride on bodies: those of its named nodes, and welded ones."""
     pairs = [*zip(meshed.named, named, strict=True), *attached]
     rows = np.zeros(len(pairs), ATTACHED_POINT.dtype)
     for row, (point, node) in zip(rows, pairs, strict=True):
-        row["point"], row["node"] = point + first, node
+        row["point"], row["node"] = point + meshed.first, node
         row["spot"] = scene.to_body(node, meshed.mesh.points[point])
     return rows
 
@@ -111,12 +112,11 @@ def _attached(
 def initial_points(model: Model, deck: Deck, scene: Scene) -> np.ndarray:
     """All points (n,) at the start."""
     parts = _meshed(model, deck, scene)
-    table = np.zeros(sum(len(meshed.mass) for meshed in parts), POINT.dtype)
-    first = 0
+    table = np.zeros(scene.point_count, POINT.dtype)
     for meshed in parts:
         # in place: a copy of 10^5 elements is what memory peaks at
-        meshed.write_points(table[first : first + len(meshed.mass)])
-        first += len(meshed.mass)
+        first = meshed.first + meshed.own.start
+        meshed.write_points(table[first : meshed.first + meshed.own.stop])
     return table
 
 

@@ -193,6 +193,7 @@ class Elements:
     taps: np.ndarray  # elements of sections, block by block, see elements/shells/section_cut.py
     cuts: np.ndarray
     motion: np.ndarray  # momenta of the points at the last sample
+    ties: np.ndarray  # points that ride on faces
     holds: Any = None  # points that are held
     block_sums: Any = None  # of loads on elements
     pieces: Any = None  # for several threads, see model/partition.py
@@ -254,12 +255,17 @@ class Model:
 
     def element_name(self, number: int) -> str:
         """Name of an element: of its part, and counted there from 1."""
-        name, row = self._last_part("first_element", number)
+        name, row = self._part_of(number)
         return f"{name}_{number - row['first_element'] + 1}"
+
+    def _part_of(self, element: int) -> tuple[str, Any]:
+        """Name and row of the part with an element."""
+        rows = reversed(self._rows_of_parts())
+        return next((name, row) for name, row in rows if row["first_element"] <= element)
 
     def element_with_node(self, number: int) -> str:
         """Name of an element, and that of its nodes with the least mass."""
-        name, row = self._last_part("first_element", number)
+        name, row = self._part_of(number)
         assert self.elements is not None
         meshed = self.elements.parts[name]
         corners = meshed.mesh.quads[number - row["first_element"]]
@@ -284,17 +290,20 @@ class Model:
         point = index - len(self.bodies)
         if self.elements and len(self.elements.embodied):
             point = int(self.elements.embodied[point])
-        name, row = self._last_part("first_point", point)
+        name, row = next(
+            (name, row)
+            for name, row in self._rows_of_parts()
+            if row["first_point"] <= point < row["first_point"] + row["point_count"]
+        )
         return f"part '{name}', node {point - row['first_point'] + 1}"
 
-    def _last_part(self, column: str, number: int) -> tuple[str, Any]:
-        """The part in which a number lies that `column` begins."""
-        rows = [
+    def _rows_of_parts(self) -> list[tuple[str, Any]]:
+        """Names and rows of the parts with points."""
+        return [
             (name, row)
             for g in self.element_groups()
             for name, row in zip(g.names, g.parameters, strict=True)
         ]
-        return next((name, row) for name, row in reversed(rows) if row[column] <= number)
 
     def sensor_groups(self) -> list[Group]:
         """Groups that are read at samples."""

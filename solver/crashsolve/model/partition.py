@@ -34,6 +34,8 @@ SPAN = Record("""
     first        index  of the rows of an entry's pieces
     count        count  of them
     first_piece  index  which these are among all pieces
+    first_taker  index  of the pieces that take back what it has given
+    taker_count  count  of them
 """)
 QUADS = ("one_point", "four_points")
 # of a thread: one that is held up leaves those to others that it has not begun
@@ -66,45 +68,44 @@ def cut(model: Model, state: State, threads: int) -> Pieces:
     begin = len(elements.corners)
     corners = np.concatenate([elements.corners, elements.corners])
     rows: dict[str, list[Any]] = {g.word: [] for g in model.element_groups()}
-    loans: list[np.ndarray] = []
+    bounds_of: list[list[int]] = []
     of_part: dict[int, list[tuple[int, int, Any]]] = {}
     parts = [
         (g, *pair)
         for g in model.element_groups()
         for pair in zip(g.names, g.parameters, strict=True)
     ]
-    total = sum(_blocks_of(row) for _, _, row in parts)
+    total, done = sum(_blocks_of(row) for _, _, row in parts), 0
     for g, name, row in parts:
         bounds = _bounds(_blocks_of(row), total, PIECES * threads)
-        own = corners[begin + int(row["first_corner"]) :][: 4 * LANES * bounds[-1]]
-        lent = _lend(row, bounds, own, count, sum(map(len, loans)))
-        loans += lent
         cuts = [_piece(row, elements.parts[name], *ends, bounds[-1]) for ends in pairwise(bounds)]
         of_part[int(row["first_corner"])] = [
-            (len(loans) - len(lent) + k, bounds[k], one) for k, one in enumerate(cuts)
+            (done + k, bounds[k], one) for k, one in enumerate(cuts)
         ]
+        bounds_of.append(bounds)
+        done += len(cuts)
         for one in cuts:
             one["aside"] = begin
         rows[g.word] += cuts
+    pieces = np.zeros(done, PIECE.dtype)
+    of_groups = [one for g in model.element_groups() for one in rows[g.word]]
+    pieces["first_point"] = [one["first_point"] for one in of_groups]
+    firsts = [elements.parts[name].first for _, name, _ in parts]
+    loans = _all_loans(
+        [row for *_, row in parts], firsts, bounds_of, corners[begin:], count, pieces
+    )
     elements.corners = corners[:begin]
     spans = {}
     for g in model.element_loads():
         rows[g.word], spans[g.word] = _loads(g.parameters, of_part)
-    table = np.zeros(count + sum(map(len, loans)), POINT.dtype)
+        if len(set(firsts)) < len(firsts):
+            # pieces of other parts may keep what a load has given
+            spans[g.word]["first_taker"], spans[g.word]["taker_count"] = 0, len(pieces)
+    table = np.zeros(count + len(loans), POINT.dtype)
     table[:count] = state.points
     state.points = table[:count]
-    pieces = np.zeros(len(loans), PIECE.dtype)
-    of_groups = [one for g in model.element_groups() for one in rows[g.word]]
-    pieces["first_point"] = [one["first_point"] for one in of_groups]
-    pieces["loan_count"] = [len(own) for own in loans]
-    pieces["first_loan"] = np.cumsum(pieces["loan_count"]) - pieces["loan_count"]
-    return Pieces(
-        {word: np.array(found) for word, found in rows.items()},
-        spans,
-        pieces,
-        table,
-        np.concatenate(loans),
-    )
+    by_word = {word: np.array(found) for word, found in rows.items()}
+    return Pieces(by_word, spans, pieces, table, loans)
 
 
 def _bounds(blocks: int, total: int, pieces: int) -> list[int]:
@@ -136,30 +137,64 @@ def _piece(row: Any, meshed: Any, begin: int, end: int, blocks: int) -> Any:
     return one
 
 
+def _all_loans(
+    rows: list[Any],
+    firsts: list[int],
+    bounds: list[list[int]],
+    corners: np.ndarray,
+    count: int,
+    pieces: np.ndarray,
+) -> np.ndarray:
+    """All rows of LOAN; parts whose points begin at the same of `firsts` share a mesh.
+
+    Writes: corners, pieces.
+    """
+    begun = np.cumsum([0, *(len(own) - 1 for own in bounds)])
+    loans: list[np.ndarray] = []
+    for first in dict.fromkeys(firsts):
+        same = [k for k, own in enumerate(firsts) if own == first]
+        lent = sum(map(len, loans))
+        own = _lend([rows[k] for k in same], [bounds[k] for k in same], corners, count, lent)
+        ends = lent + np.cumsum([0, *map(len, own)])
+        at = np.concatenate([np.arange(begun[k], begun[k + 1]) for k in same])
+        pieces["first_loan"][at], pieces["loan_count"][at] = ends[:-1], np.diff(ends)
+        loans += own
+    return np.concatenate(loans)
+
+
 def _lend(
-    row: Any, bounds: list[int], corners: np.ndarray, count: int, lent: int
+    rows: list[Any], bounds: list[list[int]], corners: np.ndarray, count: int, lent: int
 ) -> list[np.ndarray]:
-    """Rows of LOAN, point by point, in as many shares as a part has pieces.
+    """Rows of LOAN, point by point, in as many shares as the parts of a mesh have pieces.
 
     Points that stand for others begin at `count`; `lent` of them are given away. Writes: corners of
-    the part.
+    the parts.
     """
-    table = corners.reshape(-1, 4, LANES)
-    of_block = np.repeat(np.arange(len(bounds) - 1), np.diff(bounds))
+    own = [
+        corners[int(row["first_corner"]) :][: 4 * LANES * b[-1]]
+        for row, b in zip(rows, bounds, strict=True)
+    ]
+    table = np.concatenate(own).reshape(-1, 4, LANES)
+    sizes = np.concatenate([np.diff(b) for b in bounds])
+    of_block = np.repeat(np.arange(len(sizes)), sizes)
     piece = np.broadcast_to(of_block[:, None, None], table.shape)
     # the first piece with a corner at a point: the last that is written, backwards
     first = np.zeros(count, int)
     first[table.ravel()[::-1]] = piece.ravel()[::-1]
-    shared = (piece > first[table]) & _live(row)[:, None, :]
+    shared = (piece > first[table]) & np.concatenate([*map(_live, rows)])[:, None, :]
     # of one point block by block and corner by corner, as forces are added
     points = table[shared]
     order = np.argsort(points, kind="stable")
     index = np.empty_like(points)
     index[order] = count + lent + np.arange(len(points))
     table[shared] = index
+    for some, part in zip(
+        own, np.split(table.ravel(), np.cumsum([*map(len, own)])[:-1]), strict=True
+    ):
+        some[:] = part
     loans = np.zeros(len(points), LOAN.dtype)
-    loans["point"], loans["slows"] = points[order], row["slows"]
-    cuts = len(loans) * np.arange(1, len(bounds) - 1) // (len(bounds) - 1)
+    loans["point"], loans["slows"] = points[order], rows[0]["slows"]
+    cuts = len(loans) * np.arange(1, len(sizes)) // len(sizes)
     # all of one point to one piece
     return np.split(loans, np.searchsorted(loans["point"], loans["point"][cuts]))
 
@@ -171,6 +206,7 @@ def _loads(rows: np.ndarray, of_part: dict[int, Any]) -> tuple[list[Any], np.nda
     for row, span in zip(rows, spans, strict=True):
         pieces = of_part[int(row["first_corner"])]
         span["first"], span["count"], span["first_piece"] = len(found), len(pieces), pieces[0][0]
+        span["first_taker"], span["taker_count"] = pieces[0][0], len(pieces)
         for _, first_block, one in pieces:
             own = row.copy()
             own["first_corner"], own["first_block"] = one["first_corner"], first_block

@@ -21,17 +21,16 @@ from crashsolve.deck.laws import types_in
 from crashsolve.foundation.errors import DeckError, DeckErrors
 from crashsolve.foundation.orientation import matrix, perpendicular
 from crashsolve.model import attachments as welds
+from crashsolve.model import shared_mesh
 from crashsolve.model.checks.finite import BEYOND, BEYOND_NUMBERS
 from crashsolve.model.checks.mesh_check import faults
+from crashsolve.model.ties import tie_nodes
 
 if TYPE_CHECKING:
     from crashsolve.deck.reading.deck import Deck
     from crashsolve.deck.reading.items import Entry
 
 Vector = np.ndarray
-# velocities of a node and of its position on a body that differ by less than this share are the
-# same
-SAME = 1e-9
 IMPLICIT = ("generalized_alpha", "radau_iia_5")
 
 
@@ -81,7 +80,8 @@ class Scene:
         self.angles_at_start: dict[str, float] = {}
         self._pose()
         self._meshed: dict[int, Any] = {}  # parts with points, by card
-        for part in deck.entries["parts"].values():
+        self._discretise()
+        for part in deck.entries["parts"].values() if not self.errors else ():
             with self.building(part):
                 nodes = import_module(part.module_name).build(part.card, self)
                 for i, node in zip(self.part_nodes[part.name], nodes, strict=True):
@@ -100,6 +100,23 @@ class Scene:
         for entry in self.deck.entries["postures"].values() if not self.errors else ():
             with self.building(entry):
                 import_module(entry.module_name).build(entry.card, self)
+
+    def _discretise(self) -> None:
+        """Put all parts with points in place, on their own meshes and on shared ones."""
+        self._shares = shared_mesh.shared_meshes(self)
+        for part in self.deck.entries["parts"].values() if not self.errors else ():
+            module = import_module(part.module_name)
+            if hasattr(module, "discretise"):
+                with self.building(part):
+                    self._meshed[id(part.card)] = module.discretise(part.card, self)
+        shared_mesh.join(self)
+        self.point_count = shared_mesh.number_points([*map(self.meshed, self._with_points())])
+        self.tied_mass = 0.0  # of nodes whose faces have it besides [kg]
+        self.ties = tie_nodes(self)
+
+    def share(self, card: Any) -> Any:
+        """What a part has of a mesh of the deck, by the card that names it."""
+        return self._shares[id(card)]
 
     def _set_body(self, i: int, body: dict[str, Any]) -> None:
         self.mass[i] = body["mass"]
@@ -126,7 +143,7 @@ class Scene:
             if node in self.welded:
                 raise self.fail(f"'{name}' is welded twice", "welded")
             apart = welds.inconsistency(body, node, self)
-            if apart > SAME * (np.linalg.norm(self.v[node]) + np.linalg.norm(self.v[body])):
+            if apart > welds.SAME * (np.linalg.norm(self.v[node]) + np.linalg.norm(self.v[body])):
                 message = f"'{name}' begins {apart:.3g} m/s faster than its position on the body"
                 raise self.fail(f"{message}; give both the same motion", "welded")
             self.welded[node] = body
@@ -145,11 +162,11 @@ class Scene:
             x = meshed.mesh.points[points]
             gaps = np.linalg.norm(x[:, None] - self.r[None, others], axis=2)
             if weld.part:
-                self._check_reach(weld, meshed, points, gaps.min(axis=1), f"welded.{k}")
+                welds.check_reach(weld, meshed, points, gaps.min(axis=1), f"welded.{k}", self)
             nearest = np.asarray(others)[np.argmin(gaps, axis=1)]
             for body in np.unique(nearest):
                 own = points[nearest == body]
-                self._check_attached(meshed, own, int(body), f"welded.{k}")
+                welds.check_attached(meshed, own, int(body), f"welded.{k}", self)
                 positions = meshed.mesh.points[own]
                 welds.lump_points(int(body), positions, meshed.mass[own], meshed.J[own], self)
                 pairs += [(int(point), int(body)) for point in own]
@@ -163,40 +180,6 @@ class Scene:
         if weld.part == part.name or not some:
             raise self.fail("needs a part whose nodes are bodies, other than itself", field)
         return [self.welded.get(node, node) for node in some]
-
-    def _check_reach(
-        self, weld: Any, meshed: Any, points: np.ndarray, gaps: np.ndarray, field: str
-    ) -> None:
-        """No node may be welded to one that is farther away than `within`.
-
-        By default that is the longest side of the elements at these nodes: with nodes that face
-        each other the distance is an offset of the axis or the thickness, and with a mesh that is
-        twice as coarse half of its elements.
-        """
-        x = meshed.mesh.points[meshed.mesh.quads[np.isin(meshed.mesh.quads, points).any(axis=1)]]
-        longest = float(np.linalg.norm(x - np.roll(x, -1, axis=1), axis=2).max())
-        limit = longest if weld.within is None else weld.within
-        worst = int(np.argmax(gaps))
-        if gaps[worst] > limit * (1.0 + SAME):
-            location = ", ".join(f"{value:.6g}" for value in meshed.mesh.points[points[worst]])
-            reason = "the longest side of its elements" if weld.within is None else "within"
-            message = (
-                f"the node at ({location}) m is {gaps[worst]:.3g} m from the nearest node of "
-                f"'{weld.part}' that is a body, more than {limit:.3g} m ({reason})"
-            )
-            advice = "move one of the parts, or allow the distance by within"
-            raise self.fail(f"{message}; {advice}", field)
-
-    def _check_attached(self, meshed: Any, points: np.ndarray, body: int, field: str) -> None:
-        """The points must begin with the motion of their positions on the body."""
-        arm = meshed.mesh.points[points] - self.r[body]
-        there = self.v[body] + np.cross(self.w[body], arm)
-        apart = float(np.linalg.norm(meshed.velocities()[points] - there, axis=1).max(initial=0.0))
-        spin = float(np.linalg.norm(meshed.spin[points] - self.w[body], axis=1).max(initial=0.0))
-        speed = float(np.linalg.norm(there, axis=1).max(initial=0.0))
-        if apart > SAME * (speed + 1.0) or spin > SAME * (1.0 + np.linalg.norm(self.w[body])):
-            message = f"nodes begin {apart:.3g} m/s faster than their positions on the body"
-            raise self.fail(f"{message}; give both the same motion", field)
 
     def _model_size(self) -> float:
         """Extent of the bodies with their radii of gyration [m]."""
@@ -301,16 +284,19 @@ class Scene:
     def mesh(self, card: Any) -> Any:
         """The mesh of a part, refused where its elements do not hang together."""
         mesh = self.built(card.mesh)
-        wrong = faults(mesh)
-        if wrong:
+        # that of a shared mesh has been looked at as a whole
+        if mesh.own is None and (wrong := faults(mesh)):
             raise self.fail(wrong, "mesh")
         return mesh
 
     def meshed(self, card: Any) -> Any:
-        """A part with points in place; once for every card."""
-        if id(card) not in self._meshed:
-            self._meshed[id(card)] = import_module(type(card).__module__).discretise(card, self)
+        """A part with points in place."""
         return self._meshed[id(card)]
+
+    def on_mesh_of(self, meshed: Any) -> list[Any]:
+        """Parts in place with points of the same mesh, in the order of the deck."""
+        parts = [self.meshed(card) for card in self._with_points()]
+        return [part for part in parts if part.first == meshed.first]
 
     def _with_points(self) -> list[Any]:
         """Cards of the parts with points, type by type as the model has them."""
@@ -323,15 +309,14 @@ class Scene:
         return id(self.deck.entries["parts"][part].card) in self._meshed
 
     def skin(self, part: str, field: str) -> tuple[Any, int, int]:
-        """A part with points in place, its first corner and its first point."""
+        """A part with points in place, its first corner, and the first point of its mesh."""
         entry = self.deck.entries["parts"][part]
-        corner = point = 0
+        corner = 0
         for card in self._with_points():
             meshed = self.meshed(card)
             if card is entry.card:
-                return meshed, corner, point
+                return meshed, corner, meshed.first
             corner += meshed.corners().size
-            point += len(meshed.mass)
         raise self.fail(f"part '{part}' has no surface; name a shell", field)
 
     def first_number(self, part: str) -> int:

@@ -216,9 +216,9 @@ class Histories:
     def _traces(self) -> list[Part]:
         """Nodes of shells whose history the deck asks for."""
         names, numbers = [], []
-        for part, meshed, row in self._meshed():
+        for part, meshed, _ in self._meshed():
             names += [f"{part}_{trace.name}" for trace in meshed.card.traces]
-            numbers += [int(row["first_point"]) + k for k in meshed.traced]
+            numbers += [meshed.first + k for k in meshed.traced]
         if not names:
             return []
         points = self.engine.state.points

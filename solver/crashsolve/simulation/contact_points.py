@@ -6,6 +6,7 @@ largest forces are shown, so that a block of points keeps its size.
 
 import numpy as np
 
+from crashsolve.contact.cells import WALLS
 from crashsolve.model.model import ContactGroup, NodalGroup
 from crashsolve.system.engine import Engine
 
@@ -54,13 +55,14 @@ class ContactPoints:
         accepted = np.where(slot_in_use > 1, 3 - slot_in_use, slot_in_use)
         was, now = states["active"][accepted, slots], states["active"][1 - accepted, slots]
         touching = np.flatnonzero(now & (was | (self.engine.clock["cycle"] == 0)))
-        record = states[1 - accepted[touching], touching]
+        rows, owner = _walls(states, touching, 1 - accepted)
+        record = states[1 - accepted[owner], rows]
         force = record["force"][:, None] * record["normal"]
         if "friction_force" in (record.dtype.names or ()):
             force = force + record["friction_force"]
         largest = _largest(np.linalg.norm(force, axis=1), positions)
         slots_per_probe = len(slot_in_use) // len(g.probes)
-        centre = self._centres(g, touching[largest] // slots_per_probe)
+        centre = self._centres(g, owner[largest] // slots_per_probe)
         position = centre - p["gap"] * p["share"] * record["normal"][largest]
         card = np.full(len(largest), p["card"])
         return self._filled(position, p["order"] * force[largest], card, positions)
@@ -87,6 +89,20 @@ class ContactPoints:
             np.concatenate([force, np.zeros((rest, 3))]),
             np.concatenate([card, np.zeros(rest)]),
         )
+
+
+def _walls(
+    states: np.ndarray, touching: np.ndarray, in_use: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Rows of all walls that touch, and the sides of probes that they belong to (n,)."""
+    rows = owner = touching
+    if "beside" in (states.dtype.names or ()):
+        beside = states["beside"][in_use[touching], touching]
+        for w in range(1, WALLS):
+            chosen = touching[beside >= w]
+            rows = np.r_[rows, len(in_use) + (WALLS - 1) * chosen + w - 1]
+            owner = np.r_[owner, chosen]
+    return rows, owner
 
 
 def _largest(strength: np.ndarray, positions: int) -> np.ndarray:

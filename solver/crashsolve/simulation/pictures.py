@@ -97,7 +97,7 @@ class Pictures:
         nodes = self.engine.state.nodes
         ends = self._line_points([g for some in self._lines.values() for g in some])
         others = [self._r0[1:], ends, body_shapes.in_world(links, nodes)]
-        others += [self._points_of(row)["r"] for _, row, _ in self._shells]
+        others += [self._points_of(name)["r"] for name, _, _ in self._shells]
         shapes += body_shapes.planes(model, shapes, nodes, np.concatenate(others))
         pieces = {
             "bodies": [piece for piece in shapes if piece[0]],
@@ -148,12 +148,14 @@ class Pictures:
             specs = (VELOCITY, ROTATION, *axial, *self._beam_specs().values())
             fixed = self._beam_fixed()
             blocks.append(Block("beams", self._r0[ends], (("line", lines),), specs, fixed))
-        for name, row, module in self._shells:
+        for name, _, module in self._shells:
             specs = _specs_of(module.FIELDS)
             meshed = self._meshed(name)
             specs += (HIDDEN,) * meshed.can_fail
-            n, points = meshed.quad_count, self._points_of(row)["r"].copy()
-            both = (("quad", meshed.mesh.quads[:n]), ("triangle", meshed.mesh.quads[n:, :3]))
+            n, points = meshed.quad_count, self._points_of(name)["r"].copy()
+            # of a shared mesh a picture has the part's own points alone
+            quads = np.searchsorted(meshed.used, meshed.mesh.quads)
+            both = (("quad", quads[:n]), ("triangle", quads[n:, :3]))
             cells = tuple(own for own in both if len(own[1]))
             blocks.append(Block(f"part_{name}", points, cells, (VELOCITY, *specs)))
         if count := self._contact_points.count:
@@ -179,7 +181,7 @@ class Pictures:
             fields["beams"] = self._beam_fields()
         for name, row, _ in self._shells:
             block = self._block(f"part_{name}")
-            points = self._points_of(row)
+            points = self._points_of(name)
             moved = np.empty(block.points.shape, np.float32)
             np.subtract(points["r"], block.points, out=moved, casting="same_kind")
             motion = {"displacement": moved, "velocity": points["v"].astype(np.float32)}
@@ -196,10 +198,13 @@ class Pictures:
         assert self.engine.model.elements is not None
         return self.engine.model.elements.parts[name]
 
-    def _points_of(self, row: Any) -> np.ndarray:
-        """Points of a part."""
-        first = int(row["first_point"])
-        return self.engine.state.points[first : first + int(row["point_count"])]
+    def _points_of(self, name: str) -> np.ndarray:
+        """Points of a part: a view, or those that it has of a shared mesh."""
+        meshed, points = self._meshed(name), self.engine.state.points
+        if meshed.mesh.own is None:
+            return points[meshed.first : meshed.first + len(meshed.used)]
+        found: np.ndarray = points[meshed.first + meshed.used]
+        return found
 
     def _skin_points(self, pieces: list[Piece]) -> np.ndarray:
         return np.concatenate([self._r0[n] + p @ self._A0[n].reshape(3, 3).T for n, p, _ in pieces])

@@ -19,6 +19,8 @@ STRAINED, STORED = 1e-10, 1e-18
 NO_DEPTH = 1e-9
 # share of the half thicknesses of both sides, beyond which a touch is deep
 DEEP = 0.25
+# the same of a point, which is stopped at the middle of what it strikes
+HALFWAY = 0.5
 # share of internal energy in hourglass modes that is too much
 MUCH_HOURGLASS = 0.05
 # columns of beams that state strains, or strains over a length
@@ -43,8 +45,9 @@ def settling(engine: Engine) -> list[str]:
     loaded = any(group.keyword == "loads" for group in model.groups)
     if not loaded or model.phases or model.control[0]["follows_path"]:
         return []
-    at_rest = np.asarray(~(state.nodes["v"].any(axis=1) | state.nodes["w"].any(axis=1)))
-    moving = set()
+    motion = np.hstack([state.nodes["v"], state.nodes["w"]])
+    at_rest: np.ndarray = np.abs(motion).max(axis=1) == 0.0
+    moving: set[int] = set()
     for group in model.contact_groups:
         for side, elements in (("a", group.elements_a), ("b", group.elements_b)):
             still = at_rest[elements["node"][group.parameters[side]]]
@@ -60,7 +63,7 @@ def settling(engine: Engine) -> list[str]:
 def pressed_deep(engine: Engine) -> list[str]:
     """Contacts of round sides so deep that one can slip by the other: nothing else notices."""
     now = engine.state.card_history[int(engine.clock["current"])]
-    return [
+    return driven_deep(engine) + [
         f"contact '{name}': pressed to {100.0 * share:.0f} % of the half thicknesses of both "
         "sides; so soft, one body goes past the other almost unhindered: make the contact stiffer"
         for name, share in zip(engine.model.contacts, now["peak_share"], strict=True)
@@ -68,9 +71,27 @@ def pressed_deep(engine: Engine) -> list[str]:
     ]
 
 
+def driven_deep(engine: Engine) -> list[str]:
+    """Contacts of points and of nodes of shells that went far into what they strike."""
+    worst: dict[str, tuple[float, float, float]] = {}
+    for g in engine.model.nodal_groups:
+        p, deepest = g.arrays["p"][0], float(g.arrays["totals"]["deepest"][0])
+        # of faces, the probe and half of the shell
+        thick = float(p["gap"] if g.narrow is None else p["thick"])
+        one, name = (deepest / thick, deepest, thick), engine.model.contacts[p["card"]]
+        worst[name] = max(worst.get(name, one), one)
+    return [
+        f"contact '{name}': points went {depth:.3g} m deep into what they struck, "
+        f"{100.0 * share:.0f} % of the {thick:.3g} m from there to its middle; beyond that "
+        "they come out on the other side: make the contact stiffer, or what is struck thicker"
+        for name, (share, depth, thick) in worst.items()
+        if share > HALFWAY
+    ]
+
+
 def met_by(engine: Engine) -> list[str]:
     """Warnings of what the run met outside the range of its laws."""
-    found = (read_beyond, pressed_deep, hourglass_share, overloaded)
+    found = (read_beyond, pressed_deep, hourglass_share, overloaded, compressed)
     return [text for of in found for text in of(engine)]
 
 
@@ -142,6 +163,29 @@ def overloaded(engine: Engine) -> list[str]:
         f"hinge '{name}' bore {force:.4g} N along its beam, {share:.3g} times what its section "
         f"yields at{others}: hinges bend and do not shorten, so that such a force is too "
         "large; take deformation: segments, beams or shells"
+    ]
+
+
+def compressed(engine: Engine) -> list[str]:
+    """Members that bore more along them than as columns, each by its worst hinge or spring."""
+    found, current = dict[str, tuple[float, float]](), int(engine.clock["current"])
+    for g in engine.model.groups:
+        if "buckling" not in (g.parameters.dtype.names or ()):
+            continue
+        peaks = g.history["peak_compression"][current]
+        for name, peak, load in zip(g.names, peaks, g.parameters["buckling"], strict=True):
+            # NAME_start, NAME_3: hinges and springs of one member
+            member, force = name.rpartition("_")[0] or name, float(peak)
+            if force > load:
+                found[member] = max(found.get(member, (0.0, 0.0)), (force / float(load), force))
+    if not found:
+        return []
+    name, (share, force) = max(found.items(), key=lambda one: one[1])
+    others = f", and {len(found) - 1} more members than theirs" if len(found) > 1 else ""
+    return [
+        f"member '{name}' was compressed by {force:.4g} N, {share:.3g} times its Euler load "
+        f"between hinged ends{others}: a straight one does not buckle without a disturbance (fixed "
+        "ends bear 4 times as much, a free one a quarter); give it a small bow or a side load"
     ]
 
 

@@ -46,12 +46,17 @@ def _constraints(engine: Engine) -> dict[str, str]:
 
 def _cost(account: Account) -> dict[str, str]:
     """Average steps and what they cost; nothing of a run that took none."""
-    phases = account.phases
+    phases, model = account.phases, account.engine.model
     if phases is None or not phases.cycles():
         return {}
     factor = account.spent() / phases.simulated()
+    # a step too short for the clock of the process has no rate
+    stepping = max(account.cpu["steps"], 1e-6)
+    elements = sum(int(g.parameters["element_count"].sum()) for g in model.element_groups())
+    rate = f"{elements * phases.cycles() / stepping:.3g} of CPU, {elements} elements"
     return phases.average_steps() | {
         "CPU per step": f"{1e6 * account.cpu['steps'] / phases.cycles():.3g} us",
+        **({"element-cycles per second": rate} if elements else {}),
         "real-time factor": f"{factor:.3g} s of CPU per simulated second",
     }
 

@@ -83,6 +83,9 @@ class Segment(PointSpringCard):
     section: SectionName = word("cross section of the beam")
     material: MaterialName = word("what it is made of: elastic, or elastoplastic, which yields")
     damping: float = quantity("s", "beta, damping over stiffness", default=0.0, ge=0)
+    buckling_load: float | None = quantity(
+        "N", "compression along the beam of which the end of the run warns", default=None, gt=0
+    )
 
 
 PARAMETERS = POINTS + Record("""
@@ -100,6 +103,7 @@ PARAMETERS = POINTS + Record("""
     curve              index       Y over e; 0 for none
     rate_D             1/s         D of Cowper and Symonds; 0 for none
     rate_q             1           q of Cowper and Symonds
+    buckling           N           compression to warn of; infinite if there is none
     at_rest            flag        NO_STEP, FLOWS or FROZEN, in load steps
 """)
 HISTORY = Record("""
@@ -107,6 +111,7 @@ HISTORY = Record("""
     held     any  3  N, M_y, M_z
     strain   1       e
     work     J       plastic work
+    peak_compression  N  largest compression along the beam so far
 """)
 OUTPUT = Record("""
     force           N    3  tension, shear along y and z, axes of the beam
@@ -150,6 +155,7 @@ def build(card: Segment, scene: Scene) -> dict[str, Any]:
         "curve": material.get("curve", 0),
         "rate_D": material.get("rate_D", 0.0),
         "rate_q": material.get("rate_q", 1.0),
+        "buckling": card.buckling_load or np.inf,
         "at_rest": FLOWS if scene.deck.control.solution == "quasi_static" else NO_STEP,
     }
 
@@ -242,6 +248,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     out.loss = lost
     new.work = old.work + lost
     f, m = add(f, lag), add(m, drag)
+    new.peak_compression = max(old.peak_compression, -f[0])
     put(out.force, f)
     put(out.moment, m)
     put(out.displacement, u)

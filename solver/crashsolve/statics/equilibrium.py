@@ -69,7 +69,8 @@ class StaticEngine(Engine):
         self.origin = state.nodes.copy()
         self.flutters = False
         self.least = self.first = 0.0  # shortest load step [s], change by the last tangent
-        self.sees_jumps = True
+        self.sees_jumps, self.halvings, self.growth = True, HALVINGS, 2.0
+        self.width = np.inf  # length of the last load step where they are short [s]
         # of the last pass: K (6 n, 6 n) and D (m, 6 n)
         self.tangent: Tangent | None = None
         # of the last equilibrium, where there are hinges
@@ -112,11 +113,11 @@ class StaticEngine(Engine):
     def _step(self, until: float, goal: float) -> None:
         """Equilibrium at `until`, by way of others where it must. Raises SolverError."""
         clock, found = self.clock, list[Problem]()
-        self.least, width = (until - float(clock.time)) / 2**HALVINGS, np.inf
+        self.least = (until - float(clock.time)) / 2**self.halvings
         while clock.time < until:
             begun, kept, known = float(clock.time), self.keep(), self.known
             # towards a limit point by steps that double: from close by a long one may not see it
-            target = min(until, begun + 2.0 * width)
+            target = min(until, begun + self.growth * self.width)
             while (problem := self._tries(target)) is not None:
                 found.append(problem)
                 target = 0.5 * (begun + target)
@@ -129,9 +130,13 @@ class StaticEngine(Engine):
                 if is_last:
                     ahead = [problem for problem in found if problem.target > begun]
                     raise first_unstable_mode(ahead).error(self, begun)
-            if any(problem.kind == "jump" for problem in found):
-                width = float(clock.time) - begun
+            is_short = target < until and np.isfinite(self.width)
+            # what yields does so in the next load steps too
+            if is_short or any(p.kind == "jump" or not self.sees_jumps for p in found):
+                self.width = float(clock.time) - begun
             self.on_pause()
+        if self.sees_jumps:
+            self.width = np.inf
 
     def _tries(self, target: float) -> Problem | None:
         """Go to the equilibrium of a moment, or of one before it; why it cannot be had."""

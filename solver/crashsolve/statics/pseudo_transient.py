@@ -37,6 +37,10 @@ CERTAIN = 1e7
 SLOW, UNKNOWN = 0.1, 0.9
 # how h grows where Newton's method has failed
 CAREFUL, RELENTING = 4.0, 1.2
+# load steps after which one of twice the length is tried
+TRIED = 5
+# first yield may lie so many halvings within a load step
+HALVINGS = 13
 STILL = ("v", "w", "L")
 # loads and joints that a warning names
 NAMED = 3
@@ -48,8 +52,9 @@ class RestEngine(StaticEngine):
     def __init__(self, model: Model, state: State, control: Any, program: str = "") -> None:
         super().__init__(model, state, control, program)
         # elements that yield load by one tangent and unload by another
-        self.sees_jumps = False
+        self.sees_jumps, self.halvings = False, HALVINGS
         self.fastest = self.pseudo = 0.0
+        self.good = 0
         message = turning(model.groups)
         if message:
             self.notes.append(message)
@@ -61,6 +66,10 @@ class RestEngine(StaticEngine):
         growth, highest, good, cycle = GROWTH, MOST, 0.0, int(clock.cycle)
         self.forces.meet(self.rest(time, nodes), self)
         self._choose_step()
+        first = self.pseudo
+        # a longer load step is tried after some that were good
+        self.good += 1
+        self.growth = 2.0 if self.good % TRIED == 0 else 1.0
         for _ in range(REPEATS):
             kept, used = self.keep(), self.pseudo
             if not self._relaxes(begun, time):
@@ -69,7 +78,9 @@ class RestEngine(StaticEngine):
                 self.pseudo = good if good else self.pseudo / GROWTH
                 growth, highest = CAREFUL, self.pseudo * self.fastest * (1.0 if good else GROWTH)
                 if self.pseudo * self.fastest < 0.5 * FIRST:
-                    return None
+                    # more inertia would leave all of the motion to the elements beside a driver;
+                    # the load step is too long
+                    break
                 continue
             change, total = self.size_of(self.change_from(kept[1])), self._whole_change(start)
             # of one step alone nobody knows
@@ -95,6 +106,7 @@ class RestEngine(StaticEngine):
                 self.pseudo = min(self.pseudo * growth, highest / self.fastest)
             # what has failed far from equilibrium may serve near it
             highest, good, previous = min(highest * RELENTING, MOST), used, change
+        self.pseudo = first
         return None
 
     def _is_longest(self) -> bool:

@@ -35,7 +35,7 @@ class Standing:
     def __init__(self, model: Model, nodes: np.ndarray, current: int) -> None:
         """`nodes` with the velocities of the deck; `current` of the two histories is accepted."""
         self.model, self.current = model, current
-        still = np.asarray(~(nodes["v"].any(axis=1) | nodes["w"].any(axis=1)))
+        still = ~np.logical_or(nodes["v"].any(axis=1), nodes["w"].any(axis=1))
         self.patches = [
             (group, row, road)
             for group in model.groups

@@ -2,10 +2,11 @@
 
     beam                        mesh.division, so that the names of nodes stay where they are
     frame                       elements of each bar
-    shell, generated mesh       mesh.elements, in all directions
+    shell, generated mesh       mesh.elements, in all directions; of a shared mesh, under meshes
     structure                   divisions of segments and beams, across of shells
 
-Hinges and rigid members have no mesh, and meshes that are listed or of a file are as they are. On
+Hinges and rigid members have no mesh. Meshes that are listed or of a file are not divided; to make
+them coarser their elements are joined by mesh.joined, where they lie in rows. On
 another mesh the inner nodes of a frame, a beam made coarser and a structure have other names: a
 deck that names one is not divided. Consequence to test: a deck divided by 2 and made coarser by 2
 has its own numbers of elements.
@@ -24,6 +25,8 @@ STRUCTURE = {"segments": "divisions", "beams": "divisions", "shells": "across"}
 # segments yield in the middle of their length
 SEGMENTS_ORDER = 1.0
 Numbers = tuple[int, ...]
+# elements that may become one along a side of a given mesh
+MOST_JOINED = 8
 
 
 @dataclass(frozen=True)
@@ -50,7 +53,7 @@ class Divisible:
 def divisible(deck: Deck) -> list[Divisible]:
     """Every field that divides elements of a part or structure."""
     own = [part for part in deck.entries["parts"].values() if not part.item.owner]
-    found = [d for part in own for d in _of_part(part)]
+    found = [d for part in own for d in _of_part(deck, part)]
     return found + [d for entry in deck.written_out for d in _of_structure(deck, entry)]
 
 
@@ -65,9 +68,7 @@ def finer(deck: Deck, factor: int) -> dict[str, str]:
 
 def coarser(deck: Deck, factor: int) -> dict[str, str]:
     """Overrides that make all elements `factor` times as long. Raises ValueError likewise."""
-    if rest := undivided(deck):
-        raise ValueError(f"{rest[0]} has a mesh that cannot be made coarser")
-    found: dict[str, str] = {}
+    found = _joined(deck, factor)
     for field in divisible(deck):
         own = field
         if field.coarser and any(n % factor for n in field.numbers):
@@ -78,6 +79,19 @@ def coarser(deck: Deck, factor: int) -> dict[str, str]:
             )
         _check_names(deck, own)
         found |= own.overrides(tuple(n // factor for n in own.numbers))
+    return found
+
+
+def _joined(deck: Deck, factor: int) -> dict[str, str]:
+    """Overrides that join elements of listed meshes and of files. Raises ValueError likewise."""
+    found = {}
+    for name in undivided(deck):
+        path, mesh = _mesh_of(deck, deck.entries["parts"][name])
+        if not hasattr(mesh, "joined"):
+            raise ValueError(f"{name} has a mesh that cannot be made coarser")
+        if mesh.joined * factor > MOST_JOINED:
+            raise ValueError(f"elements of {name} are joined by {mesh.joined} already")
+        found[f"{path}.joined"] = str(mesh.joined * factor)
     return found
 
 
@@ -98,9 +112,9 @@ def has_segments(deck: Deck) -> bool:
     return any("segments" in _deformations(entry.card) for entry in _structures(deck))
 
 
-def _of_part(part: Entry) -> Iterator[Divisible]:
+def _of_part(deck: Deck, part: Entry) -> Iterator[Divisible]:
     card: Any = part.card
-    name, mesh = part.name, _mesh_of(card)
+    name, (path, mesh) = part.name, _mesh_of(deck, part)
     if hasattr(mesh, "division"):
         inner = frozenset(card.node_names(name)[1:-1]) | frozenset(card.element_names(name))
         plain = Divisible(name, f"parts.{name}.mesh.elements", (mesh.elements,), names=inner)
@@ -109,7 +123,7 @@ def _of_part(part: Entry) -> Iterator[Divisible]:
     elif mesh is not None and _is_count(getattr(mesh, "elements", None)):
         given = mesh.elements
         numbers = tuple(given) if isinstance(given, tuple) else (given,)
-        yield Divisible(name, f"parts.{name}.mesh.elements", numbers, isinstance(given, tuple))
+        yield Divisible(name, f"{path}.elements", numbers, isinstance(given, tuple))
     elif hasattr(card, "bars"):
         points = {f"{name}_{k}" for k in range(1, len(card.points) + 1)}
         inner = frozenset(card.node_names(name)) - points
@@ -117,8 +131,13 @@ def _of_part(part: Entry) -> Iterator[Divisible]:
         yield Divisible(name, f"parts.{name}.elements", (card.elements,), names=inner)
 
 
-def _mesh_of(card: Any) -> Any:
-    return getattr(card, "mesh", None)
+def _mesh_of(deck: Deck, part: Entry) -> tuple[str, Any]:
+    """The path of a part's mesh and its card: of a shared one, those of the whole."""
+    mesh: Any = getattr(part.card, "mesh", None)
+    shared = getattr(mesh, "mesh", "")
+    if shared:
+        return f"meshes.{shared}", deck.entries["meshes"][shared].card
+    return f"parts.{part.name}.mesh", mesh
 
 
 def _is_count(elements: Any) -> bool:

@@ -40,6 +40,7 @@ NODAL: tuple[NodalGroup, ...] = ()  # nodes on shapes and on the faces of shells
 
 # what else is in the scene
 ATTACHMENTS = True  # nodes welded to rigid bodies
+TIES = True  # points that ride on faces
 CUTS = True  # sensors that cut through elements
 SEARCHES = True  # lists of near pairs, which are renewed
 MANY_PAIRS = True  # contacts whose pairs are done in pieces
@@ -79,6 +80,7 @@ def placeholders(model: Model) -> dict[str, Any]:
         "TANGENT_CONTACTS": tuple(tangent_contacts(model)),
         "NODAL": tuple(nodal),
         "ATTACHMENTS": len(model.attached_nodes) > 0,
+        "TIES": model.elements is not None and len(model.elements.ties) > 0,
         "CUTS": model.elements is not None and len(model.elements.cuts) > 0,
         "SEARCHES": any(c.search is not None for c in contacts),
         "MANY_PAIRS": any(c.in_pieces for c in contacts),
@@ -153,6 +155,8 @@ def group_arrays(model: Model, state: State) -> dict[str, np.ndarray]:
         }
         if len(e.block_sums):
             arrays |= {"block_sums": e.block_sums}
+        if len(e.ties):
+            arrays |= {"ties": e.ties}
         if len(e.cuts):
             arrays |= {"taps": e.taps, "cuts": e.cuts}
     return arrays | (shared_arrays(model) if is_shared(model) else {})

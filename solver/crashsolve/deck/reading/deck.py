@@ -168,7 +168,7 @@ class _Reader:
         expect = [self.card(item, Expect) for item in self.items["expect"].values()]
         watch = [self.card(item, Watch) for item in self.items["watch"].values()]
         title = self.title()
-        self.refuse_endless(entries["parts"])
+        self.refuse_endless(entries)
         self.unread_parts = set(self.items["parts"]) - set(entries["parts"]) | self.unwritten
         self.nodes = part_nodes(entries["parts"], self.items["bodies"], self.diagnostics)
         entries["joints"] |= joints_of_parts(entries, self.diagnostics)
@@ -234,16 +234,18 @@ class _Reader:
                 self.unwritten.add(item.name)
             del self.items["parts"][item.name]
 
-    def refuse_endless(self, parts: dict[str, Entry]) -> None:
+    def refuse_endless(self, entries: dict[str, dict[str, Entry]]) -> None:
         """Raise DeckErrors at a part with which the model is too large: its names have no room."""
         shells = beams = 0
-        for part in parts.values():
+        shared = [(entry, entry.card) for entry in entries["meshes"].values()]
+        others = [(part, getattr(part.card, "mesh", None)) for part in entries["parts"].values()]
+        for part, mesh in shared + others:
             own = getattr(part.card, "beams", 0)
-            mesh = getattr(part.card, "mesh", None)
             more = 0 if own else getattr(mesh, "count", 0)
             why = excess(shells + more, beams + own)
             if why:
-                path = ("mesh", "elements") if hasattr(mesh, "elements") else ("elements",)
+                within = ("mesh",) if hasattr(mesh, "elements") and mesh is not part.card else ()
+                path = (*within, "elements")
                 self.refuse(part.item, Diagnostic(path, why, "take fewer"))
                 raise DeckErrors(self.in_order())
             shells, beams = shells + more, beams + own

@@ -19,7 +19,7 @@ from crashsolve.foundation.errors import DeckError
 
 ADVICE = "leave it out"
 # laws that act only where a card names them
-ONLY_NAMED = ("curves", "materials", "sections")
+ONLY_NAMED = ("curves", "materials", "meshes", "sections")
 
 
 class Unused(NamedTuple):

@@ -61,22 +61,30 @@ class DiscretisedShell:
         normal = np.cross(x[:, 2] - x[:, 0], x[:, 3] - x[:, 1])
         self.area = 0.5 * np.linalg.norm(normal, axis=1)
         self._refuse_bad(x, normal, scene)
-        n = len(self.mesh.points)
+        n, own = len(self.mesh.points), self.mesh.own
         corners = self.mesh.quads.ravel()
+        self.first = 0  # of the mesh's points among all, once parts are numbered
+        # points of its elements, and those that it moves: of a shared mesh not all
+        self.used = np.arange(n) if own is None else np.unique(corners)
+        self.own = slice(0, n) if own is None else own
         self.slows = bool(card.damping or card.viscosity or card.mass_scaling)
         self.heavier = self._heavier(scene)
         share = np.full(x.shape[:2], 0.25)
         share[self.quad_count :] = [1 / 3, 1 / 3, 1 / 3, 0]
         mass = share * (self.heavier * self.weight)[:, None]
+        inertia = mass * self.radius_2[:, None]
         self.mass = np.bincount(corners, mass.ravel(), n)
-        self.J = np.bincount(corners, (mass * self.radius_2[:, None]).ravel(), n)
-        self.named = [nearest(self.mesh.points, node) for node in card.nodes]
-        self.traced = [nearest(self.mesh.points, node) for node in card.traces]
+        self.J = np.bincount(corners, inertia.ravel(), n)
+        # what each corner brings, to be summed over the parts of a shared mesh
+        self.lumps = None if own is None else (corners, mass.ravel(), inertia.ravel())
+        near = self.mesh.points[self.used]
+        self.named = [int(self.used[nearest(near, node)]) for node in card.nodes]
+        self.traced = [int(self.used[nearest(near, node)]) for node in card.traces]
         self.gauged = [nearest(x.mean(axis=1), position) for position in card.gauges]
         self.cuts = [sides(x, cut, scene) for cut in card.section_cuts]
         self.held = self._held(scene)
         self.velocity, self.spin = self._motion(scene)
-        self.blown = self._blown(x, normal, share, scene)
+        self.momentum = self._momentum(x, normal, share, scene)
 
     @property
     def weight(self) -> np.ndarray:
@@ -188,7 +196,8 @@ class DiscretisedShell:
 
     def _motion(self, scene: Scene) -> tuple[np.ndarray, np.ndarray]:
         """Velocities [m/s] and angular velocities [rad/s] of the nodes before any blow."""
-        arm = self.mesh.points - self.mesh.points[0]
+        origin = self.mesh.points[0] if self.mesh.origin is None else self.mesh.origin
+        arm = self.mesh.points - origin
         velocity = np.asarray(self.card.velocity) + np.cross(self.card.angular_velocity, arm)
         spin = np.tile(np.asarray(self.card.angular_velocity, float), (len(arm), 1))
         given = np.zeros(len(arm), int)
@@ -205,12 +214,14 @@ class DiscretisedShell:
 
     def velocities(self) -> np.ndarray:
         """Velocities at the start [m/s], those of impulses among them."""
-        return self.velocity + self.blown
+        if not np.any(self.momentum):
+            return self.velocity
+        return self.velocity + self.momentum / self.mass[:, None]
 
-    def _blown(
+    def _momentum(
         self, x: np.ndarray, normal: np.ndarray, share: np.ndarray, scene: Scene
     ) -> np.ndarray:
-        """Velocities of the nodes from the momentum of the elements that are hit [m/s]."""
+        """Momenta of the nodes from those of the elements that are hit [N s]."""
         if not self.card.impulses:
             return np.zeros(3)
         blown = np.zeros_like(self.mesh.points)
@@ -223,17 +234,18 @@ class DiscretisedShell:
             momentum = (impulse.speed * self.weight * hit)[:, None] * arm
             for corner, part in zip(self.mesh.quads.T, share.T, strict=True):
                 np.add.at(blown, corner, part[:, None] * momentum)
-        return blown / self.mass[:, None]
+        return blown
 
     def write_points(self, table: np.ndarray) -> None:
-        """Rows of POINT at the start. Writes: table."""
-        table["r"], table["v"] = self.mesh.points, self.velocities()
-        table["w"] = self.spin
-        table["mass_inv"], table["J_inv"] = 1.0 / self.mass, 1.0 / self.J
-        table["held"] = self.held
+        """Rows of POINT at the start, of the points that the part moves. Writes: table."""
+        own = self.own
+        table["r"], table["v"] = self.mesh.points[own], self.velocities()[own]
+        table["w"] = self.spin[own]
+        table["mass_inv"], table["J_inv"] = 1.0 / self.mass[own], 1.0 / self.J[own]
+        table["held"] = held = self.held[own]
         for k in range(3):
-            table["v"][self.held >> k & 1 == 1, k] = 0.0
-            table["w"][self.held >> (3 + k) & 1 == 1, k] = 0.0
+            table["v"][held >> k & 1 == 1, k] = 0.0
+            table["w"][held >> (3 + k) & 1 == 1, k] = 0.0
 
     def sections(self) -> list[tuple[slice, int]]:
         """Elements of a kind, and the points in the plane of each, as blocks hold them."""

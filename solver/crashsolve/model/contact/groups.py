@@ -185,7 +185,8 @@ class NodalGroup(Touching):
     def meets_itself(self) -> bool:
         """Whether nodes of a shell press on faces of its own."""
         rows = self.arrays["p"]
-        return "own" in (rows.dtype.names or ()) and bool(rows["own"][0])
+        is_own = "own" in (rows.dtype.names or ()) and bool(rows["own"][0])
+        return self.narrow is None and is_own
 
     @property
     def is_round(self) -> bool:

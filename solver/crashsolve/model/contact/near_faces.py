@@ -129,6 +129,16 @@ def merged(one: Any, other: Any) -> tuple[np.ndarray, np.ndarray]:
     return grouped(keys, np.r_[one[1], other[1]], count)
 
 
+def chosen(
+    first: np.ndarray, values: np.ndarray, keys: np.ndarray, count: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Of a table as `grouped` gives it some keys, in this order, and their values below `count`."""
+    rows = [values[first[key] : first[key + 1]] for key in keys]
+    rows = [row[row < count] for row in rows]
+    ends = np.cumsum([0, *map(len, rows)])
+    return ends.astype(np.int64), np.concatenate([*rows, np.zeros(1, np.int64)])
+
+
 def nothing(count: int) -> tuple[np.ndarray, np.ndarray]:
     """No face is spared."""
     return np.zeros(count + 1, np.int64), np.zeros(1, np.int64)

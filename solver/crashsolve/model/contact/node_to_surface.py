@@ -13,13 +13,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from crashsolve.contact.cells import CELL
+from crashsolve.contact.cells import CELL, WALLS
 from crashsolve.foundation.point import LANES
 from crashsolve.foundation.record import Record
 from crashsolve.model.contact import records
 from crashsolve.model.contact.floor import speed_floor
 from crashsolve.model.contact.groups import NodalGroup
 from crashsolve.model.contact.near_faces import (
+    chosen,
     faces_around,
     faces_beside,
     merged,
@@ -80,6 +81,7 @@ PARAMETERS = Record("""
     first_own     index  first point of the part with the faces
     bucket_count  count  buckets of cubes, a power of two
     room          count  of the lists of near faces
+    first_beside  index  of records of walls beside the nearest
 """)
 TOTALS = Record("""
     fastest        m/s    largest closing speed that there can be
@@ -92,6 +94,7 @@ TOTALS = Record("""
     bristled       J      recoverable energy of friction
     friction_loss  J      lost by friction
     depth          m      deepest touch
+    deepest        m      the same of all steps
     passed         s      time at which a probe has passed through faces; 0: none has
 """)
 PROBE_STATE = Record("""
@@ -109,11 +112,16 @@ RUB = Record("""
     friction_force  N  3  friction on the probe
     bristled  J     recoverable energy of friction
 """)
+# of probes on faces, in the record of the nearest wall on a side
+BESIDE = Record("beside  count  other walls touched on this side, while it is active")
 HIT = Record("""
     depth     m         penetration; 0: no touch
     distance  m         to the face
     face      index     the nearest
     crossed   flag      whether it has been passed
+    weight    1         share of its force; less than 1 where it is one wall with a nearer one
+    beside    count     other walls found on this side, in that of the nearest
+    partner   index     which of the walls touched before it is; -1: none
     normal    1      3  towards the side where the probe belongs
     N         1      4  weights of the corners
 """)
@@ -211,8 +219,8 @@ class NodalBuilder:
         card = surface.entry.card
         if surface.shape == "points":
             meshed, _, first = self.scene.skin(card.part, "part")
-            rows = np.zeros(len(meshed.mass), PROBE.dtype)
-            rows["point"] = first + np.arange(len(rows))
+            rows = np.zeros(len(meshed.used), PROBE.dtype)
+            rows["point"] = first + meshed.used
             return Probes(rows, card.radius, card.part, meshed, first)
         rows = np.zeros(len(surface.elements), PROBE.dtype)
         rows["point"] = -1
@@ -227,11 +235,16 @@ class NodalBuilder:
     ) -> dict[str, np.ndarray]:
         """Arrays of every group."""
         record, probe_state = PARAMETERS + law.PARAMETERS, PROBE_STATE + law.HISTORY
+        n = len(probes.rows)
         if isfinite(values.get("thick", inf)):
             probe_state = probe_state + records.FACE
+        rows = probe_states * n
+        if probe_states == 2:
+            # a record that is none, and one for what is left
+            probe_state, rows = probe_state + BESIDE, WALLS * rows + 1
         if friction is not None:
             record, probe_state = record + friction.PARAMETERS, probe_state + RUB + friction.HISTORY
-        p, n = np.zeros(1, record.dtype), len(probes.rows)
+        p = np.zeros(1, record.dtype)
         for name, value in values.items():
             p[name] = value
         totals = np.zeros(1, TOTALS.dtype)
@@ -246,11 +259,11 @@ class NodalBuilder:
             "p": p,
             "totals": totals,
             "probes": probes.rows,
-            "probe_states": np.zeros((2, probe_states * n), probe_state.dtype),
+            "probe_states": np.zeros((2, rows), probe_state.dtype),
             "slot_in_use": np.zeros(probe_states * n, np.int64),
             "due": np.zeros(n),
             # threads look before the first one presses
-            "found": np.zeros((n if threads > 1 else 1, 2), HIT.dtype),
+            "found": np.zeros((n if threads > 1 else 1, 2 * WALLS), HIT.dtype),
         } | shared
 
     def _on_shape(self, probes: Probes, a: Any, b: Any, routine: Any) -> Any:
@@ -287,7 +300,8 @@ class NodalBuilder:
         )
         values = {"gap": probes.radius, "share": 1.0, "thick": probes.radius + thick}
         values |= {"reach": REACH * thick, "first_point": probes.first_point, "own": 1}
-        values |= {"point_count": len(probes.rows), "extent": self.scene.size}
+        count = len(probes.rows) if probes.meshed is None else len(probes.meshed.mass)
+        values |= {"point_count": count, "extent": self.scene.size}
         return narrow, own | {"values": values}, 1
 
     def _on_faces(self, probes: Probes, a: Any, b: Any, routine: Any) -> Any:
@@ -295,10 +309,11 @@ class NodalBuilder:
         card = b.entry.card
         meshed, corner, first = self.scene.skin(card.part, "part")
         round_ones = self._ellipsoids(a, probes) if a.shape == "ellipsoid" else {}
-        is_own = probes.part == card.part
+        # of one part, or of parts that share a mesh
+        is_own = probes.meshed is not None and probes.first_point == first
         if is_own and probes.radius == 0.0:
             t = card.thickness or meshed.card.thickness
-            message = f"the nodes of '{card.part}' have no thickness of their own, and its walls "
+            message = f"the nodes of '{probes.part}' have no thickness of their own, and its walls "
             message += "would meet half a thickness deep"
             raise self.scene.fail(f"{message}; say radius: {0.5 * t:g} in '{a.entry.name}'", "a")
         quads, count = meshed.mesh.quads, len(meshed.area)
@@ -310,8 +325,7 @@ class NodalBuilder:
         spared = nothing(len(probes.rows))
         if is_own:
             self._refuse_too_thick(gap, meshed, card.part)
-            near = spare(quads, around, card.ring)
-            spared = merged(near, spare_along(meshed.mesh.points, quads, around, FOLDED * gap))
+            spared = self._spared(meshed, probes.meshed.used, card.ring, FOLDED * gap)
         room = ROOM * len(probes.rows)
         buckets = 1 << int(2 * count - 1).bit_length()
         values = {
@@ -321,6 +335,7 @@ class NodalBuilder:
             **{"first_corner": corner, "face_count": count, "first_own": first},
             **self._positions(card.part, meshed),
             **{"bucket_count": buckets, "room": room},
+            "first_beside": 2 * len(probes.rows),
         }
         own = {
             "first": np.zeros(len(probes.rows) + 1, np.int64),
@@ -340,6 +355,15 @@ class NodalBuilder:
         if round_ones:
             values["over"] = max(a.elements[0]["semi"]) - probes.radius
         return None, own | {"values": values}, 2
+
+    def _spared(self, meshed: Any, nodes: np.ndarray, ring: int, reach: float) -> Any:
+        """Faces of a part that some nodes of its mesh never meet, by these nodes."""
+        others = [own.mesh.quads for own in self.scene.on_mesh_of(meshed) if own is not meshed]
+        quads, points = np.concatenate([meshed.mesh.quads, *others]), meshed.mesh.points
+        around = faces_around(quads, len(points))
+        near = spare(quads, around, ring)
+        found = merged(near, spare_along(points, quads, around, reach))
+        return found if not others else chosen(*found, nodes, len(meshed.mesh.quads))
 
     def _refuse_too_thick(self, gap: float, meshed: Any, part: str) -> None:
         """Refuse a surface that could touch itself only far from where a shell describes it."""

@@ -16,7 +16,7 @@ from typing import Any
 
 from crashsolve.deck.expansion import Made, Problem
 from crashsolve.parts.structures.cards import bar, plain
-from crashsolve.parts.structures.plan import Member, Plan
+from crashsolve.parts.structures.plan import Member, Plan, euler_load
 
 # of the card of the structure
 WORDS = ("collapse", "collapse_curve", "hinge_stress", "hinge_arm")
@@ -118,7 +118,7 @@ def hinge(
         curve(member, whole, material, about, length)
         for about, length in zip("yz", stands_for, strict=True)
     ]
-    fields = {
+    fields: dict[str, Any] = {
         "type": "biaxial",
         "a": a,
         "b": b,
@@ -128,6 +128,7 @@ def hinge(
         "curve": curves[0],
         "second_curve": curves[1],
     }
+    fields["buckling_load"] = euler_load(member)
     if whole.card.hinge_arm is not None:
         fields["rate"] = {"arm": whole.card.hinge_arm}
     return Made("hinges", f"{member.name}_{side}", fields, member.path)

@@ -88,6 +88,12 @@ class Plan:
         return [float(x) for x in np.asarray(self.card.velocity) + rotation]
 
 
+def euler_load(member: Member) -> float:
+    """pi^2 E I / L^2 between hinged ends, of the length that deforms [N]."""
+    second = float(min(member.constants["second"]))
+    return float(np.pi**2 * member.material.card.young * second / member.length**2)
+
+
 def plan(name: str, card: Any, laws: dict[str, dict[str, Law]]) -> Plan:
     """The members in place; `laws` are sections and materials by keyword and name.
 

@@ -12,7 +12,7 @@ Reference: Huston (1981), Computers and Structures 14, 443-451.
 
 from crashsolve.deck.expansion import Made
 from crashsolve.parts.structures.cards import bar, plain
-from crashsolve.parts.structures.plan import Member, Plan
+from crashsolve.parts.structures.plan import Member, Plan, euler_load
 
 # of the card of the structure
 WORDS = ("divisions", "damping")
@@ -48,6 +48,7 @@ def cards(member: Member, whole: Plan) -> list[Made]:
             "section": member.section.name,
             "material": member.material.name,
             "damping": whole.card.damping,
+            "buckling_load": euler_load(member),
         }
         springs.append(Made("springs", f"{member.name}_{k + 1}", fields, member.path))
     return bodies + springs

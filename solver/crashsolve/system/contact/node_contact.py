@@ -198,12 +198,11 @@ def swap_slot(h, slot_in_use, j):
 
 
 @kernel
-def leave(clock, h, totals, slot_in_use, j, old, new):
-    """A slot is free again. Writes: totals, turns, new."""
+def leave(clock, totals, old, new):
+    """A record is free again. Writes: totals, new."""
     totals.dissipated += clock.lead * old.power
     new.active = 0
     new.power = new.depth = new.impact_speed = new.force = new.stored = 0.0
-    swap_slot(h, slot_in_use, j)
 
 
 @kernel
@@ -253,6 +252,7 @@ def note(clock, h, p, totals, card, touch, f, energies):
     totals.stored += stored
     if h > 0.0:
         totals.dissipated += clock.lead * old.power + clock.share * power + loss
+        totals.deepest = max(totals.deepest, hit.depth)
     new.power = power
     new.force, new.stored = f, stored
     new.face = hit.face

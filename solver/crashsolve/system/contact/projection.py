@@ -18,7 +18,7 @@ References: Baerentzen and Aanaes (2005), IEEE Transactions on Visualization and
 from math import acos, sqrt
 from typing import Any, NamedTuple
 
-from crashsolve.contact.cells import corner_points, list_near, measure, sort
+from crashsolve.contact.cells import WALLS, corner_points, list_near, measure, sort
 from crashsolve.contact.narrow._face import CORNER, EDGE, INSIDE, across, nearest_on_face, point_of
 from crashsolve.elements.shells.records import BLOCK
 from crashsolve.foundation.columns import add_to
@@ -104,7 +104,7 @@ def is_crowded(p, totals):
 class Sides(NamedTuple):
     """What is known of the touches of probes, on both sides of the faces."""
 
-    states: Any  # before and after the step, two for each probe
+    states: Any  # before and after the step, `WALLS` for each side of each probe
     slot_in_use: Any  # which of both is from before
     found: Any  # the nearest faces of one probe
 
@@ -142,6 +142,7 @@ def begin_look(i, p, sides):
     is_deep, (probe_states, slot_in_use, found) = False, sides
     for s in range(2):
         found[s].distance, found[s].face, found[s].depth = p.gap + p.margin, -1, 0.0
+        found[s].beside, found[s].weight = 0, 1.0
         old = probe_states[settle(slot_in_use, 2 * i + s), 2 * i + s]
         is_deep = is_deep or (old.active == 1 and old.depth > 0.5 * p.gap)
     return is_deep
@@ -197,16 +198,14 @@ def take(i, p, face, distance, to, sides, mesh):
 @kernel
 def side(i, p, f, spot, to, probe_states, slot_in_use, mesh):
     """Side of a face on which a probe is, 0 that of the normal; 1 if it has crossed from there."""
-    up, down = (
-        probe_states[slot_in_use[2 * i], 2 * i],
-        probe_states[slot_in_use[2 * i + 1], 2 * i + 1],
-    )
-    is_up = up.active == 1 and are_kin(p, f, up.face, mesh)
-    is_down = down.active == 1 and are_kin(p, f, down.face, mesh)
+    up = touched_beside(2 * i, p, f, probe_states, slot_in_use, mesh)
+    down = touched_beside(2 * i + 1, p, f, probe_states, slot_in_use, mesh)
+    is_up, is_down = up >= 0, down >= 0
     there = 0 if dot(to, outward(p, f, spot, mesh)) <= 0.0 else 1
     if is_up == is_down:
         return there, 0
-    s, kept = 0 if is_up else 1, up if is_up else down
+    s = 0 if is_up else 1
+    kept = probe_states[slot_in_use[2 * i + s], up if is_up else down]
     if dot(to, vec(kept.normal)) <= 0.0:
         return s, 0
     # the other wall of a fold is seen from the same side, or from too far to be crossed in a
@@ -215,6 +214,26 @@ def side(i, p, f, spot, to, probe_states, slot_in_use, mesh):
     if there != s and is_deep and not on_border(p, f, spot, mesh):
         return s, 1
     return there, 0
+
+
+@kernel
+def row_of(p, j, w):
+    """Row of the record of the wall w on side j of all probes; those of the nearest come first."""
+    return j if w == 0 else p.first_beside + (WALLS - 1) * j + w - 1
+
+
+@kernel
+def touched_beside(j, p, f, probe_states, slot_in_use, mesh):
+    """Row of the deepest touch, on side j of all probes, of a face beside another; -1: none."""
+    now, best, depth = slot_in_use[j], -1, -1e300
+    if probe_states[now, j].active == 0:
+        return best
+    for w in range(1 + probe_states[now, j].beside):
+        at = row_of(p, j, w)
+        old = probe_states[now, at]
+        if old.depth > depth and are_kin(p, f, old.face, mesh):
+            best, depth = at, old.depth
+    return best
 
 
 @kernel

@@ -5,10 +5,10 @@ with the nodes, and ask for forces and tangents alone.
 """
 
 from crashsolve.foundation.kernels import kernel, stage
-from crashsolve.system import points
+from crashsolve.system import points, ties
 from crashsolve.system.implicit import stiffness
 from crashsolve.system.loops.pieces import deform_part, share, share_loans
-from crashsolve.system.placeholders import ASSEMBLED, ELEMENTS, THREADS
+from crashsolve.system.placeholders import ASSEMBLED, ELEMENTS, THREADS, TIES
 from crashsolve.threads import jobs
 
 
@@ -21,6 +21,8 @@ def move_elements(clock, h, nodes, scene):
     else:
         open_points(clock, h, scene)
         points.carry(h, nodes, scene.points, scene.attached_points)
+        if TIES:
+            ties.carry_tied(h, scene.points, scene.ties)
         clock.element_rate = 0.0
         if THREADS:
             limit = clock.limit_element
@@ -38,6 +40,8 @@ def move_points(clock, h, nodes, scene):
         points.carry_attached(nodes, scene.points)
         points.unload(clock, nodes, scene.points, scene.attached_points)
     else:
+        if TIES:
+            ties.unload_tied(scene.points, scene.ties)
         points.unload(clock, nodes, scene.points, scene.attached_points)
         points.hold_all(nodes, scene.points, scene.holds)
         close_points(clock, h, scene)

@@ -60,7 +60,7 @@ def share_load(group, span, entry, clock, h, scene):
             scene.job[0].group = number
     scene.job[0].entry, scene.job[0].current = entry, clock.current
     share(jobs.LOAD, span.count, clock, h, scene)
-    share_loans(span.first_piece, span.count, clock, h, scene)
+    share_loans(span.first_taker, span.taker_count, clock, h, scene)
 
 
 @kernel

@@ -66,7 +66,8 @@ def leave_shape(group, clock, h, touch, seen, count, scene):
     """A probe leaves a shape. Writes: totals, probe_states, count."""
     p, totals = group.p[0], group.totals[0]
     old, new, hit = touch.old, touch.new, touch.hit
-    node_contact.leave(clock, h, totals, group.slot_in_use, touch.number, old, new)
+    node_contact.leave(clock, totals, old, new)
+    node_contact.swap_slot(h, group.slot_in_use, touch.number)
     group.normal.release(p, old, new)
     if group.keeps_faces:
         pass_through.note_probe(clock, h, p, old, new, hit, seen.held, seen.over)

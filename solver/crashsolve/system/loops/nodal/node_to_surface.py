@@ -1,6 +1,6 @@
 """Nodes of shells, balls and ellipsoids on the faces of a shell: the probes of one group."""
 
-from crashsolve.contact.cells import Near
+from crashsolve.contact.cells import WALLS, Near
 from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.system.contact import (
     ellipsoids,
@@ -8,6 +8,7 @@ from crashsolve.system.contact import (
     projection,
     surface_friction,
     touches,
+    walls,
     work,
 )
 from crashsolve.system.contact.pair import Pressing, Touch
@@ -48,48 +49,73 @@ def node_to_surface(group, clock, h, nodes, curves, scene):
 @kernel
 def touch_faces(group, clock, h, i, found, nodes, curves, scene):
     """Forces of one probe on the faces it has found, or left. Writes: as above."""
-    p, probes = group.p[0], group.probes
-    points, corners = scene.points, scene.corners
     probe_states, slot_in_use = group.probe_states, group.slot_in_use
-    count = scene.card_history[1 - clock.current, p.card]
-    mesh = (points, corners, group.beside, group.around_first, group.around, group.gone)
-    if group.is_round:
-        probe, v = group.balls[i], (0.0, 0.0, 0.0)
-    else:
-        probe = probes[i]
-        _, v = node_contact.where(probe, h, nodes, points)
+    mesh = (scene.points, scene.corners, group.beside, group.around_first, group.around, group.gone)
     for s in range(2):
         j = 2 * i + s
-        hit, old, new = (
-            found[s],
-            probe_states[slot_in_use[j], j],
-            probe_states[1 - slot_in_use[j], j],
-        )
-        past = (0.0, 0.0, 0.0)
-        if old.active == 1:
-            past = work.displacement_over_face(p, probe, old, True, h, nodes, points, corners)
-            work.push_along(old, past, count)
-        if hit.depth <= 0.0:
-            if old.active == 1:
-                touch = Touch(j, probe, None, v, old, new, hit, past)
-                leave_face(group, clock, h, touch, mesh, count, scene)
-            continue
+        if found[s].depth > 0.0 or probe_states[slot_in_use[j], j].active == 1:
+            touch_side(group, clock, h, (i, s), found, nodes, curves, mesh, scene)
+            node_contact.swap_slot(h, slot_in_use, j)
+
+
+@kernel
+def touch_side(group, clock, h, at, found, nodes, curves, mesh, scene):
+    """Forces of a probe on the walls on one side of it. Writes: as above."""
+    (i, s), p, states = at, group.p[0], group.probe_states
+    j, slot_in_use = 2 * i + s, group.slot_in_use
+    done = scene.card_history[1 - clock.current, p.card]
+    now, none = slot_in_use[j], WALLS * p.first_beside
+    count, before = walls.touching(s, found), walls.touched(states[now, j])
+    taken = walls.pair_up(p, j, s, count, before, found, states, slot_in_use)
+    probe, v = group.probes[i], (0.0, 0.0, 0.0)
+    if group.is_round:
+        probe = group.balls[i]
+    else:
+        _, v = node_contact.where(probe, h, nodes, scene.points)
+    for w in range(count):
+        hit = found[walls.number_of(s, w)]
+        # what is new has no past, but that which stays with a probe that is apart
+        row = none if before > 0 or w > 0 else j
+        if hit.partner >= 0:
+            row = projection.row_of(p, j, hit.partner)
+        old, new = states[now, row], states[1 - now, projection.row_of(p, j, w)]
+        past = past_of(h, p, probe, old, done, nodes, scene)
         if group.is_round:
-            v = ellipsoids.roll(probe, p, hit, nodes, points, corners)
+            v = ellipsoids.roll(probe, p, hit, nodes, scene.points, scene.corners)
         touch = Touch(j, probe, None, v, old, new, hit, past)
         press_on_face(group, clock, h, touch, nodes, curves, scene)
-        node_contact.swap_slot(h, slot_in_use, j)
+    for r in range(before):
+        if taken >> r & 1 == 0:
+            old = states[now, projection.row_of(p, j, r)]
+            new = states[1 - now, j if count == 0 and r == 0 else none]
+            past = past_of(h, p, probe, old, done, nodes, scene)
+            touch = Touch(j, probe, None, v, old, new, found[s], past)
+            leave_face(group, clock, h, touch, mesh, scene)
+    states[1 - now, j].beside = max(count - 1, 0)
+
+
+@kernel
+def past_of(h, p, probe, old, count, nodes, scene):
+    """Displacement of a probe over the face that it has touched; its work. Writes: count."""
+    past = (0.0, 0.0, 0.0)
+    if old.active == 1:
+        past = work.displacement_over_face(
+            p, probe, old, True, h, nodes, scene.points, scene.corners
+        )
+        work.push_along(old, past, count)
+    return past
 
 
 @stage
-def leave_face(group, clock, h, touch, mesh, count, scene):
-    """A probe leaves a face. Writes: totals, probe_states, count."""
+def leave_face(group, clock, h, touch, mesh, scene):
+    """A probe leaves a face. Writes: totals, probe_states, card_history."""
     p, totals = group.p[0], group.totals[0]
+    count = scene.card_history[1 - clock.current, p.card]
     old, new = touch.old, touch.new
     if group.can_fail:
         projection.drop_energy(h, totals, old, 0.0, group.gone)
     projection.note_lost(clock, h, p, totals, old, mesh)
-    node_contact.leave(clock, h, totals, group.slot_in_use, touch.number, old, new)
+    node_contact.leave(clock, totals, old, new)
     group.normal.release(p, old, new)
     if group.friction:
         surface_friction.leave(h, totals, touch.past, old, new, count)
@@ -114,6 +140,9 @@ def press_on_face(group, clock, h, touch, nodes, curves, scene):
     f, stored, power, loss, k, c = group.normal.normal_force(
         p, old, new, h, hit.depth, rate, mass, curves
     )
+    share = hit.weight
+    f, stored, power, loss = share * f, share * stored, share * power, share * loss
+    k, c = share * k, share * c
     displacement = work.displacement_over_face(p, probe, hit, False, h, nodes, points, corners)
     if group.can_fail:
         projection.drop_energy(h, totals, old, stored, group.gone)

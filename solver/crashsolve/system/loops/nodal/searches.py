@@ -4,7 +4,14 @@ It depends on positions alone, and on no force, so several threads may look for 
 """
 
 from crashsolve.foundation.kernels import apart
-from crashsolve.system.contact import ellipsoids, node_contact, normals, pass_through, projection
+from crashsolve.system.contact import (
+    ellipsoids,
+    node_contact,
+    normals,
+    pass_through,
+    projection,
+    walls,
+)
 
 
 @apart
@@ -26,6 +33,8 @@ def look_at_faces(group, i, found, nodes, scene):
         projection.look(i, x, p, totals, sides, mesh, lists)
         if group.is_smooth:
             normals.smoothen(i, x, None, p, mesh, spared, found)
+        else:
+            walls.look_for_walls(i, x, p, totals, sides, mesh, lists)
 
 
 @apart

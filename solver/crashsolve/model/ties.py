@@ -1,0 +1,82 @@
+"""Tied nodes: their rows for the step, and what their faces take over of them."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from crashsolve.foundation.point import ATTACHED, TIE
+from crashsolve.ties._faces import normal_rate
+
+# velocities of a node and of its position that differ by less than this share are the same
+SAME = 1e-9
+
+
+def tie_nodes(scene: Any) -> np.ndarray:
+    """Rows of TIE of all ties. Writes: parts in place, whose nodes ride, or bear others."""
+    table = [np.zeros(0, TIE.dtype)]
+    entries = list(scene.deck.entries["ties"].values()) if not scene.errors else []
+    for entry in entries:
+        with scene.building(entry):
+            rows = import_module(entry.module_name).build(entry.card, scene)
+            own = np.zeros(len(rows), TIE.dtype)
+            for record, row in zip(own, rows, strict=True):
+                for name, value in row.items():
+                    record[name] = value
+            _check_motion(own, entry.card, scene)
+            _hand_over(own, entry.card, scene)
+            table.append(own)
+    found = np.concatenate(table)
+    riding = set(found["point"].tolist())
+    for entry, own in zip(entries, table[1:], strict=False):
+        with scene.building(entry):
+            _refuse_chain(own, riding, entry.card, scene)
+    return found
+
+
+def _sides(card: Any, scene: Any) -> tuple[Any, Any]:
+    riding, _, _ = scene.skin(card.part, "part")
+    bearing, _, _ = scene.skin(card.to, "to")
+    return riding, bearing
+
+
+def _check_motion(rows: np.ndarray, card: Any, scene: Any) -> None:
+    """Nodes begin with the motion of their positions on the faces."""
+    riding, bearing = _sides(card, scene)
+    for row in rows:
+        corners, node = row["corner"] - bearing.first, int(row["point"]) - riding.first
+        N, v = row["weight"], bearing.velocity[corners]
+        there = N @ v + row["height"] * normal_rate(bearing.mesh.points[corners], v)
+        apart = float(np.linalg.norm(riding.velocity[node] - there))
+        spin = float(np.linalg.norm(riding.spin[node] - N @ bearing.spin[corners]))
+        fast = 1.0 + float(np.linalg.norm(there)) + float(np.linalg.norm(riding.spin[node]))
+        if apart > SAME * fast or spin > SAME * fast:
+            message = f"nodes begin {apart:.3g} m/s and {spin:.3g} rad/s faster than their faces"
+            raise scene.fail(f"{message}; give both parts the same motion", "nodes")
+
+
+def _hand_over(rows: np.ndarray, card: Any, scene: Any) -> None:
+    """Mass, inertia and momenta of impulses go to the corners. Writes: both parts in place."""
+    riding, bearing = _sides(card, scene)
+    for row in rows:
+        corners, node = row["corner"] - bearing.first, int(row["point"]) - riding.first
+        for corner, N in zip(corners, row["weight"], strict=True):
+            bearing.mass[corner] += N * riding.mass[node]
+            bearing.J[corner] += N * riding.J[node]
+        if np.any(riding.momentum):
+            share = row["weight"][:, None] * riding.momentum[node]
+            whole = np.array(np.broadcast_to(bearing.momentum, bearing.mesh.points.shape))
+            np.add.at(whole, corners, share)
+            for part in scene.on_mesh_of(bearing):
+                part.momentum = whole
+        riding.held[node] = ATTACHED
+        scene.tied_mass += float(riding.mass[node])
+
+
+def _refuse_chain(rows: np.ndarray, riding: set[int], card: Any, scene: Any) -> None:
+    """A face that bears nodes has no corner that rides itself."""
+    if riding.intersection(rows["corner"].ravel().tolist()):
+        message = f"a face of '{card.to}' that bears nodes has a corner that is tied itself"
+        raise scene.fail(f"{message}; let the nodes of one side ride in all ties", "to")

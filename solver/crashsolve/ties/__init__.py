@@ -1,0 +1,27 @@
+"""Ties: nodes of shells that ride on faces of others and hand them their forces."""
+
+from typing import Protocol
+
+from crashsolve.deck.family import ANY, Family
+from crashsolve.deck.roles import Built
+
+
+class TieLaw(Built, Protocol):
+    """What the file of a tie provides beside its card: `build` returns a row of TIE for each node.
+
+    (TIE stands in foundation/point.py.)
+    """
+
+
+FAMILY = Family(
+    entry="tie",
+    follows="parts",
+    law=TieLaw,
+    energy=(),
+    channels=None,
+    picture=None,
+    uses=(),
+    # implicit methods are refused by the tie, with the reason
+    integrators=ANY,
+    default="node_to_face",
+)
