@@ -4,7 +4,6 @@ Parts that name one mesh are joined at the nodes that they have in common, witho
 card. Consequence to test: a plate of two parts with equal data moves as the plate of one part.
 """
 
-
 from pydantic import model_validator
 
 from crashsolve.deck.building import Scene
