@@ -1,4 +1,4 @@
-"""From sample to sample until the end of a Run (solve.py), in blocks where none needs Python."""
+"""From sample to sample until the end of a run, in blocks where no sample needs Python."""
 
 import time
 from pathlib import Path
