@@ -168,5 +168,8 @@ def _course(file: Any, name: str, rows: slice) -> np.ndarray:
         largest: np.ndarray = file["rcforc/normal"][rows].max(axis=1)
         return largest
     names = [f"{family}/{path}" for family in file for path in PLASTIC_OUTPUT]
-    columns = [file[path][rows] for path in ("glstat/energy/plastic", *names) if path in file]
+    found = [file[path] for path in ("glstat/energy/plastic", *names) if path in file]
+    # of a vector, a group of its components
+    sets = [part for one in found for part in (one.values() if hasattr(one, "values") else [one])]
+    columns = [part[rows] for part in sets]
     return np.count_nonzero(np.column_stack(columns), axis=1)
