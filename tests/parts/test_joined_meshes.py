@@ -20,12 +20,12 @@ def plate(nu: int, nv: int, closed: bool = False) -> Mesh:
 
 
 def outlines(mesh: Mesh) -> set[tuple[tuple[float, ...], ...]]:
-    """Elements by the places of their corners, from the least one on: their sense counts."""
+    """Elements by the positions of their corners, from the least one on: their sense counts."""
     found = set()
     for quad in mesh.quads:
-        places = [tuple(np.round(mesh.points[node], 9)) for node in quad]
-        k = places.index(min(places))
-        found.add(tuple(places[k:] + places[:k]))
+        positions = [tuple(np.round(mesh.points[node], 9)) for node in quad]
+        k = positions.index(min(positions))
+        found.add(tuple(positions[k:] + positions[:k]))
     return found
 
 
@@ -37,8 +37,8 @@ def test_a_divided_mesh_that_is_joined_is_itself_again(closed: bool, factor: int
     found = joined(fine, factor)
     assert outlines(found) == outlines(coarse)
     for name, own in coarse.sets.items():
-        places = {tuple(np.round(p, 9)) for p in found.points[found.sets[name]]}
-        assert places == {tuple(np.round(p, 9)) for p in coarse.points[own]}
+        positions = {tuple(np.round(p, 9)) for p in found.points[found.sets[name]]}
+        assert positions == {tuple(np.round(p, 9)) for p in coarse.points[own]}
 
 
 def test_sets_of_elements_are_joined_unless_their_border_runs_through_a_joined_one() -> None:
