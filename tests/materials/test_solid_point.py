@@ -67,7 +67,7 @@ def test_axes_may_be_turned(name: str, tmp_path: Path) -> None:
         for value, factor, (i, j) in zip(values, shear, PLACES, strict=True):
             tensor[i, j] = tensor[j, i] = value / factor
         tensor = R @ tensor @ R.T
-        return np.array([tensor[at] for at in PLACES]) * shear
+        return np.array([tensor[slot] for slot in PLACES]) * shear
 
     one, other = Point(tmp_path, EXAMPLES[name]), Point(tmp_path, EXAMPLES[name])
     for d in path(2, size_of(name), 4):
