@@ -208,11 +208,12 @@ def turning(groups: list[Any]) -> str | None:
         return None
     listed = ", ".join(names[:NAMED]) + (f" and {len(names) - NAMED} more" * (len(names) > NAMED))
     return (
-        f"{listed}: the force of such a load turns with what it acts on, that of such a joint has "
-        "an arm to a mass centre. Equilibrium has all of it; whether shells and fibre beams are "
-        "stable there is judged without this turning, so that buckling or flutter may be missed, "
-        "or found at another load. To be sure, hold the load in solution: transient, disturb the "
-        "structure a little and see whether it comes to rest there"
+        f"{listed}: these are follower loads, or joints whose forces have a lever arm to a mass "
+        "centre. Equilibria take them into account in full; the check for stability of shells and "
+        "fibre beams leaves out that their forces and moments change with rotation, so that "
+        "buckling or flutter may be missed, or found at another load. To be sure, hold the load "
+        "constant in solution: transient, disturb the structure a little and see whether it comes "
+        "to rest there"
     )
 
 
