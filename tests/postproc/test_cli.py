@@ -96,7 +96,7 @@ def test_summary_shows_status_energies_balances_peaks_and_warnings(
         "Two cars",
         "status   finished, t = 0.1405 s",
         "spring stored",
-        "momentum missing         1e-10 %",
+        "momentum balance         1e-10 %",
         "deforc.buffer.force",
         "1 x  too fast",
     ):
