@@ -17,8 +17,8 @@ OSCILLATOR = HERE / "oscillator.yaml"
 SHORTER = "take a shorter step: reduce control.safety or control.step"
 FOLDED = (
     "relative to the body at the other end of a spring or beam element; such an element is valid "
-    "for relative rotations below 3 rad: take more elements or segments; where parts rotate freely, "
-    "take a joint with springs of its own"
+    "for relative rotations below 3 rad: take more elements or segments; where parts rotate "
+    "freely, take a joint with springs of its own"
 )
 STOPS = {
     "long_step": (

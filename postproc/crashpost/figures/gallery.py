@@ -118,7 +118,7 @@ def gap_figures(result: Result) -> list[Figure]:
 
 
 def force_displacement_figures(result: Result) -> list[Figure]:
-    """Contact force over penetration, of contacts with one pair: of more, depth and force differ."""
+    """Contact force over penetration, of contacts with one pair: of more, pairs differ in both."""
     names = _largest(result, [n for n in _contacts(result, "normal") if _is_single(result, n)])
     depths = [name.removesuffix("normal") + "depth" for name in names]
     if not names:

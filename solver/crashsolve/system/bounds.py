@@ -1,11 +1,11 @@
-"""Who sets the step, and why: in words, for the log and status.json.
+"""What sets the step, and why: in words, for the log and status.json.
 
-What acts on the body with the least stable step is looked at one by one: a sample of copies, in
+The forces on the body with the least stable step are examined one by one: a sample of copies, in
 which nothing else acts, states what one spring, contact or element of a beam adds to its bound
 
     omega = sqrt(2 k w + (c w)^2) + c w,   w the mobility of the body where it acts  (timestep.py)
 
-Nothing of this reaches the run.
+The run itself is not changed.
 """
 
 from dataclasses import dataclass
@@ -40,7 +40,7 @@ class Actor:
 
 
 class StepBound:
-    """What sets the step of a run; who is looked for again after a second, or on another body."""
+    """What sets the step of a run; searched again after a second, or for another body."""
 
     def __init__(self, interval: float, longest: float | None) -> None:
         """`interval` [s] of samples, `longest` [s] the deck's own bound."""

@@ -1,4 +1,4 @@
-"""Why the compiled loop stopped: place, likely cause and advice, as the user reads them."""
+"""Why the compiled loop stopped: location, likely cause and advice, as the user reads them."""
 
 from typing import Any
 
@@ -188,7 +188,7 @@ def collapsed_step(model: Model, state: State, limit_node: int, step: float) -> 
 
 
 def rotated_far(model: Model, state: State, clock: Any) -> Diagnosis:
-    """A stated step in which a body turns so far that angles cannot be counted."""
+    """A stated step in which a body rotates so far that angles cannot be counted."""
     at = int(np.linalg.norm(state.nodes["w"], axis=1).argmax())
     speed, step = float(clock["value"]), float(clock["step"])
     cause = f"it rotates by {speed * step:.3g} rad in a step of {step:.3g} s"
@@ -274,7 +274,7 @@ def of_own_faces(model: Model, card: int) -> bool:
 
 
 def gaining_contact(model: Model, state: State, clock: Any) -> Diagnosis:
-    """A contact card whose normal force, or friction, has made energy."""
+    """A contact card whose normal force, or friction, has created energy."""
     number, is_friction = int(clock["index"]), float(clock["value"]) == 1.0
     card = state.card_history[int(clock["current"]), number]
     held, exchanged = max(float(card["held_first"]), 0.0), float(card["exchanged"])
@@ -296,7 +296,7 @@ def gaining_contact(model: Model, state: State, clock: Any) -> Diagnosis:
 
 
 def gaining_law(model: Model, state: State) -> Diagnosis:
-    """The spring, hinge or tyre that has made most energy over what it took and gave."""
+    """The spring, hinge or tyre that has created most energy over what it took and gave."""
     current, worst = int(state.clock[0]["current"]), (0.0, "", 0.0, 0.0, 0.0)
     for group in (g for g in model.force_groups() if g.is_watched):
         rows = zip(group.names, as_rows(group.history[current]), group.output, strict=True)

@@ -326,7 +326,7 @@ class Engine:
     def sample(self, time: float | None = None) -> None:
         """Outputs, reactions and energies at present, or at a time [s] within the last step.
 
-        Raises SolverError, after a few steps already where energy comes out of nothing.
+        Raises SolverError, after a few steps already where energy is created.
         """
         for now, copy in self.copied:
             copy[:] = now
@@ -385,7 +385,7 @@ class Engine:
         ]
 
     def _balance_warnings(self) -> list[str]:
-        """That the balance has been above its limit, where more than a trifle was missing."""
+        """Warning that the energy balance was above its limit, by more than a negligible energy."""
         clock, largest = self.clock, float(self.ledger[energy.LARGEST])
         if float(clock["missing"]) <= NEGLIGIBLE_SHARE * self._limit * largest:
             return []
