@@ -163,7 +163,7 @@ def test_a_path_is_gone_on_with_after_a_dump(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("solution: quasi_static, ", "", "path: arc_length is one of equilibria"),
+        ("solution: quasi_static, ", "", "path: arc_length is for equilibria"),
         ("steps: 10", "steps: 10, path_length: 0.5", "path_length"),
         ("path: arc_length", "path: riks", "path"),
         (", extrapolate: linear", "", "outside its range 0 to 1; extend the curve"),

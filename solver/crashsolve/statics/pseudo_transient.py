@@ -202,7 +202,7 @@ class RestEngine(StaticEngine):
 
 
 def turning(groups: list[Any]) -> str | None:
-    """What stability is judged without, as a warning; None where that is nothing."""
+    """Warning of what the check of stability leaves out; None where that is nothing."""
     names = [name for g in groups for name in _rotating(g)]
     if not names:
         return None
