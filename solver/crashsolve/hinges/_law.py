@@ -126,7 +126,7 @@ def direction(p, old, c, x, phi, curves):
 
 @kernel
 def plastic_displacement(p, old, c, side, x, phi, curves):
-    """Step [rad or m] of the slider: k (x - x_p) = phi R by Newton's method, kept in its bracket."""
+    """Step [rad or m] of the slider: k (x - x_p) = phi R by Newton's method within a bracket."""
     k, origin = p.stiffness[c], line_origin(p, old, c, side)
     trial = side * k * (x - old.plastic[c])
     R, _ = resistance(p, old, c, side, 0.0, origin, curves)

@@ -9,8 +9,8 @@ of sixteen digits cannot resolve, epsilon K l, is nothing.
 Work of loads, prescribed motions and gravity is that of the mean of their forces before and after
 a load step over its motion, so that the balance of energy closes to second order in the step. What
 the first configuration lacks of an equilibrium, beside loads that rise, is held there and released
-at once. Consequence to test: the work is the energy stored, however few the load steps, where forces
-rise linearly.
+at once. Consequence to test: the work is the energy stored, however few the load steps, where
+forces rise linearly.
 """
 
 from typing import Any
