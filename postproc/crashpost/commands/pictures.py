@@ -145,7 +145,7 @@ def _film(options: argparse.Namespace) -> int:
                 "pip install 'crashsolve[render]', or name a .gif"
             )
         output = output.with_suffix(".gif")
-        _report("a gif, for imageio_ffmpeg is missing: pip install 'crashsolve[render]'")
+        _report("wrote a gif, as imageio_ffmpeg is missing: pip install 'crashsolve[render]'")
     task = film_task(
         result,
         output,
