@@ -118,7 +118,7 @@ def estimate(folder: Path, name: str, count: int, word: str = "") -> Estimate:
         ("cantilever", "segments", 8, 32),
         ("cantilever", "beams", 8, 32),
         ("bar", "", 8, 0),
-        ("plate", "", 16, 48),
+        pytest.param("plate", "", 16, 48, marks=pytest.mark.long),
     ],
 )
 def test_the_error_is_near_the_true_one(
