@@ -164,7 +164,7 @@ def _deck_arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         metavar="NAME=VALUE",
         help="override a parameter of the deck, or any number or word of it by its path, as in "
-        "control.step=1e-4, contacts.wall.normal.stiffness=1e6, bodies.ball.velocity.3=-2 (places "
+        "control.step=1e-4, contacts.wall.normal.stiffness=1e6, bodies.ball.velocity.3=-2 (entries "
         "of lists count from 1); may be repeated",
     )
 

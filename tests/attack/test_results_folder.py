@@ -86,7 +86,7 @@ def test_what_is_no_file_of_words_is_passed_over_and_the_run_can_be_stopped(
     run, folder = live
     control, log = folder / "control.txt", folder / "log.txt"
     os.mkfifo(control)
-    until(lambda: "control.txt is no plain file" in log.read_text("utf-8"), run)
+    until(lambda: "control.txt is not a plain file" in log.read_text("utf-8"), run)
     control.unlink()
     control.mkdir()
     time.sleep(0.5)
@@ -104,7 +104,7 @@ def test_a_folder_of_that_name_that_is_there_before_the_run_does_not_end_it(tmp_
     (tmp_path / "out" / "control.txt").mkdir(parents=True)
     done = crashsolve(OSCILLATOR, "-o", tmp_path / "out", *SHORT, **PLAIN)
     assert done.returncode == 0, done.stderr
-    assert "control.txt is no plain file" in done.stdout
+    assert "control.txt is not a plain file" in done.stdout
 
 
 def test_a_second_interrupt_ends_at_once(live: tuple[subprocess.Popen[str], Path]) -> None:

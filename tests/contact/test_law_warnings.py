@@ -42,10 +42,10 @@ def test_each_contact_outside_its_range_is_named(tmp_path: Path) -> None:
     )
     log = run(tmp_path, scene, 1e-3, plain=True).log
     assert warned(log) == [
-        f"contact 'soft': {LAW} 0.5 returns 0.725 in a free impact; "
-        "exact_restitution returns what is asked",
-        f"contact 'dead': {LAW} 0 returns 0.663 in a free impact; "
-        "exact_restitution returns what is asked",
+        f"contact 'soft': {LAW} 0.5 gives a restitution of 0.725 in a free impact; "
+        "type: exact_restitution gives the one asked for",
+        f"contact 'dead': {LAW} 0 gives a restitution of 0.663 in a free impact; "
+        "type: exact_restitution gives the one asked for",
         f"contact 'fast': {TOO_FAST}",
         f"contact 'dead': {TOO_FAST}",
     ]

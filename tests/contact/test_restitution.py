@@ -82,8 +82,8 @@ def test_a_law_that_returns_something_else_says_so(tmp_path: Path, law: str) -> 
     contact = Contact(tmp_path, f"{{type: {law}, stiffness: 1e9, restitution: 0.3}}")
     x = returned(float(contact.p.chi))
     expected = (
-        f"contact 'hit': {law} with restitution 0.3 returns {x:.3f} in a free impact; "
-        "exact_restitution returns what is asked"
+        f"contact 'hit': {law} with restitution 0.3 gives a restitution of {x:.3f} "
+        "in a free impact; type: exact_restitution gives the one asked for"
     )
     assert contact.model.warnings == ([] if abs(x - 0.3) <= 0.006 else [expected])
     assert bool(contact.model.warnings) == (law not in ("exact_restitution", "gonthier"))

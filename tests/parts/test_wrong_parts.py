@@ -24,7 +24,10 @@ parts:
 WRONG = {
     "to: [1, 0, 0]": ("to: [0, 0, 0]", ":9:42: error: part 'arm': mesh.to: begins and ends in one"),
     "side: [0, 1, 0]": ("side: [2, 0, 0]", ":12:5: error: part 'arm': side: points along"),
-    "    side: [0, 1, 0]\n": ("", ":10:14: error: part 'arm': section: this section bends more"),
+    "    side: [0, 1, 0]\n": (
+        "",
+        ":10:14: error: part 'arm': section: this section has I_y and I_z",
+    ),
     "section: flat": ("section: flit", "unknown section 'flit'; did you mean 'flat'?"),
     "material: steel": ("material: steal", "unknown material 'steal'; did you mean 'steel'?"),
     "type: elastic,": (

@@ -92,7 +92,7 @@ def test_a_tyre_that_sinks_to_its_centre_is_reported(tmp_path: Path, tyre: str) 
     log = (
         solved(tmp_path, soft.replace("start: equilibrium, ", "")).folder / "log.txt"
     ).read_text()
-    assert "tyre 'fl': its centre has sunk to the road" in log
+    assert "tyre 'fl': the wheel centre has sunk to the road" in log
 
 
 def test_a_car_dropped_on_its_tyres_is_seen_before_it_lands(tmp_path: Path) -> None:

@@ -46,7 +46,7 @@ BACK = -0.9999
 class Anchor(Card):
     """Point of a body that holds an end of the belt."""
 
-    body: BodyName = word("body that holds the belt", default="ground")
+    body: BodyName = word("body that it is fixed to", default="ground")
     at: Vec3 = quantity("m", "in the frame of the body", default=(0.0, 0.0, 0.0))
 
 
@@ -59,22 +59,25 @@ class Ring(Card):
 
 
 class Wrap(Card):
-    """Surface of a body that the belt lies on, where it is in its way."""
+    """Surface of a body that the belt wraps where it meets it."""
 
     surface: SurfaceName = word("sphere, cylinder or ellipsoid")
     friction: float = quantity("1", "mu between webbing and surface", default=0.0, ge=0, le=5)
     over: Vec3 | None = quantity(
-        "m", "point on the side of a cylinder that it lies on, body axes; the nearer", None
+        "m",
+        "point on the side of a cylinder on which the belt lies, body axes; the nearer side when "
+        "absent",
+        None,
     )
 
 
 class Fitting(Card):
-    """One point of the route, or a body that it goes over."""
+    """One point of the route, or a surface that the belt wraps."""
 
     anchor: Anchor | None = word("end of the belt", default=None)
     retractor: Retractor | None = word("spool at the beginning of the belt", default=None)
     ring: Ring | None = word("the belt slips through it", default=None)
-    wrap: Wrap | None = word("the belt lies on it", default=None)
+    wrap: Wrap | None = word("the belt lies on its surface", default=None)
 
     @model_validator(mode="after")
     def _one(self) -> "Fitting":
@@ -153,7 +156,7 @@ def route_columns(route: tuple[Fitting, ...], scene: Scene) -> dict[str, Any]:
         columns["friction"][i] = fitting.ring.friction if fitting.ring else 0.0
     columns["node"][len(route) :] = columns["node"][len(route) - 1]
     if len(set(columns["node"].ravel())) == 1:
-        raise scene.fail("all fittings are in one body, which it cannot pull", "route")
+        raise scene.fail("all fittings are on one body; a belt needs two or more", "route")
     _turn_about_cylinders(columns, route, scene)
     flat = {name: table.ravel() for name, table in columns.items()}
     return flat | {"segments": len(route) - 1, "shortest": 0.0}
@@ -176,7 +179,8 @@ def _place_surface(columns: dict[str, Any], i: int, wrap: Wrap, scene: Scene) ->
     columns["semi"][i] = element.get("semi", element.get("radius"))
     columns["semi"][i, 2] = element.get("half_length", columns["semi"][i, 2])
     if wrap.over is not None and shape != "cylinder":
-        raise scene.fail("is of cylinders alone; the way over others is the shortest", f"{field}")
+        message = "over: is for cylinders alone; on other surfaces the belt takes the shortest path"
+        raise scene.fail(message, f"{field}")
 
 
 def _turn_about_cylinders(
@@ -207,11 +211,11 @@ def _turn_about_cylinders(
 
 
 def refuse_route(route: tuple[Fitting, ...], laid: Any, lengths: np.ndarray, scene: Scene) -> None:
-    """What makes no route at the start is refused; `laid` has the columns LAID."""
+    """Refuse fittings that make no route at the start; `laid` has the columns LAID."""
     for i, fitting in enumerate(route):
         if fitting.wrap and laid["touches"][i] < 0:
-            message = "has the fitting before or behind it inside, or no shortest line over it "
-            message += "from one to the other; move them"
+            message = "contains the fitting before or behind it, or there is no shortest line over "
+            message += "it from one to the other; move them"
             raise scene.fail(message, f"route.{i}.wrap.surface")
     for i, length in enumerate(lengths):
         if not length > 2.0 * SHORT * lengths.sum():

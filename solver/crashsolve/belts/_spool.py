@@ -29,9 +29,9 @@ class Pretensioner(Card):
 
     curve_axes: ClassVar = {"curve": ("m", "N")}
 
-    time: float = quantity("s", "at which it fires", ge=0)
-    curve: CurveName = word("force over the webbing wound in; at its end it stops")
-    duration: float = quantity("s", "how long it winds", default=0.02, gt=0)
+    time: float = quantity("s", "time at which it fires", ge=0)
+    curve: CurveName = word("force over the webbing wound in; it stops at the end of the curve")
+    duration: float = quantity("s", "time for which it winds", default=0.02, gt=0)
 
 
 class Retractor(Card):
@@ -39,18 +39,21 @@ class Retractor(Card):
 
     curve_axes: ClassVar = {"limiter": ("m", "N")}
 
-    body: BodyName = word("body that it is fixed in", default="ground")
+    body: BodyName = word("body that it is fixed to", default="ground")
     at: Vec3 = quantity("m", "where the webbing leaves it, in its frame", default=(0.0, 0.0, 0.0))
-    pull: float = quantity("N", "of its spring, as long as it is free", default=5.0, gt=0)
-    lock_time: float | None = quantity("s", "at which it locks", None, ge=0)
+    pull: float = quantity("N", "force of its spring while it is not locked", default=5.0, gt=0)
+    lock_time: float | None = quantity("s", "time at which it locks", None, ge=0)
     lock_acceleration: float | None = quantity(
-        "m/s^2", "of its body's mass centre, at which it locks", None, gt=0
+        "m/s^2", "acceleration of its body's mass centre at which it locks", None, gt=0
     )
-    lock_rate: float | None = quantity("m/s", "of webbing drawn out, at which it locks", None, gt=0)
+    lock_rate: float | None = quantity(
+        "m/s", "speed of the webbing drawn out at which it locks", None, gt=0
+    )
     limiter: CurveName | None = word(
-        "force over webbing drawn out once it is locked; none goes out when absent", default=None
+        "load limiter: force over the webbing drawn out after locking; when absent none is drawn",
+        default=None,
     )
-    pretensioner: Pretensioner | None = word("winds webbing in, and locks", default=None)
+    pretensioner: Pretensioner | None = word("winds webbing in, then locks", default=None)
     reserve: float = quantity("m", "webbing on the spool at the start", default=1.0, ge=0)
 
     @model_validator(mode="after")
@@ -59,7 +62,7 @@ class Retractor(Card):
         if all(x is None for x in known):
             raise ValueError(
                 "needs one of lock_time, lock_acceleration, lock_rate and pretensioner, or it "
-                "never holds"
+                "never locks"
             )
         return self
 

@@ -24,7 +24,7 @@ from crashsolve.springs._resistance import read, steepest
 
 
 class Webbing(Card):
-    """What the belt is woven of."""
+    """Force over strain of the webbing, on loading and unloading."""
 
     curve_axes: ClassVar = {"curve": ("1", "N")}
 

@@ -2,8 +2,9 @@
 
     T_high <= T_low exp(mu beta) at rings,   sum L_i constant
 
-as in `_webbing.py`, `_flow.py` and `_route.py`. Consequence to test: a ring is drawn through with
-exp(mu beta), whatever the step, and one where the belt goes straight changes nothing.
+as in `_webbing.py`, `_flow.py` and `_route.py`. Consequence to test: webbing drawn through
+a ring has the ratio of forces exp(mu beta), whatever the step, and a ring at which the belt stays
+straight changes nothing.
 """
 
 from typing import Any
@@ -38,26 +39,29 @@ from crashsolve.foundation.rows import as_rows
 
 STEPWISE = True
 WARNINGS = {
-    "short": "a segment came to an end, with its ring at the next fitting: there it was taken as "
-    "0.001 of the belt; move the ring, or give it more webbing",
-    "slipped": "the belt slipped off a surface, and went straight until it was clear of it; what "
-    "became slack is lost: move its fittings, or hold it by a ring",
+    "short": "a segment shrank to nothing, as its ring met the next fitting: its length was taken "
+    "as 0.001 of the belt; move the ring, or give the belt more webbing",
+    "slipped": "the belt slipped off a surface, and was taken as straight until it was clear of "
+    "it; the webbing that became slack is lost: move its fittings, or guide it by a ring",
     "crossed": "the belt slid sideways over a ball or an ellipsoid by more than a right angle, as "
-    "nothing holds it there: it would have slipped off; hold it by a ring",
-    "emptied": "the retractor ran out of webbing, and held from there on; give it more reserve",
-    "inside": "a fitting was within a surface that the belt goes over, and the belt went through",
-    "beyond": "the belt lay on a cylinder beyond its end, which was taken as longer",
-    "unsettled": "the flow through rings was not found in all steps; take shorter ones",
+    "nothing holds it there: it would have slipped off; guide it by a ring",
+    "emptied": "the retractor ran out of webbing, and locked; give it more reserve",
+    "inside": "a fitting was inside a surface that the belt wraps: the belt passed through it; "
+    "move the fitting or the surface",
+    "beyond": "the belt lay beyond an end of a cylinder, which was taken as longer; lengthen the "
+    "cylinder, or guide the belt by a ring",
+    "unsettled": "the flow of webbing through rings did not converge in some steps; take shorter "
+    "steps",
 }
 
 
 class Belt(Card):
-    """Webbing through rings from anchor to anchor; it pulls only, and weighs nothing."""
+    """Webbing through rings from anchor to anchor; it carries tension only, and has no mass."""
 
-    webbing: Webbing = word("what it is woven of")
+    webbing: Webbing = word("stiffness of the webbing")
     route: tuple[Fitting, ...] = word("anchor, rings in their order, anchor")
     slack: float = quantity(
-        "m", "webbing beyond the route at the start; negative pretensions it", 0.0
+        "m", "webbing beyond the length of the route at the start; negative: pretensioned", 0.0
     )
 
     @model_validator(mode="after")

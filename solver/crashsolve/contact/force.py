@@ -19,16 +19,18 @@ class Force(Card):
     friction: Card | None = Law("friction", "law of friction; none when absent", default=None)
     torsion_radius: float | None = quantity(
         "m",
-        "radius at which friction resists a spin about the normal, 2/3 of that of an evenly "
-        "pressed disc; of boxes and cylinders on each other the least, they state their own",
+        "lever arm of friction against a spin about the normal (2/3 of the radius of an evenly "
+        "pressed disc); of boxes and cylinders on each other the least, as their contact has its "
+        "own",
         default=None,
         gt=0,
     )
     speed_floor: float | None = quantity(
         "m/s",
-        "closing speed below which a touch that is pressed deeper than a free impact of its speed "
-        "goes counts as resting; absent: 1e-3 m/s, or 1e-3 of the fastest initial speed and of a "
-        "fall through the model's size where those are slower and nothing else moves the bodies",
+        "closing speed below which a contact counts as resting once it is deeper "
+        "than a free impact of that speed; when absent 1e-3 m/s, or less where initial speeds and "
+        "a fall through the model's size are slow and nothing else moves the bodies: 1e-3 of the "
+        "fastest of these",
         default=None,
         gt=0,
     )

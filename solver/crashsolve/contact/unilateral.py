@@ -1,4 +1,4 @@
-"""Unilateral constraint: nodes of flexible parts that touch are held until they would be pulled.
+"""Unilateral constraint: nodes that touch a surface are held on it as long as it pushes them.
 
     0 <= P_n,   v_n >= 0,   P_n v_n = 0       while a node touches, n out of b
     |P_t| <= mu P_n,   v_t = 0 below mu P_n,   P_t against v_t at mu P_n
@@ -27,7 +27,7 @@ INSTEAD = "a law of force does: normal: {type: lankarani_nikravesh, stiffness: .
 
 
 class Unilateral(Card):
-    """Contact that holds nodes of flexible parts which touch until they would be pulled."""
+    """Constraint that holds nodes of flexible parts on a surface as long as it pushes them."""
 
     a: tuple[SurfaceName, ...] = word("surfaces on nodes of flexible parts")
     b: tuple[SurfaceName, ...] = word("surfaces that hold them; the normal points out of them")
@@ -61,13 +61,15 @@ def check(card: Unilateral, scene: Scene, nodes_a: set[int], nodes_b: set[int]) 
     rigid = sorted(scene.names[node] for node in nodes_a - flexible)
     if rigid:
         whose = f"'{rigid[0]}' is not one" if rigid[0] != "ground" else "the ground is not one"
-        message = f"holds nodes of flexible parts, and {whose}: joints and energy of a rigid body"
-        raise scene.fail(f"{message} would not survive the capture; {INSTEAD}", "a")
+        message = f"holds nodes of flexible parts, and {whose}: to hold a rigid body would violate"
+        raise scene.fail(f"{message} its joints and the energy; {INSTEAD}", "a")
     for joint in scene.joints.values():
         for node in sorted((set(joint.nodes) & (nodes_a | nodes_b)) - {0}):
             side = "a" if node in nodes_a else "b"
             message = f"joint '{joint.name}' holds '{scene.names[node]}' already"
-            raise scene.fail(f"{message}, and a capture would tear it; {INSTEAD}", side)
+            raise scene.fail(
+                f"{message}, and a contact that holds would violate it; {INSTEAD}", side
+            )
 
 
 @kernel

@@ -43,7 +43,7 @@ class Formula(CurveCard):
     from_: float = word("lower end of the range, in SI or with a unit")
     to: float = word("upper end of the range, in SI or with a unit")
     segments: int = word(
-        "cubics that the curve begins with; they halve until its error is below 1e-9",
+        "initial number of cubics; they are halved until the error is below 1e-9",
         200,
         ge=1,
         le=100_000,
@@ -170,7 +170,8 @@ def build(card: Formula, scene: Scene) -> tuple[Array, Array, int]:
     x, y, slopes, tolerance = sample(card)
     if tolerance > TOLERANCE:
         scene.warnings.append(
-            f"formula '{card.expression}': {len(x) - 1} cubics keep to it within {tolerance:.0e} "
-            f"of its largest value, where {TOLERANCE:.0e} is usual; a shorter range helps"
+            f"formula '{card.expression}': {len(x) - 1} cubics approximate it within "
+            f"{tolerance:.0e} of its largest value, where {TOLERANCE:.0e} is usual; give a shorter "
+            "range"
         )
     return x, hermite(x, y, slopes), EXTRAPOLATE[card.extrapolate]

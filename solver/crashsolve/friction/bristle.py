@@ -1,4 +1,4 @@
-"""Stick and slip by an elastic bristle: what sticks really rests.
+"""Stick and slip by an elastic bristle: what sticks does not creep.
 
     z = z_old + slip over the step, kept tangential and cut to |z| <= mu N / k
     f = -(k z + c v), cut to mu N,   mu = mu_d + (mu_s - mu_d) exp(-(v/v_s)^2)
@@ -24,7 +24,7 @@ from crashsolve.friction._card import columns
 
 
 class Bristle(Card):
-    """Stick and slip by an elastic bristle that really rests on a slope."""
+    """Stick and slip by an elastic bristle: a body on a slope rests without creep."""
 
     stiffness: float = quantity("N/m", "k of the bristle", gt=0)
     damping_ratio: float = quantity(

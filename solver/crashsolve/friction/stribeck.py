@@ -28,7 +28,7 @@ LEFT_OUT = "the speeds over which friction sets in"
 
 
 class Stribeck(Card):
-    """Smooth friction: static peak, dynamic level, viscous part; nothing rests on a slope."""
+    """Smooth friction with static peak, dynamic level and viscous part: bodies creep on a slope."""
 
     static: float = quantity("1", "mu_s", ge=0)
     dynamic: float = quantity("1", "mu_d", ge=0)

@@ -31,15 +31,17 @@ class MomentCurve(Card):
         default="plastic",
     )
     plastic_curve: CurveName | None = word(
-        "of model given: moment over plastic angle from 0, as measured less the elastic angle",
+        "of model given: moment over plastic angle (the measured angle less the elastic one), from "
+        "0",
         default=None,
     )
     length: float | None = quantity(
-        "m", "of the member whose bending the elastic stiffness stands for", default=None, gt=0
+        "m", "of the member whose bending the hinge's elastic stiffness represents", None, gt=0
     )
     until: float | None = quantity(
         "rad",
-        "where the curve ends: 1 rad and constant beyond, or where the fold closes and no further",
+        "angle at which the curve ends; when absent 1 rad, constant beyond, or of model kecman "
+        "where the fold closes, beyond which the run stops",
         default=None,
         gt=0,
     )
@@ -70,10 +72,10 @@ class AxialCurve(Card):
         default="plastic",
     )
     length: float | None = quantity(
-        "m", "of the member whose stretch the elastic stiffness stands for", default=None, gt=0
+        "m", "of the member whose stretch the hinge's elastic stiffness represents", None, gt=0
     )
     until: float | None = quantity(
-        "m", "where the curve ends, 1 m when absent; constant beyond", default=None, gt=0
+        "m", "stroke at which the curve ends, 1 m when absent; constant beyond", None, gt=0
     )
     flow_stress: float | None = quantity(
         "Pa", "of the crushed walls; the yield stress when absent", default=None, gt=0
@@ -149,10 +151,11 @@ class HingeCard(AxisJointCard):
 
     cyclic: Literal["isotropic", "kinematic", "peak_oriented"] = word(
         "isotropic: yield in both directions follows the curve along the plastic displacement; "
-        "kinematic: its range moves; peak_oriented: reloads towards the largest deformation so far",
+        "kinematic: the elastic range moves with it; peak_oriented: reloading aims at the largest "
+        "deformation so far",
         default="isotropic",
     )
-    rate: RateFactor | None = word("growth of the yield moment with the speed", default=None)
+    rate: RateFactor | None = word("growth of the yield moment with the rate", default=None)
     after_failure: Literal["apart", "loose"] = word(
         "apart: failure frees the whole joint; loose: it leaves the joint without resistance",
         default="apart",

@@ -79,7 +79,7 @@ class Biaxial(PairCard):
         "rad", "angle in any direction at which the hinge fails", default=None, gt=0, lt=FOLDED
     )
     buckling_load: float | None = quantity(
-        "N", "compression along the beam of which the end of the run warns", default=None, gt=0
+        "N", "compression along the beam above which the run warns at its end", default=None, gt=0
     )
 
     @model_validator(mode="after")

@@ -42,7 +42,7 @@ class Gear(Card):
     first: JointName = word("joint that has an angle: revolute, cylindrical, ...")
     second: JointName = word("joint that has an angle: revolute, cylindrical, ...")
     ratio: float = quantity(
-        "1", "turns of the second per turn of the first; negative when they turn against each other"
+        "1", "rotation of the second over that of the first; negative for opposite directions"
     )
 
 

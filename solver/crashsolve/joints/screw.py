@@ -31,12 +31,12 @@ HISTORY = Record("angle  rad  theta, with all turns")
 class Screw(AxisJointCard):
     """Screw and nut: b rotates about one axis fixed in a, and moves along it in proportion."""
 
-    lead: float = quantity("m", "travel along the axis in a whole turn; negative if left-handed")
+    lead: float = quantity("m", "travel along the axis per revolution; negative if left-handed")
 
 
 def build(card: Screw, scene: Scene) -> dict[str, Any]:
     if card.lead == 0.0:
-        raise scene.fail("must not be 0; a joint that turns in place is of type revolute", "lead")
+        raise scene.fail("must not be 0; a joint that only rotates is of type revolute", "lead")
     return scene.joint_frame(card) | {"advance": card.lead / (2.0 * pi)}
 
 

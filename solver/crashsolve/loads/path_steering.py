@@ -52,7 +52,9 @@ class PathSteering(Card):
 
     curve_axes: ClassVar = {"path": ("m", "m")}
 
-    joint: JointName = word("joint he moves: its angle, or the travel of one without, as of a rack")
+    joint: JointName = word(
+        "joint that the driver moves: its angle, or where it has none its travel, as of a rack"
+    )
     vehicle: BodyName = word("body that is to follow the path")
     at: Vec3 = quantity("m", "point of it on the path: between the rear wheels", (0.0, 0.0, 0.0))
     forward: Vec3 = word("its direction of travel, in its frame; any length", (1.0, 0.0, 0.0))
@@ -61,14 +63,22 @@ class PathSteering(Card):
     along: Vec3 = word("direction of s, horizontal; any length", (1.0, 0.0, 0.0))
     up: Vec3 = word("normal of the plane of the path; any length", (0.0, 0.0, 1.0))
     wheelbase: float = quantity("m", "L, from front to rear wheels", gt=0)
-    preview_time: float = quantity("s", "T, by which he looks ahead", default=0.0, ge=0)
-    preview_distance: float = quantity("m", "X_0, by which he looks ahead at rest", gt=0)
+    preview_time: float = quantity(
+        "s", "T, preview time: the driver looks ahead by X_0 and T times the speed", 0.0, ge=0
+    )
+    preview_distance: float = quantity("m", "X_0, preview distance at rest", gt=0)
     ratio: float = quantity(
         "any", "n, coordinate of the joint per angle of the wheels to the left, m/rad or 1"
     )
-    limit: float = quantity("rad", "largest angle of the wheels he asks for", 0.6, gt=0, lt=1.5)
-    stiffness: float = quantity("any", "k of his hands, N/m or N m/rad of the joint", gt=0)
-    damping: float = quantity("any", "c of his hands, N s/m or N m s/rad", default=0.0, ge=0)
+    limit: float = quantity(
+        "rad", "largest angle of the wheels that the driver asks for", 0.6, gt=0, lt=1.5
+    )
+    stiffness: float = quantity(
+        "any", "k, stiffness of the driver's hands, N/m or N m/rad of the joint", gt=0
+    )
+    damping: float = quantity(
+        "any", "c, damping of the driver's hands, N s/m or N m s/rad", default=0.0, ge=0
+    )
 
 
 PARAMETERS = Record("""
@@ -100,7 +110,7 @@ AMPLITUDE = "stiffness"
 HISTORY = Record("angle  rad  of the joint, with all turns")
 OUTPUT = Record("""
     force   N or N m   F, on the second body of the joint
-    steer   rad        delta that he asks for
+    steer   rad        delta that the driver asks for
     wanted  m or rad   n delta
     now     m or rad   x, coordinate of the joint since the start
     rate    m/s or rad/s  of it
@@ -112,7 +122,7 @@ OUTPUT = Record("""
 def build(card: PathSteering, scene: Scene) -> dict[str, Any]:
     scene.refuse_joint(card.joint, ("travel", "angle"), "joint")
     if card.ratio == 0.0:
-        raise scene.fail("must not be 0: he would never steer", "ratio")
+        raise scene.fail("must not be 0: the driver would never steer", "ratio")
     vehicle = scene.node(card.vehicle)
     if vehicle == 0:
         raise scene.fail("the ground follows no path; name a body", "vehicle")

@@ -30,20 +30,26 @@ class Elastoplastic(elastic.Elastic):
 
     curve_axes: ClassVar = {"curve": ("1", "Pa")}
 
-    yield_stress: float | None = quantity("Pa", "Y_0; or give `curve`", default=None, gt=0)
+    yield_stress: float | None = quantity(
+        "Pa", "Y_0, initial yield stress; or give `curve`", default=None, gt=0
+    )
     hardening: float = quantity("Pa", "H, stress over plastic strain", default=0.0, ge=0)
-    kinematic: float = quantity("1", "beta, share of H that moves", default=0.0, ge=0, le=1)
-    curve: CurveName | None = word("Y over e, instead of yield_stress", default=None)
+    kinematic: float = quantity("1", "beta, kinematic share of H", default=0.0, ge=0, le=1)
+    curve: CurveName | None = word("Y over plastic strain e, instead of yield_stress", default=None)
     rate_D: float | None = quantity("1/s", "D of Cowper and Symonds", default=None, gt=0)
     rate_q: float = quantity("1", "q of Cowper and Symonds", default=5.0, gt=0)
-    failure_strain: float | None = quantity("1", "e at which a layer fails", default=None, gt=0)
+    failure_strain: float | None = quantity(
+        "1", "plastic strain e at which a layer fails", default=None, gt=0
+    )
 
     @model_validator(mode="after")
     def _one_hardening(self) -> "Elastoplastic":
         if (self.yield_stress is None) == (self.curve is None):
             raise ValueError("needs either yield_stress or curve")
         if self.curve is not None and self.hardening and self.kinematic < 1.0:
-            raise ValueError("hardening: the curve says it; beside it, only with kinematic: 1")
+            raise ValueError(
+                "hardening: is given by the curve; give it beside a curve only with kinematic: 1"
+            )
         return self
 
 

@@ -28,17 +28,23 @@ from crashsolve.materials import _von_mises, elastic
 class JohnsonCook(elastic.Elastic):
     """Plasticity of Johnson and Cook."""
 
-    yield_stress: float = quantity("Pa", "A", gt=0)
-    hardening: float = quantity("Pa", "B", default=0.0, ge=0)
-    exponent: float = quantity("1", "n", default=1.0, gt=0, le=1)
-    rate: float = quantity("1", "C", default=0.0, ge=0)
-    reference_rate: float = quantity("1/s", "rate_0", default=1.0, gt=0)
-    melting_heat: float | None = quantity(
-        "J/kg", "q = c (T_melt - T_room); without it nothing softens", default=None, gt=0
+    yield_stress: float = quantity("Pa", "A, initial yield stress", gt=0)
+    hardening: float = quantity("Pa", "B, of hardening by plastic strain", default=0.0, ge=0)
+    exponent: float = quantity("1", "n, exponent of plastic strain", default=1.0, gt=0, le=1)
+    rate: float = quantity("1", "C, of rate hardening", default=0.0, ge=0)
+    reference_rate: float = quantity(
+        "1/s", "rate_0, strain rate above which C counts", default=1.0, gt=0
     )
-    softening: float = quantity("1", "m", default=1.0, gt=0)
-    heat_share: float = quantity("1", "chi, of the plastic work that is heat", 0.9, gt=0, le=1)
-    failure_strain: float | None = quantity("1", "e at which a layer fails", default=None, gt=0)
+    melting_heat: float | None = quantity(
+        "J/kg", "q = c (T_melt - T_room); no thermal softening when absent", default=None, gt=0
+    )
+    softening: float = quantity("1", "m, exponent of thermal softening", default=1.0, gt=0)
+    heat_share: float = quantity(
+        "1", "chi, share of the plastic work that becomes heat", 0.9, gt=0, le=1
+    )
+    failure_strain: float | None = quantity(
+        "1", "plastic strain e at which a layer fails", default=None, gt=0
+    )
 
 
 PARAMETERS = _von_mises.PARAMETERS + Record("""

@@ -23,7 +23,7 @@ class Cylinder(Card):
     start: Vec3 | None = word("direction of phi = 0; any across the axis if absent", default=None)
     radius: float = quantity("m", "of the middle surface", gt=0)
     length: float = quantity("m", "along the axis", gt=0)
-    angle: float = quantity("rad", "of the sector; a whole turn if absent", default=2 * pi, gt=0)
+    angle: float = quantity("rad", "of the sector; a full cylinder if absent", default=2 * pi, gt=0)
     elements: tuple[int, int] = word("number around and along", ge=1)
 
     @property
@@ -34,11 +34,11 @@ class Cylinder(Card):
 
 def build(card: Cylinder, scene: Scene) -> Mesh:
     if card.angle > 2 * pi * (1.0 + 1e-12):
-        raise scene.fail("is more than a whole turn", "mesh.angle")
+        raise scene.fail("must be at most a full circle, 360 deg", "mesh.angle")
     axis = scene.unit(card.axis, "mesh.axis")
     closed = card.angle > 2 * pi * (1.0 - 1e-12)
     if closed and card.elements[0] < 3:
-        raise scene.fail("a whole turn needs at least 3 elements around", "mesh.elements")
+        raise scene.fail("a full cylinder needs at least 3 elements around", "mesh.elements")
     start = perpendicular(axis) if card.start is None else np.asarray(card.start, float)
     start = scene.unit(start - axis * float(axis @ start), "mesh.start")
     uv, quads, sets = net(*card.elements, closed)

@@ -36,7 +36,7 @@ class File(Card):
         "element set, property or physical group; all elements of the file if empty", default=""
     )
     joined: Literal[1, 2, 4, 8] = word(
-        "elements that become one along each side, where they lie in rows", default=1
+        "number of elements along each side that become one, where they lie in rows", default=1
     )
 
 

@@ -20,7 +20,7 @@ class Grid(Card):
     along: Vec3 = quantity("m", "side in direction u")
     across: Vec3 = quantity("m", "side in direction v; the normal is along x across")
     elements: tuple[int, int] = word("number along u and v", ge=1)
-    twist: float = quantity("rad", "turn of across about the middle line", default=0.0)
+    twist: float = quantity("rad", "rotation of across about the middle line", default=0.0)
 
     @property
     def count(self) -> int:

@@ -30,7 +30,7 @@ class Listed(Card):
     )
     sets: tuple[NodeSet, ...] = word("sets of nodes", default=())
     joined: Literal[1, 2, 4, 8] = word(
-        "elements that become one along each side, where they lie in rows", default=1
+        "number of elements along each side that become one, where they lie in rows", default=1
     )
 
     @property

@@ -63,9 +63,10 @@ def unseen(model: Model) -> dict[str, tuple[float, float]]:
 def warn_of_unseen(model: Model) -> list[str]:
     """Curves of time of which a stated step takes too few points."""
     return [
-        f"control.step takes {PER_PERIOD / share:.2g} points of a period of curve '{name}', from "
-        f"t = {when:.6g} s: it {'misses' if share > MISSED else 'hardly sees'} what the curve "
-        f"does; take {float(model.control[0]['fixed_step']) / share:.2g} s, or control.step: auto"
+        f"control.step takes {PER_PERIOD / share:.2g} points per period of curve '{name}', from "
+        f"t = {when:.6g} s: it {'misses' if share > MISSED else 'hardly resolves'} the shape of "
+        f"the curve; take {float(model.control[0]['fixed_step']) / share:.2g} s, or control.step: "
+        "auto"
         for name, (share, when) in unseen(model).items()
     ]
 

@@ -78,5 +78,5 @@ def _hand_over(rows: np.ndarray, card: Any, scene: Any) -> None:
 def _refuse_chain(rows: np.ndarray, riding: set[int], card: Any, scene: Any) -> None:
     """A face that bears nodes has no corner that rides itself."""
     if riding.intersection(rows["corner"].ravel().tolist()):
-        message = f"a face of '{card.to}' that bears nodes has a corner that is tied itself"
-        raise scene.fail(f"{message}; let the nodes of one side ride in all ties", "to")
+        message = f"a face of '{card.to}' to which nodes are tied has a corner that is tied itself"
+        raise scene.fail(f"{message}; tie the nodes of the same side in all ties", "to")

@@ -61,8 +61,8 @@ class Mesh(Card):
     to: Vec3 = quantity("m", "last node")
     elements: int = word("number of elements", ge=1)
     division: int = word(
-        "every element is divided into so many, as crashsolve study does; new nodes follow P_k as "
-        "P_k_1, P_k_2, ..., new elements likewise, and the old names stay where they begin",
+        "number of elements into which each is divided, as by crashsolve study; new nodes follow "
+        "P_k as P_k_1, P_k_2, ..., new elements likewise, and old names stay where they begin",
         default=1,
         ge=1,
     )

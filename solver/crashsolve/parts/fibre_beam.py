@@ -63,8 +63,8 @@ class FibreBeam(beam.Beam):
     """Beam whose section is made of fibres that yield; its nodes are bodies."""
 
     fibres: tuple[int, int] = word(
-        "so many along y and z (rectangle), of each wall along y and z (rectangular_tube, "
-        "i_section), rings and sectors (circle, tube); at most 64 in all",
+        "number of fibres along y and z (rectangle), of each wall along y and z (rectangular_tube, "
+        "i_section), or of rings and sectors (circle, tube); at most 64 in all",
         default=(4, 16),
     )
 
@@ -92,7 +92,7 @@ def _table(card: FibreBeam, scene: Scene) -> np.ndarray:
     if not hasattr(law, "fibres"):
         raise scene.fail("this section has no fibres; give its shape, or type: fibres", "section")
     if min(card.fibres) < 1:
-        raise scene.fail("needs numbers of 1 at least", "fibres")
+        raise scene.fail("both numbers must be at least 1", "fibres")
     if max(card.fibres) > fibres.MOST_FIBRES:
         raise scene.fail(f"at most {fibres.MOST_FIBRES} fibres in all", "fibres")
     table: np.ndarray = law.fibres(section, card.fibres)
@@ -101,7 +101,9 @@ def _table(card: FibreBeam, scene: Scene) -> np.ndarray:
         message = f"makes {len(table)} fibres of this section; at most {fibres.MOST_FIBRES}"
         raise scene.fail(message, "fibres")
     if not ((y * y) @ A > 0.0 and (z * z) @ A > 0.0):
-        raise scene.fail("fibres on one line do not resist bending; give 2 at least", "fibres")
+        raise scene.fail(
+            "fibres on one line do not resist bending; give at least 2 in each direction", "fibres"
+        )
     return table
 
 

@@ -40,7 +40,9 @@ class Frame(Damped):
         "pairs of points by their number from 1; nodes within bar k: P_bark_1, P_bark_2, ..."
     )
     elements: int = word("number of elements of each bar", ge=1)
-    ends: tuple[releases.End, ...] = word("ends of bars hinged to their point, or beside it", ())
+    ends: tuple[releases.End, ...] = word(
+        "ends of bars that are hinged to their point, or offset from it", ()
+    )
     section: SectionName = word("cross section")
     material: MaterialName = word("what it is made of")
     side: Vec3 | None = word(

@@ -47,10 +47,12 @@ Deformation: Any = Literal[DESCRIPTIONS]
 class Point(Card):
     """Where members meet or end: a rigid body called S_name in structure S."""
 
-    name: NewName = word("the body is called S_name in structure S")
+    name: NewName = word("name; the body is called S_name in structure S")
     at: Vec3 = quantity("m", "position")
     joint: float | None = quantity(
-        "m", "r, of each member that belongs to the rigid joint; from its depth when absent", None
+        "m",
+        "r, length of each member that belongs to the rigid joint; from its depth when absent",
+        None,
     )
 
 
@@ -58,7 +60,8 @@ class Member(Card):
     """A straight member between two points."""
 
     name: NewName | None = word(
-        "what is made of it is called S_name in structure S; member_k by its number when absent",
+        "its hinges, elements or parts are called S_name in structure S; member_k by its number "
+        "when absent",
         default=None,
     )
     from_: str = word("name of the point where it begins")
@@ -78,10 +81,10 @@ class Structure(Card):
     curve_axes: ClassVar = {"collapse_curve": ("rad", "N m")}
 
     points: tuple[Point, ...] = word("where members meet or end: bodies S_name of structure S")
-    members: tuple[Member, ...] = word("what lies between them")
-    deformation: Deformation = word("how members deform that say nothing of it")
-    section: SectionName | None = word("cross section of members that name none", default=None)
-    material: MaterialName | None = word("what members are made of that name none", default=None)
+    members: tuple[Member, ...] = word("straight members between points")
+    deformation: Deformation = word("how members deform, unless they give their own")
+    section: SectionName | None = word("cross section, unless a member names its own", default=None)
+    material: MaterialName | None = word("material, unless a member names its own", default=None)
     side: Vec3 | None = word(
         "direction near the y axes of sections; needed where I_y and I_z differ", default=None
     )

@@ -28,12 +28,12 @@ STEPS = 200
 
 
 class Equilibrium(PhaseCard):
-    """Motion that is halted until it rests, with the loads of its time; velocities wait."""
+    """Dynamic relaxation to equilibrium, with the loads of its time; initial velocities wait."""
 
     tolerance: float = quantity(
         "1",
-        "force that may be left on a body at the end, over the largest force of any law; moments "
-        "over the model's size count as forces",
+        "residual force on a body at the end, over the largest force of any law; moments over the "
+        "model's size count as forces",
         default=1e-4,
         gt=0,
         lt=1,

@@ -20,7 +20,7 @@ from crashsolve.postures._chain import Link, Motion, in_order, link, next_body
 
 
 class Turned(Card):
-    """A joint of the chain, how far it is turned from the zero posture, and how fast it turns."""
+    """A joint of the chain, its rotation from the zero posture, and the rate of that."""
 
     joint: JointName = word("joint between two bodies of the chain, with `frame` a body")
     angle: float | None = quantity("rad", "of b about the joint's axis, right-handed", default=None)

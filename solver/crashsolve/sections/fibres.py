@@ -25,8 +25,8 @@ class Fibres(Card):
         "positions y and z [m] and areas [m^2] in the axes of the section"
     )
     torsion: float = quantity("m^4", "J, torsion constant", gt=0)
-    shear_y: float = quantity("1", "kappa_y, share of A that bears shear along y", gt=0)
-    shear_z: float = quantity("1", "kappa_z, share of A that bears shear along z", gt=0)
+    shear_y: float = quantity("1", "kappa_y, share of A that carries shear along y", gt=0)
+    shear_z: float = quantity("1", "kappa_z, share of A that carries shear along z", gt=0)
 
     @model_validator(mode="after")
     def _central(self) -> "Fibres":

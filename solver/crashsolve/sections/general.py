@@ -20,8 +20,8 @@ class General(Card):
     I_y: float = quantity("m^4", "second moment for bending about y", gt=0)
     I_z: float = quantity("m^4", "second moment for bending about z", gt=0)
     torsion: float = quantity("m^4", "J, torsion constant", gt=0)
-    shear_y: float = quantity("1", "kappa_y, share of A that bears shear along y", gt=0)
-    shear_z: float = quantity("1", "kappa_z, share of A that bears shear along z", gt=0)
+    shear_y: float = quantity("1", "kappa_y, share of A that carries shear along y", gt=0)
+    shear_z: float = quantity("1", "kappa_z, share of A that carries shear along z", gt=0)
     rotary_y: float | None = quantity(
         "m^4", "R_y, second moment of the mass over its density; I_y when absent", None, gt=0
     )

@@ -36,7 +36,8 @@ class Accelerometer(Card):
         default=None,
     )
     role: Literal["head", "chest", "pelvis", "vehicle"] | None = word(
-        "what it stands for, for the filter class, measures and limits of injury", default=None
+        "part of an occupant, or vehicle: sets filter class, injury measures and limits",
+        default=None,
     )
     mme: str | None = word(
         "first 12 letters of its ISO-MME channel code: test object to fine location 3", default=None

@@ -1,4 +1,4 @@
-"""Angle by which b has turned about an axis of a, counted over any number of turns.
+"""Angle of rotation of b about an axis of a, counted over any number of revolutions.
 
     theta and theta_dot as in foundation.turn; 0 at the start
 
@@ -18,7 +18,7 @@ FAMILY = "disbout"
 
 
 class Angle(Card):
-    """Angle by which b has turned about an axis of a, with all turns."""
+    """Angle of rotation of b about an axis of a, counted over all revolutions."""
 
     a: BodyName = word("first body; it carries the axis", default="ground")
     b: BodyName = word("second body")

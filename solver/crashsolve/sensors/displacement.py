@@ -27,7 +27,7 @@ class Displacement(Card):
     at_b: Vec3 = quantity("m", "point in the frame of b", default=(0.0, 0.0, 0.0))
     axes: Literal["world", "a"] = word("axes of the components", default="world")
     role: Literal["chest_deflection"] | None = word(
-        "what it stands for in an occupant, for measures of injury: the spine is a, the sternum b",
+        "part of an occupant that it measures, for injury measures: the spine is a, the sternum b",
         default=None,
     )
 

@@ -32,7 +32,7 @@ class SectionForce(Card):
         default=None,
     )
     role: Literal["neck", "femur_left", "femur_right"] | None = word(
-        "what it stands for in an occupant, for measures of injury", default=None
+        "part of an occupant whose load it measures, for injury measures", default=None
     )
 
 

@@ -43,9 +43,13 @@ class ResistanceCard(Card):
     unloading_curve: CurveName | None = word(
         "lower bound of the force when it falls; needs unloading_stiffness", default=None
     )
-    rate_curve: CurveName | None = word("factor on the force over its rate", default=None)
-    cowper_symonds: CowperSymonds | None = word("factor that grows with the rate", default=None)
-    power_law: PowerLaw | None = word("factor that grows with the rate", default=None)
+    rate_curve: CurveName | None = word(
+        "factor on the force over the rate of deformation", default=None
+    )
+    cowper_symonds: CowperSymonds | None = word(
+        "or factor by Cowper and Symonds: 1 + (|rate| / D)^(1/q)", default=None
+    )
+    power_law: PowerLaw | None = word("or factor by a power law: 1 + a |rate|^b", default=None)
 
     @model_validator(mode="after")
     def _consistent(self) -> "ResistanceCard":

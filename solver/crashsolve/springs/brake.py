@@ -1,4 +1,4 @@
-"""Brake between two bodies: a friction force of given level that holds as well as slides.
+"""Brake between two bodies: a friction force of a given level, which also holds at rest.
 
     f = K z + c z_dot while it holds,  z = s - s_p,   |f| <= F(t);   it slides (s_p follows) at F
 
@@ -37,7 +37,7 @@ LEDGER = "brake"
 
 
 class Brake(PointSpringCard):
-    """Friction force of given level between two bodies that holds as well as slides."""
+    """Friction force of a given level between two bodies, which also holds at rest."""
 
     curve_axes: ClassVar = {"force_curve": ("s", "1")}
 

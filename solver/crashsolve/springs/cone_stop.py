@@ -77,7 +77,7 @@ class ConeStop(RangeCard):
         if not 2 <= len(azimuths) <= MOST:
             raise ValueError(f"table: needs 2 to {MOST} azimuths, has {len(azimuths)}")
         if sorted(set(azimuths)) != azimuths or azimuths[-1] - azimuths[0] >= 2.0 * pi:
-            raise ValueError("table: azimuths must rise, within one turn")
+            raise ValueError("table: azimuths must rise, within one revolution")
         return self
 
     def limits(self) -> list[tuple[float, float]]:
@@ -157,7 +157,7 @@ def _check_start(card: ConeStop, scene: Scene, p: dict[str, Any]) -> None:
     if theta > limit + MET:
         raise scene.fail(
             f"'{card.joint}' begins at {theta:.4g} rad from the axis, {theta - limit:.3g} rad past "
-            f"the limit {limit:.4g} rad at azimuth {phi:.4g} rad; turn a body, or widen the cone",
+            f"the limit {limit:.4g} rad at azimuth {phi:.4g} rad; rotate a body, or widen the cone",
             "joint",
         )
 

@@ -20,7 +20,7 @@ from crashsolve.springs._geometric_stiffness import add_geometric_stiffness
 
 
 class Curve(PointSpringCard, ResistanceCard):
-    """Spring between two points whose force follows a curve, unloading as it came or otherwise."""
+    """Spring between two points whose force follows a curve, unloading on it or on another path."""
 
     curve_axes: ClassVar = {
         "curve": ("m", "N"),
@@ -38,7 +38,7 @@ class Curve(PointSpringCard, ResistanceCard):
         gt=0,
     )
     acts: Literal["both", "tension", "compression"] = word(
-        "in which direction there is a force", default="both"
+        "directions of deformation that are resisted", default="both"
     )
     gap: float = quantity("m", "free play in each direction", default=0.0, ge=0)
     damping: float = quantity("N s/m", "force over rate", default=0.0, ge=0)

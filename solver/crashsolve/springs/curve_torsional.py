@@ -35,7 +35,7 @@ class CurveTorsional(AxisSpringCard, ResistanceCard):
         gt=0,
     )
     acts: Literal["both", "positive", "negative"] = word(
-        "in which direction of turn there is a torque", default="both"
+        "directions of rotation that are resisted", default="both"
     )
     gap: float = quantity("rad", "free play in each direction", default=0.0, ge=0)
     damping: float = quantity("N m s/rad", "torque over rate", default=0.0, ge=0)

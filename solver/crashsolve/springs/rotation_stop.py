@@ -49,7 +49,7 @@ def build(card: RotationStop, scene: Scene) -> dict[str, Any]:
     past = max(start - columns["upper"], columns["lower"] - start)
     if start != 0.0 and past > 0.0:
         raise scene.fail(
-            f"the posture turns '{card.joint}' to {start:.4g} rad, {past:.3g} rad past the range "
+            f"the posture rotates '{card.joint}' to {start:.4g} rad, {past:.3g} rad past the range "
             f"from {columns['lower']:.4g} to {columns['upper']:.4g} rad",
             "joint",
         )

@@ -84,7 +84,7 @@ class Segment(PointSpringCard):
     material: MaterialName = word("what it is made of: elastic, or elastoplastic, which yields")
     damping: float = quantity("s", "beta, damping over stiffness", default=0.0, ge=0)
     buckling_load: float | None = quantity(
-        "N", "compression along the beam of which the end of the run warns", default=None, gt=0
+        "N", "compression along the beam above which the run warns at its end", default=None, gt=0
     )
 
 

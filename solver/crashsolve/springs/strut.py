@@ -49,7 +49,7 @@ class Strut(PointSpringCard):
     bump_damping: float = quantity("N s/m", "c_b, while it gets shorter", default=0.0, ge=0)
     rebound_damping: float = quantity("N s/m", "c_r, while it gets longer", default=0.0, ge=0)
     damping_curve: CurveName | None = word(
-        "D, force over the rate of length, negative in bump; instead of both", default=None
+        "D, force over the rate of length, negative in bump; instead of both dampings", default=None
     )
     bump_length: float | None = quantity(
         "m", "l_b, length at which the bump stop is met", default=None, gt=0

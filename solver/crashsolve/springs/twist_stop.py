@@ -109,7 +109,7 @@ def _check_start(card: TwistStop, scene: Scene, p: dict[str, Any]) -> None:
     if past > MET:
         raise scene.fail(
             f"'{card.joint}' begins at the twist {tau:.4g} rad, {past:.3g} rad past its range from "
-            f"{card.lower:.4g} to {card.upper:.4g} rad; turn a body, or widen the range",
+            f"{card.lower:.4g} to {card.upper:.4g} rad; rotate a body, or widen the range",
             "joint",
         )
 

@@ -51,7 +51,7 @@ class Axis(Card):
     mean: float | str | None = word("mean of the values", None)
     deviation: float | str | None = word("standard deviation of the values, in their unit", None)
     peak: float | str | None = word("most likely value of a triangular distribution", None)
-    whole: bool = word("whole numbers only, each of a range as likely; for uniform", False)
+    whole: bool = word("whole numbers only, each with the same probability; for uniform", False)
 
     @field_validator("values")
     @classmethod

@@ -25,11 +25,11 @@ IMPLICIT = ("generalized_alpha", "radau_iia_5")
 
 
 class NodeToFace(Card):
-    """Nodes of a set of a shell that ride on the faces of another."""
+    """Nodes of a set of a shell that are tied to the faces of another."""
 
-    part: PartName = word("shell part whose nodes ride")
+    part: PartName = word("shell part whose nodes are tied")
     nodes: SetName = word("set of nodes of its mesh")
-    to: PartName = word("shell part on whose faces they ride")
+    to: PartName = word("shell part to whose faces they are tied")
     within: float | None = quantity(
         "m", "largest distance from the face; half of both thicknesses", default=None, gt=0
     )

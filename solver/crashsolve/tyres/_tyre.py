@@ -1,4 +1,4 @@
-"""A wheel on its roads: where it touches, how it slips, what presses it.
+"""A tyre on its roads: contact patch, slips, vertical force and deflection of the carcass.
 
     depth   delta = R cos(gamma) - d,   n the normal of the road, d the distance of the centre
     F_z     = max(y(delta) + c w delta_dot, 0),   y = k delta or a curve,   + k_rim beyond the rim
@@ -63,7 +63,7 @@ class TyreCard(Card):
     damping: float = quantity("N s/m", "c, of the depth", 0.0, ge=0)
     damping_depth: float = quantity("m", "depth over which damping grows to c", 5e-3, gt=0)
     rim_radius: float | None = quantity("m", "radius at which it meets the rim", None, gt=0)
-    rim_stiffness: float = quantity("N/m", "k_rim, beside k beyond the rim", 0.0, ge=0)
+    rim_stiffness: float = quantity("N/m", "k_rim, added to k once the rim is met", 0.0, ge=0)
     slip_stiffness: float = quantity("N", "C_x, longitudinal force over slip at zero", gt=0)
     cornering_stiffness: float = quantity("N/rad", "C_y, lateral force over slip at zero", gt=0)
     camber_stiffness: float = quantity(
@@ -77,7 +77,7 @@ class TyreCard(Card):
     relaxation: float = quantity("m", "sigma along the wheel", 0.1, gt=0)
     side_relaxation: float = quantity("m", "sigma across the wheel", 0.3, gt=0)
     standstill_damping: float = quantity("N s/m", "k_V of the carcass at rest", 770.0, ge=0)
-    low_speed: float = quantity("m/s", "V_low, speed at which k_V has faded out", 2.5, gt=0)
+    low_speed: float = quantity("m/s", "V_low, speed at which k_V has fallen to 0", 2.5, gt=0)
     side_stiffness: float | None = quantity(
         "N/m", "of the carcass, for the overturning moment; none when absent", None, gt=0
     )
@@ -132,8 +132,8 @@ DEFLECTED = Record(f"""
     sunk   flag  whether its centre has been on a road or below it
 """)
 SUNK = {
-    "sunk": "its centre has sunk to the road: it is too soft for what it bears; rim_radius and "
-    "rim_stiffness, or a curve, hold it"
+    "sunk": "the wheel centre has sunk to the road: the tyre is too soft for its load; give "
+    "rim_radius and rim_stiffness, or a stiffening curve"
 }
 FORCES_OF_TYRE = Record("""
     force         N    3  on the wheel, world axes
@@ -292,7 +292,7 @@ def vertical_force(p, at, curves):
 
 
 class Grip(NamedTuple):
-    """What presses a patch, how the carcass is deflected, and what the brush is made to bear."""
+    """Vertical force on a patch, deflection of the carcass, and forces of the brush model."""
 
     F_z: Any  # [N], 0 off the road
     slope: Any  # of F_z over the depth [N/m]
@@ -362,7 +362,7 @@ def patch_length(p, at):
 
 @kernel
 def clear(p, new, out):
-    """Before the roads are asked. Writes: new, out."""
+    """Reset before the roads are searched. Writes: new, out."""
     for k in range(MOST):
         new.q_x[k] = new.q_y[k] = new.store[k] = 0.0
     new.sunk = 0

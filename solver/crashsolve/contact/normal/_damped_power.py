@@ -9,12 +9,12 @@ closes no faster than v_0 and opens no faster than x v_0, x the restitution retu
     v_d^2 G(1) = K delta^(n+1) / ((n+1) m)
 
 v_f is the speed floor and v_d the speed of a free impact that goes as deep as the touch is now. In
-a free impact v_d is below the closing speed at the onset, which v_0 then is, however slow. A touch
-that something presses deeper counts as one at rest, at up to the floor: its damping stays finite.
-One that is driven by others has the speed at which it is driven, and one that begins compressed
-that of the free impact which passes its state (`_restitution.py`). The stiffness reported to the
-step control is that at the depth a free impact of speed v_0 will reach, so the first step is
-already short.
+a free impact v_d is below the closing speed at the onset, which v_0 then is, however slow. A
+contact that other forces press deeper counts as resting, with v_0 up to the floor: its damping
+stays finite. One that is driven by others has the speed at which it is driven, and one that begins
+compressed that of the free impact which passes its state (`_restitution.py`). The stiffness
+reported to the step control is that at the depth a free impact of speed v_0 will reach, so the
+first step is already short.
 """
 
 from math import inf, sqrt
@@ -49,7 +49,7 @@ HISTORY = Record("""
 # flags of HISTORY that the log reports at the end of a run, with the words for it
 WARNINGS = {"too_fast": "impact faster than 1e-5 sqrt(E/rho): outside the law's range of validity"}
 # the same of what is no fault: a remark
-REMARKS = {"pressed": "pressed deeper than impacts of their speed, and damped as at rest"}
+REMARKS = {"pressed": "deeper than a free impact of its closing speed, and damped as at rest"}
 
 
 class PowerCard(Materials):
@@ -103,8 +103,9 @@ def _check_restitution(card: DampedPowerCard, scene: Scene, pair: Any, chi: floa
     if abs(x - card.restitution) > SILENT * card.restitution:
         law = type(card).__module__.rpartition(".")[2]
         scene.warn(
-            f"contact '{pair.contact}': {law} with restitution {card.restitution:g} returns "
-            f"{x:.3f} in a free impact; exact_restitution returns what is asked"
+            f"contact '{pair.contact}': {law} with restitution {card.restitution:g} gives a "
+            f"restitution of {x:.3f} in a free impact; type: exact_restitution gives the one asked "
+            "for"
         )
 
 

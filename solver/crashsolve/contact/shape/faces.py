@@ -17,16 +17,16 @@ class Faces(Card):
     part: PartName = word("shell part whose faces they are")
     thickness: float | None = quantity("m", "t; that of the part if absent", None, gt=0)
     ring: int = word(
-        "own faces that a node does not meet, beside all those nearer along the surface than 2.5 "
-        "times the distance at which both touch; 0: those it belongs to; 1: those that touch "
-        "these; 2: the next",
+        "of contact with itself: rings of faces around a node that it does not touch, beside all "
+        "those nearer along the surface than 2.5 times the distance of contact; 0: the faces of "
+        "the node; 1: their neighbours too; 2: the next",
         default=0,
         ge=0,
         le=20,
     )
     normals: Literal["nearest", "continuous"] = word(
-        "direction of the force: from the nearest point, or along a field of normals that turns "
-        "without a jump from face to face",
+        "direction of the force: from the nearest point, or along a field of normals that is "
+        "continuous from face to face",
         default="nearest",
     )
 

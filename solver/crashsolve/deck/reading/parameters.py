@@ -157,7 +157,7 @@ class Parameters:
 
     def _value(self, name: str) -> Any:
         if len(self.pending) > LONGEST_CIRCLE:
-            raise ExpressionError("depends on itself, by way of many others")
+            raise ExpressionError("depends on itself, through many others")
         if name in self.pending:
             chain = " -> ".join([*self.pending[self.pending.index(name) :], name])
             raise ExpressionError(f"depends on itself ({chain})")

@@ -30,9 +30,9 @@ class Control(Card):
     start_time: float = quantity("s", "time at which the run begins", 0.0)
     integrator: Integrator = word(
         "method of integration; default: dormand_prince_8 for rigid bodies with joints, springs "
-        "and loads that are smooth, without contacts and curves, where control says none of step, "
-        "step_min, safety, tolerance, onset_tolerance and threads, else rattle; auto: from "
-        "stiffness and smoothness of the deck",
+        "and loads that are smooth, without contacts and curves, where control gives none of step, "
+        "step_min, safety, tolerance, onset_tolerance and threads, else rattle; auto: chosen by "
+        "stiffness and smoothness of the model",
         "default",
     )
     accuracy: float | None = quantity(
@@ -47,22 +47,25 @@ class Control(Card):
     )
     tolerance: float | None = quantity(
         "1",
-        "error of a step over the model's size and speed, where the method chooses its step, "
-        "1e-6 when neither it nor an accuracy is given; of quasi_static, what may be left of a "
-        "force over the largest force or reaction, and of a load step's change, 1e-8 when absent",
+        "where the method chooses its step: error of a step over the model's size and speed, "
+        "1e-6 when neither it nor an accuracy is given; of quasi_static: residual force over the "
+        "largest force or reaction, and last correction over the change in a load step, 1e-8 when "
+        "absent",
         None,
         gt=0,
         lt=1,
     )
     estimate: Literal["auto", "mesh", "full", "off"] = word(
-        "auto: the errors of watched channels, from one or two further runs in memory, which after "
-        "a run of 5 s or more cost no more than it did, and from runs on coarser meshes where "
-        "these cost less than a quarter of it; mesh: these whatever they cost; full: all of them",
+        "errors of watched channels; auto: from one or two further runs in memory, which after a "
+        "run of 5 s of CPU or more cost no more than it did, and from runs on coarser meshes where "
+        "these cost less than a quarter of it; mesh: coarser meshes at any cost; full: all runs "
+        "at any cost",
         "auto",
     )
     spectral_radius: float = quantity(
         "1",
-        "share of a vibration too fast for the step that a step of generalized_alpha leaves",
+        "of generalized_alpha: ratio of amplitudes after and before a step, of vibrations too fast "
+        "for the step",
         0.7,
         ge=0,
         le=1,
@@ -70,11 +73,14 @@ class Control(Card):
     step: float | Literal["auto"] = quantity(
         "s", "time step; auto: from the stiffest active spring and contact", "auto", gt=0
     )
-    safety: float = quantity("1", "automatic step over the critical one", 0.1, gt=0, le=1)
+    safety: float = quantity("1", "automatic step over the critical step", 0.1, gt=0, le=1)
     step_max: float | None = quantity("s", "largest automatic step", None, gt=0)
     step_min: float | None = quantity("s", "the run stops below this step", None, gt=0)
     onset_tolerance: float | None = quantity(
-        "m", "largest first penetration of a contact; longer steps are split", None, gt=0
+        "m",
+        "largest penetration in the first step of a contact; longer steps are split",
+        None,
+        gt=0,
     )
     energy_limit: float | Literal["off"] = quantity(
         "1", "the run stops beyond this energy error over the largest energy", 0.05, gt=0
@@ -82,50 +88,50 @@ class Control(Card):
     constraint_tolerance: float = quantity(
         "1", "error of the constraints over the size of the model", 1e-10, gt=0
     )
-    check_every: int = word("steps between two looks at energy and constraints", 100, ge=1)
+    check_every: int = word("steps between checks of energy and constraints", 100, ge=1)
     solution: Literal["transient", "quasi_static"] = word(
         "transient: motion; quasi_static: equilibria under the loads of each moment", "transient"
     )
     steps: int = word(
-        "of quasi_static, equal load steps, sampled each; output.history.interval goes before; "
-        "loads without a curve act from the start; of a path by arc_length, steps for the length "
-        "that the first stiffness would give",
+        "of quasi_static: number of equal load steps, each a sample; output.history.interval takes "
+        "precedence; loads without a curve act from the start; of path arc_length: steps for the "
+        "length that the initial stiffness would give",
         default=10,
         ge=1,
     )
     path: Literal["load", "arc_length"] = word(
-        "of quasi_static, load: the load of each moment, until a limit point; arc_length: along "
-        "the path of equilibria through limit points, where the load falls, until the loads and "
-        "motions of end_time are reached; times of its results count the length of the path",
+        "of quasi_static; load: equilibria under the loads of each moment, up to a limit point; "
+        "arc_length: along the path of equilibria through limit points, where the load falls, "
+        "until the loads and motions of end_time are reached; times of its results are lengths of "
+        "the path",
         "load",
     )
     path_length: float = quantity(
         "1",
-        "of arc_length, longest path over the length that the first stiffness would give",
+        "of arc_length: longest path over the length that the initial stiffness would give",
         10.0,
         ge=1,
         le=1e4,
     )
 
     threads: int | None = word(
-        "that share explicit steps of shells and their contacts, and of rigid contacts of many "
-        "pairs, between 1000 elements or more, both sides together; with results that are the same "
-        "to the last bit; when absent, 1, and with shells the cores that a job was given "
-        "(SLURM_CPUS_PER_TASK)",
+        "number of threads for explicit steps of shells and their contacts, and of rigid contacts "
+        "with 1000 elements or more on both sides together; results have the same bits for any "
+        "number; when absent 1, and with shells the cores of the job (SLURM_CPUS_PER_TASK)",
         default=None,
         ge=1,
         le=MOST_THREADS,
     )
 
     resolve: bool = word(
-        "whether steps of dormand_prince methods also keep to the stable step of every spring, "
-        "to turns of 0.7 rad and to a fortieth of the run, whatever their error is over the "
-        "model's size and speed; the default does",
+        "true: steps of dormand_prince methods are also limited to the stable step of every "
+        "spring, to rotations of 0.7 rad and to a fortieth of the run, whatever their estimated "
+        "error; the default integrator does so",
         False,
     )
 
     start: Literal["as_given", "equilibrium"] = word(
-        "equilibrium: positions are moved first to where nothing accelerates the bodies at rest",
+        "equilibrium: the run begins from a static equilibrium, found from the positions given",
         "as_given",
     )
 
@@ -150,13 +156,13 @@ class Control(Card):
             self._leaves_the_choice()
         if self.solution == "quasi_static" and (self.accuracy or self.integrator != "rattle"):
             what = "accuracy" if self.accuracy else "integrator"
-            raise ValueError(f"{what}: solution quasi_static finds equilibria and needs none")
+            raise ValueError(f"{what}: solution quasi_static finds equilibria; leave {what} out")
         if self.solution == "quasi_static" and self.end_time == self.start_time:
             raise ValueError("end_time: must come after start_time for a load step to fit between")
         if self.path == "arc_length" and self.solution != "quasi_static":
-            raise ValueError("path: arc_length is one of equilibria; say solution: quasi_static")
+            raise ValueError("path: arc_length is for equilibria; say solution: quasi_static")
         if self.threads and self.threads > 1 and not self.is_explicit:
-            raise ValueError("threads: share explicit steps only; say integrator: rattle")
+            raise ValueError("threads: only explicit steps are shared; say integrator: rattle")
         return self
 
     @property
@@ -181,9 +187,9 @@ class Control(Card):
         found = {}
         is_static = self.solution == "quasi_static"
         if is_static:
-            found["step"] = "solution quasi_static has load steps, by steps"
+            found["step"] = "solution quasi_static has load steps, see `steps`"
         elif self.integrator == "rattle":
-            found["tolerance"] = "steps of rattle are not chosen by their error, but by safety"
+            found["tolerance"] = "steps of rattle are chosen by safety, not by their error"
         if is_static:
             found["start"] = "solution quasi_static begins in equilibrium"
         if is_static or self.integrator not in ("generalized_alpha", "auto"):
@@ -193,7 +199,7 @@ class Control(Card):
         if not is_static:
             found["steps"] = "it belongs to solution quasi_static"
         elif has_interval:
-            found["steps"] = "output.history.interval goes before"
+            found["steps"] = "output.history.interval takes precedence"
         if not self.follows_path:
             found["path_length"] = "it belongs to path arc_length"
         return found
@@ -204,7 +210,7 @@ class Control(Card):
             chosen = "tolerance" if self.tolerance else "step"
             raise ValueError(f"{chosen}: is chosen by the accuracy; give one of the two")
         if self.estimate == "off":
-            raise ValueError("estimate: an accuracy cannot be kept without")
+            raise ValueError("estimate: must not be off, as an accuracy needs error estimates")
 
 
 def cores_given() -> int:

@@ -18,7 +18,9 @@ VIEWS = ("auto", "side", "front", "rear", "top", "bottom", "iso")
 class History(Card):
     """Time histories of all channels."""
 
-    interval: float | None = quantity("s", "time between samples; a 1000th of the run", None, gt=0)
+    interval: float | None = quantity(
+        "s", "time between samples; a 1000th of the run when absent", None, gt=0
+    )
 
 
 class States(Card):
@@ -26,8 +28,8 @@ class States(Card):
 
     interval: float | None = quantity(
         "s",
-        "time between states, and then at no others; a 50th of the run, and states at the first "
-        "touch of another contact, the largest contact force and the first yield",
+        "time between states, without any others; when absent a 50th of the run, with states at "
+        "the first touch of another contact, the largest contact force and the first yield too",
         None,
         gt=0,
     )
@@ -42,7 +44,9 @@ class Restart(Card):
 class Log(Card):
     """Lines about the progress of the run."""
 
-    interval: float | None = quantity("s", "time between lines; a 20th of the run", None, gt=0)
+    interval: float | None = quantity(
+        "s", "time between lines; a 20th of the run when absent", None, gt=0
+    )
 
 
 class Curve(Card):

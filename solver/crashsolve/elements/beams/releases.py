@@ -26,7 +26,7 @@ class End(Card):
     bar: int = word("number of the bar, from 1", ge=1)
     point: int = word("number of the point at this end", ge=1)
     free: tuple[OneAxis, ...] = word(
-        "rotates about the bar's axes that pass no moment; x along the bar", default=()
+        "rotations about the bar's axes without a moment; x along the bar", default=()
     )
     offset: Vec3 = quantity(
         "m", "from the point to the bar's end, world axes", default=(0.0, 0.0, 0.0)

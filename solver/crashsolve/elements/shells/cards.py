@@ -27,15 +27,15 @@ Motion = Literal["x", "y", "z", "rotation_x", "rotation_y", "rotation_z"]
 class NamedNode(Card):
     """A node that is a body of the deck, for joints, loads, contacts, sensors and channels."""
 
-    name: NewName = word("the body is called P_name in part P")
-    at: Vec3 = quantity("m", "position; the nearest node is meant")
+    name: NewName = word("name; the body is called P_name in part P")
+    at: Vec3 = quantity("m", "position; the nearest node is taken")
 
 
 class Trace(Card):
     """A position whose history is written."""
 
     name: NewName = word("in channels P_name, for part P")
-    at: Vec3 = quantity("m", "position; the nearest node or element is meant")
+    at: Vec3 = quantity("m", "position; the nearest node or element is taken")
 
 
 class SectionCut(Card):
@@ -50,7 +50,7 @@ class Support(Card):
     """Motions that the nodes of a set do not make."""
 
     nodes: SetName = word("set of nodes of the mesh")
-    motions: tuple[Motion, ...] = word("along and about world axes", default=MOTIONS)
+    motions: tuple[Motion, ...] = word("suppressed, along and about world axes", default=MOTIONS)
 
 
 class Weld(Card):
@@ -100,16 +100,19 @@ class ShellCard(Damped):
     mesh: Card = Law("meshes", "positions of the nodes, elements, sets of nodes")
     thickness: float = quantity("m", "t", gt=0)
     element: Literal["reduced", "fully_integrated", "triangles"] = word(
-        "quadrilaterals with one point in their plane, or 2 by 2, or each cut into two triangles",
+        "quadrilaterals with one integration point in the plane, or 2 by 2, or each cut into two "
+        "triangles",
         default="reduced",
     )
     material: MaterialName = word("what it is made of")
-    layers: int = word("points through the thickness", default=5, ge=1, le=MOST_LAYERS)
-    rule: Literal["gauss", "lobatto"] = word("where they lie; lobatto: at the faces too", "gauss")
+    layers: int = word("integration points through the thickness", 5, ge=1, le=MOST_LAYERS)
+    rule: Literal["gauss", "lobatto"] = word(
+        "positions of these points; lobatto: at the faces too", "gauss"
+    )
     thinning: bool = word("the thickness follows the strain", default=False)
-    nodes: tuple[NamedNode, ...] = word("nodes that are bodies", default=())
+    nodes: tuple[NamedNode, ...] = word("nodes that are bodies of the deck", default=())
     supports: tuple[Support, ...] = word("supports", default=())
-    welded: tuple[Weld, ...] = word("nodes without a motion of their own", default=())
+    welded: tuple[Weld, ...] = word("nodes that move with a body", default=())
     traces: tuple[Trace, ...] = word("nodes with a history: nodout.P_name", default=())
     gauges: tuple[Trace, ...] = word("elements with a history: elout.P_name", default=())
     section_cuts: tuple[SectionCut, ...] = word(

@@ -145,7 +145,7 @@ def _points(found: Any) -> np.ndarray:
         points = np.hstack([points, np.zeros((len(points), 1))])
     wrong = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if len(wrong):
-        raise MeshFileError(f"point {wrong[0]} (counted from 0) is at no finite place")
+        raise MeshFileError(f"point {wrong[0]} (counted from 0) is at no finite position")
     return points
 
 

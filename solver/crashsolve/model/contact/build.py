@@ -118,8 +118,8 @@ def _add_card(
             if {some_a[0].shape, some_b[0].shape} & LEAN:
                 if _torsion_radius(card) is not None:
                     raise scene.fail(
-                        "is for rigid shapes: points and faces of shells resist a spin by being "
-                        "many",
+                        "is for rigid shapes; leave it out: friction at many points of a shell "
+                        "resists a spin without it",
                         "torsion_radius",
                     )
                 for a, b in product(some_a, some_b):
@@ -174,7 +174,7 @@ def gap_routine(a: Surface, b: Surface, scene: Scene) -> tuple[Any, bool]:
             check_law(module)
             return module, swapped
     raise scene.fail(
-        f"no gap between a {a.entry.type} ('{a.entry.name}') and a {b.entry.type} "
+        f"there is no contact between a {a.entry.type} ('{a.entry.name}') and a {b.entry.type} "
         f"('{b.entry.name}'); give one of them another shape",
         "b",
     )
