@@ -253,7 +253,7 @@ def test_a_dump_of_another_deck_is_refused_with_the_names_of_what_differs(
     assert "they differ in bodies.hammer.mass; run without --restart" in refused.stderr
     back = crashsolve(mechanism, "-o", tmp_path, "--restart", "--until", "0.05")
     assert back.returncode == 2
-    assert "control.end_time: 0.05 s lies before the dump, 0.1 s; say a later time" in back.stderr
+    assert "control.end_time: 0.05 s lies before the dump, 0.1 s; give a later time" in back.stderr
     alone = crashsolve(mechanism, "-o", tmp_path, "--until", "0.2")
     assert (alone.returncode, "--until: error: goes on from a dump" in alone.stderr) == (2, True)
 
