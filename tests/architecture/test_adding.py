@@ -32,6 +32,7 @@ def test_a_walk_ends_where_the_page_says(copy: Copy, walk: str, tmp_path: Path) 
     assert reported.returncode == 0, reported.stdout
 
 
+@pytest.mark.long
 def test_a_new_method_has_the_order_that_the_page_says(tmp_path: Path) -> None:
     # a copy of its own: the walk may have been tried by another process, or be tried later
     copy = Copy(tmp_path / "copy")

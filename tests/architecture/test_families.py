@@ -100,6 +100,7 @@ def test_a_run_goes_on_from_its_dump_to_the_same_bits(home: Path, tmp_path: Path
             assert np.array_equal(one[name], other[name]) and len(one[name]) == 21
 
 
+@pytest.mark.long
 def test_the_contract_tests_ask_about_it(home: Path) -> None:
     """Deck, card, kernels, layer, balance, energy, tangents: the tests are those of all laws."""
     tests = home / "tests"

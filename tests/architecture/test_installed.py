@@ -82,7 +82,7 @@ def test_an_example_is_printed_or_written_with_what_it_includes(tmp_path: Path) 
     listed = crashsolve("example").stdout
     assert "tutorial/bouncing_ball" in listed and "A ball falls on a floor and rebounds" in listed
     # what others include is no example by itself
-    assert "shared" not in listed
+    assert "/shared/" not in listed and "\nshared/" not in listed
     printed = crashsolve("example", "tutorial/bouncing_ball")
     path = ROOT / "decks" / "tutorial" / "bouncing_ball.yaml"
     assert (printed.stdout, printed.stderr) == (path.read_text("utf-8"), "")

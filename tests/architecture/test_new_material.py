@@ -102,6 +102,7 @@ def run_as_expected(
     assert crashpost(["expect", str(folder)]) == 0, capsys.readouterr().out
 
 
+@pytest.mark.long
 def test_all_elements_bear_its_stress_at_rest(
     home: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -131,7 +132,10 @@ def test_all_elements_bear_its_stress_at_rest(
     "control",
     [
         "{end_time: 2e-3, integrator: rattle, safety: 0.5, estimate: off}",
-        "{end_time: 2e-3, integrator: generalized_alpha, step: 2e-5, estimate: off}",
+        pytest.param(
+            "{end_time: 2e-3, integrator: generalized_alpha, step: 2e-5, estimate: off}",
+            marks=pytest.mark.long,
+        ),
     ],
     ids=["explicit", "implicit"],
 )

@@ -99,7 +99,7 @@ def test_names_of_cuts_are_names(tmp_path: Path) -> None:
 def test_numbers_that_no_machine_reckons_with(thickness: str, tmp_path: Path) -> None:
     text = SHELL.replace("1000000]", "4]").replace("NU", "4").replace("MORE", "")
     found = refusal(tmp_path, text.replace("THICK", thickness))
-    assert "too large or too small to reckon with" in found
+    assert "too large or too small to compute with" in found
 
 
 def test_no_text_makes_a_line_of_its_own_in_the_log(tmp_path: Path) -> None:

@@ -109,7 +109,9 @@ def test_a_helix_is_a_straight_line_on_the_cylinder_unrolled() -> None:
     assert leaves[2] == pytest.approx((B[2] - A[2]) / np.hypot(plane, B[2] - A[2]), rel=1e-12)
 
 
-@pytest.mark.parametrize("surface", ["ball", "egg", "roll"])
+@pytest.mark.parametrize(
+    "surface", ["ball", *(pytest.param(s, marks=pytest.mark.long) for s in ("egg", "roll"))]
+)
 def test_length_and_force_are_continuous_across_the_silhouette(
     tmp_path: Path, surface: str
 ) -> None:

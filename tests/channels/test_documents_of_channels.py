@@ -40,6 +40,7 @@ def test_the_examples_of_the_python_page_are_what_python_says(
     assert runner.failures == 0, "".join(reported)
 
 
+@pytest.mark.long
 def test_a_new_statistic_is_one_file_that_deck_and_commands_know(tmp_path: Path) -> None:
     """The file, the deck and the commands of the page, with a copy of the package."""
     (statistic,), (deck,) = blocks(CHANNELS, "python"), blocks(CHANNELS, "yaml")

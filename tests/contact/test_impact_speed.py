@@ -25,7 +25,7 @@ LAWS = (
     "exact_restitution",
 )
 K, N, MASS = 1e6, 1.5, 1.0
-FLOORED = "pressed on below their speed_floor"
+FLOORED = "loaded below their speed_floor"
 
 
 def law(folder: Path, name: str, e: float = 0.5) -> Contact:

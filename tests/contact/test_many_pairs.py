@@ -89,6 +89,7 @@ def two(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     return deck, folder / "two"
 
 
+@pytest.mark.long
 def test_all_contacts_of_the_scene_touch_and_their_pairs_are_many(two: tuple[Path, Path]) -> None:
     found = results(two[1])
     assert (found["history.h5:rcforc/peak_normal"].max(axis=0) > 0.0).all()
@@ -103,9 +104,8 @@ def test_all_contacts_of_the_scene_touch_and_their_pairs_are_many(two: tuple[Pat
 
 
 # beyond two, more than this machine has cores
-@pytest.mark.parametrize(
-    "threads", [1, *(pytest.param(n, marks=pytest.mark.long) for n in (3, 4, 8))]
-)
+@pytest.mark.parametrize("threads", [1, 3, 4, 8])
+@pytest.mark.long
 def test_any_number_of_threads_gives_the_same_bits(
     two: tuple[Path, Path], threads: int, tmp_path: Path
 ) -> None:
@@ -115,7 +115,8 @@ def test_any_number_of_threads_gives_the_same_bits(
     assert differences(tmp_path, folder) == []
 
 
-@pytest.mark.parametrize("threads", [1, pytest.param(3, marks=pytest.mark.long)])
+@pytest.mark.parametrize("threads", [1, 3])
+@pytest.mark.long
 def test_another_number_of_threads_goes_on_from_a_dump_to_the_same_bits(
     two: tuple[Path, Path], threads: int, tmp_path: Path
 ) -> None:
@@ -124,6 +125,7 @@ def test_another_number_of_threads_goes_on_from_a_dump_to_the_same_bits(
     assert "with other control.threads" in gone_on(other, two[1], tmp_path / "again")
 
 
+@pytest.mark.long
 def test_threads_stop_at_a_signal_and_go_on(two: tuple[Path, Path], tmp_path: Path) -> None:
     deck, folder = two
     # on a busy machine the run may end before the signal is sent: then try again
@@ -142,6 +144,7 @@ def test_threads_stop_at_a_signal_and_go_on(two: tuple[Path, Path], tmp_path: Pa
     assert differences(tmp_path / "cut", folder) == []
 
 
+@pytest.mark.long
 def test_a_run_out_of_balance_stops_any_number_of_threads_alike(
     two: tuple[Path, Path], tmp_path: Path
 ) -> None:
@@ -181,8 +184,8 @@ def after(deck: str, steps: int, threads: int) -> tuple[Any, list[str]]:
     return engine.state, [stiffest(engine, at) for at in range(1, len(model.bodies))]
 
 
-# two of the battery in the suite: sides that keep their faces, and friction with a history
-FEW = ("verification/contact/kept_face", "verification/friction/bristle")
+# of the battery in the suite: friction with a history
+FEW = ("verification/friction/bristle",)
 
 
 @pytest.mark.parametrize(

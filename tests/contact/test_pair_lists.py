@@ -127,6 +127,7 @@ def _rows(group: Any, current: int) -> Any:
 
 
 @pytest.mark.xdist_group("runs")
+@pytest.mark.long
 def test_a_searched_run_has_the_bits_of_one_that_looks_at_all_pairs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

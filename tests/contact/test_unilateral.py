@@ -137,7 +137,10 @@ def test_nodes_that_begin_inside_are_refused(tmp_path: Path) -> None:
     path.write_text(yaml.safe_dump({"control": {"end_time": 1}} | inside), "utf-8")
     done = crashsolve(path, "-o", tmp_path / "out", CRASHSOLVE_PLAIN="1")
     assert done.returncode == 2
-    assert "begins 0.01 m deep, nodes that are held must not begin inside" in done.stderr
+    assert (
+        "begins 0.01 m deep, but nodes of a unilateral constraint must not begin inside"
+        in done.stderr
+    )
 
 
 def test_a_step_without_captures_has_no_word_of_them(tmp_path: Path) -> None:

@@ -211,6 +211,7 @@ def test_a_smaller_tolerance_gives_a_smaller_error(method: str, tmp_path: Path) 
 
 
 @EITHER
+@pytest.mark.long
 def test_stiff_bushings_become_hinges_at_steps_of_the_motion(method: str, tmp_path: Path) -> None:
     hinged = run(tmp_path, HINGES, 0.5, integrator="dormand_prince_8", tolerance=1e-10)
     previous = np.inf

@@ -86,7 +86,7 @@ def test_velocities_at_which_nothing_moves_are_refused(tmp_path: Path, field: st
     deck.write_text(
         f"control: {{end_time: 1}}\nbodies: {{b: {{mass: 1, inertia: [1, 1, 1], {field}}}}}\n"
     )
-    with pytest.raises(DeckErrors, match="velocity: is more than 1e.12 .*look at powers and units"):
+    with pytest.raises(DeckErrors, match="velocity: is more than 1e.12 .*check powers and units"):
         build(read_deck(deck))
 
 

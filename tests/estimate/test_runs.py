@@ -215,7 +215,7 @@ def test_an_accuracy_of_nothing_but_the_run_itself_is_refused(tmp_path: Path) ->
     words = ["--set", "control.step=auto", "--set", "control.accuracy=1e-4"]
     done = crashsolve(deck, "-o", tmp_path, *words, CRASHSOLVE_PLAIN="1")
     assert done.returncode == 2
-    assert "every watched channel is a measure of the run's errors itself" in done.stderr
+    assert "every watched channel is itself a measure of the run's errors" in done.stderr
 
 
 def test_a_stop_while_errors_are_estimated_keeps_the_finished_run(tmp_path: Path) -> None:

@@ -268,7 +268,7 @@ WRONG = {
     "calls itself": ("x = infinite(number)", "infinite calls itself"),
     "too many arguments": ("x = twice(1, 2)", "twice takes 1, not 2"),
     "names": ("x, y = (1, 2, 3)", "3 values for 2 names"),
-    "keywords": ("x = twice(x=1.0)", "arguments by place"),
+    "keywords": ("x = twice(x=1.0)", "arguments by position"),
     "a whole row": ("scene.table[0] = 1.0", "kernels write numbers"),
     "an unknown word": ("del number", "kernels have no Delete"),
     "a text": ("x = 'word'", "a kernel cannot use 'word'"),

@@ -101,7 +101,7 @@ def test_an_angle_beyond_the_curve_stops_the_run(tmp_path: Path) -> None:
     deck.write_text(yaml.safe_dump({"control": control} | known, sort_keys=False), "utf-8")
     done = crashsolve(deck, "-o", tmp_path / "out")
     assert done.returncode == 4
-    reported = r"hinge 'rotor': deformed to 0\.0\d+, beyond what it is known for, 0\.0473333"
+    reported = r"hinge 'rotor': deformed to 0\.0\d+, beyond the end of its curve, 0\.0473333"
     assert re.search(reported, done.stdout + done.stderr)
 
 

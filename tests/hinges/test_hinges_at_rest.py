@@ -86,6 +86,7 @@ loads:
 """
 
 
+@pytest.mark.long
 def test_loads_lead_to_the_limit_load_and_no_further(tmp_path: Path) -> None:
     """A weight lets a column fall as soon as its foot yields, at M / h."""
     last, none = collapse(engine(tmp_path, COLUMN))
@@ -113,6 +114,7 @@ loads: {p: {type: force, body: bar_tip, force: [0, 0, 750], curve: rise}}
 """
 
 
+@pytest.mark.long
 def test_segments_bear_their_limit_load_and_no_more(tmp_path: Path) -> None:
     """600 N m at the middle of the first fourth: 600 / (7 / 8) N."""
     last, none = collapse(engine(tmp_path, SEGMENTS))
@@ -214,7 +216,7 @@ def test_where_two_hinges_would_fold_alike_the_run_stops(
 ) -> None:
     """Either may go on, so none is chosen, however long the steps."""
     found = engine(tmp_path, two_folds(share))
-    reported = "hinge 'end' and hinge 'fold': either of them may go on .* make one of them a little"
+    reported = "hinge 'end' and hinge 'fold': any one of them may go on .* make one of them"
     with pytest.raises(SolverError, match=reported):
         for k in range(steps):
             found.reach((k + 1) / steps)

@@ -53,7 +53,7 @@ def test_a_sensor_of_such_a_joint_is_doubted_too(tmp_path: Path) -> None:
 def test_other_channels_of_the_same_door_are_not_doubted(tmp_path: Path) -> None:
     said, _ = run(tmp_path, "rbdout.door.angular_velocity.z", "revolute", "revolute", AXIS)
     assert WORDS not in said
-    assert "split of a force is arbitrary" in said
+    assert "share of a force is arbitrary" in said
 
 
 def test_a_door_without_redundant_rows_is_not_doubted(tmp_path: Path) -> None:

@@ -56,7 +56,7 @@ FULL_TURN = {"joint": "revolute", "drive": "type: rotation_driver, joint: rail"}
 
 
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("words", [SLIDE, POINT])
+@pytest.mark.parametrize("words", [SLIDE, pytest.param(POINT, marks=pytest.mark.long)])
 def test_a_measured_acceleration_gives_its_velocity_and_stroke(
     method: str, words: dict[str, str], tmp_path: Path
 ) -> None:

@@ -80,7 +80,10 @@ def test_its_power_is_what_it_stores_and_loses(make: Make, name: str) -> None:
     assert met >= 5 and free >= 5
 
 
-@pytest.mark.parametrize("name", ["cone", "cone of a table", "twist"])
+@pytest.mark.parametrize(
+    "name",
+    ["cone of a table", *(pytest.param(n, marks=pytest.mark.long) for n in ("cone", "twist"))],
+)
 def test_a_closed_excursion_does_no_work(make: Make, name: str) -> None:
     """The work along a path of small turns, by the mean torque of both ends of each."""
     law = make(RANGES[name].replace("damping: 2", "damping: 0"))
@@ -251,6 +254,7 @@ def test_a_range_that_cannot_be_meant_is_refused(make: Make, message: str) -> No
         make(WRONG[message])
 
 
+@pytest.mark.long
 def test_a_method_keeps_its_order_through_a_stop(tmp_path: Path) -> None:
     # out of the cone, into the stop, back through the pole: moment and stiffness have no jump
     scene = {

@@ -111,6 +111,7 @@ def test_index_is_complete_after_close_and_whole_before(tmp_path: Path) -> None:
     assert index_times(tmp_path) == [list(map(float, range(20)))] * len(BLOCKS)
 
 
+@pytest.mark.long
 def test_kill_at_random_moments_leaves_a_true_index(tmp_path: Path) -> None:
     dice = random.Random(7)
     seen = 0

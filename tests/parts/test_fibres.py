@@ -246,7 +246,7 @@ REFUSED = {
         "control: {",
         "bodies: {hub: {mass: 1, inertia: [1, 1, 1], welded: [s_start]}}\n"
         "control: {solution: quasi_static, ",
-        "a quasi-static solution with shells or fibre beams has no welded nodes, but joints",
+        "a quasi-static solution with shells or fibre beams has no welded nodes; take a joint",
     ),
     "aside": (
         RECTANGLE,

@@ -244,11 +244,11 @@ SIX: list[list[float]] = [[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0],
 WRONG = {
     "duplicate": (
         listed([*SIX, [1, 0, 0], [1, 1, 0]], [[1, 2, 5, 4], [7, 3, 6, 8]]),
-        "nodes 2 and 7 lie in one position (1, 0, 0) m; merge them",
+        "nodes 2 and 7 are both at (1, 0, 0) m; merge them",
     ),
     "inverted": (
         listed(SIX, [[1, 2, 5, 4], [2, 5, 6, 3]]),
-        "elements 1 and 2 face opposite ways",
+        "elements 1 and 2 have opposite normals",
     ),
     "unconnected": (
         listed([*SIX, [5, 0, 0], [6, 0, 0], [6, 1, 0], [5, 1, 0]], [[1, 2, 5, 4], [7, 8, 9, 10]]),
@@ -259,7 +259,7 @@ WRONG = {
             [SIX[0], SIX[1], SIX[4], SIX[3], [5, 0, 0], [6, 0, 0], [6, 1, 0], [5, 1, 0]],
             [[1, 2, 3, 4], [5, 6, 7, 8]],
         ),
-        "is disjoint, in 2 parts: no way leads from node 1 to node 5; make two parts of it",
+        "is disjoint, in 2 parts: no elements connect node 1 with node 5; make two parts of it",
     ),
     "crossed": (
         listed([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], [[1, 2, 3, 4]]),

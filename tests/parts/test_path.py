@@ -147,7 +147,7 @@ def test_it_says_that_the_path_ends_at_its_length(tmp_path: Path) -> None:
     code, result, _ = ran(tmp_path, text)
     assert code == 0
     assert series(result, "glstat.model.load_factor")[-1] < 1.0
-    assert "before these loads" in result.log
+    assert "before it reached the loads of end_time" in result.log
 
 
 def test_a_path_is_gone_on_with_after_a_dump(tmp_path: Path) -> None:
@@ -163,11 +163,11 @@ def test_a_path_is_gone_on_with_after_a_dump(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("solution: quasi_static, ", "", "path: arc_length is one of equilibria"),
+        ("solution: quasi_static, ", "", "path: arc_length is for equilibria"),
         ("steps: 10", "steps: 10, path_length: 0.5", "path_length"),
         ("path: arc_length", "path: riks", "path"),
         (", extrapolate: linear", "", "outside its range 0 to 1; extend the curve"),
-        (", curve: rise", "", "needs a load or a motion with a curve"),
+        (", curve: rise", "", "needs a load or a driver with a curve"),
     ],
 )
 def test_what_is_no_path_is_refused(tmp_path: Path, old: str, new: str, message: str) -> None:

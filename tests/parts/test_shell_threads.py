@@ -280,7 +280,7 @@ WRONG = {
     "threads: 2, end": ("threads: 1.5, end", "control: threads: must be a whole number"),
     "{threads: 2,": (
         "{threads: 2, integrator: generalized_alpha, step: 1e-5,",
-        "threads: share explicit steps only; say integrator: rattle",
+        "threads: only explicit steps are shared; say integrator: rattle",
     ),
     DECK[DECK.index("parts:") :]: (
         "",

@@ -370,7 +370,7 @@ WRONG = {
     "to: B, side: [1, 0, 0]": ("to: E, side: [1, 0, 0]", "unknown point 'E'; (points: A, B, C, D)"),
     "from: A, to: B": ("from: B, to: B", "begins and ends in one position"),
     "section: tube": ("divisions: 3", "has no section; give it one"),
-    "side: [0, 0, 1]": ("damping: 0", "bends more easily one way"),
+    "side: [0, 0, 1]": ("damping: 0", "I_y and I_z that differ"),
     "divisions: 12": ("divisions: 0", "divisions: must be at least 1, not 0"),
     "{name: D, at: [0.9, 0.8, 0.3], joint: 0.1}": (
         "{name: D, at: [0.9, 0.8, 1.24]}",
@@ -386,7 +386,7 @@ WRONG = {
         "crosses the member from 'A' to 'B' between their points, and is not joined to it",
     ),
     "joint: 0.1": ("joint: 0", "joint: must be greater than 0"),
-    "from: C, to: D, side": ("from: A, to: B, name: D, side", "is member 1 once more"),
+    "from: C, to: D, side": ("from: A, to: B, name: D, side", "repeats member 1"),
     "material: steel": ("material: soft", "hinges need one of type elastoplastic"),
     "name: beam": ("name: beam, section: rod, deformation: shells", "is no closed thin wall"),
     "density: 7850, yield": ("density: 7850, hardening: 1e9, yield", "hardens, and hinges do not"),

@@ -303,7 +303,7 @@ def test_gap_crush_and_injury_come_by_default(tmp_path: Path) -> None:
     for title in (
         "Bag: contact force",
         "Bag: smallest gap",
-        "Contact force over depth",
+        "Contact force over penetration",
         "Driver head: acceleration",
     ):
         assert title in titles
@@ -357,7 +357,7 @@ def test_the_load_criterion_of_a_constant_deceleration() -> None:
     # chords of samples 0.05 ms apart: second order, 1e-6 of the times
     assert (start, end) == pytest.approx((free, free + held), rel=1e-4)
     assert value == pytest.approx(a * (free + held) / held, rel=1e-4)
-    with pytest.raises(PostError, match="flies on by 65 mm"):
+    with pytest.raises(PostError, match="moves freely by 65 mm"):
         pulse.load_criterion(time, -0.1 * time)
 
 

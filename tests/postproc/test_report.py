@@ -346,7 +346,7 @@ def test_the_page_says_errors_and_cost(tmp_path: Path) -> None:
     unknown = {"channel": "a.b.c", "statistic": "final", "value": 1.0, "error": None, "scale": 2.0}
     write_status(
         tmp_path,
-        watched=[entry, unknown | {"how": "not estimated: no other run took other steps"}],
+        watched=[entry, unknown | {"how": "not estimated: no further run took different steps"}],
         rejected=7,
         average_step={"before": 1e-3, "during": 2e-5, "after": None},
         cpu_stages={"steps": 0.25},

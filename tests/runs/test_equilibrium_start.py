@@ -150,5 +150,5 @@ parts:
     thickness: 0.01
     material: m
 """
-    with pytest.raises(RunFailed, match="the model has shells"):
+    with pytest.raises(RunFailed, match="does not move the nodes of shells"):
         solved(tmp_path, text)

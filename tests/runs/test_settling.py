@@ -22,7 +22,7 @@ surfaces: {{a: {{type: box, body: a, size: [0.2, 0.2, 0.2]}}, f: {{type: plane}}
 contacts: {{c: {{a: [a], b: [f], normal: {{type: hertz, stiffness: 1.0e+8}}}}}}
 loads: {{g: {{type: gravity}}}}
 """
-ADVICE = "contact 'c' begins without any depth"
+ADVICE = "contact 'c' begins without penetration"
 
 
 @pytest.mark.parametrize(

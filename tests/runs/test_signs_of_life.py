@@ -58,7 +58,7 @@ CAUSES = {
     ),
     "a fast turn": (
         {"k": "1", "motion": "angular_velocity: [0, 0, 1e3]"},
-        "body 'block', it turns at 1e+03 rad/s",
+        "body 'block', rotation at 1e+03 rad/s",
     ),
     "samples": ({"k": "1"}, "samples"),
     "the longest step": ({"k": "1", "control": "step_max: 1e-4"}, "control.step_max"),
@@ -147,7 +147,7 @@ def test_a_collapse_of_the_step_is_reported_once() -> None:
         said.append(watch.look(now, cycle))
     # the first look only takes note of the start
     assert [bool(text) for text in said] == [False, False, False, True, False]
-    assert "the step has fallen from 0.001 s to 9e-07 s" in said[3]
+    assert "the average step has fallen from 0.001 s to 9e-07 s" in said[3]
 
 
 LANDING = """

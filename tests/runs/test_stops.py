@@ -14,10 +14,11 @@ from crashpost.results.result import Result
 
 HERE = Path(__file__).parent
 OSCILLATOR = HERE / "oscillator.yaml"
-SHORTER = "take a shorter step: a smaller control.safety, or a smaller control.step"
+SHORTER = "take a shorter step: reduce control.safety or control.step"
 FOLDED = (
-    "what a spring or beam element ties it to; half a turn is the end of what these know: take "
-    "more elements or segments; let a joint turn freely, with springs of its own"
+    "relative to the body at the other end of a spring or beam element; such an element is valid "
+    "for relative rotations below 3 rad: take more elements or segments; where parts rotate "
+    "freely, take a joint with springs of its own"
 )
 STOPS = {
     "long_step": (
@@ -26,7 +27,7 @@ STOPS = {
     ),
     "small_step": (
         "t = 0.000125 s, cycle 1, body 'block': the step has collapsed to 0.000141 s; "
-        "look for a stiffness far too large, or a mass far too small, on this body"
+        "look for a stiffness that is far too large, or a mass that is far too small, on this body"
     ),
     "curve_end": (
         "t = 0.501 s, cycle 501, curve 'push': read at 0.501, outside its range 0 to 0.5; "
@@ -38,15 +39,14 @@ STOPS = {
         f"{SHORTER}; or remove a joint"
     ),
     "fast_spin": (
-        "t = 0.01 s, cycle 1, body 'rotor': it turns by 10 rad in a step of 0.01 s; angles are "
-        "counted in steps of a quarter of a turn: below 0.00157 s"
+        "t = 0.01 s, cycle 1, body 'rotor': it rotates by 10 rad in a step of 0.01 s; angles are "
+        "counted in steps of less than a quarter of a revolution: take steps below 0.00157 s"
     ),
     "folded_bushing": (
-        f"t = 0.564 s, cycle 141, body 'wheel': it is turned by 3.03 rad against {FOLDED}"
+        f"t = 0.564 s, cycle 141, body 'wheel': it has rotated by 3.03 rad {FOLDED}"
     ),
     "folded_beam": (
-        "t = 0.0142105 s, cycle 1132, body 'rod_1, node rod_end': it is turned by 3 rad against "
-        f"{FOLDED}"
+        f"t = 0.0142105 s, cycle 1132, body 'rod_1, node rod_end': it has rotated by 3 rad {FOLDED}"
     ),
 }
 
@@ -124,7 +124,8 @@ def test_a_motion_that_is_not_finite_stops_the_run_and_reaches_no_file(tmp_path:
     deck = HERE / "stops" / "long_step.yaml"
     done = crashsolve(deck, "-o", tmp_path, "--set", "limit=1e9", CRASHSOLVE_PLAIN="1")
     assert done.returncode == 4
-    message = "t = 0.6 s, cycle 60, body 'block': its motion has grown beyond all bounds; "
+    message = "t = 0.6 s, cycle 60, body 'block': its motion has diverged: positions or "
+    message += "velocities are no finite numbers; "
     judge(tmp_path, 4, message + SHORTER)
     assert_finite(tmp_path)
 
@@ -133,7 +134,7 @@ def test_joints_that_do_not_fit_are_an_error_of_the_deck(tmp_path: Path) -> None
     deck = HERE / "stops" / "inconsistency.yaml"
     done = crashsolve(deck, "-o", tmp_path, CRASHSOLVE_PLAIN="1")
     assert done.returncode == 2
-    message = f"{deck}:7:3: error: joint 'pin': is broken by the initial velocities: 1 (SI); "
+    message = f"{deck}:7:3: error: joint 'pin': is violated by the initial velocities: 1 (SI); "
     judge(tmp_path, 2, message + "correct the joint or the bodies")
 
 

@@ -21,7 +21,7 @@ CASES = {
     "padded": {"knee_gap": 0.03, "pad": PAD},
 }
 # one worker runs all of them, and compiles the scene once
-pytestmark = pytest.mark.xdist_group("sled")
+pytestmark = [pytest.mark.xdist_group("sled"), pytest.mark.long]
 
 
 @pytest.fixture(scope="module")

@@ -51,7 +51,7 @@ def test_a_step_too_long_for_the_tension_of_a_chain_is_reported(tmp_path: Path) 
     deck.write_text(yaml.safe_dump(chain(300), sort_keys=False), "utf-8")
     done = crashsolve(deck, "-o", tmp_path / "out", "--set", "control.step=auto")
     assert done.returncode == 0
-    assert "the step may be too long for the tension in them" in done.stdout + done.stderr
+    assert "the step may be too long for their forces" in done.stdout + done.stderr
 
 
 def test_every_extreme_deck_is_in_the_matrix() -> None:

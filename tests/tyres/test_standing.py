@@ -67,7 +67,7 @@ def test_it_hangs_in_the_springs_of_its_carcasses(tmp_path: Path) -> None:
 def test_a_slope_steeper_than_friction_is_refused(
     tmp_path: Path, along: float, across: float
 ) -> None:
-    with pytest.raises(RunFailed, match=r"there is no equilibrium.*tyres that slide hold no more"):
+    with pytest.raises(RunFailed, match=r"there is no equilibrium.*tyres slide and hold no more"):
         solved(tmp_path, car("gim", along, across))
 
 

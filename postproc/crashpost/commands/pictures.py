@@ -41,8 +41,10 @@ def add_commands(add: Add) -> None:
     sub.add_argument("--title", help="above the pictures; the deck's when absent")
     sub.add_argument("-o", "--output", type=Path, help="png, pdf or svg; default RESULT/strip.png")
     _add_look(sub)
-    sub = add("film", _film, "film the run (mp4, gif), or write it as a page to turn it (html)")
-    sub.add_argument("--slow", type=float, metavar="N", help="N times slower than it was")
+    sub = add(
+        "film", _film, "film the run (mp4, gif), or write it as an interactive 3-D page (html)"
+    )
+    sub.add_argument("--slow", type=float, metavar="N", help="N times slower than real time")
     sub.add_argument("--fps", type=float, default=FPS, help=f"frames per second, {FPS:g}")
     sub.add_argument("--from", dest="start", default="start", metavar="MOMENT", help="first moment")
     sub.add_argument("--to", dest="end", default="end", metavar="MOMENT", help="last moment")
@@ -143,7 +145,7 @@ def _film(options: argparse.Namespace) -> int:
                 "pip install 'crashsolve[render]', or name a .gif"
             )
         output = output.with_suffix(".gif")
-        _report("a gif, for imageio_ffmpeg is missing: pip install 'crashsolve[render]'")
+        _report("wrote a gif, as imageio_ffmpeg is missing: pip install 'crashsolve[render]'")
     task = film_task(
         result,
         output,

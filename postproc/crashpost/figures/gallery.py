@@ -59,7 +59,7 @@ def energy_figures(result: Result) -> list[Figure]:
         figures.append(_over_time("Energies", curves, "energy"))
     if balance := ledger.balance_channel(result):
         curves = (Curve(balance, "energy balance"),)
-        figures.append(_over_time("Energy balance", curves, "missing over the largest energy", "%"))
+        figures.append(_over_time("Energy balance", curves, "imbalance over largest energy", "%"))
     return figures
 
 
@@ -118,7 +118,7 @@ def gap_figures(result: Result) -> list[Figure]:
 
 
 def force_displacement_figures(result: Result) -> list[Figure]:
-    """Contact force over depth, of contacts with one pair: of more, depth and force differ."""
+    """Contact force over penetration, of contacts with one pair: of more, pairs differ in both."""
     names = _largest(result, [n for n in _contacts(result, "normal") if _is_single(result, n)])
     depths = [name.removesuffix("normal") + "depth" for name in names]
     if not names:
@@ -131,12 +131,12 @@ def force_displacement_figures(result: Result) -> list[Figure]:
     curves = tuple(map(Curve, names, labels, depths))
     return [
         Figure(
-            "Contact force over depth",
+            "Contact force over penetration",
             curves,
             x=depths[0],
             x_unit=unit,
             y_unit=AUTO,
-            x_label="depth of contact",
+            x_label="penetration",
             y_label="contact force",
             # before contact the depth is a gap, which has its own figure
             x_range=(0.0, 1.05 * deepest * factor("m", unit)),

@@ -1,4 +1,4 @@
-"""The run as a page to turn in the hand: 3-D, playable, in one file that needs no network.
+"""The run as an interactive page: 3-D, playable, in one file that needs no network.
 
 k3d (three.js inside) draws it in any browser. States and triangles are thinned to a stated size.
 """
@@ -106,7 +106,7 @@ def page(result: Result, **look: Any) -> tuple[str, str]:
         import k3d
     except ModuleNotFoundError as missing:
         raise PostError(
-            f"a page to turn needs {missing.name}, which is missing: "
+            f"an interactive page needs {missing.name}, which is missing: "
             "pip install 'crashsolve[render]'"
         ) from None
     states = States(result.folder)

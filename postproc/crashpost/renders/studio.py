@@ -276,12 +276,12 @@ def _send(child: Any, job: str) -> None:
 def _reason(code: int, words: list[str]) -> str:
     last = words[-1] if words else ""
     if "ModuleNotFoundError" in last and "'" in last:
-        return f"a plain picture, for {last.split(chr(39))[1]} is missing: {INSTALL}"
+        return f"painted a simple picture, as {last.split(chr(39))[1]} is missing: {INSTALL}"
     if code > 0 and "libGL" not in last and "ImportError" not in last:
-        return f"a plain picture, for pyvista could not paint this one ({last or code})"
-    died = f"died of {signal.Signals(-code).name}" if code < 0 else f"gave up ({last})"
+        return f"painted a simple picture, as pyvista could not paint it ({last or code})"
+    died = f"died of {signal.Signals(-code).name}" if code < 0 else f"failed ({last})"
     return (
-        f"a plain picture, for VTK {died}. It needs graphics libraries, "
+        f"painted a simple picture, as VTK {died}. It needs graphics libraries, "
         f"also without a screen: apt-get install {PACKAGES}"
     )
 

@@ -137,8 +137,8 @@ def _facts(result: Result, verdicts: list[Verdict], missed: int) -> list[tuple[s
     if missed:
         facts.append((str(missed), MISSED_PUBLISHED))
     for caption, value in (
-        ("energy missing at most", ledger.worst_balance(result)),
-        ("momentum missing at most", ledger.worst_momentum(result)),
+        ("largest energy imbalance", ledger.worst_balance(result)),
+        ("largest momentum imbalance", ledger.worst_momentum(result)),
     ):
         if value is not None:
             facts.append((f"{draw.tick(float(f'{value:.2g}'))} %", caption))

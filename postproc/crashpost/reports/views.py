@@ -168,7 +168,7 @@ def _rotated(result: Result, states: States, scene: dict[str, Any]) -> str:
     seen = {k: v for k, v in look(scene).items() if k != "follow"} | {"view": "auto"}
     text, words = page(result, **seen)
     frame = f'<iframe class="turn" loading="lazy" title="3-D" srcdoc="{escape(text)}"></iframe>'
-    return fold(f"Turn it in 3-D ({words})", frame)
+    return fold(f"Rotate it in 3-D ({words})", frame)
 
 
 def _report(text: str) -> None:

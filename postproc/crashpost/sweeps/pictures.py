@@ -102,7 +102,7 @@ def _scatter(axes: Axes, sweep: Sweep, i: int, j: int) -> None:
         at = _coordinates(sweep, j, bad)
         axes.plot(at, [0.02] * len(bad), "x", color=FAILED, ms=5, transform=under, zorder=4)
         if (i, j) == (0, 0):
-            message = f"x  {len(bad)} without an answer"
+            message = f"x  {len(bad)} without a result"
             axes.text(
                 0.02, 0.98, message, transform=axes.transAxes, va="top", fontsize=8, color=FAILED
             )

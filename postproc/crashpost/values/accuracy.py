@@ -14,7 +14,7 @@ COSTS = (
     ("constraint_position", "constraint error in position, over the model's size", ""),
     ("constraint_velocity", "constraint error in velocity, over the model's size", "1/s"),
     ("energy_balance", "energy balance at the end", "%"),
-    ("real_time_factor", "CPU time of a simulated second", "s"),
+    ("real_time_factor", "CPU time per simulated second", "s"),
 )
 
 

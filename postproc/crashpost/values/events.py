@@ -79,7 +79,7 @@ def _of_contacts(result: Result, family: Family) -> Iterator[Event]:
             ended = float(ends[at])
             if ended < release - LATE * (release - touch):
                 yield Event(ended, f"{_name(entity)}: the force has ended")
-                yield Event(release, f"{_name(entity)}: the surfaces part")
+                yield Event(release, f"{_name(entity)}: the surfaces separate")
             else:
                 yield Event(release, f"{_name(entity)}: last release")
 

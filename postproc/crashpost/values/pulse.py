@@ -59,13 +59,13 @@ def load_criterion(time: np.ndarray, slowing: np.ndarray) -> tuple[float, float,
     Raises PostError where the occupant does not come so far.
     """
     gap = -travel(time, slowing)
-    start = _crossing(time, gap - FREE, "flies on by 65 mm")
+    start = _crossing(time, gap - FREE, "moves freely by 65 mm")
     # with a belt: s = integral of -(v - v0) - a (t - t1)^2 / 2, equal velocities at the end
     after = time > start
     t = time[after] - start
     pull = -slowing[after] / t
     rest = gap[after] - 0.5 * pull * t**2 - (FREE + RESTRAINED)
-    end = _crossing(time[after], rest, "is held within 300 mm")
+    end = _crossing(time[after], rest, "is stopped within 300 mm")
     return float(-np.interp(end, time, slowing) / (end - start)), start, end
 
 
@@ -73,7 +73,7 @@ def _crossing(time: np.ndarray, values: np.ndarray, what: str) -> float:
     """First time at which values pass zero upwards, by chords."""
     above = np.flatnonzero(values >= 0.0)
     if not len(above):
-        raise PostError(f"until the end of the run no occupant {what}")
+        raise PostError(f"before the end of the run no occupant {what}")
     k = int(above[0])
     if k == 0:
         return float(time[0])

@@ -93,8 +93,8 @@ def _energies(result: Result) -> str:
 def _balances(result: Result) -> str:
     names = {
         "energy balance": ledger.worst_balance(result),
-        "momentum missing": ledger.worst_momentum(result),
-        "angular momentum missing": ledger.worst_momentum(result, "angular_momentum_error"),
+        "momentum balance": ledger.worst_momentum(result),
+        "angular momentum balance": ledger.worst_momentum(result, "angular_momentum_error"),
     }
     lines = [f"{name:24} {value:.3g} %" for name, value in names.items() if value is not None]
     return "\n".join(lines)

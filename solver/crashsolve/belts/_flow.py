@@ -3,10 +3,10 @@
     T_high <= T_low exp(mu beta)   at every ring,   and where it flows, to the higher side, equality
     L_i = L_i(old) + q_i - q_(i+1),   q_j the webbing that passes fitting j in the step
 
-The flows q are unknowns of the step, at its present geometry: so no result depends on the step but
-by the order in which forces rise. Newton's method on the rings that slip, which are looked at anew
-in every pass; the matrix is tridiagonal, with a dominant diagonal. Where it finds no end rings are
-settled one after the other, which is slow and sure. Residual elongation S = s L
+The flows q are unknowns of the step, at its present geometry: results depend on the step only by
+the order in which forces rise. Newton's method on the rings that slip, which are determined anew in
+every iteration; the matrix is tridiagonal, with a dominant diagonal. Where it does not converge,
+rings are settled one after the other, which is slow and robust. Residual elongation S = s L
 passes with the webbing of the side it leaves, and is mixed into that of the other side, which is
 exact for webbing that unloads by one slope.
 
@@ -93,7 +93,7 @@ def fill_one(p, i, old, new, out, curves):
 def sweep(p, old, new, out, curves):
     """Settles each ring between its neighbours as they are; the largest change of a flow [m].
 
-    Slow and sure: the force of a segment falls with its own webbing alone. Writes: new, out.
+    Slow and robust: the force of a segment falls with its own webbing alone. Writes: new, out.
     """
     largest = 0.0
     if p.spool == 1:

@@ -154,7 +154,7 @@ class Judge:
             how = f"not estimated: with fewer samples {problem}"
             return Estimate(watch, value, unit, None, size, how)
         if found is None:
-            how = "not estimated: no other run took other steps"
+            how = "not estimated: no further run took different steps"
             return Estimate(watch, value, unit, None, size, how)
         error, how = _sum(found, gap) + DIGITS * abs(value), found.how
         if abs(gap) > 0.1 * error:
@@ -162,7 +162,7 @@ class Judge:
         if watch.statistic in EXTREMES:
             other = self._rival(watch, series, main, others)
             if other > error:
-                error, how = other, "another extreme is as great within its error"
+                error, how = other, "another peak is as large within its error"
         return Estimate(watch, value, unit, error, size, how, found.size, abs(gap))
 
     def _rival(
@@ -233,7 +233,7 @@ def _of_largest(steps: Sequence[float], values: Sequence[np.ndarray]) -> _Steps:
     """Error of a largest value of any step: by chance up to a part that falls with h^2."""
     *coarse, last = zip(steps, values, strict=True)
     sizes = [distance(last[1], v) / ((h / last[0]) ** 2 - 1.0) for h, v in coarse]
-    return _Steps(max(sizes), None, "2 coarser runs, whose steps pass the largest value elsewhere")
+    return _Steps(max(sizes), None, "2 coarser runs, whose steps meet the peak at other moments")
 
 
 def is_as_fine(cycles: int, others: int) -> bool:

@@ -31,8 +31,8 @@ TOO_FAR, NOTABLE = 0.5, 0.05
 # share of the cost of the run, and CPU time [s], that its coarser meshes may cost unasked
 SHARE, LEAST = 0.25, 0.3
 DEAR = (
-    "the errors leave the mesh out: a run on elements twice as long would cost more than a quarter "
-    "of this one; control.estimate: mesh makes it"
+    "the error estimates leave the mesh out: a run on elements twice as long would cost more than "
+    "a quarter of this one; control.estimate: mesh makes it all the same"
 )
 
 
@@ -63,12 +63,15 @@ def coarse_runs(
         except TooDear:
             problem = DEAR
         except ValueError as why:
-            problem = f"the errors leave the mesh out: {why}"
+            problem = f"the error estimates leave the mesh out: {why}"
         except SolverError as error:
             problem = f"the run on elements {factor} times as long stopped: {error.cause}"
         except CrashsolveError as error:
             reason = str(error).splitlines()[0]
-            problem = f"the errors leave the mesh out: elements {factor} times as long: {reason}"
+            problem = (
+                f"the error estimates leave the mesh out; on elements {factor} times as long: "
+                f"{reason}"
+            )
         else:
             continue
         if not found.runs:
@@ -82,7 +85,7 @@ def _coarse(deck: Deck, factor: int) -> Deck:
     given = deck.given | coarser(deck, factor)
     made = read_deck(deck.path, given, refuses_idle=False)
     if made.written != deck.written:
-        raise ValueError("the files of the deck have been written anew since the run began")
+        raise ValueError("the files of the deck have changed since the run began")
     return replace(
         made,
         control=deck.control,
@@ -104,8 +107,8 @@ def with_mesh(estimate: Estimate, numbers: Sequence[np.ndarray], deck: Deck) -> 
         other = float(numbers[1][0] if is_one else np.max(np.abs(numbers[1])))
         there = f"{other:.6g} {estimate.unit}".rstrip()
         how = (
-            f"no error is stated: {how}; {there} on elements twice as long; "
-            f"by the steps alone +- {estimate.error:.2g}"
+            f"no error is stated, as {how}: it is {there} on elements twice as long; the error by "
+            f"the steps alone is +- {estimate.error:.2g}"
         )
         return replace(estimate, error=None, how=how, mesh=inf)
     how = f"time {estimate.error:.2g}: {estimate.how}; mesh {size:.2g}: {how}"
@@ -131,7 +134,7 @@ def mesh_error(
     )
     if reverses or one > SHRINKS * two:
         if one > NOTABLE * scale:
-            return None, "three meshes do not lead to one value"
+            return None, "three meshes do not converge to one value"
         return max(one, two), "2 coarser meshes, differences do not shrink"
     if one == 0.0:
         return 0.0, "2 coarser meshes, no difference"

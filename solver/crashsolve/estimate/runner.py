@@ -164,7 +164,7 @@ class Estimating:
             predicted = _of_steps(worst) / gain
             self.log.line(
                 f"pilot runs: {pilots[2.0 * m].cycles} steps, error {gain * predicted:.2g} of "
-                f"{worst.watch.name}; twice as fine {predicted:.2g}"
+                f"{worst.watch.name}; predicted for steps half as long: {predicted:.2g}"
             )
             if predicted <= AIM * accuracy:
                 self._companions = [pilots[factor * m] for factor in COARSER]
@@ -195,7 +195,7 @@ class Estimating:
         self.coarseness *= max(
             0.9 * (AIM * self.accuracy / error) ** (1 / self.estimator.power), 0.1
         )
-        self.log.line(f"accuracy {self.accuracy:g} missed by {worst.watch.name}: once more")
+        self.log.line(f"accuracy {self.accuracy:g} missed by {worst.watch.name}: running again")
         return True
 
     def _report(self, spent: float) -> None:
@@ -226,8 +226,8 @@ def _refuse_hollow(deck: Deck, channels: dict[str, list[Channel]]) -> None:
     """Raises DeckErrors for an accuracy where no watched number has an error of its own."""
     of_run = [any(channel.is_of_the_run for channel in found) for found in channels.values()]
     if deck.control.accuracy is not None and all(of_run):
-        message = "accuracy: every watched channel is a measure of the run's errors itself"
-        advice = "watch what the answer is about, such as rbdout.BODY.position.x"
+        message = "accuracy: every watched channel is itself a measure of the run's errors"
+        advice = "watch a channel that answers the question, such as rbdout.BODY.position.x"
         raise DeckErrors([DeckError(str(deck.path), None, None, "control", message, advice)])
 
 
@@ -254,5 +254,5 @@ def _unreachable(accuracy: float, message: str) -> SolverError:
         0,
         "the model",
         f"no step gives the accuracy {accuracy:g}: {message}",
-        "watch statistics that converge, as crashsolve study states, or ask for less",
+        "watch statistics that converge (crashsolve study shows which), or ask for less accuracy",
     )

@@ -69,7 +69,7 @@ def fails(p, old, x, y):
 
 @kernel
 def keep_old(old, new):
-    """History of a hinge that is no more. Writes: new."""
+    """History of a hinge that has failed. Writes: new."""
     for c in range(2):
         new.x[c], new.plastic[c], new.flow[c] = old.x[c], old.plastic[c], old.flow[c]
         new.origin[c] = old.origin[c]
@@ -80,7 +80,7 @@ def keep_old(old, new):
 
 @kernel
 def close_outputs(p, old, new, out, stored, loss):
-    """What all hinges state; one that has failed gives up what it stored. Writes: out, new."""
+    """What all hinges state; one that has failed releases what it stored. Writes: out, new."""
     out.failed, out.rate_factor = new.failed, new.factor
     out.stored, out.power, out.loss = stored, 0.0, loss
     if new.failed == 1:

@@ -126,7 +126,7 @@ def direction(p, old, c, x, phi, curves):
 
 @kernel
 def plastic_displacement(p, old, c, side, x, phi, curves):
-    """Way [rad or m] of the slider: k (x - x_p) = phi R by Newton's method, kept in its bracket."""
+    """Step [rad or m] of the slider: k (x - x_p) = phi R by Newton's method within a bracket."""
     k, origin = p.stiffness[c], line_origin(p, old, c, side)
     trial = side * k * (x - old.plastic[c])
     R, _ = resistance(p, old, c, side, 0.0, origin, curves)
@@ -245,7 +245,7 @@ def to_corner(p, new, c, side, curves):
 
 @kernel
 def next_point(curves, here, at):
-    """Way [rad or m] to the end of the segment of a curve; far where there is none."""
+    """Displacement [rad or m] to the end of the segment of a curve; far where there is none."""
     last = curves[here].last
     i = segment(curves, here, last, at)
     return curves[i + 1].x - at if curves[i + 1].x > at else 1e300

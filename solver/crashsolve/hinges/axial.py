@@ -3,8 +3,8 @@
     F(delta) by _law.py,   delta = axis_a . (x_b - x_a) - delta_0      (Ambrosio (2003), Fig. 3d)
 
 Pull is positive; a curve of its own may describe the push, in which members are crushed. The force
-acts in the point of b. Consequence to test: a mass m at V_0 is stopped by a constant force P_s on
-the way m V_0^2 / 2 P_s.
+acts in the point of b. Consequence to test: a mass m at V_0 is stopped by a constant force P_s over
+the stroke m V_0^2 / 2 P_s.
 
 References: Ambrosio (2003), Eq. 7 and Fig. 3.
 """
@@ -78,7 +78,7 @@ def initial_history(card: Axial, p: Any, scene: Scene) -> dict[str, Any]:
 
 @kernel
 def stroke_along(p, nodes, axis):
-    """Way of b along an axis of a [m], its rate, the axis, arms of the force in both bodies [m]."""
+    """Travel of b along an axis of a [m], its rate, the axis, arms of the force on both bodies."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     d_a, d_b = arm(a, vec(p.point_a)), arm(b, vec(p.point_b))
     x, x_dot = relative(a, d_a, b, d_b)

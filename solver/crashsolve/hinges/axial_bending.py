@@ -3,7 +3,7 @@
     F(delta), M(theta) by _pair.py,   delta = beam . (x_b - x_a) - delta_0
 
 The beam's direction is that of a, and the force acts in the point of b; theta is counted as in
-_turn.py. On the ellipse (M / M_p)^2 + (F / F_p)^2 = 1 a hinge that bends also gives way along the
+_one_axis.py. On the ellipse (M / M_p)^2 + (F / F_p)^2 = 1 a hinge that bends also yields along the
 beam under axial force. Consequence to test: without axial force it is a bending hinge.
 
 References: Ambrosio (2003), Eq. 6-7 and Fig. 3; Powell and Chen (1986), ASCE J. Eng. Mech. 112,

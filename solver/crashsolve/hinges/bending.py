@@ -1,6 +1,6 @@
 """Bending hinge: b turns against a about one axis, and an elastic-plastic moment resists.
 
-    M(theta) by _law.py,   theta by _turn.py      (Ambrosio (2003), Fig. 3a)
+    M(theta) by _law.py,   theta by _one_axis.py      (Ambrosio (2003), Fig. 3a)
 
 The axis is at right angles to the beam and to the plane in which it bends. Consequence to test: a
 rotor J at w_0 in a rigid-plastic hinge M_0 stops after J w_0^2 / 2 M_0.

@@ -1,6 +1,6 @@
 """Torsion hinge: b turns against a about the axis of the beam against an elastic-plastic torque.
 
-    M(theta) by _law.py,   theta by _turn.py      (Ambrosio (2003), Fig. 3c)
+    M(theta) by _law.py,   theta by _one_axis.py      (Ambrosio (2003), Fig. 3c)
 
 The axis is that of the beam. Consequence to test: a
 rotor J at w_0 in a rigid-plastic hinge M_0 stops after J w_0^2 / 2 M_0.

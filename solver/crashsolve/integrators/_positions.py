@@ -1,4 +1,4 @@
-"""Places, reactions and closed joints: shared by the steppers that choose their steps by error.
+"""Positions, reactions and closed joints: shared by the steppers that choose their steps by error.
 
     M v_dot = g + D^T lambda,   D v_dot = gamma       at a position and velocity
     q onto Phi = 0,   v onto D v = nu                 by the least change that the inertia allows

@@ -97,7 +97,7 @@ def pass_stages(h, kept, clock, nodes, rows, saddle, scene):
 
 @kernel
 def correct_positions(stages, tt, size):
-    """Add the corrections, cut where they lead too far. Returns the largest, and the largest way.
+    """Add the corrections, cut where they go too far. Returns the largest, and the largest motion.
 
     Both in the model's size and rad. Writes: stages.
     """

@@ -196,9 +196,9 @@ def _check(asked: Asked, frames: tuple[Frame, ...], error: float, volume: float)
                 problem = f"its images do not belong together: {size:.3g} from where camera "
                 problem += f"'{row.names['camera']}' would see it, and the error of images is "
                 problem += f"{error:.3g}"
-                advice = "look for a point that was taken for another"
+                advice = "look for a point that was confused with another"
             elif not deviation.max() < volume:
-                problem = f"its place is uncertain by {deviation.max():.3g} m, more than the "
+                problem = f"its position is uncertain by {deviation.max():.3g} m, more than the "
                 problem += f"targets extend, {volume:.3g} m"
                 advice = "two cameras must see it from different directions"
             if problem:

@@ -36,7 +36,7 @@ MODEL = (
 )
 PATH = (
     ("load_factor", "", "1", "of loads and motions with curves: 0 at start_time, 1 at end_time"),
-    ("unstable_modes", "", "1", "motions in which the equilibrium is left"),
+    ("unstable_modes", "", "1", "number of unstable modes of the equilibrium"),
 )
 CARD_COLUMNS: tuple[str, ...] = ("impulse", "peak_normal", "peak_depth", "onsets", "touches")
 CARD_COLUMNS += ("first_touch", "last_release", "duration")

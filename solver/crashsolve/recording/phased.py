@@ -91,8 +91,8 @@ class PhasedEngine(Engine):
         if self.memory["halts"]:
             halts, taken = int(self.memory["halts"]), float(self.memory["taken"])
             self.on_message(
-                f"phase '{self.phase.name}' ends: its motion was halted {halts} times, which took "
-                f"{taken:.4g} J"
+                f"phase '{self.phase.name}' ends: its motion was halted {halts} times, which "
+                f"removed {taken:.4g} J of kinetic energy"
             )
 
     def finish(self) -> None:
@@ -169,10 +169,10 @@ class PhasedEngine(Engine):
             float(self.clock.time),
             int(self.clock.cycle),
             f"body '{self.model.bodies[node]}'" if node < bodies else self.model.part_at(node),
-            f"phase '{self.phase.name}' does not end in equilibrium: {left[worst]:.3g} N are left "
-            f"on it, {left[worst] / max(largest, 1e-300):.2g} of the largest force",
-            "let the phase last longer, hold what moves freely, or raise its tolerance; where the "
-            "method chooses its step, bound it by control.step_max",
+            f"phase '{self.phase.name}' does not end in equilibrium: {left[worst]:.3g} N on it are "
+            f"not balanced, {left[worst] / max(largest, 1e-300):.2g} of the largest force",
+            "let the phase last longer, support what moves freely, or raise its tolerance; where "
+            "the method chooses its step, bound it by control.step_max",
         )
 
     def _left_on_bodies(self) -> np.ndarray:

@@ -35,7 +35,7 @@ def _inconsistencies(deck: Deck, engine: Engine) -> Iterator[tuple[Any, str, str
 
 
 def overlaps(engine: Engine) -> list[tuple[str, str]]:
-    """Contacts that begin so deep that the way out is anyone's guess: (contact, what is wrong).
+    """Contacts with an initial penetration of unclear direction: (contact, what is wrong).
 
     Sides are solid: a ball in a hollow one, or on its very middle, is not meant.
     """
@@ -47,10 +47,10 @@ def overlaps(engine: Engine) -> list[tuple[str, str]]:
         limit = ONTO * model.size if group.is_unilateral else 0.5 * thick
         for i in np.flatnonzero(depth > limit):
             why = (
-                "nodes that are held must not begin inside"
+                "but nodes of a unilateral constraint must not begin inside"
                 if group.is_unilateral
-                else f"over half of the {thick[i]:.3g} m from the middle of one side "
-                "to that of the other"
+                else f"more than half of the {thick[i]:.3g} m from the middle of one side "
+                "to the middle of the other"
             )
             card = model.contacts[group.parameters["card"][i]]
             found[card] = f"begins {depth[i]:.3g} m deep, {why}"
@@ -58,7 +58,7 @@ def overlaps(engine: Engine) -> list[tuple[str, str]]:
         depth = nodal.arrays["totals"]["depth"][0]
         if nodal.narrow is None and depth > ONTO * model.size:
             found[nodal.card] = (
-                f"begins {depth:.3g} m deep: nodes are nearer to faces than both are thick; "
-                "move them apart, or say `ring` if they are neighbours in the mesh"
+                f"begins {depth:.3g} m deep: nodes are nearer to faces than their common "
+                "thickness; move them apart, or say `ring` if they are neighbours in the mesh"
             )
     return list(found.items())

@@ -51,9 +51,8 @@ def arbitrary_reactions(joints: list[str], deck: Deck) -> list[str]:
         return []
     some, every = (", ".join(repr(name) for name in names) for names in (named, joints))
     return [
-        f"reactions of {some} are not determined: redundant rows "
-        f"join {every}, and the split of a force between them is "
-        "arbitrary, whatever its stated error; only sums over them are results; release directions "
-        "(a spherical joint and a point_on_line hold a door as two revolute joints do), or let a "
-        "bushing bear them"
+        f"reactions of {some} are not determined: joints {every} have redundant constraint rows, "
+        "and the share of each in a force is arbitrary, whatever its stated error; only sums over "
+        "these joints are results; release directions (a spherical joint and a point_on_line hold "
+        "a door as two revolute joints do), or replace joints by bushings"
     ]

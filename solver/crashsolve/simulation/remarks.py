@@ -32,8 +32,8 @@ STEPS, COLLAPSED = 20, 1e-3
 def pressed_at_start(engine: Engine) -> list[str]:
     """Contacts that touch when the run begins, with the energy that sets their bodies in motion."""
     return [
-        f"contact '{name}' touches at the start, {card['depth']:.3g} m deep at most: "
-        f"it holds {card['stored']:.6g} J"
+        f"contact '{name}' touches at the start: it begins up to {card['depth']:.3g} m deep, with "
+        f"a stored energy of {card['stored']:.6g} J"
         for name, card in zip(engine.model.contacts, engine.state.cards, strict=True)
         if card["touching"] and card["depth"] > 0.0
     ]
@@ -53,8 +53,8 @@ def settling(engine: Engine) -> list[str]:
             still = at_rest[elements["node"][group.parameters[side]]]
             moving |= set(group.parameters["card"][~still].tolist())
     return [
-        f"contact '{name}' begins without any depth: loads let its bodies settle as by a blow, "
-        "with twice the force at rest and more; control: {start: equilibrium} begins at rest"
+        f"contact '{name}' begins without penetration under loads: its force will overshoot to "
+        "twice the force at rest or more; control: {start: equilibrium} begins in equilibrium"
         for number, name in enumerate(model.contacts)
         if number not in moving and abs(state.cards[number]["depth"]) <= NO_DEPTH * model.size
     ]
@@ -64,8 +64,9 @@ def pressed_deep(engine: Engine) -> list[str]:
     """Contacts of round sides so deep that one can slip by the other: nothing else notices."""
     now = engine.state.card_history[int(engine.clock["current"])]
     return driven_deep(engine) + [
-        f"contact '{name}': pressed to {100.0 * share:.0f} % of the half thicknesses of both "
-        "sides; so soft, one body goes past the other almost unhindered: make the contact stiffer"
+        f"contact '{name}': the penetration reached {100.0 * share:.0f} % of the half thicknesses "
+        "of both sides; such a soft contact hardly keeps one body from passing through the other: "
+        "make the contact stiffer"
         for name, share in zip(engine.model.contacts, now["peak_share"], strict=True)
         if share > DEEP
     ]
@@ -81,9 +82,9 @@ def driven_deep(engine: Engine) -> list[str]:
         one, name = (deepest / thick, deepest, thick), engine.model.contacts[p["card"]]
         worst[name] = max(worst.get(name, one), one)
     return [
-        f"contact '{name}': points went {depth:.3g} m deep into what they struck, "
-        f"{100.0 * share:.0f} % of the {thick:.3g} m from there to its middle; beyond that "
-        "they come out on the other side: make the contact stiffer, or what is struck thicker"
+        f"contact '{name}': points went {depth:.3g} m deep into the body they struck, "
+        f"{100.0 * share:.0f} % of the {thick:.3g} m from its surface to its middle; beyond the "
+        "middle they come out on the other side: make the contact stiffer, or that body thicker"
         for name, (share, depth, thick) in worst.items()
         if share > HALFWAY
     ]
@@ -122,10 +123,10 @@ def read_beyond(engine: Engine) -> list[str]:
         if first in of_time or reached <= last or row["beyond"] == REFUSE:
             continue
         value = float(curve_value(as_rows(points), first, reached)[0])
-        how = "held" if row["beyond"] == HOLD else "continued straight"
+        how = "held at its last value" if row["beyond"] == HOLD else "continued with its end slope"
         found.append(
             f"curve '{name}' was read at {reached:.6g}, beyond its last point {last:.6g} (SI): "
-            f"there its last value is {how}, {value:.6g}; give it more points"
+            f"there it was {how} and gave {value:.6g}; give it more points"
         )
     return found
 
@@ -138,8 +139,9 @@ def hourglass_share(engine: Engine) -> list[str]:
         return []
     return [
         f"hourglass modes hold {at_most:.4g} J, {100.0 * at_most / internal:.3g} % of the internal "
-        f"energy, {internal:.4g} J: more than {100.0 * MUCH_HOURGLASS:.0f} % is a sign of elements "
-        "too coarse for what they do; take smaller ones, or element: fully_integrated"
+        f"energy, {internal:.4g} J: more than {100.0 * MUCH_HOURGLASS:.0f} % is a sign that the "
+        "mesh is too coarse for this deformation; take smaller elements, or element: "
+        "fully_integrated"
     ]
 
 
@@ -158,11 +160,11 @@ def overloaded(engine: Engine) -> list[str]:
     if not count:
         return []
     share, name, force = worst
-    others = f", and {count - 1} others more than theirs" if count > 1 else ""
+    others = f" ({count - 1} other hinges are beyond theirs too)" if count > 1 else ""
     return [
-        f"hinge '{name}' bore {force:.4g} N along its beam, {share:.3g} times what its section "
-        f"yields at{others}: hinges bend and do not shorten, so that such a force is too "
-        "large; take deformation: segments, beams or shells"
+        f"hinge '{name}' carried {force:.4g} N along its beam, {share:.3g} times the force at "
+        f"which its section yields{others}: hinges bend and do not shorten, so that such a force "
+        "is too large; take deformation: segments, beams or shells"
     ]
 
 
@@ -181,11 +183,12 @@ def compressed(engine: Engine) -> list[str]:
     if not found:
         return []
     name, (share, force) = max(found.items(), key=lambda one: one[1])
-    others = f", and {len(found) - 1} more members than theirs" if len(found) > 1 else ""
+    others = f" ({len(found) - 1} other members are beyond theirs too)" if len(found) > 1 else ""
     return [
         f"member '{name}' was compressed by {force:.4g} N, {share:.3g} times its Euler load "
-        f"between hinged ends{others}: a straight one does not buckle without a disturbance (fixed "
-        "ends bear 4 times as much, a free one a quarter); give it a small bow or a side load"
+        f"with hinged ends{others}: a perfectly straight member does not buckle in a computation; "
+        "give it a small bow or a side load (the Euler load is 4 times as large with clamped "
+        "ends, and a quarter with one end free)"
     ]
 
 
@@ -271,6 +274,6 @@ class StepWatch:
             return ""
         self._has_fallen = True
         return (
-            f"the step has fallen from {self._longest:.3g} s to {average:.3g} s "
+            f"the average step has fallen from {self._longest:.3g} s to {average:.3g} s "
             f"at t = {time:.6g} s, cycle {cycle}"
         )

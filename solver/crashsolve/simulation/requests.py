@@ -94,7 +94,7 @@ class Requests:
         with reported(self._path), suppress(FileNotFoundError):
             text = read_plain(self._path, MOST_CONTROL)
             if text is None:
-                self._log.warning("control.txt is no plain file and is passed over")
+                self._log.warning("control.txt is not a plain file and is ignored")
                 return
             if not text.strip():
                 return

@@ -368,15 +368,15 @@ class Run:
             message = (
                 f"control.end_time: {end:g} s lies before the dump, {float(clock['time']):.6g} s"
             )
-            raise DeckError(str(self.deck.path), None, None, "", message, "say a later time")
+            raise DeckError(str(self.deck.path), None, None, "", message, "give a later time")
         if differ:
             c = self.engine.model.control[0]
             clock["next_step"] = c["fixed_step"] or min(clock["next_step"], float(c["step_max"]))
         if self.deck.control.estimate != "off" and any(name in OF_ERRORS for name, _ in differ):
-            text = (
-                "the errors of watched channels are reported as if all had run with these settings"
+            self.log.warning(
+                "the run used other settings before this restart; errors of watched channels are "
+                "estimated as if all of it had used the present ones"
             )
-            self.log.warning(f"what was before went by others: {text}")
         now = float(clock["sampled"])
         others = ", with other " + ", ".join(name for name, _ in differ) if differ else ""
         self.log.line(f"going on from t = {now:.6g} s{others}")
@@ -384,7 +384,7 @@ class Run:
 
     def _inconsistency(self, owner: str) -> DeckError:
         message = f"the dump in {self.folder} belongs to {owner}"
-        advice = f"run without --restart, or into another folder; free to change are {FREE}"
+        advice = f"run without --restart, or into another folder; a restart may change {FREE}"
         return DeckError(str(self.deck.path), None, None, "", message, advice)
 
     def _end_at_once(self) -> None:

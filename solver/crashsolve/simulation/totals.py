@@ -66,9 +66,9 @@ def _remarks(account: Account) -> dict[str, str]:
     found, remarks = {}, account.remarks
     for name, what in (
         ("untouched", "contacts that never touched"),
-        ("below_floor", "contacts pressed on below their speed_floor, damped as at rest"),
+        ("below_floor", "contacts loaded below their speed_floor, damped as at rest"),
         ("undeformed", "parts that never deformed"),
-        ("undetermined", "joints whose split of a force is arbitrary"),
+        ("undetermined", "joints whose share of a force is arbitrary"),
     ):
         if remarks.get(name):
             found[what] = ", ".join(remarks[name])

@@ -196,7 +196,7 @@ def note_branch(p, new, side, e, f, upper, speed, curves):
 def branch_event(p, old, h, x, rate, curves):
     """How far x is past the branch of the law on which the step began [m or rad]; below 0: on it.
 
-    On y and u the branch ends where the motion turns back, and that is far by its way in h.
+    On y and u the branch ends where the motion reverses, by the displacement in h.
     """
     if old.branch == SLACK:
         past = -1e300

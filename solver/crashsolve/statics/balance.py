@@ -7,10 +7,10 @@ met: before the nodes gave way to a load step, and in the joints; l the model's 
 of sixteen digits cannot resolve, epsilon K l, is nothing.
 
 Work of loads, prescribed motions and gravity is that of the mean of their forces before and after
-a load step on its way, so that the balance of energy closes to second order in the step. What the
-first configuration lacks of an equilibrium, beside loads that rise, is held there and let go at
-once. Consequence to test: the work is the energy stored, however few the load steps, where forces
-rise linearly.
+a load step over its motion, so that the balance of energy closes to second order in the step. What
+the first configuration lacks of an equilibrium, beside loads that rise, is held there and released
+at once. Consequence to test: the work is the energy stored, however few the load steps, where
+forces rise linearly.
 """
 
 from typing import Any
@@ -73,7 +73,7 @@ class Forces:
         return max(force, moment / self.size), max(moment, force * self.size)
 
     def energy(self) -> float:
-        """Largest force on a way of the model's size [J]."""
+        """Work of the largest force over the model's size [J]."""
         return self._scales()[0] * self.size
 
     def message(self) -> str:
@@ -112,7 +112,7 @@ class Work:
         }
 
     def count(self, start: np.ndarray, begun: float, now: float) -> None:
-        """Of the way from the nodes `start` at `begun` to the present ones at `now` [s]."""
+        """Of the motion from the nodes `start` at `begun` to the present ones at `now` [s]."""
         engine, loading = self.engine, self.engine.loading
         clock, change = engine.clock, engine.change_from(start)
         first, last = (self._powers(t, at, change) for t, at in ((begun, start), (now, None)))

@@ -171,11 +171,11 @@ class StaticEngine(Engine):
         return Problem("end of curve", target) if is_beyond else None
 
     def _settle(self) -> None:
-        """A first configuration far from equilibrium: there is no way, no balance, from there."""
+        """Count the energy between the initial configuration and the first equilibrium."""
         self.clock.driver_work += self._missing_energy()
         self.notes.append(
-            "the first configuration is far from an equilibrium: the energy lost on the way "
-            "to the one in which the run begins is counted as driver work"
+            "the initial configuration is far from equilibrium: the energy lost between it and "
+            "the equilibrium in which the run begins is counted as driver work"
         )
 
     def _missing_energy(self) -> float:
@@ -306,8 +306,8 @@ class StaticEngine(Engine):
             self.flutters = True
             self.notes.append(
                 f"vibrations about the equilibrium at t = {float(self.clock.time):.6g} s grow "
-                "unless they are damped (flutter): loads follow the motion, or moments keep their "
-                "axis; see with solution: transient"
+                "unless they are damped (flutter), because loads follow the motion or moments keep "
+                "their axis; check it with solution: transient"
             )
         if mode is None:
             return ""

@@ -1,4 +1,4 @@
-"""Small motions of nodes at rest: displacements and turns, and the ways between two of them."""
+"""Small motions of nodes at rest: displacements and rotations, and those between two states."""
 
 from typing import Any
 

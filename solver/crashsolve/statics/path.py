@@ -85,8 +85,8 @@ class PathEngine(StaticEngine):
                 self.begin,
                 0,
                 "the model",
-                "no load or motion changes at the start, or what changes moves nothing",
-                "control.path: arc_length needs a load or a motion with a curve that rises",
+                "at the start no load or prescribed motion changes, or its change moves nothing",
+                "control.path: arc_length needs a load or a driver with a curve that rises",
             )
         self.direction[:] = np.append(first, 1.0) / self.at.unit
         self._note()
@@ -248,10 +248,13 @@ class PathEngine(StaticEngine):
     def step_warnings(self) -> list[str]:
         """Limit and branch points of the path, and where it ends."""
         time, factor, count = self.points[-1]
-        where = "its end, where the loads of end_time are reached"
+        where = "the loads of end_time"
         if not self.is_complete:
-            where = f"its length of control.path_length, {self.at.passed:.6g} s, before these loads"
-        left = f"an equilibrium of {count} unstable modes" if count else "a stable equilibrium"
+            where = (
+                f"the length of control.path_length, {self.at.passed:.6g} s, before it reached "
+                "the loads of end_time"
+            )
+        left = f"an equilibrium with {count} unstable modes" if count else "a stable equilibrium"
         ended = f"the path ended at {where}: load factor {factor:.6g}, in {left}"
         return [
             *self.notes,
@@ -287,7 +290,7 @@ def special_points(points: list[Point]) -> list[str]:
             text = (
                 f"stability changes at t = {times[k]:.5g} to {times[k + 1]:.5g} s, load factor "
                 f"{factors[k]:.6g} to {factors[k + 1]:.6g}, away from limit points: another path "
-                f"branches off; {_stability(int(counts[k + 1]))}"
+                f"branches off (bifurcation); {_stability(int(counts[k + 1]))}"
             )
             found.append((float(times[k]), text))
     return [text for _, text in sorted(found)]
@@ -298,7 +301,7 @@ def _stability(count: int) -> str:
     return (
         f"beyond it equilibria have {count} unstable modes"
         if count
-        else "beyond it they are stable"
+        else "beyond it equilibria are stable"
     )
 
 

@@ -2,7 +2,7 @@
 
 A correction turns the bodies of a stiff chain, and so stretches it by the squares of their turns.
 Elastic segments come back from that in the next passes; those that yield give way to it, and the
-iteration goes astray. So what flows over a correction is found to first order, where turns stretch
+iteration diverges. So what flows over a correction is found to first order, where turns stretch
 nothing, and kept, while some elastic iterations bring the chain back together. The law itself is
 asked again in the next pass, and in the equilibrium.
 """

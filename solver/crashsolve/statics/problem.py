@@ -26,19 +26,21 @@ class Problem:
 
     def _lost(self, engine: Equations, moment: float) -> tuple[str, str]:
         return (
-            f"no equilibrium found behind this one, at {engine.loading.message(self.target)} "
+            f"no equilibrium found for the next load step, {engine.loading.message(self.target)} "
             f"(last correction {float(engine.clock.value):.2g}, {engine.out_of_balance()})",
-            "hold what can move freely; let loads rise along a curve, in more steps; beyond a "
-            "limit load there is none: where a structure flows, prescribe its motion by a driver, "
-            "whose reaction is the load; where it snaps through, follow the path of equilibria by "
-            "control.path: arc_length, or say solution: transient with damping",
+            "support what can move freely; let loads rise along a curve, in more steps; beyond a "
+            "limit load there is no equilibrium: where a structure collapses plastically, "
+            "prescribe its motion by a driver, whose reaction is the load; where it snaps through, "
+            "follow the path of equilibria by control.path: arc_length, or say "
+            "solution: transient with damping",
         )
 
     def _unbalanced(self, engine: Equations, moment: float) -> tuple[str, str]:
         share = 100.0 * engine.ledger[energy.IMBALANCE] / (engine.ledger[energy.LARGEST] or 1.0)
         return (
-            f"the energy balance is off on the way to {engine.loading.message(self.target)} "
-            f"({share:.3g} % of the largest energy): the equilibria there are not neighbours",
+            f"the energy balance is off in the load step to {engine.loading.message(self.target)} "
+            f"({share:.3g} % of the largest energy): the equilibrium found at its end is not the "
+            "one that continues from its start",
             "take more steps; where a structure collapses, prescribe its motion by a driver, whose "
             "reaction is the load; where it snaps from one equilibrium to another, say "
             "solution: transient with damping; control.energy_limit sets the bound",
@@ -48,11 +50,11 @@ class Problem:
         at = engine.loading.message
         return (
             f"the equilibrium becomes unstable between {at(moment)} and {at(self.target)}: "
-            "beyond it the model leaves this configuration by itself, as a column buckles or a "
-            "frame collapses",
-            "the load there is the critical one; to go on give a small imperfection or side load, "
+            "beyond that load the model moves away from it, as a column buckles or a frame "
+            "collapses",
+            "the load there is the critical load; to go on give a small imperfection or side load, "
             "prescribe the motion by a driver, whose reaction is the load, or say "
-            "solution: transient; what stands upside down needs something that holds it",
+            "solution: transient; a body that is balanced above its joint needs a support",
         )
 
     def _jumped(self, engine: Equations, moment: float) -> tuple[str, str]:
@@ -68,16 +70,16 @@ class Problem:
 
     def _lost_path(self, engine: Equations, moment: float) -> tuple[str, str]:
         return (
-            "no equilibrium found along the path behind this one, under the loads of "
+            "no further equilibrium found along the path, from the loads of "
             f"{engine.loading.message(moment)} ({engine.out_of_balance()})",
-            "take more steps: the path may turn sharply, or branch where symmetry is lost, which a "
-            "small imperfection or side load makes smooth",
+            "take more steps: the path may bend sharply, or branch where symmetry is lost; a small "
+            "imperfection or side load makes such a branch smooth",
         )
 
     def _forked(self, engine: Equations, moment: float) -> tuple[str, str]:
         return (
-            "either of them may go on while the others unload, and both ways are equally stable: "
-            "nothing in the model says which",
+            "any one of them may go on yielding while the others unload, all with equal stability: "
+            "nothing in the model decides which",
             "make one of them a little weaker, or give a small imperfection or side load",
         )
 

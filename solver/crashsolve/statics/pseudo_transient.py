@@ -202,17 +202,18 @@ class RestEngine(StaticEngine):
 
 
 def turning(groups: list[Any]) -> str | None:
-    """What stability is judged without, as a warning; None where that is nothing."""
+    """Warning of what the check of stability leaves out; None where that is nothing."""
     names = [name for g in groups for name in _rotating(g)]
     if not names:
         return None
     listed = ", ".join(names[:NAMED]) + (f" and {len(names) - NAMED} more" * (len(names) > NAMED))
     return (
-        f"{listed}: the force of such a load turns with what it acts on, that of such a joint has "
-        "an arm to a mass centre. Equilibrium has all of it; whether shells and fibre beams are "
-        "stable there is judged without this turning, so that buckling or flutter may be missed, "
-        "or found at another load. To be sure, hold the load in solution: transient, disturb the "
-        "structure a little and see whether it comes to rest there"
+        f"{listed}: these are follower loads, or joints whose forces have a lever arm to a mass "
+        "centre. Equilibria take them into account in full; the check for stability of shells and "
+        "fibre beams leaves out that their forces and moments change with rotation, so that "
+        "buckling or flutter may be missed, or found at another load. To be sure, hold the load "
+        "constant in solution: transient, disturb the structure a little and see whether it comes "
+        "to rest there"
     )
 
 

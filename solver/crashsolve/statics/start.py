@@ -44,6 +44,10 @@ STILL = 1e-11
 GROWTH, ROUND_OFF = 0.1, 1e-9
 # coordinates; differences of so many take minutes
 MOST = 3000
+SUPPORT = (
+    "support it by joints, springs or contacts that carry a static load (friction, dampers and "
+    "sliding tyres carry none), or leave out control.start"
+)
 
 
 def begin_at_rest(engine: Engine, does: Callable[[str], None]) -> str:
@@ -103,10 +107,14 @@ class _Settling:
         nodes = engine.state.nodes
         self.free = np.array([i for i in range(1, len(nodes)) if i not in attached], int)
         if len(engine.state.points):
-            raise self._refusal(1, "the model has shells, whose points it does not move")
+            message = "control.start: equilibrium does not move the nodes of shells"
+            raise self._refusal(1, message, "leave out control.start")
         if 6 * len(self.free) > MOST:
-            message = f"the model has {6 * len(self.free)} coordinates, and it takes {MOST} at most"
-            raise self._refusal(1, message)
+            message = (
+                f"the model has {6 * len(self.free)} coordinates; control.start: equilibrium is "
+                f"for at most {MOST}"
+            )
+            raise self._refusal(1, message, "leave out control.start")
         self.standing = Standing(self.model, nodes, int(engine.clock["current"]))
         self.nodes = nodes.copy()
         self.nodes["v"] = self.nodes["w"] = self.nodes["L"] = 0.0
@@ -127,7 +135,7 @@ class _Settling:
         here, tau, slides = self._at_rest(self.nodes), FIRST, 0
         self.standing.accept(self.nodes)
         while True:
-            does(f"searching the equilibrium, after {passes} of at most {PASSES} passes")
+            does(f"searching the equilibrium, after {passes} of at most {PASSES} iterations")
             pass_ = self._pass(here, tau)
             is_still = pass_.size <= STILL and (tau == LONGEST or here.worst == 0.0)
             if is_still and np.abs(here.phi).max(initial=0.0) <= self._closed():
@@ -238,7 +246,8 @@ class _Settling:
             node = int(self.free[mode.max(axis=1).argmax()])
             raise self._refusal(
                 node,
-                f"the equilibrium is unstable: it leaves it with exp({(-values[0]) ** 0.5:.3g} t)",
+                "the equilibrium is unstable: a disturbance grows as "
+                f"exp({(-values[0]) ** 0.5:.3g} t)",
             )
 
     def _take_over(self, D: np.ndarray) -> None:
@@ -264,31 +273,24 @@ class _Settling:
         """What was moved, for the log."""
         moved = np.linalg.norm(self.nodes["r"] - first["r"], axis=1)
         node = int(moved.argmax())
-        far = f"by {moved[node]:.4g} m at most, {self._name(node)}"
-        return f"equilibrium found in {passes} passes: mass centres were moved {far}"
+        far = f"by up to {moved[node]:.4g} m ({self._name(node)})"
+        return f"equilibrium found in {passes} iterations: mass centres were moved {far}"
 
     def _no_equilibrium(self, here: "_Rest", passes: int) -> SolverError:
         k, axis = divmod(int(np.abs(here.rates).argmax()), 6)
-        kind = "turned" if axis > 2 else "accelerated"
         rate = abs(here.rates[k, axis]) / (self.model.size if axis > 2 else 1.0)
         unit = "rad/s^2 about" if axis > 2 else "m/s^2 along"
         sliding = self.standing.sliding()
-        slides = f"; tyres that slide hold no more: {sliding}" if sliding else ""
+        slides = f"; these tyres slide and hold no more: {sliding}" if sliding else ""
         return self._refusal(
             int(self.free[k]),
-            f"there is no equilibrium: after {passes} passes it is still {kind} by "
-            f"{rate:.4g} {unit} {'xyz'[axis % 3]}, which nothing bears{slides}",
+            f"there is no equilibrium: after {passes} iterations its acceleration is still "
+            f"{rate:.4g} {unit} {'xyz'[axis % 3]}{slides}",
         )
 
-    def _refusal(self, node: int, cause: str) -> SolverError:
-        return SolverError(
-            float(self.engine.clock["time"]),
-            0,
-            self._name(node),
-            cause,
-            "hold it, or set it on what bears it at rest (friction, dampers and tyres that slip "
-            "bear nothing without motion), or leave out control.start",
-        )
+    def _refusal(self, node: int, cause: str, advice: str = SUPPORT) -> SolverError:
+        time = float(self.engine.clock["time"])
+        return SolverError(time, 0, self._name(node), cause, advice)
 
     def _name(self, node: int) -> str:
         if node < len(self.model.bodies):

@@ -161,7 +161,7 @@ class Yielding:
         return found
 
     def _crossing(self, engine: Equations, change: np.ndarray, closely: float = 0.1) -> float:
-        """Share of a way (n, 6) of the free nodes to the first corner; 1 where there is none.
+        """Share of a motion (n, 6) of the free nodes to the first corner; 1 where there is none.
 
         To a part `closely` of itself, and not before it.
         """

@@ -195,8 +195,8 @@ def _set_reference(
             finding.kind, finding.reference = watch.because, np.array([watch.value])
             return None
         finding.notes.append(
-            f"the published {watch.value:.6g} is {away:.2g} away from where the runs lead: "
-            "no matter of the step, whose error is measured from there"
+            f"the published {watch.value:.6g} is {away:.2g} away from the value to which the runs "
+            "converge: that is no error of the step, which is measured from that value"
         )
     elif known is not None:
         given = _at_times(known, curves[0].times)
@@ -204,7 +204,7 @@ def _set_reference(
             finding.kind, finding.reference = "file", given
             return None
         reason = known.get("problem", "its samples are at other times")
-        finding.notes.append(f"the reference folder does not serve: {reason}")
+        finding.notes.append(f"the reference folder cannot be used: {reason}")
     _hear_others(finding, best, found)
     finding.reference = best.convergence.value
     finding.kind = "extrapolated" if best.convergence.is_extrapolated else "finest run"
@@ -234,8 +234,8 @@ def _hear_others(finding: Finding, best: Source, found: Sequence[Source]) -> Non
         share = f"{apart / size:.2g}" if size else f"{apart:.2g} {finding.unit}"
         after = f" after t = {since:.6g} s" if finding.watch.statistic == PATH else ""
         finding.notes.append(
-            f"methods lead {share} apart{after}, more than their estimated errors explain: that is "
-            "taken for the error of the reference"
+            f"methods converge to values {share} apart{after}, more than their estimated errors "
+            "explain: that difference is taken as the error of the reference"
         )
 
 
@@ -326,7 +326,7 @@ def _reported(finding: Finding, curve: Curve, scale: float, is_own: bool) -> str
         if error > max(GROWS * least, left, ROUND_OFF):
             words.append("its errors grow as the steps shrink")
         if len(curve.trials) > 2 and error > 10.0 * max(left, ROUND_OFF):
-            words.append("shorter steps do not lead there: the difference is not the step's")
+            words.append("shorter steps do not reduce that: it is no error of the step")
     return "; ".join(words)
 
 
@@ -340,7 +340,7 @@ def _divergence_reported(finding: Finding, curve: Curve, scale: float) -> str:
     if found.grows:
         return (
             f"its errors grow as the steps shrink, from step {first.step:.3g} s on{since}: shorter "
-            f"ones change it by {_size(found.error / scale, finding)}; no run is to be believed "
+            f"ones change it by {_size(found.error / scale, finding)}; no run can be trusted "
             "before the cause is found"
         )
     apart = distance(*curve.values[-2:]) / scale
@@ -352,12 +352,12 @@ def _divergence_reported(finding: Finding, curve: Curve, scale: float) -> str:
 
 def _order_reported(curve: Curve, finding: Finding) -> str:
     if len(curve.trials) < 3:
-        return "fewer than three runs state no order"
+        return "an order needs three runs or more"
     seen = [(trial, finding.order(trial)) for trial in curve.trials]
     seen = [(trial, order) for trial, order in seen if isfinite(order)]
     declared = order_of(curve.series.method)
     if not seen:
-        return "no order to be seen: the runs differ by round-off, or their steps too little"
+        return "no order visible: the runs differ by round-off, or their steps too little"
     if declared is None:
         return f"order {seen[-1][1]:.2f}"
     near = [(trial, order) for trial, order in seen if abs(order - declared) <= NEAR]

@@ -233,10 +233,10 @@ def _verdict(findings: list[Finding], trials: list[Trial], target: float) -> str
     text = f"target {target:g}: none of these settings meets it{left_out}"
     doubtful = [f.watch.name for f in findings if f.is_doubtful(target)]
     if doubtful:
-        return f"{text}; not to be believed: {', '.join(doubtful)}"
+        return f"{text}; not to be trusted: {', '.join(doubtful)}"
     able = [trial for trial in trials if isfinite(worst(findings, trial))]
     if len({trial.setting.label for trial in trials}) == 1:
-        text += "; one step alone does not tell its error: give --steps two or more"
+        text += "; the error of a single step is not known: give --steps two or more"
     if not able:
         return text
     nearest = min(able, key=lambda trial: worst(findings, trial))

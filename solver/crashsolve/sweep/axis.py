@@ -112,7 +112,7 @@ class Axis(Card):
             raise ValueError(f"numbers of one range must be in one unit, not in {message}")
         for name, amount in self._given().items():
             if amount.number and not SMALLEST <= abs(amount.number) <= LARGEST:
-                raise ValueError(f"{name.rstrip('_')}: {amount.number:g} is no size to draw from")
+                raise ValueError(f"{name.rstrip('_')}: {amount.number:g} is too large or small")
 
     def _check_shape(self, low: float | None, high: float | None) -> None:
         """The peak within the range, and a deviation that spreads."""

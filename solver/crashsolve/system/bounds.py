@@ -1,11 +1,11 @@
-"""Who sets the step, and why: in words, for the log and status.json.
+"""What sets the step, and why: in words, for the log and status.json.
 
-What acts on the body with the least stable step is looked at one by one: a sample of copies, in
+The forces on the body with the least stable step are examined one by one: a sample of copies, in
 which nothing else acts, states what one spring, contact or element of a beam adds to its bound
 
     omega = sqrt(2 k w + (c w)^2) + c w,   w the mobility of the body where it acts  (timestep.py)
 
-Nothing of this reaches the run.
+The run itself is not changed.
 """
 
 from dataclasses import dataclass
@@ -40,7 +40,7 @@ class Actor:
 
 
 class StepBound:
-    """What sets the step of a run; who is looked for again after a second, or on another body."""
+    """What sets the step of a run; searched again after a second, or for another body."""
 
     def __init__(self, interval: float, longest: float | None) -> None:
         """`interval` [s] of samples, `longest` [s] the deck's own bound."""
@@ -58,10 +58,10 @@ class StepBound:
         if self._longest is not None and step > 0.999 * self._longest:
             return "control.step_max"
         if step > 0.4 * float(control["curve_step"]):
-            return "a curve of time, which longer steps would not see"
+            return "a curve over time, which longer steps would miss"
         if chooses_step(engine.model, engine.state):
             if control["resolves"] == 1 and step > 0.98 * self._resolved(engine):
-                return "vibrations, turns and the length of the run, which steps resolve"
+                return "control.resolve: vibrations, rotations and the duration of the run"
             is_whole = step > 0.999 * self._interval
             return "samples" if is_whole else "error of a step, control.tolerance"
         wanted, text = self._stable(engine)
@@ -69,7 +69,7 @@ class StepBound:
             return text
         if step >= EQUAL * self._interval:
             return "samples"
-        return "onset of contact, or bodies that come near each other"
+        return "onset of contact, or bodies that approach each other"
 
     def _resolved(self, engine: Engine) -> float:
         """The longest step [s] that resolves the motion of a method that chooses its steps."""
@@ -94,7 +94,7 @@ class StepBound:
             name = engine.model.bodies[spin]
             return rotation / float(
                 rotations[spin]
-            ), f"body '{name}', it turns at {rotations[spin]:.3g} rad/s"
+            ), f"body '{name}', rotation at {rotations[spin]:.3g} rad/s"
         return h, text or self._stiffest(engine, at)
 
     def _stiffest(self, engine: Engine, at: int) -> str:
@@ -120,7 +120,7 @@ def stiffest(engine: Engine, at: int) -> str:
         is_loaded = touching and "touched" in loads and loads["touched"]["shortened"][0] > 1.0
         return f"element {name}" + (", with contact" if is_loaded else "")
     if model.elements or model.nodal_groups:
-        return f"body '{name}', stiffness of what acts on it"
+        return f"body '{name}', stiffness of the forces on it"
     arrays = _copies(engine)
     found = [(*_alone(engine, actor, arrays, at), actor) for actor in _actors(engine, at)]
     if not found:

@@ -1,4 +1,4 @@
-"""Why the compiled loop stopped: place, likely cause and advice, as the user reads them."""
+"""Why the compiled loop stopped: location, likely cause and advice, as the user reads them."""
 
 from typing import Any
 
@@ -39,17 +39,21 @@ def diagnose(model: Model, state: State, clock: Any, ledger: np.ndarray) -> Solv
     if status == NOT_FINITE:
         at = int(clock["index"])
         name = f"body '{model.bodies[at]}'" if at < len(model.bodies) else model.part_at(at)
-        found = name, "its motion has grown beyond all bounds", closer(model, state)
+        found = (
+            name,
+            "its motion has diverged: positions or velocities are no finite numbers",
+            closer(model, state),
+        )
     elif status == POSITION:
         found = open_joints(model, state, clock)
     elif status == VELOCITY:
         found = broken_velocities(model, state)
     elif status == UNSOLVED:
-        cause = f"no step is short enough for its equations to be solved (the next: {step:.3g} s)"
+        cause = f"the equations of a step have no solution (the next step would be {step:.3g} s)"
         found = "the model", cause, pass_it(model, state)
     elif status == UNHELD:
         lack = f"{float(clock['value']):.3g} m"
-        cause = f"nodes held by unilateral constraints cannot be kept on their surface (by {lack})"
+        cause = f"nodes of unilateral constraints leave their surface by {lack}"
         found = "a unilateral contact", cause, closer(model, state)
     elif status == ROTATED:
         found = rotated_far(model, state, clock)
@@ -121,18 +125,18 @@ def _passed_nodes(model: Model) -> list[tuple[str, float, str]]:
 
 
 def closer(model: Model, state: State) -> str:
-    """How to ask this method for a closer look."""
+    """Advice for shorter steps, by what sets the step of the method."""
     if chooses_step(model, state):
-        return "ask for smaller errors: a smaller control.tolerance, or a smaller control.step_max"
-    return "take a shorter step: a smaller control.safety, or a smaller control.step"
+        return "take shorter steps: reduce control.tolerance or control.step_max"
+    return "take a shorter step: reduce control.safety or control.step"
 
 
 def pass_it(model: Model, state: State) -> str:
-    """What to do where a method gets stuck."""
-    look = "look for a singular configuration, a jump in a curve or law; integrator: rattle passes"
+    """Advice where no step of a method succeeds."""
+    look = "look for a singular configuration, or a jump in a curve or law; integrator: rattle"
     if chooses_step(model, state):
-        return f"{look} them, a larger control.tolerance may"
-    return f"{look} them; or {closer(model, state)}"
+        return f"{look} passes through them, and a larger control.tolerance may"
+    return f"{look} passes through them; or {closer(model, state)}"
 
 
 def chooses_step(model: Model, state: State) -> bool:
@@ -173,7 +177,8 @@ def collapsed_step(model: Model, state: State, limit_node: int, step: float) -> 
         return (
             f"{what} '{limiter(model, limit_node)}'",
             f"the step has collapsed to {step:.3g} s",
-            f"look for a stiffness far too large, or a mass far too small, on this {what}",
+            f"look for a stiffness that is far too large, or a mass that is far too small, on this "
+            f"{what}",
         )
     return (
         "the model",
@@ -183,11 +188,14 @@ def collapsed_step(model: Model, state: State, limit_node: int, step: float) -> 
 
 
 def rotated_far(model: Model, state: State, clock: Any) -> Diagnosis:
-    """A stated step in which a body turns so far that angles cannot be counted."""
+    """A stated step in which a body rotates so far that angles cannot be counted."""
     at = int(np.linalg.norm(state.nodes["w"], axis=1).argmax())
     speed, step = float(clock["value"]), float(clock["step"])
-    cause = f"it turns by {speed * step:.3g} rad in a step of {step:.3g} s"
-    advice = f"angles are counted in steps of a quarter of a turn: below {QUARTER / speed:.3g} s"
+    cause = f"it rotates by {speed * step:.3g} rad in a step of {step:.3g} s"
+    advice = (
+        "angles are counted in steps of less than a quarter of a revolution: take steps below "
+        f"{QUARTER / speed:.3g} s"
+    )
     return f"body '{model.node_with_element(at)}'", cause, advice
 
 
@@ -214,25 +222,31 @@ def curve_end(model: Model, clock: Any) -> Diagnosis:
         advice = f"take a shorter step; if that does not help, {advice}"
     if "." in name:
         hinge, _, field = name.partition(".")
-        cause = f"deformed to {x:.6g}, beyond what it is known for, {last:.6g} (plastic, or work)"
-        advice = f"extend its {field}, or say extrapolate: hold; a hinge in two directions folds "
+        cause = (
+            f"deformed to {x:.6g}, beyond the end of its curve, {last:.6g} (plastic displacement "
+            "or plastic work)"
+        )
+        advice = f"extend its {field}, or say extrapolate: hold; a hinge about two axes rotates "
         return f"hinge '{hinge}'", cause, f"{advice}by 3 rad at most"
     return f"curve '{name}'", cause, advice
 
 
 def folded(model: Model, node: int, angle: float) -> Diagnosis:
-    """A bushing, segment or beam element that is turned by nearly half a turn, angle [rad].
+    """A bushing, segment or beam element that has rotated by nearly pi, angle [rad].
 
     A negative angle: the link of an anti-roll bar at its dead centre.
     """
     if angle < 0.0:
-        cause = "a link from it to an anti-roll bar has no lever on the bar any more"
-        advice = "longer arms or links, or stops that end the travel of the wheel before"
+        cause = "its link to an anti-roll bar is at the dead centre, with no lever arm on the bar"
+        advice = "give longer arms or links, or stops that end the travel of the wheel before"
         return f"body '{model.node_with_element(node)}'", cause, advice
-    cause = f"it is turned by {angle:.3g} rad against what a spring or beam element ties it to"
+    cause = (
+        f"it has rotated by {angle:.3g} rad relative to the body at the other end of a spring or "
+        "beam element"
+    )
     advice = (
-        "half a turn is the end of what these know: take more elements or segments; let a joint "
-        "turn freely, with springs of its own"
+        "such an element is valid for relative rotations below 3 rad: take more elements or "
+        "segments; where parts rotate freely, take a joint with springs of its own"
     )
     return f"body '{model.node_with_element(node)}'", cause, advice
 
@@ -260,7 +274,7 @@ def of_own_faces(model: Model, card: int) -> bool:
 
 
 def gaining_contact(model: Model, state: State, clock: Any) -> Diagnosis:
-    """A contact card whose normal force, or friction, has made energy."""
+    """A contact card whose normal force, or friction, has created energy."""
     number, is_friction = int(clock["index"]), float(clock["value"]) == 1.0
     card = state.card_history[int(clock["current"]), number]
     held, exchanged = max(float(card["held_first"]), 0.0), float(card["exchanged"])
@@ -271,8 +285,8 @@ def gaining_contact(model: Model, state: State, clock: Any) -> Diagnosis:
         taken, held = 0.5 * (exchanged - gained), 0.0
     force = "friction" if is_friction else "the normal force"
     cause = (
-        f"{force} has given its bodies {gained:.3g} J more than it took from them "
-        f"({taken:.3g} J) and held at the start ({held:.3g} J)"
+        f"{force} has created energy: it has given its bodies {gained:.3g} J more than it took "
+        f"from them ({taken:.3g} J) and stored at the start ({held:.3g} J)"
     )
     shorter = closer(model, state)
     if of_own_faces(model, number):
@@ -282,7 +296,7 @@ def gaining_contact(model: Model, state: State, clock: Any) -> Diagnosis:
 
 
 def gaining_law(model: Model, state: State) -> Diagnosis:
-    """The spring, hinge or tyre that has made most energy over what it took and gave."""
+    """The spring, hinge or tyre that has created most energy over what it took and gave."""
     current, worst = int(state.clock[0]["current"]), (0.0, "", 0.0, 0.0, 0.0)
     for group in (g for g in model.force_groups() if g.is_watched):
         rows = zip(group.names, as_rows(group.history[current]), group.output, strict=True)
@@ -295,7 +309,7 @@ def gaining_law(model: Model, state: State) -> Diagnosis:
                 worst = share, f"{word} '{name}'", gain, taken, float(now["held_first"])
     _, where, gain, taken, held = worst
     cause = (
-        f"its force has given its bodies {gain:.3g} J more than it took from them ({taken:.3g} J) "
-        f"and held at the start ({held:.3g} J)"
+        f"its force has created energy: it has given its bodies {gain:.3g} J more than it took "
+        f"from them ({taken:.3g} J) and stored at the start ({held:.3g} J)"
     )
     return where, cause, f"{closer(model, state)}; control.energy_limit sets the bound"

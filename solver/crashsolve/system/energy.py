@@ -6,8 +6,8 @@ Every law states its stored energy and the power it dissipates from its own form
 is therefore a measure of the integration error and of any law that breaks its promise.
 
 It is compared with the largest energy so far. Where nothing moves, as under a load on what is
-wholly held, all energies are errors: the work of a force over a way that positions cannot say from
-none may be missing.
+wholly held, all energies are errors: the work of a force over a displacement below the
+round-off of positions may be missing.
 """
 
 from crashsolve.foundation.kernels import kernel

@@ -326,7 +326,7 @@ class Engine:
     def sample(self, time: float | None = None) -> None:
         """Outputs, reactions and energies at present, or at a time [s] within the last step.
 
-        Raises SolverError, after a few steps already where energy comes out of nothing.
+        Raises SolverError, after a few steps already where energy is created.
         """
         for now, copy in self.copied:
             copy[:] = now
@@ -372,7 +372,7 @@ class Engine:
             raise passed
 
     def step_warnings(self) -> list[str]:
-        """Signs that the step is too long for what no law states: the tension in joints."""
+        """Signs that the step is too long for the forces of joints, which state no stiffness."""
         found = self._balance_warnings()
         cycles = int(self.clock["cycle"])
         iterations = int(self.clock["iterations"]) / max(cycles, 1)
@@ -380,19 +380,20 @@ class Engine:
             return found
         return [
             *found,
-            f"the joints took {iterations:.1f} iterations a step: the step may be too long for the "
-            "tension in them; halve control.step, or control.step_max, and compare",
+            f"the joints took {iterations:.1f} iterations per step: the step may be too long for "
+            "their forces; halve control.step or control.step_max, and compare the results",
         ]
 
     def _balance_warnings(self) -> list[str]:
-        """That the balance has been above its limit, where more than a trifle was missing."""
+        """Warning that the energy balance was above its limit, by more than a negligible energy."""
         clock, largest = self.clock, float(self.ledger[energy.LARGEST])
         if float(clock["missing"]) <= NEGLIGIBLE_SHARE * self._limit * largest:
             return []
         return [
             f"at t = {float(clock['missing_time']):.6g} s the energy balance was off by "
             f"{100 * float(clock['missing_share']):.3g} % of the largest energy by then, more than "
-            f"control.energy_limit, {100 * self._limit:.3g} %; compare with a shorter step"
+            f"control.energy_limit, {100 * self._limit:.3g} %; compare the results with those of a "
+            "shorter step"
         ]
 
     def assembly_errors(self) -> list[tuple[str, str]]:
@@ -409,13 +410,13 @@ class Engine:
             if gap[part].max() > ASSEMBLY:
                 worst = np.abs(rows["phi"][part]).max()
                 found.append(
-                    (joint.name, f"does not fit the initial positions by {worst:.3g} (SI)")
+                    (joint.name, f"is violated by the initial positions: {worst:.3g} (SI)")
                 )
             elif (speed[part] / rows["scale"][part]).max() > ASSEMBLY * scale / self.model.size:
                 found.append(
                     (
                         joint.name,
-                        f"is broken by the initial velocities: {speed[part].max():.3g} (SI)",
+                        f"is violated by the initial velocities: {speed[part].max():.3g} (SI)",
                     )
                 )
         return found

@@ -49,8 +49,8 @@ def remark(series: Series, moment: float) -> str:
         return ""
     bend = abs(refined(series, moment) - value(series, moment))
     return (
-        f"no sample at {moment:.9g} s; on a straight line from {low:.6g} at {begin:.9g} s to "
-        f"{high:.6g} at {end:.9g} s: its error is some {bend:.1g} where the history is smooth, up "
+        f"no sample at {moment:.9g} s: interpolated from {low:.6g} at {begin:.9g} s to "
+        f"{high:.6g} at {end:.9g} s; its error is about {bend:.1g} where the history is smooth, up "
         f"to {abs(high - low):.1g} or more where it jumps. A deck that watches at:{moment:.9g} of "
         "the channel has a sample there"
     )

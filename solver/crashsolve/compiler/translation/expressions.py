@@ -296,7 +296,7 @@ class Expressions:
     def _value_Call(self, node: ast.Call) -> Value:
         called = self.value(node.func)
         if not isinstance(called.kind, Known) or node.keywords:
-            raise Untranslatable("kernels call functions by name, with arguments by place")
+            raise Untranslatable("kernels call functions by name, with arguments by position")
         function = called.kind.what
         if function is bool and len(node.args) == 1:
             return self.condition(node.args[0])

@@ -115,7 +115,7 @@ class Function(Expressions):
 
     def _read(self, found: Slots, name: str) -> Value:
         if found.kind == UNSET:
-            raise Untranslatable(f"`{name}` may have no value here: not every way gives it one")
+            raise Untranslatable(f"`{name}` may have no value here: not every branch sets it")
         if found.kind == LOST:
             raise Untranslatable(f"`{name}` is not of one kind here")
         pairs = zip(found.kind.words, found.names, strict=True)

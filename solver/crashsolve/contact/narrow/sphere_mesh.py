@@ -8,9 +8,9 @@
 Elsewhere the foot is the nearest point of an edge, and the sign is that of the sum of the normals
 that meet there, weighted by their angles; the open edge of a mesh has no inside. The nearest
 triangle alone counts, so that an edge shared by two is met once: `gap_by` takes that among those
-which face the way by which a touch goes on. A centre deeper than the thickness below the surface is
-behind the mesh and does not touch. (The chapter prints a normal that is not
-of unit length and products that are negative inside; these are the corrected ones.)
+which face the direction in which a contact continues. A centre deeper than the thickness below the
+surface is behind the mesh and does not touch. (The chapter prints a normal that is not of unit
+length and products that are negative inside; these are the corrected ones.)
 
 The nearest triangle is found in a tree of boxes: each is followed by its inner boxes and knows
 where to go on when it is too far. Consequence to test: a brute-force search over all triangles.

@@ -118,7 +118,9 @@ def axes_of(card: Any, along: np.ndarray, section: dict[str, Any], scene: Scene)
     if card.side is None:
         I_y, I_z = section["second"]
         if abs(I_y - I_z) > 1e-9 * I_z:
-            message = "this section bends more easily one way: say where its y axis points"
+            message = (
+                "this section has I_y and I_z that differ: say by side where its y axis points"
+            )
             raise scene.fail(message, "section")
         side = perpendicular(along)
     else:

@@ -84,7 +84,7 @@ def fault(card: Any) -> str:
     for point in range(1, len(card.points) + 1):
         bars = [k for k, bar in enumerate(card.bars, start=1) if point in bar]
         if bars and all((k, point) in seen for k in bars):
-            advice = "leave one as it is: the others turn against it"
+            advice = "leave one bar without an entry: the others rotate relative to it"
             return f"every bar at point {point} has an end of its own; {advice}"
     return ""
 

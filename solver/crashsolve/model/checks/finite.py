@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from crashsolve.deck.reading.deck import Deck
     from crashsolve.model.model import Model, State
 
-BEYOND = ("its numbers are too large or too small to reckon with", "look at powers and units")
-WORDS = "a length a run can reckon with; look at powers and units"
+BEYOND = ("its numbers are too large or too small to compute with", "check powers and units")
+WORDS = "give a length that a run can compute with; check powers and units"
 # of a model: the fourth power of more is beyond a machine, and that of a stiffness with it [m]
 LONGEST = 1e40
 # of velocities that a deck starts with [m/s, rad/s]: light has 3e8 m/s
@@ -87,7 +87,7 @@ def _too_fast(deck: Deck) -> Iterator[DeckError]:
         if name.endswith("velocity"):
             message = f"is more than {FASTEST:g} {unit}"
             yield deck.error(
-                entry, name, message, "a velocity of mechanics; look at powers and units"
+                entry, name, message, "give a smaller velocity; check powers and units"
             )
 
 

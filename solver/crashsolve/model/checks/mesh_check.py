@@ -33,14 +33,12 @@ def _duplicate(mesh: Any) -> str:
         if len(same):
             a, b = sorted(int(order[same[0] + k]) + 1 for k in (0, 1))
             where = ", ".join(f"{x:.6g}" for x in mesh.points[a - 1])
-            return (
-                f"nodes {a} and {b} lie in one position ({where}) m; merge them or move them apart"
-            )
+            return f"nodes {a} and {b} are both at ({where}) m; merge them or move them apart"
     return ""
 
 
 def _inverted(mesh: Any) -> str:
-    """Two elements that run along a side in the same direction face opposite ways."""
+    """Two elements that run along a side in the same direction have opposite normals."""
     ends = np.stack([mesh.quads, np.roll(mesh.quads, -1, axis=1)], axis=-1).reshape(-1, 2)
     order = np.lexsort(ends.T)
     # a triangle has a side of no length
@@ -49,7 +47,7 @@ def _inverted(mesh: Any) -> str:
     if not len(same):
         return ""
     a, b = sorted(int(order[same[0] + k]) // 4 + 1 for k in (0, 1))
-    return f"elements {a} and {b} face opposite ways; turn the corners of one round"
+    return f"elements {a} and {b} have opposite normals; reverse the corners of one"
 
 
 def _disjoint(mesh: Any) -> str:
@@ -67,5 +65,5 @@ def _disjoint(mesh: Any) -> str:
     if count == 1:
         return ""
     other = int(np.argmax(label != label[0])) + 1
-    message = f"is disjoint, in {count} parts: no way leads from node 1 to node {other}"
+    message = f"is disjoint, in {count} parts: no elements connect node 1 with node {other}"
     return f"{message}; make two parts of it"

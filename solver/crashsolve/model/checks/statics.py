@@ -75,7 +75,7 @@ def _beside_steps_from_rest(deck: Any) -> Iterator[tuple[Any, str]]:
     for entry in deck.entries["bodies"].values():
         if entry.card.welded:
             message = "a quasi-static solution with shells or fibre beams has no welded nodes"
-            yield entry, f"{message}, but joints"
+            yield entry, f"{message}; take a joint instead"
     for entry in deck.entries["hinges"].values():
         yield entry, "a quasi-static solution with shells or fibre beams has no hinges yet"
 

@@ -371,8 +371,8 @@ class NodalBuilder:
         if gap <= THICKEST * width:
             return
         message = (
-            f"the walls of '{part}' touch each other {gap:.4g} m apart, {gap / width:.0f} times "
-            f"as far as its elements are wide ({width:.4g} m): a shell cannot fold so tightly"
+            f"the walls of '{part}' would touch each other {gap:.4g} m apart, {gap / width:.0f} "
+            f"times as far as its elements are wide ({width:.4g} m): a shell cannot fold so tightly"
         )
         advice = f"take elements of {gap / THICKEST:.3g} m or wider, thinner walls, or no contact"
         raise self.scene.fail(f"{message}; {advice} of '{part}' with itself", "a")

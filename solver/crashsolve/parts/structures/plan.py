@@ -169,7 +169,7 @@ def _axes(along: np.ndarray, side: Any, constants: dict[str, Any], path: Steps) 
     if side is None:
         I_y, I_z = constants["second"]
         if abs(I_y - I_z) > 1e-9 * I_z:
-            message = "its section bends more easily one way: say by side where its y axis points"
+            message = "its section has I_y and I_z that differ: say by side where its y axis points"
             raise Problem(path, message)
         y = perpendicular(along)
     else:
@@ -186,7 +186,7 @@ def _refuse_twice(members: list[Member]) -> None:
     for member in members:
         for key in (member.name, frozenset(member.ends)):
             if key in seen:
-                raise Problem(member.path, f"is member {seen[key] + 1} once more")
+                raise Problem(member.path, f"repeats member {seen[key] + 1}")
             seen[key] = member.number
 
 

@@ -69,6 +69,6 @@ def _warning(model: Model, card: int, what: str, lack: float, handled: float) ->
     verb = "made" if lack > 0.0 else "lost"
     return (
         f"contact '{model.contacts[card]}': its {what} has {verb} {abs(lack):.3g} J that nothing "
-        f"accounts for, {share:.2g} % of the {handled:.3g} J it held and lost; "
-        f"{helps}, and compare"
+        f"accounts for, {share:.2g} % of the {handled:.3g} J it stored and dissipated; "
+        f"{helps}, and compare the results"
     )

@@ -1,11 +1,11 @@
-"""Contact of many small probes, nodes and balls, each with the nearest it can meet on either side.
+"""Contact of many probes (nodes and balls), each with the nearest face or shape on either side.
 
-    due:  a probe d apart from touching is looked at again when sum 2 |v|_max h has grown by d
+    due:  a probe at a distance d from contact is searched again when sum 2 |v|_max h has grown by d
 
-Most probes are far from anything in most steps; what a step costs is the looking at those that are
-not. A probe has a slot for each side of a surface, with two records that take turns: what is
-accepted, and what the present force pass finds. Consequence to test: the same forces as looking at
-all probes in all steps.
+Most probes are far from contact in most steps; a step pays for the search of the others alone. A
+probe has a slot for each side of a surface, with two records that alternate: the accepted one, and
+that of the present force pass. Consequence to test: the same forces as with a search of all probes
+in all steps.
 """
 
 from math import sqrt
@@ -207,16 +207,16 @@ def leave(clock, totals, old, new):
 
 @kernel
 def closing(v, v_other, hit, h, old, w):
-    """Closing speed; the force of the last step stands for that which points do not know yet.
+    """Closing speed; the force of the last step stands for the present one, not known yet.
 
-    w is how they would move under it [1/kg].
+    w is the acceleration of the points over that force [1/kg].
     """
     return dot(sub(v_other, v), vec(hit.normal)) - 0.5 * h * w * old.force
 
 
 @kernel
 def give(b, n):
-    """Acceleration of a point along n over a force there [1/kg]; what is held gives none."""
+    """Acceleration of a point along n over a force there [1/kg]; 0 along what is held."""
     return b.mass_inv * dot(free_part(b.held, n), n)
 
 
@@ -243,7 +243,7 @@ def mobility_of(probe, hit, nodes, points):
 
 @kernel
 def note(clock, h, p, totals, card, touch, f, energies):
-    """Add a probe that touches to what its card and the ledger tell. Writes: totals, card, new.
+    """Add a probe that touches to the sums of card and ledger. Writes: totals, card, new.
 
     `energies` are what its normal force f stores [J], its power [W] and its loss [J].
     """

@@ -45,7 +45,7 @@ CROSSED = 1.5
 
 @kernel
 def open_faces(h, p, totals, probes, nodes, scene, near_faces):
-    """How far all have gone; the lists anew where that is more than their margin.
+    """Sum how far all have moved; renew the lists where that exceeds their margin.
 
     Writes: totals, near_faces.
     """

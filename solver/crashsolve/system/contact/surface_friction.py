@@ -158,9 +158,9 @@ def pressed_on_shape(h, touch, body, positions, u, f, nodes, scene):
 
 @kernel
 def ease_under(clock, h, total, f):
-    """Slip that friction takes in half a step, over the friction [s/kg].
+    """Decrease of the slip in half a step, over the friction [s/kg].
 
-    Of what all friction there can take, this has the share of its normal force f.
+    All friction there decreases it; this one has the share of its normal force f.
     """
     if f <= 0.0:
         return 0.0
@@ -169,7 +169,7 @@ def ease_under(clock, h, total, f):
 
 @kernel
 def add_friction_to_probe(probe, t, u, d, k, c, nodes, scene):
-    """Friction t, along u, in the place d from a probe. Writes: nodes, scene.points, stiffened."""
+    """Friction t, along u, at d from a probe. Writes: nodes, scene.points, stiffened."""
     if probe.point >= 0:
         b = scene.points[probe.point]
         add_to(b.force, t)
@@ -184,7 +184,7 @@ def add_friction_to_probe(probe, t, u, d, k, c, nodes, scene):
 
 @kernel
 def add_friction_to_face(p, hit, t, d, k, c, scene):
-    """Minus the friction t in the place d from a face. Writes: scene.points, stiffened."""
+    """Minus the friction t at the position d from a face. Writes: scene.points, stiffened."""
     at = corner_points(p, hit.face, scene.corners)
     for j in range(4):
         b, share = scene.points[at[j]], scale(-hit.N[j], t)
@@ -195,7 +195,7 @@ def add_friction_to_face(p, hit, t, d, k, c, scene):
 
 @kernel
 def add_friction_to_body(body, y, t, u, k, c):
-    """Minus the friction t, along u, in the place y. Writes: body."""
+    """Minus the friction t, along u, at the position y. Writes: body."""
     d = sub(y, vec(body.r))
     apply_force(body, scale(-1.0, t), d)
     add_stiffness_bound(body, mobility(body, d, u), k, c)
@@ -203,7 +203,7 @@ def add_friction_to_body(body, y, t, u, k, c):
 
 @kernel
 def note(h, p, totals, card, t, stored, loss, new):
-    """Add the friction of one to what its card and the ledger tell. Writes: totals, card, new."""
+    """Add the friction of a touch to the sums of card and ledger. Writes: totals, card, new."""
     totals.bristled += stored
     if h > 0.0:
         totals.friction_loss += loss

@@ -160,7 +160,7 @@ def latch(p, old, new, depth, rate, count):
 
 @kernel
 def separate(clock, old, new, out, depth, x):
-    """No contact: everything rests. Writes: new, out."""
+    """No contact: histories and outputs are reset. Writes: new, out."""
     new.active = 0
     new.depth = depth
     new.impact_speed = 0.0
@@ -190,15 +190,16 @@ def begun_before(clock, old, h):
     """0 of a contact that begins at the end of the step, 1 of any other.
 
     A step ends where a contact begins. What jumps there must not act in a stage at its end: that
-    has the weight of all of the step, and no step to the onset would be short enough. What a stage
-    within the step meets, it feels: a touch and go shows in the error of the step.
+    has the weight of all of the step, and no step to the onset would be short enough. A stage
+    within the step takes the force of what it meets: a contact that begins and ends within the
+    step shows in the error of the step.
     """
     return 0.0 if clock.ends == 1 and old.active == 0 and h > 0.0 else 1.0
 
 
 @kernel
 def touch(pair, totals, sliding, applied, f, t, x):
-    """Normal force f and friction t on both sides, in the place x. Writes: totals, out."""
+    """Normal force f and friction t on both sides, at the position x. Writes: totals, out."""
     a, b, out, d_a, d_b = totals.on_a, totals.on_b, pair.out, sliding.d_a, sliding.d_b
     total = add_scaled(t, f, sliding.n)
     apply_force(a, total, d_a)
@@ -227,10 +228,10 @@ def clear_friction_stiffness(nodes):
 
 @kernel
 def ease_of_pair(clock, h, pair, totals, mob_a, mob_b, f):
-    """Slip that friction takes from a pair in half a step, over the friction [s/kg].
+    """Decrease of the slip of a pair in half a step, over its friction [s/kg].
 
-    Of what all friction on both bodies can take, this pair has the share of its normal force f in
-    what they press: sum of f w over the last step. Writes: totals.
+    All friction on both bodies together decreases the slip; this pair has the share of its normal
+    force f in the sum of f w over the last step. Writes: totals.
     """
     if f <= 0.0:
         return 0.0
@@ -252,7 +253,7 @@ def along(t, slip, n):
 
 @kernel
 def ahead(old, slip, n):
-    """Unit vector along which friction acts, as far as is known before it is."""
+    """Unit vector along which friction will act, as far as it is known beforehand."""
     return along(vec(old.friction_force), slip, n)
 
 
@@ -289,7 +290,7 @@ def fastest_motion(nodes):
 
 @kernel
 def closing_at_most(p, a, b, nodes):
-    """Speed with which two elements do not come together faster [m/s]."""
+    """Upper bound of the closing speed of two elements [m/s]."""
     m, w = nodes[a.node], nodes[b.node]
     v_a = point_velocity(m, arm(m, vec(a.point)))
     v_b = point_velocity(w, arm(w, vec(b.point)))

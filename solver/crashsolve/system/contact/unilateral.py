@@ -1,4 +1,4 @@
-"""Bookkeeping of unilateral constraints: who is held, impulses in both halves of a step, losses.
+"""Bookkeeping of unilateral constraints: pairs held, impulses in both halves of a step, losses.
 
     v_half = v + h/2 M^-1 g + M^-1 P        P >= 0 such that nothing held goes deeper in the drift
     v_new = v_half + h/2 M^-1 g_new + M^-1 P_new         such that nothing held approaches
@@ -66,7 +66,7 @@ def give(is_half, b, P, d):
 
 @kernel
 def sweep(is_half, is_impulse, current, pairs, nodes, change, most):
-    """New impulses of every pair that is held, one after the other; of new ones in a blow too.
+    """New impulses of every pair that is held, one after the other; at an impact of new ones too.
 
     Takes and returns the largest change and the largest impulse [N s]. Writes: history, nodes.
     """
@@ -113,7 +113,7 @@ def drift_held(current, h, params, history, elements, nodes):
 def aim(old, new, depth, h):
     """Correct the velocity that closes the gap over a drift; returns what it was [m]. Writes: new.
 
-    What is not pushed may be apart.
+    A pair without an impulse may separate.
     """
     if depth <= 0.0 and dot(vec(new.opening), vec(old.normal)) <= 0.0:
         return 0.0
@@ -142,7 +142,8 @@ def across(x, n):
 def look(clock, h, pair, meeting):
     """Whether a pair is held after the drift, and where. Writes: pair.new, out.
 
-    Held before, it is let go where nothing pushed and a gap has opened. At a sample all stays.
+    A pair held before is released where it has no impulse and a gap has opened. A sample changes
+    nothing.
     """
     old, new, out, m, w = pair.old, pair.new, pair.out, pair.a, pair.b
     depth, n, x = meeting.depth, meeting.n, meeting.x

@@ -5,8 +5,8 @@
     f_i = w_i k delta_i,   w_i = (delta_i / M)^(p - 2)
     s = c / FAR between 0 and 1,   c = (d_i - d_j n_i . n_j) / gap,   d_i <= d_j
 
-A probe that met the nearest face alone would be thrown to and fro in a crease: the force jumps from
-one normal to the other with each step, and steps of finite length make energy of that. c says how
+A probe that met the nearest face alone would rattle in a crease: the force jumps from one normal to
+the other with each step, and steps of finite length create energy by that. c says how
 far the farther of two faces rises above the plane across the normal of the nearer, in gaps. In
 flat and convex surfaces it does not rise, s = 0, and M is the depth of the nearest alone; walls of
 a crease rise, and with s = 1 each has a force of its own; between, M goes smoothly from one wall to

@@ -1,4 +1,4 @@
-"""Stages of an implicit Runge-Kutta step: what they miss, and the correction for it.
+"""Stages of an implicit Runge-Kutta step: their residuals, and the corrections.
 
     Y_i = y + h sum_j a_ij k(Y_j),   A = T U,   T lower and U unit upper triangular
     (I - h t_ii J) dY_i = h sum_j a_ij k_j - (Y_i - y) + h sum_(j<i) t_ij J dY_j

@@ -2,10 +2,10 @@
 
     (M + t C + t^2 K) dv - D^T m = M b - t K a - C_G a,   D dv = D b
 
-with a and b what is missing in positions and velocities (compliance.py). There every spring is a
-row of a matrix as large as there are rows; an element of a shell has thirteen of them, and shares
-each of its nodes with three others, so that here nodes are the unknowns: 6 of them where there are
-13 rows. And rows hold no more of a tangent than D^T k D, while blocks hold what turns forces too. K
+with a and b what is missing in positions and velocities (compliance.py). In compliance.py every
+spring is a row of the matrix; an element of a shell has thirteen rows, and shares each of its nodes
+with three others, so that here nodes are the unknowns: 6 of them where there are 13 rows. Rows hold
+no more of a tangent than D^T k D; blocks also hold its part by the rotation of forces. K
 of the elements stands in the blocks of the matrix (stiffness.py, elements/beams/tangent.py), that
 of springs and contacts comes from their compliant rows, and so does damping. Consequence to test:
 the same corrections as by rows.
@@ -196,7 +196,7 @@ def resist_elements(nodes, stages, i, matrix, t):
 
 @kernel
 def displacement(body, s):
-    """What a body misses in place and turn, world axes."""
+    """Missing displacement and rotation of a body, world axes."""
     return vec(s.right_r), matvec(body.A, rotated_by(vec(s.right_rotation), vec(s.rotation)))
 
 

@@ -45,7 +45,7 @@ def rotation_rate_of(omega, g):
 
 @kernel
 def rotated_by(g_change, g):
-    """The turn in body axes that changes the Cayley vector g by so much."""
+    """The rotation in body axes that changes the Cayley vector g by a given amount."""
     return scale(2.0 / (1.0 + dot(g, g)), sub(g_change, cross(g, g_change)))
 
 
@@ -139,7 +139,7 @@ def typical_speed(nodes, size):
 
 @kernel
 def estimate(nodes, stages, count, E, errors, k, h):
-    """Estimate k of what the step errs by in position, turn, velocity and spin. Writes: errors."""
+    """Estimate k of the error in position, rotation, velocity and spin. Writes: errors."""
     zero = (0.0, 0.0, 0.0)
     for n in range(1, nodes.shape[0]):
         b, e = nodes[n], errors[k, n]
@@ -185,7 +185,7 @@ def project_pair(errors, k, rows, saddle, of_positions):
 
 @inlined
 def pair_of(e, of_positions):
-    """Errors of a body in place and turn, or in velocity and spin."""
+    """Errors of a body in position and rotation, or in velocity and spin."""
     return (e.r, e.rotation) if of_positions else (e.v, e.w)
 
 

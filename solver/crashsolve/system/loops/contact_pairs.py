@@ -1,8 +1,8 @@
 """Contact pairs of one group: gap, normal force and friction, on both bodies.
 
 Sides that lie on each other over an area press in its points, each with its own closing speed, and
-friction may resist a spin (system/contact/areas.py). A pair may go on by another face than the
-nearest (system/contact/pass_through.py), and one that cannot have met is left alone
+friction may resist a spin (system/contact/areas.py). A contact may continue on another face than
+the nearest (system/contact/pass_through.py), and a pair that cannot have met is skipped
 (system/contact/resting.py).
 """
 
@@ -89,7 +89,7 @@ def totals_of(group, piece, i, clock, p, m, w, scene):
 def gap(group, h, card, old, a, b, nodes, scene):
     """Depth, normal and position of a pair.
 
-    Of one apart of which nothing is asked, only what the depth does not exceed.
+    Of a pair apart whose depth is not asked for, only an upper bound of the depth.
     """
     if hasattr(group.narrow, "bound") and old.active == 0:
         depth = group.narrow.bound(a, b, nodes, group.data)
@@ -100,7 +100,7 @@ def gap(group, h, card, old, a, b, nodes, scene):
 
 @stage
 def kept_face(group, clock, h, ends, depth, n, x, nodes, scene):
-    """Depth, normal and position of a pair by the face that it keeps, and whether it goes on by it.
+    """Depth, normal and position of a pair by the face that it keeps, and whether that goes on.
 
     Writes: new.
     """

@@ -92,7 +92,7 @@ def need_rebuild(clock, nodes, scene):
 
 @stage
 def limit_closing(group, clock, nodes, scene):
-    """Cut the next step so that no two sides pass through or by each other between two looks.
+    """Cut the next step so that no two sides pass through or by each other between two searches.
 
     A step brings them at most a share of their thickness nearer than touching.
     Writes: clock.next_step.

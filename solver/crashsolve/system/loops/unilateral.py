@@ -1,4 +1,4 @@
-"""Unilateral constraints: impulses on what touches, in both halves of a step.
+"""Unilateral constraints: impulses on nodes in contact, in both halves of a step.
 
 See system/contact/unilateral.py.
 """
