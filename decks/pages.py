@@ -4,10 +4,21 @@ import csv
 import json
 import subprocess
 import sys
+import tempfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+
+def in_folder(main: Callable[[Path], None]) -> None:
+    """Run `main` in the folder named on the command line, or in one that is deleted afterwards."""
+    if len(sys.argv) > 1:
+        main(Path(sys.argv[1]))
+    else:
+        with tempfile.TemporaryDirectory() as folder:
+            main(Path(folder))
 
 
 def finished(folder: Path) -> bool:

@@ -7,7 +7,6 @@ Runs whose results are in FOLDER are not repeated.
 
 import subprocess
 import sys
-import tempfile
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,7 +17,7 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 sys.path[:0] = [str(ROOT / "postproc"), str(ROOT / "decks")]
 
-from pages import finished, values, write_page  # noqa: E402
+from pages import finished, in_folder, values, write_page  # noqa: E402
 
 from crashpost.results.result import Result  # noqa: E402
 
@@ -174,8 +173,4 @@ def main(folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    if len(sys.argv) > 1:
-        main(Path(sys.argv[1]))
-    else:
-        with tempfile.TemporaryDirectory() as made:
-            main(Path(made))
+    in_folder(main)

@@ -7,7 +7,6 @@ A run whose result is in FOLDER is not repeated; the film is left there.
 
 import subprocess
 import sys
-import tempfile
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -16,7 +15,7 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 sys.path[:0] = [str(ROOT / "postproc"), str(ROOT / "decks")]
 
-from pages import finished  # noqa: E402
+from pages import finished, in_folder  # noqa: E402
 
 from crashpost.results.result import Result  # noqa: E402
 
@@ -61,8 +60,4 @@ def main(folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    if len(sys.argv) > 1:
-        main(Path(sys.argv[1]))
-    else:
-        with tempfile.TemporaryDirectory() as made:
-            main(Path(made))
+    in_folder(main)

@@ -8,7 +8,6 @@ Runs whose results are in FOLDER are not repeated; all of them take some thirty 
 import json
 import subprocess
 import sys
-import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +17,7 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 sys.path[:0] = [str(ROOT / "postproc"), str(ROOT / "decks")]
 
-from pages import finished, values  # noqa: E402
+from pages import finished, in_folder, values  # noqa: E402
 
 from crashpost.results.result import Result  # noqa: E402
 
@@ -328,5 +327,4 @@ def main(folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    with tempfile.TemporaryDirectory() as folder:
-        main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(folder))
+    in_folder(main)

@@ -114,13 +114,12 @@ def act(law: Law, h: float = 1e-3) -> Any:
     group = next(g for g in law.bench.model.groups if g.keyword == "tyres")
     if not group.data:
         return law.force(h)
-    module, data = law.module, tuple(as_rows(table) for table in group.data)
-    law.module = type("M", (), dict(vars(module)))
-    law.module.force = staticmethod(lambda *args: module.force_with_tables(*args, data))
+    kernel, data = law.kernel, tuple(as_rows(table) for table in group.data)
+    law.kernel = lambda *args: law.module.force_with_tables(*args, data)
     try:
         return law.force(h)
     finally:
-        law.module = module
+        law.kernel = kernel
 
 
 @pytest.mark.parametrize("name", TYRES)
