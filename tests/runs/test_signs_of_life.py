@@ -175,7 +175,7 @@ def test_a_run_reports_a_collapse_and_of_what_never_happened(tmp_path: Path) -> 
     done = crashsolve(deck, "-o", folder, CRASHSOLVE_PLAIN="1")
     assert done.returncode == 0, done.stderr
     log = (folder / "log.txt").read_text("utf-8")
-    (warning,) = [text for text in log.splitlines() if text.startswith("warning: the step")]
+    (warning,) = [text for text in log.splitlines() if text.startswith("warning: the average step")]
     assert "it is set by: body 'ball', damping of contact 'landing' with 'ground'" in warning
     assert "contacts that never touched" in log and "parts that never deformed" in log
     status = json.loads((folder / "status.json").read_text("utf-8"))
