@@ -97,7 +97,7 @@ def test_a_stated_step_that_misses_a_load_states_so(
     control = f", step: {step}, integrator: {method}"
     path = deck(tmp_path, ["1 - cos(2*pi*1000*x)"], 0.1, control)
     model, _ = build(read_deck(path))
-    assert any("points of a period of curve 'p0'" in text for text in model.warnings)
+    assert any("points per period of curve 'p0'" in text for text in model.warnings)
     _, (found,), _ = estimate_in_memory(read_deck(path))
     assert found.value is not None and found.error is not None
     assert abs(found.value - 0.1) <= 2.0 * found.error + CUBICS
