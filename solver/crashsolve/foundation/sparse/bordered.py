@@ -12,14 +12,12 @@ test: the solution is that of the dense matrix.
 Reference: George and Liu (1981), Computer Solution of Large Sparse Positive Definite Systems.
 """
 
-from heapq import heapify, heappop, heappush
-
 import numpy as np
 
 from crashsolve.foundation.kernels import inlined, kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.sparse import saddle
-from crashsolve.foundation.sparse.planning import updates_of
+from crashsolve.foundation.sparse.planning import addresses, minimum_degree, updates_of
 from crashsolve.foundation.sparse.saddle import REDUNDANT, Saddle, hand_down, subtract, take_up
 
 # node: of which the block is; 0 for a joint
@@ -61,20 +59,16 @@ def plan(
         if a != b:
             graph[a].add(b)
             graph[b].add(a)
-    order, below = _eliminate(graph, len(nodes))
+    order, below = minimum_degree(graph, [1] * len(graph), len(nodes))
     position = {key: p for p, key in enumerate(order)}
     entries = np.cumsum([0, *(rows * len(own) // 2 for rows, own in joints)])
     columns = np.zeros(len(order), COLUMN.dtype)
-    address: dict[tuple[int, int], int] = {}
     for p, key in enumerate(order):
         column, joint = columns[p], key - len(nodes)
         column["rows"] = 6 if joint < 0 else joints[joint][0]
         column["node"] = nodes[key] if joint < 0 else 0
         column["entry"], column["end"] = entries[joint : joint + 2] if joint >= 0 else (0, 0)
-        column["block"] = len(address)
-        for q in [p, *sorted(position[b] for b in below[key])]:
-            address[q, p] = len(address)
-        column["block_end"] = len(address)
+    address = addresses(columns, order, position, below)
     updates = updates_of(columns, order, position, below, address)
     blocks = np.zeros(len(address), BLOCK.dtype)
     blocks["column"] = [q for q, _ in address]
@@ -82,27 +76,6 @@ def plan(
     found = {(names[q], names[p]): block for (q, p), block in address.items()}
     slots = np.array(_positions(ends, joints, found), SLOT.dtype)
     return Saddle(columns, blocks, np.array(updates, saddle.UPDATE.dtype), slots), found
-
-
-def _eliminate(graph: list[set[int]], count: int) -> tuple[list[int], dict[int, set[int]]]:
-    """Minimum-degree order, the first `count` before the others; what is later in each column."""
-    order: list[int] = []
-    below: dict[int, set[int]] = {}
-    for members in (range(count), range(count, len(graph))):
-        heap = [(len(graph[k]), k) for k in members]
-        heapify(heap)
-        while heap:
-            degree, key = heappop(heap)
-            # what has changed since then stands further down as well
-            if key in below or degree != len(graph[key]):
-                continue
-            order.append(key)
-            below[key] = graph[key]
-            for other in graph[key]:
-                graph[other] = (graph[other] | graph[key]) - {key, other}
-                if other in members:
-                    heappush(heap, (len(graph[other]), other))
-    return order, below
 
 
 def _positions(

@@ -5,6 +5,8 @@ Joints are eliminated in an order of minimum degree, hubs after them (see saddle
 Reference: George and Liu (1981), Computer Solution of Large Sparse Positive Definite Systems.
 """
 
+from heapq import heapify, heappop, heappush
+
 import numpy as np
 
 from crashsolve.foundation.sparse.saddle import BLOCK, COLUMN, PAIR, UPDATE, Saddle
@@ -26,11 +28,10 @@ def plan(rows: list[int], nodes: list[tuple[int, ...]], hubs: tuple[int, ...] = 
         for k in touching[hub]:
             neighbours[k].add(number)
     sizes = rows + [6] * len(hubs)
-    order, below = _eliminate(neighbours, sizes, first_hub)
+    order, below = minimum_degree(neighbours, sizes, first_hub)
     position = {joint: p for p, joint in enumerate(order)}
     entries = [0, *np.cumsum([m * len(ends) // 2 for m, ends in zip(rows, nodes, strict=True)])]
     columns = np.zeros(len(sizes), COLUMN.dtype)
-    address: dict[tuple[int, int], int] = {}
     for p, joint in enumerate(order):
         column = columns[p]
         column["rows"] = sizes[joint]
@@ -38,10 +39,7 @@ def plan(rows: list[int], nodes: list[tuple[int, ...]], hubs: tuple[int, ...] = 
             column["entry"], column["end"] = entries[joint], entries[joint + 1]
         else:
             column["node"] = hubs[joint - first_hub]
-        column["block"] = len(address)
-        for q in [p, *sorted(position[b] for b in below[joint])]:
-            address[q, p] = len(address)
-        column["block_end"] = len(address)
+    address = addresses(columns, order, position, below)
     updates = updates_of(columns, order, position, below, address)
     blocks = np.zeros(len(address), BLOCK.dtype)
     blocks["column"] = [q for q, _ in address]
@@ -57,22 +55,54 @@ def _joints_by_node(nodes: list[tuple[int, ...]]) -> dict[int, list[int]]:
     return touching
 
 
-def _eliminate(
-    neighbours: list[set[int]], rows: list[int], first_hub: int
+def minimum_degree(
+    neighbours: list[set[int]], sizes: list[int], last_from: int
 ) -> tuple[list[int], dict[int, set[int]]]:
-    """Minimum-degree order, hubs last; for each block the later blocks its column reaches."""
+    """Order of elimination, and the later blocks that the column of each block reaches.
+
+    The least coupled rows go first; blocks from `last_from` on come after all others.
+    """
     graph = [set(s) for s in neighbours]
-    left = set(range(len(rows)))
+
+    def degree(block: int) -> int:
+        return sum(sizes[j] for j in graph[block])
+
     order: list[int] = []
     below: dict[int, set[int]] = {}
-    while left:
-        block = min(left, key=lambda b: (b >= first_hub, sum(rows[j] for j in graph[b]), b))
-        left.remove(block)
-        order.append(block)
-        below[block] = graph[block]
-        for j in graph[block]:
-            graph[j] = (graph[j] | graph[block]) - {block, j}
+    for members in (range(last_from), range(last_from, len(graph))):
+        heap = [(degree(block), block) for block in members]
+        heapify(heap)
+        while heap:
+            known, block = heappop(heap)
+            # what has changed since then is further back in the heap as well
+            if block in below or known != degree(block):
+                continue
+            order.append(block)
+            below[block] = graph[block]
+            for other in graph[block]:
+                graph[other] = (graph[other] | graph[block]) - {block, other}
+                if other in members:
+                    heappush(heap, (degree(other), other))
     return order, below
+
+
+def addresses(
+    columns: np.ndarray,
+    order: list[int],
+    position: dict[int, int],
+    below: dict[int, set[int]],
+) -> dict[tuple[int, int], int]:
+    """Number of the block at each (row, column) of positions in the order of elimination.
+
+    Writes: block and block_end of the columns.
+    """
+    address: dict[tuple[int, int], int] = {}
+    for p, key in enumerate(order):
+        columns[p]["block"] = len(address)
+        for q in [p, *sorted(position[b] for b in below[key])]:
+            address[q, p] = len(address)
+        columns[p]["block_end"] = len(address)
+    return address
 
 
 def updates_of(
