@@ -106,7 +106,7 @@ def test_an_angle_past_the_range_is_refused_with_how_far(tmp_path: Path) -> None
     )
     posture = "{root: thigh, joints: [{joint: knee, angle: 0.9}]}"
     text = CHAIN.replace("POSTURE", posture) + stop
-    assert "turns 'knee' to 0.9 rad, 0.4 rad past the range" in refusal(tmp_path, text)
+    assert "rotates 'knee' to 0.9 rad, 0.4 rad past the range" in refusal(tmp_path, text)
 
 
 RATES = (
