@@ -14,7 +14,7 @@ from math import ceil
 import numpy as np
 
 from crashsolve.foundation.errors import SolverError
-from crashsolve.recording.changing import Snapshot, size_of
+from crashsolve.recording.changing import Snapshot, is_cheap
 from crashsolve.recording.marching import March
 from crashsolve.system.engine import Engine
 
@@ -22,8 +22,6 @@ from crashsolve.system.engine import Engine
 MOST_ROWS = 512
 # steps that are run once more: so many, and this share of all
 FREE_STEPS, SHARE = 4000, 0.05
-# [bytes] models beyond this are not copied at every sample
-MOST_BYTES = 1 << 26
 
 
 class Between:
@@ -35,7 +33,7 @@ class Between:
     def __init__(self, engine: Engine, moves: bool, take: Callable[[float], None]) -> None:
         self.engine, self._take = engine, take
         self.spent = np.zeros(1)
-        watches = moves and len(engine.model.contacts) > 0 and size_of(engine) < MOST_BYTES
+        watches = moves and len(engine.model.contacts) > 0 and is_cheap(engine)
         self._begin, self._end = (Snapshot(engine) if watches else None for _ in range(2))
         self.march = March(engine, self._begin)
         # whether an interval has begun

@@ -8,6 +8,9 @@ from crashsolve.model.contact.groups import ContactGroup
 from crashsolve.model.contact.pairs import take_pairs
 from crashsolve.system.engine import Engine
 
+# [bytes] of a snapshot
+MOST_BYTES = 1 << 26
+
 
 def changing(engine: Engine) -> dict[str, np.ndarray]:
     """Everything that changes during a run, by name, as bytes where an array has columns."""
@@ -132,6 +135,6 @@ def _bytes(array: np.ndarray) -> np.ndarray:
     return array.reshape(-1).view(np.uint8)
 
 
-def size_of(engine: Engine) -> int:
-    """Memory of a snapshot [bytes]."""
-    return sum(array.nbytes for array in changing(engine).values())
+def is_cheap(engine: Engine) -> bool:
+    """Whether a model is small enough for a snapshot at every sample."""
+    return sum(array.nbytes for array in changing(engine).values()) < MOST_BYTES

@@ -16,12 +16,10 @@ import numpy as np
 from crashsolve.foundation.errors import SolverError
 from crashsolve.model.ledger import PLASTIC
 from crashsolve.output.states import StateWriter
-from crashsolve.recording.changing import Snapshot, size_of
+from crashsolve.recording.changing import Snapshot, is_cheap
 from crashsolve.recording.sampling import Schedule
 from crashsolve.system.engine import Engine
 
-# [bytes] of models that are not copied at every state
-MOST_BYTES = 1 << 26
 TOUCH, FORCE, YIELD = "first touch", "largest contact force", "first yield"
 # outputs of laws that are 0 until they yield
 PLASTIC_OUTPUT = ("plastic", "plastic_angle", "plastic_strain", "set")
@@ -47,14 +45,14 @@ class EventStates:
     ) -> None:
         self.engine, self._schedule, self._fields = engine, schedule, fields
         # phases hand on more than a State
-        is_plain = type(engine) is Engine and size_of(engine) < MOST_BYTES
+        is_plain = type(engine) is Engine and is_cheap(engine)
         self._watches, self._is_begun = wanted and is_plain, False
         self._before: Snapshot | None = None
         # of every event: the copy before it, and the times before and after it [s]
         self._found: dict[str, tuple[Snapshot, float, float]] = {}
 
     def begin(self) -> None:
-        """What has been by now happened before: no event of it is sought."""
+        """Seek events from now on: of those before there is no copy."""
         if self._watches and not self._is_begun:
             self._is_begun, self._seen = True, self._look()
             self._mark()

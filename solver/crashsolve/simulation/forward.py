@@ -50,8 +50,8 @@ def march(run: Run) -> None:
     """Advance from sample to sample until the end."""
     end = run.schedule.end
     run.pulse.does("one step")
-    march = run.between.march
-    run.account.phases = ContactPhases(march)
+    marching = run.between.march
+    run.account.phases = ContactPhases(marching)
     run.sampled = float(run.engine.clock["sampled"])
     k = run.schedule.last_until(run.sampled)
     target = run.schedule.time(k)
@@ -59,7 +59,7 @@ def march(run: Run) -> None:
     run.events.begin()
     while target < end and not run.engine.is_complete:
         times, kept = _times_ahead(run, k), run.histories.kept
-        if march.may_go(float(times[-1]), kept):
+        if marching.may_go(float(times[-1]), kept):
             count = _march_through(run, times)
             k += count
             target = run.schedule.time(k)
