@@ -253,7 +253,11 @@ WRONG = {
         "",
         "m from the fitting before it",
     ),
-    "one body": ("- {anchor: {}}\n      - {anchor: {at: [1, 0, 0]}}", "", "all fittings are on one body"),
+    "one body": (
+        "- {anchor: {}}\n      - {anchor: {at: [1, 0, 0]}}",
+        "",
+        "all fittings are on one body",
+    ),
     "doubles back": (
         "- {anchor: {}}\n      - {ring: {at: [3, 0, 0]}}\n"
         "      - {anchor: {body: a, at: [0, 0, -0.5]}}",
