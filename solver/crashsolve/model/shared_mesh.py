@@ -75,8 +75,8 @@ def _shares(name: str, whole: Any, parts: list[Entry], scene: Any) -> dict[int, 
             own = _elements(part.card.mesh, whole, scene)
             if (owner[own] >= 0).any():
                 first = int(own[np.argmax(owner[own] >= 0)])
-                location = ", ".join(f"{x:.4g}" for x in _middles(whole)[first])
-                message = f"element {first + 1} of mesh '{name}', at ({location}) m, is in part"
+                location = _shown(_middles(whole)[first])
+                message = f"element {first + 1} of mesh '{name}', at {location}, is in part"
                 message = f"{message} '{parts[owner[first]].name}' already"
                 raise scene.fail(f"{message}; an element belongs to one part", "mesh")
             owner[own] = k
@@ -186,8 +186,8 @@ def _refuse_held(part: Any, held: Any, entries: Any, by: Any, both: Any, scene: 
     clash &= part.held[both] > 0
     if clash.any():
         node = both[np.argmax(clash)]
-        message = f"its node at {_at(part, node)} is held, welded or named here and in"
-        message = f"{message} '{entries[by[node]].name}'"
+        message = f"its node at {_shown(part.mesh.points[node])} is held, welded or named here"
+        message = f"{message} and in '{entries[by[node]].name}'"
         field = "welded" if part.card.welded else "nodes" if part.card.nodes else "supports"
         raise scene.fail(f"{message}; say so in one of them", field)
 
@@ -200,13 +200,13 @@ def _refuse_apart(part: Any, motion: Any, entries: Any, by: Any, both: Any, scen
     size = 1.0 + np.linalg.norm(velocity[both], axis=1) + np.linalg.norm(spin[both], axis=1)
     if (apart > SAME * size).any():
         node = both[np.argmax(apart / size)]
-        message = f"its node at {_at(part, node)} begins with another velocity in"
+        message = f"its node at {_shown(part.mesh.points[node])} begins with another velocity in"
         message = f"{message} '{entries[by[node]].name}'"
         raise scene.fail(f"{message}; give both parts the same", "velocity")
 
 
-def _at(part: Any, node: int) -> str:
-    return "({}) m".format(", ".join(f"{x:.4g}" for x in part.mesh.points[node]))
+def _shown(x: np.ndarray) -> str:
+    return "({}) m".format(", ".join(f"{value:.4g}" for value in x))
 
 
 def number_points(parts: list[Any]) -> int:
