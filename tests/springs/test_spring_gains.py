@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from command import crashsolve
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import SolverError
@@ -50,6 +51,18 @@ def test_a_stop_that_makes_energy_is_named_in_any_frame(
         struck(tmp_path, 3e-3, z, fast)
     # where nothing hides it, the balance of the whole is broken as well
     assert z == fast == 0.0 or "spring 's'" in str(stop.value)
+
+
+@pytest.mark.parametrize(("z", "fast"), HIDING)
+def test_a_run_whose_samples_are_taken_in_blocks_stops_too(
+    z: float, fast: float, tmp_path: Path
+) -> None:
+    path = tmp_path / "deck.yaml"
+    words = "title: stop\noutput: {history: {interval: 0.01}}\n"
+    path.write_text(words + DECK.format(step=3e-3, z=z, fast=fast), "utf-8")
+    done = crashsolve(path, "-o", tmp_path / "out")
+    assert done.returncode == 4
+    assert "spring 's': its force has created energy" in done.stderr
 
 
 @pytest.mark.parametrize(("z", "fast"), HIDING)

@@ -23,6 +23,8 @@ from crashsolve.foundation.record import Record
     TOUCHED,
     LAW_GAIN,
 ) = range(18)
+# those that a sample can find, which end a run
+STOPS_AT_SAMPLE = (NOT_FINITE, ENERGY, CONTACT_GAIN, LAW_GAIN, POSITION)
 
 # of `kinked`: at a corner of a curve of time, which the next step begins behind
 CORNER = 2

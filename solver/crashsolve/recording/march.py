@@ -15,7 +15,7 @@ from math import sqrt
 from crashsolve.foundation.addresses import call_step, copy_bytes, number_at, ticks
 from crashsolve.foundation.kernels import entry, kernel
 from crashsolve.foundation.record import Record
-from crashsolve.model.clock import CONTACT_GAIN, ENERGY, NOT_FINITE, POSITION, REACHED
+from crashsolve.model.clock import REACHED, STOPS_AT_SAMPLE
 from crashsolve.model.ledger import LARGEST, is_out_of_nothing
 from crashsolve.system.engine import FIRST_JUDGED
 
@@ -151,7 +151,7 @@ def sample(until, job, clock, scene):
     call_step(job.step, until, True, job.of_sample)
     sampled, ledger = scene.sample_clock[0], scene.sample_ledger
     clock.sampled = sampled.time
-    for trouble in (NOT_FINITE, ENERGY, CONTACT_GAIN, POSITION):
+    for trouble in STOPS_AT_SAMPLE:
         if sampled.status == trouble:
             return False
     if sampled.cycle >= FIRST_JUDGED and is_out_of_nothing(ledger, job.limit):

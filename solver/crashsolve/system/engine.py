@@ -13,15 +13,11 @@ from crashsolve.compiler.table import Tables
 from crashsolve.foundation.rows import as_rows
 from crashsolve.model import ledger as energy
 from crashsolve.model.clock import (
-    CONTACT_GAIN,
     CORNER,
-    ENERGY,
-    LAW_GAIN,
-    NOT_FINITE,
     PAUSED,
-    POSITION,
     REACHED,
     REBUILD,
+    STOPS_AT_SAMPLE,
     TOUCHED,
 )
 from crashsolve.model.contact.node_to_surface import give_room
@@ -340,7 +336,7 @@ class Engine:
             points[name] = kept
         self.state.clock[0]["sampled"] = clock["time"]
         self._refuse_passing()
-        is_stopped = clock["status"] in (NOT_FINITE, ENERGY, CONTACT_GAIN, LAW_GAIN, POSITION)
+        is_stopped = clock["status"] in STOPS_AT_SAMPLE
         is_judged = clock["cycle"] >= FIRST_JUDGED
         if is_stopped or (is_judged and energy.is_out_of_nothing(self.ledger, self._limit)):
             raise diagnose(self.model, self.state, clock, self.ledger)
