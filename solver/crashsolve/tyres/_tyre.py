@@ -416,12 +416,13 @@ def bear(p, i, old, new, out, h, nodes, at, grip, F, M_z, store):
 def await_road(p, nodes, curves, data):
     """A tyre off all roads bounds the step: nothing else shortens it before one is met.
 
+    It will meet one in a point of its circle, not in the point of the road that is now below it.
     Writes: nodes.
     """
     at, wheel = patch_on(p, 0, nodes, curves, data), nodes[p.node]
     load(wheel, at.bottom, at.n, p.stiffest, p.damping)
-    load(wheel, at.foot, at.x, p.C_x / p.sigma_x, p.still_damping)
-    load(wheel, at.foot, at.y, p.C_y / p.sigma_y, p.still_damping)
+    load(wheel, at.bottom, at.x, p.C_x / p.sigma_x, p.still_damping)
+    load(wheel, at.bottom, at.y, p.C_y / p.sigma_y, p.still_damping)
 
 
 @kernel
