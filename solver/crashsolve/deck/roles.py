@@ -285,6 +285,16 @@ class QuickBound(Protocol):
         """Not below the depth; negative where the shapes are apart [m]."""
 
 
+class Exits(Protocol):
+    """A gap routine of shapes that may leave each other by several exits."""
+
+    def search(self, a, b, nodes, data):
+        """Gap along the shortest exit, and its lead over the next one [m]."""
+
+    def follow(self, a, b, nodes, data, n):
+        """Gap along the exit nearest to direction n."""
+
+
 class Area(Protocol):
     """A gap routine of sides that press on each other over an area."""
 
@@ -292,7 +302,7 @@ class Area(Protocol):
         """Number of corners of the area, and the radius with which friction resists a spin."""
 
 
-class StepGap(GapRoutine, KeptFace, RoundMiddle, QuickBound, Area, Protocol):
+class StepGap(GapRoutine, KeptFace, RoundMiddle, QuickBound, Exits, Area, Protocol):
     """All that the loops of a step may call of a gap routine."""
 
 

@@ -39,8 +39,9 @@ ITERATIONS = 60
 SHARP, THINNEST = 1e-5, 0.1
 # relative noise of a height, not to be taken for a way down
 ROUND_OFF = 1e-13
-# directions to start from, and climbs to different tops of bodies that overlap
-STARTS, CLIMBS = 22, 4
+# directions to start from, and climbs to different tops of bodies that overlap; cosine of the
+# angle within which two climbs have come to one top
+STARTS, CLIMBS, ONE_TOP = 22, 4, 1.0 - 1e-8
 
 
 def expand(elements: Any, shape: Any) -> list[dict[str, Any]]:
@@ -72,22 +73,47 @@ def _as_sum(element: dict[str, Any], rounds: list[np.ndarray]) -> dict[str, Any]
 @kernel
 def gap(a, b, nodes, data):
     """Depth [m] (negative: a gap), unit normal out of b, point of contact; world components."""
+    depth, n, x, _ = search(a, b, nodes, data)
+    return depth, n, x
+
+
+@kernel
+def search(a, b, nodes, data):
+    """The same, and how much lower the next top is that has been found [m]."""
     body_a, body_b = nodes[a.node], nodes[b.node]
-    centre_a, centre_b = world_position(body_a, vec(a.point)), world_position(body_b, vec(b.point))
-    c = sub(centre_a, centre_b)
-    best, n = -1e300, (0.0, 0.0, 1.0)
+    c = sub(world_position(body_a, vec(a.point)), world_position(body_b, vec(b.point)))
+    best, n, rival = -1e300, (0.0, 0.0, 1.0), -1e300
     starts = first_starts(a, b, body_a, body_b, c)
     for climb_number in range(CLIMBS):
         k = of_start(starts, climb_number)
         start = toward(direction(a, b, body_a, body_b, c, k), c) if k >= 0 else (0.0, 0.0, 1.0)
         height, top = ascend(a, b, body_a, body_b, c, start)
+        if dot(top, n) < ONE_TOP:
+            rival = max(rival, min(best, height))
         if height > best:
             best, n = height, top
         # bodies apart have one top only
         if best >= 0.0:
             break
-    x_a = sub(centre_a, reach(a, body_a, n))
-    x_b = add(centre_b, reach(b, body_b, n))
+    depth, n, x = at_top(a, b, nodes, best, n)
+    return depth, n, x, best - rival
+
+
+@kernel
+def follow(a, b, nodes, data, n):
+    """Gap at the top nearest to direction n."""
+    body_a, body_b = nodes[a.node], nodes[b.node]
+    c = sub(world_position(body_a, vec(a.point)), world_position(body_b, vec(b.point)))
+    best, n = ascend(a, b, body_a, body_b, c, n)
+    return at_top(a, b, nodes, best, n)
+
+
+@kernel
+def at_top(a, b, nodes, best, n):
+    """Depth, normal and point of contact at the top of direction n."""
+    body_a, body_b = nodes[a.node], nodes[b.node]
+    x_a = sub(world_position(body_a, vec(a.point)), reach(a, body_a, n))
+    x_b = add(world_position(body_b, vec(b.point)), reach(b, body_b, n))
     return -best, n, scale(0.5, add(x_a, x_b))
 
 

@@ -324,6 +324,8 @@ class GroupBuilder:
         parameters, history = records.PARAMETERS, records.HISTORY
         if self._have_ends():
             history = history + records.WAY
+            if hasattr(self.home, "search"):
+                history = history + records.SEARCHED
         for module in self.modules:
             parameters, history = parameters + module.PARAMETERS, history + module.HISTORY
         if "torsion_radius" in self.laws[0]:

@@ -118,6 +118,11 @@ class ContactGroup(Touching):
         return "reach_a" in (self.parameters.dtype.names or ()) and not self.is_unilateral
 
     @property
+    def follows_exit(self) -> bool:
+        """Whether a touch is followed along its exit, and others are searched for now and then."""
+        return self.rests and "sure" in (self.history.dtype.names or ())
+
+    @property
     def looks_ahead(self) -> bool:
         """Whether the next step must be cut: a list to renew, or sides with an end."""
         return self.search is not None or bool(np.isfinite(self.parameters["thick"]).any())

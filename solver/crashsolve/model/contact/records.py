@@ -17,6 +17,8 @@ RESTING = Record("""
     reach_a  m  how far the element on side a reaches from the mass centre of its body
     reach_b  m  the same for side b
 """)
+# of pairs whose exit is searched for in several directions (system/contact/exits.py)
+SEARCHED = Record("sure  m  what the exit may yet lose of its lead before others are looked at")
 # of cards that give it
 TORSION = Record("torsion_radius  m  at which friction resists a spin about the normal")
 # of pairs whose friction resists a spin

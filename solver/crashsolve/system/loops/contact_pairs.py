@@ -7,7 +7,7 @@ the nearest (system/contact/pass_through.py), and a pair that cannot have met is
 """
 
 from crashsolve.foundation.kernels import kernel, stage
-from crashsolve.system.contact import areas, pass_through, resting, touches, work
+from crashsolve.system.contact import areas, exits, pass_through, resting, touches, work
 from crashsolve.system.contact.pair import (
     Closing,
     Ends,
@@ -34,14 +34,14 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
         a, b = group.elements_a[p.a], group.elements_b[p.b]
         m, w = nodes[a.node], nodes[b.node]
         totals = totals_of(group, piece, i, clock, p, m, w, scene)
-        card, count = totals.card, totals.count
+        card, count, displacement = totals.card, totals.count, 0.0
         if KICK_DRIFT_KICK and group.rests:
             displacement = resting.largest_approach(p, m, w)
             if resting.rests(h, old, new, displacement):
                 new.depth = old.depth + displacement
                 touches.sum_losses(card, new)
                 continue
-        depth, n, x = gap(group, h, card, old, a, b, nodes, scene)
+        depth, n, x = gap(group, h, card, Ends(p, old, new, a, b), displacement, nodes, scene)
         held, stored = False, out.stored
         if group.keeps_faces:
             depth, n, x, held = kept_face(
@@ -86,15 +86,24 @@ def totals_of(group, piece, i, clock, p, m, w, scene):
 
 
 @stage
-def gap(group, h, card, old, a, b, nodes, scene):
-    """Depth, normal and position of a pair.
+def gap(group, h, card, ends, displacement, nodes, scene):
+    """Depth, normal and position of a pair. Writes: new.
 
     Of a pair apart whose depth is not asked for, only an upper bound of the depth.
     """
+    p, old, new, a, b = ends
     if hasattr(group.narrow, "bound") and old.active == 0:
         depth = group.narrow.bound(a, b, nodes, group.data)
         if depth <= resting.unasked_depth(h, card.depth):
             return depth, areas.NO_ROTATION, areas.NO_ROTATION
+    if KICK_DRIFT_KICK and group.follows_exit:
+        new.sure = exits.lead_left(h, old, displacement)
+        if new.sure > 0.0:
+            n = exits.carried_normal(h, old, nodes[b.node])
+            return group.narrow.follow(a, b, nodes, group.data, n)
+        depth, n, x, lead = group.narrow.search(a, b, nodes, group.data)
+        new.sure = exits.lead_found(p, lead)
+        return depth, n, x
     return group.narrow.gap(a, b, nodes, group.data)
 
 
