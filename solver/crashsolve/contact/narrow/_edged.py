@@ -153,8 +153,7 @@ def gap(a, b, nodes, data):
     allowed = 8.0 * (a.edge + b.edge) if are_boxes else 1e300
     cosines, c_u, c_w = cosines_of(u, w), along(u, c), along(w, c)
     best, n, before, same = -1e300, (0.0, 0.0, 1.0), (0.0, 0.0, 0.0), SAME * norm(c)
-    leading = (1e300, 0, 1e300, 0)
-    last = LAST * min(a.edge / a.radius, b.edge / b.radius)
+    leading, last = (1e300, 0, 1e300, 0), last_step(a, b)
     for trial in range(CLIMBS):
         if trial % 2 == 0 and are_boxes:
             leading = next_axes(a, b, cosines, c_u, c_w, leading[2] - same, same)
@@ -175,6 +174,29 @@ def gap(a, b, nodes, data):
             # bodies apart have one top only
             if best >= 0.0:
                 break
+    return at_top(a, b, u, w, centre_a, centre_b, n)
+
+
+@kernel
+def follow(a, b, nodes, data, n):
+    """Gap at the top nearest to direction n."""
+    body_a, body_b = nodes[a.node], nodes[b.node]
+    centre_a, centre_b = world_position(body_a, vec(a.point)), world_position(body_b, vec(b.point))
+    c = sub(centre_a, centre_b)
+    u, w = axes_of(a, body_a), axes_of(b, body_b)
+    _, n = ascend(a, b, u, w, c, n, last_step(a, b))
+    return at_top(a, b, u, w, centre_a, centre_b, n)
+
+
+@kernel
+def last_step(a, b):
+    """Angle by which the last step of Newton's method turns at most [rad]."""
+    return LAST * min(a.edge / a.radius, b.edge / b.radius)
+
+
+@kernel
+def at_top(a, b, u, w, centre_a, centre_b, n):
+    """Depth, normal and point of contact at the top of direction n."""
     x_a = sub(centre_a, reach(a, u, n))
     x_b = add(centre_b, reach(b, w, n))
     return dot(sub(x_b, x_a), n), n, scale(0.5, add(x_a, x_b))

@@ -7,6 +7,7 @@ the nearest (system/contact/pass_through.py), and a pair that cannot have met is
 """
 
 from crashsolve.foundation.kernels import kernel, stage
+from crashsolve.foundation.vec3 import put, vec
 from crashsolve.system.contact import areas, exits, pass_through, resting, touches, work
 from crashsolve.system.contact.pair import (
     Closing,
@@ -39,6 +40,8 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
             displacement = resting.largest_approach(p, m, w)
             if resting.rests(h, old, new, displacement):
                 new.depth = old.depth + displacement
+                if group.follows_normal:
+                    put(new.normal, vec(old.normal))
                 touches.sum_losses(card, new)
                 continue
         depth, n, x = gap(group, h, card, Ends(p, old, new, a, b), displacement, nodes, scene)
@@ -96,6 +99,12 @@ def gap(group, h, card, ends, displacement, nodes, scene):
         depth = group.narrow.bound(a, b, nodes, group.data)
         if depth <= resting.unasked_depth(h, card.depth):
             return depth, areas.NO_ROTATION, areas.NO_ROTATION
+    if KICK_DRIFT_KICK and group.follows_normal:
+        if old.active == 0 and exits.has_normal(old):
+            n = exits.carried_normal(h, old, nodes[b.node])
+            depth, n, x = group.narrow.follow(a, b, nodes, group.data, n)
+            if depth <= 0.0:
+                return depth, n, x
     if KICK_DRIFT_KICK and group.follows_exit:
         new.sure = exits.lead_left(h, old, displacement)
         if new.sure > 0.0:
