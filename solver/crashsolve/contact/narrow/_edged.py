@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.contact.narrow._convex import CLIMBS, ITERATIONS, ROUND_OFF, climb, tangents
+from crashsolve.contact.narrow._convex import CLIMBS, ITERATIONS, ONE_TOP, ROUND_OFF, climb, tangents
 from crashsolve.contact.narrow._patch import ROWS, SPOT, axis_of, patch
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import world_position
@@ -144,6 +144,13 @@ def bound(a, b, nodes, data):
 @kernel
 def gap(a, b, nodes, data):
     """Depth [m] (negative: a gap), unit normal out of b, point of contact; world components."""
+    depth, n, x, _ = search(a, b, nodes, data)
+    return depth, n, x
+
+
+@kernel
+def search(a, b, nodes, data):
+    """The same, and how much lower the next top is that has been found [m]."""
     body_a, body_b = nodes[a.node], nodes[b.node]
     centre_a, centre_b = world_position(body_a, vec(a.point)), world_position(body_b, vec(b.point))
     c = sub(centre_a, centre_b)
@@ -153,7 +160,7 @@ def gap(a, b, nodes, data):
     allowed = 8.0 * (a.edge + b.edge) if are_boxes else 1e300
     cosines, c_u, c_w = cosines_of(u, w), along(u, c), along(w, c)
     best, n, before, same = -1e300, (0.0, 0.0, 1.0), (0.0, 0.0, 0.0), SAME * norm(c)
-    leading, last = (1e300, 0, 1e300, 0), last_step(a, b)
+    leading, last, rival = (1e300, 0, 1e300, 0), last_step(a, b), -1e300
     for trial in range(CLIMBS):
         if trial % 2 == 0 and are_boxes:
             leading = next_axes(a, b, cosines, c_u, c_w, leading[2] - same, same)
@@ -162,6 +169,7 @@ def gap(a, b, nodes, data):
         value, k = (leading[0], leading[1]) if trial % 2 == 0 else (leading[2], leading[3])
         # of two that hardly differ one is enough
         if value < best - allowed:
+            rival = max(rival, value)
             break
         k = wider_face(a, b, cosines, k) if are_boxes and k < 6 else k
         start = toward(direction(u, w, c, k), c)
@@ -169,12 +177,15 @@ def gap(a, b, nodes, data):
             before = start
             start = over_the_position(a, b, u, w, c, k, start) if are_boxes and k < 6 else start
             height, top = ascend(a, b, u, w, c, start, last)
+            if dot(top, n) < ONE_TOP:
+                rival = max(rival, min(best, height))
             if height > best:
                 best, n = height, top
             # bodies apart have one top only
             if best >= 0.0:
                 break
-    return at_top(a, b, u, w, centre_a, centre_b, n)
+    depth, n, x = at_top(a, b, u, w, centre_a, centre_b, n)
+    return depth, n, x, best - rival
 
 
 @kernel
