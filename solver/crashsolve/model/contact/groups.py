@@ -118,14 +118,9 @@ class ContactGroup(Touching):
         return "reach_a" in (self.parameters.dtype.names or ()) and not self.is_unilateral
 
     @property
-    def follows_normal(self) -> bool:
-        """Whether the gap of a pair apart is found from the normal of the last step."""
-        return self.rests and self.has_ends and hasattr(self.narrow, "follow")
-
-    @property
     def follows_exit(self) -> bool:
         """Whether a touch is followed along its exit, and others are searched for now and then."""
-        return self.rests and "sure" in (self.history.dtype.names or ())
+        return "sure" in (self.history.dtype.names or ())
 
     @property
     def looks_ahead(self) -> bool:

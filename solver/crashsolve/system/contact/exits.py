@@ -5,8 +5,7 @@ body b, no point of a moves by more than `displacement` in a step (system/contac
 so does the depth along any direction carried along with b change by no more. An exit that leads
 the next one by `sure` therefore leads it until both have changed by half of that. What begins to
 be an exit in between has not been searched for: hence no lead counts for more than LEAD of the half
-thickness of both sides. Bodies apart have one direction of largest separation, which is found from
-any other. Consequence to test: the results of a search in every step.
+thickness of both sides. Consequence to test: the results of a search in every step.
 """
 
 from crashsolve.foundation.kernels import kernel
@@ -28,12 +27,6 @@ def lead_left(h, old, displacement):
 def lead_found(p, lead):
     """What is trusted of the lead of an exit that has been searched for [m]."""
     return min(lead, LEAD * p.thick)
-
-
-@kernel
-def has_normal(old):
-    """Whether the normal of a pair is known from the last look at it."""
-    return dot(vec(old.normal), vec(old.normal)) > 0.0
 
 
 @kernel

@@ -1,7 +1,7 @@
 """How near the pairs of a contact group are at the end of a step, and were at its start."""
 
 from crashsolve.foundation.kernels import stage
-from crashsolve.system.contact import exits, resting
+from crashsolve.system.contact import resting
 from crashsolve.system.placeholders import KICK_DRIFT_KICK
 
 
@@ -35,24 +35,12 @@ def gaps_of(group, piece, current, nodes, floor, deepest, scene):
                     continue
             if hasattr(group.narrow, "bound"):
                 if group.narrow.bound(a, b, nodes, group.data) > max(deepest, floor):
-                    depth = depth_apart(group, history[current, i], a, b, nodes, scene)
+                    depth, _, _ = group.narrow.gap(a, b, nodes, group.data)
                     deepest = max(deepest, depth)
             else:
                 depth, _, _ = group.narrow.gap(a, b, nodes, group.data)
                 deepest = max(deepest, depth)
     return deepest
-
-
-@stage
-def depth_apart(group, old, a, b, nodes, scene):
-    """Depth of a pair that was apart at the start of the step [m]."""
-    if group.follows_normal and exits.has_normal(old):
-        n = exits.carried_normal(1.0, old, nodes[b.node])
-        depth, _, _ = group.narrow.follow(a, b, nodes, group.data, n)
-        if depth <= 0.0:
-            return depth
-    depth, _, _ = group.narrow.gap(a, b, nodes, group.data)
-    return depth
 
 
 @stage

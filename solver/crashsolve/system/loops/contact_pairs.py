@@ -7,7 +7,6 @@ the nearest (system/contact/pass_through.py), and a pair that cannot have met is
 """
 
 from crashsolve.foundation.kernels import kernel, stage
-from crashsolve.foundation.vec3 import put, vec
 from crashsolve.system.contact import areas, exits, pass_through, resting, touches, work
 from crashsolve.system.contact.pair import (
     Closing,
@@ -36,12 +35,11 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
         m, w = nodes[a.node], nodes[b.node]
         totals = totals_of(group, piece, i, clock, p, m, w, scene)
         card, count, displacement = totals.card, totals.count, 0.0
-        if KICK_DRIFT_KICK and group.rests:
+        if KICK_DRIFT_KICK and (group.rests or group.follows_exit):
             displacement = resting.largest_approach(p, m, w)
+        if KICK_DRIFT_KICK and group.rests:
             if resting.rests(h, old, new, displacement):
                 new.depth = old.depth + displacement
-                if group.follows_normal:
-                    put(new.normal, vec(old.normal))
                 touches.sum_losses(card, new)
                 continue
         depth, n, x = gap(group, h, card, Ends(p, old, new, a, b), displacement, nodes, scene)
@@ -99,12 +97,6 @@ def gap(group, h, card, ends, displacement, nodes, scene):
         depth = group.narrow.bound(a, b, nodes, group.data)
         if depth <= resting.unasked_depth(h, card.depth):
             return depth, areas.NO_ROTATION, areas.NO_ROTATION
-    if KICK_DRIFT_KICK and group.follows_normal:
-        if old.active == 0 and exits.has_normal(old):
-            n = exits.carried_normal(h, old, nodes[b.node])
-            depth, n, x = group.narrow.follow(a, b, nodes, group.data, n)
-            if depth <= 0.0:
-                return depth, n, x
     if KICK_DRIFT_KICK and group.follows_exit:
         new.sure = exits.lead_left(h, old, displacement)
         if new.sure > 0.0:
