@@ -84,7 +84,8 @@ def placeholders(model: Model) -> dict[str, Any]:
         "CUTS": model.elements is not None and len(model.elements.cuts) > 0,
         "SEARCHES": any(c.search is not None for c in contacts),
         "MANY_PAIRS": any(c.in_pieces for c in contacts),
-        "RESTING": hasattr(method(model), "KICK_DRIFT_KICK") and any(c.rests or c.follows_exit for c in contacts),
+        "RESTING": hasattr(method(model), "KICK_DRIFT_KICK")
+        and any(c.rests or c.follows_exit for c in contacts),
         "PAIR_DAMPERS": any(damped) or any(c.friction_damps for c in contacts),
         "NODAL_DAMPERS": any(damped),
         "KICK_DRIFT_KICK": hasattr(method(model), "KICK_DRIFT_KICK"),

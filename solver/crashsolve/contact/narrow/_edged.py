@@ -16,7 +16,14 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.contact.narrow._convex import CLIMBS, ITERATIONS, ONE_TOP, ROUND_OFF, climb, tangents
+from crashsolve.contact.narrow._convex import (
+    CLIMBS,
+    ITERATIONS,
+    ONE_TOP,
+    ROUND_OFF,
+    climb,
+    tangents,
+)
 from crashsolve.contact.narrow._patch import ROWS, SPOT, axis_of, patch
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import world_position

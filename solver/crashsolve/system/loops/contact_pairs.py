@@ -37,11 +37,10 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
         card, count, displacement = totals.card, totals.count, 0.0
         if KICK_DRIFT_KICK and (group.rests or group.follows_exit):
             displacement = resting.largest_approach(p, m, w)
-        if KICK_DRIFT_KICK and group.rests:
-            if resting.rests(h, old, new, displacement):
-                new.depth = old.depth + displacement
-                touches.sum_losses(card, new)
-                continue
+        if KICK_DRIFT_KICK and group.rests and resting.rests(h, old, new, displacement):
+            new.depth = old.depth + displacement
+            touches.sum_losses(card, new)
+            continue
         depth, n, x = gap(group, h, card, Ends(p, old, new, a, b), displacement, nodes, scene)
         held, stored = False, out.stored
         if group.keeps_faces:
