@@ -80,10 +80,10 @@ class Key:
 
     @property
     def arrow_label(self) -> str:
-        """The largest force or speed that an arrow shows."""
+        """The largest force or speed that one arrow shows; a contact may have several."""
         unit = readable(self.arrow_unit, self.arrow_size)
         size = self.arrow_size * (factor(self.arrow_unit, unit) if unit != self.arrow_unit else 1)
-        return f"largest {size:.3g} {unit}"
+        return f"largest arrow {size:.3g} {unit}"
 
     def footer(self, width: float, panel: float) -> float:
         """Height of the legend below pictures on a sheet of this width [inches]."""
