@@ -23,6 +23,7 @@ UNSAID = {
     "arrows": "",
     "follow": "",
     "magnify": 1.0,
+    "close_up": "",
     "ghost": True,
 }
 
@@ -39,6 +40,12 @@ def add_commands(add: Add) -> None:
         help="0,50ms,end,max:CHANNEL,min:CHANNEL,abs_max:CHANNEL; those of the deck when absent",
     )
     sub.add_argument("--title", help="above the pictures; the deck's when absent")
+    sub.add_argument(
+        "--close-up",
+        default="",
+        metavar="NAME[:WIDTH]",
+        help="a second row of pictures, close to a contact, body or part: 'buffers:1 m'",
+    )
     sub.add_argument("-o", "--output", type=Path, help="png, pdf or svg; default RESULT/strip.png")
     _add_look(sub)
     sub = add(
@@ -124,6 +131,7 @@ def _film(options: argparse.Namespace) -> int:
     is_unsaid = look == UNSAID | {"ghost": look["ghost"]}
     if is_unsaid:
         _, look = _scene(result, look)
+    look.pop("close_up")
     output = options.output or result.folder / "film.mp4"
     _known_ending(output, (".mp4", ".gif", ".html"))
     if output.suffix == ".html":
@@ -182,6 +190,7 @@ def _look(options: argparse.Namespace) -> dict[str, Any]:
         "arrows": options.arrows,
         "follow": options.follow,
         "magnify": options.magnify,
+        "close_up": getattr(options, "close_up", ""),
         "ghost": not options.no_ghost,
     }
 

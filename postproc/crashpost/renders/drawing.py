@@ -13,7 +13,7 @@ from crashpost.errors import unknown
 from crashpost.renders.beams import Outline, outlines, prisms
 from crashpost.renders.borders import are_edge_on, borders
 from crashpost.renders.forces import contacts_with_arrows, forces_of
-from crashpost.renders.groups import groups, is_node
+from crashpost.renders.groups import groups, is_node, labels
 from crashpost.renders.look import Look
 from crashpost.renders.planes import cut, footprints, planes
 from crashpost.renders.shapes import (
@@ -47,6 +47,10 @@ class Scene:
         own = (k for k in range(1, len(names)) if not is_node(names[k], states.names["parts"]))
         self.own = set(own)
         self.wholes = sorted({self.groups[k] for k in self.own})
+        # in legends and colours those of many that share their first words are one
+        named = [*(names[k] for k in self.wholes), *states.names["parts"]]
+        self.labels = labels(named, len(COLOURS))
+        self.hues = {label: k for k, label in enumerate(dict.fromkeys(self.labels))}
         self.bodies, self.parts = self._shown()
         # balls in hinges stand for a colour alone
         hidden = {"contacts"} if look.color.startswith("plastic_") else {"contacts", "hinges"}
@@ -227,14 +231,13 @@ class Scene:
             numbers = block.fixed.get("body", ()) if block else ()
             for body in np.unique(numbers):
                 if int(body) in self.bodies:
-                    whole = names["bodies"][self.groups[int(body)]]
-                    found.setdefault(whole, self._body_colour(int(body)))
+                    found.setdefault(self._label(int(body)), self._body_colour(int(body)))
         for body in self._without_shape():
-            found.setdefault(names["bodies"][self.groups[body]], self._body_colour(body))
+            found.setdefault(self._label(body), self._body_colour(body))
         for k, part in enumerate(names["parts"]):
             if part in self.parts:
-                found[part] = self._part_colour(k)
-        return list(found.items()) if len(found) <= len(COLOURS) else []
+                found[self.labels[len(self.wholes) + k]] = self._part_colour(k)
+        return list(found.items()) if len(set(found.values())) == len(found) else []
 
     def _shown(self) -> tuple[set[int], set[str]]:
         """Numbers of the bodies and names of the parts that the look shows."""
@@ -289,12 +292,16 @@ class Scene:
 
     def _body_colour(self, body: int) -> str:
         whole = self.groups[body]
-        position = self.wholes.index(whole) if whole in self.wholes else body
+        position = self.hues[self._label(body)] if whole in self.wholes else body
         return COLOURS[position % len(COLOURS)]
+
+    def _label(self, body: int) -> str:
+        """What stands for a body in legends."""
+        return self.labels[self.wholes.index(self.groups[body])]
 
     def _part_colour(self, number: int) -> str:
         # colours of parts come after those of bodies
-        return COLOURS[(len(self.wholes) + number) % len(COLOURS)]
+        return COLOURS[self.hues[self.labels[len(self.wholes) + number]] % len(COLOURS)]
 
     def _skin(self, drawing: Drawing, number: float, name: str, points: np.ndarray) -> None:
         """Surfaces of bodies, of the ground and of shells."""

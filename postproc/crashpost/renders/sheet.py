@@ -12,16 +12,18 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.patches import Polygon
+from matplotlib.patches import Polygon, Rectangle
 
 from crashpost.errors import PostError
 from crashpost.figures.draw import tick
 from crashpost.figures.style import INK, MATPLOTLIB, MUTED
 from crashpost.renders.camera import Camera, round_length
+from crashpost.renders.close_up import ASPECT, CloseUp
 from crashpost.renders.shades import Shades
 from crashpost.renders.shapes import ARROW
 from crashsolve.channels.display import factor, readable
@@ -37,6 +39,8 @@ MOST_COLUMNS, MOST_NAMES = 4, 24
 LETTERS_PER_INCH, NAME_LINES, NAME_LINE = 13.0, 2, 0.2
 # of the arrow in the legend [inches]; of a bar of colours at least
 LONGEST_ARROW, LEAST_BAR = 1.0, 0.4
+# of close-ups: width of one at most, room for their heading [inches]
+WIDEST_CLOSE_UP, CLOSE_UP_HEAD = 2.6, 0.42
 # of a film: heights of the picture over the film's width, least width [pixels], frame above and
 # below the picture [inches], letters of a title for each pixel
 FILM_HEIGHTS, NARROWEST = (0.16, 0.6), 480
@@ -46,6 +50,13 @@ NARROWEST_WITH_ARROWS = 720
 # left white below the legend of a film, where players lay their controls [inches]
 CONTROLS = 0.45
 DPI = 160
+
+
+def scale_bar(width: float) -> tuple[float, str]:
+    """Length [m] and label of the scale bar of a picture of some width [m]."""
+    length = round_length(width)
+    unit = readable("m", length)
+    return length, f"{length * factor('m', unit):g} {unit}"
 
 
 @dataclass(frozen=True)
@@ -63,9 +74,7 @@ class Key:
     @property
     def scale_bar(self) -> tuple[float, str]:
         """Its length [m] and label."""
-        length = round_length(self.camera.width)
-        unit = readable("m", length)
-        return length, f"{length * factor('m', unit):g} {unit}"
+        return scale_bar(self.camera.width)
 
     def arrow_bar(self, panel: float) -> tuple[float, str]:
         """Length [inches] of the legend's arrow beside a picture of this width, and its label.
@@ -111,15 +120,45 @@ class Layout:
     title: float
     caption: float
     footer: float = FOOTER
+    # of close-ups: rows, size of one
+    closer_rows: int = 0
+    closer: tuple[float, float] = (0.0, 0.0)
 
     @property
     def height(self) -> float:
-        return PAD + self.title + self.rows * (self.panel[1] + self.caption + GAP) + self.footer
+        return PAD + self.title + self.pictures + self.close_ups + self.footer
+
+    @property
+    def pictures(self) -> float:
+        """Height of the pictures with their captions."""
+        return self.rows * (self.panel[1] + self.caption + GAP)
+
+    @property
+    def close_ups(self) -> float:
+        """Height of the close-ups with their heading and captions; 0 without any."""
+        rows = self.closer_rows * (self.closer[1] + CAPTION + GAP)
+        return rows + CLOSE_UP_HEAD if self.closer_rows else 0.0
 
     @property
     def pixels(self) -> tuple[int, int]:
         """Of one picture."""
         return round(self.panel[0] * DPI), round(self.panel[1] * DPI)
+
+    @property
+    def closer_pixels(self) -> tuple[int, int]:
+        """Of one close-up."""
+        return round(self.closer[0] * DPI), round(self.closer[1] * DPI)
+
+
+@dataclass(frozen=True)
+class Content:
+    """What stands on a strip: pictures with their captions, and close-ups at the same moments."""
+
+    title: str
+    captions: Sequence[str]
+    pictures: Sequence[np.ndarray]
+    close_up: CloseUp | None = None
+    closer: Sequence[np.ndarray] = ()
 
 
 def wrapped(title: str, width: float) -> list[str]:
@@ -150,30 +189,71 @@ def with_footer(sizes: Layout, key: Key) -> Layout:
     return replace(sizes, footer=key.footer(sizes.width, sizes.panel[0]))
 
 
-def strip(
-    path: Path,
-    title: str,
-    pictures: Sequence[np.ndarray],
-    captions: Sequence[str],
-    key: Key,
-    sizes: Layout,
-) -> None:
+def with_close_ups(sizes: Layout, count: int) -> Layout:
+    """The layout with rows of close-ups."""
+    rows = -(-count // MOST_COLUMNS)
+    columns = -(-count // rows)
+    width = min((sizes.width - 2.0 * PAD - GAP * (columns - 1)) / columns, WIDEST_CLOSE_UP)
+    return replace(sizes, closer_rows=rows, closer=(width, width / ASPECT))
+
+
+def strip(path: Path, content: Content, key: Key, sizes: Layout) -> None:
     """Write a sheet with a picture for each moment; raises PostError."""
     with mpl.rc_context(MATPLOTLIB):
         figure = Figure(figsize=(sizes.width, sizes.height), dpi=DPI)
-        _head(figure, title)
+        _head(figure, content.title)
         w, h = sizes.panel
         is_tall = sizes.caption > CAPTION
-        for k, (picture, caption) in enumerate(zip(pictures, captions, strict=True)):
+        for k, (picture, caption) in enumerate(
+            zip(content.pictures, content.captions, strict=True)
+        ):
             row, column = divmod(k, sizes.columns)
             left = PAD + column * (w + GAP)
             top = sizes.height - PAD - sizes.title - row * (h + sizes.caption + GAP)
-            _panel(figure, picture, (left, top - sizes.caption - h, w, h), caption, is_tall=is_tall)
+            position = (left, top - sizes.caption - h, w, h)
+            axes = _panel(figure, picture, position, caption, is_tall=is_tall)
+            if content.close_up:
+                x, y, wide, high = content.close_up.frame(k)
+                window = Rectangle((x, y), wide, high, transform=axes.transAxes)
+                window.set(fill=False, edgecolor=INK, linewidth=0.8)
+                axes.add_patch(window)
+        if content.close_up:
+            _close_ups(figure, content, content.close_up, sizes)
         _footer(figure, key, w, sizes.footer)
         try:
             figure.savefig(path, dpi=DPI)
         except (OSError, ValueError) as error:
             raise PostError(f"{path}: {error}") from error
+
+
+def _close_ups(figure: Figure, content: Content, close: CloseUp, sizes: Layout) -> None:
+    """The close-ups below the pictures, with a heading and a scale bar of their own."""
+    w, h = sizes.closer
+    columns = -(-len(content.closer) // sizes.closer_rows)
+    top = sizes.footer + sizes.close_ups
+    axes = figure.add_axes((0, 0, 1, 1))
+    axes.set_axis_off()
+    axes.set_xlim(0, sizes.width)
+    axes.set_ylim(0, sizes.height)
+    words = f"Close-up: {close.name}"
+    axes.text(PAD, top - 0.12, words, fontsize=8.5, weight="bold", va="center")
+    length, label = scale_bar(close.width)
+    right = sizes.width - PAD
+    left = right - length / close.width * w
+    _scale_bar(axes, (left, right), top - 0.12)
+    axes.text(left - 0.08, top - 0.12, label, fontsize=8, va="center", ha="right", color=INK)
+    for k, (picture, caption) in enumerate(zip(content.closer, content.captions, strict=True)):
+        row, column = divmod(k, columns)
+        below = top - CLOSE_UP_HEAD + 0.12 - row * (h + CAPTION + GAP)
+        position = (PAD + column * (w + GAP), below - CAPTION - h, w, h)
+        _panel(figure, picture, position, caption.partition("\n")[0], is_tall=False)
+
+
+def _scale_bar(axes: Any, ends: tuple[float, float], height: float) -> None:
+    """A line with caps, in inches."""
+    axes.plot(ends, (height, height), color=INK, linewidth=2.2, solid_capstyle="butt")
+    for end in ends:
+        axes.plot([end, end], [height - 0.05, height + 0.05], color=INK, linewidth=1)
 
 
 @dataclass(frozen=True)
@@ -276,7 +356,7 @@ def _panel(
     caption: str,
     *,
     is_tall: bool,
-) -> None:
+) -> Axes:
     width, height = figure.get_size_inches()
     left, bottom, w, h = position
     axes = figure.add_axes((left / width, bottom / height, w / width, h / height))
@@ -294,6 +374,7 @@ def _panel(
     figure.text(left / width, low, shown, fontsize=7, va="bottom", color=MUTED)
     raised = low + (0.14 / height if is_tall and why else 0.0)
     figure.text(left / width, raised, time, fontsize=8.5, va="bottom")
+    return axes
 
 
 def _footer(figure: Figure, key: Key, panel: float, tall: float, lift: float = 0.0) -> None:
@@ -308,9 +389,7 @@ def _footer(figure: Figure, key: Key, panel: float, tall: float, lift: float = 0
     axes.set_xlim(0, width)
     axes.set_ylim(low, FOOTER)
     left = PAD + 0.02
-    axes.plot([left, left + bar], [0.36, 0.36], color=INK, linewidth=2.2, solid_capstyle="butt")
-    for end in (left, left + bar):
-        axes.plot([end, end], [0.31, 0.41], color=INK, linewidth=1)
+    _scale_bar(axes, (left, left + bar), 0.36)
     axes.text(left, 0.24, label, fontsize=8, va="top", color=INK)
     axes.text(left, 0.11, key.note, fontsize=8, va="top", color=ARROW)
     start, stop = key.between(width, panel)

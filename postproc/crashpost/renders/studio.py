@@ -8,7 +8,7 @@ import json
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryFile
@@ -18,6 +18,7 @@ import numpy as np
 
 from crashpost.errors import PostError
 from crashpost.renders import camera as cameras
+from crashpost.renders import close_up as close_ups
 from crashpost.renders.arrows import arrows_of, unit_length
 from crashpost.renders.drawing import Scene
 from crashpost.renders.look import Look
@@ -57,6 +58,7 @@ class Task:
     ghost: bool = True
     magnify: float = 1.0
     follow: str = ""
+    close_up: str = ""  # of a strip
     is_film: bool = False
     fps: float = 25.0
     speed: str = ""
@@ -76,6 +78,8 @@ def make(
         scene = Scene(states, look_of(task))
         if task.follow:
             scene.position(0, task.follow)
+        if task.close_up:
+            close_ups.read(task.close_up)
         cameras.camera(task.view, states.up, np.zeros(3), np.ones(3))
     why = _in_child(folder, tasks, progress)
     if not why:
@@ -120,25 +124,44 @@ def shoot(states: States, task: Task, painter: Any, progress: Progress) -> None:
         key = replace(key, camera=seen, arrow=arrow)
     sizes = compose.with_footer(compose.layout(captions, seen.aspect, task.title), key)
     width, height = window[2:] if task.is_film else sizes.pixels
-    plotter = painter(width, height)
-    start = scene.ghost() if task.ghost else Drawing()
     sheet = compose.Sheet(task.title, key, size, task.speed, position) if task.is_film else None
-
-    def pictures() -> Any:
-        for k, (number, _) in enumerate(task.frames):
-            placed = _moved(seen, shift[k])
-            drawing = scene.at(number)
-            layers = [start, drawing, arrows_of(drawing, placed, key.arrow)]
-            yield plotter.paint(layers, placed, key.shades)
-            progress(k + 1, len(task.frames))
-
+    placed = [_moved(seen, one) for one in shift]
+    pictures = _painted(scene, task, placed, key, painter(width, height), progress)
     if sheet is None:
-        compose.strip(Path(task.output), task.title, list(pictures()), captions, key, sizes)
+        content = compose.Content(task.title, captions, list(pictures))
+        if task.close_up:
+            close = close_ups.close_up(scene, task.close_up, numbers, placed)
+            sizes = compose.with_close_ups(sizes, len(numbers))
+            # an arrow is as long as in the pictures above
+            share = close.width / sizes.closer[0] * sizes.panel[0] / seen.width
+            nearer = replace(key, arrow=key.arrow * share)
+            window = painter(*sizes.closer_pixels)
+            alone = replace(task, ghost=False)
+            closer = _painted(scene, alone, close.cameras, nearer, window, progress)
+            content = replace(content, close_up=close, closer=list(closer))
+        compose.strip(Path(task.output), content, key, sizes)
     else:
-        frames = (sheet.frame(p, c) for p, c in zip(pictures(), captions, strict=True))
+        frames = (sheet.frame(p, c) for p, c in zip(pictures, captions, strict=True))
         from crashpost.renders.film_file import write_film
 
         write_film(Path(task.output), frames, task.fps, size)
+
+
+def _painted(
+    scene: Scene,
+    task: Task,
+    placed: Sequence[cameras.Camera],
+    key: "Key",
+    plotter: Any,
+    progress: Progress,
+) -> Iterator[np.ndarray]:
+    """The pictures of a task, each from its camera; the painter is closed after the last."""
+    start = scene.ghost() if task.ghost else Drawing()
+    for k, ((number, _), camera) in enumerate(zip(task.frames, placed, strict=True)):
+        drawing = scene.at(number)
+        layers = [start, drawing, arrows_of(drawing, camera, key.arrow)]
+        yield plotter.paint(layers, camera, key.shades)
+        progress(k + 1, len(task.frames))
     plotter.close()
 
 

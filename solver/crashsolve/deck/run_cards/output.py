@@ -158,6 +158,11 @@ class Scene(Card):
     color: str = word("field of the states such as plastic_strain; by body when empty", "")
     arrows: str = word("rcforc, rcforc.CONTACT or velocity; none when empty", "")
     follow: str = word("body or part that the camera follows", "")
+    close_up: str = word(
+        "contact, body or part of which a second row shows close-ups; 'buffers:1 m' states the "
+        "width of the window; none when empty",
+        "",
+    )
     magnify: float = quantity(
         "1",
         "small displacements are drawn this many times as large, and the picture says so",
