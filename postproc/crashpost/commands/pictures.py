@@ -24,6 +24,7 @@ UNSAID = {
     "follow": "",
     "magnify": 1.0,
     "close_up": "",
+    "cut": "",
     "ghost": True,
 }
 
@@ -102,6 +103,9 @@ def _add_look(sub: argparse.ArgumentParser) -> None:
         metavar="N",
         help="draw small displacements N times as large; the picture says so",
     )
+    sub.add_argument(
+        "--cut", default="", metavar="WHERE", help="a sectional view: draw only where y<0, or x>1"
+    )
     sub.add_argument("--no-ghost", action="store_true", help="without a shade of the start")
 
 
@@ -137,7 +141,9 @@ def _film(options: argparse.Namespace) -> int:
     if output.suffix == ".html":
         if is_unsaid:
             # to be turned by hand: seen from a corner, however the pictures look at it
-            look["view"] = "auto"
+            look |= {"view": "auto", "cut": ""}
+        elif look["cut"]:
+            raise PostError("--cut is for pictures and films; a page is turned to look inside")
         from crashpost.renders.model_page import write_page
 
         print(printable(write_page(result, output, **look)))
@@ -191,6 +197,7 @@ def _look(options: argparse.Namespace) -> dict[str, Any]:
         "follow": options.follow,
         "magnify": options.magnify,
         "close_up": getattr(options, "close_up", ""),
+        "cut": options.cut,
         "ghost": not options.no_ghost,
     }
 

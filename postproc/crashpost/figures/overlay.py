@@ -1,8 +1,8 @@
 """Names of results laid over each other: what differs between their decks.
 
-The values of `--set` and of sweeps are parameters, which results keep; those that follow from others
-are left out. Where the rest does not distinguish the results, all parameters do, or other numbers and
-words of their decks, and else the names of their folders.
+The values of `--set` and of sweeps are parameters, which results keep; those that follow from
+others are left out. Where the rest does not distinguish the results, all parameters do, or other
+numbers and words of their decks, and else the names of their folders.
 """
 
 from collections.abc import Sequence

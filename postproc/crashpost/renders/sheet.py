@@ -7,7 +7,6 @@ change.
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
@@ -17,13 +16,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.patches import Polygon, Rectangle
+from matplotlib.patches import Polygon
 
-from crashpost.errors import PostError
 from crashpost.figures.draw import tick
 from crashpost.figures.style import INK, MATPLOTLIB, MUTED
 from crashpost.renders.camera import Camera, round_length
-from crashpost.renders.close_up import ASPECT, CloseUp
 from crashpost.renders.shades import Shades
 from crashpost.renders.shapes import ARROW
 from crashsolve.channels.display import factor, readable
@@ -39,8 +36,8 @@ MOST_COLUMNS, MOST_NAMES = 4, 24
 LETTERS_PER_INCH, NAME_LINES, NAME_LINE = 13.0, 2, 0.2
 # of the arrow in the legend [inches]; of a bar of colours at least
 LONGEST_ARROW, LEAST_BAR = 1.0, 0.4
-# of close-ups: width of one at most, room for their heading [inches]
-WIDEST_CLOSE_UP, CLOSE_UP_HEAD = 2.6, 0.42
+# room for the heading of close-ups [inches]
+CLOSE_UP_HEAD = 0.42
 # of a film: heights of the picture over the film's width, least width [pixels], frame above and
 # below the picture [inches], letters of a title for each pixel
 FILM_HEIGHTS, NARROWEST = (0.16, 0.6), 480
@@ -150,17 +147,6 @@ class Layout:
         return round(self.closer[0] * DPI), round(self.closer[1] * DPI)
 
 
-@dataclass(frozen=True)
-class Content:
-    """What stands on a strip: pictures with their captions, and close-ups at the same moments."""
-
-    title: str
-    captions: Sequence[str]
-    pictures: Sequence[np.ndarray]
-    close_up: CloseUp | None = None
-    closer: Sequence[np.ndarray] = ()
-
-
 def wrapped(title: str, width: float) -> list[str]:
     """A title in lines that fit a width [inches]."""
     return textwrap.wrap(title, max(int(width * 11.5), 20))
@@ -189,67 +175,7 @@ def with_footer(sizes: Layout, key: Key) -> Layout:
     return replace(sizes, footer=key.footer(sizes.width, sizes.panel[0]))
 
 
-def with_close_ups(sizes: Layout, count: int) -> Layout:
-    """The layout with rows of close-ups."""
-    rows = -(-count // MOST_COLUMNS)
-    columns = -(-count // rows)
-    width = min((sizes.width - 2.0 * PAD - GAP * (columns - 1)) / columns, WIDEST_CLOSE_UP)
-    return replace(sizes, closer_rows=rows, closer=(width, width / ASPECT))
-
-
-def strip(path: Path, content: Content, key: Key, sizes: Layout) -> None:
-    """Write a sheet with a picture for each moment; raises PostError."""
-    with mpl.rc_context(MATPLOTLIB):
-        figure = Figure(figsize=(sizes.width, sizes.height), dpi=DPI)
-        _head(figure, content.title)
-        w, h = sizes.panel
-        is_tall = sizes.caption > CAPTION
-        for k, (picture, caption) in enumerate(
-            zip(content.pictures, content.captions, strict=True)
-        ):
-            row, column = divmod(k, sizes.columns)
-            left = PAD + column * (w + GAP)
-            top = sizes.height - PAD - sizes.title - row * (h + sizes.caption + GAP)
-            position = (left, top - sizes.caption - h, w, h)
-            axes = _panel(figure, picture, position, caption, is_tall=is_tall)
-            if content.close_up:
-                x, y, wide, high = content.close_up.frame(k)
-                window = Rectangle((x, y), wide, high, transform=axes.transAxes)
-                window.set(fill=False, edgecolor=INK, linewidth=0.8)
-                axes.add_patch(window)
-        if content.close_up:
-            _close_ups(figure, content, content.close_up, sizes)
-        _footer(figure, key, w, sizes.footer)
-        try:
-            figure.savefig(path, dpi=DPI)
-        except (OSError, ValueError) as error:
-            raise PostError(f"{path}: {error}") from error
-
-
-def _close_ups(figure: Figure, content: Content, close: CloseUp, sizes: Layout) -> None:
-    """The close-ups below the pictures, with a heading and a scale bar of their own."""
-    w, h = sizes.closer
-    columns = -(-len(content.closer) // sizes.closer_rows)
-    top = sizes.footer + sizes.close_ups
-    axes = figure.add_axes((0, 0, 1, 1))
-    axes.set_axis_off()
-    axes.set_xlim(0, sizes.width)
-    axes.set_ylim(0, sizes.height)
-    words = f"Close-up: {close.name}"
-    axes.text(PAD, top - 0.12, words, fontsize=8.5, weight="bold", va="center")
-    length, label = scale_bar(close.width)
-    right = sizes.width - PAD
-    left = right - length / close.width * w
-    _scale_bar(axes, (left, right), top - 0.12)
-    axes.text(left - 0.08, top - 0.12, label, fontsize=8, va="center", ha="right", color=INK)
-    for k, (picture, caption) in enumerate(zip(content.closer, content.captions, strict=True)):
-        row, column = divmod(k, columns)
-        below = top - CLOSE_UP_HEAD + 0.12 - row * (h + CAPTION + GAP)
-        position = (PAD + column * (w + GAP), below - CAPTION - h, w, h)
-        _panel(figure, picture, position, caption.partition("\n")[0], is_tall=False)
-
-
-def _scale_bar(axes: Any, ends: tuple[float, float], height: float) -> None:
+def draw_scale_bar(axes: Any, ends: tuple[float, float], height: float) -> None:
     """A line with caps, in inches."""
     axes.plot(ends, (height, height), color=INK, linewidth=2.2, solid_capstyle="butt")
     for end in ends:
@@ -288,7 +214,7 @@ class Sheet:
                 fontsize=7,
                 color=MUTED,
             )
-            _footer(figure, key, width / DPI, position.below - position.lift, position.lift)
+            footer(figure, key, width / DPI, position.below - position.lift, position.lift)
             canvas = FigureCanvasAgg(figure)
             canvas.draw()
             self.blank = np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
@@ -340,7 +266,8 @@ def _font() -> Any:
     return ImageFont.truetype(font_manager.findfont("DejaVu Sans"), round(9 / 72 * DPI))
 
 
-def _head(figure: Figure, title: str) -> None:
+def head(figure: Figure, title: str) -> None:
+    """The title above pictures."""
     if title:
         width, height = figure.get_size_inches()
         text = "\n".join(wrapped(title, width))
@@ -349,7 +276,7 @@ def _head(figure: Figure, title: str) -> None:
         )
 
 
-def _panel(
+def panel(
     figure: Figure,
     picture: np.ndarray,
     position: tuple[float, float, float, float],
@@ -357,6 +284,7 @@ def _panel(
     *,
     is_tall: bool,
 ) -> Axes:
+    """A picture at left, bottom, width and height [inches], with its caption above."""
     width, height = figure.get_size_inches()
     left, bottom, w, h = position
     axes = figure.add_axes((left / width, bottom / height, w / width, h / height))
@@ -377,7 +305,7 @@ def _panel(
     return axes
 
 
-def _footer(figure: Figure, key: Key, panel: float, tall: float, lift: float = 0.0) -> None:
+def footer(figure: Figure, key: Key, panel: float, tall: float, lift: float = 0.0) -> None:
     """Scale bar on the left, colours or names in the middle, arrows on the right [inches]."""
     width, height = figure.get_size_inches()
     length, label = key.scale_bar
@@ -389,7 +317,7 @@ def _footer(figure: Figure, key: Key, panel: float, tall: float, lift: float = 0
     axes.set_xlim(0, width)
     axes.set_ylim(low, FOOTER)
     left = PAD + 0.02
-    _scale_bar(axes, (left, left + bar), 0.36)
+    draw_scale_bar(axes, (left, left + bar), 0.36)
     axes.text(left, 0.24, label, fontsize=8, va="top", color=INK)
     axes.text(left, 0.11, key.note, fontsize=8, va="top", color=ARROW)
     start, stop = key.between(width, panel)
@@ -447,8 +375,8 @@ def name_grid(names: Sequence[tuple[str, str]], room: float) -> tuple[int, int]:
     """Lines and columns of a legend of names in some inches; long names are cut, not lost."""
     count = len(shown_names(names))
     few = -(-count // NAME_LINES) if count > 3 else count
-    # a column is at least 0.8 inches wide: eight letters of a name
-    columns = max(min(few, int(room / min(name_width(shown_names(names)), 1.1))), 1)
+    # a column is at least 0.8 inches wide, eight letters of a name, and at most 2: lines are cheap
+    columns = max(min(few, int(room / min(name_width(shown_names(names)), 2.0))), 1)
     return -(-count // columns), columns
 
 
@@ -462,5 +390,12 @@ def _names(axes: Any, names: Sequence[tuple[str, str]], start: float, stop: floa
         row, column = divmod(k, columns)
         x, y = start + column * step, 0.42 - NAME_LINE * row
         axes.plot([x + 0.05], [y], "s", color=colour, markersize=6)
-        fitted = name if len(name) <= most else "\N{HORIZONTAL ELLIPSIS}" + name[1 - most :]
-        axes.text(x + 0.15, y, fitted, fontsize=8, va="center", color=INK)
+        axes.text(x + 0.15, y, fitted(name, most), fontsize=8, va="center", color=INK)
+
+
+def fitted(name: str, most: int) -> str:
+    """A name of at most so many letters: of long ones both ends, which distinguish them."""
+    if len(name) <= most:
+        return name
+    tail = (most - 1) // 2
+    return f"{name[: most - 1 - tail]}\N{HORIZONTAL ELLIPSIS}{name[-tail:]}"

@@ -22,6 +22,7 @@ from crashpost.renders import close_up as close_ups
 from crashpost.renders.arrows import arrows_of, unit_length
 from crashpost.renders.drawing import Scene
 from crashpost.renders.look import Look
+from crashpost.renders.section_lines import Section
 from crashpost.renders.shades import Shades
 from crashpost.renders.shapes import Drawing
 from crashpost.results.states import States
@@ -59,6 +60,8 @@ class Task:
     magnify: float = 1.0
     follow: str = ""
     close_up: str = ""  # of a strip
+    cut: str = ""
+    sections: tuple[Section, ...] = ()
     is_film: bool = False
     fps: float = 25.0
     speed: str = ""
@@ -93,13 +96,15 @@ def make(
 
 
 def look_of(task: Task) -> Look:
-    return Look(task.show, task.color, task.arrows, task.ghost, task.magnify)
+    look = Look(task.show, task.color, task.arrows, task.ghost, task.magnify)
+    return replace(look, cut=task.cut, sections=task.sections)
 
 
 def shoot(states: States, task: Task, painter: Any, progress: Progress) -> None:
     """Make one strip or film."""
     # matplotlib takes a quarter of a second, which a wrong word need not
     from crashpost.renders import sheet as compose
+    from crashpost.renders import strip as strips
 
     scene = Scene(states, look_of(task))
     numbers = [number for number, _ in task.frames]
@@ -128,10 +133,10 @@ def shoot(states: States, task: Task, painter: Any, progress: Progress) -> None:
     placed = [_moved(seen, one) for one in shift]
     pictures = _painted(scene, task, placed, key, painter(width, height), progress)
     if sheet is None:
-        content = compose.Content(task.title, captions, list(pictures))
+        content = strips.Content(task.title, captions, list(pictures))
         if task.close_up:
             close = close_ups.close_up(scene, task.close_up, numbers, placed)
-            sizes = compose.with_close_ups(sizes, len(numbers))
+            sizes = strips.with_close_ups(sizes, len(numbers))
             # an arrow is as long as in the pictures above
             share = close.width / sizes.closer[0] * sizes.panel[0] / seen.width
             nearer = replace(key, arrow=key.arrow * share)
@@ -139,7 +144,7 @@ def shoot(states: States, task: Task, painter: Any, progress: Progress) -> None:
             alone = replace(task, ghost=False)
             closer = _painted(scene, alone, close.cameras, nearer, window, progress)
             content = replace(content, close_up=close, closer=list(closer))
-        compose.strip(Path(task.output), content, key, sizes)
+        strips.strip(Path(task.output), content, key, sizes)
     else:
         frames = (sheet.frame(p, c) for p, c in zip(pictures, captions, strict=True))
         from crashpost.renders.film_file import write_film
@@ -330,6 +335,7 @@ def main() -> int:
         for entry in job["tasks"]:
             frames = tuple((number, caption) for number, caption in entry.pop("frames"))
             entry |= {name: tuple(entry[name]) for name in ("show", "size")}
+            entry["sections"] = tuple(Section(*one) for one in entry["sections"])
             shoot(states, Task(frames=frames, **entry), Painter, progress)
     except PostError as error:
         print(f"error {json.dumps(str(error))}", flush=True)

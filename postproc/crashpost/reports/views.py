@@ -18,7 +18,7 @@ from crashpost.results.result import Result
 from crashpost.results.states import States
 
 CHOICES = ("all", "strips", "none")
-WORDS = ("view", "color", "arrows", "follow", "close_up")
+WORDS = ("view", "color", "arrows", "follow", "close_up", "cut")
 FIELDS = ("title", "at", "show", "magnify", *WORDS)
 # of the film [pixels], its height as the scene asks; nobody waits for a cinema's size in a page
 SIZE = (720, 0)
@@ -166,7 +166,7 @@ def _rotated(result: Result, states: States, scene: dict[str, Any]) -> str:
     from crashpost.renders.model_page import page
 
     # to be turned by hand: seen from a corner, however the pictures look at it
-    fixed = ("follow", "close_up")
+    fixed = ("follow", "close_up", "cut")
     seen = {k: v for k, v in look(scene).items() if k not in fixed} | {"view": "auto"}
     text, words = page(result, **seen)
     frame = f'<iframe class="turn" loading="lazy" title="3-D" srcdoc="{escape(text)}"></iframe>'

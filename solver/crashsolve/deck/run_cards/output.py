@@ -163,6 +163,7 @@ class Scene(Card):
         "width of the window; none when empty",
         "",
     )
+    cut: str = word("a sectional view: drawn is only where y<0, or x > 100 mm; all when empty", "")
     magnify: float = quantity(
         "1",
         "small displacements are drawn this many times as large, and the picture says so",
