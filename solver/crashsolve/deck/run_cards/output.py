@@ -171,6 +171,13 @@ class Scene(Card):
         gt=0,
     )
 
+    @field_validator("cut")
+    @classmethod
+    def _known_side(cls, given: str) -> str:
+        if given and not re.fullmatch(r"\s*[xyz]\s*[<>]\s*[-+.\deE]+\s*[a-z]*\s*", given):
+            raise ValueError("write what is drawn, such as 'y<0' or 'x > 100 mm'")
+        return given
+
     @field_validator("at", mode="before")
     @classmethod
     def _known_moments(cls, given: Any) -> Any:
