@@ -24,4 +24,5 @@ class Look:
     def note(self) -> str:
         """What a picture must say: what is not as long as it was, what is left out."""
         magnified = "" if self.magnify == 1.0 else f"displacements x {self.magnify:g}"
-        return ", ".join(filter(None, [magnified, self.cut and f"only {self.cut}"]))
+        only = f"only {self.cut}" + " m" * self.cut[-1:].isdigit() if self.cut else ""
+        return ", ".join(filter(None, [magnified, only]))

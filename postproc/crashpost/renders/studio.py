@@ -30,8 +30,9 @@ from crashsolve.channels.display import factor, readable
 
 PACKAGES = "libgl1 libegl1 libgl1-mesa-dri libxrender1 libxext6"
 INSTALL = "pip install 'crashsolve[render]'"
-# of pictures in a strip
+# of pictures in a strip; arrows of small close-ups are so many times as thick
 NARROW, WIDEST = 0.45, 14.0
+NEARER = 2.5
 # of arrows, share of their length that lies along the line of sight, above which they are dots
 HEAD_ON = 0.8
 # height of the picture of a film at least, and of a film that is small [pixels]
@@ -142,7 +143,7 @@ def shoot(states: States, task: Task, painter: Any, progress: Progress) -> None:
             nearer = replace(key, arrow=key.arrow * share)
             window = painter(*sizes.closer_pixels)
             alone = replace(task, ghost=False)
-            closer = _painted(scene, alone, close.cameras, nearer, window, progress)
+            closer = _painted(scene, alone, close.cameras, nearer, window, progress, NEARER)
             content = replace(content, close_up=close, closer=list(closer))
         strips.strip(Path(task.output), content, key, sizes)
     else:
@@ -159,12 +160,13 @@ def _painted(
     key: "Key",
     plotter: Any,
     progress: Progress,
+    thickness: float = 1.0,
 ) -> Iterator[np.ndarray]:
     """The pictures of a task, each from its camera; the painter is closed after the last."""
     start = scene.ghost() if task.ghost else Drawing()
     for k, ((number, _), camera) in enumerate(zip(task.frames, placed, strict=True)):
         drawing = scene.at(number)
-        layers = [start, drawing, arrows_of(drawing, camera, key.arrow)]
+        layers = [start, drawing, arrows_of(drawing, camera, key.arrow, thickness)]
         yield plotter.paint(layers, camera, key.shades)
         progress(k + 1, len(task.frames))
     plotter.close()
