@@ -43,6 +43,8 @@ from crashsolve.tyres._road import MOST, PLANE, ROADS, Profile, above_road, road
 
 # cosine of the camber below which a wheel lies on its side, and is not on its tyre
 LYING = 0.1
+# cosine between normals of two roads above which they press a wheel from one side
+ONE_SIDE = 0.99
 # difference by which the turning of a normal is found, over R
 NEAR = 1e-4
 
@@ -130,10 +132,13 @@ DEFLECTED = Record(f"""
     q_y    m  {MOST}  the same across
     store  J  {MOST}  energy in it
     sunk   flag  whether its centre has been on a road or below it
+    doubled  flag  whether two roads have pressed it from one side
 """)
-SUNK = {
+OUT_OF_RANGE = {
     "sunk": "the wheel centre has sunk to the road: the tyre is too soft for its load; give "
-    "rim_radius and rim_stiffness, or a stiffening curve"
+    "rim_radius and rim_stiffness, or a stiffening curve",
+    "doubled": "two roads pressed it from one side, and their forces were added: where they lie in "
+    "one plane its load is too high; define them as one box, one mesh or one profile",
 }
 FORCES_OF_TYRE = Record("""
     force         N    3  on the wheel, world axes
@@ -309,6 +314,8 @@ def grip_on(p, i, old, new, out, at, h, curves):
     """The Grip on road i after a step h. Writes: new, out."""
     if old.sunk == 1 or at.depth >= p.radius:
         new.sunk = 1
+    if old.doubled == 1:
+        new.doubled = 1
     if at.depth <= 0.0:
         # off the road the carcass is at ease
         out.loss += old.store[i] if h > 0.0 else 0.0
@@ -365,7 +372,7 @@ def clear(p, new, out):
     """Reset before the roads are searched. Writes: new, out."""
     for k in range(MOST):
         new.q_x[k] = new.q_y[k] = new.store[k] = 0.0
-    new.sunk = 0
+    new.sunk = new.doubled = 0
     for k in range(3):
         out.force[k] = out.moment[k] = 0.0
     out.normal = out.longitudinal = out.lateral = out.aligning = 0.0
@@ -422,6 +429,13 @@ def await_road(p, nodes, curves, data):
     load(wheel, at.bottom, at.n, p.stiffest, p.damping)
     load(wheel, at.foot, at.x, p.C_x / p.sigma_x, p.still_damping)
     load(wheel, at.foot, at.y, p.C_y / p.sigma_y, p.still_damping)
+
+
+@kernel
+def note_double(new, n, before):
+    """Normals of a road that presses the wheel and of the one before it. Writes: new."""
+    if dot(n, before) > ONE_SIDE:
+        new.doubled = 1
 
 
 @kernel
