@@ -327,8 +327,9 @@ def grip_on(p, i, old, new, out, at, h, curves):
     V = max(abs(at.V_x), abs(at.V_x - at.slip_x))
     q_x = relaxed(old.q_x[i], at.slip_x, V, p.sigma_x, h)
     q_y = relaxed(old.q_y[i], at.slip_y, V, p.sigma_y, h)
-    slow = min(V / p.low_speed, 1.0)
-    k_V = 0.5 * p.still_damping * (1.0 + cos(pi * slow))
+    # from 1 at rest to -1 at V_low
+    slow = cos(pi * (V / p.low_speed)) if V < p.low_speed else -1.0
+    k_V = 0.5 * p.still_damping * (1.0 + slow)
     s_x = (q_x - k_V / p.C_x * at.slip_x) / p.sigma_x
     s_y = (q_y - k_V / p.C_y * at.slip_y) / p.sigma_y
     now = sqrt(at.slip_x**2 + at.slip_y**2) / max(V, p.low_speed)
@@ -338,7 +339,7 @@ def grip_on(p, i, old, new, out, at, h, curves):
     share = 3.0 * mu * F_z / held if held > 3.0 * mu * F_z else 1.0
     new.q_x[i], new.q_y[i] = share * q_x, share * q_y
     # a wheel that leans to the right is pushed to the right
-    s_y -= p.C_gamma / p.C_y * at.camber * 0.5 * (1.0 - cos(pi * slow))
+    s_y -= p.C_gamma / p.C_y * at.camber * 0.5 * (1.0 - slow)
     return Grip(F_z, slope, c, new.q_x[i], new.q_y[i], s_x, s_y, mu)
 
 
@@ -414,7 +415,8 @@ def bear(p, i, old, new, out, h, nodes, at, grip, F, M_z, store):
         out.moment[k] += about[k]
     out.normal += grip.F_z
     load(wheel, at.bottom, at.n, grip.slope, grip.damping)
-    load(road, add(to_road, at.bottom), at.n, grip.slope, grip.damping)
+    if p.road_node[i] > 0:
+        load(road, add(to_road, at.bottom), at.n, grip.slope, grip.damping)
     load(wheel, at.foot, at.x, p.C_x / p.sigma_x, p.still_damping)
     load(wheel, at.foot, at.y, p.C_y / p.sigma_y, p.still_damping)
 
