@@ -128,6 +128,7 @@ def test_all_elements_bear_its_stress_at_rest(
     run_as_expected(text, home, tmp_path / "rest", capsys)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "control",
     [

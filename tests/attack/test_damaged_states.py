@@ -14,6 +14,7 @@ from crashpost.renders import studio
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "postproc"))
 from damage import damages
+from quick import first_quick
 from small_results import two_cars, write_result, write_status
 from test_renders import write_states
 
@@ -33,7 +34,7 @@ def whole(tmp_path: Path) -> Path:
     return write_states(folder)
 
 
-@pytest.mark.parametrize("name", ["mesh.h5", "states/000001.h5", "history.h5"])
+@pytest.mark.parametrize("name", first_quick(["mesh.h5", "states/000001.h5", "history.h5"]))
 def test_damaged_results_are_drawn_or_refused(
     whole: Path, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

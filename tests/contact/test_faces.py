@@ -430,6 +430,7 @@ def test_nothing_is_shot_through_a_face_with_a_long_step(tmp_path: Path) -> None
     assert result.series("rcforc.dart.impulse.z").values[-1] > 1.2 * momentum
 
 
+@pytest.mark.long
 @runs
 def test_a_run_goes_on_from_its_dump_to_the_same_bits(tmp_path: Path) -> None:
     deck = tmp_path / "faces.yaml"

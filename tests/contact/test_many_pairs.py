@@ -188,6 +188,7 @@ def after(deck: str, steps: int, threads: int) -> tuple[Any, list[str]]:
 FEW = ("verification/friction/bristle",)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "deck", [pytest.param(d, marks=() if d in FEW else pytest.mark.long) for d in BATTERY]
 )

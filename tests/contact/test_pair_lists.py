@@ -150,6 +150,7 @@ def test_a_searched_run_has_the_bits_of_one_that_looks_at_all_pairs(
     np.testing.assert_allclose(found[0][2], found[1][2], rtol=1e-10, atol=1e-10)
 
 
+@pytest.mark.long
 @pytest.mark.xdist_group("runs")
 def test_no_step_is_so_long_that_a_body_outruns_the_list(tmp_path: Path) -> None:
     """A fast ball from afar, with steps as long as the automatic control would take."""

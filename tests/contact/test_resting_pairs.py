@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from quick import first_quick
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.model.build import build
@@ -79,7 +80,7 @@ def outcome(path: Path) -> tuple[dict[str, bytes | str], np.ndarray, np.ndarray]
     return found, np.concatenate(depths), times
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", first_quick([1, 2], 0))
 def test_pairs_left_alone_change_no_bit(
     seed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -87,6 +87,7 @@ def test_a_round_rod_rolls_or_slides_within_the_cone_and_keeps_the_balance(tmp_p
     assert last(result, "rcforc.touch.peak_depth") < 1e-8
 
 
+@pytest.mark.long
 def test_a_run_with_captures_goes_on_from_its_dump_to_the_same_bits(tmp_path: Path) -> None:
     deck, whole, again = tmp_path / "deck.yaml", tmp_path / "whole", tmp_path / "again"
     text = DECK.read_text("utf-8").replace("end_time: 0.6", "end_time: 0.03").partition("expect:")

@@ -271,6 +271,7 @@ def test_a_force_that_jumps_at_its_onset_does_not_bind_the_steps_before_it(
     assert engine.state.nodes["v"][1, 2] == pytest.approx(0.1, abs=1e-4)
 
 
+@pytest.mark.long
 @EITHER
 def test_a_wall_with_a_corner_gives_back_what_it_took(method: str, tmp_path: Path) -> None:
     scene = {

@@ -258,6 +258,7 @@ def test_the_flat_configuration_is_passed() -> None:
     assert tip == pytest.approx([0.32845811154026, 0.94451853817879], abs=1e-7)
 
 
+@pytest.mark.long
 @EITHER
 def test_a_permanent_set_is_that_of_the_turning_point(method: str, tmp_path: Path) -> None:
     # a mass crushes a straight curve of slope k_1 and comes back on one of slope k: the set is what

@@ -70,8 +70,9 @@ def test_numbers_are_in_si() -> None:
 def test_bare_numbers_are_in_the_units_of_the_file() -> None:
     names = zip(BASES, ("mm", "t", "ms", "deg"), strict=True)
     context = Context({base: parse_unit(name) for base, name in names})
+    metre = parse_unit("m")
     card = Sample.model_validate(
-        {"at": [1, "1 m", SiFloat(5.0)], "step": 2, "stiffness": 1.0, "exponent": 1},
+        {"at": [1, "1 m", SiFloat(5.0, metre, metre)], "step": 2, "stiffness": 1.0, "exponent": 1},
         context=context,
     )
     assert card.at == (0.001, 1.0, 5.0)

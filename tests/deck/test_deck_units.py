@@ -1,6 +1,7 @@
 """Claim: a unit in a deck means what NIST SP 811 says, and a doubtful one is refused."""
 
 import math
+from pathlib import Path
 
 import pytest
 
@@ -13,6 +14,8 @@ from crashsolve.channels.units import (
     split_quantity,
     to_si,
 )
+from crashsolve.deck.reading.deck import read_deck
+from crashsolve.foundation.errors import DeckErrors
 
 # values of NIST SP 811 (2008), appendix B.8, and of the SI brochure
 KNOWN = [
@@ -107,3 +110,67 @@ def test_a_number_and_its_unit_are_parted() -> None:
 @pytest.mark.parametrize("name", ["N", "N/m", "kg m^2", "m/s", "1/s", "1", "rad/s", "m^1.5/s"])
 def test_a_dimension_is_described_by_a_unit_that_has_it(name: str) -> None:
     assert parse_unit(describe(parse_unit(name))).exponents == parse_unit(name).exponents
+
+
+DECK = """\
+units: {length: mm, time: ms}
+parameters: {speed: 5 m/s, gap: 3, share: 0.5, tilt: 30 deg, depth: 20 mm, half: "${depth*share}"}
+control: {end_time: 1}
+bodies:
+  a: {mass: 1, inertia: [1, 1, 1], position: ["EXPRESSION", 0, 0]}
+"""
+
+
+@pytest.mark.parametrize(
+    ("expression", "metres"),
+    [
+        # bare numbers are pure where units fit
+        ("half", 0.01),
+        ("half + depth/2", 0.02),
+        ("sqrt(depth*half)*share", 0.5 * math.sqrt(2e-4)),
+        ("depth**1.5/half**0.5", 0.02**1.5 / 0.01**0.5),
+        # and in units of the file where those of the others cancel
+        ("gap*sin(tilt)", 1.5e-3),
+        ("gap*depth/half", 6e-3),
+        # the rest is refused
+        ("depth + gap", None),
+        ("max(gap, half)", None),
+        ("depth*half", None),
+        ("depth/speed", None),
+        ("sqrt(depth)", None),
+        ("gap*speed", None),
+        ("depth**gap", None),
+    ],
+)
+def test_bare_numbers_beside_units_are_understood_or_refused(
+    expression: str, metres: float | None, tmp_path: Path
+) -> None:
+    deck = tmp_path / "deck.yaml"
+    deck.write_text(DECK.replace("EXPRESSION", f"${{{expression}}}"), "utf-8")
+    if metres is None:
+        with pytest.raises(DeckErrors, match="give the unit of every parameter that has one"):
+            read_deck(deck)
+        return
+    found = read_deck(deck).entries["bodies"]["a"].card.position[0]
+    assert found == pytest.approx(metres, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("expression", "radians"),
+    [("atan2(1, 2)", math.atan2(1, 2)), ("2*asin(0.5)", math.pi / 3), ("45 + asin(0.5)", None)],
+)
+def test_functions_give_radians_whatever_the_units(
+    expression: str, radians: float | None, tmp_path: Path
+) -> None:
+    deck = tmp_path / "deck.yaml"
+    text = DECK.replace("time: ms", "angle: deg").replace('"EXPRESSION"', "0")
+    turned = text.replace(
+        "mass: 1", f'mass: 1, rotation: {{axis: [0, 0, 1], angle: "${{{expression}}}"}}'
+    )
+    deck.write_text(turned, "utf-8")
+    if radians is None:
+        with pytest.raises(DeckErrors, match="give the unit of every parameter that has one"):
+            read_deck(deck)
+        return
+    found = read_deck(deck).entries["bodies"]["a"].card.rotation.angle
+    assert found == pytest.approx(radians, rel=1e-14)

@@ -59,6 +59,7 @@ def test_numbers_are_right_within_their_errors(tmp_path: Path, interval: str) ->
     assert "take shorter steps" not in log
 
 
+@pytest.mark.long
 def test_samples_that_show_the_touch_are_not_warned_of(tmp_path: Path) -> None:
     found, log = run(tmp_path, "2e-5")
     assert "peaked at" not in log

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from quick import first_quick
 from small_runs import CANTILEVER
 
 from crashsolve.deck.reading.deck import read_deck
@@ -114,12 +115,14 @@ def estimate(folder: Path, name: str, count: int, word: str = "") -> Estimate:
 
 @pytest.mark.parametrize(
     ("name", "word", "count", "fine"),
-    [
-        ("cantilever", "segments", 8, 32),
-        ("cantilever", "beams", 8, 32),
-        ("bar", "", 8, 0),
-        pytest.param("plate", "", 16, 48, marks=pytest.mark.long),
-    ],
+    first_quick(
+        [
+            ("cantilever", "segments", 8, 32),
+            ("cantilever", "beams", 8, 32),
+            ("bar", "", 8, 0),
+            pytest.param("plate", "", 16, 48, marks=pytest.mark.long),
+        ]
+    ),
 )
 def test_the_error_is_near_the_true_one(
     name: str, word: str, count: int, fine: int, tmp_path: Path

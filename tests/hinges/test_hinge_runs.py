@@ -32,6 +32,7 @@ def scene(**hinge: Any) -> dict[str, Any]:
     }
 
 
+@pytest.mark.long
 def test_a_restart_goes_on_to_the_same_bits(tmp_path: Path) -> None:
     deck, ends = tmp_path / "deck.yaml", {}
     for name, stops in (("whole", (0.02,)), ("twice", (0.01, 0.02))):
@@ -74,6 +75,7 @@ def last_state(folder: Path) -> Path:
     return max((folder / "states").glob("*.h5"))
 
 
+@pytest.mark.long
 def test_what_fails_flies_on(tmp_path: Path) -> None:
     result = run(tmp_path, scene(failure_angle=0.05), 0.012, 2e-4, plain=True)
     assert last(result, "hinge.rotor.failed") == 1.0
@@ -93,6 +95,7 @@ def test_what_fails_flies_on(tmp_path: Path) -> None:
     assert last(other, "hinge.rotor.failed") == 1.0
 
 
+@pytest.mark.long
 def test_an_angle_beyond_the_curve_stops_the_run(tmp_path: Path) -> None:
     known = scene()
     known["curves"]["fold"]["points"] = known["curves"]["fold"]["points"][:3]

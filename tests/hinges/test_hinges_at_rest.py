@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from quick import first_quick
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors, SolverError
@@ -61,6 +62,7 @@ loads: {{p: {{type: force, body: left, at: [0.25, 0, 0], force: [0, 0, -1], curv
 """
 
 
+@pytest.mark.long
 def test_beyond_the_limit_load_a_beam_hangs_in_its_new_shape(tmp_path: Path) -> None:
     """A propped cantilever flows at 6 M / L, and then P cos(theta) = 6 M / L."""
     found = engine(tmp_path, PROPPED)
@@ -137,6 +139,7 @@ loads: {{p: {{type: force, body: arm, force: [0, 2800, 2800], curve: rise}}}}
 """
 
 
+@pytest.mark.long
 def test_a_load_between_two_axes_meets_the_ellipse(tmp_path: Path) -> None:
     """(P / 3000)^2 + (P / 4000)^2 = 1 at P = 2400 N on an arm of 1 m."""
     found = engine(tmp_path, SKEW)
@@ -169,7 +172,7 @@ hinges:
 """
 
 
-@pytest.mark.parametrize("steps", [2, 20])
+@pytest.mark.parametrize("steps", first_quick([2, 20]))
 def test_softening_is_followed_under_a_driver(tmp_path: Path, steps: int) -> None:
     """Springs of 2e5 in series, 1e5 N m/rad, unload more steeply than the hinge softens."""
     found = engine(tmp_path, SERIES.replace("STIFFNESS", "20000"))
@@ -188,6 +191,7 @@ def test_softening_is_followed_under_a_driver(tmp_path: Path, steps: int) -> Non
     assert abs(found.ledger[ledger.IMBALANCE]) < 1e-7 * found.ledger[ledger.LARGEST]
 
 
+@pytest.mark.long
 def test_softening_that_outruns_its_neighbours_is_no_equilibrium(tmp_path: Path) -> None:
     """Springs of 1.2e5 in series, 6e4 N m/rad, do not: the turn jumps behind the peak."""
     found = engine(tmp_path, SERIES.replace("STIFFNESS", "12000"))
@@ -209,7 +213,7 @@ def two_folds(share: float) -> str:
     return f"{text.rpartition('curve: stiff}')[0]}curve: weaker}}\n"
 
 
-@pytest.mark.parametrize("steps", [3, 10])
+@pytest.mark.parametrize("steps", first_quick([3, 10]))
 @pytest.mark.parametrize("share", [1.0, 1.0 - 1e-7])
 def test_where_two_hinges_would_fold_alike_the_run_stops(
     tmp_path: Path, steps: int, share: float
@@ -225,7 +229,7 @@ def test_where_two_hinges_would_fold_alike_the_run_stops(
     assert float(found.clock.time) == pytest.approx(0.107 / 0.2, abs=1e-7)
 
 
-@pytest.mark.parametrize("share", [0.999, 0.75])
+@pytest.mark.parametrize("share", first_quick([0.999, 0.75]))
 @pytest.mark.parametrize("steps", [1, 10])
 def test_a_hinge_that_hardens_unloads_behind_the_peak_of_a_weaker_one(
     tmp_path: Path, steps: int, share: float
@@ -263,7 +267,7 @@ hinges:
 """
 
 
-@pytest.mark.parametrize("steps", [4, 40])
+@pytest.mark.parametrize("steps", first_quick([4, 40]))
 def test_a_loop_at_rest_loses_its_area(tmp_path: Path, steps: int) -> None:
     found, energies = engine(tmp_path, LOOP), {}
     for k in range(steps):

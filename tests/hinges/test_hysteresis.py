@@ -376,6 +376,7 @@ class Turned:
         return self.moment
 
 
+@pytest.mark.long
 def test_a_load_that_turns_stays_on_the_ellipse(tmp_path: Path) -> None:
     hinge = Turned(tmp_path, "curve: perfect, second_curve: down, second_stiffness: 1000")
     moments = [

@@ -56,6 +56,7 @@ def test_other_channels_of_the_same_door_are_not_doubted(tmp_path: Path) -> None
     assert "share of a force is arbitrary" in said
 
 
+@pytest.mark.long
 def test_a_door_without_redundant_rows_is_not_doubted(tmp_path: Path) -> None:
     said, result = run(tmp_path, "jntforc.upper.force.z", "spherical", "point_on_line", "")
     assert WORDS not in said

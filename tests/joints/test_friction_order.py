@@ -110,6 +110,7 @@ def exact_turn() -> float:
     return float(y[1])
 
 
+@pytest.mark.long
 def test_pendulum_and_slider_converge_at_order_two(tmp_path: Path) -> None:
     runs = [run(tmp_path, pendulum_and_slider(), END, h) for h in STEPS]
     rotation, speed = exact_turn(), SPEED - MU * PRESS * (END + 0.5 * (1.0 - cos(6.0 * END)) / 6.0)

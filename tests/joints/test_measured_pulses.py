@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from quick import first_quick
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.estimate.estimator import estimate_in_memory
@@ -55,7 +56,7 @@ POINT = {"joint": "prismatic", "drive": "type: point_driver, body: sled, axis: [
 FULL_TURN = {"joint": "revolute", "drive": "type: rotation_driver, joint: rail"}
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", first_quick(METHODS, 2))
 @pytest.mark.parametrize("words", [SLIDE, pytest.param(POINT, marks=pytest.mark.long)])
 def test_a_measured_acceleration_gives_its_velocity_and_stroke(
     method: str, words: dict[str, str], tmp_path: Path
@@ -78,6 +79,7 @@ def test_a_measured_velocity_gives_its_stroke(method: str, tmp_path: Path) -> No
     assert x == pytest.approx(integrals(t, v, 0.1)[0], abs=1e-9)
 
 
+@pytest.mark.long
 def test_a_measured_spin_is_that_of_a_turn(tmp_path: Path) -> None:
     t, a = pulse(tmp_path, 0.0)
     words = {"moves": "angular_velocity: [4, 0, 0]", "method": "rattle", "kind": "acceleration"}

@@ -52,6 +52,7 @@ SCENE = {
 }
 
 
+@pytest.mark.long
 def test_moments_of_ranges_and_friction_turn_the_body(tmp_path: Path) -> None:
     """Euler: J w_dot + w x J w, in axes of b, is the sum of all three; the ball gives no moment."""
     result = run(tmp_path, SCENE, 0.1, 2e-5)

@@ -12,6 +12,7 @@ import h5py
 import numpy as np
 import pytest
 from history_sample import FAMILIES, appended, assert_is_sample, read_rows, sample_row, sample_time
+from quick import first_quick
 
 from crashsolve.output import history
 from crashsolve.output.history import HistoryWriter
@@ -49,6 +50,7 @@ def append_for_ever(path: Path, pipe: int, flushes: int = 10**9) -> None:
     writer.close()
 
 
+@pytest.mark.long
 def test_kill_at_random_moments(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "history.h5"
     dice = random.Random(1989)
@@ -70,7 +72,7 @@ def test_kill_at_random_moments(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     assert len(set(found)) > 10, "the kills did not fall at different moments"
 
 
-@pytest.mark.parametrize("torn", [False, True])
+@pytest.mark.parametrize("torn", first_quick([False, True]))
 def test_kill_at_every_system_call(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, torn: bool
 ) -> None:

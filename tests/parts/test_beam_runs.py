@@ -114,6 +114,7 @@ output: {history: {interval: 0.1}}
 """  # noqa: E501
 
 
+@pytest.mark.long
 def test_a_rope_that_pulls_and_turns_takes_few_iterations(tmp_path: Path) -> None:
     """Its tension over its length is above what the light beam resists the same way."""
     deck = tmp_path / "deck.yaml"

@@ -123,6 +123,7 @@ def test_a_column_is_refused_beyond_its_critical_load(tmp_path: Path) -> None:
     assert "p_end" in location
 
 
+@pytest.mark.long
 def test_a_shaft_is_refused_beyond_its_critical_torque(tmp_path: Path) -> None:
     # Greenhill (1883): 2 pi E I / L where both ends may tilt; the torques keep their axes, and
     # the joints, which hold the ends and one spin, have no part in them
@@ -416,6 +417,7 @@ loads:
 """
 
 
+@pytest.mark.long
 def test_an_equilibrium_has_no_rate_of_strain_and_may_begin_without_a_load(tmp_path: Path) -> None:
     deck = tmp_path / "deck.yaml"
     deck.write_text(BARS, "utf-8")

@@ -33,6 +33,7 @@ joints:
 """
 
 
+@pytest.mark.long
 @pytest.mark.xdist_group("ring")
 def test_a_load_step_far_beyond_first_yield_is_divided(tmp_path: Path) -> None:
     deck = tmp_path / "ring.yaml"

@@ -137,6 +137,7 @@ def test_one_spring_has_the_stiffness_of_the_whole_beam(tmp_path: Path) -> None:
     assert rotation == pytest.approx(1e-3 / 2.0, rel=1e-5)
 
 
+@pytest.mark.long
 def test_large_deflections_converge_with_the_square_of_the_length(tmp_path: Path) -> None:
     """Benchmarks F1 at P L^2 / E I = 2."""
     wanted = np.array([0.49345748, 0.16064172, 0.78174983])

@@ -87,6 +87,7 @@ def test_a_plate_of_two_parts_has_the_bits_of_one(both: tuple[Result, Result]) -
     assert np.array_equal(first, motion(two, TWO))
 
 
+@pytest.mark.long
 def test_energies_of_the_parts_are_those_of_the_whole(both: tuple[Result, Result]) -> None:
     one, two = both
     for word in ("kinetic", "strain", "plastic", "hourglass"):
@@ -121,12 +122,14 @@ def test_elastic_parts_move_as_one_wherever_blocks_end(tmp_path: Path) -> None:
     assert motion(two, TWO) == pytest.approx(whole, rel=1e-12, abs=1e-12)
 
 
+@pytest.mark.long
 def test_two_threads_have_the_bits_of_one(tmp_path: Path) -> None:
     load = {"loads": {"p": {"type": "pressure", "part": "low", "pressure": 1e5}}}
     runs = [solved(tmp_path, two_parts(threads=n) | load, f"t{n}") for n in (1, 2)]
     assert np.array_equal(*(motion(run, TWO) for run in runs))
 
 
+@pytest.mark.long
 def test_it_goes_on_from_a_dump_to_the_same_bits(tmp_path: Path) -> None:
     scene = two_parts()
     scene["output"] |= {"restart": {"every": 1e-4}}

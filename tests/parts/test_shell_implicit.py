@@ -259,6 +259,7 @@ def test_radau_has_the_order_of_the_elements_where_they_turn_far(tmp_path: Path)
     assert np.log2((b - a) / (c - b)) == pytest.approx(2.0, abs=0.2)
 
 
+@pytest.mark.long
 @pytest.mark.xdist_group("implicit shells")
 def test_steps_of_radau_go_on_from_a_dump_to_the_same_bits(tmp_path: Path) -> None:
     deck = tmp_path / "strips.yaml"

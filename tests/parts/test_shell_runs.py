@@ -33,6 +33,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     return deck, folder / "whole"
 
 
+@pytest.mark.long
 def test_a_plate_goes_on_from_its_dump_to_the_same_bits(
     whole: tuple[Path, Path], tmp_path: Path
 ) -> None:

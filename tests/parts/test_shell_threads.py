@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from command import crashsolve, differences, gone_on, results, start
+from quick import first_quick
 from shells import Elements
 
 from crashsolve.deck.reading.deck import read_deck
@@ -105,7 +106,7 @@ def test_the_scene_has_all_that_threads_share(two: tuple[Path, Path]) -> None:
 
 
 # beyond two, more than this machine has cores, and more than there are blocks of elements
-@pytest.mark.parametrize("threads", [1, 3, 4, 8, 40])
+@pytest.mark.parametrize("threads", first_quick([1, 3, 4, 8, 40], 2))
 def test_any_number_of_threads_gives_the_same_bits(
     two: tuple[Path, Path], threads: int, tmp_path: Path
 ) -> None:

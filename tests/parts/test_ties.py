@@ -249,6 +249,7 @@ def middle(folder: Path, coarse: int, fine: int) -> float:
     return float(result.series("nodout.coarse_mid.displacement.z").values[-1])
 
 
+@pytest.mark.long
 def test_the_middle_of_tied_plates_converges_as_that_of_one(tmp_path: Path) -> None:
     """Sides of 2 to 3, none of whose inner nodes meet but the middle one."""
     found = [middle(tmp_path, n, 3 * n // 2) for n in (4, 8, 16)]
@@ -262,6 +263,7 @@ def test_the_middle_of_tied_plates_converges_as_that_of_one(tmp_path: Path) -> N
     assert found[-1] == pytest.approx(one, rel=5e-3)
 
 
+@pytest.mark.long
 def test_threads_and_restarts_keep_the_bits(tmp_path: Path) -> None:
     scene = pressed(pair(2, 3)["parts"])
     scene["control"]["end_time"] = 2e-4
@@ -275,6 +277,7 @@ def test_threads_and_restarts_keep_the_bits(tmp_path: Path) -> None:
     gone_on(tmp_path / "t1.yaml", tmp_path / "t1", tmp_path / "again")
 
 
+@pytest.mark.long
 def test_a_tie_shortens_no_step_of_equal_elements(tmp_path: Path) -> None:
     """The bound of the frequency at a corner is a mean of those of its own and of tied nodes."""
     steps = []

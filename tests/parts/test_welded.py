@@ -39,6 +39,7 @@ def test_methods_of_high_order_keep_the_momentum_too(tmp_path: Path) -> None:
     assert np.abs(result.series(apart).values).max() < 1e-7
 
 
+@pytest.mark.long
 def test_a_run_with_welded_nodes_goes_on_to_the_same_bits(tmp_path: Path) -> None:
     control = "end_time: 0.02, step: 2e-5}\noutput: {restart: {every: 4e-3}"
     whole, again = run(tmp_path, "whole", control), tmp_path / "again"

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command import crashsolve, gone_on
+from quick import first_quick
 
 from crashpost.results.result import Result
 from crashsolve import run
@@ -40,12 +41,15 @@ springs: {s: {type: linear, b: ball, stiffness: 200, length: 0.9}}
 
 @pytest.mark.parametrize(
     "more",
-    [
-        "",
-        ", integrator: dormand_prince_5, step_max: 5e-3",
-        ", integrator: generalized_alpha, step_max: 5e-3",
-        ", integrator: radau_iia_5, step_max: 5e-3",
-    ],
+    first_quick(
+        [
+            "",
+            ", integrator: dormand_prince_5, step_max: 5e-3",
+            ", integrator: generalized_alpha, step_max: 5e-3",
+            ", integrator: radau_iia_5, step_max: 5e-3",
+        ],
+        2,
+    ),
 )
 def test_a_mass_settles_on_its_spring_with_every_kind_of_method(tmp_path: Path, more: str) -> None:
     result = solved(tmp_path, WEIGHT + HANGS, more=more)
@@ -64,6 +68,7 @@ def test_a_mass_settles_on_its_spring_with_every_kind_of_method(tmp_path: Path, 
     assert energies["driver_work"] == pytest.approx(energies["potential"] + 1.0, rel=1e-3)
 
 
+@pytest.mark.long
 def test_a_load_below_yield_that_would_yield_at_its_peak_leaves_no_set(tmp_path: Path) -> None:
     # let go at once, the mass would pull with twice its weight
     text = """
@@ -85,6 +90,7 @@ springs:
 """
 
 
+@pytest.mark.long
 def test_the_set_of_a_chain_tends_to_that_of_loads_that_rise_slowly(tmp_path: Path) -> None:
     # (F - F_y) / k_t - (F - F_y) / k
     exact = 5 / 500 - 5 / 2000
@@ -106,7 +112,7 @@ bodies:
 """
 
 
-@pytest.mark.parametrize("speed", [0.0, 30.0])
+@pytest.mark.parametrize("speed", first_quick([0.0, 30.0]))
 def test_a_car_body_begins_on_its_springs_without_a_transient(tmp_path: Path, speed: float) -> None:
     # set 10 mm too high on its wheels, on dampers and springs that are free at first
     text = CART.replace("SPEED", str(speed))
@@ -169,7 +175,7 @@ loads: {pull: {type: force, body: plate, force: [0, 0, PULL], curve: pull}}
 """
 
 
-@pytest.mark.parametrize("length, pull", [(0.29, 500.0), (0.28, 1500.0)])
+@pytest.mark.parametrize("length, pull", first_quick([(0.29, 500.0), (0.28, 1500.0)]))
 def test_a_bolt_is_preloaded_and_takes_its_share_of_a_load(
     tmp_path: Path, length: float, pull: float
 ) -> None:
@@ -206,6 +212,7 @@ def test_a_block_is_held_by_friction(tmp_path: Path) -> None:
     assert motion(result, "rbdout.a.position.x")[1] < 1e-7
 
 
+@pytest.mark.long
 def test_a_block_that_slides_is_refused(tmp_path: Path) -> None:
     with pytest.raises(RunFailed, match=r"body 'a': phase 'settle' does not end in equilibrium: "):
         solved(tmp_path, BLOCK.replace("MU", "0.1"))
@@ -224,6 +231,7 @@ parts:
 """
 
 
+@pytest.mark.long
 def test_a_strip_of_shells_sags_and_rests(tmp_path: Path) -> None:
     result = solved(tmp_path, WEIGHT + SHELL, settle=0.3)
     sag, far = motion(result, "nodout.strip_tip.displacement.z", 0.3)
@@ -233,6 +241,7 @@ def test_a_strip_of_shells_sags_and_rests(tmp_path: Path) -> None:
     assert far < 1e-3 * 0.0375
 
 
+@pytest.mark.long
 def test_shells_that_still_move_are_refused(tmp_path: Path) -> None:
     with pytest.raises(RunFailed, match=r"part 'strip', node \d+: phase 'settle' does not end"):
         solved(tmp_path, WEIGHT + SHELL, settle=0.02)

@@ -102,6 +102,7 @@ def pulse(time: np.ndarray, delay: float = 0.0, size: float = 1.0) -> np.ndarray
     return size * np.exp(-(((time - 0.05 - delay) / 0.012) ** 2))
 
 
+@pytest.mark.long
 def test_the_rating_of_a_measured_curve() -> None:
     time = np.linspace(0.0, 0.1, 1001)
     measured = Column("force", "kN", pulse(time))

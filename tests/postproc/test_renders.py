@@ -122,6 +122,7 @@ def test_what_moves_is_where_it_was_between_states_half_way(run: Path) -> None:
     assert scene.positions(1.5, "bodies")[:, 0].max() == pytest.approx(1.15)
 
 
+@pytest.mark.long
 def test_magnified_displacements_are_so_many_times_as_large_and_said(
     run: Path, crashpost: Command, tmp_path: Path
 ) -> None:
@@ -166,6 +167,7 @@ def test_deleted_elements_are_gone_and_do_not_count_in_the_colours(run: Path) ->
     assert scene.range(3)[1] == pytest.approx(0.3 * 1e6)
 
 
+@pytest.mark.long
 def test_a_part_that_is_gone_changes_nothing_of_the_others(run: Path, crashpost: Command) -> None:
     """Surfaces of two states are compared by their number, in the page that is turned by hand."""
     for path in (run / "states").glob("*.h5"):
@@ -327,6 +329,7 @@ def test_a_film_is_as_high_as_its_scene_asks() -> None:
             assert abs(width / height - aspect) < 0.03 * aspect
 
 
+@pytest.mark.long
 def test_pyvista_paints_a_strip_and_a_film(run: Path, crashpost: Command, tmp_path: Path) -> None:
     pytest.importorskip("pyvista")
     path = tmp_path / "strip.png"

@@ -89,6 +89,7 @@ def test_the_index_lists_the_states_by_time(results: dict[str, Path]) -> None:
         assert f"states/{k:06d}.h5" in index and repr(time)[:8] in index
 
 
+@pytest.mark.long
 def test_a_run_with_states_at_events_goes_on(results: dict[str, Path], tmp_path: Path) -> None:
     folder = tmp_path / "again"
     shutil.copytree(results["events"], folder)

@@ -12,6 +12,7 @@ OSCILLATOR = HERE / "oscillator.yaml"
 pytestmark = pytest.mark.xdist_group("runs")
 
 
+@pytest.mark.long
 def test_two_runs_that_compile_at_once_without_a_home_give_the_same_bits(tmp_path: Path) -> None:
     # nothing can be made below a file
     nowhere = {"HOME": os.devnull, "TMPDIR": str(tmp_path), "CRASHSOLVE_CACHE": ""}

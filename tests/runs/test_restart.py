@@ -11,6 +11,7 @@ from typing import Any
 import h5py
 import pytest
 from command import crashsolve, differences, gone_on, start
+from quick import first_quick
 
 from crashpost.cli import main as crashpost
 from crashsolve.recording.sampling import Schedule
@@ -58,7 +59,7 @@ def wait_for(path: Path, seconds: float = BUSY) -> None:
         time.sleep(0.01)
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("number", first_quick([signal.SIGTERM, signal.SIGHUP]))
 def test_a_run_stopped_by_a_signal_goes_on_to_the_same_bits(
     number: int, deck: Path, uninterrupted: dict[Path, Path], tmp_path: Path
 ) -> None:

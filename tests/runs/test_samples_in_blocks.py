@@ -1,6 +1,8 @@
 """Claim: samples taken in compiled code are those that Python takes one by one, to the bit."""
 
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +13,11 @@ from crashsolve.recording.between import Between
 from crashsolve.recording.changing import changing
 from crashsolve.recording.histories import Histories
 from crashsolve.recording.sampling import Schedule
+from crashsolve.simulation.forward import _march_through
 from crashsolve.system.engine import Engine
+
+# of a call of the compiled loop: more than one sample has, and fewer than two
+STEPS = 13
 
 # two balls fall upon each other and on a floor: touches within intervals, at their ends, and none
 DECK = """\
@@ -49,8 +55,10 @@ class Taken:
         while not schedule.is_end(k):
             times, kept = schedule.times(k + 1, 50), self.histories.kept
             if in_blocks and march.may_go(float(times[-1]), kept):
-                count, _ = march.go(times, kept)
+                count, _, left = march.go(times, kept)
                 self.times += times[:count].tolist()
+                if left is not None:
+                    self.engine.answer(left)
                 marched, k = marched + count, k + count
                 self.hand_over()
                 if count:
@@ -106,3 +114,42 @@ def test_samples_ahead_are_those_of_the_schedule() -> None:
         expected = [schedule.time(k) for k in range(first, first + len(times))]
         assert times.tolist() == expected
         assert len(times) == 12 or times[-1] == 1.0
+
+
+def test_a_pause_within_a_block_finds_all_samples_recorded(tmp_path: Path) -> None:
+    # a dump that is asked for then writes the samples before it, with their times
+    deck = tmp_path / "deck.yaml"
+    text = DECK.replace("METHOD", "rattle, step: 1e-4").replace("INTERVAL", "1e-3")
+    deck.write_text(text, "utf-8")
+    engine = Engine(*build(read_deck(deck)))
+    histories, times, pauses = Histories(engine), [0.0], []
+    between = Between(engine, True, lambda time: None)
+    engine.start()
+    engine.sample()
+    histories.take()
+    between.march.count_from_here()
+    between.begin()
+
+    def look() -> None:
+        pauses.append(len(times))
+        assert histories.kept.count == len(times)
+        engine._steps_per_call = STEPS
+
+    engine.on_pause, engine._steps_per_call = look, STEPS
+    run: Any = SimpleNamespace(
+        engine=engine,
+        between=between,
+        histories=histories,
+        recorder=SimpleNamespace(taken=times.extend),
+        cpu={"steps": 0.0, "output": 0.0},
+        sampled=0.0,
+        account=SimpleNamespace(keep_alive=lambda: None),
+        schedule=SimpleNamespace(end=1.0),
+        write=lambda now, force: None,
+        obey=lambda: None,
+    )
+    # the balls fall freely until 0.024 s
+    schedule = np.arange(1, 21) * 1e-3
+    while len(times) < 20:
+        _march_through(run, schedule[len(times) - 1 :])
+    assert len(set(pauses)) > 2

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command import crashsolve
+from quick import first_quick
 from small_runs import last
 
 from crashpost.results.result import Result
@@ -27,12 +28,15 @@ ADVICE = "contact 'c' begins without penetration"
 
 @pytest.mark.parametrize(
     ("z", "v", "more", "is_advised"),
-    [
-        (0.1, 0, "", True),
-        (0.1001, 0, "", False),
-        (0.1, -1, "", False),
-        (0.1, 0, ", start: equilibrium", False),
-    ],
+    first_quick(
+        [
+            (0.1, 0, "", True),
+            (0.1001, 0, "", False),
+            (0.1, -1, "", False),
+            (0.1, 0, ", start: equilibrium", False),
+        ],
+        2,
+    ),
 )
 def test_a_start_without_any_depth_is_advised_of(
     z: float, v: float, more: str, is_advised: bool, tmp_path: Path

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command import crashsolve
+from quick import first_quick
 
 from crashpost.cli import main as crashpost
 from crashpost.results.result import Result
@@ -22,7 +23,7 @@ def run(folder: Path, deck: str, **changes: object) -> Path:
     return folder
 
 
-@pytest.mark.parametrize("mu", [0.0, 0.35])
+@pytest.mark.parametrize("mu", first_quick([0.0, 0.35]))
 @pytest.mark.parametrize("model", ["continuous", "unilateral"])
 @pytest.mark.parametrize(
     "elements", [10, *(pytest.param(n, marks=pytest.mark.long) for n in (4, 20))]

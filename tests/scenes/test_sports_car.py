@@ -193,6 +193,7 @@ def peak(result: Result) -> float:
     return float(result.series("rcforc.box_on_wall.normal").values.max())
 
 
+@pytest.mark.long
 def test_head_on_the_crash_box_absorbs_the_energy(crash: Callable[[str], Result]) -> None:
     # Ambrosio (2003), 5.3.2: "dissipates all kinetic energy"; what is left is a rebound
     assert share_left(crash("head-on")) < 0.05

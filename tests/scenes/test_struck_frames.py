@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 from command import crashsolve
+from quick import first_quick
 
 from crashpost.cli import main as crashpost
 from crashpost.results.result import Result
@@ -15,7 +16,7 @@ FRAMES = Path(__file__).resolve().parents[2] / "decks" / "scenes" / "structures"
 WORDS = ["rigid", "hinges", "segments", "beams", "shells"]
 
 
-@pytest.mark.parametrize("name", ("cantilever", "portal", "rollover"))
+@pytest.mark.parametrize("name", first_quick(("cantilever", "portal", "rollover")))
 def test_a_frame_of_hinges_meets_its_expectations(name: str, tmp_path: Path) -> None:
     done = crashsolve(FRAMES / f"{name}.yaml", "-o", tmp_path, "--set", "control.estimate=off")
     assert done.returncode == 0, done.stdout + done.stderr
@@ -39,6 +40,7 @@ def test_a_field_without_words_needs_its_values() -> None:
         varied(deck, "parts.frame.divisions")
 
 
+@pytest.mark.long
 def test_explicit_and_implicit_methods_bend_segments_that_yield_alike(tmp_path: Path) -> None:
     found = []
     for method in ("rattle", "generalized_alpha", "radau_iia_5"):

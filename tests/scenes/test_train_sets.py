@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import yaml
 from command import crashsolve
+from quick import first_quick
 
 from crashpost.cli import main as crashpost
 from crashpost.results.result import Result
@@ -54,6 +55,7 @@ def one_car(speed: float, dimension: str = "plane", mu: float = MU) -> dict[str,
     }
 
 
+@pytest.mark.long
 def test_a_braked_car_that_stands_does_not_move(tmp_path: Path) -> None:
     # settled by closed form, so nothing bounces; brakes push nothing backwards
     result = run(tmp_path, one_car(0.0), 0.02, 2e-3)
@@ -144,7 +146,7 @@ def two_ends(high: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-@pytest.mark.parametrize("higher", [0.0, 0.4])
+@pytest.mark.parametrize("higher", first_quick([0.0, 0.4]))
 def test_an_end_that_is_higher_than_the_other_passes_it_and_meets_the_car(
     tmp_path: Path, higher: float
 ) -> None:

@@ -85,6 +85,7 @@ def test_the_buffers_of_a_and_c_carry_one_force(result: Result) -> None:
     assert np.abs(both.values - heads.values).max() < 0.01 * 3e6
 
 
+@pytest.mark.long
 def test_the_report_puts_our_figures_beside_the_chapters(folder: Path, tmp_path: Path) -> None:
     page = tmp_path / "report.html"
     assert crashpost(["report", str(folder), "-o", str(page)]) == 0

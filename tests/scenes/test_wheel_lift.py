@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+import pytest
 from test_train_sets import GRAVITY, MASS, one_car, run, values
 
 LIFTED = 3.0 * MASS * GRAVITY
@@ -27,6 +28,7 @@ def test_a_car_pulled_up_leaves_the_rails_and_falls_free_of_them(tmp_path: Path)
     np.testing.assert_allclose(np.diff(rise), 2.0 * GRAVITY * np.diff(time), rtol=1e-9)
 
 
+@pytest.mark.long
 def test_a_car_pushed_aside_lifts_the_wheels_of_one_side_as_levers_say(tmp_path: Path) -> None:
     # pushed at the mass centre of its compartment, beyond the 0.4 of its weight that turns it over
     push, body = 0.6 * MASS * GRAVITY, "car"

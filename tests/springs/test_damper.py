@@ -48,6 +48,7 @@ def test_the_error_falls_with_the_square_of_the_step(tmp_path: Path) -> None:
     assert fine < 1e-7 * START
 
 
+@pytest.mark.long
 def test_a_method_of_high_order_meets_its_tolerance_over_the_corners(tmp_path: Path) -> None:
     # the tolerance is that of one step; some tens of steps add up
     words = {"integrator": "dormand_prince_5", "tolerance": 1e-9, "step": "auto"}

@@ -82,6 +82,7 @@ def test_a_sweep_is_a_table_and_finished_runs_are_kept(tmp_path: Path) -> None:
         assert float(row["peak [kN]"]) == pytest.approx(2.0 * float(old["peak [kN]"]), rel=1e-4)
 
 
+@pytest.mark.long
 def test_a_run_that_fails_has_a_message_and_no_number(tmp_path: Path) -> None:
     (tmp_path / "deck.yaml").write_text(STEP.read_text("utf-8"), "utf-8")
     plan, out = tmp_path / "plan.yaml", tmp_path / "out"
@@ -253,6 +254,7 @@ def test_a_run_out_of_time_stops_and_goes_on(tmp_path: Path, whole: str) -> None
     assert (out / "sweep.csv").read_text("utf-8") == whole
 
 
+@pytest.mark.long
 def test_tasks_of_an_array_run_what_was_prepared_and_nothing_else(tmp_path: Path) -> None:
     plan, out, tools = written(tmp_path, 4), tmp_path / "out", tmp_path / "tools"
     assert swept(plan, "--list").stdout.count("\n") == 4

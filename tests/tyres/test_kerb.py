@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+import pytest
 from command import crashsolve
 
 from crashpost.results.result import Result
@@ -39,6 +40,7 @@ def velocity_change(folder: Path, step: str) -> np.ndarray:
     return np.array([v[-1] - v[0] for v in found])
 
 
+@pytest.mark.long
 def test_a_kerb_gives_the_same_impulse_at_three_steps(tmp_path: Path) -> None:
     changes = [velocity_change(tmp_path, step) for step in ("2e-4", "1e-4", "5e-5")]
     # the edge is met within a step: V h = 1 mm of the 131 mm of way on the kerb, times the change

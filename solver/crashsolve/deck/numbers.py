@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from crashsolve.channels.units import (
+    BASES,
     PURE,
     SI,
     SI_SYMBOLS,
@@ -26,19 +27,24 @@ from crashsolve.deck.source import BROKEN
 class SiFloat(float):
     """A number known to be in SI already, such as an expression of parameters with units.
 
-    `unit` is its SI unit; None where the expression does not state one.
+    `unit` is its SI unit; None where the expression does not state one. `derived` is its unit if
+    the bare numbers of the expression are pure; None where terms of a sum then differ.
     """
 
     unit: Unit | None
+    derived: Unit | None
 
-    def __new__(cls, value: float, unit: Unit | None = None) -> "SiFloat":
+    def __new__(
+        cls, value: float, unit: Unit | None = None, derived: Unit | None = None
+    ) -> "SiFloat":
         self = super().__new__(cls, value)
         self.unit = unit and Unit(1.0, unit.exponents)
+        self.derived = derived and Unit(1.0, derived.exponents)
         return self
 
-    def __getnewargs__(self) -> tuple[float, Unit | None]:  # type: ignore[override]
+    def __getnewargs__(self) -> tuple[float, Unit | None, Unit | None]:  # type: ignore[override]
         """What copies are made of."""
-        return float(self), self.unit
+        return float(self), self.unit, self.derived
 
 
 @dataclass(frozen=True)
@@ -76,13 +82,35 @@ def number(value: str | float, wanted: str, bases: Mapping[str, Unit]) -> float:
     if isinstance(value, SiFloat):
         if value.unit and value.unit.exponents != parse_unit(wanted).exponents:
             raise UnitError(f"this expression is in {describe(value.unit)}")
-        return float(value)
+        return float(value) * _factor_of_mixed(value, parse_unit(wanted), bases)
     if isinstance(value, str):
         return to_si(value, wanted, bases)
     try:
         return float(value) * default_factor(parse_unit(wanted), bases)
     except OverflowError:
         raise UnitError("this number is too large") from None
+
+
+def _factor_of_mixed(value: SiFloat, wanted: Unit, bases: Mapping[str, Unit]) -> float:
+    """From an expression of parameters with units to SI, in a file with units of its own.
+
+    Bare numbers in it are pure where the units then fit, and all in units of the file where those
+    of the others cancel. Raises UnitError elsewhere, as nobody knows which of them have a unit; in
+    SI nobody needs to.
+    """
+    derived = value.derived
+    if all(
+        bases[name].factor == SI[name].factor
+        for name, power in zip(BASES, wanted.exponents, strict=True)
+        if power
+    ):
+        return 1.0
+    if derived and derived.exponents == wanted.exponents:
+        return 1.0
+    if derived and derived.exponents == PURE.exponents:
+        return default_factor(wanted, bases)
+    advice = "this file has units of its own: give the unit of every parameter that has one"
+    raise UnitError(f"this expression mixes bare numbers with numbers in units; {advice}")
 
 
 def number_in(
@@ -102,6 +130,7 @@ def number_in(
                 f"this expression is in {describe(value.unit)}",
                 within=within,
             )
+        _refuse_mixed(value, unit, context, within)
         return float(value), unit or value.unit
     kind = "a number, alone or with a unit"
     try:
@@ -118,6 +147,18 @@ def number_in(
         return float(value) * (unit or PURE).factor, unit
     except (UnitError, OverflowError) as error:
         refuse(f"must be {kind}", str(error), within=within)
+
+
+def _refuse_mixed(
+    value: SiFloat, unit: Unit | None, context: Context, within: tuple[str | int, ...]
+) -> None:
+    """Refuse what may be a bare number of a file with units of its own."""
+    try:
+        factor = _factor_of_mixed(value, unit or value.unit or PURE, context.units)
+        if factor != 1.0 and value != 0.0:
+            raise UnitError("this file has units of its own, so give the unit of this number")
+    except UnitError as error:
+        refuse("must be a number, alone or with a unit", str(error), within=within)
 
 
 def unit_named(text: object, within: tuple[str | int, ...]) -> Unit:

@@ -106,8 +106,10 @@ class Companions:
                 continue
             times = schedule.times(k + 1, MOST)
             if between.march.may_go(float(times[-1]), kept.histories.kept):
-                count, _ = between.march.go(times, kept.histories.kept)
+                count, _, left = between.march.go(times, kept.histories.kept)
                 kept.taken(times[:count].tolist())
+                if left is not None:
+                    engine.answer(left)
                 k += count
                 if count:
                     continue

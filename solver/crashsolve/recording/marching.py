@@ -87,10 +87,11 @@ class March:
             is_able = is_able and self.snapshot.is_copied
         return is_able and self.engine.has_no_bend(until)
 
-    def go(self, times: np.ndarray, kept: Kept) -> tuple[int, float]:
+    def go(self, times: np.ndarray, kept: Kept) -> tuple[int, float, int | None]:
         """March through samples at times [s]; how many are done, and CPU time [s] of the steps.
 
-        The last may not be done: what it needs is asked of the engine. Raises SolverError.
+        Also the status with which the step gave control back before a sample, None where it did
+        not. It must be answered once the samples that are done are recorded: a dump may follow.
         """
         begun, count = clock.process_time(), min(len(times), kept.room, MOST)
         self._renew(kept)
@@ -101,9 +102,8 @@ class March:
         spent, share = clock.process_time() - begun, 1.0
         if self.job.total > 0:
             share = float(self.job.stepping) / float(self.job.total)
-        if self.job.why == march.STEPPED:
-            self.engine.answer(status)
-        return int(self.job.count), spent * share
+        left = status if self.job.why == march.STEPPED else None
+        return int(self.job.count), spent * share, left
 
     def _call(self, name: str) -> None:
         self._entries[name](0.0, False, self._tables)

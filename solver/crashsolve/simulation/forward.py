@@ -84,24 +84,22 @@ def _is_asked(run: Run) -> bool:
 
 
 def _march_through(run: Run, times: np.ndarray) -> int:
-    """Samples at times [s] in compiled code; how many are done, the last one written."""
+    """Samples at times [s] in compiled code; how many are done. Raises SolverError."""
     # no run has children while it marches: their times need not be asked for
     begun = time.process_time()
-    kept = run.histories.kept
-    before = kept.count
-    try:
-        count, stepping = run.between.march.go(times, kept)
-    except Exception:
-        # the samples before the step that failed are kept, and have times
-        run.recorder.taken(times[: kept.count - before].tolist())
-        raise
-    run.cpu["steps"] += stepping
+    count, stepping, left = run.between.march.go(times, run.histories.kept)
     if count:
+        # before anything is asked for that writes a dump
+        run.recorder.taken(times[:count].tolist())
         previous = times[count - 2] if count > 1 else run.sampled
         run.sampled, now = float(previous), float(times[count - 1])
-        run.recorder.taken(times[:count].tolist())
-        _after(run, now)
+        if count == len(times):
+            _after(run, now)
+        run.sampled = now
+    run.cpu["steps"] += stepping
     run.cpu["output"] += time.process_time() - begun - stepping
+    if left is not None:
+        run.engine.answer(left)
     return count
 
 

@@ -7,11 +7,17 @@ import operator
 import re
 import warnings
 from collections.abc import Callable, Mapping
+from fractions import Fraction
 from typing import Any, TypeVar
 
+from crashsolve.channels.units import PURE, SI, Unit
 from crashsolve.deck.words import choices
 
 MAX_LENGTH = 500
+# of the exponent of a unit, as in N/m^1.5
+MOST_ROOT = 12
+# functions whose value is an angle in radians, whatever the units of the file
+ANGLES = ("asin", "acos", "atan", "atan2")
 U = TypeVar("U")
 
 FUNCTIONS: dict[str, Callable[..., float]] = {
@@ -57,6 +63,10 @@ class ExpressionError(Exception):
         super().__init__(message, advice)
 
 
+class _NoUnit(Exception):
+    """Terms of a sum have different units."""
+
+
 class Expression:
     """An expression taken apart once; `names` are what it needs to be given."""
 
@@ -71,6 +81,12 @@ class Expression:
         except (SyntaxError, ValueError, MemoryError, RecursionError):
             raise ExpressionError(f"cannot read the expression '{self.text}'") from None
         called = {id(node.func) for node in ast.walk(self.root) if isinstance(node, ast.Call)}
+        self.has_angles = any(
+            isinstance(node, ast.Call)
+            and isinstance(node.func, ast.Name)
+            and node.func.id in ANGLES
+            for node in ast.walk(self.root)
+        )
         self.names = sorted(
             {
                 node.id
@@ -100,6 +116,48 @@ class Expression:
         The numbers of a product or a power may have units that nobody has written.
         """
         return self._unit(self.root, units)
+
+    def derived_unit(self, units: Mapping[str, Unit]) -> Unit | None:
+        """The unit where bare numbers and names without one are pure; None without any.
+
+        So it is where terms of a sum have different units, and where a power is no fraction.
+        """
+        try:
+            return self._derived(self.root, units)
+        except (_NoUnit, ExpressionError, ArithmeticError, ValueError):
+            return None
+
+    def _derived(self, node: ast.AST, units: Mapping[str, Unit]) -> Unit:
+        match node:
+            case ast.Name(id=name):
+                return units.get(name, PURE)
+            case ast.UnaryOp(operand=operand):
+                return self._derived(operand, units)
+            case ast.BinOp(op=ast.Mult(), left=left, right=right):
+                return self._derived(left, units) * self._derived(right, units)
+            case ast.BinOp(op=ast.Div(), left=left, right=right):
+                return self._derived(left, units) * self._derived(right, units) ** Fraction(-1)
+            case ast.BinOp(op=ast.Pow(), left=left, right=right):
+                base = self._derived(left, units)
+                if base.exponents == PURE.exponents:
+                    return PURE
+                return base ** Fraction(self._evaluate(right, {})).limit_denominator(MOST_ROOT)
+            case ast.Call(func=ast.Name(id="sqrt"), args=[argument]):
+                return self._derived(argument, units) ** Fraction(1, 2)
+            case ast.Call(func=ast.Name(id=name)) if name in ANGLES:
+                return SI["angle"]
+            case ast.BinOp(left=left, right=right):
+                return self._common([left, right], units)
+            case ast.Call(func=ast.Name(id="abs" | "min" | "max"), args=parts):
+                return self._common(parts, units)
+        return PURE
+
+    def _common(self, parts: list[ast.expr], units: Mapping[str, Unit]) -> Unit:
+        """The unit of all terms. Raises _NoUnit where they differ."""
+        found = [self._derived(part, units) for part in parts]
+        if any(unit.exponents != found[0].exponents for unit in found):
+            raise _NoUnit
+        return found[0]
 
     def _unit(self, node: ast.AST, units: Mapping[str, U | None]) -> U | None:
         match node:

@@ -1,7 +1,8 @@
 """Parameters of a deck and the expressions `${speed/3.6}` that use them.
 
 A parameter with a unit is kept in SI, and so is every expression it enters. An expression of bare
-numbers is itself a bare number, in the units of the file it stands in.
+numbers is itself a bare number, in the units of the file it stands in. Where a file has units of
+its own, an expression that mixes both is read when its bare numbers leave no doubt (numbers.py).
 """
 
 import re
@@ -151,8 +152,8 @@ class Parameters:
                 raise ExpressionError(f"unknown parameter '{name}'", advice)
         value = expression.value(names)
         units = {name: n.unit for name, n in names.items() if isinstance(n, SiFloat)}
-        if units:
-            return SiFloat(value, expression.unit(units))
+        if units or expression.has_angles:
+            return SiFloat(value, expression.unit(units), _derived_unit(expression, names))
         return int(value) if value.is_integer() and abs(value) < 2**53 else value
 
     def _value(self, name: str) -> Any:
@@ -204,6 +205,17 @@ class Parameters:
         return checked
 
 
+def _derived_unit(expression: Expression, names: Mapping[str, Any]) -> Unit | None:
+    """Unit of an expression where its bare numbers are pure; None without any."""
+    units = {}
+    for name, number in names.items():
+        if isinstance(number, SiFloat):
+            if number.derived is None:
+                return None
+            units[name] = number.derived
+    return expression.derived_unit(units)
+
+
 class _AlreadyReported(Exception):
     """A parameter is wrong, and has been reported with its location."""
 
@@ -215,7 +227,7 @@ def _number(value: Any) -> float:
         if not name:
             return number
         unit = parse_unit(name)
-        return SiFloat(number * unit.factor, unit)
+        return SiFloat(number * unit.factor, unit, unit)
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise UnitError(f"this is {shown(value)}")
     return value
