@@ -328,7 +328,7 @@ def grip_on(p, i, old, new, out, at, h, curves):
     q_x = relaxed(old.q_x[i], at.slip_x, V, p.sigma_x, h)
     q_y = relaxed(old.q_y[i], at.slip_y, V, p.sigma_y, h)
     # from 1 at rest to -1 at V_low
-    slow = cos(pi * (V / p.low_speed)) if V < p.low_speed else -1.0
+    slow = cos(pi * (V / p.low_speed)) if p.low_speed > V else -1.0
     k_V = 0.5 * p.still_damping * (1.0 + slow)
     s_x = (q_x - k_V / p.C_x * at.slip_x) / p.sigma_x
     s_y = (q_y - k_V / p.C_y * at.slip_y) / p.sigma_y
