@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from crashsolve.deck.reading.items import Entry
 
 Vector = np.ndarray
-IMPLICIT = ("generalized_alpha", "radau_iia_5")
 
 
 class CardProblem(ValueError):
@@ -88,11 +87,11 @@ class Scene:
                     self._set_body(i, node)
         for entry in deck.entries["bodies"].values():
             with self.building(entry):
-                self._weld(entry)
+                welds.weld(entry, self)
         for entry in deck.entries["bodies"].values():
             if entry.card.part_of is not None:
                 with self.building(entry):
-                    self._join(entry)
+                    welds.join(entry, self)
         self.attached: dict[str, list[tuple[int, int]]] = {}  # points of a part, and their bodies
         for part in deck.entries["parts"].values():
             with self.building(part):
@@ -132,58 +131,6 @@ class Scene:
         self.w[i] = body["angular_velocity"]
         self.r[i] = np.asarray(body["position"]) + arm
         self.v[i] = np.asarray(body["velocity"]) + np.cross(self.w[i], arm)
-
-    def _weld(self, entry: Entry) -> None:
-        """Nodes welded to a body become its attached nodes."""
-        body, nodes = self._index[entry.name], [self._index[name] for name in entry.card.welded]
-        flexible = {node for some in self.part_nodes.values() for node in some}
-        self._refuse_implicit("welded", bool(nodes))
-        for node in nodes:
-            name = self.names[node]
-            if node not in flexible:
-                raise self.fail(f"'{name}' is no node of a flexible part", "welded")
-            if node in self.welded:
-                raise self.fail(f"'{name}' is welded twice", "welded")
-            self._refuse_apart(body, node, "welded")
-            self.welded[node] = body
-        if nodes:
-            welds.lump(body, nodes, self)
-
-    def _join(self, entry: Entry) -> None:
-        """A body that is part of another becomes its attached node, as do its own."""
-        body, name = self._index[entry.name], entry.card.part_of
-        whole = self._index[name]
-        self._refuse_implicit("part_of", True)
-        if whole in (0, body):
-            message = "must name another body; fix it to the ground by a joint of type weld"
-            raise self.fail(message, "part_of")
-        above = self.deck.entries["bodies"].get(name)
-        if above is None:
-            raise self.fail(f"'{name}' is a node of a part; name a rigid body", "part_of")
-        if above.card.part_of is not None:
-            message = f"'{name}' is part of '{above.card.part_of}' itself"
-            raise self.fail(f"{message}; name '{above.card.part_of}'", "part_of")
-        spin = float(np.linalg.norm(self.w[body] - self.w[whole]))
-        if spin > welds.SAME * (1.0 + np.linalg.norm(self.w[whole])):
-            message = f"begins with another angular velocity than '{name}', by {spin:.3g} rad/s"
-            raise self.fail(f"{message}; give both the same motion", "part_of")
-        self._refuse_apart(whole, body, "part_of")
-        self.welded |= {node: whole for node, of in self.welded.items() if of == body}
-        self.welded[body] = whole
-        welds.lump(whole, [body], self)
-
-    def _refuse_implicit(self, word: str, given: bool) -> None:
-        if given and self.deck.control.integrator in IMPLICIT:
-            message = f"'{word}' is for explicit integrators; use the joint of type weld instead"
-            raise self.fail(message, word)
-
-    def _refuse_apart(self, body: int, node: int, word: str) -> None:
-        """What becomes part of a body begins with its motion."""
-        apart = welds.inconsistency(body, node, self)
-        if apart > welds.SAME * (np.linalg.norm(self.v[node]) + np.linalg.norm(self.v[body])):
-            message = f"'{self.names[node]}' begins {apart:.3g} m/s faster than its position on "
-            message += f"'{self.names[body]}'" if word == "part_of" else "the body"
-            raise self.fail(f"{message}; give both the same motion", word)
 
     def attach_points(self, part: Entry) -> list[tuple[int, int]]:
         """Points of a part that are part of bodies, with these; their masses go to the bodies."""

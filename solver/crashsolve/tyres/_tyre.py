@@ -43,8 +43,6 @@ from crashsolve.tyres._road import MOST, PLANE, ROADS, Profile, above_road, road
 
 # cosine of the camber below which a wheel lies on its side, and is not on its tyre
 LYING = 0.1
-# cosine between normals of two roads above which they press a wheel from one side
-ONE_SIDE = 0.99
 # difference by which the turning of a normal is found, over R
 NEAR = 1e-4
 
@@ -431,13 +429,6 @@ def await_road(p, nodes, curves, data):
     load(wheel, at.bottom, at.n, p.stiffest, p.damping)
     load(wheel, at.foot, at.x, p.C_x / p.sigma_x, p.still_damping)
     load(wheel, at.foot, at.y, p.C_y / p.sigma_y, p.still_damping)
-
-
-@kernel
-def note_double(new, n, before):
-    """Normals of a road that presses the wheel and of the one before it. Writes: new."""
-    if dot(n, before) > ONE_SIDE:
-        new.doubled = 1
 
 
 @kernel

@@ -15,7 +15,7 @@ Journal of Vehicle Design 11, 589-618.
 from math import copysign, sqrt
 
 from crashsolve.foundation.kernels import kernel
-from crashsolve.tyres._road import mesh_tables
+from crashsolve.tyres._road import mesh_tables, note_double
 from crashsolve.tyres._tyre import (
     DEFLECTED,
     FORCES_OF_TYRE,
@@ -27,7 +27,6 @@ from crashsolve.tyres._tyre import (
     clear,
     direction,
     grip_on,
-    note_double,
     patch_length,
     patch_on,
     show,
