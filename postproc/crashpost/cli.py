@@ -227,10 +227,12 @@ def _sweep(options: argparse.Namespace) -> int:
     code = 1 if table.unanswered(found) else 0
     if options.table:
         return code
+    from crashpost.sweeps.effects_table import write_tables
     from crashpost.sweeps.pictures import draw
 
-    paths, missing = draw(found, options.output or options.result)
-    for line in (*map(str, paths), *missing):
+    folder = options.output or options.result
+    paths, missing = draw(found, folder)
+    for line in (*write_tables(found, folder), *map(str, paths), *missing):
         _say(line)
     return code
 

@@ -152,6 +152,9 @@ def test_an_override_replaces_a_parameter(tmp_path: Path) -> None:
     deck = deck_of(tmp_path, TRAIN, speed="36 km/h", count="5")
     assert deck.entries["bodies"]["front"].card.velocity == (10.0, 0.0, 0.0)
     assert deck.parameters["half"] == 5.0
+    # what follows from others, and what does no longer
+    assert deck.derived == ["half"]
+    assert deck_of(tmp_path, TRAIN, half="3 m/s").derived == []
     assert deck.control.end_time == 0.5
 
 
@@ -165,12 +168,12 @@ def test_an_override_replaces_a_parameter(tmp_path: Path) -> None:
         (
             "speed=30",
             "the deck has '54 km/h' here, and this is a number without unit; give a number with "
-            "its unit, in m/s, such as '30 km/h'",
+            "a unit, such as '30 km/h'",
         ),
         (
             "speed=30 km",
-            "the deck has '54 km/h' here, and this is a number in m; give a number with its "
-            "unit, in m/s, such as '30 km/h'",
+            "the deck has '54 km/h' here, and this is a number in m; give a number with a "
+            "unit, such as '30 km/h'",
         ),
         ("count=3 m", "the deck has 3 here; give a number without unit"),
         ("count=", "must be a number, alone or with a unit"),

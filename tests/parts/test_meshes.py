@@ -250,6 +250,10 @@ WRONG = {
         listed(SIX, [[1, 2, 5, 4], [2, 5, 6, 3]]),
         "elements 1 and 2 have opposite normals",
     ),
+    "junction": (
+        listed([*SIX, [1, 0, 1], [1, 1, 1]], [[1, 2, 5, 4], [2, 3, 6, 5], [5, 8, 7, 2]]),
+        "elements 1, 2 and 3 share the side of nodes 2 and 5, a T-junction: a side of a shell",
+    ),
     "unconnected": (
         listed([*SIX, [5, 0, 0], [6, 0, 0], [6, 1, 0], [5, 1, 0]], [[1, 2, 5, 4], [7, 8, 9, 10]]),
         "node 3 belongs to no element",

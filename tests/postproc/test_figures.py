@@ -23,13 +23,16 @@ from crashpost.values.units import Units, on_page
 FORCE = "deforc.buffer.force"
 
 
-def run(folder: Path, scale: float = 1.0, parameters: str = "{}", deck: str = "") -> Result:
+def run(
+    folder: Path, scale: float = 1.0, parameters: str = "{}", deck: str = "", derived: str = "[]"
+) -> Result:
     """Two cars, the force of their buffer times `scale`."""
     families = two_cars()
     ids, columns = families["deforc"]
     unit, meaning, values = columns["force"]
     columns["force"] = (unit, meaning, scale * values)
-    write_result(folder, families, title="Cars", parameters=parameters, deck_text=deck)
+    words = {"parameters": parameters, "derived_parameters": derived, "deck_text": deck}
+    write_result(folder, families, title="Cars", **words)
     write_status(folder)
     return Result(folder)
 
@@ -121,6 +124,14 @@ def test_legends_state_what_differs(tmp_path: Path) -> None:
         for k, v in enumerate((1.0, 1.0, 2.0))
     ]
     assert names(three) == ["a.b 0", "a.b 1", "a.b 2"]
+    # what follows from another parameter is left out, unless it alone differs
+    both = [
+        run(tmp_path / f"f{k}", parameters=f'{{"speed": {k}, "v": {2 * k}}}', derived='["v"]')
+        for k in (1, 2)
+    ]
+    assert names(both) == ["speed 1", "speed 2"]
+    only = [run(tmp_path / f"o{k}", parameters=f'{{"v": {k}}}', derived='["v"]') for k in (1, 2)]
+    assert names(only) == ["v 1", "v 2"]
     same = [run(tmp_path / f"s{k}.results") for k in (0, 1)]
     assert names(same) == ["s0", "s1"]
 

@@ -355,7 +355,14 @@ def test_the_page_says_errors_and_cost(tmp_path: Path) -> None:
     text, problems = report(Result(tmp_path))
     assert not problems
     errors = text.split('id="errors"')[1].split("</section>")[0].replace("<wbr>", "")
-    for words in ("1.0e-04", "6.7e+02", "from 0 to 0.1 s", "order &lt;2&gt;", "not estimated"):
+    for words in (
+        "1.0e-04",
+        "6.7e-04",
+        "MN",
+        "from 0 to 0.1 s",
+        "order &lt;2&gt;",
+        "not estimated",
+    ):
         assert words in errors
     assert "<b>1.0e-04</b><span>largest estimated error" in text
     cost = text.split('id="cost"')[1].split("</section>")[0]
@@ -391,3 +398,36 @@ def test_a_result_without_samples_is_not_drawn_as_empty_axes(
     code, _, err = crashpost("plot", cars, channel, "-o", tmp_path / "x.png")
     assert (code, "holds no samples" in err) == (2, True)
     assert not (tmp_path / "x.png").exists()
+
+
+def test_charts_and_tables_of_a_page_have_one_unit_for_each_quantity(tmp_path: Path) -> None:
+    """The first figure shows forces in MN: so do events, peaks, expectations and errors."""
+    time = np.linspace(0.0, 0.1, 11)
+    force = 1e4 * np.sin(np.pi * time / 0.1)[:, None]
+    columns = {"normal": ("N", "", force), "depth": ("m", "", 1e-6 * force)}
+    figures = [
+        {"title": "Force", "y": ["rcforc.bag.normal"], "y_unit": "MN", "x_unit": "ms"},
+        {"title": "Again", "y": ["2 * rcforc.bag.normal"], "y_unit": "auto"},
+    ]
+    wanted = expectation("rcforc.bag.normal", "max", 1e4, 10.0)
+    write_result(
+        tmp_path,
+        {"rcforc": (["bag"], columns)},
+        time,
+        report=json.dumps({"figures": figures}),
+        expect=json.dumps([wanted]),
+    )
+    watched = {"channel": "rcforc.bag.normal", "statistic": "max", "value": 1e4, "unit": "N"}
+    write_status(tmp_path, watched=[watched | {"error": 2.0, "scale": 1e4, "how": "x"}])
+    page, problems = report(Result(tmp_path), "none")
+    assert not problems
+    text = re.sub(r"<svg.*?</svg>", "", page, flags=re.DOTALL).replace("<wbr>", "")
+    rows = [re.sub(r"<[^>]*>", " ", row).split() for row in re.findall(r"<tr.*?</tr>", text)]
+    assert "largest contact force, 0.01 MN" in text and " kN" not in page
+    assert ["rcforc.bag.normal", "MN", "0", "0", "0.01", "50"] in rows
+    # what no figure shows stays in SI
+    assert ["rcforc.bag.depth", "m", "0", "0", "0.01", "50"] in rows
+    (verdict,) = [row for row in rows if row[:1] == ["pass"]]
+    assert verdict[3:8] == ["0.01", "0.01", "1e-05", "0", "MN"]
+    assert ["rcforc.bag.normal", "max", "0.01", "MN", "2.0e-06", "2.0e-04", "x"] in rows
+    assert page.count("force, MN") == 2

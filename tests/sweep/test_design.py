@@ -1,5 +1,6 @@
 """Claim: designs and distributions are what their names say; indices are those of closed forms."""
 
+import csv
 import math
 from pathlib import Path
 from typing import Any
@@ -7,7 +8,15 @@ from typing import Any
 import numpy as np
 import pytest
 
+from crashpost.sweeps import table as sweep_table
 from crashpost.sweeps.effects import Indices, indices_of, main_effect
+from crashpost.sweeps.effects_table import (
+    EFFECTS,
+    EFFECTS_HEADER,
+    INDICES,
+    INDICES_HEADER,
+    write_tables,
+)
 from crashsolve.sweep.axis import Axis
 from crashsolve.sweep.design import points_of
 from crashsolve.sweep.plan import Design, Measure, Plan, PlanCard
@@ -140,3 +149,29 @@ def test_main_effects_are_means_with_standard_errors_and_failures_do_not_count()
     many = main_effect(list(range(80)), list(map(float, range(80))))
     assert many.counts == [10] * 8
     assert many.means == pytest.approx([4.5 + 10 * k for k in range(8)])
+
+
+def test_indices_and_main_effects_are_tables(tmp_path: Path) -> None:
+    """The numbers of the pictures, in files and in print."""
+    span = {"from": 0.0, "to": 1.0}
+    x = numbers({"type": "saltelli", "runs": 64}, a=span, b=span)
+    axes = [sweep_table.Axis(name, "m", is_of_numbers=True, scale="linear") for name in "ab"]
+    rows = [
+        sweep_table.Row(k, list(map(float, row)), "finished", measured=[3.0 * float(row[0])])
+        for k, row in enumerate(x, start=1)
+    ]
+    measures = [sweep_table.Measure("peak", {}, "N")]
+    sweep = sweep_table.Sweep(tmp_path, "s", "saltelli", axes, measures, rows)
+    said = "\n".join(write_tables(sweep, tmp_path))
+    for name, header, count in ((EFFECTS, EFFECTS_HEADER, 16), (INDICES, INDICES_HEADER, 2)):
+        with (tmp_path / name).open(newline="") as file:
+            table = list(csv.reader(file))
+        assert tuple(table[0]) == header and len(table) == count + 1
+        assert str(tmp_path / name) in said and all(cell in said for cell in table[1])
+    # only a acts: both of its indices are 1, those of b are 0
+    first, total = ([float(row[k]) for row in table[1:]] for k in (2, 4))
+    assert (first[0], total[0]) == pytest.approx((1.0, 1.0), abs=0.05) and total[1] == 0.0
+    # a list of runs has no indices, and keeps none of another design
+    sweep.design = "list"
+    write_tables(sweep, tmp_path)
+    assert (tmp_path / EFFECTS).exists() and not (tmp_path / INDICES).exists()

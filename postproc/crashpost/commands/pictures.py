@@ -23,6 +23,8 @@ UNSAID = {
     "arrows": "",
     "follow": "",
     "magnify": 1.0,
+    "close_up": "",
+    "cut": "",
     "ghost": True,
 }
 
@@ -39,6 +41,12 @@ def add_commands(add: Add) -> None:
         help="0,50ms,end,max:CHANNEL,min:CHANNEL,abs_max:CHANNEL; those of the deck when absent",
     )
     sub.add_argument("--title", help="above the pictures; the deck's when absent")
+    sub.add_argument(
+        "--close-up",
+        default="",
+        metavar="NAME[:WIDTH]",
+        help="a second row of pictures, close to a contact, body or part: 'buffers:1 m'",
+    )
     sub.add_argument("-o", "--output", type=Path, help="png, pdf or svg; default RESULT/strip.png")
     _add_look(sub)
     sub = add(
@@ -95,6 +103,9 @@ def _add_look(sub: argparse.ArgumentParser) -> None:
         metavar="N",
         help="draw small displacements N times as large; the picture says so",
     )
+    sub.add_argument(
+        "--cut", default="", metavar="WHERE", help="a sectional view: draw only where y<0, or x>1"
+    )
     sub.add_argument("--no-ghost", action="store_true", help="without a shade of the start")
 
 
@@ -124,12 +135,15 @@ def _film(options: argparse.Namespace) -> int:
     is_unsaid = look == UNSAID | {"ghost": look["ghost"]}
     if is_unsaid:
         _, look = _scene(result, look)
+    look.pop("close_up")
     output = options.output or result.folder / "film.mp4"
     _known_ending(output, (".mp4", ".gif", ".html"))
     if output.suffix == ".html":
         if is_unsaid:
             # to be turned by hand: seen from a corner, however the pictures look at it
-            look["view"] = "auto"
+            look |= {"view": "auto", "cut": ""}
+        elif look["cut"]:
+            raise PostError("--cut is for pictures and films; a page is turned to look inside")
         from crashpost.renders.model_page import write_page
 
         print(printable(write_page(result, output, **look)))
@@ -182,6 +196,8 @@ def _look(options: argparse.Namespace) -> dict[str, Any]:
         "arrows": options.arrows,
         "follow": options.follow,
         "magnify": options.magnify,
+        "close_up": getattr(options, "close_up", ""),
+        "cut": options.cut,
         "ghost": not options.no_ghost,
     }
 

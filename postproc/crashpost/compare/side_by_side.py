@@ -18,6 +18,10 @@ from crashpost.values.words import title
 from crashsolve.channels.display import is_convertible
 
 MOST_ROWS, MOST_FIGURES = 60, 12
+MEASURE = (
+    "difference: largest distance of the two histories in time, in % of the range of both; rms: "
+    "root of the mean square of the distance, in % of the same range"
+)
 RATINGS = ("result", "channel", "test", "rating", "", "corridor", "phase", "magnitude", "slope")
 
 
@@ -55,7 +59,7 @@ def differences_text(
     parts = [text_table(header(named), rows(shown, named, tolerance))] if shown else []
     if len(beyond) > MOST_ROWS and not everything:
         parts.append(f"... and {len(beyond) - MOST_ROWS} more; --all lists them")
-    parts.append(summary(found, tolerance))
+    parts += [MEASURE, summary(found, tolerance)]
     parts += [f"remark: {remark}" for remark in found.remarks]
     return "\n".join(parts)
 
@@ -138,6 +142,7 @@ def write_page(
             "differences",
             "Differences",
             table(header(named), rows(listed, named, tolerance), looks),
+            f'<p class="note">{MEASURE[0].upper()}{MEASURE[1:]}.</p>' * bool(listed),
         ),
     ]
     try:

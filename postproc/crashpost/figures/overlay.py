@@ -1,7 +1,8 @@
 """Names of results laid over each other: what differs between their decks.
 
-The values of `--set` and of sweeps are parameters, which results keep; where these do not state two
-apart, other numbers and words of their decks do, and else the names of their folders.
+The values of `--set` and of sweeps are parameters, which results keep; those that follow from
+others are left out. Where the rest does not distinguish the results, all parameters do, or other
+numbers and words of their decks, and else the names of their folders.
 """
 
 from collections.abc import Sequence
@@ -21,7 +22,8 @@ def names(results: Sequence[Result]) -> list[str]:
     """A name for each result, all different."""
     if len(results) == 1:
         return [results[0].title]
-    for values in ([_parameters(result) for result in results], _decks(results)):
+    stated = [_stated(result) for result in results]
+    for values in (stated, [_parameters(result) for result in results], _decks(results)):
         differing = _differing(values)
         found = [_said(own, differing, values) for own in values]
         if 0 < len(differing) <= MOST_DIFFERENCES and len(set(found)) == len(found):
@@ -38,6 +40,12 @@ def _folder(result: Result) -> str:
 
 def _parameters(result: Result) -> dict[str, Any]:
     return result.stored_json("parameters", dict) or {}
+
+
+def _stated(result: Result) -> dict[str, Any]:
+    """The parameters without those that follow from others."""
+    derived = result.stored_json("derived_parameters", list) or []
+    return {name: v for name, v in _parameters(result).items() if name not in derived}
 
 
 def _decks(results: Sequence[Result]) -> list[dict[str, Any]]:

@@ -20,11 +20,12 @@ def unit_length(vectors: np.ndarray, seen: Camera) -> float:
     return float(min(limit / part for limit, part in zip(limits, largest, strict=True) if part))
 
 
-def arrows_of(drawing: Drawing, seen: Camera, arrow: float) -> Drawing:
-    """Only the arrows of a drawing, `arrow` [m] long for each unit."""
+def arrows_of(drawing: Drawing, seen: Camera, arrow: float, thickness: float = 1.0) -> Drawing:
+    """Only the arrows of a drawing, `arrow` [m] long for each unit, so many times as thick."""
     found = Drawing()
     for starts, vectors in drawing.arrows:
         width = WIDTH * max(min(seen.aspect, 1.0), seen.aspect / WIDE) * seen.half_height
+        width *= thickness
         points, quads, triangles = arrow_polygons(starts, vectors, arrow, width)
         for corners in (quads, triangles):
             if len(corners):

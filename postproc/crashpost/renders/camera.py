@@ -107,3 +107,11 @@ def round_length(width: float) -> float:
     """A round length of 1, 2 or 5 times a power of ten, at most a third of a width [m]."""
     power = 10.0 ** np.floor(np.log10(width / 3.0))
     return float(max(s * power for s in (1.0, 2.0, 5.0) if s * power <= width / 3.0))
+
+
+def outermost(points: np.ndarray) -> np.ndarray:
+    """The points that reach furthest in 26 directions: enough to fit a picture around them."""
+    steps = np.array([(i, j, k) for i in (-1, 0, 1) for j in (-1, 0, 1) for k in (-1, 0, 1)], float)
+    steps = steps[np.any(steps, axis=1)]
+    found: np.ndarray = points[np.unique((points @ steps.T).argmax(axis=0))]
+    return found

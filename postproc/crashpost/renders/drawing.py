@@ -12,16 +12,22 @@ import numpy as np
 from crashpost.errors import unknown
 from crashpost.renders.beams import Outline, outlines, prisms
 from crashpost.renders.borders import are_edge_on, borders
+from crashpost.renders.camera import outermost
+from crashpost.renders.cutting import clamped, half_space
+from crashpost.renders.cutting import cut as cut_off
 from crashpost.renders.forces import contacts_with_arrows, forces_of
-from crashpost.renders.groups import groups, is_node
+from crashpost.renders.groups import groups, is_node, labels
 from crashpost.renders.look import Look
 from crashpost.renders.planes import cut, footprints, planes
+from crashpost.renders.section_lines import lines as section_lines
+from crashpost.renders.section_lines import weights
 from crashpost.renders.shapes import (
     COLOURS,
     GHOST,
     GREY,
     GROUND,
     LINE,
+    SECTION,
     Dots,
     Drawing,
     Lines,
@@ -47,6 +53,10 @@ class Scene:
         own = (k for k in range(1, len(names)) if not is_node(names[k], states.names["parts"]))
         self.own = set(own)
         self.wholes = sorted({self.groups[k] for k in self.own})
+        # in legends and colours those of many that share their first words are one
+        named = [*(names[k] for k in self.wholes), *states.names["parts"]]
+        self.labels = labels(named, len(COLOURS))
+        self.hues = {label: k for k, label in enumerate(dict.fromkeys(self.labels))}
         self.bodies, self.parts = self._shown()
         # balls in hinges stand for a colour alone
         hidden = {"contacts"} if look.color.startswith("plastic_") else {"contacts", "hinges"}
@@ -59,6 +69,12 @@ class Scene:
         # points that infinite planes are drawn below; as the run cut them when absent
         self.reach: np.ndarray | None = None
         self._free_edges: dict[str, tuple[np.ndarray, np.ndarray]] = {}
+        self.half = half_space(look.cut) if look.cut else None
+        self.sections = [
+            (f"part_{one.part}", weights(states.blocks[f"part_{one.part}"], one))
+            for one in look.sections
+            if one.part in self.parts and f"part_{one.part}" in states.blocks
+        ]
 
     def at(self, number: float, *, is_ghost: bool = False) -> Drawing:
         """What is seen at a state."""
@@ -75,9 +91,13 @@ class Scene:
                 self._links(drawing, points)
             else:
                 self._skin(drawing, number, name, points)
+        for block, at in self.sections:
+            drawing.lines.append(
+                Lines(section_lines(self.positions(number, block), *at), SECTION, 2.4)
+            )
         if self.look.arrows and not is_ghost:
             drawing.arrows.append(self.forces(number))
-        return drawing
+        return cut_off(drawing, self.half) if self.half else drawing
 
     def ghost(self) -> Drawing:
         """The start as a shade, without the ground."""
@@ -87,8 +107,8 @@ class Scene:
         for surface in drawing.surfaces:
             surface.colours, surface.values, surface.is_flat = [GHOST], None, True
             surface.which = np.zeros_like(surface.which)
-        for lines in drawing.lines:
-            lines.colour, lines.values = GHOST, None
+        for one in drawing.lines:
+            one.colour, one.values = GHOST, None
         return drawing
 
     def extent(self, number: float) -> np.ndarray:
@@ -107,6 +127,8 @@ class Scene:
             if name == "beams" and len(used):
                 found += [ring.reshape(-1, 3) for _, _, ring in self._outlines(number, points)]
         points = np.concatenate(found)
+        if self.half:
+            points = clamped(points, self.half)
         return outermost(points) if len(points) else points
 
     def footprints(self, near: np.ndarray) -> np.ndarray:
@@ -227,14 +249,15 @@ class Scene:
             numbers = block.fixed.get("body", ()) if block else ()
             for body in np.unique(numbers):
                 if int(body) in self.bodies:
-                    whole = names["bodies"][self.groups[int(body)]]
-                    found.setdefault(whole, self._body_colour(int(body)))
+                    found.setdefault(self._label(int(body)), self._body_colour(int(body)))
         for body in self._without_shape():
-            found.setdefault(names["bodies"][self.groups[body]], self._body_colour(body))
+            found.setdefault(self._label(body), self._body_colour(body))
         for k, part in enumerate(names["parts"]):
             if part in self.parts:
-                found[part] = self._part_colour(k)
-        return list(found.items()) if len(found) <= len(COLOURS) else []
+                found[self.labels[len(self.wholes) + k]] = self._part_colour(k)
+        if self.sections:
+            found["section cut"] = SECTION
+        return list(found.items()) if len(set(found.values())) == len(found) else []
 
     def _shown(self) -> tuple[set[int], set[str]]:
         """Numbers of the bodies and names of the parts that the look shows."""
@@ -289,12 +312,16 @@ class Scene:
 
     def _body_colour(self, body: int) -> str:
         whole = self.groups[body]
-        position = self.wholes.index(whole) if whole in self.wholes else body
+        position = self.hues[self._label(body)] if whole in self.wholes else body
         return COLOURS[position % len(COLOURS)]
+
+    def _label(self, body: int) -> str:
+        """What stands for a body in legends."""
+        return self.labels[self.wholes.index(self.groups[body])]
 
     def _part_colour(self, number: int) -> str:
         # colours of parts come after those of bodies
-        return COLOURS[(len(self.wholes) + number) % len(COLOURS)]
+        return COLOURS[self.hues[self.labels[len(self.wholes) + number]] % len(COLOURS)]
 
     def _skin(self, drawing: Drawing, number: float, name: str, points: np.ndarray) -> None:
         """Surfaces of bodies, of the ground and of shells."""
@@ -415,11 +442,3 @@ class Scene:
 def _edges(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
     """Length of an edge of each cell."""
     return np.linalg.norm(points[corners[:, 1]] - points[corners[:, 0]], axis=1)
-
-
-def outermost(points: np.ndarray) -> np.ndarray:
-    """The points that reach furthest in 26 directions: enough to fit a picture around them."""
-    steps = np.array([(i, j, k) for i in (-1, 0, 1) for j in (-1, 0, 1) for k in (-1, 0, 1)], float)
-    steps = steps[np.any(steps, axis=1)]
-    found: np.ndarray = points[np.unique((points @ steps.T).argmax(axis=0))]
-    return found

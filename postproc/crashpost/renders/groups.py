@@ -1,5 +1,7 @@
 """Which bodies belong together by their names."""
 
+import itertools
+
 
 def is_node(name: str, parts: list[str]) -> bool:
     """Whether a body is a node of a part by its name."""
@@ -15,3 +17,27 @@ def groups(names: list[str]) -> list[int]:
         heads = ("_".join(words[:n]) for n in range(1, len(words)))
         found.append(next((positions[head] for head in heads if positions.get(head)), k))
     return found
+
+
+def labels(names: list[str], most: int) -> list[str]:
+    """What stands for each name where only so many can: the name, or what a group of them shares.
+
+    wheel_left and wheel_right become wheel. The names stay where no first words make so few groups.
+    """
+    if len(set(names)) <= most:
+        return list(names)
+    words = [name.split("_") for name in names]
+    for count in range(1, max(map(len, words))):
+        heads = ["_".join(own[:count]) for own in words]
+        if 1 < len(set(heads)) <= most:
+            members: dict[str, list[list[str]]] = {}
+            for head, own in zip(heads, words, strict=True):
+                members.setdefault(head, []).append(own)
+            return [_shared(members[head]) for head in heads]
+    return list(names)
+
+
+def _shared(words: list[list[str]]) -> str:
+    """The first words that all have."""
+    same = itertools.takewhile(lambda own: len(set(own)) == 1, zip(*words, strict=False))
+    return "_".join(own[0] for own in same)

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from crashpost.renders.section_lines import Section
+
 
 @dataclass(frozen=True)
 class Look:
@@ -13,8 +15,14 @@ class Look:
     ghost: bool = True
     # displacements from the start are drawn this many times as large
     magnify: float = 1.0
+    # where of space is drawn, y<0; everywhere when empty
+    cut: str = ""
+    # sections of shells: part, name, point and normal
+    sections: tuple[Section, ...] = ()
 
     @property
     def note(self) -> str:
-        """What a picture must say, for lengths in it are not true."""
-        return "" if self.magnify == 1.0 else f"displacements x {self.magnify:g}"
+        """What a picture must say: what is not as long as it was, what is left out."""
+        magnified = "" if self.magnify == 1.0 else f"displacements x {self.magnify:g}"
+        only = f"only {self.cut}" + " m" * self.cut[-1:].isdigit() if self.cut else ""
+        return ", ".join(filter(None, [magnified, only]))

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 GREY, GROUND, LINE, ARROW, GHOST = "#9aa3ab", "#d8d3c8", "#4a535c", "#b3341f", "#b9c0c6"
+SECTION = "#000000"
 # distinguished by the colour-blind, and in grey by their lightness (Okabe and Ito 2008)
 FEW = ("#0072b2", "#e69f00", "#56b4e9", "#cc79a7", "#009e73", "#f0e442", "#d55e00")
 # where there are more bodies: darker and paler ones of other hues

@@ -7,18 +7,17 @@ change.
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from crashpost.errors import PostError
 from crashpost.figures.draw import tick
 from crashpost.figures.style import INK, MATPLOTLIB, MUTED
 from crashpost.renders.camera import Camera, round_length
@@ -37,6 +36,8 @@ MOST_COLUMNS, MOST_NAMES = 4, 24
 LETTERS_PER_INCH, NAME_LINES, NAME_LINE = 13.0, 2, 0.2
 # of the arrow in the legend [inches]; of a bar of colours at least
 LONGEST_ARROW, LEAST_BAR = 1.0, 0.4
+# room for the heading of close-ups [inches]
+CLOSE_UP_HEAD = 0.42
 # of a film: heights of the picture over the film's width, least width [pixels], frame above and
 # below the picture [inches], letters of a title for each pixel
 FILM_HEIGHTS, NARROWEST = (0.16, 0.6), 480
@@ -46,6 +47,13 @@ NARROWEST_WITH_ARROWS = 720
 # left white below the legend of a film, where players lay their controls [inches]
 CONTROLS = 0.45
 DPI = 160
+
+
+def scale_bar(width: float) -> tuple[float, str]:
+    """Length [m] and label of the scale bar of a picture of some width [m]."""
+    length = round_length(width)
+    unit = readable("m", length)
+    return length, f"{length * factor('m', unit):g} {unit}"
 
 
 @dataclass(frozen=True)
@@ -63,9 +71,7 @@ class Key:
     @property
     def scale_bar(self) -> tuple[float, str]:
         """Its length [m] and label."""
-        length = round_length(self.camera.width)
-        unit = readable("m", length)
-        return length, f"{length * factor('m', unit):g} {unit}"
+        return scale_bar(self.camera.width)
 
     def arrow_bar(self, panel: float) -> tuple[float, str]:
         """Length [inches] of the legend's arrow beside a picture of this width, and its label.
@@ -80,10 +86,10 @@ class Key:
 
     @property
     def arrow_label(self) -> str:
-        """The largest force or speed that an arrow shows."""
+        """The largest force or speed that one arrow shows; a contact may have several."""
         unit = readable(self.arrow_unit, self.arrow_size)
         size = self.arrow_size * (factor(self.arrow_unit, unit) if unit != self.arrow_unit else 1)
-        return f"largest {size:.3g} {unit}"
+        return f"largest arrow {size:.3g} {unit}"
 
     def footer(self, width: float, panel: float) -> float:
         """Height of the legend below pictures on a sheet of this width [inches]."""
@@ -111,15 +117,34 @@ class Layout:
     title: float
     caption: float
     footer: float = FOOTER
+    # of close-ups: rows, size of one
+    closer_rows: int = 0
+    closer: tuple[float, float] = (0.0, 0.0)
 
     @property
     def height(self) -> float:
-        return PAD + self.title + self.rows * (self.panel[1] + self.caption + GAP) + self.footer
+        return PAD + self.title + self.pictures + self.close_ups + self.footer
+
+    @property
+    def pictures(self) -> float:
+        """Height of the pictures with their captions."""
+        return self.rows * (self.panel[1] + self.caption + GAP)
+
+    @property
+    def close_ups(self) -> float:
+        """Height of the close-ups with their heading and captions; 0 without any."""
+        rows = self.closer_rows * (self.closer[1] + CAPTION + GAP)
+        return rows + CLOSE_UP_HEAD if self.closer_rows else 0.0
 
     @property
     def pixels(self) -> tuple[int, int]:
         """Of one picture."""
         return round(self.panel[0] * DPI), round(self.panel[1] * DPI)
+
+    @property
+    def closer_pixels(self) -> tuple[int, int]:
+        """Of one close-up."""
+        return round(self.closer[0] * DPI), round(self.closer[1] * DPI)
 
 
 def wrapped(title: str, width: float) -> list[str]:
@@ -150,30 +175,11 @@ def with_footer(sizes: Layout, key: Key) -> Layout:
     return replace(sizes, footer=key.footer(sizes.width, sizes.panel[0]))
 
 
-def strip(
-    path: Path,
-    title: str,
-    pictures: Sequence[np.ndarray],
-    captions: Sequence[str],
-    key: Key,
-    sizes: Layout,
-) -> None:
-    """Write a sheet with a picture for each moment; raises PostError."""
-    with mpl.rc_context(MATPLOTLIB):
-        figure = Figure(figsize=(sizes.width, sizes.height), dpi=DPI)
-        _head(figure, title)
-        w, h = sizes.panel
-        is_tall = sizes.caption > CAPTION
-        for k, (picture, caption) in enumerate(zip(pictures, captions, strict=True)):
-            row, column = divmod(k, sizes.columns)
-            left = PAD + column * (w + GAP)
-            top = sizes.height - PAD - sizes.title - row * (h + sizes.caption + GAP)
-            _panel(figure, picture, (left, top - sizes.caption - h, w, h), caption, is_tall=is_tall)
-        _footer(figure, key, w, sizes.footer)
-        try:
-            figure.savefig(path, dpi=DPI)
-        except (OSError, ValueError) as error:
-            raise PostError(f"{path}: {error}") from error
+def draw_scale_bar(axes: Any, ends: tuple[float, float], height: float) -> None:
+    """A line with caps, in inches."""
+    axes.plot(ends, (height, height), color=INK, linewidth=2.2, solid_capstyle="butt")
+    for end in ends:
+        axes.plot([end, end], [height - 0.05, height + 0.05], color=INK, linewidth=1)
 
 
 @dataclass(frozen=True)
@@ -208,7 +214,7 @@ class Sheet:
                 fontsize=7,
                 color=MUTED,
             )
-            _footer(figure, key, width / DPI, position.below - position.lift, position.lift)
+            footer(figure, key, width / DPI, position.below - position.lift, position.lift)
             canvas = FigureCanvasAgg(figure)
             canvas.draw()
             self.blank = np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
@@ -260,7 +266,8 @@ def _font() -> Any:
     return ImageFont.truetype(font_manager.findfont("DejaVu Sans"), round(9 / 72 * DPI))
 
 
-def _head(figure: Figure, title: str) -> None:
+def head(figure: Figure, title: str) -> None:
+    """The title above pictures."""
     if title:
         width, height = figure.get_size_inches()
         text = "\n".join(wrapped(title, width))
@@ -269,14 +276,15 @@ def _head(figure: Figure, title: str) -> None:
         )
 
 
-def _panel(
+def panel(
     figure: Figure,
     picture: np.ndarray,
     position: tuple[float, float, float, float],
     caption: str,
     *,
     is_tall: bool,
-) -> None:
+) -> Axes:
+    """A picture at left, bottom, width and height [inches], with its caption above."""
     width, height = figure.get_size_inches()
     left, bottom, w, h = position
     axes = figure.add_axes((left / width, bottom / height, w / width, h / height))
@@ -294,9 +302,10 @@ def _panel(
     figure.text(left / width, low, shown, fontsize=7, va="bottom", color=MUTED)
     raised = low + (0.14 / height if is_tall and why else 0.0)
     figure.text(left / width, raised, time, fontsize=8.5, va="bottom")
+    return axes
 
 
-def _footer(figure: Figure, key: Key, panel: float, tall: float, lift: float = 0.0) -> None:
+def footer(figure: Figure, key: Key, panel: float, tall: float, lift: float = 0.0) -> None:
     """Scale bar on the left, colours or names in the middle, arrows on the right [inches]."""
     width, height = figure.get_size_inches()
     length, label = key.scale_bar
@@ -308,9 +317,7 @@ def _footer(figure: Figure, key: Key, panel: float, tall: float, lift: float = 0
     axes.set_xlim(0, width)
     axes.set_ylim(low, FOOTER)
     left = PAD + 0.02
-    axes.plot([left, left + bar], [0.36, 0.36], color=INK, linewidth=2.2, solid_capstyle="butt")
-    for end in (left, left + bar):
-        axes.plot([end, end], [0.31, 0.41], color=INK, linewidth=1)
+    draw_scale_bar(axes, (left, left + bar), 0.36)
     axes.text(left, 0.24, label, fontsize=8, va="top", color=INK)
     axes.text(left, 0.11, key.note, fontsize=8, va="top", color=ARROW)
     start, stop = key.between(width, panel)
@@ -368,8 +375,8 @@ def name_grid(names: Sequence[tuple[str, str]], room: float) -> tuple[int, int]:
     """Lines and columns of a legend of names in some inches; long names are cut, not lost."""
     count = len(shown_names(names))
     few = -(-count // NAME_LINES) if count > 3 else count
-    # a column is at least 0.8 inches wide: eight letters of a name
-    columns = max(min(few, int(room / min(name_width(shown_names(names)), 1.1))), 1)
+    # a column is at least 0.8 inches wide, eight letters of a name, and at most 2: lines are cheap
+    columns = max(min(few, int(room / min(name_width(shown_names(names)), 2.0))), 1)
     return -(-count // columns), columns
 
 
@@ -383,5 +390,12 @@ def _names(axes: Any, names: Sequence[tuple[str, str]], start: float, stop: floa
         row, column = divmod(k, columns)
         x, y = start + column * step, 0.42 - NAME_LINE * row
         axes.plot([x + 0.05], [y], "s", color=colour, markersize=6)
-        fitted = name if len(name) <= most else "\N{HORIZONTAL ELLIPSIS}" + name[1 - most :]
-        axes.text(x + 0.15, y, fitted, fontsize=8, va="center", color=INK)
+        axes.text(x + 0.15, y, fitted(name, most), fontsize=8, va="center", color=INK)
+
+
+def fitted(name: str, most: int) -> str:
+    """A name of at most so many letters: of long ones both ends, which distinguish them."""
+    if len(name) <= most:
+        return name
+    tail = (most - 1) // 2
+    return f"{name[: most - 1 - tail]}\N{HORIZONTAL ELLIPSIS}{name[-tail:]}"

@@ -8,7 +8,7 @@ import json
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryFile
@@ -18,9 +18,11 @@ import numpy as np
 
 from crashpost.errors import PostError
 from crashpost.renders import camera as cameras
+from crashpost.renders import close_up as close_ups
 from crashpost.renders.arrows import arrows_of, unit_length
 from crashpost.renders.drawing import Scene
 from crashpost.renders.look import Look
+from crashpost.renders.section_lines import Section
 from crashpost.renders.shades import Shades
 from crashpost.renders.shapes import Drawing
 from crashpost.results.states import States
@@ -28,8 +30,9 @@ from crashsolve.channels.display import factor, readable
 
 PACKAGES = "libgl1 libegl1 libgl1-mesa-dri libxrender1 libxext6"
 INSTALL = "pip install 'crashsolve[render]'"
-# of pictures in a strip
+# of pictures in a strip; arrows of small close-ups are so many times as thick
 NARROW, WIDEST = 0.45, 14.0
+NEARER = 2.5
 # of arrows, share of their length that lies along the line of sight, above which they are dots
 HEAD_ON = 0.8
 # height of the picture of a film at least, and of a film that is small [pixels]
@@ -57,6 +60,9 @@ class Task:
     ghost: bool = True
     magnify: float = 1.0
     follow: str = ""
+    close_up: str = ""  # of a strip
+    cut: str = ""
+    sections: tuple[Section, ...] = ()
     is_film: bool = False
     fps: float = 25.0
     speed: str = ""
@@ -76,6 +82,8 @@ def make(
         scene = Scene(states, look_of(task))
         if task.follow:
             scene.position(0, task.follow)
+        if task.close_up:
+            close_ups.read(task.close_up)
         cameras.camera(task.view, states.up, np.zeros(3), np.ones(3))
     why = _in_child(folder, tasks, progress)
     if not why:
@@ -89,13 +97,15 @@ def make(
 
 
 def look_of(task: Task) -> Look:
-    return Look(task.show, task.color, task.arrows, task.ghost, task.magnify)
+    look = Look(task.show, task.color, task.arrows, task.ghost, task.magnify)
+    return replace(look, cut=task.cut, sections=task.sections)
 
 
 def shoot(states: States, task: Task, painter: Any, progress: Progress) -> None:
     """Make one strip or film."""
     # matplotlib takes a quarter of a second, which a wrong word need not
     from crashpost.renders import sheet as compose
+    from crashpost.renders import strip as strips
 
     scene = Scene(states, look_of(task))
     numbers = [number for number, _ in task.frames]
@@ -120,25 +130,45 @@ def shoot(states: States, task: Task, painter: Any, progress: Progress) -> None:
         key = replace(key, camera=seen, arrow=arrow)
     sizes = compose.with_footer(compose.layout(captions, seen.aspect, task.title), key)
     width, height = window[2:] if task.is_film else sizes.pixels
-    plotter = painter(width, height)
-    start = scene.ghost() if task.ghost else Drawing()
     sheet = compose.Sheet(task.title, key, size, task.speed, position) if task.is_film else None
-
-    def pictures() -> Any:
-        for k, (number, _) in enumerate(task.frames):
-            placed = _moved(seen, shift[k])
-            drawing = scene.at(number)
-            layers = [start, drawing, arrows_of(drawing, placed, key.arrow)]
-            yield plotter.paint(layers, placed, key.shades)
-            progress(k + 1, len(task.frames))
-
+    placed = [_moved(seen, one) for one in shift]
+    pictures = _painted(scene, task, placed, key, painter(width, height), progress)
     if sheet is None:
-        compose.strip(Path(task.output), task.title, list(pictures()), captions, key, sizes)
+        content = strips.Content(task.title, captions, list(pictures))
+        if task.close_up:
+            close = close_ups.close_up(scene, task.close_up, numbers, placed)
+            sizes = strips.with_close_ups(sizes, len(numbers))
+            # an arrow is as long as in the pictures above
+            share = close.width / sizes.closer[0] * sizes.panel[0] / seen.width
+            nearer = replace(key, arrow=key.arrow * share)
+            window = painter(*sizes.closer_pixels)
+            alone = replace(task, ghost=False)
+            closer = _painted(scene, alone, close.cameras, nearer, window, progress, NEARER)
+            content = replace(content, close_up=close, closer=list(closer))
+        strips.strip(Path(task.output), content, key, sizes)
     else:
-        frames = (sheet.frame(p, c) for p, c in zip(pictures(), captions, strict=True))
+        frames = (sheet.frame(p, c) for p, c in zip(pictures, captions, strict=True))
         from crashpost.renders.film_file import write_film
 
         write_film(Path(task.output), frames, task.fps, size)
+
+
+def _painted(
+    scene: Scene,
+    task: Task,
+    placed: Sequence[cameras.Camera],
+    key: "Key",
+    plotter: Any,
+    progress: Progress,
+    thickness: float = 1.0,
+) -> Iterator[np.ndarray]:
+    """The pictures of a task, each from its camera; the painter is closed after the last."""
+    start = scene.ghost() if task.ghost else Drawing()
+    for k, ((number, _), camera) in enumerate(zip(task.frames, placed, strict=True)):
+        drawing = scene.at(number)
+        layers = [start, drawing, arrows_of(drawing, camera, key.arrow, thickness)]
+        yield plotter.paint(layers, camera, key.shades)
+        progress(k + 1, len(task.frames))
     plotter.close()
 
 
@@ -307,6 +337,7 @@ def main() -> int:
         for entry in job["tasks"]:
             frames = tuple((number, caption) for number, caption in entry.pop("frames"))
             entry |= {name: tuple(entry[name]) for name in ("show", "size")}
+            entry["sections"] = tuple(Section(*one) for one in entry["sections"])
             shoot(states, Task(frames=frames, **entry), Painter, progress)
     except PostError as error:
         print(f"error {json.dumps(str(error))}", flush=True)

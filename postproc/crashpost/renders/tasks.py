@@ -20,6 +20,7 @@ MOST_FRAMES = 20_000
 
 def strip_task(result: "Result", output: Path, at: list[str], title: str, **look: Any) -> "Task":
     """Pictures at moments in words, each of the nearest state; raises PostError."""
+    from crashpost.renders.section_lines import sections
     from crashpost.renders.studio import Task, clock
     from crashpost.results.moments import moment
     from crashpost.results.states import States
@@ -36,7 +37,7 @@ def strip_task(result: "Result", output: Path, at: list[str], title: str, **look
         is_beside = caption != clock(wanted.time, last)
         why = f"nearest to {wanted.why}" if is_beside else wanted.why
         frames.append((float(number), f"{caption}\n{why}" if wanted.why else caption))
-    return Task(str(output), title, tuple(frames), **look)
+    return Task(str(output), title, tuple(frames), sections=sections(result), **look)
 
 
 def film_task(
@@ -51,6 +52,7 @@ def film_task(
     **look: Any,
 ) -> "Task":
     """Frames over a span in words; raises PostError."""
+    from crashpost.renders.section_lines import sections
     from crashpost.renders.studio import Task, clock
     from crashpost.results.moments import moment
     from crashpost.results.states import States
@@ -83,9 +85,8 @@ def film_task(
         frames.append((_number(states, time), clock(time, last)))
     pace = f"{slow:g} times slower" if slow > 1 else f"{1 / slow:g} times faster"
     speed = "as fast as it was" if slow == 1 else f"{pace} than it was"
-    return Task(
-        str(output), title, tuple(frames), is_film=True, fps=fps, speed=speed, size=size, **look
-    )
+    film: dict[str, Any] = {"is_film": True, "fps": fps, "speed": speed, "size": size}
+    return Task(str(output), title, tuple(frames), sections=sections(result), **film, **look)
 
 
 def _state_near(states: "States", time: float, word: str) -> int:

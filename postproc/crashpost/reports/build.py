@@ -32,7 +32,7 @@ from crashpost.values.events import events
 from crashpost.values.expectation import Verdict, judge
 from crashpost.values.figure import Figure, figures_of
 from crashpost.values.summary import Peak, peaks, status_line
-from crashpost.values.units import Units, on_page, page_time_unit
+from crashpost.values.units import PageUnits, Units, on_page, page_time_unit
 from crashsolve.channels.display import factor, readable
 
 OPEN_PEAKS, MOST_PEAKS = 30, 1000
@@ -56,6 +56,10 @@ class _Report:
         asked = figures_of(self.described) if (self.described or {}).get("figures") else []
         self.chosen = asked or gallery.default_figures(result)
         self.time_unit = page_time_unit(result, asked, units)
+        self.energy = gallery.energy_figures(result)
+        self.momentum = gallery.momentum_figures(result)
+        shown = [*self.chosen, *self.energy, *self.momentum]
+        self.page_units = PageUnits(result, shown, units, self.time_unit)
         self.verdicts = judge(result)
         self.problems: list[str] = []
         self.drawn = self.missed = 0
@@ -64,16 +68,16 @@ class _Report:
         result = self.result
         sections = [
             block("pictures", "Pictures", self.views()),
-            block("events", "What happened", _events(result, self.time_unit)),
+            block("events", "What happened", _events(result, self.page_units)),
             block("curves", "Curves", self.figures(self.chosen)),
             block("injury", "Injury", _injury(result)),
-            block("expectations", "Expectations", _verdicts(self.verdicts)),
-            block("peaks", "Peaks", _peaks(result, self.time_unit)),
-            block("errors", "Estimated errors", _errors(result)),
+            block("expectations", "Expectations", _verdicts(self.verdicts, self.page_units)),
+            block("peaks", "Peaks", _peaks(result, self.page_units)),
+            block("errors", "Estimated errors", _errors(result, self.page_units)),
             block(
-                "energy", "Energy", _energies(result), self.figures(gallery.energy_figures(result))
+                "energy", "Energy", _energies(result, self.page_units), self.figures(self.energy)
             ),
-            block("momentum", "Momentum", self.figures(gallery.momentum_figures(result))),
+            block("momentum", "Momentum", self.figures(self.momentum)),
             block("cost", "Steps and cost", _cost(result)),
             block("warnings", "Warnings", _warnings(result)),
             block("model", "Model", _model(result)),
@@ -115,7 +119,8 @@ class _Report:
     def figure(self, wanted: Figure) -> str:
         self.drawn += 1
         try:
-            wanted = on_page(self.result, wanted, self.units, self.time_unit)
+            of = self.page_units.of
+            wanted = on_page(self.result, wanted, self.units, self.time_unit, of)
             drawing, keys = draw.svg(self.result, wanted, f"f{self.drawn}")
             compared = comparisons(self.result, wanted)
             self.missed += sum(one.missed is True for one in compared)
@@ -165,15 +170,16 @@ def _comparisons(found: list[Comparison]) -> str:
     return table(header, rows, ("", "num", "num", "num", "", ""))
 
 
-def _verdicts(verdicts: list[Verdict]) -> str:
+def _verdicts(verdicts: list[Verdict], page_units: PageUnits) -> str:
     rows = []
-    for verdict in verdicts:
+    for one in verdicts:
+        verdict = one.in_unit(page_units.unit(one.unit), page_units.size(one.unit))
         expected = verdict.expected
         found = "-" if verdict.found is None else f"{verdict.found:.7g}"
         deviation = "-" if verdict.deviation is None else f"{verdict.deviation or 0:.2g}"
         numbers = [found, f"{expected.value:.7g}", expected.tolerance_text, deviation, verdict.unit]
         why = verdict.problem or f"{expected.because}: {expected.source}"
-        outcome = "pass" if verdict.passed else "FAIL"
+        outcome = "pass" if one.passed else "FAIL"
         rows.append([outcome, expected.channel, expected.statistic_text, *numbers, why])
     header = (
         "",
@@ -189,19 +195,20 @@ def _verdicts(verdicts: list[Verdict]) -> str:
     return table(header, rows, ("", "name", "", "num", "num", "num", "num", "unit", ""))
 
 
-def _errors(result: Result) -> str:
+def _errors(result: Result, page_units: PageUnits) -> str:
     """The watched channels, each with its estimated error and how that was found."""
-    return table(ERRORS, accuracy_rows(result), ("name", "num", "unit", "num", "num", ""))
+    rows = accuracy_rows(result, lambda unit: (page_units.unit(unit), page_units.size(unit)))
+    return table(ERRORS, rows, ("name", "num", "unit", "num", "num", ""))
 
 
 def _cost(result: Result) -> str:
     return table(("", "value"), cost_rows(result), ("", "num"))
 
 
-def _energies(result: Result) -> str:
+def _energies(result: Result, page_units: PageUnits) -> str:
     entries = ledger.energies(result) if len(result.time) else []
     largest = max((entry.largest for entry in entries), default=0.0)
-    unit = readable("J", largest)
+    unit = page_units.of.get("J") or readable("J", largest)
     rows = []
     for entry in entries:
         values = entry.series.values * factor("J", unit)
@@ -219,10 +226,10 @@ def _warnings(result: Result) -> str:
     return table(("times", "warning"), rows, ("num", ""))
 
 
-def _events(result: Result, time_unit: str) -> str:
-    size = factor("s", time_unit)
-    rows = [[number(event.time * size), event.text] for event in events(result)]
-    return table((f"at, {time_unit}", "what"), rows, ("num", ""))
+def _events(result: Result, page_units: PageUnits) -> str:
+    size = page_units.size("s")
+    rows = [[number(event.time * size), event.text] for event in events(result, page_units.of)]
+    return table((f"at, {page_units.unit('s')}", "what"), rows, ("num", ""))
 
 
 def _injury(result: Result) -> str:
@@ -233,8 +240,9 @@ def _injury(result: Result) -> str:
     return table(injury.HEADER, rows, ("", "", "num", "num", "", "")) + note * has_limits
 
 
-def _peaks(result: Result, time_unit: str) -> str:
-    rows = [_peak_row(peak, time_unit) for peak in islice(peaks(result), MOST_PEAKS + 1)]
+def _peaks(result: Result, page_units: PageUnits) -> str:
+    rows = [_peak_row(peak, page_units) for peak in islice(peaks(result), MOST_PEAKS + 1)]
+    time_unit = page_units.unit("s")
     header = ("channel", "unit", "least", f"at, {time_unit}", "greatest", f"at, {time_unit}")
     looks = ("name", "", "num", "num", "num", "num")
     if len(rows) <= OPEN_PEAKS:
@@ -246,10 +254,16 @@ def _peaks(result: Result, time_unit: str) -> str:
     return fold(title, table(header, rows[:MOST_PEAKS], looks))
 
 
-def _peak_row(peak: Peak, time_unit: str) -> list[str]:
-    size = factor("s", time_unit)
-    times = peak.least_time * size, peak.greatest_time * size
-    return peak._replace(least_time=times[0], greatest_time=times[1]).cells
+def _peak_row(peak: Peak, page_units: PageUnits) -> list[str]:
+    along, size = page_units.size("s"), page_units.size(peak.unit)
+    shown = peak._replace(
+        unit=page_units.unit(peak.unit),
+        least=peak.least * size,
+        least_time=peak.least_time * along,
+        greatest=peak.greatest * size,
+        greatest_time=peak.greatest_time * along,
+    )
+    return shown.cells
 
 
 def _model(result: Result) -> str:

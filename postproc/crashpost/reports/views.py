@@ -18,7 +18,7 @@ from crashpost.results.result import Result
 from crashpost.results.states import States
 
 CHOICES = ("all", "strips", "none")
-WORDS = ("view", "color", "arrows", "follow")
+WORDS = ("view", "color", "arrows", "follow", "close_up", "cut")
 FIELDS = ("title", "at", "show", "magnify", *WORDS)
 # of the film [pixels], its height as the scene asks; nobody waits for a cinema's size in a page
 SIZE = (720, 0)
@@ -118,7 +118,8 @@ def _tasks(
         tasks.append(strip_task(result, folder / f"{k}.png", at, title, **look(scene)))
     if with_film:
         name = "film.mp4" if can_write_mp4() else "film.gif"
-        tasks.append(film_task(result, folder / name, "", size=SIZE, **look(scenes[0])))
+        seen = {word: value for word, value in look(scenes[0]).items() if word != "close_up"}
+        tasks.append(film_task(result, folder / name, "", size=SIZE, **seen))
     return tasks
 
 
@@ -165,7 +166,8 @@ def _rotated(result: Result, states: States, scene: dict[str, Any]) -> str:
     from crashpost.renders.model_page import page
 
     # to be turned by hand: seen from a corner, however the pictures look at it
-    seen = {k: v for k, v in look(scene).items() if k != "follow"} | {"view": "auto"}
+    fixed = ("follow", "close_up", "cut")
+    seen = {k: v for k, v in look(scene).items() if k not in fixed} | {"view": "auto"}
     text, words = page(result, **seen)
     frame = f'<iframe class="turn" loading="lazy" title="3-D" srcdoc="{escape(text)}"></iframe>'
     return fold(f"Rotate it in 3-D ({words})", frame)

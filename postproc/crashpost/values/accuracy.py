@@ -1,5 +1,6 @@
 """Estimated errors, steps and cost that a run has left in status.json."""
 
+from collections.abc import Callable
 from typing import Any
 
 from crashpost.results.result import Result
@@ -44,9 +45,14 @@ def accuracy_table(result: Result) -> str:
     return text_table(HEADER, rows) if rows else ""
 
 
-def accuracy_rows(result: Result) -> list[list[str]]:
-    """A row for each watched channel, under HEADER."""
-    return [_row(entry) for entry in watched(result)]
+def accuracy_rows(
+    result: Result, shown: Callable[[str], tuple[str, float]] = lambda unit: (unit, 1.0)
+) -> list[list[str]]:
+    """A row for each watched channel, under HEADER.
+
+    `shown` gives for a unit the one to show numbers in, and what they are multiplied with.
+    """
+    return [_row(entry, shown) for entry in watched(result)]
 
 
 def worst_error(result: Result) -> float | None:
@@ -68,17 +74,18 @@ def cost_rows(result: Result) -> list[list[str]]:
     return [row for row in rows if row[1]]
 
 
-def _row(entry: dict[str, Any]) -> list[str]:
+def _row(entry: dict[str, Any], shown: Callable[[str], tuple[str, float]]) -> list[str]:
     error, relative = entry.get("error"), _relative(entry)
     name = f"{entry.get('channel')} {entry.get('statistic')}"
     if entry.get("during"):
         name += " from {:g} to {:g} s".format(*entry["during"])
     value = entry.get("value")
+    unit, size = shown(str(entry.get("unit") or ""))
     return [
         name,
-        "-" if value is None else number(value),
-        str(entry.get("unit") or "-"),
-        "-" if error is None else f"{error:.1e}",
+        "-" if value is None else number(value * size),
+        unit or "-",
+        "-" if error is None else f"{error * size:.1e}",
         "-" if relative is None else f"{relative:.1e}",
         str(entry.get("how", "")),
     ]

@@ -1,6 +1,6 @@
 """What happened, in the order in which it did: contacts, forces, yield, failure, deletion."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -34,14 +34,18 @@ class Event(NamedTuple):
     text: str
 
 
-def events(result: Result) -> list[Event]:
-    """All of them by time; of contacts and starts at most MOST."""
+def events(result: Result, units: Mapping[str, str] | None = None) -> list[Event]:
+    """All of them by time; of contacts and starts at most MOST.
+
+    `units` are those to show SI units in, such as {"N": "kN"}; fitting ones where it has none.
+    """
+    units = units or {}
     if not len(result.time):
         return []
     found: list[Event] = []
     for family in result.families.values():
         if family.word == "rcforc":
-            found += _of_contacts(result, family)
+            found += _of_contacts(result, family, units)
         for column in family.columns:
             if column.name in STARTS:
                 found += _starts(result, family, column)
@@ -54,12 +58,12 @@ def events(result: Result) -> list[Event]:
     return sorted(found)[:MOST]
 
 
-def _of_contacts(result: Result, family: Family) -> Iterator[Event]:
+def _of_contacts(result: Result, family: Family, units: Mapping[str, str]) -> Iterator[Event]:
     """First touch, largest force and last release of every contact that touches."""
     start, end = float(result.time[0]), float(result.time[-1])
     before = start - 1.0
     columns = {column.name: column for column in family.columns}
-    peaks = _peaks(result, family, columns)
+    peaks = _peaks(result, family, columns, units.get("s", "s"))
     ends = _force_ends(result, family, columns.get("normal"))
     touches, releases = (
         result.last(family, columns[name]) if name in columns else np.full(len(family.ids), before)
@@ -71,7 +75,7 @@ def _of_contacts(result: Result, family: Family) -> Iterator[Event]:
             yield Event(touch, f"{_name(entity)}: first contact")
         if peaks is not None and peaks[at][0] > 0:
             force, top, where = peaks[at]
-            unit = readable("N", force)
+            unit = units.get("N") or readable("N", force)
             entry = f"{number(force * factor('N', unit))} {unit}{where}"
             yield Event(top, f"{_name(entity)}: largest contact force, {entry}")
         if touch >= start and touch < release < end:
@@ -85,7 +89,7 @@ def _of_contacts(result: Result, family: Family) -> Iterator[Event]:
 
 
 def _peaks(
-    result: Result, family: Family, columns: dict[str, Column]
+    result: Result, family: Family, columns: dict[str, Column], time_unit: str
 ) -> list[tuple[float, float, str]] | None:
     """Of each contact its largest force of all steps [N], when that was [s], and how closely known.
 
@@ -103,8 +107,9 @@ def _peaks(
     of_steps = result.extremes(family, columns["peak_normal"])
     for at, (peak, row) in enumerate(zip(of_steps.greatest, of_steps.greatest_row, strict=True)):
         if found[at][0] < SHOWN * peak:
-            before = number(float(result.time[max(int(row) - 1, 0)]))
-            where = f" (within the interval of samples that begins at {before} s)"
+            before = float(result.time[max(int(row) - 1, 0)]) * factor("s", time_unit)
+            begin = f"{number(before)} {time_unit}"
+            where = f" (within the interval of samples that begins at {begin})"
             found[at] = float(peak), float(result.time[row]), where
     return found
 

@@ -72,6 +72,14 @@ class Verdict:
         """Found minus expected."""
         return None if self.found is None else self.found - self.expected.value
 
+    def in_unit(self, unit: str, size: float) -> "Verdict":
+        """The same with its numbers multiplied by `size`, which makes them those of a unit."""
+        expected, is_relative = self.expected, self.expected.relative
+        tolerance = expected.tolerance * (1.0 if is_relative else size)
+        expected = replace(expected, value=expected.value * size, tolerance=tolerance)
+        found, error = (None if v is None else v * size for v in (self.found, self.error))
+        return replace(self, expected=expected, found=found, error=error, unit=unit)
+
     @property
     def passed(self) -> bool:
         """Whether the deviation is within tolerance; never when nothing was found."""

@@ -1,6 +1,6 @@
-"""The units of a page: those its reader asks for, and one unit of time for all of it."""
+"""The units of a page: those its reader asks for, and one for each kind of number on all of it."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from typing import Any
@@ -9,7 +9,7 @@ import numpy as np
 
 from crashpost.errors import PostError
 from crashpost.results.result import Result
-from crashpost.values.figure import AUTO, Figure, Pair, Reference
+from crashpost.values.figure import AUTO, Figure, Pair, Reference, axis_unit
 from crashsolve.channels.display import Product, factor, is_convertible, readable
 from crashsolve.channels.statistic import is_a_time
 
@@ -67,13 +67,59 @@ def page_time_unit(result: Result, figures: Sequence[Figure], units: Units) -> s
     return asked or (stated[0] if stated else readable("s", longest))
 
 
-def on_page(result: Result, figure: Figure, units: Units, time_unit: str) -> Figure:
-    """A figure in the page's unit of time and the reader's units, its references with it."""
+class PageUnits:
+    """The unit of charts and tables by the SI unit of what they show: that of the first figure.
+
+    What no figure of the page shows stays in SI.
+    """
+
+    def __init__(
+        self, result: Result, figures: Sequence[Figure], units: Units, time_unit: str
+    ) -> None:
+        self.of = {"s": time_unit}
+        for figure in figures if len(result.time) else ():
+            x = [curve.x or figure.x for curve in figure.y]
+            y = [curve.channel for curve in figure.y]
+            for channels, stated in ((y, figure.y_unit), (x, figure.x_unit)):
+                try:
+                    series = [result.series(channel) for channel in channels]
+                    unit = units.wanted(channels[0], series[0].unit) or axis_unit(series, stated)
+                    factor(series[0].unit, unit)
+                except PostError:
+                    # where the figure is drawn this is said
+                    continue
+                if series[0].unit not in ("", "1"):
+                    self.of.setdefault(series[0].unit, unit)
+
+    def unit(self, own: str) -> str:
+        """The page's unit of what has this unit."""
+        return self.of.get(own, own)
+
+    def size(self, own: str) -> float:
+        """What numbers in this unit are multiplied with."""
+        return factor(own, self.of[own]) if own in self.of else 1.0
+
+
+def on_page(
+    result: Result,
+    figure: Figure,
+    units: Units,
+    time_unit: str,
+    page: Mapping[str, str] | None = None,
+) -> Figure:
+    """A figure in the page's unit of time and the reader's units, its references with it.
+
+    `page` has the units by SI unit of figures that state none.
+    """
     x_own = result.series(figure.y[0].x or figure.x).unit
     y_own = result.series(figure.y[0].channel).unit
     is_time = figure.x == "time" and not any(curve.x for curve in figure.y)
     x_unit = time_unit if is_time else units.wanted(figure.y[0].x or figure.x, x_own)
     y_unit = units.wanted(figure.y[0].channel, y_own)
+    if page and figure.x_unit == AUTO:
+        x_unit = x_unit or page.get(x_own, "")
+    if page and figure.y_unit == AUTO:
+        y_unit = y_unit or page.get(y_own, "")
     if x_unit:
         figure = _along_x(figure, _ratio(figure.x_unit, x_own, x_unit), x_unit)
     if y_unit:

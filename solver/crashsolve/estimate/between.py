@@ -67,5 +67,6 @@ def _of_contact(estimate: Estimate, own: Any, text: str, statistic: str) -> Esti
 
 
 def _more(estimate: Estimate, lack: float, own: Any) -> Estimate:
-    how = f"{estimate.how}; contact '{own.name}' between samples {lack:.2g}"
+    missed = f"{lack:.2g} {estimate.unit}".rstrip()
+    how = f"{estimate.how}; contact '{own.name}' between samples {missed}"
     return replace(estimate, error=(estimate.error or 0.0) + lack, how=how)

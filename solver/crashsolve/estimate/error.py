@@ -158,7 +158,7 @@ class Judge:
             return Estimate(watch, value, unit, None, size, how)
         error, how = _sum(found, gap) + DIGITS * abs(value), found.how
         if abs(gap) > 0.1 * error:
-            how += f"; gaps between samples {abs(gap):.2g}"
+            how += f"; gaps between samples {abs(gap):.2g} {unit}".rstrip()
         if watch.statistic in EXTREMES:
             other = self._rival(watch, series, main, others)
             if other > error:

@@ -111,7 +111,8 @@ def with_mesh(estimate: Estimate, numbers: Sequence[np.ndarray], deck: Deck) -> 
             f"the steps alone is +- {estimate.error:.2g}"
         )
         return replace(estimate, error=None, how=how, mesh=inf)
-    how = f"time {estimate.error:.2g}: {estimate.how}; mesh {size:.2g}: {how}"
+    time, mesh = (f"{part:.2g} {estimate.unit}".rstrip() for part in (estimate.error, size))
+    how = f"time {time}: {estimate.how}; mesh {mesh}: {how}"
     return replace(estimate, error=estimate.error + size, how=how, mesh=size)
 
 

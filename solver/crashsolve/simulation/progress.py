@@ -267,6 +267,7 @@ def provenance(deck: Deck, engine: Engine) -> dict[str, Any]:
         "deck_text": deck.text,
         "deck_sources": {path.name: path.read_text("utf-8") for path in deck.files},
         "parameters": deck.parameters,
+        "derived_parameters": deck.derived,
         "expect": deck.expectations(),
         "report": as_data(report) if report is not None else None,
         "citations": engine.model.citations,

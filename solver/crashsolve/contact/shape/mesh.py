@@ -104,13 +104,21 @@ def _neighbours(faces: np.ndarray, scene: Scene) -> np.ndarray:
     for c in range(3):
         for f, (p, q) in enumerate(faces[:, (c, (c + 1) % 3)].tolist()):
             if (p, q) in ends:
-                raise scene.fail(
-                    f"triangles {ends[p, q][0]} and {f} disagree about outside along the edge of "
-                    f"points {p} and {q}, or more than two triangles meet there",
-                    "faces",
-                )
+                raise scene.fail(_unfit(faces, ends[p, q][0], f, (p, q)), "faces")
             ends[p, q] = f, c
     return np.array([(f, c, ends.get((q, p), (-1, 0))[0]) for (p, q), (f, c) in ends.items()])
+
+
+def _unfit(faces: np.ndarray, one: int, other: int, edge: tuple[int, int]) -> str:
+    """Why two triangles cannot run along an edge in one direction."""
+    p, q = edge
+    meeting = np.flatnonzero((faces == p).any(axis=1) & (faces == q).any(axis=1))
+    if len(meeting) > 2:
+        names = ", ".join(map(str, meeting))
+        return f"triangles {names} meet at the edge of points {p} and {q}, where two can"
+    return (
+        f"triangles {one} and {other} disagree about outside along the edge of points {p} and {q}"
+    )
 
 
 def curvature_radius(card: Mesh) -> float | None:

@@ -57,6 +57,8 @@ class Deck:
     # when each was last written [ns]
     written: list[int]
     parameters: dict[str, float]
+    # names of those that follow from others
+    derived: list[str]
     control: Control
     output: Output
     expect: list[Expect]
@@ -198,6 +200,7 @@ class _Reader:
             files=self.paths,
             written=[path.stat().st_mtime_ns for path in self.paths],
             parameters={name: float(v) for name, v in self.parameters.values.items()},
+            derived=self.parameters.derived,
             control=control,
             output=output,
             expect=[card for card in expect if card],

@@ -87,6 +87,11 @@ class Parameters:
             waiting += more
         return found
 
+    @property
+    def derived(self) -> list[str]:
+        """Names of those whose values are expressions of others."""
+        return [name for name in self.items if self._needs(name)]
+
     def _in_order(self) -> list[str]:
         """Names, each after those it needs, so that long chains nest no calls; circles last."""
         order: dict[str, None] = {}
@@ -257,6 +262,6 @@ def _inconsistency(value: Any, replaced: Any) -> tuple[str, str]:
         # its own number with the unit of the deck is what is most likely meant
         digits, own = split_quantity(str(value))[0], split_quantity(str(replaced))[1]
         has = f"in {describe(unit)}" if unit.exponents != PURE.exponents else "without unit"
-        meant = f"give a number with its unit, in {describe(before)}, such as '{digits:g} {own}'"
+        meant = f"give a number with a unit, such as '{digits:g} {own}'"
         return f"{found}, and this is a number {has}", meant
     return "", ""

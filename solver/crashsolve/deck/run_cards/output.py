@@ -158,12 +158,25 @@ class Scene(Card):
     color: str = word("field of the states such as plastic_strain; by body when empty", "")
     arrows: str = word("rcforc, rcforc.CONTACT or velocity; none when empty", "")
     follow: str = word("body or part that the camera follows", "")
+    close_up: str = word(
+        "contact, body or part of which a second row shows close-ups; 'buffers:1 m' states the "
+        "width of the window; none when empty",
+        "",
+    )
+    cut: str = word("a sectional view: drawn is only where y<0, or x > 100 mm; all when empty", "")
     magnify: float = quantity(
         "1",
         "small displacements are drawn this many times as large, and the picture says so",
         1.0,
         gt=0,
     )
+
+    @field_validator("cut")
+    @classmethod
+    def _known_side(cls, given: str) -> str:
+        if given and not re.fullmatch(r"\s*[xyz]\s*[<>]\s*[-+.\deE]+\s*[a-z]*\s*", given):
+            raise ValueError("write what is drawn, such as 'y<0' or 'x > 100 mm'")
+        return given
 
     @field_validator("at", mode="before")
     @classmethod

@@ -38,7 +38,10 @@ def _duplicate(mesh: Any) -> str:
 
 
 def _inverted(mesh: Any) -> str:
-    """Two elements that run along a side in the same direction have opposite normals."""
+    """Two elements that run along a side in the same direction have opposite normals.
+
+    Of three that share a side, two always do.
+    """
     ends = np.stack([mesh.quads, np.roll(mesh.quads, -1, axis=1)], axis=-1).reshape(-1, 2)
     order = np.lexsort(ends.T)
     # a triangle has a side of no length
@@ -46,6 +49,15 @@ def _inverted(mesh: Any) -> str:
     same = np.flatnonzero((ends[order[1:]] == ends[order[:-1]]).all(axis=1) & real)
     if not len(same):
         return ""
+    side = ends[order[same[0]]]
+    sharing = np.flatnonzero((np.sort(ends, axis=1) == np.sort(side)).all(axis=1)) // 4 + 1
+    if len(sharing) > 2:
+        names = f"{', '.join(map(str, sharing[:-1]))} and {sharing[-1]}"
+        return (
+            f"elements {names} share the side of nodes {side.min() + 1} and {side.max() + 1}, a "
+            "T-junction: a side of a shell has one neighbour at most; make the web a part of its "
+            "own and join it by ties"
+        )
     a, b = sorted(int(order[same[0] + k]) // 4 + 1 for k in (0, 1))
     return f"elements {a} and {b} have opposite normals; reverse the corners of one"
 
