@@ -52,12 +52,13 @@ def test_a_run_with_welded_nodes_goes_on_to_the_same_bits(tmp_path: Path) -> Non
 def test_the_body_has_the_mass_and_inertia_of_all(tmp_path: Path) -> None:
     model, state = build(read_deck(DECK))
     hub, names = model.bodies.index("hub"), model.bodies
-    welded = [names.index("east_start"), names.index("north_start")]
+    welded = [names.index(name) for name in ("east_start", "plate", "north_start")]
     assert not model.mass[welded].any()
-    arms = sum(model.mass[names.index(name)] for name in ("east_2_start", "north_2_start"))
-    assert model.mass[hub] == pytest.approx(0.5 + arms, rel=1e-14)
+    others = ("east_2_start", "plate_2", "north_2_start")
+    others_mass = sum(model.mass[names.index(name)] for name in others)
+    assert model.mass[hub] == pytest.approx(0.5 + others_mass, rel=1e-14)
     # by pairs of the same parts apart: angular momentum about the origin of each
-    apart = ["joined", "east_2_start", "north_2_start"]
+    apart = ["joined", *others]
     here, there = moment(state.nodes, model, ["hub"], 0.0), moment(state.nodes, model, apart, 5.0)
     np.testing.assert_allclose(here, there, rtol=1e-12, atol=1e-15)
 
@@ -70,16 +71,31 @@ def moment(nodes: np.ndarray, model: object, names: list[str], height: float) ->
 
 
 WRONG = {
-    "twice": (
-        "[east_start, north_start]",
-        "[east_start, east_start]",
-        "'east_start' is welded twice",
-    ),
-    "rigid": ("[east_start, north_start]", "[joined]", "'joined' is no node of a flexible part"),
-    "motion": ("[east_start, north_start]", "[east_1]", "'east_1' begins"),
-    "unknown": ("[east_start, north_start]", "[east_begin]", "unknown body 'east_begin'"),
+    "twice": ("welded: [east_start]", "welded: [east_start, east_start]", "is welded twice"),
+    "rigid": ("welded: [east_start]", "welded: [joined]", "'joined' is no node of a flexible part"),
+    "motion": ("welded: [east_start]", "welded: [east_1]", "'east_1' begins"),
+    "unknown": ("welded: [east_start]", "welded: [east_begin]", "unknown body 'east_begin'"),
     "joint": ("b: east_2_start", "b: east_start", "'east_start' is welded to 'hub' and is no body"),
+    "joint of a part": ("b: plate_2,", "b: plate,", "'plate' is welded to 'hub' and is no body"),
     "method": ("step: 2e-5", "integrator: radau_iia_5", "'welded' is for explicit integrators"),
+    "part of itself": ("part_of: hub", "part_of: plate", "must name another body"),
+    "part of the ground": ("part_of: hub", "part_of: ground", "must name another body"),
+    "part of a node": ("part_of: hub", "part_of: east_1", "'east_1' is a node of a part"),
+    "part of a part": (
+        "position: [0, 0, 5]}",
+        "position: [0, 0, 5], part_of: plate}",
+        "'plate' is part of 'hub' itself; name 'hub'",
+    ),
+    "part in motion": (
+        'velocity: &at_north ["${-0.1*spin}", 0, 0.5]',
+        "velocity: &at_north [0, 1, 0]",
+        "'plate' begins",
+    ),
+    "part that turns": (
+        'angular_velocity: &tumbling [5, 0, "${spin}"]',
+        'angular_velocity: &tumbling [5, 1, "${spin}"]',
+        "begins with another angular velocity than 'hub', by 1 rad/s",
+    ),
 }
 
 

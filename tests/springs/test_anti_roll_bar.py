@@ -63,6 +63,20 @@ def test_a_link_at_its_dead_centre_stops_the_run_and_gives_no_force(tmp_path: Pa
     assert out.force == out.right == 0.0
 
 
+def test_arms_pass_half_a_turn_one_after_the_other(tmp_path: Path) -> None:
+    bodies = BODIES + "".join(f"  {name}: {{mass: 1, inertia: [1, 1, 1]}}\n" for name in "fg")
+    ends = [f"arm: [{-R}, {y}, 0], at: [{-R}, {y}, {-LINK}]" for y in (S, -S)]
+    text = (
+        f"springs: {{s: {{type: anti_roll_bar, body: c, at: [0, 0, 0], stiffness: {K}, "
+        f"left: {{body: f, {ends[0]}}}, right: {{body: g, {ends[1]}}}}}}}\n"
+    )
+    law = Bench(tmp_path, text, bodies).law("springs", "s")
+    # about the axis of the bar: each arm turns with the body at its link
+    for node, angle in ((2, np.pi + 0.05), (3, np.pi - 0.05)):
+        law.bench.rotation(node, [0, angle, 0])
+    assert law.force().twist == pytest.approx(0.1, rel=1e-12)
+
+
 WRONG = {
     "left.body: is the body of the bar": "body: c, arm: [-1, 1, 0], at: [-1, 1, -1]",
     "left.arm: .* no lever": f"arm: [{-R}, {S}, 0], at: [-1, {S}, 0]",

@@ -96,6 +96,17 @@ def test_a_tyre_that_sinks_to_its_centre_is_reported(tmp_path: Path, tyre: str) 
     assert "tyre 'fl': the wheel centre has sunk to the road" in log
 
 
+def test_two_roads_in_one_plane_are_reported(tmp_path: Path) -> None:
+    text = car("gim", 0.0, 0.0).replace("start: equilibrium, ", "").replace("[road]", "[road, two]")
+    both = text.replace("{road: {type: plane}}", "{road: {type: plane}, two: {type: plane}}")
+    message = "tyre 'fl': two roads pressed it from one side, and their forces were added"
+    assert message in (solved(tmp_path, both).folder / "log.txt").read_text()
+    # a kerb beside it does not
+    kerb = "two: {type: box, at: [1.5, 0, 0], size: [0.4, 4, 0.2]}"
+    apart = text.replace("{road: {type: plane}}", f"{{road: {{type: plane}}, {kerb}}}")
+    assert message not in (solved(tmp_path, apart).folder / "log.txt").read_text()
+
+
 def test_a_car_dropped_on_its_tyres_is_seen_before_it_lands(tmp_path: Path) -> None:
     """Off the road nothing else bounds the step; the first one would go through it."""
     drop = car("gim", 0.0, 0.0, height=0.57).replace("start: equilibrium, ", "")

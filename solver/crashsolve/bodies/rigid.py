@@ -79,6 +79,11 @@ class Rigid(Card):
         "nodes of flexible parts that are part of it: their mass and inertia add to its own",
         default=(),
     )
+    part_of: BodyName | None = word(
+        "body that this one is part of, with what is welded to it: its mass and inertia add to "
+        "that, it has no motion of its own, and joints, springs, contacts and loads name that body",
+        default=None,
+    )
     drawn: tuple[Bar, ...] = word(
         "lengths of sections that it is drawn by, beside its surfaces", default=()
     )

@@ -29,6 +29,7 @@ from crashsolve.system.constraints import (
     keep_trial,
     kick_by_joints,
     kick_half_by_joints,
+    kick_with_joints_and_drift,
     scatter_delta,
     scatter_trial,
     velocity_residual,
@@ -133,7 +134,7 @@ def set_positions(h, clock, nodes, rows, saddle, scene):
         scatter_trial(rows, nodes)
     previous, renewed = 1e300, False
     for iteration in range(POSITION_ITERATIONS):
-        kick_and_drift(h, clock, control, nodes, scene)
+        kick_and_drift(iteration > 0, h, clock, control, nodes, scene)
         if not JOINTS:
             break
         residual(clock.current, clock.time + h, nodes, rows, scene.curves, scene)
@@ -163,14 +164,22 @@ def set_positions(h, clock, nodes, rows, saddle, scene):
 
 
 @stage
-def kick_and_drift(h, clock, control, nodes, scene):
-    """First kick, by the forces of joints that are being tried, and drift. Writes: nodes."""
-    kick_off(nodes, h)
-    if JOINTS:
-        kick_half_by_joints(nodes, 0.5 * h)
+def kick_and_drift(again, h, clock, control, nodes, scene):
+    """First kick, by the forces of joints that are being tried, and drift.
+
+    `again`: positions are those of the half momenta of another trial. Writes: nodes.
+    """
     if UNILATERAL:
+        kick_off(nodes, h)
+        if JOINTS:
+            kick_half_by_joints(nodes, 0.5 * h)
         impulses_of_first_half(h, clock, control, nodes, scene)
-    drift(nodes, h)
+        drift(nodes, h)
+    elif JOINTS:
+        kick_with_joints_and_drift(nodes, h, again)
+    else:
+        kick_off(nodes, h)
+        drift(nodes, h)
 
 
 @stage
@@ -242,10 +251,12 @@ def project_velocity(h, clock, control, nodes, rows, saddle):
     Writes: nodes.v, L, w, joint_*, rows.reaction.
     """
     velocity_residual(rows, nodes)
-    for _ in range(VELOCITY_ITERATIONS):
+    for number in range(VELOCITY_ITERATIONS):
         solve_rows(saddle, rows, -2.0 / h)
         scatter_delta(rows, nodes)
-        kick_end(nodes, h)
+        if number > 0:
+            # the reaction is summed up: all of it over again
+            kick_end(nodes, h)
         kick_by_joints(nodes, 0.5 * h)
         velocity_residual(rows, nodes)
         worst = worst_rate(rows, saddle)

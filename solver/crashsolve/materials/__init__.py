@@ -97,7 +97,7 @@ class VonMisesLaw(MaterialLaw, Protocol):
         """Line of Y at e: value at no strain, slope, where it ends; where not SMOOTH."""
 
     def rate_factor(self, m, rate):
-        """By which Y is higher at a rate of strain [1/s]; asked where m.rated is 1."""
+        """By which Y is higher at a rate of strain [1/s], at least 1; asked where m.rated is 1."""
 
     def rate_slope(self, m, rate, factor):
         """Its slope by the rate [s], times what else is in `factor`."""

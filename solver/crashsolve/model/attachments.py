@@ -21,10 +21,68 @@ ATTACHED_NODE = Record("""
     arm   m      3  position of the node from the mass centre, body axes
     rotation  1      4  unit quaternion, node to body
 """)
+# methods in whose steps nodes are not carried
+IMPLICIT = ("generalized_alpha", "radau_iia_5")
 # shares by which distances and velocities may differ and are still the same
 SAME = 1e-9
 # mass of an attached node's row of the node table: what it has belongs to the body
 NOTHING = 1e-300
+
+
+def weld(entry: Any, scene: Scene) -> None:
+    """Nodes welded to a body become its attached nodes. Writes: scene."""
+    body, nodes = scene.names.index(entry.name), [scene.names.index(n) for n in entry.card.welded]
+    flexible = {node for some in scene.part_nodes.values() for node in some}
+    _refuse_implicit("welded", bool(nodes), scene)
+    for node in nodes:
+        name = scene.names[node]
+        if node not in flexible:
+            raise scene.fail(f"'{name}' is no node of a flexible part", "welded")
+        if node in scene.welded:
+            raise scene.fail(f"'{name}' is welded twice", "welded")
+        _refuse_apart(body, node, "welded", scene)
+        scene.welded[node] = body
+    if nodes:
+        lump(body, nodes, scene)
+
+
+def join(entry: Any, scene: Scene) -> None:
+    """A body that is part of another becomes its attached node, as do its own. Writes: scene."""
+    body, name = scene.names.index(entry.name), entry.card.part_of
+    whole = scene.names.index(name)
+    _refuse_implicit("part_of", True, scene)
+    if whole in (0, body):
+        message = "must name another body; fix it to the ground by a joint of type weld"
+        raise scene.fail(message, "part_of")
+    above = scene.deck.entries["bodies"].get(name)
+    if above is None:
+        raise scene.fail(f"'{name}' is a node of a part; name a rigid body", "part_of")
+    if above.card.part_of is not None:
+        message = f"'{name}' is part of '{above.card.part_of}' itself"
+        raise scene.fail(f"{message}; name '{above.card.part_of}'", "part_of")
+    spin = float(np.linalg.norm(scene.w[body] - scene.w[whole]))
+    if spin > SAME * (1.0 + np.linalg.norm(scene.w[whole])):
+        message = f"begins with another angular velocity than '{name}', by {spin:.3g} rad/s"
+        raise scene.fail(f"{message}; give both the same motion", "part_of")
+    _refuse_apart(whole, body, "part_of", scene)
+    own = [node for node, of in scene.welded.items() if of == body]
+    scene.welded.update(dict.fromkeys([*own, body], whole))
+    lump(whole, [body], scene)
+
+
+def _refuse_implicit(word: str, given: bool, scene: Scene) -> None:
+    if given and scene.deck.control.integrator in IMPLICIT:
+        message = f"'{word}' is for explicit integrators; use the joint of type weld instead"
+        raise scene.fail(message, word)
+
+
+def _refuse_apart(body: int, node: int, word: str, scene: Scene) -> None:
+    """What becomes part of a body begins with its motion."""
+    apart = inconsistency(body, node, scene)
+    if apart > SAME * (np.linalg.norm(scene.v[node]) + np.linalg.norm(scene.v[body])):
+        message = f"'{scene.names[node]}' begins {apart:.3g} m/s faster than its position on "
+        message += f"'{scene.names[body]}'" if word == "part_of" else "the body"
+        raise scene.fail(f"{message}; give both the same motion", word)
 
 
 def lump(body: int, attached_nodes: list[int], scene: Scene) -> None:

@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from crashsolve.deck.reading.items import Entry
 
 Vector = np.ndarray
-IMPLICIT = ("generalized_alpha", "radau_iia_5")
 
 
 class CardProblem(ValueError):
@@ -88,7 +87,11 @@ class Scene:
                     self._set_body(i, node)
         for entry in deck.entries["bodies"].values():
             with self.building(entry):
-                self._weld(entry)
+                welds.weld(entry, self)
+        for entry in deck.entries["bodies"].values():
+            if entry.card.part_of is not None:
+                with self.building(entry):
+                    welds.join(entry, self)
         self.attached: dict[str, list[tuple[int, int]]] = {}  # points of a part, and their bodies
         for part in deck.entries["parts"].values():
             with self.building(part):
@@ -128,27 +131,6 @@ class Scene:
         self.w[i] = body["angular_velocity"]
         self.r[i] = np.asarray(body["position"]) + arm
         self.v[i] = np.asarray(body["velocity"]) + np.cross(self.w[i], arm)
-
-    def _weld(self, entry: Entry) -> None:
-        """Nodes welded to a body become its attached nodes."""
-        body, nodes = self._index[entry.name], [self._index[name] for name in entry.card.welded]
-        flexible = {node for some in self.part_nodes.values() for node in some}
-        if nodes and self.deck.control.integrator in IMPLICIT:
-            message = "'welded' is for explicit integrators; use the joint of type weld instead"
-            raise self.fail(message, "welded")
-        for node in nodes:
-            name = self.names[node]
-            if node not in flexible:
-                raise self.fail(f"'{name}' is no node of a flexible part", "welded")
-            if node in self.welded:
-                raise self.fail(f"'{name}' is welded twice", "welded")
-            apart = welds.inconsistency(body, node, self)
-            if apart > welds.SAME * (np.linalg.norm(self.v[node]) + np.linalg.norm(self.v[body])):
-                message = f"'{name}' begins {apart:.3g} m/s faster than its position on the body"
-                raise self.fail(f"{message}; give both the same motion", "welded")
-            self.welded[node] = body
-        if nodes:
-            welds.lump(body, nodes, self)
 
     def attach_points(self, part: Entry) -> list[tuple[int, int]]:
         """Points of a part that are part of bodies, with these; their masses go to the bodies."""

@@ -26,6 +26,7 @@ from typing import Any, ClassVar, Literal
 from pydantic import model_validator
 
 from crashsolve.deck.card import (
+    BodyName,
     Card,
     CurveName,
     MaterialName,
@@ -53,6 +54,12 @@ class Point(Card):
         "m",
         "r, length of each member that belongs to the rigid joint; from its depth when absent",
         None,
+    )
+    part_of: BodyName | None = word(
+        "rigid body that the point belongs to: the body at the point is part of it where all its "
+        "members are beams and the method is explicit, and is welded to it otherwise (joint "
+        "S_name_mount)",
+        default=None,
     )
 
 

@@ -194,6 +194,11 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
     """Writes: nodes, out, curves[0].fault and x."""
     left, right = reach(p, 0, nodes), reach(p, 1, nodes)
     out.twist = left.phi - right.phi
+    # both angles end at half a turn, and one arm passes it before the other
+    if out.twist > pi:
+        out.twist -= 2.0 * pi
+    if out.twist < -pi:
+        out.twist += 2.0 * pi
     out.torque = p.stiffness * out.twist
     out.angles[0], out.angles[1] = left.phi, right.phi
     out.stored = 0.5 * p.stiffness * out.twist * out.twist

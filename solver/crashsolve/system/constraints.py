@@ -11,7 +11,7 @@ from crashsolve.foundation.columns import add_to, matvec
 from crashsolve.foundation.kernels import inlined, kernel
 from crashsolve.foundation.sparse.saddle import factorise
 from crashsolve.foundation.vec3 import add_scaled, dot, put, scale, vec
-from crashsolve.system.kinetics import accelerations
+from crashsolve.system.kinetics import accelerations, drift_body, kicked
 
 
 @kernel
@@ -89,13 +89,44 @@ def kick_half_by_joints(nodes, factor):
 
 
 @kernel
+def kick_with_joints_and_drift(nodes, h, again):
+    """First half kick by all forces, and drift; again: of bodies whose momenta differ from before.
+
+    Writes: nodes.v_half, L_half, r, q, A.
+    """
+    for i in range(1, nodes.shape[0]):
+        b = nodes[i]
+        v, L = kicked(b, h, vec(b.start_v), vec(b.start_L))
+        v = add_scaled(v, 0.5 * h * b.mass_inv, vec(b.joint_force))
+        L = add_scaled(L, 0.5 * h, vec(b.joint_torque))
+        # most bodies are in no joint, and stay where they were
+        if not again or differ(v, b.v_half) or differ(L, b.L_half):
+            put(b.v_half, v)
+            put(b.L_half, L)
+            drift_body(b, h)
+
+
+@inlined
+def differ(x, column):
+    """Whether a vector is another than that of a column."""
+    return not (x[0] == column[0] and x[1] == column[1] and x[2] == column[2])
+
+
+@kernel
 def kick_by_joints(nodes, factor):
     """Add factor * joint force to the momenta. Writes: nodes.v, L, w."""
     for i in range(1, nodes.shape[0]):
         b = nodes[i]
-        put(b.v, add_scaled(vec(b.v), factor * b.mass_inv, vec(b.joint_force)))
-        put(b.L, add_scaled(vec(b.L), factor, vec(b.joint_torque)))
-        put(b.w, matvec(b.W, vec(b.L)))
+        if any_of(b.joint_force) or any_of(b.joint_torque):
+            put(b.v, add_scaled(vec(b.v), factor * b.mass_inv, vec(b.joint_force)))
+            put(b.L, add_scaled(vec(b.L), factor, vec(b.joint_torque)))
+            put(b.w, matvec(b.W, vec(b.L)))
+
+
+@inlined
+def any_of(column):
+    """Whether a vector is not zero."""
+    return column[0] != 0.0 or column[1] != 0.0 or column[2] != 0.0
 
 
 @kernel

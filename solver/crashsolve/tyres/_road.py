@@ -28,6 +28,8 @@ from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, norm, scale, sub
 
 MOST = 6  # roads of one tyre
+# cosine between normals of two roads above which they press a wheel from one side
+ONE_SIDE = 0.99
 STARTS = 3  # of the search on a curved piece of a profile
 PLANE, BOX, MESH, PROFILE = range(4)
 KINDS = {"plane": PLANE, "box": BOX, "mesh": MESH}
@@ -141,6 +143,13 @@ def above_road(p, i, nodes, x, curves, data):
         if data is not None:
             distance, m = above_mesh(p.road_root[i], p.thickness[i], y, data)
     return distance, matvec(body.A, matvec(axes, m))
+
+
+@kernel
+def note_double(new, n, before):
+    """Normals of a road that presses the wheel and of the one before it. Writes: new."""
+    if dot(n, before) > ONE_SIDE:
+        new.doubled = 1
 
 
 @kernel

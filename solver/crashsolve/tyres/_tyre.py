@@ -130,10 +130,13 @@ DEFLECTED = Record(f"""
     q_y    m  {MOST}  the same across
     store  J  {MOST}  energy in it
     sunk   flag  whether its centre has been on a road or below it
+    doubled  flag  whether two roads have pressed it from one side
 """)
-SUNK = {
+OUT_OF_RANGE = {
     "sunk": "the wheel centre has sunk to the road: the tyre is too soft for its load; give "
-    "rim_radius and rim_stiffness, or a stiffening curve"
+    "rim_radius and rim_stiffness, or a stiffening curve",
+    "doubled": "two roads pressed it from one side, and their forces were added: where they lie in "
+    "one plane its load is too high; define them as one box, one mesh or one profile",
 }
 FORCES_OF_TYRE = Record("""
     force         N    3  on the wheel, world axes
@@ -309,6 +312,8 @@ def grip_on(p, i, old, new, out, at, h, curves):
     """The Grip on road i after a step h. Writes: new, out."""
     if old.sunk == 1 or at.depth >= p.radius:
         new.sunk = 1
+    if old.doubled == 1:
+        new.doubled = 1
     if at.depth <= 0.0:
         # off the road the carcass is at ease
         out.loss += old.store[i] if h > 0.0 else 0.0
@@ -320,8 +325,9 @@ def grip_on(p, i, old, new, out, at, h, curves):
     V = max(abs(at.V_x), abs(at.V_x - at.slip_x))
     q_x = relaxed(old.q_x[i], at.slip_x, V, p.sigma_x, h)
     q_y = relaxed(old.q_y[i], at.slip_y, V, p.sigma_y, h)
-    slow = min(V / p.low_speed, 1.0)
-    k_V = 0.5 * p.still_damping * (1.0 + cos(pi * slow))
+    # from 1 at rest to -1 at V_low
+    slow = cos(pi * (V / p.low_speed)) if p.low_speed > V else -1.0
+    k_V = 0.5 * p.still_damping * (1.0 + slow)
     s_x = (q_x - k_V / p.C_x * at.slip_x) / p.sigma_x
     s_y = (q_y - k_V / p.C_y * at.slip_y) / p.sigma_y
     now = sqrt(at.slip_x**2 + at.slip_y**2) / max(V, p.low_speed)
@@ -331,7 +337,7 @@ def grip_on(p, i, old, new, out, at, h, curves):
     share = 3.0 * mu * F_z / held if held > 3.0 * mu * F_z else 1.0
     new.q_x[i], new.q_y[i] = share * q_x, share * q_y
     # a wheel that leans to the right is pushed to the right
-    s_y -= p.C_gamma / p.C_y * at.camber * 0.5 * (1.0 - cos(pi * slow))
+    s_y -= p.C_gamma / p.C_y * at.camber * 0.5 * (1.0 - slow)
     return Grip(F_z, slope, c, new.q_x[i], new.q_y[i], s_x, s_y, mu)
 
 
@@ -365,7 +371,7 @@ def clear(p, new, out):
     """Reset before the roads are searched. Writes: new, out."""
     for k in range(MOST):
         new.q_x[k] = new.q_y[k] = new.store[k] = 0.0
-    new.sunk = 0
+    new.sunk = new.doubled = 0
     for k in range(3):
         out.force[k] = out.moment[k] = 0.0
     out.normal = out.longitudinal = out.lateral = out.aligning = 0.0
@@ -407,7 +413,8 @@ def bear(p, i, old, new, out, h, nodes, at, grip, F, M_z, store):
         out.moment[k] += about[k]
     out.normal += grip.F_z
     load(wheel, at.bottom, at.n, grip.slope, grip.damping)
-    load(road, add(to_road, at.bottom), at.n, grip.slope, grip.damping)
+    if p.road_node[i] > 0:
+        load(road, add(to_road, at.bottom), at.n, grip.slope, grip.damping)
     load(wheel, at.foot, at.x, p.C_x / p.sigma_x, p.still_damping)
     load(wheel, at.foot, at.y, p.C_y / p.sigma_y, p.still_damping)
 

@@ -15,11 +15,11 @@ Journal of Vehicle Design 11, 589-618.
 from math import copysign, sqrt
 
 from crashsolve.foundation.kernels import kernel
-from crashsolve.tyres._road import mesh_tables
+from crashsolve.tyres._road import mesh_tables, note_double
 from crashsolve.tyres._tyre import (
     DEFLECTED,
     FORCES_OF_TYRE,
-    SUNK,
+    OUT_OF_RANGE,
     TYRE,
     TyreCard,
     await_road,
@@ -41,7 +41,7 @@ class Fiala(TyreCard):
 
 
 PARAMETERS, HISTORY, OUTPUT = TYRE, DEFLECTED, FORCES_OF_TYRE
-WARNINGS = SUNK
+WARNINGS = OUT_OF_RANGE
 build, shared_tables = tyre_columns, mesh_tables
 
 
@@ -73,10 +73,13 @@ def carcass_energy(p, grip):
 def roll(p, old, new, out, h, nodes, curves, data):
     """All roads of a tyre. Writes: nodes, new, out."""
     clear(p, new, out)
+    before = (0.0, 0.0, 0.0)
     for i in range(p.roads):
         at = patch_on(p, i, nodes, curves, data)
         grip = grip_on(p, i, old, new, out, at, h, curves)
         if grip.F_z > 0.0:
+            note_double(new, at.n, before)
+            before = at.n
             length = patch_length(p, at)
             F_x, F_y, M_z, sliding = forces(
                 p.C_x, p.C_y, grip.s_x, grip.s_y, grip.mu, grip.F_z, length

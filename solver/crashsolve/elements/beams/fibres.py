@@ -87,7 +87,7 @@ def flow_on(law, old, new, i, eps, rate, h):
     m, curves, material = law
     xi = m.young * (eps - old.plastic[i]) - m.kinematic * old.plastic[i]
     g = 0.0
-    if h > 0.0:
+    if h > 0.0 and may_flow(m, old, i, abs(xi), curves, material):
         factor = fibre_factor(m, old, i, abs(rate), material)
         g = growth(m, abs(xi), old.hardening[i], factor, curves, material)
     step = g if xi > 0.0 else -g
@@ -97,6 +97,16 @@ def flow_on(law, old, new, i, eps, rate, h):
     if material.HEATS:
         new.temperature[i] = old.temperature[i] + m.heating * lost
     return sigma, 0.5 * sigma * sigma / m.young, lost
+
+
+@inlined
+def may_flow(m, old, i, size, curves, material):
+    """Whether a trial stress of this size may yield: a factor of rate, a power or a logarithm for
+    every fibre, is not below 1; one of heat may be."""
+    if material.HEATS:
+        return True
+    Y, _ = material.flow(m, old.hardening[i], curves)
+    return size > Y
 
 
 @inlined

@@ -11,7 +11,7 @@ import numpy as np
 
 from crashsolve.deck.building import Scene
 from crashsolve.elements.beams.bowing import coefficient
-from crashsolve.elements.beams.frequency_bound import fastest_rate, rate_of_tension
+from crashsolve.elements.beams.frequency_bound import fastest_rates, rate_of_tension
 from crashsolve.elements.damping import coefficients, heavier
 from crashsolve.foundation.orientation import perpendicular
 from crashsolve.materials import elastic
@@ -33,8 +33,8 @@ def scaled(
     mass = material["density"] * section["area"] * lengths
     per_length, squares = rotary_inertia(section, material), []
     for length, m in zip(lengths, mass, strict=True):
-        row = stiffness_row(section, material, length)
-        squares.append(2.0 * fastest_rate(row, 0.5 * m, 0.5 * length * per_length))
+        row, J = stiffness_row(section, material, length), 0.5 * length * per_length
+        squares.append(2.0 * fastest_rates(row, (0.5 * m, 0.5 * m), (J, J))[0])
     return mass, heavier(card, np.array(squares), scene)
 
 
@@ -77,14 +77,17 @@ def ends_row(
 
     T are its axes in those of the nodes, as columns.
     """
+    a, b = nodes
+    masses = (float(scene.mass[a]), float(scene.mass[b]))
+    J_a, J_b = (T.T @ scene.J[node].reshape(3, 3) @ T for node in nodes)
     ends: dict[str, Any] = {}
-    for end, node in zip("ab", nodes, strict=True):
-        mass, J = scene.mass[node], T.T @ scene.J[node].reshape(3, 3) @ T
+    rates = fastest_rates(row, masses, (J_a, J_b))
+    for k, (end, node, J) in enumerate(zip("ab", nodes, (J_a, J_b), strict=True)):
         ends |= {
             f"node_{end}": node,
-            f"drag_{end}": card.drag * half / mass,
-            f"rate_{end}": fastest_rate(row, mass, J),
-            f"taut_{end}": rate_of_tension(row, mass, J),
+            f"drag_{end}": card.drag * half / masses[k],
+            f"rate_{end}": rates[k],
+            f"taut_{end}": rate_of_tension(row, masses[k], J),
         }
     return ends
 

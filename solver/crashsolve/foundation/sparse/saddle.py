@@ -119,9 +119,11 @@ def eliminate(saddle):
     for p in range(columns.shape[0]):
         c = columns[p]
         m = c.rows
-        # with a literal size the compiler unrolls: most joints are hinges, 5 rows
+        # with a literal size the compiler unrolls: most joints are hinges or balls, 5 or 3 rows
         if m == 5:
             factor_column(c, columns, blocks, updates, 5)
+        elif m == 3:
+            factor_column(c, columns, blocks, updates, 3)
         elif c.node > 0:
             # M_c + D_c^T S'^-1 D_c, whose negative has come together
             negate(blocks[c.block].x, 36)
@@ -260,12 +262,16 @@ def solve(saddle):
         c = columns[p]
         if c.rows == 5:
             solve_down(c, columns, blocks, 5)
+        elif c.rows == 3:
+            solve_down(c, columns, blocks, 3)
         else:
             solve_down(c, columns, blocks, c.rows)
     for p in range(n - 1, -1, -1):
         c = columns[p]
         if c.rows == 5:
             solve_up(c, columns, blocks, 5)
+        elif c.rows == 3:
+            solve_up(c, columns, blocks, 3)
         elif c.node > 0:
             solve_up(c, columns, blocks, 6)
             # its block has the other sign

@@ -73,7 +73,7 @@ def _with_velocities(deck: Any) -> Iterator[tuple[Any, str]]:
 def _beside_steps_from_rest(deck: Any) -> Iterator[tuple[Any, str]]:
     """What does not go with parts that take steps from rest."""
     for entry in deck.entries["bodies"].values():
-        if entry.card.welded:
+        if entry.card.welded or entry.card.part_of:
             message = "a quasi-static solution with shells or fibre beams has no welded nodes"
             yield entry, f"{message}; take a joint instead"
     for entry in deck.entries["hinges"].values():

@@ -22,6 +22,7 @@ import numpy as np
 
 from crashsolve.deck.family import check_law
 from crashsolve.foundation.record import Record
+from crashsolve.model.attachments import IMPLICIT
 from crashsolve.model.contact import records
 from crashsolve.model.contact.doubles import warn_of_doubles
 from crashsolve.model.contact.floor import speed_floor
@@ -30,7 +31,7 @@ from crashsolve.model.contact.holes import warn_of_holes
 from crashsolve.model.contact.node_to_surface import NodalBuilder
 from crashsolve.model.contact.pairs import ENDLESS, Block, Elements, Pairing, Search, resting
 from crashsolve.model.materials import refuse_unlike
-from crashsolve.model.scene import IMPLICIT, Scene
+from crashsolve.model.scene import Scene
 
 if TYPE_CHECKING:
     from crashsolve.deck.reading.deck import Deck

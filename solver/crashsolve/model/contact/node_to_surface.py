@@ -16,6 +16,7 @@ import numpy as np
 from crashsolve.contact.cells import CELL, WALLS
 from crashsolve.foundation.point import LANES
 from crashsolve.foundation.record import Record
+from crashsolve.model.attachments import IMPLICIT
 from crashsolve.model.contact import records
 from crashsolve.model.contact.floor import speed_floor
 from crashsolve.model.contact.groups import NodalGroup
@@ -30,7 +31,6 @@ from crashsolve.model.contact.near_faces import (
 )
 from crashsolve.model.nodes import NODE
 from crashsolve.model.partition import PIECES
-from crashsolve.model.scene import IMPLICIT
 
 if TYPE_CHECKING:
     from crashsolve.deck.reading.items import Entry

@@ -34,7 +34,8 @@ def expand(
     bodies = [_body(whole, k, point) for k, point in enumerate(whole.points)]
     if is_explicit:
         made = _part_of_bodies(made, bodies)
-    return bodies + made + list(_clusters(whole))
+    mounts = list(_mounts(whole, bodies, is_explicit))
+    return bodies + made + mounts + list(_clusters(whole))
 
 
 def _members(whole: Plan) -> Iterator[Made]:
@@ -157,6 +158,22 @@ def _part_of_bodies(made: list[Made], bodies: list[Made]) -> list[Made]:
         if card.keyword == "joints":
             by_name[card.fields["a"]].fields.setdefault("welded", []).append(card.fields["b"])
     return [card for card in made if card.keyword != "joints"]
+
+
+def _mounts(whole: Plan, bodies: list[Made], is_explicit: bool) -> Iterator[Made]:
+    """Welds of points to the bodies that they belong to, where they are not part of these.
+
+    Writes: bodies.
+    """
+    for k, (point, body) in enumerate(zip(whole.card.points, bodies, strict=True)):
+        if point.part_of is None:
+            continue
+        members = [member for member in whole.members if point.name in member.ends]
+        if is_explicit and all(member.deformation == "beams" for member in members):
+            body.fields["part_of"] = point.part_of
+        else:
+            fields = {"type": "weld", "a": point.part_of, "b": body.name, "at": plain(point.at)}
+            yield Made("joints", f"{body.name}_mount", fields, ("points", k))
 
 
 def _clusters(whole: Plan) -> Iterator[Made]:
