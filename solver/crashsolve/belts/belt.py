@@ -30,7 +30,7 @@ from crashsolve.belts._route import (
 )
 from crashsolve.belts._spool import SPOOL, WOUND, spool_columns, wind
 from crashsolve.belts._webbing import WEBBING, Webbing, force_at, refuse_torn, webbing_columns
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, quantity, word
 from crashsolve.foundation.curve import REFUSE
 from crashsolve.foundation.kernels import kernel
@@ -123,7 +123,7 @@ PLACED = Record("""
 """)
 
 
-def build(card: Belt, scene: Scene) -> dict[str, Any]:
+def build(card: Belt, scene: Scene) -> Columns:
     columns = route_columns(card.route, scene) | webbing_columns(card.webbing, scene)
     columns |= spool_columns(card.route[0].retractor, scene)
     laid, lengths = laid_at_start(columns, scene)
@@ -147,7 +147,7 @@ def build(card: Belt, scene: Scene) -> dict[str, Any]:
     return columns | {"start": start, "total": total, "first": first, "shortest": shortest}
 
 
-def laid_at_start(columns: dict[str, Any], scene: Scene) -> tuple[Any, np.ndarray]:
+def laid_at_start(columns: Columns, scene: Scene) -> tuple[Any, np.ndarray]:
     """Columns LAID and lengths of the segments at the start [m]."""
     p, new, old = (as_rows(np.zeros(1, r.dtype))[0] for r in (ROUTE, LAID, LAID))
     out, nodes = (
@@ -163,7 +163,7 @@ def laid_at_start(columns: dict[str, Any], scene: Scene) -> tuple[Any, np.ndarra
     return new, np.array(out["length"][: columns["segments"]])
 
 
-def initial_history(card: Belt, p: Any, scene: Scene) -> dict[str, Any]:
+def initial_history(card: Belt, p: Any, scene: Scene) -> Columns:
     laid, lengths = laid_at_start(ROUTE.taken_from(p), scene)
     used, n = np.arange(SEGMENTS) < p["segments"], len(lengths)
     residual, straight = np.zeros(SEGMENTS), np.zeros(SEGMENTS)
@@ -172,7 +172,7 @@ def initial_history(card: Belt, p: Any, scene: Scene) -> dict[str, Any]:
         # what is pretensioned has reached its curve
         L = p["start"][:n]
         residual[:n] = np.maximum(lengths - L - L * p["first"] / p["k"], 0.0)
-    own: dict[str, Any] = {
+    own: Columns = {
         "straight": straight,
         "webbing": p["start"],
         "residual": residual,

@@ -16,7 +16,7 @@ References: Ambrosio (2003), Eq. 23-25; Moreau (1988), in Nonsmooth Mechanics an
 
 from typing import Any
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, SurfaceName, quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
@@ -51,7 +51,7 @@ HISTORY = Record("""
 """)
 
 
-def build(card: Unilateral, scene: Scene, pair: Any) -> dict[str, Any]:
+def build(card: Unilateral, scene: Scene, pair: Any) -> Columns:
     return {"friction_coefficient": card.friction_coefficient}
 
 

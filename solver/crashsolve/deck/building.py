@@ -11,6 +11,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
+# values by the names of columns of a record: numbers, vectors, indices of nodes
 Columns = dict[str, Any]
 
 
@@ -125,11 +126,11 @@ class Scene(Protocol):
     def mesh(self, card: Any) -> Any:
         """The mesh of a part, refused where its elements do not hang together."""
 
-    def share(self, card: Any) -> Any:
-        """What a part has of a mesh of the deck, by the card that names it."""
+    def own_share(self) -> Any:
+        """What the part that is being built has of a mesh of the deck."""
 
-    def meshed(self, card: Any) -> Any:
-        """A part with points in place; once for every card."""
+    def meshed(self, part: str) -> Any:
+        """A part with points in place."""
 
     def has_points(self, part: str) -> bool:
         """Whether the nodes of a part are points."""

@@ -9,6 +9,7 @@ SI.
 from collections.abc import Callable, Mapping
 from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 from typing import Any, NamedTuple
 
 from crashsolve.deck.card import law_class
@@ -21,6 +22,8 @@ from crashsolve.deck.source import locate
 # stands for the file of cards that are made: they have no units of their own
 MADE = Path("<made>")
 Steps = tuple[str | int, ...]
+# words of a card, as decks have them
+Fields = dict[str, Any]
 
 
 class Law(NamedTuple):
@@ -28,7 +31,7 @@ class Law(NamedTuple):
 
     name: str
     type: str
-    module: Any
+    module: ModuleType
     card: Any
 
 
@@ -37,7 +40,7 @@ class Made(NamedTuple):
 
     keyword: str
     name: str
-    fields: dict[str, Any]
+    fields: Fields
     path: Steps = ()
 
 

@@ -6,9 +6,16 @@ of Python, here the class of a row has a property for each column.
 
 from functools import cache
 from operator import itemgetter
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
+
+
+class Row(Protocol):
+    """A record of a table: its columns are attributes."""
+
+    def __getattr__(self, name: str) -> Any: ...
+    def __setattr__(self, name: str, value: Any) -> None: ...
 
 
 class Rows(np.ndarray):

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.joints._card import direction
@@ -19,7 +19,7 @@ COMMON = Record("""
 """)
 
 
-def at_start(p: Any, speed: float) -> dict[str, Any]:
+def at_start(p: Any, speed: float) -> Columns:
     """History of a hinge that has not moved; `speed` is that of the rate factor."""
     return {"x": -p["initial"], "latch": -1.0, "factor": 1.0, "speed": abs(speed)}
 

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, axis_tangent, pull, relative
@@ -65,13 +65,13 @@ OUTPUT = COMMON + Record("""
 """)
 
 
-def build(card: Axial, scene: Scene) -> dict[str, Any]:
+def build(card: Axial, scene: Scene) -> Columns:
     if card.rate is not None and card.rate.arm is not None:
         raise scene.fail("an axial hinge has no arm: its speed is that of the stroke", "rate.arm")
     return dict(scene.joint_frame(card)) | law(card, MOTIONS, scene)
 
 
-def initial_history(card: Axial, p: Any, scene: Scene) -> dict[str, Any]:
+def initial_history(card: Axial, p: Any, scene: Scene) -> Columns:
     axis = scene.matrix(p["node_a"]) @ p["axis_a"]
     return at_start(p, float(np.dot(axis, motion_of(scene, p)[0])))
 

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Vec3, quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import axis_tangent, pull, rotation_tangent, twist
@@ -103,7 +103,7 @@ OUTPUT = COMMON + Record("""
 """)
 
 
-def build(card: AxialBending, scene: Scene) -> dict[str, Any]:
+def build(card: AxialBending, scene: Scene) -> Columns:
     frame = dict(scene.joint_frame(card))
     axis, beam = direction(card, scene, "axis"), across(card, "beam", scene)
     if card.rate is not None and card.rate.arm is None:
@@ -121,7 +121,7 @@ def build(card: AxialBending, scene: Scene) -> dict[str, Any]:
     )
 
 
-def initial_history(card: AxialBending, p: Any, scene: Scene) -> dict[str, Any]:
+def initial_history(card: AxialBending, p: Any, scene: Scene) -> Columns:
     v, w = motion_of(scene, p)
     A = scene.matrix(p["node_a"])
     speed = np.hypot(v @ (A @ p["beam_a"]), p["tip"] * (w @ (A @ p["axis_a"])))

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from pydantic import model_validator
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Vec3, quantity, word
 from crashsolve.foundation.angles import FOLDED, rotation_vector, tangent_factor, tangent_map
 from crashsolve.foundation.columns import matvec_t
@@ -118,7 +118,7 @@ OUTPUT = COMMON + Record("""
 """)
 
 
-def build(card: Biaxial, scene: Scene) -> dict[str, Any]:
+def build(card: Biaxial, scene: Scene) -> Columns:
     frame = dict(scene.joint_frame(card))
     beam, side = direction(card, scene, "axis"), across(card, "side", scene)
     for end in "ab":
@@ -138,7 +138,7 @@ def build(card: Biaxial, scene: Scene) -> dict[str, Any]:
     )
 
 
-def initial_history(card: Biaxial, p: Any, scene: Scene) -> dict[str, Any]:
+def initial_history(card: Biaxial, p: Any, scene: Scene) -> Columns:
     spin, A = motion_of(scene, p)[1], scene.matrix(p["node_a"])
     across = np.hypot(spin @ (A @ p["side_a"]), spin @ (A @ p["third_a"]))
     return at_start(p, float(p["tip"] * across))

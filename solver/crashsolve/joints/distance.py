@@ -6,9 +6,7 @@ lambda is the force in the rod, compression positive. Consequence to test: five 
 a particle on a rod is a pendulum.
 """
 
-from typing import Any
-
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import point_velocity
@@ -35,7 +33,7 @@ class Distance(Card):
     )
 
 
-def build(card: Distance, scene: Scene) -> dict[str, Any]:
+def build(card: Distance, scene: Scene) -> Columns:
     ends = scene.attachments(card)
     start = scene.distance(ends)
     allowed = scene.deck.control.constraint_tolerance * scene.size

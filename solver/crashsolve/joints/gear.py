@@ -7,9 +7,7 @@ housing feels the difference. Consequence to test: a torque T on wheel 1 turns b
 theta_1_ddot = T / (J_1 + ratio^2 J_2).
 """
 
-from typing import Any
-
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, JointName, quantity, word
 from crashsolve.foundation.angles import FULL_TURN, angle_about, angle_jacobian_rate, counted
 from crashsolve.foundation.kernels import kernel
@@ -46,7 +44,7 @@ class Gear(Card):
     )
 
 
-def build(card: Gear, scene: Scene) -> dict[str, Any]:
+def build(card: Gear, scene: Scene) -> Columns:
     if card.first == card.second:
         raise scene.fail("couples a joint with itself; name another", "second")
     if card.ratio == 0.0:

@@ -6,9 +6,7 @@ The row has two parts, one per joint. Consequence to test: a rack of mass m that
 turns a pinion of inertia J accelerates with m g / (m + J / R^2).
 """
 
-from typing import Any
-
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, JointName, quantity, word
 from crashsolve.foundation.angles import FULL_TURN, angle_about, angle_jacobian_rate, counted
 from crashsolve.foundation.kernels import kernel
@@ -48,7 +46,7 @@ class Rack(Card):
     )
 
 
-def build(card: Rack, scene: Scene) -> dict[str, Any]:
+def build(card: Rack, scene: Scene) -> Columns:
     if card.radius == 0.0:
         raise scene.fail("must not be 0", "radius")
     one = named_frame(scene, "pinion", card.pinion, "angle")

@@ -8,7 +8,7 @@ needs the torque J alpha, and the driver's work is its kinetic energy.
 
 from typing import Any, ClassVar
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import JointName, word
 from crashsolve.foundation.angles import angle_about, angle_jacobian_rate, counted
 from crashsolve.foundation.kernels import kernel
@@ -47,7 +47,7 @@ class RotationDriver(DrivenCard):
     joint: JointName = word("joint that has an angle: revolute, cylindrical, ...")
 
 
-def build(card: RotationDriver, scene: Scene) -> dict[str, Any]:
+def build(card: RotationDriver, scene: Scene) -> Columns:
     frame = named_frame(scene, "joint", card.joint, "angle")
     columns = frame | motion(
         card, scene, 0.0, turn_rate(frame, scene), scene.deck.control.constraint_tolerance

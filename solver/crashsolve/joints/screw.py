@@ -8,9 +8,8 @@ an upright screw falls with m g / (m + J / h^2).
 """
 
 from math import pi
-from typing import Any
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.angles import angle_about, angle_gradient, angle_jacobian_rate, counted
 from crashsolve.foundation.kernels import kernel
@@ -34,7 +33,7 @@ class Screw(AxisJointCard):
     lead: float = quantity("m", "travel along the axis per revolution; negative if left-handed")
 
 
-def build(card: Screw, scene: Scene) -> dict[str, Any]:
+def build(card: Screw, scene: Scene) -> Columns:
     if card.lead == 0.0:
         raise scene.fail("must not be 0; a joint that only rotates is of type revolute", "lead")
     return scene.joint_frame(card) | {"advance": card.lead / (2.0 * pi)}

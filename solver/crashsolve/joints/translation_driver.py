@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import JointName, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
@@ -43,7 +43,7 @@ class TranslationDriver(DrivenCard):
     joint: JointName = word("joint that has a travel: prismatic, cylindrical, ...")
 
 
-def build(card: TranslationDriver, scene: Scene) -> dict[str, Any]:
+def build(card: TranslationDriver, scene: Scene) -> Columns:
     frame = named_frame(scene, "joint", card.joint, "travel")
     tolerance = scene.deck.control.constraint_tolerance * scene.size
     columns = frame | motion(card, scene, 0.0, slide_rate(frame, scene), tolerance)

@@ -8,9 +8,7 @@ the shafts.
 Reference: Seherr-Thoss, Schmelz and Aucktor (2006), Universal Joints and Driveshafts, ch. 1.
 """
 
-from typing import Any
-
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Vec3, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
@@ -35,7 +33,7 @@ class Universal(AxisJointCard):
     second_axis: Vec3 = word("direction of the axis fixed in b, at right angles to `axis`")
 
 
-def build(card: Universal, scene: Scene) -> dict[str, Any]:
+def build(card: Universal, scene: Scene) -> Columns:
     frame = scene.joint_frame(card)
     first, second = direction(card, scene, "axis"), direction(card, scene, "second_axis")
     cosine = float(first @ second)

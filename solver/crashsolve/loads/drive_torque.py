@@ -7,9 +7,9 @@ and nothing comes from outside. Consequence to test: with a flywheel J_e behind 
 wheel J_w takes T n / (J_w + n^2 J_e) from the torque T on the flywheel.
 """
 
-from typing import Any, ClassVar
+from typing import ClassVar
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, CurveName, JointName, quantity, word
 from crashsolve.foundation.angles import angle_gradient
 from crashsolve.foundation.curve import curve_value
@@ -47,7 +47,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: DriveTorque, scene: Scene) -> dict[str, Any]:
+def build(card: DriveTorque, scene: Scene) -> Columns:
     scene.refuse_joint(card.joint, ("angle",), "joint")
     frame = scene.joints[card.joint].frame
     return {

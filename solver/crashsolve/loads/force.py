@@ -5,9 +5,7 @@
 Consequence to test: a constant force F in world axes does the work F . (x - x_0).
 """
 
-from typing import Any
-
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Vec3, quantity
 from crashsolve.foundation.columns import matvec
 from crashsolve.foundation.kernels import kernel
@@ -31,7 +29,7 @@ HISTORY = Record()
 OUTPUT = Record("force  N  3  world axes")
 
 
-def build(card: Force, scene: Scene) -> dict[str, Any]:
+def build(card: Force, scene: Scene) -> Columns:
     load = body_load(card, card.force, scene)
     return load | {"point": scene.from_mass_centre(load["node"], card.at)}
 

@@ -3,9 +3,7 @@
 f_i = m_i g,   potential energy -m_i g . r_i
 """
 
-from typing import Any
-
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, Vec3, quantity
 from crashsolve.foundation.columns import add_to
 from crashsolve.foundation.kernels import kernel
@@ -29,7 +27,7 @@ HISTORY = Record()
 OUTPUT = Record("force  N  3  total weight")
 
 
-def build(card: Gravity, scene: Scene) -> dict[str, Any]:
+def build(card: Gravity, scene: Scene) -> Columns:
     fields = [
         name for name, entry in scene.deck.entries["loads"].items() if entry.type == "gravity"
     ]

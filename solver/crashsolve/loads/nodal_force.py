@@ -8,11 +8,11 @@ a mesh of equal elements: half at its ends.
 Consequence to test: F turns nothing if all nodes of a shell share it by their masses.
 """
 
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, CurveName, PartName, SetName, Vec3, quantity, word
 from crashsolve.foundation.columns import add_to
 from crashsolve.foundation.curve import curve_value
@@ -47,7 +47,7 @@ HISTORY = Record("factor  1  phi at the last step")
 OUTPUT = Record("force  N  3  total, world axes")
 
 
-def build(card: NodalForce, scene: Scene) -> dict[str, Any]:
+def build(card: NodalForce, scene: Scene) -> Columns:
     meshed, _, _ = scene.skin(card.part, "part")
     own = meshed.set_of(card.nodes, "nodes", scene)
     return {

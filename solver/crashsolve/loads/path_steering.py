@@ -16,11 +16,11 @@ Mellon University CMU-RI-TR-92-01.
 
 from importlib import import_module
 from math import atan, atan2, cos
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, CurveName, JointName, Vec3, quantity, word
 from crashsolve.foundation.angles import angle_about, angle_gradient, counted
 from crashsolve.foundation.curve import curve_value
@@ -119,7 +119,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: PathSteering, scene: Scene) -> dict[str, Any]:
+def build(card: PathSteering, scene: Scene) -> Columns:
     scene.refuse_joint(card.joint, ("travel", "angle"), "joint")
     if card.ratio == 0.0:
         raise scene.fail("must not be 0: the driver would never steer", "ratio")

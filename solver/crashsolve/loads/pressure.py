@@ -6,9 +6,9 @@ Positive pressure acts against the normal. Its work is that of the mean force of
 Consequence to test: a flat plate takes p A in all, and a closed body nothing.
 """
 
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, CurveName, PartName, quantity, word
 from crashsolve.foundation.columns import add_to
 from crashsolve.foundation.curve import curve_value
@@ -47,7 +47,7 @@ FORCE, TOTAL, MOMENT, WORK = (3 * NEXT + k for k in (0, 3, 6, 9))
 EMPTY = FORCE + NEXT + 3
 
 
-def build(card: Pressure, scene: Scene) -> dict[str, Any]:
+def build(card: Pressure, scene: Scene) -> Columns:
     if scene.can_fail(card.part):
         message = (
             f"the elements of '{card.part}' may be deleted (failure_strain): load its nodes instead"

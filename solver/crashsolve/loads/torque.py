@@ -5,9 +5,7 @@
 Consequence to test: a disc of inertia J under constant T about its axis turns by T t^2 / 2J.
 """
 
-from typing import Any
-
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Vec3, quantity
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import apply_external
@@ -29,7 +27,7 @@ HISTORY = Record()
 OUTPUT = Record("torque  N m  3  world axes")
 
 
-def build(card: Torque, scene: Scene) -> dict[str, Any]:
+def build(card: Torque, scene: Scene) -> Columns:
     return body_load(card, card.torque, scene)
 
 

@@ -13,7 +13,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.family import ANY, FIRST, Family
 from crashsolve.foundation.record import Record
 
@@ -29,7 +29,7 @@ class MaterialLaw(Protocol):
     LARGE_STRAIN: bool  # whether strain across the thickness is logarithmic, and stiffness grows
     DISSIPATES: bool  # whether some of the work on it is lost
 
-    def build(self, card: Any, scene: Scene) -> dict[str, Any]:
+    def build(self, card: Any, scene: Scene) -> Columns:
         """Columns of PARAMETERS."""
 
     def layer_rows(self, card: Any) -> int:

@@ -114,7 +114,7 @@ def _build(deck: Deck) -> tuple[Model, State]:
         warnings=scene.warnings,
         citations=citations(_modules(groups, [*contact_groups, *nodal_groups])),
         surfaces=scene.surfaces,
-        elements=tables_of_elements(groups, deck, scene),
+        elements=tables_of_elements(groups, scene),
         nodal_groups=nodal_groups,
         phases=phases,
     )
@@ -394,7 +394,7 @@ def _state(model: Model, scene: Scene) -> State:
         cards=np.zeros(len(model.contacts), records.CARD_OUTPUT.dtype),
         card_history=card_history,
         ledger=np.zeros(len(ENTRIES)),
-        points=initial_points(model, scene.deck, scene),
+        points=initial_points(model, scene),
         blocks=initial_blocks(model, scene.deck, scene),
         stages=np.zeros(0),
     )

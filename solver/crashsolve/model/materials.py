@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from crashsolve.deck.building import Columns
 from crashsolve.deck.family import FamilyError, check_arguments, constants, provided
 from crashsolve.foundation.record import Record
 from crashsolve.materials import GeneralLaw, VonMisesLaw
@@ -68,7 +69,7 @@ def joined(records: list[Record]) -> Record:
     return Record(columns=tuple(found.values()))
 
 
-def fill(record: Any, values: dict[str, Any]) -> None:
+def fill(record: Any, values: Columns) -> None:
     """Write values into a record; an unknown or a missing column is a programming error."""
     for name, value in values.items():
         if isinstance(value, dict):

@@ -25,7 +25,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, MaterialName, SectionName, Vec3, quantity, word
 from crashsolve.elements.beams import element, static_tangent
 from crashsolve.elements.beams.corotational import mean_frame
@@ -135,7 +135,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Beam, scene: Scene) -> list[dict[str, Any]]:
+def build(card: Beam, scene: Scene) -> list[Columns]:
     """The nodes as bodies."""
     section, material, length = _numbers(card, scene)
     start, end, n = np.asarray(card.mesh.from_), np.asarray(card.mesh.to), card.mesh.count
@@ -159,7 +159,7 @@ def build(card: Beam, scene: Scene) -> list[dict[str, Any]]:
     return nodes
 
 
-def elements(card: Beam, nodes: list[int], scene: Scene) -> list[dict[str, Any]]:
+def elements(card: Beam, nodes: list[int], scene: Scene) -> list[Columns]:
     """The elements between neighbours."""
     section, material, length = _numbers(card, scene)
     half, _ = halves(card, section, material, length, scene)
@@ -170,7 +170,7 @@ def elements(card: Beam, nodes: list[int], scene: Scene) -> list[dict[str, Any]]
     ]
 
 
-def _numbers(card: Beam, scene: Scene) -> tuple[dict[str, Any], dict[str, Any], float]:
+def _numbers(card: Beam, scene: Scene) -> tuple[Columns, Columns, float]:
     """Section, material and length of an element."""
     length = dist(card.mesh.from_, card.mesh.to) / card.mesh.count
     if not length > 0.0:
@@ -178,7 +178,7 @@ def _numbers(card: Beam, scene: Scene) -> tuple[dict[str, Any], dict[str, Any], 
     return *laws(card, scene), length
 
 
-def _triad(card: Beam, section: dict[str, Any], scene: Scene) -> np.ndarray:
+def _triad(card: Beam, section: Columns, scene: Scene) -> np.ndarray:
     """Axes of the section at the start as columns: along the beam, y, z."""
     along = scene.unit(np.subtract(card.mesh.to, card.mesh.from_), "mesh.to")
     return axes_of(card, along, section, scene)

@@ -14,11 +14,9 @@ of it.
 References: those of the beam and of beams/fibres.py.
 """
 
-from typing import Any
-
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import word
 from crashsolve.elements.beams import element, fibres, properties
 from crashsolve.elements.beams.corotational import (
@@ -69,19 +67,19 @@ class FibreBeam(beam.Beam):
     )
 
 
-def build(card: FibreBeam, scene: Scene) -> list[dict[str, Any]]:
+def build(card: FibreBeam, scene: Scene) -> list[Columns]:
     """The nodes as bodies."""
     return beam.build(card, scene)
 
 
-def elements(card: FibreBeam, nodes: list[int], scene: Scene) -> list[dict[str, Any]]:
+def elements(card: FibreBeam, nodes: list[int], scene: Scene) -> list[Columns]:
     """The elements between neighbours."""
     section, _ = properties.laws(card, scene)
     law, material_card = scene.law("materials", card.material)
     material = law.build(material_card, scene)
     y, z, area = fibres.fit(_table(card, scene), section)
     room = np.zeros(fibres.MOST_FIBRES - len(y))
-    own: dict[str, Any] = {"count": len(y), "material": material}
+    own: Columns = {"count": len(y), "material": material}
     own |= {"y": np.append(y, room), "z": np.append(z, room), "area": np.append(area, room)}
     return [row | own for row in beam.elements(card, nodes, scene)]
 

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import MaterialName, SectionName, Vec3, quantity, word
 from crashsolve.elements.beams import element, properties, releases, static_tangent
 from crashsolve.elements.beams.corotational import mean_frame_of
@@ -62,7 +62,7 @@ class Frame(Damped):
         """Number of elements."""
         return self.elements * len(self.bars)
 
-    def joints(self, part: str) -> dict[str, tuple[str, dict[str, Any]]]:
+    def joints(self, part: str) -> dict[str, tuple[str, Columns]]:
         """Joints that its ends bring: type and words by name."""
         return releases.joints(self, part)
 
@@ -71,7 +71,7 @@ class Frame(Damped):
         return [f"{part}_{k + 1}" for k in range(self.elements * len(self.bars))]
 
 
-def build(card: Frame, scene: Scene) -> list[dict[str, Any]]:
+def build(card: Frame, scene: Scene) -> list[Columns]:
     """The nodes as bodies."""
     _check(card, scene)
     section, material = properties.laws(card, scene)
@@ -101,7 +101,7 @@ def build(card: Frame, scene: Scene) -> list[dict[str, Any]]:
     ]
 
 
-def elements(card: Frame, nodes: list[int], scene: Scene) -> list[dict[str, Any]]:
+def elements(card: Frame, nodes: list[int], scene: Scene) -> list[Columns]:
     """The elements, bar after bar."""
     section, material = properties.laws(card, scene)
     positions, chains = _mesh(card)

@@ -14,11 +14,9 @@ References: Belytschko, Lin and Tsay (1984), Explicit algorithms for the nonline
 shells, Computer Methods in Applied Mechanics and Engineering 42, 225-251.
 """
 
-from typing import Any
-
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.elements.damping import coefficients
 from crashsolve.elements.shells.cards import ShellCard
 from crashsolve.elements.shells.energies import moving
@@ -96,7 +94,7 @@ OUTPUT = Record("""
 MANY = 4.0
 
 
-def discretise(card: Shell, scene: Scene) -> DiscretisedShell:
+def build(card: Shell, scene: Scene) -> DiscretisedShell:
     """The part in place."""
     if card.layers == 1:
         scene.warn(
@@ -113,9 +111,8 @@ def discretise(card: Shell, scene: Scene) -> DiscretisedShell:
     return part
 
 
-def build(card: Shell, scene: Scene) -> list[dict[str, Any]]:
+def bodies(part: DiscretisedShell) -> list[Columns]:
     """The nodes that are bodies."""
-    part = scene.meshed(card)
     speed = part.velocities()
     return [
         {
@@ -131,9 +128,9 @@ def build(card: Shell, scene: Scene) -> list[dict[str, Any]]:
     ]
 
 
-def parameters(card: Shell, scene: Scene) -> dict[str, Any]:
+def parameters(part: DiscretisedShell, scene: Scene) -> Columns:
     """Columns of PARAMETERS but for the positions in the tables."""
-    part = scene.meshed(card)
+    card = part.card
     zeta, weight = part.rule
     room = np.zeros(MOST_LAYERS - card.layers)
     law, material = part.law, part.law.build(part.material, scene)

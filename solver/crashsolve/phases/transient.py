@@ -10,7 +10,7 @@ test: a car that has settled on its springs begins with the speed of the deck an
 
 from typing import Any
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.phases._card import PhaseCard
 
 
@@ -18,17 +18,17 @@ class Transient(PhaseCard):
     """Motion, from the velocities of the deck if it is the first of its kind."""
 
 
-def build(card: Transient, scene: Scene) -> dict[str, Any]:
+def build(card: Transient, scene: Scene) -> Columns:
     return {}
 
 
-def start(p: dict[str, Any], engine: Any) -> None:
+def start(p: Columns, engine: Any) -> None:
     engine.memory["launched"] = 1
 
 
-def begin(p: dict[str, Any], engine: Any) -> None:
+def begin(p: Columns, engine: Any) -> None:
     engine.launch()
 
 
-def end(p: dict[str, Any], engine: Any) -> None:
+def end(p: Columns, engine: Any) -> None:
     """It promises nothing."""

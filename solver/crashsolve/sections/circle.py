@@ -8,10 +8,9 @@ Reference: Cowper (1966), The shear coefficient in Timoshenko's beam theory, Jou
 Mechanics 33, 335-340.
 """
 
-from typing import Any
-
 import numpy as np
 
+from crashsolve.deck.building import Columns
 from crashsolve.deck.card import Card, quantity
 from crashsolve.foundation.record import Record
 from crashsolve.sections.tube import ring, rings, round_section
@@ -26,7 +25,7 @@ class Circle(Card):
 PARAMETERS = HISTORY = OUTPUT = Record()
 
 
-def build(card: Circle, poisson: float) -> dict[str, Any]:
+def build(card: Circle, poisson: float) -> Columns:
     return round_section(card.radius, 0.0, poisson)
 
 

@@ -6,11 +6,10 @@ about the mass centre, which is the origin; y and z are principal axes. Conseque
 fibres are a sandwich, whose limit moment is Y A h / 2.
 """
 
-from typing import Any
-
 import numpy as np
 from pydantic import model_validator
 
+from crashsolve.deck.building import Columns
 from crashsolve.deck.card import Card, quantity, word
 from crashsolve.foundation.record import Record
 
@@ -48,7 +47,7 @@ class Fibres(Card):
 PARAMETERS = HISTORY = OUTPUT = Record()
 
 
-def build(card: Fibres, poisson: float) -> dict[str, Any]:
+def build(card: Fibres, poisson: float) -> Columns:
     y, z, A = np.asarray(card.fibres).T
     return {
         "area": float(A.sum()),

@@ -9,12 +9,12 @@ to test: on an arm of radius R turning at w it shows w^2 R towards the axis.
 """
 
 import re
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from pydantic import field_validator
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
@@ -64,7 +64,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Accelerometer, scene: Scene) -> dict[str, Any]:
+def build(card: Accelerometer, scene: Scene) -> Columns:
     node = scene.node(card.body)
     loads = scene.deck.entries["loads"].values()
     falls = [entry.card.acceleration for entry in loads if entry.type == "gravity"]

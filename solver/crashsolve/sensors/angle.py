@@ -6,9 +6,7 @@ The turns are counted at every step, not only at samples. Consequence to test: a
 at w for a time t shows w t, however many turns that is.
 """
 
-from typing import Any
-
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, word
 from crashsolve.foundation.angles import FULL_TURN, angle_about, angle_rate, counted
 from crashsolve.foundation.kernels import kernel
@@ -34,7 +32,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Angle, scene: Scene) -> dict[str, Any]:
+def build(card: Angle, scene: Scene) -> Columns:
     return dict(scene.turning(card))
 
 

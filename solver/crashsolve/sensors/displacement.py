@@ -5,9 +5,9 @@
 Consequence to test: a point fixed in b beside a turning a has, in the axes of a, the rate -w x x.
 """
 
-from typing import Any, Literal
+from typing import Literal
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
@@ -49,7 +49,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Displacement, scene: Scene) -> dict[str, Any]:
+def build(card: Displacement, scene: Scene) -> Columns:
     ends = scene.attachments(card)
     return ends | {"is_attached": card.axes == "a", "start": scene.distance(ends)}
 

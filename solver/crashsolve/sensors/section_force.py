@@ -6,11 +6,11 @@ in the axes of a chosen body, on body b (b minus a). Consequence to test: the jo
 hanging chain carries the weight of all below it.
 """
 
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, JointName, Vec3, quantity, word
 from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
@@ -50,7 +50,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: SectionForce, scene: Scene) -> dict[str, Any]:
+def build(card: SectionForce, scene: Scene) -> Columns:
     joint = scene.joints[card.joint]
     if joint.parts > 1:
         raise scene.fail("this joint acts between more than two bodies; name one of two", "joint")

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.foundation.curve import curve_area, curve_value, segment
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
@@ -55,7 +55,7 @@ SLIDER = Record("""
 """)
 
 
-def resistance(card: Any, scene: Scene) -> dict[str, Any]:
+def resistance(card: Any, scene: Scene) -> Columns:
     """Parameters of the law from the words of a card."""
     a, b = _power_law(card)
     curves = [name for name in (card.curve, card.unloading_curve) if name]

@@ -11,16 +11,16 @@ bar adds 4 k s^2 / r^2 to the stiffness in roll, and nothing to that in bounce.
 """
 
 from math import acos, atan2, pi, sqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import add_stiffness_bound, apply_force, arm, mobility, point_at
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import ZERO, add, cross, dot, norm, scale, sub, vec
+from crashsolve.foundation.vec3 import ZERO, Vector, add, cross, dot, norm, scale, sub, vec
 from crashsolve.springs._several import MOST, PARTS, POINTS, arm_of
 
 # lever of a link over its arm, below which it is at its dead centre
@@ -67,7 +67,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: AntiRollBar, scene: Scene) -> dict[str, Any]:
+def build(card: AntiRollBar, scene: Scene) -> Columns:
     node = scene.node(card.body)
     if node == 0:
         raise scene.fail("the ground does not roll; name the body that does", "body")
@@ -123,11 +123,11 @@ def _end(name: str, card: AntiRollBar, scene: Scene) -> End:
 class Reach(NamedTuple):
     """How an arm stands for its link to be as long as it is."""
 
-    phi: Any  # [rad]
-    d: Any  # end of the arm from the mass centre of the bar's body, world axes [m]
-    far: Any  # point of the other body from its mass centre, world axes [m]
-    u: Any  # unit vector along the link, from the arm
-    m: Any  # lever of the link on the bar [m]
+    phi: float  # [rad]
+    d: Vector  # end of the arm from the mass centre of the bar's body, world axes [m]
+    far: Vector  # point of the other body from its mass centre, world axes [m]
+    u: Vector  # unit vector along the link, from the arm
+    m: float  # lever of the link on the bar [m]
 
 
 @kernel

@@ -12,11 +12,11 @@ Reference: Dahl (1968), A solid friction model, The Aerospace Corporation TOR-01
 elastic-perfectly plastic limit of Simo and Hughes (1998), Computational Inelasticity, 1.2.
 """
 
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import CurveName, Vec3, quantity, word
 from crashsolve.foundation.curve import curve_value
 from crashsolve.foundation.kernels import kernel
@@ -76,7 +76,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Brake, scene: Scene) -> dict[str, Any]:
+def build(card: Brake, scene: Scene) -> Columns:
     ends = scene.attachments(card)
     axis = scene.unit(card.axis, "axis")
     side = perpendicular(axis)

@@ -14,9 +14,8 @@ Dynamics 32, 71-92.
 """
 
 from math import sqrt
-from typing import Any
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Vec3, quantity
 from crashsolve.foundation.angles import (
     check_rotation_limit,
@@ -79,7 +78,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Bushing, scene: Scene) -> dict[str, Any]:
+def build(card: Bushing, scene: Scene) -> Columns:
     ends = scene.attachments(card)
     return ends | {
         "stiffness": card.stiffness,

@@ -7,9 +7,7 @@ one tension acts in all of it. Consequence to test: a hoist of n falls lifts n t
 bodies on one cable keep their momentum, and vibrate with omega^2 = k sum_j s_j . s_j / m_j.
 """
 
-from typing import Any
-
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
@@ -50,7 +48,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Cable, scene: Scene) -> dict[str, Any]:
+def build(card: Cable, scene: Scene) -> Columns:
     columns = points_of(card.through, "through", scene)
     length = start_length(columns, scene) if card.length is None else card.length
     own = {"stiffness": card.stiffness, "damping": card.damping, "length": length}

@@ -16,19 +16,19 @@ Engineering 111, 107-112, of joint sinuses as generalised cones.
 """
 
 from math import atan2, floor, pi, sin, sqrt
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from pydantic import model_validator
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Vec3, quantity, word
 from crashsolve.foundation.angles import check_rotation_limit
 from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, rotation_tangent, twist
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import add_scaled, cross, dot, norm, put, scale, sub, vec
+from crashsolve.foundation.vec3 import Vector, add_scaled, cross, dot, norm, put, scale, sub, vec
 from crashsolve.springs._joint import named_joint
 from crashsolve.springs._range import (
     LARGEST,
@@ -111,7 +111,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: ConeStop, scene: Scene) -> dict[str, Any]:
+def build(card: ConeStop, scene: Scene) -> Columns:
     joint = named_joint(scene, card.joint, "ball", "swing")
     axis, pointer = scene.unit(card.axis, "axis"), scene.unit(card.pointer, "pointer")
     side = scene.unit(card.toward, "toward")
@@ -148,7 +148,7 @@ def _stretch(azimuth: np.ndarray, half: np.ndarray) -> float:
     return 1.0 + float(most)
 
 
-def _check_start(card: ConeStop, scene: Scene, p: dict[str, Any]) -> None:
+def _check_start(card: ConeStop, scene: Scene, p: Columns) -> None:
     """A joint that begins past its cone would be kicked back into it."""
     s = scene.rotation_to_body(p["node_a"], scene.matrix(p["node_b"]) @ p["pointer"])
     across = float(np.hypot(s @ p["side_a"], s @ p["third_a"]))
@@ -165,11 +165,11 @@ def _check_start(card: ConeStop, scene: Scene, p: dict[str, Any]) -> None:
 class Swing(NamedTuple):
     """Where the pointer is in the cone."""
 
-    theta: Any  # angle from the axis [rad]
-    phi: Any  # azimuth [rad]
-    past: Any  # angle past the limit, negative within [rad]
-    gradient: Any  # of `past` over turns of b, world axes; within the cone that of theta
-    cosine: Any  # of theta
+    theta: float  # angle from the axis [rad]
+    phi: float  # azimuth [rad]
+    past: float  # angle past the limit, negative within [rad]
+    gradient: Vector  # of `past` over turns of b, world axes; within the cone that of theta
+    cosine: float  # of theta
 
 
 @kernel

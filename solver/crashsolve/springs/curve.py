@@ -6,9 +6,9 @@ Consequence to test: with `unloading_stiffness` k the length after a stroke x ke
 x - f(x) / k, and the spring has absorbed int f dx, of which f^2 / 2k returns.
 """
 
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import line_tangent, pull
@@ -56,7 +56,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Curve, scene: Scene) -> dict[str, Any]:
+def build(card: Curve, scene: Scene) -> Columns:
     ends = scene.attachments(card)
     return ends | _resistance.resistance(card, scene) | {"length": rest_length(card, scene, ends)}
 

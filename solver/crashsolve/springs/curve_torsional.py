@@ -5,9 +5,9 @@
 Consequence to test: with `unloading_stiffness` k a turn theta leaves the set theta - f(theta) / k.
 """
 
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import quantity, word
 from crashsolve.foundation.angles import FULL_TURN
 from crashsolve.foundation.kernels import kernel
@@ -53,7 +53,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: CurveTorsional, scene: Scene) -> dict[str, Any]:
+def build(card: CurveTorsional, scene: Scene) -> Columns:
     return scene.turning(card) | _resistance.resistance(card, scene) | {"angle": card.angle}
 
 

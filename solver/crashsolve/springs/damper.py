@@ -8,11 +8,11 @@ and c_2 shortening a free mass m comes to rest after m v / c_1 or m v / c_2 of t
 energy is dissipated.
 """
 
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import CurveName, word
 from crashsolve.foundation.curve import LINEAR, curve_value, segment
 from crashsolve.foundation.kernels import kernel
@@ -45,7 +45,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Damper, scene: Scene) -> dict[str, Any]:
+def build(card: Damper, scene: Scene) -> Columns:
     curve = scene.curve(card.curve)
     _check(scene.curve_points, curve, card.curve, scene)
     stiffest = steepest(scene.curve_points, curve)

@@ -11,9 +11,9 @@ Consequence to test: with k_t = 0 a mass m at v_0 stops after m v_0^2 / 2 F_y + 
 Reference: Simo and Hughes (1998), Computational Inelasticity, 1.2 to 1.6.
 """
 
-from typing import Any, Literal
+from typing import Literal
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import line_tangent, pull
@@ -60,7 +60,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Elastoplastic, scene: Scene) -> dict[str, Any]:
+def build(card: Elastoplastic, scene: Scene) -> Columns:
     k, tangent = card.stiffness, card.tangent
     if tangent >= k:
         raise scene.fail(f"must be below stiffness, {k:g} N/m", "tangent")

@@ -6,9 +6,7 @@ Consequence to test: a mass on it swings with omega^2 = k / m; stored energy k (
 dissipated power c l_dot^2.
 """
 
-from typing import Any
-
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import line_tangent, pull
@@ -42,7 +40,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Linear, scene: Scene) -> dict[str, Any]:
+def build(card: Linear, scene: Scene) -> Columns:
     ends = scene.attachments(card)
     length = rest_length(card, scene, ends)
     return ends | {"stiffness": card.stiffness, "damping": card.damping, "length": length}

@@ -19,7 +19,7 @@ from typing import Any, ClassVar
 import numpy as np
 from pydantic import model_validator
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, CurveName, JointName, quantity, word
 from crashsolve.foundation.angles import orientation_in, rotation_between
 from crashsolve.foundation.columns import matvec_t
@@ -84,7 +84,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: RotationFriction, scene: Scene) -> dict[str, Any]:
+def build(card: RotationFriction, scene: Scene) -> Columns:
     joint = named_joint(scene, card.joint, "angle", "ball")
     return {
         "level": card.torque,
@@ -100,7 +100,7 @@ def build(card: RotationFriction, scene: Scene) -> dict[str, Any]:
     }
 
 
-def initial_history(card: RotationFriction, p: Any, scene: Scene) -> dict[str, Any]:
+def initial_history(card: RotationFriction, p: Any, scene: Scene) -> Columns:
     w, x, y, z = scene.q[p["node_a"]]
     a = np.array([[w, x, y, z], [-x, w, z, -y], [-y, -z, w, x], [-z, y, -x, w]])
     return {"configuration": a @ scene.q[p["node_b"]]}

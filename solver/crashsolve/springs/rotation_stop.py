@@ -6,9 +6,9 @@ Consequence to test: without damping the joint rebounds with its speed after the
 pi sqrt(J / k); with the damping ratio zeta it rebounds with the restitution exp(-zeta omega t_c).
 """
 
-from typing import Any, ClassVar
+from typing import ClassVar
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.angles import FULL_TURN
 from crashsolve.foundation.kernels import kernel
@@ -42,7 +42,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: RotationStop, scene: Scene) -> dict[str, Any]:
+def build(card: RotationStop, scene: Scene) -> Columns:
     frame = _joint.named_joint(scene, card.joint, "angle").frame
     start = scene.angles_at_start.get(card.joint, 0.0)
     columns = FULL_TURN.taken_from(frame) | _joint.stops(card, scene) | {"start": start}

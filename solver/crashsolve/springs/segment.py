@@ -24,11 +24,11 @@ approach, Computers and Structures 6, 475-480. Powell and Chen (1986), ASCE J. E
 627-641 (the ellipse). Simo and Hughes (1998), Computational Inelasticity, 3 (return to it).
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import MaterialName, SectionName, Vec3, quantity, word
 from crashsolve.elements.beams.corotational import (
     half_angle_over_sine,
@@ -51,7 +51,19 @@ from crashsolve.foundation.motion import (
 )
 from crashsolve.foundation.orientation import quaternion_of
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import ZERO, add, add_scaled, cross, dot, put, scale, sub, unit, vec
+from crashsolve.foundation.vec3 import (
+    ZERO,
+    Vector,
+    add,
+    add_scaled,
+    cross,
+    dot,
+    put,
+    scale,
+    sub,
+    unit,
+    vec,
+)
 from crashsolve.sections._plastic import GRID, plastic_modulus
 from crashsolve.springs._between import POINTS
 from crashsolve.springs._card import PointSpringCard
@@ -124,7 +136,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Segment, scene: Scene) -> dict[str, Any]:
+def build(card: Segment, scene: Scene) -> Columns:
     section, material, moduli = _laws(card, scene)
     ends, T = _ends(card, scene), _triad(card, scene)
     a, b = ends["node_a"], ends["node_b"]
@@ -160,16 +172,16 @@ def build(card: Segment, scene: Scene) -> dict[str, Any]:
     }
 
 
-def _ends(card: Segment, scene: Scene) -> dict[str, Any]:
+def _ends(card: Segment, scene: Scene) -> Columns:
     """Both sides of the cut, which must be in one position at the start."""
-    ends: dict[str, Any] = scene.attachments(card)
+    ends: Columns = scene.attachments(card)
     if (apart := scene.distance(ends)) > CLOSE_ENOUGH * card.length:
         message = f"is {apart:.3g} m from at_a at the start; they are two sides of one cut"
         raise scene.fail(message, "at_b")
     return ends
 
 
-def _laws(card: Segment, scene: Scene) -> tuple[dict[str, Any], dict[str, Any], tuple[float, ...]]:
+def _laws(card: Segment, scene: Scene) -> tuple[Columns, Columns, tuple[float, ...]]:
     """Constants of section and material, and A, Z_y, Z_z."""
     law, material_card = scene.law("materials", card.material)
     kind = law.__name__.rpartition(".")[2]
@@ -204,15 +216,15 @@ def _triad(card: Segment, scene: Scene) -> np.ndarray:
 class Seen(NamedTuple):
     """What a spring has been brought to, in axes of the beam but for R and the arms."""
 
-    R: Any  # mean triad, v and w of corotational.py
-    v: Any
+    R: tuple[float, ...]  # mean triad, v and w of corotational.py
+    v: Vector
     w: float
-    d_a: Any  # arms of both sides [m], world axes
-    d_b: Any
-    u: Any  # stretch and shear [m]
-    theta: Any  # twist and bends [rad]
-    u_dot: Any
-    theta_dot: Any
+    d_a: Vector  # arms of both sides [m], world axes
+    d_b: Vector
+    u: Vector  # stretch and shear [m]
+    theta: Vector  # twist and bends [rad]
+    u_dot: Vector
+    theta_dot: Vector
 
 
 @kernel

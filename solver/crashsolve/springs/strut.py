@@ -9,12 +9,12 @@ pi omega A^2 (c_b + c_r) / 2 in a cycle; a mass that meets the bump stop k_b at 
 sqrt(m / k_b) v beyond it.
 """
 
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from pydantic import model_validator
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import CurveName, quantity, word
 from crashsolve.foundation.curve import curve_area, curve_value
 from crashsolve.foundation.kernels import kernel
@@ -114,7 +114,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Strut, scene: Scene) -> dict[str, Any]:
+def build(card: Strut, scene: Scene) -> Columns:
     ends = scene.attachments(card)
     curves = {
         name: scene.curve(getattr(card, name)) if getattr(card, name) else 0

@@ -7,9 +7,7 @@ gradient of theta, so no energy is lost if b tilts. Consequence to test: a disc 
 with omega^2 = k / J; stored energy k (theta - theta_0)^2 / 2.
 """
 
-from typing import Any
-
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.angles import FULL_TURN
 from crashsolve.foundation.kernels import kernel
@@ -44,7 +42,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Torsional, scene: Scene) -> dict[str, Any]:
+def build(card: Torsional, scene: Scene) -> Columns:
     constants = {"stiffness": card.stiffness, "damping": card.damping, "angle": card.angle}
     return scene.turning(card) | constants
 

@@ -12,11 +12,9 @@ bristle stores.
 Reference: Dahl (1968), A solid friction model, The Aerospace Corporation TOR-0158.
 """
 
-from typing import Any
-
 from pydantic import model_validator
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, JointName, quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
@@ -60,7 +58,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: TranslationFriction, scene: Scene) -> dict[str, Any]:
+def build(card: TranslationFriction, scene: Scene) -> Columns:
     joint = named_joint(scene, card.joint, "travel")
     return SLIDE.taken_from(joint.frame) | {
         "level": card.force,

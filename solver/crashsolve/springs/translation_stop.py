@@ -6,9 +6,9 @@ Consequence to test: without damping the joint rebounds with its speed after the
 pi sqrt(m / k); with the damping ratio zeta it rebounds with the restitution exp(-zeta omega t_c).
 """
 
-from typing import Any, ClassVar
+from typing import ClassVar
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, axis_tangent
@@ -41,7 +41,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: TranslationStop, scene: Scene) -> dict[str, Any]:
+def build(card: TranslationStop, scene: Scene) -> Columns:
     frame = _joint.named_joint(scene, card.joint, "travel").frame
     return SLIDE.taken_from(frame) | _joint.stops(card, scene)
 

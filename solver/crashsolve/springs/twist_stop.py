@@ -13,12 +13,11 @@ joint, Deformable Avatars, IFIP 68, 180-190.
 """
 
 from math import atan2, sqrt
-from typing import Any
 
 import numpy as np
 from pydantic import model_validator
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Vec3, quantity, word
 from crashsolve.foundation.angles import check_rotation_limit
 from crashsolve.foundation.columns import matvec_t
@@ -81,7 +80,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: TwistStop, scene: Scene) -> dict[str, Any]:
+def build(card: TwistStop, scene: Scene) -> Columns:
     joint = named_joint(scene, card.joint, "ball")
     columns = moment_columns(card, scene, "both") | {
         "node_a": joint.node_a,
@@ -100,7 +99,7 @@ def build(card: TwistStop, scene: Scene) -> dict[str, Any]:
     return columns
 
 
-def _check_start(card: TwistStop, scene: Scene, p: dict[str, Any]) -> None:
+def _check_start(card: TwistStop, scene: Scene, p: Columns) -> None:
     """A joint that begins past its range would be kicked back into it."""
     A_a, A_b = scene.matrix(p["node_a"]), scene.matrix(p["node_b"])
     vectors = (A_a @ p["axis_a"], A_a @ p["side_a"], A_b @ p["axis_b"], A_b @ p["side_b"])

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Columns
 from crashsolve.foundation.columns import matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import world_position
@@ -43,12 +44,12 @@ ROUND_OFF = 1e-13
 STARTS, CLIMBS = 22, 4
 
 
-def expand(elements: Any, shape: Any) -> list[dict[str, Any]]:
+def expand(elements: Any, shape: Any) -> list[Columns]:
     """Elements of a shape as sums of ellipsoids."""
     return [_as_sum(element, shape.rounds(element)) for element in elements]
 
 
-def expand_sharp(elements: Any, shape: Any) -> list[dict[str, Any]]:
+def expand_sharp(elements: Any, shape: Any) -> list[Columns]:
     """Boxes or cylinders that meet ellipsoids, as sums of ellipsoids.
 
     Roundness of an ellipsoid is enough for a touch: faces beside it are flat, but for what Newton's
@@ -62,7 +63,7 @@ def expand_sharp(elements: Any, shape: Any) -> list[dict[str, Any]]:
     return found
 
 
-def _as_sum(element: dict[str, Any], rounds: list[np.ndarray]) -> dict[str, Any]:
+def _as_sum(element: Columns, rounds: list[np.ndarray]) -> Columns:
     E = np.zeros(27)
     E[: 9 * len(rounds)] = np.concatenate([r.ravel() for r in rounds])
     kept = {name: element[name] for name in ("node", "point", "axes")}

@@ -18,6 +18,7 @@ import numpy as np
 
 from crashsolve.contact.narrow._convex import CLIMBS, ITERATIONS, ROUND_OFF, climb, tangents
 from crashsolve.contact.narrow._patch import ROWS, SPOT, axis_of, patch
+from crashsolve.deck.building import Columns
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import world_position
 from crashsolve.foundation.record import Record
@@ -60,7 +61,7 @@ FLATTER_CAP = 1
 OUTERMOST = 0.9999
 
 
-def expand(elements: Any, shape: Any, others: Any = ()) -> list[dict[str, Any]]:
+def expand(elements: Any, shape: Any, others: Any = ()) -> list[Columns]:
     """Elements of boxes or cylinders with the ellipsoids that they are sums of.
 
     The rounding is a share of the least half size of a touch, of the element and of all `others`
@@ -74,7 +75,7 @@ def expand(elements: Any, shape: Any, others: Any = ()) -> list[dict[str, Any]]:
     return [_rounded(element, shape, least, width) for element in elements]
 
 
-def _half(element: dict[str, Any]) -> np.ndarray:
+def _half(element: Columns) -> np.ndarray:
     """Half sizes (3,) [m] of the enclosing box."""
     if "radius" in element:
         r = element["radius"]
@@ -82,17 +83,17 @@ def _half(element: dict[str, Any]) -> np.ndarray:
     return np.asarray(element["half"])
 
 
-def least_half(element: dict[str, Any]) -> float:
+def least_half(element: Columns) -> float:
     """Least half size [m] of a box or cylinder."""
     return float(min(_half(element)))
 
 
-def widest_half(element: dict[str, Any]) -> float:
+def widest_half(element: Columns) -> float:
     """Largest half size [m] of a box or cylinder."""
     return float(max(_half(element)))
 
 
-def _rounded(element: dict[str, Any], shape: Any, least: float, width: float) -> dict[str, Any]:
+def _rounded(element: Columns, shape: Any, least: float, width: float) -> Columns:
     is_round, r = "radius" in element, element.get("radius")
     half = _half(element)
     flatness = min(1.0, width / widest_half(element)) ** (FLATTER_CAP if is_round else FLATTER)

@@ -22,7 +22,7 @@ from typing import Any
 
 from crashsolve.contact.normal._restitution import returned, speed_through, spent
 from crashsolve.contact.normal._stiffness import SOURCES, Materials, hertz_stiffness
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
@@ -69,7 +69,7 @@ class DampedPowerCard(PowerCard):
     restitution: float = quantity("1", "coefficient of restitution e", ge=0, le=1)
 
 
-def build(card: PowerCard, scene: Scene, pair: Any) -> dict[str, Any]:
+def build(card: PowerCard, scene: Scene, pair: Any) -> Columns:
     """Parameters of the force; warns where it returns another restitution than asked.
 
     Refuses two sources of stiffness.

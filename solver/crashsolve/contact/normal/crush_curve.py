@@ -17,7 +17,7 @@ References: Ambrosio (2003), 5.1, crushable ends of trains; how they unload is l
 from typing import Any, ClassVar
 
 from crashsolve.contact.normal._pressed import check_pressed
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, CurveName, quantity, word
 from crashsolve.foundation.curve import curve_area, curve_value
 from crashsolve.foundation.kernels import kernel
@@ -47,7 +47,7 @@ HISTORY = Record("""
 """)
 
 
-def build(card: CrushCurve, scene: Scene, pair: Any) -> dict[str, Any]:
+def build(card: CrushCurve, scene: Scene, pair: Any) -> Columns:
     curve = scene.curve(card.curve)
     check_pressed(curve, card.curve, card.unloading_stiffness, scene)
     return {

@@ -19,7 +19,7 @@ from typing import Any
 
 from pydantic import model_validator
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, quantity
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
@@ -51,7 +51,7 @@ HISTORY = Record("""
 """)
 
 
-def build(card: KelvinVoigt, scene: Scene, pair: Any) -> dict[str, Any]:
+def build(card: KelvinVoigt, scene: Scene, pair: Any) -> Columns:
     ratio = damping_ratio(card.restitution) if card.restitution is not None else 0.0
     return {
         "stiffness": card.stiffness,

@@ -12,7 +12,7 @@ from typing import Any
 
 from pydantic import model_validator
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, quantity
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
@@ -38,7 +38,7 @@ PARAMETERS = Record("stiffness  N/m  k")
 HISTORY = Record()
 
 
-def build(card: Penalty, scene: Scene, pair: Any) -> dict[str, Any]:
+def build(card: Penalty, scene: Scene, pair: Any) -> Columns:
     if card.stiffness is not None:
         return {"stiffness": card.stiffness}
     shell = getattr(pair, "membrane", None)

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.contact.shape._placed import PLACED, PlacedCard, placement
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Vec3, quantity
 from crashsolve.foundation.record import Record
 
@@ -23,7 +23,7 @@ class Box(PlacedCard):
 PARAMETERS = PLACED + Record("half  m  3  half edges")
 
 
-def build(card: Box, scene: Scene) -> list[dict[str, Any]]:
+def build(card: Box, scene: Scene) -> list[Columns]:
     return [placement(card, scene) | {"half": 0.5 * np.array(card.size)}]
 
 
@@ -47,7 +47,7 @@ def half_width(element: Any) -> float:
     return float(np.median(element["half"]))
 
 
-def corners(element: Any) -> list[dict[str, Any]]:
+def corners(element: Any) -> list[Columns]:
     """The eight corners, as spheres of radius 0."""
     axes = element["axes"].reshape(3, 3)
     signs = product((-1.0, 1.0), repeat=3)

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.contact.shape._placed import PLACED
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 from crashsolve.foundation.orientation import perpendicular
 from crashsolve.foundation.record import Record
@@ -31,7 +31,7 @@ PARAMETERS = PLACED + Record("""
 """)
 
 
-def build(card: Cylinder, scene: Scene) -> list[dict[str, Any]]:
+def build(card: Cylinder, scene: Scene) -> list[Columns]:
     node = scene.node(card.body)
     axis = scene.unit(card.axis, "axis")
     side = perpendicular(axis)
@@ -76,7 +76,7 @@ def rounds(element: Any) -> list[np.ndarray]:
     return [axes * semi**2 @ axes.T for semi in (disc, needle)]
 
 
-def rims(element: Any) -> list[dict[str, Any]]:
+def rims(element: Any) -> list[Columns]:
     """Two flat ellipsoids that reach exactly as far as the caps and the lateral surface."""
     axes = element["axes"].reshape(3, 3)
     r, half = element["radius"], element["half_length"]

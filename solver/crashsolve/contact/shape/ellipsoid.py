@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.contact.shape._placed import PLACED, PlacedCard, placement
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Vec3, quantity
 from crashsolve.foundation.record import Record
 
@@ -20,7 +20,7 @@ class Ellipsoid(PlacedCard):
 PARAMETERS = PLACED + Record("semi  m  3  semi-axes")
 
 
-def build(card: Ellipsoid, scene: Scene) -> list[dict[str, Any]]:
+def build(card: Ellipsoid, scene: Scene) -> list[Columns]:
     return [placement(card, scene) | {"semi": np.array(card.semi_axes)}]
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import model_validator
 
 from crashsolve.contact.shape._placed import PLACED, PlacedCard, placement
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import FileName, Vec3, quantity, word
 from crashsolve.foundation.mesh_files.reading import OUTLINES, MeshFileError, read_mesh_file
 from crashsolve.foundation.record import Record
@@ -45,7 +45,7 @@ PARAMETERS = PLACED + Record("""
 """)
 
 
-def build(card: Mesh, scene: Scene) -> list[dict[str, Any]]:
+def build(card: Mesh, scene: Scene) -> list[Columns]:
     points, faces = _read(card, scene)
     edges = _check(points, faces, scene)
     is_open = bool((edges[:, 2] < 0).any())
@@ -145,7 +145,7 @@ def half_width(element: Any) -> float:
     return float(0.5 * np.median(np.ptp(element["points"], axis=0)))
 
 
-def corners(element: Any) -> list[dict[str, Any]]:
+def corners(element: Any) -> list[Columns]:
     """The points of the mesh, as spheres of radius 0."""
     used = element["points"][np.unique(element["faces"])]
     points = element["point"] + used @ element["axes"].reshape(3, 3).T

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 from crashsolve.foundation.record import Record
 
@@ -22,7 +22,7 @@ PARAMETERS = Record("""
 """)
 
 
-def build(card: Sphere, scene: Scene) -> list[dict[str, Any]]:
+def build(card: Sphere, scene: Scene) -> list[Columns]:
     node = scene.node(card.body)
     return [{"node": node, "point": scene.from_mass_centre(node, card.at), "radius": card.radius}]
 

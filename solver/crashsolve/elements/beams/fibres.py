@@ -18,10 +18,9 @@ backwards after 2 Y_0 where beta is 1; moduli are the derivatives of resultants.
 Reference: Simo and Hughes (1998), Computational Inelasticity, 1.4 to 1.6.
 """
 
-from typing import Any
-
 import numpy as np
 
+from crashsolve.deck.building import Columns
 from crashsolve.foundation.kernels import inlined, kernel
 from crashsolve.foundation.vec3 import add_scaled, dot
 from crashsolve.materials._von_mises import factor_of
@@ -34,7 +33,7 @@ ROUND_OFF = 1e-12
 NONE = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-def fit(table: np.ndarray, section: dict[str, Any]) -> np.ndarray:
+def fit(table: np.ndarray, section: Columns) -> np.ndarray:
     """Fibres (y, z, A) moved a little and resized, to have area and second moments of a section."""
     y, z, A = table.T
     A = A * section["area"] / A.sum()

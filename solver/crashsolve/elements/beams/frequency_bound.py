@@ -7,12 +7,13 @@ rho I). Consequence to test: the bound holds in any orientation, at any tension.
 """
 
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Columns
 
-def fastest_rate(row: dict[str, Any], mass: float, J: np.ndarray) -> float:
+
+def fastest_rate(row: Columns, mass: float, J: np.ndarray) -> float:
     """Largest eigenvalue of M^-1 sum k D^T D of one node of a straight element [1/s^2].
 
     The node has this mass and inertia (3, 3), axes of the element.
@@ -21,7 +22,7 @@ def fastest_rate(row: dict[str, Any], mass: float, J: np.ndarray) -> float:
     return _fastest_rate(float(row["length"]), stiffness, 0.0, float(mass), J.tobytes())
 
 
-def rate_of_tension(row: dict[str, Any], mass: float, J: np.ndarray) -> float:
+def rate_of_tension(row: Columns, mass: float, J: np.ndarray) -> float:
     """The same of what a tension of 1 N lends to it [1/(kg m)].
 
     Of the stretch e by the way across: of the chord, 1 / l, and of the bow where it is positive.

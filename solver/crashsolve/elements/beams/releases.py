@@ -13,6 +13,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from crashsolve.deck.building import Columns
 from crashsolve.deck.card import Card, Vec3, quantity, word
 from crashsolve.foundation.orientation import perpendicular
 
@@ -89,9 +90,9 @@ def fault(card: Any) -> str:
     return ""
 
 
-def joints(card: Any, part: str) -> dict[str, tuple[str, dict[str, Any]]]:
+def joints(card: Any, part: str) -> dict[str, tuple[str, Columns]]:
     """Joints between the ends and their points: type and words by name."""
-    found: dict[str, tuple[str, dict[str, Any]]] = {}
+    found: dict[str, tuple[str, Columns]] = {}
     if fault(card):
         # refused where the part is built
         return found

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from crashsolve.deck.building import Columns
 from crashsolve.deck.family import check_law
 from crashsolve.foundation.record import Record
 from crashsolve.model.contact import records
@@ -50,13 +51,13 @@ class Surface:
     def __init__(self, entry: Entry, rank: int, scene: Scene) -> None:
         self.entry, self.rank = entry, rank
         self.module = import_module(entry.module_name)
-        self.elements: list[dict[str, Any]] = self.module.build(entry.card, scene)
+        self.elements: list[Columns] = self.module.build(entry.card, scene)
         self.shape = getattr(self.module, "GAP_AS", entry.type)
         if hasattr(self.module, "gap_as"):
             self.shape = self.module.gap_as(entry.card, scene)
         self.radius = self.module.curvature_radius(entry.card)
         # the smallest boxes and cylinders that it may touch, one for each side of a card
-        self.others: list[dict[str, Any]] = []
+        self.others: list[Columns] = []
 
 
 class Pair:
@@ -202,7 +203,7 @@ class Side:
     def __init__(self, letter: str) -> None:
         self.letter = letter
         self.record: Record | None = None
-        self.elements: list[dict[str, Any]] = []
+        self.elements: list[Columns] = []
         self.surfaces: dict[str, range] = {}
         self._of: list[Surface] = []
         self._bounds: list[tuple[Any, float, float]] = []
@@ -276,7 +277,7 @@ class GroupBuilder:
         self.word, self.home = word, home
         self.modules = [import_module(type(law).__module__) for law in laws]
         self.sides = (Side("a"), Side("b"))
-        self.laws: list[dict[str, Any]] = []
+        self.laws: list[Columns] = []
         self.blocks: list[tuple[Any, ...]] = []
 
     def add(
@@ -304,7 +305,7 @@ class GroupBuilder:
         floor = speed_floor(entry.card, scene)
         self.blocks.append((index, floor, order, names, on_both, rows))
 
-    def _law(self, entry: Entry, a: Surface, b: Surface, scene: Scene) -> dict[str, Any]:
+    def _law(self, entry: Entry, a: Surface, b: Surface, scene: Scene) -> Columns:
         """Parameters of the laws between two surfaces."""
         first, *others = _laws(entry.card)
         scene.refuse_stepwise(self.modules[0])
@@ -384,7 +385,7 @@ def _unlike(surfaces: tuple[list[Surface], list[Surface]]) -> list[tuple[Surface
     return [(a, b) for a in some_a for b in some_b]
 
 
-def _table(rows: list[dict[str, Any]], record: Record | None) -> np.ndarray:
+def _table(rows: list[Columns], record: Record | None) -> np.ndarray:
     assert record is not None
     table = np.zeros(len(rows), record.dtype)
     for i, values in enumerate(rows):

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from crashsolve.contact.cells import CELL, WALLS
+from crashsolve.deck.building import Columns
 from crashsolve.foundation.point import LANES
 from crashsolve.foundation.record import Record
 from crashsolve.model.contact import records
@@ -231,7 +232,7 @@ class NodalBuilder:
         return Probes(rows, float(radius), None, None, 0)
 
     def _common(
-        self, probes: Probes, values: dict[str, Any], probe_states: int, law: Any, friction: Any
+        self, probes: Probes, values: Columns, probe_states: int, law: Any, friction: Any
     ) -> dict[str, np.ndarray]:
         """Arrays of every group."""
         record, probe_state = PARAMETERS + law.PARAMETERS, PROBE_STATE + law.HISTORY
@@ -414,7 +415,7 @@ class Seen:
     entry: Any
 
 
-def table_of(rows: list[dict[str, Any]], record: Record) -> np.ndarray:
+def table_of(rows: list[Columns], record: Record) -> np.ndarray:
     table = np.zeros(len(rows), record.dtype)
     for row, values in zip(table, rows, strict=True):
         for column in record.columns:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Columns
 from crashsolve.deck.expansion import Law, Problem, Steps
 from crashsolve.foundation.orientation import perpendicular, quaternion_of
 
@@ -28,7 +29,7 @@ class Member:
     T: np.ndarray
     section: Law
     material: Law
-    constants: dict[str, Any]
+    constants: Columns
     divisions: int
     deformation: str
     joints: tuple[float, float] = (0.0, 0.0)
@@ -62,7 +63,7 @@ class Member:
         """Mass, mass centre and inertia (3, 3) about it of a length of it, world axes."""
         s, rho = end - start, self.material.card.density
         mass = rho * self.constants["area"] * s
-        I_y, I_z = self.constants.get("rotary", self.constants["second"])
+        I_y, I_z = self.constants["rotary" if "rotary" in self.constants else "second"]
         across = mass * s * s / 12.0
         J = np.diag([rho * s * (I_y + I_z), rho * s * I_y + across, rho * s * I_z + across])
         return mass, self.at(0.5 * (start + end)), self.T @ J @ self.T.T
@@ -164,7 +165,7 @@ def _member(
     )  # fmt: skip
 
 
-def _axes(along: np.ndarray, side: Any, constants: dict[str, Any], path: Steps) -> np.ndarray:
+def _axes(along: np.ndarray, side: Any, constants: Columns, path: Steps) -> np.ndarray:
     """Axes of a member as columns. Raises Problem."""
     if side is None:
         I_y, I_z = constants["second"]

@@ -16,7 +16,7 @@ References: Baerentzen and Aanaes (2005), IEEE Transactions on Visualization and
 """
 
 from math import acos, sqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from crashsolve.contact.cells import WALLS, corner_points, list_near, measure, sort
 from crashsolve.contact.narrow._face import CORNER, EDGE, INSIDE, across, nearest_on_face, point_of
@@ -24,6 +24,7 @@ from crashsolve.elements.shells.records import BLOCK
 from crashsolve.foundation.columns import add_to
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.point import LANES
+from crashsolve.foundation.rows import Rows
 from crashsolve.foundation.vec3 import add, add_scaled, dot, norm, put, scale, sub, vec
 from crashsolve.system.contact.node_contact import (
     count,
@@ -104,9 +105,9 @@ def is_crowded(p, totals):
 class Sides(NamedTuple):
     """What is known of the touches of probes, on both sides of the faces."""
 
-    states: Any  # before and after the step, `WALLS` for each side of each probe
-    slot_in_use: Any  # which of both is from before
-    found: Any  # the nearest faces of one probe
+    states: Rows  # before and after the step, `WALLS` for each side of each probe
+    slot_in_use: int  # which of both is from before
+    found: Rows  # the nearest faces of one probe
 
 
 @kernel
