@@ -97,6 +97,6 @@ def gone_on(deck: Path, whole: Path, again: Path) -> str:
     max(again.glob("restart_*.h5"), key=lambda path: path.stat().st_mtime_ns).unlink()
     done = crashsolve(deck, "-o", again, "--restart")
     assert done.returncode == 0, done.stderr
-    assert "going on from t = " in done.stdout
+    assert "continuing from t = " in done.stdout
     assert differences(again, whole) == []
     return done.stdout

@@ -39,8 +39,8 @@ def run(
     `deck` is a path, or the deck itself as a dict, which is then written to deck.yaml of the
     folder: files that it names are looked for there. `folder` is DECK.results when
     absent. `set` replaces parameters and fields, as --set does: {"control.step": "0.1 ms"}; bare
-    numbers are in the deck's units. `restart` goes on from the newest dump. `report` is called with
-    every line that the run prints, as in report=print.
+    numbers are in the deck's units. `restart` continues from the newest dump. `report` is called
+    with every line that the run prints, as in report=print.
     """
     name = "deck" if isinstance(deck, Mapping) else Path(deck).stem
     folder = Path(f"{name}.results" if folder is None else folder)

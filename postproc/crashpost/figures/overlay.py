@@ -77,7 +77,7 @@ def _collect(part: Any, path: str, leaves: dict[str, Any]) -> None:
 
 
 def _differing(values: Sequence[dict[str, Any]]) -> list[str]:
-    """The places where not all have the same."""
+    """The paths at which not all have the same."""
     positions = dict.fromkeys(path for own in values for path in own)
     return [p for p in positions if any(own.get(p) != values[0].get(p) for own in values)]
 

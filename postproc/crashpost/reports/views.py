@@ -20,7 +20,7 @@ from crashpost.results.states import States
 CHOICES = ("all", "strips", "none")
 WORDS = ("view", "color", "arrows", "follow", "close_up", "cut")
 FIELDS = ("title", "at", "show", "magnify", *WORDS)
-# of the film [pixels], its height as the scene asks; nobody waits for a cinema's size in a page
+# of the film [pixels], its height as the scene asks; a page needs no full size
 SIZE = (720, 0)
 # the run in 3-D is left out where even two states would take this much [numbers]
 MOST_POINTS = 1_000_000

@@ -1,7 +1,7 @@
 """The files of a results folder: histories by channel name, status, log and deck.
 
 Rows whose time is not a number are reserved by the writer and do not exist yet (FILE_FORMAT.md),
-so that a result can be read while its run goes on. Views of it (answers, tables, meshes) are made
+so that a result can be read during its run. Views of it (answers, tables, meshes) are made
 from a History and not by it; `result.py` joins both for scripts.
 """
 

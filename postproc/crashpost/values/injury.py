@@ -85,7 +85,7 @@ def measures(result: Result) -> list[list[str]]:
 
 
 def injury_figures(result: Result) -> list[Figure]:
-    """The acceleration of every place, with the window of HIC of 15 ms of heads, 3 ms clip."""
+    """The acceleration of every sensor, with the window of HIC of 15 ms of heads, 3 ms clip."""
     figures = []
     for position in positions(result):
         peak = result.value(position.channel, "max", unit="g0")

@@ -6,7 +6,7 @@
                leaves towards the other point; unknowns are P on its silhouette and the arc
 
 The belt leaves where its tangent meets the points. All is in axes of the shape. `bend` is the
-integral of the curvature along the arc, which takes the place of the angle beta of a ring.
+integral of the curvature along the arc, which replaces the angle beta of a ring.
 Consequence to test: length and directions are continuous as the belt leaves, and the length is
 that of an independent search for the shortest line.
 """

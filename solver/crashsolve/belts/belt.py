@@ -112,7 +112,7 @@ OUTPUT = Record(f"""
     angle       rad  {MOST}  by which the belt turns at each fitting
     friction    J        lost at rings so far
     hysteresis  J        lost in webbing so far
-    retractor   J        taken up by the retractor so far; below 0: work that it has done
+    retractor   J        energy taken by the retractor so far; negative where it has done work
     pay_out     m        webbing that has left the retractor
     locked      count    1 once the retractor is locked
 """)

@@ -5,7 +5,7 @@
 
 P is the impulse on the node over half a step, v its velocity over b at the end of it: a node that
 arrives loses its normal velocity at once (Eq. 23), then its normal acceleration (Eq. 24), and
-leaves when the reaction would pull (Eq. 25; the chapter prints its sign the other way round). Each
+leaves when the reaction would pull (Eq. 25; the chapter prints the opposite sign). Each
 capture loses m v_n^2 / 2 of the node. Consequence to test: that of a bar's first node is 1 / (2 N)
 of the energy for N elements; the impulse of a bar end on is that of the force laws as N grows. A
 rigid body would lose all its energy, and its joints would be torn: it is refused.

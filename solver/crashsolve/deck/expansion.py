@@ -1,9 +1,8 @@
 """Cards that stand for many: they are written out in ordinary ones before names are looked up.
 
 The module of such a type has `expand(name, card, laws, control)`: a pure function from the card,
-the sections and materials of the deck and the words of its control to other cards. These have their
-place, and the errors in them, where the card stands that they are made of; their numbers are in
-SI.
+the sections and materials of the deck and the words of its control to other cards. Positions
+and errors of these are those of the card that they are made of; their numbers are in SI.
 """
 
 from collections.abc import Callable, Mapping

@@ -69,7 +69,7 @@ class Context:
 def as_written(value: float) -> str:
     """A number as text, without what rounding has added to a short one: 1.8 for 1.8000000000000003.
 
-    Short is up to twelve digits, rounding a few units of the last place.
+    Short is up to twelve digits, rounding a few units of the last digit.
     """
     if not isinstance(value, float):
         return repr(value)

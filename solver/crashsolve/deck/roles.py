@@ -150,7 +150,8 @@ class FrictionLaw(Protocol):
     def friction_force(self, p, old, new, slide, curves):
         """Force on a (3) [N], stored [J], power [W], loss [J], stiffness, damping. Writes: new.
 
-        `slide` is a Slide (system/contact/pair.py): normal force, slip, way, normal, mass, ease.
+        `slide` is a Slide (system/contact/pair.py): normal force, slip, displacement, normal, mass,
+        ease.
         """
 
     def release(self, p, old, new):
@@ -265,7 +266,7 @@ class StepLaw(
 
 
 class KeptFace(Protocol):
-    """A gap routine of shapes with faces: a touch goes on by the face that it has."""
+    """A gap routine of shapes with faces: contact continues with the face that it has."""
 
     def gap_by(self, a, b, nodes, data, n):
         """Gap along the normal n of the touch so far, and whether it still is one."""

@@ -40,7 +40,7 @@ _CONTROL = re.compile("[\x00-\x08\x0b-\x1f\ud800-\udfff]")
 
 # what entries are called: part of channels and of files
 NAME = re.compile(r"[^\W\d][\w-]*")
-NAME_ADVICE = "begin with a letter, go on with letters, digits, _ and -"
+NAME_ADVICE = "begin with a letter, continue with letters, digits, _ and -"
 
 
 class _Broken:
@@ -51,7 +51,7 @@ BROKEN = _Broken()
 
 
 class Position(NamedTuple):
-    """Place in a file; lines and columns count from 1."""
+    """Position in a file; lines and columns count from 1."""
 
     file: str
     line: int
@@ -101,7 +101,7 @@ class Rows(list[Any]):
 
 
 def locate(start: Position, value: object, path: tuple[str | int, ...], key: bool) -> Position:
-    """Place of the value at a path, or of its key; as far as the path can be followed."""
+    """Position of the value at a path, or of its key; as far as the path can be followed."""
     for step in path:
         if isinstance(value, Table) and isinstance(step, str) and step in value:
             start = value.key_location(step) if key else value.value_location(step)

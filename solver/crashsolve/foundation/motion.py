@@ -51,7 +51,7 @@ def apply_force(body, f, d):
 
 @kernel
 def add_deferred(body, f, d):
-    """Part of an applied force that the step now ending has not felt. Writes: body."""
+    """Part of an applied force that the step now ending did not contain. Writes: body."""
     add_to(body.deferred_force, f)
     add_to(body.deferred_torque, cross(d, f))
 

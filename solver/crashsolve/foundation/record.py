@@ -34,7 +34,7 @@ class Record:
         r         m     3  position of the mass centre
         mass_inv  1/kg     inverse mass; 0 for the ground
 
-    Two or more spaces lie between them; a line that begins further in goes on with the meaning.
+    Two or more spaces lie between them; a line with more indentation continues the meaning.
     Raises ValueError where a line is no such column, or a name is used twice.
     """
 

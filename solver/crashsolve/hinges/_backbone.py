@@ -70,7 +70,7 @@ def backbone(points: Any, stiffness: float | None, word: str, scene: Scene) -> B
         )
     if points[2] == LINEAR and slopes[-1] < 0.0:
         raise scene.fail(
-            "falls at its end, and would go on below 0; say extrapolate: hold, or end it level",
+            "falls at its end, and would continue below 0; say extrapolate: hold, or end it level",
             word,
         )
     return _plastic(angle, moment, k, points[2], word, scene)

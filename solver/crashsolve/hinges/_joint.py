@@ -14,7 +14,7 @@ LEDGER = "hinge"
 SQUARE = 1e-5
 COMMON = Record("""
     rate_factor  1     phi, on the static moment or force at yield
-    energy       J     taken up so far: stored and dissipated
+    energy       J     taken so far: stored and dissipated
     failed       flag  1 after failure
 """)
 

@@ -3,7 +3,7 @@
     Phi = theta_2 - ratio theta_1 = 0      (angles since the start, with all turns)
 
 The row has two parts, one per joint; its torques act between the bodies of each joint, so that a
-housing feels the difference. Consequence to test: a torque T on wheel 1 turns both wheels with
+housing receives the difference. Consequence to test: a torque T on wheel 1 turns both wheels with
 theta_1_ddot = T / (J_1 + ratio^2 J_2).
 """
 

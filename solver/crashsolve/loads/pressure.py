@@ -148,7 +148,7 @@ def clear(work):
 
 @inlined
 def row_of(work, quantity, c, e):
-    """Place [m] or velocity [m/s] of a corner."""
+    """Position [m] or velocity [m/s] of a corner."""
     at = LANES * (NEXT * quantity + 3 * c) + e
     return work[at], work[at + LANES], work[at + 2 * LANES]
 

@@ -109,7 +109,7 @@ def settled(deck: Any, model: Model) -> Any:
 
 
 def has_corners(model: Model) -> bool:
-    """Whether a law has several branches, or a curve a corner, whoever reads it."""
+    """Whether a law has several branches, or a curve a corner, whichever law reads it."""
     if any(_has_branches(group) for group in model.branching_groups()):
         return True
     curves = model.curves
@@ -126,7 +126,7 @@ def has_corners(model: Model) -> bool:
 def _has_branches(group: Group) -> bool:
     """Whether a law goes over to another branch: at yield, at a stop, or where it turns back."""
     p = group.parameters
-    # of a curve that is followed both ways the corners are those of its points
+    # of a curve that is followed in both directions the corners are those of its points
     return "loose" not in (p.dtype.names or ()) or bool((p["loose"] != 0).any())
 
 

@@ -97,7 +97,7 @@ class Scene:
         self.size = self._model_size()
 
     def _pose(self) -> None:
-        """Bodies of postures, where their joint angles place them."""
+        """Bodies of postures, positioned by their joint angles."""
         for entry in self.deck.entries["postures"].values() if not self.errors else ():
             with self.building(entry):
                 import_module(entry.module_name).build(entry.card, self)

@@ -22,7 +22,7 @@ from crashsolve.output.files import replacing_hdf5, reported, write_metadata
 from crashsolve.output.peaks import Extremes
 
 FIRST_CAPACITY = 1024
-# reserved at most for what is expected: a run may be reported to go on for ever, and be stopped
+# reserved at most for what is expected: a run may have an endless end time, and be stopped
 MOST_RESERVED_BYTES = 1 << 26
 MOST_BUFFERED_ROWS = 1024
 

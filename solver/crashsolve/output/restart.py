@@ -1,7 +1,7 @@
 """Restart dumps: two files in turn, so that a whole one exists at every moment.
 
 Each dump carries a serial number and a checksum over all it holds. The newest valid dump is the
-one to go on from; a broken one is passed over and the reason reported.
+one to continue from; a broken one is skipped and the reason reported.
 """
 
 import hashlib

@@ -43,7 +43,7 @@ class StateWriter:
         with reported(self.folder):
             (self.folder / "states").mkdir(parents=True, exist_ok=True)
         later = self._keep_until(-np.inf if resume_time is None else resume_time)
-        # the index lets go of a state before the state goes
+        # the index drops a state before the state is deleted
         self._write_index()
         with reported(self.folder / "states"):
             for path in reversed(later):

@@ -42,8 +42,8 @@ TANGENTS = element.TANGENTS + RATES
 ORDER, DESCRIPTIONS = 1, beam.DESCRIPTIONS
 PARAMETERS = beam.PARAMETERS + Record(f"""
     count  count                        fibres
-    y      m      {fibres.MOST_FIBRES}  places along y of the section
-    z      m      {fibres.MOST_FIBRES}  places along z of the section
+    y      m      {fibres.MOST_FIBRES}  positions along y of the section
+    z      m      {fibres.MOST_FIBRES}  positions along z of the section
     area   m^2    {fibres.MOST_FIBRES}  areas
     law    index                        of the material's law among those of the group
 """)

@@ -117,7 +117,7 @@ def elements(card: Frame, nodes: list[int], scene: Scene) -> list[Columns]:
 
 
 def _mesh(card: Frame) -> tuple[np.ndarray, list[tuple[int, int]]]:
-    """Places (n, 3) of all nodes, and the two nodes of each element."""
+    """Positions (n, 3) of all nodes, and the two nodes of each element."""
     positions, chains = [np.asarray(point) for point in card.points], []
     first_end = len(positions) + len(card.bars) * (card.elements - 1)
     own = {(end.bar, end.point): first_end + k for k, end in enumerate(card.ends)}

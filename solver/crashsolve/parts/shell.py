@@ -55,7 +55,7 @@ PARAMETERS = Record(f"""
     triangles      count                  triangles, which come after the quadrilaterals
     first_element  index                  number of the part's first element among all
     layers         count                  points through the thickness
-    zeta           1       {MOST_LAYERS}  places of the layers, -1 to 1
+    zeta           1       {MOST_LAYERS}  positions of the layers, -1 to 1
     weight         1       {MOST_LAYERS}  weights of the layers, sum 2
     law            index                  of the material's law among those of the group
     young          Pa                     E

@@ -4,8 +4,9 @@
 
 The first transient phase begins with the velocities of the deck, in the configuration that the
 phase before has left; where joints stand otherwise there, with the nearest velocities that they
-allow, by the kinetic energy of the difference. Later ones go on from what is there. Consequence to
-test: a car that has settled on its springs begins with the speed of the deck and does not pitch.
+allow, by the kinetic energy of the difference. Later ones continue from the present state.
+Consequence to test: a car that has settled on its springs begins with the speed of the deck and
+does not pitch.
 """
 
 from typing import Any

@@ -28,7 +28,7 @@ UNDETERMINED = 1.0
 
 
 class FitError(Exception):
-    """Points that cannot place a chain; the message says why, `advice` what would help."""
+    """Points that do not determine a chain; the message says why, `advice` what would help."""
 
     def __init__(self, message: str, advice: str = "") -> None:
         super().__init__(message)

@@ -35,5 +35,5 @@ def outline(card: Circle) -> np.ndarray:
 
 
 def fibres(card: Circle, grid: tuple[int, int]) -> np.ndarray:
-    """Places and areas (n, 3) of fibres, y, z [m] and A [m^2]: rings and sectors."""
+    """Positions and areas (n, 3) of fibres, y, z [m] and A [m^2]: rings and sectors."""
     return rings(0.0, card.radius, grid)

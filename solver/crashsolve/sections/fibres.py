@@ -13,7 +13,7 @@ from crashsolve.deck.building import Columns
 from crashsolve.deck.card import Card, quantity, word
 from crashsolve.foundation.record import Record
 
-# of the size: places typed with six digits are central to this; a worse one is an error
+# of the size: positions typed with six digits are central to this; a worse one is an error
 CENTRAL = 1e-5
 
 
@@ -58,5 +58,5 @@ def build(card: Fibres, poisson: float) -> Columns:
 
 
 def fibres(card: Fibres, grid: tuple[int, int]) -> np.ndarray:
-    """Places and areas (n, 3) of the fibres, y, z [m] and A [m^2]."""
+    """Positions and areas (n, 3) of the fibres, y, z [m] and A [m^2]."""
     return np.asarray(card.fibres)

@@ -57,7 +57,7 @@ def corners(width: float, height: float) -> np.ndarray:
 
 
 def fibres(card: Rectangle, grid: tuple[int, int]) -> np.ndarray:
-    """Places and areas (n, 3) of fibres, y, z [m] and A [m^2], so many along y and z."""
+    """Positions and areas (n, 3) of fibres, y, z [m] and A [m^2], so many along y and z."""
     return patch(card.width, card.height, grid)
 
 

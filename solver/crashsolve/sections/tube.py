@@ -70,7 +70,7 @@ def ring(radius: float, corners: int = 16) -> np.ndarray:
 
 
 def fibres(card: Tube, grid: tuple[int, int]) -> np.ndarray:
-    """Places and areas (n, 3) of fibres, y, z [m] and A [m^2]: rings and sectors."""
+    """Positions and areas (n, 3) of fibres, y, z [m] and A [m^2]: rings and sectors."""
     return rings(card.radius - card.thickness, card.radius, grid)
 
 

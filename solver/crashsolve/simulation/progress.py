@@ -1,4 +1,4 @@
-"""What a run reports itself on the way: its banner, lines of progress, and status.json."""
+"""Reports of a run: its banner, lines of progress, and status.json."""
 
 import os
 import platform

@@ -1,8 +1,8 @@
 """What a user may ask of a run: by signals, and by words in control.txt of the results folder.
 
-SIGTERM, SIGINT and SIGHUP, of a terminal that is closed, dump and stop, SIGUSR1 dumps and goes on,
-SIGCONT is ignored (queues send it along). The words stop, dump and states do the same. A run under
-nohup goes on when its terminal closes.
+SIGTERM, SIGINT and SIGHUP, of a terminal that is closed, dump and stop, SIGUSR1 dumps and
+continues, SIGCONT is ignored (queues send it along). The words stop, dump and states do the same. A
+run under nohup continues when its terminal closes.
 """
 
 import signal
@@ -44,7 +44,7 @@ def _interrupt(number: int, _: Any) -> None:
 
 
 def _is_ignored(number: int) -> bool:
-    """Whether whoever started the run wants it to go on, as nohup does."""
+    """Whether the run was started to continue after a hangup, as by nohup."""
     return number == signal.SIGHUP and signal.getsignal(number) == signal.SIG_IGN
 
 
@@ -81,7 +81,7 @@ class Requests:
     def read(self) -> None:
         """Take up the words of control.txt and remove it; what is no plain file is left alone.
 
-        So is an empty one: whoever writes it may have come no further than to open it.
+        So is an empty one: its writer may only have opened it yet.
         """
         now = time.monotonic()
         if now < self._due:

@@ -1,10 +1,10 @@
-"""What of a deck may change when its run goes on from a restart dump."""
+"""The settings of a deck that may change at a restart from a dump."""
 
 from typing import Any
 
 import yaml
 
-# fields of control that say how to go on, and nothing of what has been
+# fields of control that affect the continuation only
 FREE_CONTROL = (
     "end_time",
     "step",

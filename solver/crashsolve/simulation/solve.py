@@ -1,6 +1,6 @@
 """One run: deck to results. Read, build, compose, advance, write.
 
-What it may be asked on the way, by signals and in control.txt, says requests.py.
+Requests during the run, by signals and in control.txt, are those of requests.py.
 """
 
 import os
@@ -125,7 +125,7 @@ class Run:
         self.restart_step = out.restart.every
 
     def prepare(self, restart: bool) -> Any:
-        """Clear the folder, or find the dump to go on from; open the log. Raises OutputError."""
+        """Clear the folder, or find the dump to continue from; open the log. Raises OutputError."""
         self.notes: list[str] = []
         dump = newest_restart(self.folder, self.notes.append) if restart else None
         if not restart:
@@ -379,7 +379,7 @@ class Run:
             )
         now = float(clock["sampled"])
         others = ", with other " + ", ".join(name for name, _ in differ) if differ else ""
-        self.log.line(f"going on from t = {now:.6g} s{others}")
+        self.log.line(f"continuing from t = {now:.6g} s{others}")
         return now
 
     def _inconsistency(self, owner: str) -> DeckError:
@@ -421,4 +421,4 @@ class Run:
             self.requests.words.discard("dump")
         if "stop" in self.requests.words:
             now = float(self.engine.clock["time"])
-            raise RunStopped(f"stopped on request at t = {now:.6g} s; go on with --restart")
+            raise RunStopped(f"stopped on request at t = {now:.6g} s; continue with --restart")

@@ -57,5 +57,7 @@ def rotation_end(own, far, k, end, blocks):
 
 @kernel
 def rotated(u, per, direction):
-    """Change of the force on an end [N/m] as it goes this way; `per` is the tension over l."""
+    """Change of the force on an end [N/m] by a displacement in this direction; `per` is the tension
+    over l.
+    """
     return scale(per, sub(scale(dot(u, direction), u), direction))

@@ -72,7 +72,7 @@ def load_factor_to_yield(
 ) -> float:
     """Share of motions `displacement` (n, 6) at which the first segment begins to yield; at most 1.
 
-    By OVER more than yield, as the way is not straight; of those that are elastic yet.
+    By OVER more than yield, as the path is not straight; of those that are elastic yet.
     """
     _, trial, change = _trials(p, state, nodes, displacement)
     named, past, least = as_rows(p), as_rows(state), 1.0

@@ -67,7 +67,7 @@ HISTORY = Record("""
     slider   m  3  s_p, axes of a
     bristle  m  3  z, axes of a
     force    N  3  f, axes of a
-    slid     m     way of the slider
+    slid     m     displacement of the slider
 """)
 OUTPUT = Record("""
     force  N  3  on b, axes of a

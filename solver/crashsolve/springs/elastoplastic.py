@@ -110,7 +110,7 @@ def tangent(p, state, nodes, curves, rows, first):
     x, hardening = line.length - p.length, p.isotropic + p.kinematic
     trial = p.stiffness * (x - state.plastic) - p.kinematic * state.plastic
     stiffness = p.stiffness
-    # at yield but for round-off, and not on the way back
+    # at yield but for round-off, and not in unloading
     at_yield = p.yield_force + p.isotropic * state.flow
     if abs(trial) >= (1.0 - 1e-12) * at_yield and trial * line.rate > 0.0:
         stiffness *= hardening / (p.stiffness + hardening)

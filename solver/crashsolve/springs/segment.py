@@ -132,7 +132,7 @@ OUTPUT = Record("""
     angle           rad  3  theta
     plastic_angle   rad  2  theta_p about y and z
     plastic_strain  1       e, mean over the section
-    plastic_work    J       taken up so far
+    plastic_work    J       so far
 """)
 
 

@@ -4,7 +4,7 @@
     axis) tau_dot = g . (w_b - w_a),   g = (c + s) / (1 + c . s)
 
 tau is what is left of the rotation of b against a when the pointer s has been brought back to c on
-the shortest way, so that a swing in any direction has no twist. The moment past `lower` or `upper`
+the shortest path, so that a swing in any direction has no twist. The moment past `lower` or `upper`
 is that of `_range.py`. Consequence to test: g is the derivative of tau at any swing below half a
 turn.
 

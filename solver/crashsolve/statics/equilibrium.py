@@ -33,12 +33,12 @@ from crashsolve.system.engine import Engine
 
 # differences: over the model's size, and rad; their errors only slow Newton's method a little
 STEP = 1e-7
-# largest turn [rad] and way (over the model's size) of a correction
+# largest rotation [rad] and displacement (over the model's size) of a correction
 LARGEST_ROTATION, LARGEST_DISPLACEMENT = 0.3, 0.2
 MOST_ITERATIONS = 40
 # a correction that falls no more is round-off below this, in the model's size or rad
 STAGNATION_TOLERANCE = 1e-9
-# a way that is nothing but round-off, and an energy, over the largest force times the size
+# a displacement that is nothing but round-off, and an energy, over the largest force times the size
 NOWHERE, NOTHING = 1e-15, 1e-12
 # of the largest mobility of the rows of joints: lets redundant ones share
 SHARED = 1e-10
@@ -100,7 +100,7 @@ class StaticEngine(Engine):
         loading, clock = self.loading, self.clock
         if not loading.rising and not self.rest(loading.start, self.state.nodes).any():
             return
-        # nobody can be answered before the files are open
+        # requests cannot be answered before the files are open
         answer, self.on_pause = self.on_pause, lambda: None
         clock.time = loading.begin
         self._step(loading.start, loading.start)
@@ -111,7 +111,7 @@ class StaticEngine(Engine):
             clock.driver_work += missing
 
     def _step(self, until: float, goal: float) -> None:
-        """Equilibrium at `until`, by way of others where it must. Raises SolverError."""
+        """Equilibrium at `until`, through others where necessary. Raises SolverError."""
         clock, found = self.clock, list[Problem]()
         self.least = (until - float(clock.time)) / 2**self.halvings
         while clock.time < until:
@@ -266,13 +266,14 @@ class StaticEngine(Engine):
         return self._is_closed(phi) and bool(self.forces.balance(g, self._round_off()))
 
     def _accept(self, count: int) -> None:
-        """What joints remember of the way, and what the run counts."""
+        """History of joints along the path, and the counts of the run."""
         clock = self.clock
         for g in (*self.model.joint_groups(), *self.plastic_flow.groups):
             g.history[:] = g.history[1 - int(clock.current)]
         clock.cycle += 1
         clock.iterations += count
-        # where a hinge has just begun to yield, a tangent cannot know which way it goes on
+        # where a hinge has just begun to yield, a tangent cannot know in which direction it
+        # continues
         self.known = self.tangent if self.yielding.groups or self.plastic_flow.groups else None
 
     def out_of_balance(self) -> str:

@@ -1,7 +1,7 @@
 """Segments that yield in quasi-static solutions: how a correction of Newton's method is taken.
 
 A correction turns the bodies of a stiff chain, and so stretches it by the squares of their turns.
-Elastic segments come back from that in the next passes; those that yield give way to it, and the
+Elastic segments return from that in the next iterations; those that yield follow it, and the
 iteration diverges. So what flows over a correction is found to first order, where turns stretch
 nothing, and kept, while some elastic iterations bring the chain back together. The law itself is
 asked again in the next pass, and in the equilibrium.

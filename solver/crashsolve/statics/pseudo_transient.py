@@ -6,7 +6,7 @@ One step leaves 1 / (1 + (omega h)^2 / 2) of what is missing to the equilibrium 
 vibration of frequency omega (`integrators/_rest_stage.py`); what two steps move states what is
 left. h begins at so many periods of the fastest vibration, and grows where steps lead too slowly:
 the course of time has no part in it. Inertia holds what no stiffness does, as some spins of the
-nodes of a shell about its normal. Elements of shells and fibre beams strain on the way from
+nodes of a shell about its normal. Elements of shells and fibre beams strain along the path from
 equilibrium to equilibrium, as what yields must. Consequence to test: the answer is that of any
 end_time.
 
@@ -83,7 +83,7 @@ class RestEngine(StaticEngine):
                     break
                 continue
             change, total = self.size_of(self.change_from(kept[1])), self._whole_change(start)
-            # of one step alone nobody knows
+            # one step alone does not show it
             is_known = 0.0 < previous < np.inf
             left = min(change / previous, UNKNOWN) if is_known else UNKNOWN * (change > 0.0)
             g = self.rest(time, nodes)

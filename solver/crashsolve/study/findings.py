@@ -282,7 +282,7 @@ def _set_errors(finding: Finding, curve: Curve, scale: float, best: Source | Non
         finding.errors[trial.setting.folder] = distance(value, finding.reference) / scale + blind
     last = curve.trials[-1].setting.folder
     if best is not None and best.convergence.grows:
-        # nobody knows which of its runs are right
+        # it is unknown which of its runs are right
         for trial in curve.trials:
             finding.errors[trial.setting.folder] += best.convergence.error / scale
     elif best is not None and best.finest is curve:

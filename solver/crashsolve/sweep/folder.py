@@ -195,7 +195,7 @@ def look(sweep: Path, run: Run) -> Look:
         return Look("failed", str(note.get("message", "")))
     if not status:
         return Look("new")
-    # a status that says running, and nobody who does
+    # a status that says running, without such a process
     word = "stopped" if note.get("state") == "stopped" else "killed"
     return Look(word, str(note.get("message", "")))
 

@@ -109,7 +109,7 @@ def load(text: str, tables: Tables) -> Function:
 
 
 def ends_in_nan(advance: Function) -> Function:
-    """Plain Python raises where compiled code goes on with infinity or NaN, and is stopped."""
+    """Plain Python raises where compiled code continues with infinity or NaN, and is stopped."""
 
     def plain(number: float, flag: bool, tables: Any) -> None:
         try:

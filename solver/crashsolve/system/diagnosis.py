@@ -26,7 +26,7 @@ from crashsolve.system.timestep import QUARTER
 
 # what helps most where a shell folds on itself: a node meets the nearer of two walls alone
 OWN_FACES = "where a shell folds on itself take smaller elements, or ring: 1 of its faces"
-# place, likely cause, advice
+# location, likely cause, advice
 Diagnosis = tuple[str, str, str]
 
 

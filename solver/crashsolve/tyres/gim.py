@@ -74,7 +74,7 @@ def carcass_energy(p, grip):
         return 0.0
     most = grip.mu * grip.F_z
     a = sqrt((p.C_x * s_x) ** 2 + (p.C_y * s_y) ** 2) / (3.0 * most)
-    # up to the share of the way at which all slides
+    # up to the share of the patch from which on all slides
     t = min(1.0, 1.0 / a)
     b = a * t
     stick = p.C_x * s_x * grip.q_x + p.C_y * s_y * grip.q_y

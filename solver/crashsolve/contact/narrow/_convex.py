@@ -38,7 +38,7 @@ ITERATIONS = 60
 # rounding of edges beside ellipsoids, over the radius of the enclosing sphere; and most of it, over
 # the least half size
 SHARP, THINNEST = 1e-5, 0.1
-# relative noise of a height, not to be taken for a way down
+# relative noise of a height, not to be taken for a descent
 ROUND_OFF = 1e-13
 # directions to start from, and climbs to different tops of bodies that overlap
 STARTS, CLIMBS = 22, 4

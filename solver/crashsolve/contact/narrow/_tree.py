@@ -12,7 +12,7 @@ LEAF = 4
 BOX = Record("""
     low    m      3  lower corner
     high   m      3  upper corner
-    skip   index     box to go on with when this one is too far
+    skip   index     next box when this one is too far
     first  index     first triangle
     count  count     triangles; 0 for a box of boxes
 """)

@@ -1,12 +1,13 @@
 """Padding: force over penetration by a curve, unloading on a lower one, recovers as it unloads.
 
-    u(delta) <= f = k (delta - s) <= y(delta)     s gives way at y going in, at u going out
+    u(delta) <= f = k (delta - s) <= y(delta)     s slides at y in loading, at u in unloading
     stored = f^2 / 2k + P(s),   loss = change of G_y - change of P    (G, P: foundation/slider.py)
 
 No force is kept and no set: the next touch meets the padding as new. A dashpot may act beside it;
 the sum is never tensile. Beyond the last point of its curve the run stops, unless the curve says
-how it goes on: there the padding is spent. Consequence to test: a stroke there and back loses the
-area between both curves, less the triangles under the lines between them, in any number of steps.
+its continuation: there the padding bottoms out. Consequence to test: a stroke there and back loses
+the area between both curves, less the triangles under the lines between them, in any number of
+steps.
 
 Reference: the shape of the hysteresis is that of seat and foam models of crash codes.
 """

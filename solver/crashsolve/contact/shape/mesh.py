@@ -99,7 +99,7 @@ def _check(points: np.ndarray, faces: np.ndarray, scene: Scene) -> np.ndarray:
 
 
 def _neighbours(faces: np.ndarray, scene: Scene) -> np.ndarray:
-    """The triangle beyond each edge, which runs along the edge the other way."""
+    """The triangle beyond each edge, which has the edge in the opposite direction."""
     ends: dict[tuple[int, int], tuple[int, int]] = {}
     for c in range(3):
         for f, (p, q) in enumerate(faces[:, (c, (c + 1) % 3)].tolist()):

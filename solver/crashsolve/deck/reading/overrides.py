@@ -106,7 +106,7 @@ def _check_entry(keyword: str, entry: str, path: list[str], items: Items) -> Non
 
 
 def _put(old: Any, path: list[str], value: Any, at: tuple[int, int]) -> Any:
-    """A copy of a value with another at a path; tables that are missing on the way are made."""
+    """A copy of a value with another at a path; missing tables of the path are created."""
     if not path:
         return value
     word, rest = path[0], path[1:]

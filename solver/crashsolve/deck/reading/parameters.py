@@ -71,7 +71,7 @@ class Parameters:
         return value
 
     def read(self, but: Collection[Reader] = ()) -> set[str]:
-        """Names of those that cards read, by way of others too; not what stands in readers `but`.
+        """Names of those that cards read, also through others; not those in readers `but`.
 
         A title reads nothing that a run could follow.
         """

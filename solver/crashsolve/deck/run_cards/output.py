@@ -36,7 +36,7 @@ class States(Card):
 
 
 class Restart(Card):
-    """Dumps from which a run can go on."""
+    """Dumps from which a run can continue."""
 
     every: float | None = quantity("s", "time between dumps; none when absent", None, gt=0)
 

@@ -6,9 +6,9 @@
 The material says its stress, or if it yields by von Mises' stress Y, f and g. Beyond yield, with xi
 the trial stress less H_k eps_p, the plastic strain grows by g in the direction of xi, where |xi| -
 (E + H_k) g = Y(e + g) f g; Newton's method finds it, in one step where hardening is linear. Plastic
-work of a step is the mean stress times the plastic strain, as nodes feel the mean of the forces
-before and after it. The algorithmic tangent of a fibre that flows in a step is that of this very
-equation,
+work of a step is the mean stress times the plastic strain, because nodes receive the mean of the
+forces before and after it. The algorithmic tangent of a fibre that flows in a step is that of this
+very equation,
 
     d sigma = (E - E^2 / D) d eps + (E / D) Y d(f g) sign(xi),   D = E + H_k + Y' f g
 

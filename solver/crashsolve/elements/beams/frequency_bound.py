@@ -1,9 +1,9 @@
-"""How fast a node of a straight beam element may swing: what bounds the step of explicit methods.
+"""Largest frequency of a node of a straight beam element: it bounds the step of explicit methods.
 
-The part of the element's stiffness K that one node feels, over its mass, has a largest eigenvalue;
-the largest of M^-1 K of a chain is not above twice the largest sum of these at a node. In a slender
-element it is 8 E / (rho l^2), from bending against rotary inertia, and a tension N adds 4 N / (15
-rho I). Consequence to test: the bound holds in any orientation, at any tension.
+The diagonal block of the element's stiffness K of one node, over its mass, has a largest
+eigenvalue; the largest of M^-1 K of a chain is not above twice the largest sum of these at a node.
+In a slender element it is 8 E / (rho l^2), from bending against rotary inertia, and a tension N
+adds 4 N / (15 rho I). Consequence to test: the bound holds in any orientation, at any tension.
 """
 
 from functools import lru_cache
@@ -23,9 +23,10 @@ def fastest_rate(row: Columns, mass: float, J: np.ndarray) -> float:
 
 
 def rate_of_tension(row: Columns, mass: float, J: np.ndarray) -> float:
-    """The same of what a tension of 1 N lends to it [1/(kg m)].
+    """The same of what a tension of 1 N adds [1/(kg m)].
 
-    Of the stretch e by the way across: of the chord, 1 / l, and of the bow where it is positive.
+    Of the stretch e by lateral displacement: of the chord, 1 / l, and of the bow where it is
+    positive.
     """
     length = float(row["length"])
     by_displacement = (2.0 * max(c, 0.0) / length for c in row["bowing"])
@@ -39,10 +40,11 @@ def _fastest_rate(
 ) -> float:
     """The same of plain values: elements of a beam have mostly the same.
 
-    `stiffness` is against the node's way and turn in the frame, `across` against its way alone.
+    `stiffness` resists displacement and rotation of the node in the frame, `across` displacement
+    alone.
     """
     half, D = 0.5 * length, np.eye(6)
-    # shear along y rotates about z, along z about y the other way
+    # shear along y rotates about z, along z about y in the opposite sense
     D[1, 5], D[2, 4] = half, -half
     K = D.T @ np.diag(stiffness) @ D + np.diag((0.0, across, across, 0.0, 0.0, 0.0))
     M = np.zeros((6, 6))

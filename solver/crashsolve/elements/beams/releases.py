@@ -1,10 +1,10 @@
 """Ends of bars that are hinged to their point, or lie beside it: nodes of their own, and joints.
 
-    turns free      none    one        two          three
+    rotations free  none    one        two          three
     joint           weld    revolute   universal    spherical
 
 The joint holds the bar's end at its position on the node of the point, so that a moment which is
-not passed on is exactly none and an offset is a rigid arm, however far both turn. Consequence to
+not passed on is exactly zero and an offset is a rigid arm, for any rotation of both. Consequence to
 test: two clamped arms hinged to each other bend as two cantilevers; a pull beside the axis bends by
 P e.
 """

@@ -132,7 +132,7 @@ def _of_lines(lines: Lines, found: Any) -> MeshFile:
 
 
 def _numbers(position: dict[int, int], some: Iterable[int]) -> np.ndarray:
-    """Places of these identifiers, each once and in order."""
+    """Indices of these identifiers, each once and in order."""
     return np.unique(np.array([position[number] for number in some], int))
 
 

@@ -167,7 +167,7 @@ def _home_of_gap(narrow: Any) -> Any:
 
 
 def gap_routine(a: Surface, b: Surface, scene: Scene) -> tuple[Any, bool]:
-    """Module of the gap between two shapes, and whether it takes them the other way round."""
+    """Module of the gap between two shapes, and whether it takes them in reverse order."""
     for first, second, swapped in ((a, b, False), (b, a, True)):
         name = f"{NARROW}.{first.shape}_{second.shape}"
         if find_spec(name) is not None:

@@ -16,7 +16,7 @@ def speed_floor(card: Any, scene: Scene) -> float:
 
     A share of the fastest initial speed and of a fall through the model's size, at most USUAL:
     so slow touches that are deeper than lone ones, as of bodies within joints, are impacts still.
-    Springs, drivers, parts and other loads than gravity bring speeds that nobody knows yet, and
+    Springs, drivers, parts and other loads than gravity bring speeds that are not known yet, and
     then it is USUAL.
     """
     if not hasattr(card, "speed_floor"):

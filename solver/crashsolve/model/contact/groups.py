@@ -27,7 +27,7 @@ class Touching:
 
     @property
     def keeps_faces(self) -> bool:
-        """Whether a touch may go on by another face than the nearest."""
+        """Whether contact may continue with another face than the nearest."""
         return self.has_ends and hasattr(self.narrow, "gap_by")
 
     @property

@@ -125,7 +125,7 @@ def bar(whole: Plan, member: Member, name: str, start: float, end: float) -> Mad
 
 
 def length_of(member: Member, start: np.ndarray, end: np.ndarray, side: np.ndarray) -> Fields:
-    """A length of a member, as its body is drawn; places (3,) [m] in the frame of the body."""
+    """A length of a member, as its body is drawn; positions (3,) [m] in the frame of the body."""
     words = {"from": plain(start), "to": plain(end), "side": plain(side)}
     return words | {"section": member.section.name}
 

@@ -10,7 +10,7 @@ from crashsolve.deck.building import Columns
 from crashsolve.deck.expansion import Law, Problem, Steps
 from crashsolve.foundation.orientation import perpendicular, quaternion_of
 
-# directions closer than this are the same, in radians; so are places, over a member's length
+# directions closer than this are the same, in radians; so are positions, over a member's length
 SAME = 1e-6
 
 
@@ -56,7 +56,7 @@ class Member:
         return [float(x) for x in quaternion_of(self.T)]
 
     def at(self, x: float) -> np.ndarray:
-        """Place at a length from where it begins to deform [m]."""
+        """Position at a length from where it begins to deform [m]."""
         return self.positions[0] + (self.joints[0] + x) * self.along
 
     def rod(self, start: float, end: float) -> tuple[float, np.ndarray, np.ndarray]:
@@ -209,7 +209,7 @@ def _refuse_touching(points: dict[str, np.ndarray], members: list[Member]) -> No
                     ("points", k),
                     f"point '{point}' lies on the member from '{first}' to '{last}', which is not "
                     "joined to it",
-                    "let that member end there and another go on, or move the point",
+                    "let that member end there and another continue, or move the point",
                 )
 
 

@@ -107,7 +107,7 @@ class Seen(NamedTuple):
     x: Vector  # its position [m]
     v: Vector  # its velocity [m/s]
     hit: Row  # the deepest shape
-    held: bool  # whether it goes on by the face that it touched before
+    held: bool  # whether it continues with the face that it touched before
     over: float  # how far it is past the middle of that [m]
 
 

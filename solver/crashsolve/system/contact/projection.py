@@ -128,7 +128,7 @@ def look(i, x, p, totals, sides, mesh, lists):
             N, square, spot = nearest_on_face(a, b, c, d)
             distance = sqrt(square)
             wait[k] = totals.travel + max(distance - p.gap, 0.0)
-            # what has been driven through is not let go behind
+            # a probe that has been driven through is not released behind
             if distance < p.gap or is_deep:
                 to = point_of(N, a, b, c, d)
                 take(i, p, (f, N, spot), distance, to, sides, mesh)
@@ -173,7 +173,7 @@ def seen_from(x, p, f, mesh):
 def take(i, p, face, distance, to, sides, mesh):
     """Keep a face that is the nearest on its side so far, at a distance [m]; `to` leads to it.
 
-    `face`: its number, the shares of its corners at the nearest point, which place that is.
+    `face`: its number, the shares of its corners at the nearest point, which feature that is.
     Writes: sides.found.
     """
     (f, N, spot), (probe_states, slot_in_use, found) = face, sides

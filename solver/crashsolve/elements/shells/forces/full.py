@@ -5,7 +5,7 @@
 
 and likewise the curvatures, with q of the turns. Shear is that of the middle, so that bending in
 the plane costs none; transverse shear is assumed from the sides, and elastic. In an elastic element
-the sum over the points is, exactly, the stiffness that the element of one point has in its place;
+the sum over the points is, exactly, the stiffness that the element of one point has instead;
 beyond yield every point has its own stress, and no motion is left to a stiffness of its own.
 Consequence to test: elastic forces are those of the element with one point.
 
@@ -152,7 +152,8 @@ def add_point(work, xi, eta, nu):
 
 @blockwise
 def resist(blocks, first, work):
-    """What acts on q: the transpose of the strains at the points, in the place after the step.
+    """Forces conjugate to q: the transpose of the strains at the points, in the configuration after
+    the step.
 
     Writes: blocks.
     """

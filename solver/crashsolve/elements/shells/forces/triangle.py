@@ -222,7 +222,7 @@ def push(blocks, first, work, p):
 def put_node(work, c, e, axes, plane, g, a, b):
     """Force and torque on a corner with the slopes g, from the plane and the two sides a and b.
 
-    `plane`: area [m^2], N [N/m], M [N], half of drilling [N m]; of a side: way [m], force [N].
+    `plane`: area [m^2], N [N/m], M [N], half of drilling [N m]; of a side: vector [m], force [N].
     Writes: work.
     """
     (area, N, M, drill), (s_a, F_a), (s_b, F_b) = plane, a, b
