@@ -109,10 +109,10 @@ class Tangent(Protocol):
 
 
 class RotationalForce(Protocol):
-    """A law whose force turns with its bodies, reported where elements have blocks of nodes."""
+    """A law whose force rotates with its bodies, reported where elements have blocks of nodes."""
 
     def geometric_stiffness(self, p, out, nodes, slot, blocks):
-        """What turns the present force. Writes: blocks."""
+        """Stiffness from the rotation of the present force. Writes: blocks."""
 
 
 class Branches(Protocol):

@@ -13,7 +13,7 @@ from crashsolve.foundation.vec3 import Vector, add, cross, dot, scale, sub, vec
 
 @kernel
 def arm(body, point):
-    """World vector from the mass centre to a point fixed in the body; also turns directions."""
+    """World vector from the mass centre to a point fixed in the body; also rotates directions."""
     return matvec(body.A, point)
 
 

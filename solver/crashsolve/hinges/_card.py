@@ -319,7 +319,7 @@ def _refuse_start(
             "ellipse",
             field,
         )
-    # two turns of one hinge fail together
+    # two rotations of one hinge fail together
     is_rotation = field == "initial_angles"
     sizes = np.array([np.hypot(*initial), 0.0]) if is_rotation else np.abs(initial)
     if (sizes >= failure).any():

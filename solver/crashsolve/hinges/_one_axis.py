@@ -2,8 +2,8 @@
 
     theta = theta_b - theta_a - theta_0 about the axis of a      (Ambrosio (2003), Eq. 6)
 
-The angle is counted over any number of turns. `phi` grows with |theta_dot|, or with the speed of a
-tip at some distance of the axis.
+The angle is counted over any number of revolutions. `phi` grows with |theta_dot|, or with the speed
+of a tip at some distance of the axis.
 """
 
 from functools import partial
@@ -50,7 +50,7 @@ OUTPUT = COMMON + Record("""
     moment          N m    positive rotates b back
     angle           rad    of b from the undeformed hinge
     rate            rad/s  of the angle
-    plastic_angle   rad    sum of plastic turns in both directions
+    plastic_angle   rad    sum of plastic rotations in both directions
     residual_angle  rad    that would be left without moment
 """)
 

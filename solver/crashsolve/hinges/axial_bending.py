@@ -96,7 +96,7 @@ OUTPUT = COMMON + Record("""
     stroke           m      of b along the beam from the undeformed hinge
     rate             rad/s  of the angle
     stroke_rate      m/s    of the stroke
-    plastic_angle    rad    sum of plastic turns in both directions
+    plastic_angle    rad    sum of plastic rotations in both directions
     residual_angle   rad    that would be left without moment and force
     plastic_stroke   m      sum of plastic displacements in both directions
     residual_stroke  m      that would be left without moment and force

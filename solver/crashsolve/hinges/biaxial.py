@@ -112,7 +112,7 @@ OUTPUT = COMMON + Record("""
     moment          N m    2  about side and about axis x side, positive rotates b back
     angle           rad    2  theta
     rate            rad/s  2  of the angle
-    plastic_angle   rad    2  sum of plastic turns in both directions
+    plastic_angle   rad    2  sum of plastic rotations in both directions
     residual_angle  rad    2  that would be left without moment
     peak_axial      N         largest force along the beam so far, in magnitude
 """)

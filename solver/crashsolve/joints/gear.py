@@ -1,6 +1,6 @@
 """Gear: the angles of two named joints turn in a fixed ratio.
 
-    Phi = theta_2 - ratio theta_1 = 0      (angles since the start, with all turns)
+    Phi = theta_2 - ratio theta_1 = 0      (angles since the start, over all revolutions)
 
 The row has two parts, one per joint; its torques act between the bodies of each joint, so that a
 housing receives the difference. Consequence to test: a torque T on wheel 1 turns both wheels with
@@ -29,8 +29,8 @@ PARAMETERS = FULL_TURN + Record("""
     ratio   1         angle of the second over angle of the first
 """)
 HISTORY = Record("""
-    first   rad  angle of the first joint, with all turns
-    second  rad  angle of the second joint, with all turns
+    first   rad  angle of the first joint, over all revolutions
+    second  rad  angle of the second joint, over all revolutions
 """)
 
 

@@ -1,6 +1,6 @@
 """Rack and pinion: the travel of one named joint is the angle of another times the radius.
 
-    Phi = x - R theta = 0      (travel and angle since the start, with all turns)
+    Phi = x - R theta = 0      (travel and angle since the start, over all revolutions)
 
 The row has two parts, one per joint. Consequence to test: a rack of mass m that falls while it
 turns a pinion of inertia J accelerates with m g / (m + J / R^2).
@@ -33,7 +33,7 @@ PARAMETERS = FULL_TURN + Record("""
     axis_c   1      3  axis of the rack's joint, axes of its a
     radius   m         R
 """)
-HISTORY = Record("angle  rad  angle of the pinion, with all turns")
+HISTORY = Record("angle  rad  angle of the pinion, over all revolutions")
 
 
 class Rack(Card):

@@ -1,4 +1,4 @@
-"""Turn driver: the angle of a named joint follows a curve of time, over any number of turns.
+"""Rotation driver: the angle of a named joint follows a curve of time, over all revolutions.
 
     Phi = theta - x(t),   nu = x'(t),   Phi_tt = -x''(t)     (x: _driven.py)
 
@@ -32,7 +32,7 @@ PARAMETERS = (
 """)
     + MOTION
 )
-HISTORY = Record("angle  rad  theta, with all turns")
+HISTORY = Record("angle  rad  theta, over all revolutions")
 
 
 class RotationDriver(DrivenCard):

@@ -2,9 +2,9 @@
 
     Phi = ( side_a . d,  third_a . d,  side_a . axis_b,  third_a . axis_b,  x - h theta ) = 0
 
-with d = x_b - x_a, the travel x = axis_a . d, the angle theta since the start with all turns, and
-h the lead over 2 pi. Consequence to test: one degree of freedom; a nut of mass m and inertia J on
-an upright screw falls with m g / (m + J / h^2).
+with d = x_b - x_a, the travel x = axis_a . d, the angle theta since the start over all revolutions,
+and h the lead over 2 pi. Consequence to test: one degree of freedom; a nut of mass m and inertia J
+on an upright screw falls with m g / (m + J / h^2).
 """
 
 from math import pi
@@ -24,7 +24,7 @@ CONSTRAINTS = (line, parallel)
 ROWS, ANGULAR = rows_of(CONSTRAINTS, False)
 FREE = ("angle", "travel")
 PARAMETERS = FRAME + Record("advance  m/rad  h, travel over angle")
-HISTORY = Record("angle  rad  theta, with all turns")
+HISTORY = Record("angle  rad  theta, over all revolutions")
 
 
 class Screw(AxisJointCard):

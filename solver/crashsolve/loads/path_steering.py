@@ -107,7 +107,7 @@ PARAMETERS = Record("""
     relaxation  s       c / k
 """)
 AMPLITUDE = "stiffness"
-HISTORY = Record("angle  rad  of the joint, with all turns")
+HISTORY = Record("angle  rad  of the joint, over all revolutions")
 OUTPUT = Record("""
     force   N or N m   F, on the second body of the joint
     steer   rad        delta that the driver asks for

@@ -2,8 +2,8 @@
 
     theta and theta_dot as in foundation.turn; 0 at the start
 
-The turns are counted at every step, not only at samples. Consequence to test: a body that spins
-at w for a time t shows w t, however many turns that is.
+Revolutions are counted at every step, not only at samples. Consequence to test: a body that spins
+at w for a time t shows w t, however many revolutions that is.
 """
 
 from crashsolve.deck.building import Columns, Scene
@@ -25,7 +25,7 @@ class Angle(Card):
 
 COUNTS_ROTATIONS = True
 PARAMETERS = FULL_TURN
-HISTORY = Record("angle  rad  counted turn")
+HISTORY = Record("angle  rad  counted rotation")
 OUTPUT = Record("""
     angle  rad    rotation of b from the start
     rate   rad/s  of the angle
@@ -38,7 +38,7 @@ def build(card: Angle, scene: Scene) -> Columns:
 
 @kernel
 def follow(p, old, new, out, nodes):
-    """Count the turn. Writes: new, out."""
+    """Count the rotation. Writes: new, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     new.angle = counted(angle_about(a, b, p.axis_a, p.side_a, p.side_b), old.angle)
     out.angle = new.angle

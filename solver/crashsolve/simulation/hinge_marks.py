@@ -1,4 +1,4 @@
-"""Hinges in pictures: a ball in the point of each, with how far it has turned or moved for good.
+"""Hinges in pictures: a ball in the point of each, with its permanent rotation or displacement.
 
     plastic_angle = |(alpha_1, alpha_2)|,   plastic_stroke = alpha of the travel along the beam
 

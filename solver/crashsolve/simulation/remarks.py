@@ -113,7 +113,7 @@ def below_floor(engine: Engine) -> list[str]:
 
 
 def read_beyond(engine: Engine) -> list[str]:
-    """Curves of a displacement or a turn that were read beyond their last point, and how far."""
+    """Curves of displacement or rotation that were read beyond their last point, and how far."""
     model, found = engine.model, []
     of_time = curves_of_time(model)
     for name, first in model.curve_names.items():

@@ -4,8 +4,8 @@
     dx_a = dr + w_a x d_a
 
 with f, m_a and their derivatives as of beam elements (elements/beams/static_tangent.py) between the
-points d_a and d_b of both bodies. By stretch and turns N, M_y and M_z change as `softened` states
-while they flow. Consequence to test: central differences of the forces, elastic and flowing.
+points d_a and d_b of both bodies. By stretch and rotations N, M_y and M_z change as `softened`
+states while they flow. Consequence to test: central differences of the forces, elastic and flowing.
 """
 
 from typing import Any
@@ -56,7 +56,8 @@ def predict(
     """How segments flow over motions `displacement` (n, 6) of all nodes, to first order. Writes:
     new.
 
-    Bodies that turn stretch what is between them by the square of their turns, which is no flow.
+    Bodies that rotate stretch what is between them by the square of their rotations, which is no
+    flow.
     """
     k, trial, change = _trials(p, state, nodes, displacement)
     trial += change

@@ -98,7 +98,7 @@ def factor_of(p, rate):
 
 @kernel
 def softened(p, k, trial, flow, share, strain, factor, curves):
-    """Derivatives of N, M_y, M_z by stretch and turns while they flow (upper half, 6).
+    """Derivatives of N, M_y, M_z by stretch and rotations while they flow (upper half, 6).
 
     dF = (diag(k s) - b b^T / B) dq,   s = 1 / (1 + share k / Z^2),   b = F s k / Z^2,
     B = sum F b / Z^2 + Y^2 Y' / (1 - Y' share), Y' per flow.

@@ -6,8 +6,8 @@
 
 w is the spin of b over a in axes of a, phi = |theta|. The torque on b is -T^T m, so that power and
 energy agree in every configuration; about one axis it is stiffness times angle. theta is defined up
-to half a turn. The force of both bodies acts in the point of b. Consequence to test: stored energy
-is (x K x + theta K_r theta) / 2 and its gradient the force, in any configuration.
+to half a revolution. The force of both bodies acts in the point of b. Consequence to test: stored
+energy is (x K x + theta K_r theta) / 2 and its gradient the force, in any configuration.
 
 Reference: Bauchau and Trainelli (2003), The vectorial parameterization of rotation, Nonlinear
 Dynamics 32, 71-92.
@@ -66,7 +66,7 @@ PARAMETERS = POINTS + Record("""
     rotational_damping  N m s/rad  3  diagonal of C_r
     offset             m          3  x_0
     reference          1          4  q_a^-1 q_b at the start
-    rotates            flag          whether it resists turns, which end at half a turn
+    rotates            flag          whether it resists rotations, which end at half a revolution
 """)
 HISTORY = Record()
 TANGENTS = 6

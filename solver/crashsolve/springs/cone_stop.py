@@ -168,7 +168,7 @@ class Swing(NamedTuple):
     theta: float  # angle from the axis [rad]
     phi: float  # azimuth [rad]
     past: float  # angle past the limit, negative within [rad]
-    gradient: Vector  # of `past` over turns of b, world axes; within the cone that of theta
+    gradient: Vector  # of `past` over rotations of b, world axes; within the cone that of theta
     cosine: float  # of theta
 
 

@@ -43,13 +43,13 @@ class CurveTorsional(AxisSpringCard, ResistanceCard):
 
 COUNTS_ROTATIONS = True
 PARAMETERS = FULL_TURN + _resistance.RESISTANCE + Record("angle  rad  theta_0")
-HISTORY = _resistance.SLIDER + Record("angle  rad  counted turn")
+HISTORY = _resistance.SLIDER + Record("angle  rad  counted rotation")
 TANGENTS = 1
 OUTPUT = Record("""
     torque  N m    positive rotates b back
     angle   rad    rotation of b from the start
     rate    rad/s  of the angle
-    set     rad    permanent turn, the larger of both directions
+    set     rad    permanent rotation, the larger of both directions
 """)
 
 

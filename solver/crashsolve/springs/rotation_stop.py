@@ -33,7 +33,7 @@ class RotationStop(_joint.StopCard):
 
 COUNTS_ROTATIONS = True
 PARAMETERS = FULL_TURN + _joint.STOPS + Record("start  rad  angle at the start, of a posture")
-HISTORY = _joint.STOPPED + Record("angle  rad  theta, with all turns")
+HISTORY = _joint.STOPPED + Record("angle  rad  theta, over all revolutions")
 TANGENTS = 1
 OUTPUT = Record("""
     torque  N m    positive rotates b back

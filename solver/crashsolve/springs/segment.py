@@ -357,7 +357,7 @@ def shear_row(row, seen, k):
 
 @kernel
 def rotation_row(row, seen, k):
-    """Derivative of -theta_k by the turns of both bodies. Writes: row."""
+    """Derivative of -theta_k by the rotations of both bodies. Writes: row."""
     m = rotated_rate(half_angle_over_sine(seen.v, seen.w), seen.v, unit(k))
     write(row, seen.R, ZERO, m, scale(-1.0, m))
 

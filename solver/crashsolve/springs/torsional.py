@@ -2,7 +2,7 @@
 
     M = k (theta - theta_0) + c theta_dot,   positive rotates b back towards a
 
-theta counts any number of turns of b about the axis from the start. The torque acts along the
+theta counts any number of revolutions of b about the axis from the start. The torque acts along the
 gradient of theta, so no energy is lost if b tilts. Consequence to test: a disc of inertia J swings
 with omega^2 = k / J; stored energy k (theta - theta_0)^2 / 2.
 """
@@ -33,7 +33,7 @@ PARAMETERS = FULL_TURN + Record("""
     damping    N m s/rad  c
     angle      rad        theta_0
 """)
-HISTORY = Record("angle  rad  counted turn")
+HISTORY = Record("angle  rad  counted rotation")
 TANGENTS = 1
 OUTPUT = Record("""
     torque  N m    positive rotates b back

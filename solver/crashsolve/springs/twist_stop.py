@@ -116,7 +116,7 @@ def _check_start(card: TwistStop, scene: Scene, p: Columns) -> None:
 @kernel
 def twist_angle(c, x, s, y):
     """tau [rad] of axes c and s with the sides x and y, world components; in (-pi, pi]."""
-    # y brought back by the shortest turn of s to c
+    # y brought back by the shortest rotation of s to c
     back = cross(s, c)
     cosine = dot(s, c)
     along = dot(back, y) / (1.0 + cosine)
@@ -126,7 +126,7 @@ def twist_angle(c, x, s, y):
 
 @kernel
 def twist_of(p, nodes):
-    """tau [rad], its gradient g over turns of b, and the cosine of the swing."""
+    """tau [rad], its gradient g over rotations of b, and the cosine of the swing."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     c, x = arm(a, vec(p.axis_a)), arm(a, vec(p.side_a))
     s, y = arm(b, vec(p.axis_b)), arm(b, vec(p.side_b))

@@ -321,13 +321,13 @@ class StaticEngine(Engine):
         return f"body '{self.model.bodies[node]}'" if is_body else self.model.part_at(node)
 
     def change_from(self, start: np.ndarray) -> np.ndarray:
-        """Displacements and turns (n, 6) of the free nodes since a configuration."""
+        """Displacements and rotations (n, 6) of the free nodes since a configuration."""
         here = self.state.nodes[self.free]
         rotated = rotations(start["q"][self.free], here["q"])
         return np.hstack([here["r"] - start["r"][self.free], rotated])
 
     def size_of(self, change: np.ndarray) -> float:
-        """Of displacements and turns (n, 6): the largest, in the model's size or rad."""
+        """Of displacements and rotations (n, 6): the largest, in the model's size or rad."""
         far, angle = np.abs(change[:, :3]).max(initial=0.0), np.abs(change[:, 3:]).max(initial=0.0)
         return float(max(far / self.model.size, angle))
 
@@ -363,7 +363,7 @@ class StaticEngine(Engine):
         return 10.0 * float(largest) or 1.0
 
     def _tangent(self, time: float, g: np.ndarray, D: np.ndarray) -> np.ndarray:
-        """Derivative (6 n, 6 n) of g by positions and turns of the free nodes.
+        """Derivative (6 n, 6 n) of g by positions and rotations of the free nodes.
 
         Of nodes that only elements of beams hold it is theirs; other laws, and joints, are sampled.
         """
@@ -444,7 +444,7 @@ class StaticEngine(Engine):
         return g.ravel()
 
     def shift(self, nodes: np.ndarray, change: np.ndarray) -> None:
-        """Move the free nodes by displacements and turns (n, 6). Writes: nodes."""
+        """Move the free nodes by displacements and rotations (n, 6). Writes: nodes."""
         moved = nodes[self.free]
         move(moved, change)
         nodes[self.free] = moved

@@ -8,7 +8,7 @@ from crashsolve.foundation.orientation import matrices, matrix, products
 
 
 def move(nodes: np.ndarray, change: np.ndarray) -> None:
-    """Move nodes by displacements and turns (n, 6). Writes: nodes."""
+    """Move nodes by displacements and rotations (n, 6). Writes: nodes."""
     nodes["r"] += change[:, :3]
     half = 0.5 * np.linalg.norm(change[:, 3:], axis=1)[:, None]
     q = products(np.hstack([np.cos(half), 0.5 * np.sinc(half / np.pi) * change[:, 3:]]), nodes["q"])

@@ -169,7 +169,7 @@ class RestEngine(StaticEngine):
         return self.name_of(node) if count > 0 else ""
 
     def _unstable_bodies(self, now: float) -> str:
-        """The same of bodies alone, where elements stand still; with all that turns forces."""
+        """The same of bodies alone, where elements stand still; with geometric stiffness."""
         theirs = (
             set(self.model.elements.attached_points["node"].tolist())
             if self.model.elements

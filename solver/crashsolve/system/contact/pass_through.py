@@ -89,13 +89,13 @@ def note_round_probe(clock, h, p, old, new, hit):
 
 @kernel
 def is_opposite(old, n):
-    """Whether the normal has turned over."""
+    """Whether the normal has reversed."""
     return dot(n, vec(old.normal)) < OPPOSITE
 
 
 @kernel
 def has_leapt(p, old, depth, n, cosine):
-    """Whether the normal of a deep touch has turned too far in a step."""
+    """Whether the normal of a deep touch has rotated too far in a step."""
     return max(depth, old.depth) > SUDDEN * p.thick and dot(n, vec(old.normal)) < cosine
 
 
