@@ -7,7 +7,9 @@ a ring has the ratio of forces exp(mu beta), whatever the step, and a ring at wh
 straight changes nothing.
 """
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pydantic import model_validator
@@ -37,6 +39,9 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.rows import as_rows
 
+if TYPE_CHECKING:
+    from crashsolve.belts._rows.belt import History, Output, Parameters
+
 STEPWISE = True
 WARNINGS = {
     "short": "a segment shrank to nothing, as its ring met the next fitting: its length was taken "
@@ -65,7 +70,7 @@ class Belt(Card):
     )
 
     @model_validator(mode="after")
-    def _consistent(self) -> "Belt":
+    def _consistent(self) -> Belt:
         check_route(self.route)
         return self
 
@@ -182,7 +187,7 @@ def initial_history(card: Belt, p: Any, scene: Scene) -> Columns:
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     clear(p, old, new, out)
     lay(p, old, new, out, nodes)
@@ -195,7 +200,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def clear(p, old, new, out):
+def clear(p: Parameters, old: History, new: History, out: Output):
     """Columns of fittings and segments that there are not. Writes: new, out."""
     for i in range(p.segments, SEGMENTS):
         new.webbing[i] = new.residual[i] = new.tension[i] = new.straight[i] = 0.0
@@ -217,7 +222,7 @@ def clear(p, old, new, out):
 
 
 @kernel
-def account(p, old, new, out, h):
+def account(p: Parameters, old: History, new: History, out: Output, h):
     """What is stored and lost, and what is shown. Writes: new, out."""
     out.stored = out.power = friction = drawn = slack = 0.0
     for i in range(p.segments):

@@ -14,13 +14,18 @@ References: Ambrosio (2003), Eq. 23-25; Moreau (1988), in Nonsmooth Mechanics an
 302, 1-82; Jean (1999), Computer Methods in Applied Mechanics and Engineering 177, 235-257.
 """
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
 
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, SurfaceName, quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add_scaled, dot, norm, scale
+
+if TYPE_CHECKING:
+    from crashsolve.contact._rows.unilateral import Parameters
 
 STEPWISE = True
 INSTEAD = "a law of force does: normal: {type: lankarani_nikravesh, stiffness: ..., ...}"
@@ -73,7 +78,7 @@ def check(card: Unilateral, scene: Scene, nodes_a: set[int], nodes_b: set[int]) 
 
 
 @kernel
-def unilateral_impulse(p, P, u, n, lift, mobility, mobility_along):
+def unilateral_impulse(p: Parameters, P, u, n, lift, mobility, mobility_along):
     """Impulse on side a, from P at velocity u over b, that leaves no v_n below `lift` [N s].
 
     The mobilities [1/kg] are those along n and along the slip.

@@ -23,8 +23,12 @@ class Column:
     meaning: str
 
     @property
+    def is_integer(self) -> bool:
+        return self.unit in _INTEGER_UNITS
+
+    @property
     def format(self) -> tuple[Any, ...]:
-        kind = np.int64 if self.unit in _INTEGER_UNITS else np.float64
+        kind = np.int64 if self.is_integer else np.float64
         return (self.name, kind) if self.size == 1 else (self.name, kind, (self.size,))
 
 

@@ -6,8 +6,10 @@ The angle is counted over any number of revolutions. `phi` grows with |theta_dot
 of a tip at some distance of the axis.
 """
 
+from __future__ import annotations
+
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -24,6 +26,9 @@ from crashsolve.hinges._law import LAW, PATH, growth_bound
 from crashsolve.joints import revolute
 from crashsolve.joints._card import FRAME
 from crashsolve.joints.basic import rows_of
+
+if TYPE_CHECKING:
+    from crashsolve.hinges._rows._one_axis import History, Output, Parameters
 
 # what makes a file a hinge, but for its card
 __all__ = ["ANGULAR", "CONSTRAINTS", "FREE", "HISTORY", "LEDGER", "OUTPUT", "PARAMETERS", "ROWS"]
@@ -74,7 +79,7 @@ def rotated(p, before, nodes):
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     angle, rate, g = rotated(p, old.x[0], nodes)
     moment, phi = _single.resist(p, old, new, out, angle, p.tip * abs(rate), curves)
@@ -86,7 +91,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
     angle, rate, g = rotated(p, state.x[0], nodes)
     stiffness, damping = _single.slopes(p, state, angle, rate, p.tip * abs(rate), curves)
@@ -95,7 +100,7 @@ def tangent(p, state, nodes, curves, rows, first):
 
 
 @kernel
-def event(p, old, h, nodes, curves):
+def event(p: Parameters, old: History, h, nodes, curves):
     """How far this has left the branch of the law on which the step began [rad]."""
     angle, rate, _ = rotated(p, old.x[0], nodes)
     return _single.beyond(p, old, h, angle, rate, p.tip * abs(rate), curves)

@@ -9,8 +9,10 @@ the stroke m V_0^2 / 2 P_s.
 References: Ambrosio (2003), Eq. 7 and Fig. 3.
 """
 
+from __future__ import annotations
+
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -27,6 +29,9 @@ from crashsolve.hinges._law import LAW, PATH, growth_bound
 from crashsolve.joints import prismatic
 from crashsolve.joints._card import FRAME
 from crashsolve.joints.basic import rows_of
+
+if TYPE_CHECKING:
+    from crashsolve.hinges._rows.axial import History, Output, Parameters
 
 __all__ = ["LEDGER", "release_rows"]
 CONSTRAINTS, FREE = prismatic.CONSTRAINTS, prismatic.FREE
@@ -88,7 +93,7 @@ def stroke_along(p, nodes, axis):
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     length_change, rate, u, d_a, d_b = stroke_along(p, nodes, p.axis_a)
     x = length_change - p.initial[0]
@@ -101,7 +106,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
     length_change, rate, u, d_a, d_b = stroke_along(p, nodes, p.axis_a)
     x = length_change - p.initial[0]
@@ -110,7 +115,7 @@ def tangent(p, state, nodes, curves, rows, first):
 
 
 @kernel
-def event(p, old, h, nodes, curves):
+def event(p: Parameters, old: History, h, nodes, curves):
     """How far this has left the branch of the law on which the step began [m]."""
     length_change, rate, _, _, _ = stroke_along(p, nodes, p.axis_a)
     return _single.beyond(p, old, h, length_change - p.initial[0], rate, abs(rate), curves)

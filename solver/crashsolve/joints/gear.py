@@ -7,6 +7,10 @@ housing receives the difference. Consequence to test: a torque T on wheel 1 turn
 theta_1_ddot = T / (J_1 + ratio^2 J_2).
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, JointName, quantity, word
 from crashsolve.foundation.angles import FULL_TURN, angle_about, angle_jacobian_rate, counted
@@ -14,6 +18,9 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.joints._card import named_frame
 from crashsolve.joints._rows import rotation_jacobian, scale_row
+
+if TYPE_CHECKING:
+    from crashsolve.joints._rows.gear import History, Parameters
 
 COUNTS_ROTATIONS = True
 CONSTRAINTS = ()
@@ -57,7 +64,7 @@ def build(card: Gear, scene: Scene) -> Columns:
 
 
 @kernel
-def residual(p, old, new, t, nodes, rows, curves):
+def residual(p: Parameters, old: History, new: History, t, nodes, rows, curves):
     """Writes: rows.phi, new."""
     first = angle_about(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_a, p.side_b)
     second = angle_about(nodes[p.node_c], nodes[p.node_d], p.axis_c, p.side_c, p.side_d)
@@ -67,7 +74,7 @@ def residual(p, old, new, t, nodes, rows, curves):
 
 
 @kernel
-def jacobian(p, old, t, nodes, rows, curves):
+def jacobian(p: Parameters, old: History, t, nodes, rows, curves):
     """Writes: rows.D, nu."""
     r = p.first_row
     rotation_jacobian(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_b, rows[r])
@@ -76,7 +83,7 @@ def jacobian(p, old, t, nodes, rows, curves):
 
 
 @kernel
-def convective(p, old, t, nodes, rows, curves):
+def convective(p: Parameters, old: History, t, nodes, rows, curves):
     """Writes: rows.gamma."""
     first = angle_jacobian_rate(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_b)
     second = angle_jacobian_rate(nodes[p.node_c], nodes[p.node_d], p.axis_c, p.side_d)

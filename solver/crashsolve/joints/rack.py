@@ -6,6 +6,10 @@ The row has two parts, one per joint. Consequence to test: a rack of mass m that
 turns a pinion of inertia J accelerates with m g / (m + J / R^2).
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, JointName, quantity, word
 from crashsolve.foundation.angles import FULL_TURN, angle_about, angle_jacobian_rate, counted
@@ -19,6 +23,9 @@ from crashsolve.joints._rows import (
     slide_jacobian,
     slide_jacobian_rate,
 )
+
+if TYPE_CHECKING:
+    from crashsolve.joints._rows.rack import History, Parameters
 
 COUNTS_ROTATIONS = True
 CONSTRAINTS = ()
@@ -58,7 +65,7 @@ def build(card: Rack, scene: Scene) -> Columns:
 
 
 @kernel
-def residual(p, old, new, t, nodes, rows, curves):
+def residual(p: Parameters, old: History, new: History, t, nodes, rows, curves):
     """Writes: rows.phi, new."""
     angle = angle_about(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_a, p.side_b)
     new.angle = counted(angle, old.angle)
@@ -67,7 +74,7 @@ def residual(p, old, new, t, nodes, rows, curves):
 
 
 @kernel
-def jacobian(p, old, t, nodes, rows, curves):
+def jacobian(p: Parameters, old: History, t, nodes, rows, curves):
     """Writes: rows.D, nu."""
     r, c, d = p.first_row, nodes[p.node_c], nodes[p.node_d]
     rotation_jacobian(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_b, rows[r])
@@ -76,7 +83,7 @@ def jacobian(p, old, t, nodes, rows, curves):
 
 
 @kernel
-def convective(p, old, t, nodes, rows, curves):
+def convective(p: Parameters, old: History, t, nodes, rows, curves):
     """Writes: rows.gamma."""
     turning = angle_jacobian_rate(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_b)
     sliding = slide_jacobian_rate(nodes[p.node_c], nodes[p.node_d], p.point_c, p.point_d, p.axis_c)

@@ -7,7 +7,10 @@ and h the lead over 2 pi. Consequence to test: one degree of freedom; a nut of m
 on an upright screw falls with m g / (m + J / h^2).
 """
 
+from __future__ import annotations
+
 from math import pi
+from typing import TYPE_CHECKING
 
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import quantity
@@ -18,6 +21,9 @@ from crashsolve.foundation.vec3 import scale
 from crashsolve.joints._card import FRAME, AxisJointCard
 from crashsolve.joints._rows import also_rotates, slide_along, slide_jacobian, slide_jacobian_rate
 from crashsolve.joints.basic import line, parallel, rows_of
+
+if TYPE_CHECKING:
+    from crashsolve.joints._rows.screw import History, Parameters
 
 COUNTS_ROTATIONS = True
 CONSTRAINTS = (line, parallel)
@@ -40,7 +46,7 @@ def build(card: Screw, scene: Scene) -> Columns:
 
 
 @kernel
-def residual(p, old, new, t, nodes, rows, curves):
+def residual(p: Parameters, old: History, new: History, t, nodes, rows, curves):
     """Writes: rows.phi, new."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     new.angle = counted(angle_about(a, b, p.axis_a, p.side_a, p.side_b), old.angle)
@@ -49,7 +55,7 @@ def residual(p, old, new, t, nodes, rows, curves):
 
 
 @kernel
-def jacobian(p, old, t, nodes, rows, curves):
+def jacobian(p: Parameters, old: History, t, nodes, rows, curves):
     """Writes: rows.D, nu."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     row = rows[p.first_row + 4]
@@ -58,7 +64,7 @@ def jacobian(p, old, t, nodes, rows, curves):
 
 
 @kernel
-def convective(p, old, t, nodes, rows, curves):
+def convective(p: Parameters, old: History, t, nodes, rows, curves):
     """Writes: rows.gamma."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     sliding = slide_jacobian_rate(a, b, p.point_a, p.point_b, p.axis_a)

@@ -5,6 +5,10 @@
 Consequence to test: a constant force F in world axes does the work F . (x - x_0).
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Vec3, quantity
 from crashsolve.foundation.columns import matvec
@@ -13,6 +17,9 @@ from crashsolve.foundation.motion import apply_external, arm, point_velocity
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, put, vec
 from crashsolve.loads._on_body import BODY_LOAD, BodyLoadCard, body_load, present_load
+
+if TYPE_CHECKING:
+    from crashsolve.loads._rows.force import History, Output, Parameters
 
 
 class Force(BodyLoadCard):
@@ -35,7 +42,7 @@ def build(card: Force, scene: Scene) -> Columns:
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, out."""
     body = nodes[p.node]
     f = present_load(p, t, nodes, curves)
@@ -48,6 +55,6 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def present(p, out, A):
+def present(p: Parameters, out: Output, A):
     """Present force, its arm in a body rotated by A, and torque; world axes."""
     return vec(out.force), matvec(A, vec(p.point)), (0.0, 0.0, 0.0)

@@ -14,9 +14,11 @@ Reference: Coulter (1992), Implementation of the pure pursuit path tracking algo
 Mellon University CMU-RI-TR-92-01.
 """
 
+from __future__ import annotations
+
 from importlib import import_module
 from math import atan, atan2, cos
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -38,6 +40,9 @@ from crashsolve.foundation.motion import (
 )
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, scale, sub, vec
+
+if TYPE_CHECKING:
+    from crashsolve.loads._rows.path_steering import History, Output, Parameters
 
 # iterations of the search for the path, and where it is close enough, over the distance ahead
 PASSES, CLOSE = 20, 1e-12
@@ -160,7 +165,7 @@ def build(card: PathSteering, scene: Scene) -> Columns:
 
 
 @kernel
-def sight(p, nodes, curves):
+def sight(p: Parameters, nodes, curves):
     """delta that he asks for [rad], offset of the path ahead [m], that of the vehicle [m]."""
     body, up = nodes[p.vehicle], vec(p.up)
     x = sub(world_position(body, vec(p.at)), vec(p.origin))
@@ -191,7 +196,7 @@ def sight(p, nodes, curves):
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     out.steer, out.ahead, out.offset = sight(p, nodes, curves)

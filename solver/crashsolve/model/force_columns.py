@@ -1,4 +1,4 @@
-"""Columns that every law of force has beside its own, and those by which its gains are found.
+"""Columns that laws have beside their own, and those by which gains of a law are found.
 
 A law between two bodies is watched where a step may be too long for it: with `control.step` and a
 method of one force pass a step. Steps chosen by the run keep to the stiffness that laws report.
@@ -13,7 +13,9 @@ from crashsolve.foundation.record import Record
 if TYPE_CHECKING:
     from crashsolve.model.scene import Scene
 
-# every law that stores or loses energy has these beside its own columns
+# every law with constraint rows has these beside its own columns
+ROW_PARAMETERS = Record("first_row  index  first constraint row")
+# every law that stores or loses energy has these
 FORCE_HISTORY = Record("""
     dissipated  J  energy lost so far
     power       W  its present rate

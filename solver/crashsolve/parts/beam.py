@@ -20,8 +20,10 @@ Simo and Vu-Quoc (1986), A three-dimensional finite-strain rod model. Part II: C
 aspects, the same 58, 79-116.
 """
 
+from __future__ import annotations
+
 from math import dist
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -46,6 +48,9 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.orientation import quaternion_of
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import ZERO
+
+if TYPE_CHECKING:
+    from crashsolve.parts._rows.beam import History, Output, Parameters
 
 DESCRIPTIONS = ("co-rotational",)
 """How deformation may be described; a study runs over them."""
@@ -191,7 +196,7 @@ def forces_by_motions(p: Any, state: Any, nodes: Any, curves: Any) -> np.ndarray
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame(a, b)
@@ -201,7 +206,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """By the velocities; by the positions see bend. Writes: rows."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame(a, b)
@@ -209,7 +214,7 @@ def tangent(p, state, nodes, curves, rows, first):
 
 
 @kernel
-def bend(p, state, nodes, curves, slot, blocks):
+def bend(p: Parameters, state: History, nodes, curves, slot, blocks):
     """Tangent by the positions. Writes: blocks."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame(a, b)

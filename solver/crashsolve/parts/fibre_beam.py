@@ -14,6 +14,10 @@ of it.
 References: those of the beam and of beams/fibres.py.
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from crashsolve.deck.building import Columns, Scene
@@ -32,6 +36,9 @@ from crashsolve.foundation.motion import no_tangent
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, scale, sub
 from crashsolve.parts import beam
+
+if TYPE_CHECKING:
+    from crashsolve.parts._rows.fibre_beam import History, Output, Parameters
 
 STEPWISE = CALLS_MATERIAL = True
 IMPLICIT = ("generalized_alpha", "radau_iia_5")
@@ -106,7 +113,9 @@ def _table(card: FibreBeam, scene: Scene) -> np.ndarray:
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves, material):
+def force(
+    p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves, material
+):
     """Writes: nodes, new, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame(a, b)
@@ -145,7 +154,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves, material):
 
 
 @kernel
-def at_section(p, strained):
+def at_section(p: Parameters, strained):
     """Stretch and bending of the section, and their rates; of what element.deformation states."""
     _, u, theta, u_dot, theta_dot, _, _ = strained
     per = 1.0 / p.length
@@ -154,7 +163,7 @@ def at_section(p, strained):
 
 
 @kernel
-def yielding(p, old, curves, strained, material):
+def yielding(p: Parameters, old: History, curves, strained, material):
     """What fibres have besides K: N, M_y, M_z, and derivatives by e, theta_y, theta_z (6 each).
 
     Those by the rates of these follow.
@@ -166,7 +175,7 @@ def yielding(p, old, curves, strained, material):
 
 
 @kernel
-def bend(p, state, nodes, curves, slot, blocks, material):
+def bend(p: Parameters, state: History, nodes, curves, slot, blocks, material):
     """Tangent by the positions. Writes: blocks."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame(a, b)
@@ -176,7 +185,7 @@ def bend(p, state, nodes, curves, slot, blocks, material):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first, material):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first, material):
     """By the velocities; by the positions see bend. Writes: rows."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame(a, b)

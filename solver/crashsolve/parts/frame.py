@@ -10,7 +10,9 @@ straight bar in any direction is the beam; an arm across another twists it.
 References: those of the beam.
 """
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -26,6 +28,9 @@ from crashsolve.foundation.orientation import products, quaternion_of
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import ZERO
 from crashsolve.parts import beam
+
+if TYPE_CHECKING:
+    from crashsolve.parts._rows.frame import History, Output, Parameters
 
 HISTORY, OUTPUT, TANGENTS = beam.HISTORY, beam.OUTPUT, element.TANGENTS
 ORDER, DESCRIPTIONS = beam.ORDER, beam.DESCRIPTIONS
@@ -161,7 +166,7 @@ def forces_by_motions(p: Any, state: Any, nodes: Any, curves: Any) -> np.ndarray
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame_of(axes_at(a, p.rotation), axes_at(b, p.rotation))
@@ -171,7 +176,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def bend(p, state, nodes, curves, position, blocks):
+def bend(p: Parameters, state: History, nodes, curves, position, blocks):
     """Tangent by the positions. Writes: blocks."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame_of(axes_at(a, p.rotation), axes_at(b, p.rotation))
@@ -180,7 +185,7 @@ def bend(p, state, nodes, curves, position, blocks):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """By the velocities. Writes: rows."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame_of(axes_at(a, p.rotation), axes_at(b, p.rotation))

@@ -14,6 +14,10 @@ References: Belytschko, Lin and Tsay (1984), Explicit algorithms for the nonline
 shells, Computer Methods in Applied Mechanics and Engineering 42, 225-251.
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from crashsolve.deck.building import Columns, Scene
@@ -26,6 +30,9 @@ from crashsolve.elements.shells.records import MOST_LAYERS, WORK
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import ZERO
+
+if TYPE_CHECKING:
+    from crashsolve.parts._rows.shell import History, Output, Parameters
 
 STEPWISE = CALLS_MATERIAL = True
 # but for these, which strain elements from the start of a step to its end, and to its stages
@@ -159,9 +166,10 @@ def parameters(part: DiscretisedShell, scene: Scene) -> Columns:
 
 
 @kernel
-def energies(p, new, out, scene):
+def energies(p: Parameters, new: History, out: Output, scene):
     """Energies of a part but for its elements. Writes: out."""
     out.kinetic = moving(p, scene.points)
     out.strain = out.hourglass = out.drilling = out.plastic = out.damping = 0.0
-    out.eroded = out.eroded_kinetic = out.eroded_mass = out.deleted = 0.0
+    out.eroded = out.eroded_kinetic = out.eroded_mass = 0.0
+    out.deleted = 0
     out.drag = new.damped

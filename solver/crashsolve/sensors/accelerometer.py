@@ -8,8 +8,10 @@ says what is measured of an occupant or vehicle, for measures of injury. Consequ
 to test: on an arm of radius R turning at w it shows w^2 R towards the axis.
 """
 
+from __future__ import annotations
+
 import re
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from pydantic import field_validator
@@ -21,6 +23,9 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, point_velocity
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, cross, norm, put, sub, vec
+
+if TYPE_CHECKING:
+    from crashsolve.sensors._rows.accelerometer import Output, Parameters
 
 FAMILY = "nodout"
 MME = re.compile(r"[A-Z0-9?]{12}")
@@ -82,7 +87,7 @@ def build(card: Accelerometer, scene: Scene) -> Columns:
 
 
 @kernel
-def measure(p, out, t, nodes, rows, curves):
+def measure(p: Parameters, out: Output, t, nodes, rows, curves):
     """Writes: out."""
     body = nodes[p.node]
     d, w = arm(body, vec(p.point)), vec(body.w)

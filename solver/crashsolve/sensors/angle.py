@@ -6,11 +6,18 @@ Revolutions are counted at every step, not only at samples. Consequence to test:
 at w for a time t shows w t, however many revolutions that is.
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, word
 from crashsolve.foundation.angles import FULL_TURN, angle_about, angle_rate, counted
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
+
+if TYPE_CHECKING:
+    from crashsolve.sensors._rows.angle import History, Output, Parameters
 
 FAMILY = "disbout"
 
@@ -37,7 +44,7 @@ def build(card: Angle, scene: Scene) -> Columns:
 
 
 @kernel
-def follow(p, old, new, out, nodes):
+def follow(p: Parameters, old: History, new: History, out: Output, nodes):
     """Count the rotation. Writes: new, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     new.angle = counted(angle_about(a, b, p.axis_a, p.side_a, p.side_b), old.angle)
@@ -45,6 +52,6 @@ def follow(p, old, new, out, nodes):
 
 
 @kernel
-def measure(p, out, t, nodes, rows, curves):
+def measure(p: Parameters, out: Output, t, nodes, rows, curves):
     """Writes: out."""
     out.rate = angle_rate(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_b)

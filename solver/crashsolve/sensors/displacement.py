@@ -5,7 +5,9 @@
 Consequence to test: a point fixed in b beside a turning a has, in the axes of a, the rate -w x x.
 """
 
-from typing import Literal
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal
 
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
@@ -14,6 +16,9 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, relative
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import cross, dot, norm, put, sub, vec
+
+if TYPE_CHECKING:
+    from crashsolve.sensors._rows.displacement import Output, Parameters
 
 FAMILY = "disbout"
 
@@ -55,7 +60,7 @@ def build(card: Displacement, scene: Scene) -> Columns:
 
 
 @kernel
-def measure(p, out, t, nodes, rows, curves):
+def measure(p: Parameters, out: Output, t, nodes, rows, curves):
     """Writes: out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     x, x_dot = relative(a, arm(a, vec(p.point_a)), b, arm(b, vec(p.point_b)))

@@ -12,7 +12,9 @@ Reference: Dahl (1968), A solid friction model, The Aerospace Corporation TOR-01
 elastic-perfectly plastic limit of Simo and Hughes (1998), Computational Inelasticity, 1.2.
 """
 
-from typing import ClassVar, Literal
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
@@ -32,6 +34,9 @@ from crashsolve.springs._between import (
 )
 from crashsolve.springs._bristle import kept_share, lost
 from crashsolve.springs._card import PointSpringCard
+
+if TYPE_CHECKING:
+    from crashsolve.springs._rows.brake import History, Output, Parameters
 
 LEDGER = "brake"
 
@@ -93,7 +98,7 @@ def build(card: Brake, scene: Scene) -> Columns:
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     x, x_dot, d_a, d_b = seen_from_a(p, nodes)
     trial = sub(braked(p, sub(x, vec(p.offset))), vec(old.slider))
@@ -124,14 +129,14 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def braked(p, x):
+def braked(p: Parameters, x):
     """Part of a vector (3) in the directions braked, axes of a."""
     first, second = vec(p.first), vec(p.second)
     return add_scaled(scale(dot(first, x), first), dot(second, x), second)
 
 
 @kernel
-def level(p, t, curves):
+def level(p: Parameters, t, curves):
     """F(t) [N]; a negative factor releases the brake."""
     if p.force_curve == 0:
         return p.force

@@ -13,7 +13,10 @@ Reference: Bauchau and Trainelli (2003), The vectorial parameterization of rotat
 Dynamics 32, 71-92.
 """
 
+from __future__ import annotations
+
 from math import sqrt
+from typing import TYPE_CHECKING
 
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Vec3, quantity
@@ -45,6 +48,9 @@ from crashsolve.springs._between import (
     start_offset,
 )
 from crashsolve.springs._card import PointSpringCard
+
+if TYPE_CHECKING:
+    from crashsolve.springs._rows.bushing import History, Output, Parameters
 
 
 class Bushing(PointSpringCard):
@@ -92,7 +98,7 @@ def build(card: Bushing, scene: Scene) -> Columns:
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, out."""
     x, x_dot, d_a, d_b = seen_from_a(p, nodes)
     x = sub(x, vec(p.offset))
@@ -125,7 +131,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
     _, _, d_a, d_b = seen_from_a(p, nodes)
     a, b = nodes[p.node_a], nodes[p.node_b]
@@ -141,7 +147,7 @@ def tangent(p, state, nodes, curves, rows, first):
 
 
 @kernel
-def add_stiffness_bound_about(p, nodes, k, d_a, d_b, stretch):
+def add_stiffness_bound_about(p: Parameters, nodes, k, d_a, d_b, stretch):
     """Report the springs along and about one axis of a to the step control. Writes: nodes.
 
     `stretch` is |T|^2, 1 at small angles.

@@ -15,8 +15,10 @@ References: Ambrosio (2003), section 5.2; Engin and Tumer (1989), Journal of Bio
 Engineering 111, 107-112, of joint sinuses as generalised cones.
 """
 
+from __future__ import annotations
+
 from math import atan2, floor, pi, sin, sqrt
-from typing import Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 from pydantic import model_validator
@@ -42,6 +44,9 @@ from crashsolve.springs._range import (
     range_tangent,
 )
 
+if TYPE_CHECKING:
+    from crashsolve.springs._rows.cone_stop import History, Output, Parameters
+
 LEDGER = "joint"
 COUNTS_ROTATIONS = True
 MOST = 24  # half angles of one cone
@@ -66,7 +71,7 @@ class ConeStop(RangeCard):
     )
 
     @model_validator(mode="after")
-    def _a_cone(self) -> "ConeStop":
+    def _a_cone(self) -> ConeStop:
         if (self.half_angles is None) == (self.table is None):
             raise ValueError("needs one of half_angles and table")
         if max(half for _, half in self.limits()) > LARGEST:
@@ -192,7 +197,7 @@ def limit_between(azimuth, narrow, points, phi):
 
 
 @kernel
-def swing_of(p, nodes):
+def swing_of(p: Parameters, nodes):
     """The Swing of the pointer."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     c, side, third = arm(a, vec(p.axis_a)), arm(a, vec(p.side_a)), arm(a, vec(p.third_a))
@@ -210,7 +215,7 @@ def swing_of(p, nodes):
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     at = swing_of(p, nodes)
     check_rotation_limit(curves, p.node_b, sqrt(max(0.5 + 0.5 * at.cosine, 0.0)))
@@ -227,7 +232,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     at = swing_of(p, nodes)
@@ -237,7 +242,7 @@ def tangent(p, state, nodes, curves, rows, first):
 
 
 @kernel
-def event(p, old, h, nodes, curves):
+def event(p: Parameters, old: History, h, nodes, curves):
     """How far the swing has left where it began the step, within the cone or past it [rad]."""
     at = swing_of(p, nodes)
     rate = dot(at.gradient, sub(vec(nodes[p.node_b].w), vec(nodes[p.node_a].w)))

@@ -11,7 +11,9 @@ Consequence to test: with k_t = 0 a mass m at v_0 stops after m v_0^2 / 2 F_y + 
 Reference: Simo and Hughes (1998), Computational Inelasticity, 1.2 to 1.6.
 """
 
-from typing import Literal
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal
 
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import quantity, word
@@ -21,6 +23,9 @@ from crashsolve.foundation.record import Record
 from crashsolve.springs._between import POINTS, line_of_action, rest_length
 from crashsolve.springs._card import PointSpringCard
 from crashsolve.springs._geometric_stiffness import add_geometric_stiffness
+
+if TYPE_CHECKING:
+    from crashsolve.springs._rows.elastoplastic import History, Output, Parameters
 
 
 class Elastoplastic(PointSpringCard):
@@ -76,7 +81,7 @@ def build(card: Elastoplastic, scene: Scene) -> Columns:
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     u, length, rate, d_a, d_b = line_of_action(p, nodes)
     x = length - p.length
@@ -104,7 +109,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
     line = line_of_action(p, nodes)
     x, hardening = line.length - p.length, p.isotropic + p.kinematic
@@ -121,7 +126,7 @@ geometric_stiffness = add_geometric_stiffness
 
 
 @kernel
-def event(p, old, h, nodes, curves):
+def event(p: Parameters, old: History, h, nodes, curves):
     """How far this is past yield, or past the rotation of the motion while it flows [m]."""
     _, length, rate, _, _ = line_of_action(p, nodes)
     if old.plastic_flow != 0:

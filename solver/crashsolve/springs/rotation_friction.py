@@ -14,7 +14,9 @@ Reference: Dahl (1968), A solid friction model, The Aerospace Corporation TOR-01
 in joints: Haug, Wu and Yang (1986), Mechanism and Machine Theory 21, 401-406.
 """
 
-from typing import Any, ClassVar
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from pydantic import model_validator
@@ -30,6 +32,9 @@ from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, add_scaled, dot, norm, put, scale, sub, vec
 from crashsolve.springs._bristle import BRISTLE, PRESSING, friction_limit, kept_share, lost
 from crashsolve.springs._joint import named_joint
+
+if TYPE_CHECKING:
+    from crashsolve.springs._rows.rotation_friction import History, Output, Parameters
 
 LEDGER = "joint"
 
@@ -50,7 +55,7 @@ class RotationFriction(Card):
     damping: float = quantity("N m s/rad", "c, of the bristle", default=0.0, ge=0)
 
     @model_validator(mode="after")
-    def _consistent(self) -> "RotationFriction":
+    def _consistent(self) -> RotationFriction:
         if self.torque == 0.0 and self.coefficient == 0.0:
             raise ValueError("needs torque, coefficient or both")
         if self.torque_curve and self.torque == 0.0:
@@ -107,7 +112,7 @@ def initial_history(card: RotationFriction, p: Any, scene: Scene) -> Columns:
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     now = orientation_in(a, b)
@@ -142,7 +147,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def level(p, t, curves):
+def level(p: Parameters, t, curves):
     """M_0 phi(t) [N m]; a negative factor releases the brake."""
     if p.torque_curve == 0:
         return p.level

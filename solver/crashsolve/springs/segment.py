@@ -24,7 +24,9 @@ approach, Computers and Structures 6, 475-480. Powell and Chen (1986), ASCE J. E
 627-641 (the ellipse). Simo and Hughes (1998), Computational Inelasticity, 3 (return to it).
 """
 
-from typing import NamedTuple
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -76,6 +78,9 @@ from crashsolve.springs._segment_yield import (
     resisting,
     softened,
 )
+
+if TYPE_CHECKING:
+    from crashsolve.springs._rows.segment import History, Output, Parameters
 
 __all__ = ["forces_by_motions", "predict", "load_factor_to_yield"]
 
@@ -228,7 +233,7 @@ class Seen(NamedTuple):
 
 
 @kernel
-def seen_by(p, nodes):
+def seen_by(p: Parameters, nodes):
     """Deformation of the spring and its rates."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame_of(axes_at(a, p.rotation_a), axes_at(b, p.rotation_b))
@@ -242,7 +247,7 @@ def seen_by(p, nodes):
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     seen = seen_by(p, nodes)
     u, theta, u_dot, theta_dot = seen.u, seen.theta, seen.u_dot, seen.theta_dot
@@ -272,7 +277,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def act(p, nodes, seen, f, m):
+def act(p: Parameters, nodes, seen, f, m):
     """The force f and the moments m, which belong to u and theta, on both bodies. Writes: nodes."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w, c = seen.R, seen.v, seen.w, cross(seen.u, f)
@@ -285,7 +290,7 @@ def act(p, nodes, seen, f, m):
 
 
 @kernel
-def report(p, nodes, seen):
+def report(p: Parameters, nodes, seen):
     """Report all six directions to the step control. Writes: nodes."""
     a, b, R = nodes[p.node_a], nodes[p.node_b], seen.R
     # rows of a bent spring are longer than those of a straight one, and end half-way between
@@ -301,7 +306,7 @@ def report(p, nodes, seen):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Of the forces by positions and velocities, but for the rotation of the forces. Writes:
     rows.
     """

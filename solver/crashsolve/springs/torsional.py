@@ -7,6 +7,10 @@ gradient of theta, so no energy is lost if b tilts. Consequence to test: a disc 
 with omega^2 = k / J; stored energy k (theta - theta_0)^2 / 2.
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.angles import FULL_TURN
@@ -15,6 +19,9 @@ from crashsolve.foundation.motion import rotation_tangent, twist
 from crashsolve.foundation.record import Record
 from crashsolve.springs._between import rotated, spring_and_damper
 from crashsolve.springs._card import AxisSpringCard
+
+if TYPE_CHECKING:
+    from crashsolve.springs._rows.torsional import History, Output, Parameters
 
 
 class Torsional(AxisSpringCard):
@@ -48,7 +55,7 @@ def build(card: Torsional, scene: Scene) -> Columns:
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     angle, rate, g = rotated(p, old.angle, nodes)
     new.angle = angle
@@ -58,7 +65,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
     _, _, g = rotated(p, state.angle, nodes)
     rotation_tangent(rows[first], nodes[p.node_a], nodes[p.node_b], g, p.stiffness, p.damping)

@@ -12,7 +12,10 @@ Reference: Baerlocher and Boulic (2001), Parametrization and range of motion of 
 joint, Deformable Avatars, IFIP 68, 180-190.
 """
 
+from __future__ import annotations
+
 from math import atan2, sqrt
+from typing import TYPE_CHECKING
 
 import numpy as np
 from pydantic import model_validator
@@ -38,6 +41,9 @@ from crashsolve.springs._range import (
     range_tangent,
 )
 
+if TYPE_CHECKING:
+    from crashsolve.springs._rows.twist_stop import History, Output, Parameters
+
 LEDGER = "joint"
 COUNTS_ROTATIONS = True
 
@@ -53,7 +59,7 @@ class TwistStop(RangeCard):
     upper: float = quantity("rad", "upper end of the range", ge=-LARGEST, le=LARGEST)
 
     @model_validator(mode="after")
-    def _in_order(self) -> "TwistStop":
+    def _in_order(self) -> TwistStop:
         if self.lower >= self.upper:
             raise ValueError("lower: must be below upper")
         return self
@@ -125,7 +131,7 @@ def twist_angle(c, x, s, y):
 
 
 @kernel
-def twist_of(p, nodes):
+def twist_of(p: Parameters, nodes):
     """tau [rad], its gradient g over rotations of b, and the cosine of the swing."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     c, x = arm(a, vec(p.axis_a)), arm(a, vec(p.side_a))
@@ -135,13 +141,13 @@ def twist_of(p, nodes):
 
 
 @kernel
-def past_range(p, angle):
+def past_range(p: Parameters, angle):
     """Angle past an end of the range, of its sign; 0 within [rad]."""
     return max(angle - p.upper, 0.0) - max(p.lower - angle, 0.0)
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     angle, g, cosine = twist_of(p, nodes)
     check_rotation_limit(curves, p.node_b, sqrt(max(0.5 + 0.5 * cosine, 0.0)))
@@ -154,7 +160,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     angle, g, _ = twist_of(p, nodes)
@@ -164,7 +170,7 @@ def tangent(p, state, nodes, curves, rows, first):
 
 
 @kernel
-def event(p, old, h, nodes, curves):
+def event(p: Parameters, old: History, h, nodes, curves):
     """How far the twist has left where it began the step, in its range or past it [rad]."""
     angle, g, _ = twist_of(p, nodes)
     rate = dot(g, sub(vec(nodes[p.node_b].w), vec(nodes[p.node_a].w)))

@@ -12,7 +12,10 @@ References: Ambrosio (2003), section 5.3; Gim and Nikravesh (1990, 1991), Intern
 Vehicle Design 11, 589-618; 12, 19-39; 12, 217-228.
 """
 
+from __future__ import annotations
+
 from math import sqrt
+from typing import TYPE_CHECKING
 
 from crashsolve.foundation.kernels import kernel
 from crashsolve.tyres._road import mesh_tables
@@ -32,6 +35,9 @@ from crashsolve.tyres._tyre import (
     show,
     tyre_columns,
 )
+
+if TYPE_CHECKING:
+    from crashsolve.tyres._rows.gim import History, Output, Parameters
 
 STEPWISE = True
 
@@ -66,7 +72,7 @@ def brush(C_x, C_y, s_x, s_y, mu, F_z, length):
 
 
 @kernel
-def carcass_energy(p, grip):
+def carcass_energy(p: Parameters, grip):
     """Work of the brush over the deflection from rest to (q_x, q_y), straight there [J]."""
     s_x, s_y = grip.q_x / p.sigma_x, grip.q_y / p.sigma_y
     s = sqrt(s_x * s_x + s_y * s_y)
@@ -84,7 +90,7 @@ def carcass_energy(p, grip):
 
 
 @kernel
-def roll(p, old, new, out, h, nodes, curves, data):
+def roll(p: Parameters, old: History, new: History, out: Output, h, nodes, curves, data):
     """All roads of a tyre. Writes: nodes, new, out."""
     clear(p, new, out)
     for i in range(p.roads):
@@ -102,12 +108,14 @@ def roll(p, old, new, out, h, nodes, curves, data):
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     roll(p, old, new, out, h, nodes, curves, None)
 
 
 @kernel
-def force_with_tables(p, old, new, out, t, h, nodes, rows, curves, data):
+def force_with_tables(
+    p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves, data
+):
     """The same where some roads are meshes. Writes: nodes, new, out."""
     roll(p, old, new, out, h, nodes, curves, data)

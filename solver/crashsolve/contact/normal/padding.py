@@ -12,7 +12,9 @@ steps.
 Reference: the shape of the hysteresis is that of seat and foam models of crash codes.
 """
 
-from typing import Any, ClassVar
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from crashsolve.contact.normal._pressed import check_below, check_pressed
 from crashsolve.deck.building import Columns, Scene
@@ -21,6 +23,9 @@ from crashsolve.foundation.curve import curve_area, curve_value
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.slider import line_meets, work
+
+if TYPE_CHECKING:
+    from crashsolve.contact.normal._rows.padding import History, Parameters
 
 
 class Padding(Card):
@@ -63,7 +68,7 @@ def build(card: Padding, scene: Scene, pair: Any) -> Columns:
 
 
 @kernel
-def normal_force(p, old, new, h, depth, rate, mass, curves):
+def normal_force(p: Parameters, old: History, new: History, h, depth, rate, mass, curves):
     """Returns force, stored energy, dissipated power, loss, stiffness, damping. Writes: new."""
     k, s, kept, loss = p.unloading_stiffness, old.slider, old.kept, 0.0
     upper, _, _ = curve_value(curves, p.curve, depth)
@@ -89,7 +94,7 @@ def normal_force(p, old, new, h, depth, rate, mass, curves):
 
 
 @kernel
-def release(p, old, new):
+def release(p: Parameters, old: History, new: History):
     """Nothing is left of the touch. Writes: new."""
     new.slider = 0.0
     new.kept = 0.0
@@ -97,7 +102,7 @@ def release(p, old, new):
 
 
 @kernel
-def normal_tangent(p, state, depth, rate, mass, curves):
+def normal_tangent(p: Parameters, state: History, depth, rate, mass, curves):
     """Rise of the force over the depth and over its rate."""
     k = p.unloading_stiffness
     upper, rises, _ = curve_value(curves, p.curve, depth)

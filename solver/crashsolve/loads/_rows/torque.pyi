@@ -1,0 +1,18 @@
+# written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve.foundation.rows import Numbers
+
+class Parameters:
+    node: int  # [index] body
+    vector: Numbers[float]  # [N or N m] load where the factor is 1
+    rotates: int  # [flag] the vector is fixed in the body
+    curve: int  # [index] factor over time; 0 for none
+
+class History:
+    dissipated: float  # [J] energy lost so far
+    power: float  # [W] its present rate
+
+class Output:
+    torque: Numbers[float]  # [N m] world axes
+    stored: float  # [J] recoverable energy
+    power: float  # [W] rate of energy lost, or of work done by a load
+    loss: float  # [J] energy lost in this step without a rate

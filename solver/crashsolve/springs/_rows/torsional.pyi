@@ -1,0 +1,25 @@
+# written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve.foundation.rows import Numbers
+
+class Parameters:
+    node_a: int  # [index] first body
+    node_b: int  # [index] second body
+    axis_a: Numbers[float]  # [1] axis, axes of a
+    side_a: Numbers[float]  # [1] at right angles to the axis, axes of a
+    side_b: Numbers[float]  # [1] the same direction at the start, axes of b
+    stiffness: float  # [N m/rad] k
+    damping: float  # [N m s/rad] c
+    angle: float  # [rad] theta_0
+
+class History:
+    angle: float  # [rad] counted rotation
+    dissipated: float  # [J] energy lost so far
+    power: float  # [W] its present rate
+
+class Output:
+    torque: float  # [N m] positive rotates b back
+    angle: float  # [rad] rotation of b from the start
+    rate: float  # [rad/s] of the angle
+    stored: float  # [J] recoverable energy
+    power: float  # [W] rate of energy lost, or of work done by a load
+    loss: float  # [J] energy lost in this step without a rate
