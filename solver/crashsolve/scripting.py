@@ -87,12 +87,12 @@ def _written(deck: Mapping[str, Any], folder: Path) -> Path:
     return path
 
 
-def _text(value: Any) -> str:
+def _text(value: object) -> str:
     """A value of `set` as a deck has it."""
     return value if isinstance(value, str) else json.dumps(value, default=_plain, allow_nan=False)
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> Any:
     """Numbers and arrays of numpy, and paths, as JSON has them."""
     if isinstance(value, Path):
         return str(value)

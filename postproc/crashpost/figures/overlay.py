@@ -89,7 +89,7 @@ def _said(own: dict[str, Any], positions: Sequence[str], values: Sequence[dict[s
     )
 
 
-def _shown(value: Any, among: Sequence[Any]) -> str:
+def _shown(value: object, among: Sequence[Any]) -> str:
     """A value with as many digits as distinguish it from the others; - where a deck has none."""
     if isinstance(value, float):
         for digits in (5, 9, 17):

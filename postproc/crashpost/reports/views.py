@@ -26,7 +26,7 @@ SIZE = (720, 0)
 MOST_POINTS = 1_000_000
 
 
-def views(result: Result, described: Any, choice: str = "all") -> str:
+def views(result: Result, described: object, choice: str = "all") -> str:
     """The HTML of all pictures, "" for a run without states; raises PostError."""
     if choice == "none" or not any((result.folder / "states").glob("[0-9]*.h5")):
         return ""

@@ -234,7 +234,7 @@ def write(sweep: Sweep) -> list[Path]:
         raise PostError(f"{path}: {error.strerror}") from error
 
 
-def _cell(value: Any) -> str:
+def _cell(value: object) -> str:
     if isinstance(value, float):
         return repr(value) if isfinite(value) else ""
     return str(value)

@@ -97,7 +97,7 @@ def _relative(entry: dict[str, Any]) -> float | None:
     return None if error is None or not scale else float(error) / float(scale)
 
 
-def _reported(value: Any, unit: str) -> str:
+def _reported(value: object, unit: str) -> str:
     """A number with its unit, empty for what the run did not say."""
     if not isinstance(value, int | float):
         return ""

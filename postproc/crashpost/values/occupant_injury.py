@@ -114,7 +114,7 @@ def _neck(result: Result, name: str, card: dict[str, Any]) -> list[Row]:
     ]
 
 
-def _moments(result: Result, joint: Any) -> list[str]:
+def _moments(result: Result, joint: object) -> list[str]:
     """Channels of the moments of all springs within a joint, on its second body."""
     springs = {
         name

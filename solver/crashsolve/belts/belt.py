@@ -168,7 +168,7 @@ def laid_at_start(columns: Columns, scene: Scene) -> tuple[Any, np.ndarray]:
     return new, np.array(out["length"][: columns["segments"]])
 
 
-def initial_history(card: Belt, p: Any, scene: Scene) -> Columns:
+def initial_history(card: Belt, p: np.void, scene: Scene) -> Columns:
     laid, lengths = laid_at_start(ROUTE.taken_from(p), scene)
     used, n = np.arange(SEGMENTS) < p["segments"], len(lengths)
     residual, straight = np.zeros(SEGMENTS), np.zeros(SEGMENTS)

@@ -16,9 +16,9 @@ References: Ambrosio (2003), Eq. 23-25; Moreau (1988), in Nonsmooth Mechanics an
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from crashsolve.deck.building import Columns, Scene
+from crashsolve.deck.building import Columns, Pair, Scene
 from crashsolve.deck.card import Card, SurfaceName, quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
@@ -56,7 +56,7 @@ HISTORY = Record("""
 """)
 
 
-def build(card: Unilateral, scene: Scene, pair: Any) -> Columns:
+def build(card: Unilateral, scene: Scene, pair: Pair) -> Columns:
     return {"friction_coefficient": card.friction_coefficient}
 
 

@@ -51,7 +51,7 @@ class Formula(CurveCard):
 
     @model_validator(mode="before")
     @classmethod
-    def _ends_to_si(cls, given: Any, info: ValidationInfo) -> Any:
+    def _ends_to_si(cls, given: object, info: ValidationInfo) -> Any:
         if not isinstance(given, Mapping):
             return given
         context = info.context or Context()

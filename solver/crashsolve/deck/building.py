@@ -11,8 +11,18 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crashsolve.deck.card import Card
+
 # values by the names of columns of a record: numbers, vectors, indices of nodes
 Columns = dict[str, Any]
+
+
+class Pair(Protocol):
+    """What a normal law may ask about the contact and the two surfaces between which it acts."""
+
+    contact: str
+    radius_a: float | None  # [m]; infinite for a plane, None where the surface has none
+    radius_b: float | None
 
 
 class DeckOfScene(Protocol):
@@ -66,7 +76,7 @@ class Scene(Protocol):
     def law(self, keyword: str, name: str) -> tuple[Any, Any]:
         """Module and card of an entry that another card names."""
 
-    def built(self, card: Any) -> Any:
+    def built(self, card: Card) -> Any:
         """What a law within a card makes of it."""
 
     def curve(self, name: str) -> int:
@@ -107,23 +117,23 @@ class Scene(Protocol):
         """Positions and configurations, as the node table names them."""
 
     # columns of laws between two bodies
-    def attachments(self, card: Any) -> Columns:
+    def attachments(self, card: Card) -> Columns:
         """`node_a`, `node_b`, `point_a`, `point_b`, of the fields `a`, `b`, `at_a`, `at_b`."""
 
     def distance(self, ends: Columns) -> float:
         """Distance between two attachments [m]."""
 
-    def turning(self, card: Any) -> Columns:
+    def turning(self, card: Card) -> Columns:
         """Rotation of b about `axis` of a, with sides that meet at the start."""
 
-    def joint_point(self, card: Any) -> tuple[int, int, np.ndarray]:
+    def joint_point(self, card: object) -> tuple[int, int, np.ndarray]:
         """Both nodes and the joint's point in world components."""
 
-    def joint_frame(self, card: Any) -> Columns:
+    def joint_frame(self, card: object) -> Columns:
         """Point and right-handed triad (axis, side, third) of a joint, axes of both bodies."""
 
     # parts
-    def mesh(self, card: Any) -> Any:
+    def mesh(self, card: Card) -> Any:
         """The mesh of a part, refused where its elements do not hang together."""
 
     def own_share(self) -> Any:

@@ -4,7 +4,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from crashsolve.channels.units import (
     BASES,
@@ -114,7 +113,7 @@ def _factor_of_mixed(value: SiFloat, wanted: Unit, bases: Mapping[str, Unit]) ->
 
 
 def number_in(
-    value: Any, unit: Unit | None, context: Context, within: tuple[str | int, ...]
+    value: object, unit: Unit | None, context: Context, within: tuple[str | int, ...]
 ) -> tuple[float, Unit | None]:
     """A number whose unit is reported beside it, or in its own text; in SI, with its unit.
 

@@ -7,7 +7,8 @@ law that lacks something, the contract tests and ADDING.md all read these classe
 
 from typing import Any, Protocol
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Pair, Scene
+from crashsolve.deck.card import Card
 
 
 class Built(Protocol):
@@ -20,10 +21,10 @@ class Built(Protocol):
 class Expanded(Protocol):
     """A law that is written out in other cards, when the deck is read, and not built itself."""
 
-    def expand(self, name: str, card: Any, laws: Any, control: Any) -> Any:
+    def expand(self, name: str, card: object, laws: Any, control: Any) -> Any:
         """Entries by keyword and name, as a deck has them."""
 
-    def unused(self, card: Any) -> Any:
+    def unused(self, card: Card) -> Any:
         """Why paths of the card change nothing beside its other words, by path."""
 
 
@@ -125,7 +126,7 @@ class Branches(Protocol):
 class NormalLaw(Protocol):
     """A law of the normal force of contact."""
 
-    def build(self, card: Any, scene: Scene, pair: Any) -> Any:
+    def build(self, card: Any, scene: Scene, pair: Pair) -> Any:
         """Words into symbols; `pair` states the radii of both surfaces."""
 
     def normal_force(self, p, old, new, h, depth, rate, mass, curves):
@@ -185,14 +186,14 @@ class Shape(Protocol):
     def build(self, card: Any, scene: Scene) -> Any:
         """A list of elements, each a row of PARAMETERS."""
 
-    def curvature_radius(self, card: Any) -> float | None:
+    def curvature_radius(self, card: Card) -> float | None:
         """Radius for laws that ask for one; infinite for a plane, None for none."""
 
 
 class PointForce(Protocol):
     """A load on the points of parts that keep their elements in blocks."""
 
-    def members(self, card: Any, scene: Scene) -> Any:
+    def members(self, card: Card, scene: Scene) -> Any:
         """Points that an entry acts on (n,); without it those of all parts."""
 
     def force_on_points(self, p, old, new, out, t, h, nodes, curves, scene, members=None):

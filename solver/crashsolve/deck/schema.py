@@ -306,7 +306,7 @@ def _default(field: Declared) -> str:
     return "none" if value in (None, "") else str(value)
 
 
-def _cards_in(annotation: Any) -> list[type[Card]]:
+def _cards_in(annotation: object) -> list[type[Card]]:
     """Cards that an annotation holds."""
     if isinstance(annotation, type) and issubclass(annotation, Card):
         return [] if annotation is Card else [annotation]

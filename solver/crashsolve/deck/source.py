@@ -69,7 +69,7 @@ class Table(dict[str, Any]):
         self.keys_at: dict[str, tuple[int, int]] = {}
         self.values_at: dict[str, tuple[int, int]] = {}
 
-    def put(self, key: str, value: Any, key_at: tuple[int, int], at: tuple[int, int]) -> None:
+    def put(self, key: str, value: object, key_at: tuple[int, int], at: tuple[int, int]) -> None:
         """Add a value and its positions."""
         self[key] = value
         self.keys_at[key] = key_at
@@ -185,7 +185,7 @@ class _Parser:
         self.anchors: dict[str, tuple[Any, int]] = {}
         self.count = 0
 
-    def refuse(self, event: Any, message: str, advice: str = "") -> Any:
+    def refuse(self, event: object, message: str, advice: str = "") -> Any:
         line, column = _position(event)
         self.diagnostics.append(DeckError(self.name, line, column, "", message, advice))
         return BROKEN
@@ -194,7 +194,7 @@ class _Parser:
         name = event.tag.replace(_CORE_TAG, "!!")
         return self.refuse(event, f"the tag '{name}' is not allowed")
 
-    def abandon(self, event: Any, message: str, advice: str = "") -> NoReturn:
+    def abandon(self, event: object, message: str, advice: str = "") -> NoReturn:
         self.refuse(event, message, advice)
         raise _Abandoned
 
@@ -268,7 +268,7 @@ class _Parser:
                 table.put(key, other[key], other.keys_at[key], other.values_at[key])
         return table
 
-    def key(self, event: Any, depth: int) -> str | None:
+    def key(self, event: object, depth: int) -> str | None:
         if isinstance(event, yaml.ScalarEvent):
             word = self.scalar(event)
             if isinstance(word, str) and word:

@@ -13,6 +13,10 @@ import numpy as np
 Number = TypeVar("Number", int, float)
 
 
+# rows of a record, by their columns `table["name"]`
+Table = np.ndarray
+
+
 class Row(Protocol):
     """A record of a table: its columns are attributes."""
 

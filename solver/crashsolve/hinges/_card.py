@@ -287,7 +287,7 @@ def law(card: Any, motions: tuple[Motion, ...], scene: Scene) -> Columns:
     }
 
 
-def _initial(card: Any, motions: tuple[Motion, ...]) -> tuple[float, ...]:
+def _initial(card: object, motions: tuple[Motion, ...]) -> tuple[float, ...]:
     """Motions from the start at which there is no moment; two of one field, or one of each."""
     if len({motion.initial for motion in motions}) < len(motions):
         found: tuple[float, ...] = getattr(card, motions[0].initial)
@@ -296,7 +296,7 @@ def _initial(card: Any, motions: tuple[Motion, ...]) -> tuple[float, ...]:
 
 
 def _refuse_start(
-    card: Any,
+    card: object,
     field: str,
     initial: np.ndarray,
     moments: np.ndarray,

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from crashsolve.deck.building import Columns, Scene
+from crashsolve.deck.card import Card
 from crashsolve.foundation.angles import angle_about, angle_gradient, counted
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import rotation_tangent, twist
@@ -64,7 +65,7 @@ def build(card: Any, scene: Scene) -> Columns:
     return dict(scene.joint_frame(card)) | law(card, MOTIONS, scene) | {"tip": tip(card)}
 
 
-def initial_history(card: Any, p: Any, scene: Scene) -> Columns:
+def initial_history(card: Card, p: np.void, scene: Scene) -> Columns:
     axis = scene.matrix(p["node_a"]) @ p["axis_a"]
     return at_start(p, p["tip"] * float(np.dot(axis, motion_of(scene, p)[1])))
 

@@ -12,7 +12,7 @@ References: Ambrosio (2003), Eq. 7 and Fig. 3.
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -76,7 +76,7 @@ def build(card: Axial, scene: Scene) -> Columns:
     return dict(scene.joint_frame(card)) | law(card, MOTIONS, scene)
 
 
-def initial_history(card: Axial, p: Any, scene: Scene) -> Columns:
+def initial_history(card: Axial, p: np.void, scene: Scene) -> Columns:
     axis = scene.matrix(p["node_a"]) @ p["axis_a"]
     return at_start(p, float(np.dot(axis, motion_of(scene, p)[0])))
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from functools import partial
 from math import sqrt
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -126,7 +126,7 @@ def build(card: AxialBending, scene: Scene) -> Columns:
     )
 
 
-def initial_history(card: AxialBending, p: Any, scene: Scene) -> Columns:
+def initial_history(card: AxialBending, p: np.void, scene: Scene) -> Columns:
     v, w = motion_of(scene, p)
     A = scene.matrix(p["node_a"])
     speed = np.hypot(v @ (A @ p["beam_a"]), p["tip"] * (w @ (A @ p["axis_a"])))

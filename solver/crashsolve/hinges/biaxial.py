@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from functools import partial
 from math import sqrt
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from pydantic import model_validator
@@ -143,7 +143,7 @@ def build(card: Biaxial, scene: Scene) -> Columns:
     )
 
 
-def initial_history(card: Biaxial, p: Any, scene: Scene) -> Columns:
+def initial_history(card: Biaxial, p: np.void, scene: Scene) -> Columns:
     spin, A = motion_of(scene, p)[1], scene.matrix(p["node_a"])
     across = np.hypot(spin @ (A @ p["side_a"]), spin @ (A @ p["third_a"]))
     return at_start(p, float(p["tip"] * across))

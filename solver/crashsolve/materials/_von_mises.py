@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.deck.building import Columns, Scene
+from crashsolve.deck.card import Card
 from crashsolve.foundation.kernels import inlined
 from crashsolve.foundation.record import Record, rows_of
 from crashsolve.materials import elastic
@@ -66,7 +67,7 @@ def build(card: Any, scene: Scene, kinematic: float, rated: bool, heating: float
     }
 
 
-def plastic_strain(card: Any, layer: np.ndarray) -> np.ndarray:
+def plastic_strain(card: Card, layer: np.ndarray) -> np.ndarray:
     """Equivalent plastic strain [1] of layers (..., rows)."""
     found: np.ndarray = layer[..., LAYER.plastic_strain]
     return found

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from crashsolve.elements.shells.layout import DiscretisedShell
 from crashsolve.elements.shells.section_cut import CUT, TAP
 from crashsolve.foundation.point import ATTACHED_POINT, LANES, MOTION, POINT
 from crashsolve.model.materials import fill, laws_of, refuse_unlike, with_constants
@@ -98,7 +99,7 @@ def line_up(count: int) -> np.ndarray:
 
 
 def _attached(
-    meshed: Any, named: list[int], attached: list[tuple[int, int]], scene: Scene
+    meshed: DiscretisedShell, named: list[int], attached: list[tuple[int, int]], scene: Scene
 ) -> np.ndarray:
     """Points of a part that ride on bodies: those of its named nodes, and welded ones."""
     pairs = [*zip(meshed.named, named, strict=True), *attached]

@@ -6,7 +6,8 @@ method of one force pass a step. Steps chosen by the run keep to the stiffness t
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from types import ModuleType
+from typing import TYPE_CHECKING
 
 from crashsolve.foundation.record import Record
 
@@ -39,7 +40,7 @@ WATCHED = Record("""
 PASSIVE = ("springs", "hinges", "tyres")
 
 
-def history_of_force(keyword: str, module: Any, scene: Scene) -> Record:
+def history_of_force(keyword: str, module: ModuleType, scene: Scene) -> Record:
     """Columns of HISTORY of a group beside its own."""
     control, columns = scene.deck.control, module.PARAMETERS.dtype
     is_between_two = all(

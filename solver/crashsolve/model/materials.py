@@ -6,6 +6,7 @@ the group uses; `law` says which of them is its own.
 
 from dataclasses import replace
 from importlib import import_module
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -78,7 +79,9 @@ def fill(record: Any, values: Columns) -> None:
             record[name] = value
 
 
-def refuse_unlike(module: Any, record: Record, values: Any, later: tuple[str, ...] = ()) -> None:
+def refuse_unlike(
+    module: ModuleType, record: Record, values: Columns, later: tuple[str, ...] = ()
+) -> None:
     """Raises FamilyError unless what `build` of a law returned fits its PARAMETERS.
 
     A column that it left out would be 0 without a word; `later` are those that others fill.

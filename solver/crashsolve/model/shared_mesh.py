@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from crashsolve.deck.card import Card
 from crashsolve.foundation.point import ATTACHED
 from crashsolve.meshes.shared import Shared
 from crashsolve.model.checks.mesh_check import faults
@@ -62,7 +63,7 @@ def parts_of(mesh: str, scene: Any) -> list[Entry]:
     return [part for part in parts if _name_of(part.card) == mesh]
 
 
-def _name_of(card: Any) -> str:
+def _name_of(card: Card) -> str:
     mesh = getattr(card, "mesh", None)
     return mesh.mesh if isinstance(mesh, Shared) else ""
 

@@ -72,7 +72,7 @@ def _read(path: Path) -> Dump:
             raise ValueError(f"not a {FORMAT} of version {FORMAT_VERSION}")
         arrays: dict[str, np.ndarray] = {}
 
-        def keep(name: str, item: Any) -> None:
+        def keep(name: str, item: object) -> None:
             if isinstance(item, h5py.Dataset):
                 arrays[name] = np.asarray(item[()])
 

@@ -59,7 +59,7 @@ def write_status(path: Path | str, status: Status) -> None:
         replace_text(Path(path), text)
 
 
-def _finite(value: Any) -> Any:
+def _finite(value: object) -> Any:
     if isinstance(value, dict):
         return {name: _finite(part) for name, part in value.items()}
     if isinstance(value, list | tuple):

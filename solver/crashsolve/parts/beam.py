@@ -23,7 +23,7 @@ aspects, the same 58, 79-116.
 from __future__ import annotations
 
 from math import dist
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -47,6 +47,7 @@ from crashsolve.foundation.angles import check_rotation_limit
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.orientation import quaternion_of
 from crashsolve.foundation.record import Record
+from crashsolve.foundation.rows import Table
 from crashsolve.foundation.vec3 import ZERO
 
 if TYPE_CHECKING:
@@ -189,7 +190,7 @@ def _triad(card: Beam, section: Columns, scene: Scene) -> np.ndarray:
     return axes_of(card, along, section, scene)
 
 
-def forces_by_motions(p: Any, state: Any, nodes: Any, curves: Any) -> np.ndarray:
+def forces_by_motions(p: Table, state: Table, nodes: Table, curves: np.ndarray) -> np.ndarray:
     """Derivatives (n, 12, 12) of the forces on both nodes of all elements at rest."""
     a, b = nodes[p["node_a"]], nodes[p["node_b"]]
     return static_tangent.forces_by_motions(p, a["q"], b["q"], b["r"] - a["r"])

@@ -12,7 +12,7 @@ References: those of the beam.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from crashsolve.foundation.angles import axes_at, check_rotation_limit
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.orientation import products, quaternion_of
 from crashsolve.foundation.record import Record
+from crashsolve.foundation.rows import Table
 from crashsolve.foundation.vec3 import ZERO
 from crashsolve.parts import beam
 
@@ -158,7 +159,7 @@ def _check(card: Frame, scene: Scene) -> None:
         raise scene.fail(f"point {loose[0]} has no bar; take it out or join it", "points")
 
 
-def forces_by_motions(p: Any, state: Any, nodes: Any, curves: Any) -> np.ndarray:
+def forces_by_motions(p: Table, state: Table, nodes: Table, curves: np.ndarray) -> np.ndarray:
     """Derivatives (n, 12, 12) of the forces on both nodes of all elements at rest."""
     a, b = nodes[p["node_a"]], nodes[p["node_b"]]
     q_a, q_b = products(a["q"], p["rotation"]), products(b["q"], p["rotation"])

@@ -9,9 +9,8 @@ Consequence to test: a car that has settled on its springs begins with the speed
 does not pitch.
 """
 
-from typing import Any
-
 from crashsolve.deck.building import Columns, Scene
+from crashsolve.phases import PhasedEngine
 from crashsolve.phases._card import PhaseCard
 
 
@@ -23,13 +22,13 @@ def build(card: Transient, scene: Scene) -> Columns:
     return {}
 
 
-def start(p: Columns, engine: Any) -> None:
+def start(p: Columns, engine: PhasedEngine) -> None:
     engine.memory["launched"] = 1
 
 
-def begin(p: Columns, engine: Any) -> None:
+def begin(p: Columns, engine: PhasedEngine) -> None:
     engine.launch()
 
 
-def end(p: Columns, engine: Any) -> None:
+def end(p: Columns, engine: PhasedEngine) -> None:
     """It promises nothing."""

@@ -10,7 +10,6 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
 from crashsolve.deck.diagnostics import shown
 from crashsolve.output.files import read_plain, reported
@@ -38,7 +37,7 @@ def stop_as_by_keyboard() -> None:
     signal.signal(signal.SIGUSR1, signal.SIG_IGN)
 
 
-def _interrupt(number: int, _: Any) -> None:
+def _interrupt(number: int, _: object) -> None:
     _interrupts.append(number)
     raise KeyboardInterrupt
 
@@ -66,7 +65,7 @@ class Requests:
             raise KeyboardInterrupt
         interrupts = 0
 
-        def keep(number: int, _: Any) -> None:
+        def keep(number: int, _: object) -> None:
             nonlocal interrupts
             self.words.add(SIGNALS[number])
             interrupts += number == signal.SIGINT

@@ -142,7 +142,7 @@ class Run:
         self.requests.catch()
         return dump
 
-    def execute(self, dump: Any, notes: list[str]) -> int:
+    def execute(self, dump: object, notes: list[str]) -> int:
         """The whole run. Raises SolverError, RunStopped, OutputError after flushing."""
         self.pulse.say = self.account.say
         try:

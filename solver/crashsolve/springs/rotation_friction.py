@@ -16,7 +16,7 @@ in joints: Haug, Wu and Yang (1986), Mechanism and Machine Theory 21, 401-406.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from pydantic import model_validator
@@ -105,7 +105,7 @@ def build(card: RotationFriction, scene: Scene) -> Columns:
     }
 
 
-def initial_history(card: RotationFriction, p: Any, scene: Scene) -> Columns:
+def initial_history(card: RotationFriction, p: np.void, scene: Scene) -> Columns:
     w, x, y, z = scene.q[p["node_a"]]
     a = np.array([[w, x, y, z], [-x, w, z, -y], [-y, -z, w, x], [-z, y, -x, w]])
     return {"configuration": a @ scene.q[p["node_b"]]}

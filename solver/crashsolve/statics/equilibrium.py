@@ -12,10 +12,9 @@ matter of forces, beside corrections (`balance.py`), and whether it is stable on
 Reference: Crisfield (1991), Non-linear Finite Element Analysis of Solids and Structures, vol. 1, 9.
 """
 
-from typing import Any
-
 import numpy as np
 
+from crashsolve.deck.run_cards.control import Control
 from crashsolve.model import ledger as energy
 from crashsolve.model.jacobian import jacobian, whole_rows
 from crashsolve.model.model import Model, State
@@ -51,7 +50,7 @@ TOLERANCE = 1e-8
 class StaticEngine(Engine):
     """Goes from equilibrium to equilibrium instead of stepping through time."""
 
-    def __init__(self, model: Model, state: State, control: Any, program: str = "") -> None:
+    def __init__(self, model: Model, state: State, control: Control, program: str = "") -> None:
         """`control` is the deck's card."""
         self.loading, self.yielding = Loading(model, control.start_time), Yielding(model)
         super().__init__(model, state, program)

@@ -125,7 +125,7 @@ def _still(model: Model) -> int:
     return first
 
 
-def potential(model: Model, nodes: Any, loading: Loading) -> float:
+def potential(model: Model, nodes: np.ndarray, loading: Loading) -> float:
     """Potential energy of the bodies under the whole of gravity [J]."""
     total, moving = 0.0, nodes[1:]
     moments = (

@@ -1,7 +1,5 @@
 """Small motions of nodes at rest: displacements and rotations, and those between two states."""
 
-from typing import Any
-
 import numpy as np
 
 from crashsolve.foundation.orientation import matrices, matrix, products
@@ -16,7 +14,7 @@ def move(nodes: np.ndarray, change: np.ndarray) -> None:
     nodes["A"] = matrices(nodes["q"]).reshape(-1, 9)
 
 
-def nudge(row: Any, k: int, size: float) -> None:
+def nudge(row: np.void, k: int, size: float) -> None:
     """Move a node along axis k [m], or turn it about axis k - 3 [rad], by very little.
 
     Writes: row.

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.model.checks.statics import follows_load_steps
+from crashsolve.model.model import Group
 from crashsolve.springs._segment_yield import FLOWS, FROZEN
 from crashsolve.statics.equations import Equations
 
@@ -33,7 +34,7 @@ class PlasticFlow:
         """Whether a correction, of which only this share is taken, leads nowhere."""
         return bool(self.groups) and cut < LOST
 
-    def state(self, group: Any, current: int) -> Any:
+    def state(self, group: Group, current: int) -> Any:
         """What its entries remember: what is accepted, or of a correction."""
         is_frozen = group in self.groups and bool((group.parameters["at_rest"] == FROZEN).any())
         return group.history[1 - current if is_frozen else current]

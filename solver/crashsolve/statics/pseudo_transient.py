@@ -19,8 +19,9 @@ from typing import Any
 import numpy as np
 
 from crashsolve.deck.keywords import SECTIONS
+from crashsolve.deck.run_cards.control import Control
 from crashsolve.model.clock import CURVE_END, NOT_FINITE, PAUSED, REACHED, STEP_TOO_SMALL, UNSOLVED
-from crashsolve.model.model import Model, State
+from crashsolve.model.model import Group, Model, State
 from crashsolve.statics.balance import EQUAL, ROUND
 from crashsolve.statics.equilibrium import NOWHERE, STAGNATION_TOLERANCE, STEP, StaticEngine
 from crashsolve.statics.motions import nudge
@@ -49,7 +50,7 @@ NAMED = 3
 class RestEngine(StaticEngine):
     """Goes from equilibrium to equilibrium by steps from rest."""
 
-    def __init__(self, model: Model, state: State, control: Any, program: str = "") -> None:
+    def __init__(self, model: Model, state: State, control: Control, program: str = "") -> None:
         super().__init__(model, state, control, program)
         # elements that yield load by one tangent and unload by another
         self.sees_jumps, self.halvings = False, HALVINGS
@@ -217,7 +218,7 @@ def turning(groups: list[Any]) -> str | None:
     )
 
 
-def _rotating(group: Any) -> list[str]:
+def _rotating(group: Group) -> list[str]:
     """Loads whose forces turn with what they act on, and joints whose forces have an arm."""
     p = group.parameters
     names = set(p.dtype.names or ())

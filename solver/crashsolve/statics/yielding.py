@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.foundation.curve import HOLD, POINT
-from crashsolve.model.model import Model
+from crashsolve.model.model import Group, Model
 from crashsolve.model.nodes import COMPLIANT
 from crashsolve.statics.branches import Branches, Candidate, slope_ahead
 from crashsolve.statics.equations import Equations, Tangent
@@ -259,7 +259,7 @@ class Yielding:
         return self.points
 
 
-def _is_curved(group: Any) -> bool:
+def _is_curved(group: Group) -> bool:
     """Whether any of these hinges yields on an ellipse."""
     p = group.parameters
     return "is_elliptic" in (p.dtype.names or ()) and bool(p["is_elliptic"].any())

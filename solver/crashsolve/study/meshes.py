@@ -140,7 +140,7 @@ def _mesh_of(deck: Deck, part: Entry) -> tuple[str, Any]:
     return f"parts.{part.name}.mesh", mesh
 
 
-def _is_count(elements: Any) -> bool:
+def _is_count(elements: object) -> bool:
     return isinstance(elements, int | tuple) and elements != ()
 
 

@@ -124,7 +124,7 @@ def _files_of(deck: Deck) -> Iterator[Path]:
             yield from _named_in(entry.card)
 
 
-def _named_in(value: Any) -> Iterator[Path]:
+def _named_in(value: object) -> Iterator[Path]:
     if isinstance(value, tuple):
         for part in value:
             yield from _named_in(part)

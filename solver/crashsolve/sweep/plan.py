@@ -126,7 +126,7 @@ class PlanCard(Card):
 
     @field_validator("vary", "measure")
     @classmethod
-    def _some(cls, value: Any) -> Any:
+    def _some(cls, value: object) -> Any:
         if not value:
             refuse("is empty")
         return value
@@ -180,7 +180,7 @@ def read_plan(path: Path) -> Plan:
     return Plan(path, card, axes, locations)
 
 
-def _axes(given: Any, context: Context, found: list[Diagnostic]) -> dict[str, Axis]:
+def _axes(given: object, context: Context, found: list[Diagnostic]) -> dict[str, Axis]:
     """The varied parameters; what is wrong with them goes to `found`."""
     axes = {}
     for name, value in given.items() if isinstance(given, Mapping) else ():

@@ -92,7 +92,7 @@ def _place_profile(profile: Profile, i: int, shapes: Columns, scene: Scene) -> N
     shapes["road_root"][i] = scene.curve(profile.curve)
 
 
-def _shape(name: str, card: Any, scene: Scene) -> Any:
+def _shape(name: str, card: Card, scene: Scene) -> Any:
     """The one element of a surface."""
     elements = import_module(type(card).__module__).build(card, scene)
     if len(elements) != 1:

@@ -11,7 +11,9 @@ Consequence to test: depth and normal of two spheres, and those of a brute-force
 References: Gilbert and Foo (1990), IEEE Trans. Robotics Autom. 6, 53-61 (support functions).
 """
 
+from collections.abc import Sequence
 from math import sqrt
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -49,7 +51,7 @@ def expand(elements: Any, shape: Any) -> list[Columns]:
     return [_as_sum(element, shape.rounds(element)) for element in elements]
 
 
-def expand_sharp(elements: Any, shape: Any) -> list[Columns]:
+def expand_sharp(elements: Sequence[Columns], shape: ModuleType) -> list[Columns]:
     """Boxes or cylinders that meet ellipsoids, as sums of ellipsoids.
 
     Roundness of an ellipsoid is enough for a touch: faces beside it are flat, but for what Newton's

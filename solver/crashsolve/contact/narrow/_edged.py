@@ -109,7 +109,7 @@ def _rounded(element: Columns, shape: Any, least: float, width: float) -> Column
     return kept | size | {"alpha": alpha, "beta": beta}
 
 
-def data(elements_a: Any, elements_b: Any) -> tuple[np.ndarray]:
+def data(elements_a: object, elements_b: object) -> tuple[np.ndarray]:
     """Room for the points of one patch."""
     return (np.zeros(ROWS, SPOT.dtype),)
 

@@ -20,11 +20,11 @@ first step is already short.
 from __future__ import annotations
 
 from math import inf, sqrt
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from crashsolve.contact.normal._restitution import returned, speed_through, spent
 from crashsolve.contact.normal._stiffness import SOURCES, Materials, hertz_stiffness
-from crashsolve.deck.building import Columns, Scene
+from crashsolve.deck.building import Columns, Pair, Scene
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
@@ -74,7 +74,7 @@ class DampedPowerCard(PowerCard):
     restitution: float = quantity("1", "coefficient of restitution e", ge=0, le=1)
 
 
-def build(card: PowerCard, scene: Scene, pair: Any) -> Columns:
+def build(card: PowerCard, scene: Scene, pair: Pair) -> Columns:
     """Parameters of the force; warns where it returns another restitution than asked.
 
     Refuses two sources of stiffness.
@@ -97,7 +97,7 @@ def build(card: PowerCard, scene: Scene, pair: Any) -> Columns:
     }
 
 
-def _check_restitution(card: DampedPowerCard, scene: Scene, pair: Any, chi: float) -> None:
+def _check_restitution(card: DampedPowerCard, scene: Scene, pair: Pair, chi: float) -> None:
     if chi == inf:
         raise scene.fail(
             "this law needs a restitution above 0: its damping grows without bound; give 0.01, "

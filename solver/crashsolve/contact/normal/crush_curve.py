@@ -16,10 +16,10 @@ References: Ambrosio (2003), 5.1, crushable ends of trains; how they unload is l
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from crashsolve.contact.normal._pressed import check_pressed
-from crashsolve.deck.building import Columns, Scene
+from crashsolve.deck.building import Columns, Pair, Scene
 from crashsolve.deck.card import Card, CurveName, quantity, word
 from crashsolve.foundation.curve import curve_area, curve_value
 from crashsolve.foundation.kernels import kernel
@@ -52,7 +52,7 @@ HISTORY = Record("""
 """)
 
 
-def build(card: CrushCurve, scene: Scene, pair: Any) -> Columns:
+def build(card: CrushCurve, scene: Scene, pair: Pair) -> Columns:
     curve = scene.curve(card.curve)
     check_pressed(curve, card.curve, card.unloading_stiffness, scene)
     return {

@@ -17,11 +17,11 @@ References: Schwager and Poeschel (2007), Granular Matter 9, 465-469.
 from __future__ import annotations
 
 from math import acos, acosh, exp, sqrt
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pydantic import model_validator
 
-from crashsolve.deck.building import Columns, Scene
+from crashsolve.deck.building import Columns, Pair, Scene
 from crashsolve.deck.card import Card, quantity
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
@@ -56,7 +56,7 @@ HISTORY = Record("""
 """)
 
 
-def build(card: KelvinVoigt, scene: Scene, pair: Any) -> Columns:
+def build(card: KelvinVoigt, scene: Scene, pair: Pair) -> Columns:
     ratio = damping_ratio(card.restitution) if card.restitution is not None else 0.0
     return {
         "stiffness": card.stiffness,

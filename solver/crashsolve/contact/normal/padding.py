@@ -14,10 +14,10 @@ Reference: the shape of the hysteresis is that of seat and foam models of crash 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from crashsolve.contact.normal._pressed import check_below, check_pressed
-from crashsolve.deck.building import Columns, Scene
+from crashsolve.deck.building import Columns, Pair, Scene
 from crashsolve.deck.card import Card, CurveName, quantity, word
 from crashsolve.foundation.curve import curve_area, curve_value
 from crashsolve.foundation.kernels import kernel
@@ -54,7 +54,7 @@ HISTORY = Record("""
 """)
 
 
-def build(card: Padding, scene: Scene, pair: Any) -> Columns:
+def build(card: Padding, scene: Scene, pair: Pair) -> Columns:
     upper, lower = scene.curve(card.curve), scene.curve(card.unloading_curve)
     check_pressed(upper, card.curve, card.unloading_stiffness, scene)
     check_pressed(lower, card.unloading_curve, card.unloading_stiffness, scene)

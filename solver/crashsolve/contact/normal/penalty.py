@@ -10,11 +10,11 @@ Consequence to test: a ball on a rigid wall bounces back after pi sqrt(m / k) wi
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pydantic import model_validator
 
-from crashsolve.deck.building import Columns, Scene
+from crashsolve.deck.building import Columns, Pair, Scene
 from crashsolve.deck.card import Card, quantity
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
@@ -43,7 +43,7 @@ PARAMETERS = Record("stiffness  N/m  k")
 HISTORY = Record()
 
 
-def build(card: Penalty, scene: Scene, pair: Any) -> Columns:
+def build(card: Penalty, scene: Scene, pair: Pair) -> Columns:
     if card.stiffness is not None:
         return {"stiffness": card.stiffness}
     shell = getattr(pair, "membrane", None)

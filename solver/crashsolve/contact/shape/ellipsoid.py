@@ -30,22 +30,22 @@ def curvature_radius(card: Ellipsoid) -> float | None:
     return a if a == b == c else nan
 
 
-def bounding(element: Any) -> tuple[Any, float]:
+def bounding(element: Columns) -> tuple[Any, float]:
     """Centre (3,) [m] in body axes and radius [m] of an enclosing sphere."""
     return element["point"], float(max(element["semi"]))
 
 
-def half_thickness(element: Any) -> float:
+def half_thickness(element: Columns) -> float:
     """Shortest semi-axis [m]."""
     return float(min(element["semi"]))
 
 
-def half_width(element: Any) -> float:
+def half_width(element: Columns) -> float:
     """The middle one of its semi-axes [m]."""
     return float(np.median(element["semi"]))
 
 
-def rounds(element: Any) -> list[np.ndarray]:
+def rounds(element: Columns) -> list[np.ndarray]:
     """Ellipsoids that sum up to this shape: (3, 3) [m^2], body axes."""
     axes = element["axes"].reshape(3, 3)
     return [axes * element["semi"] ** 2 @ axes.T]

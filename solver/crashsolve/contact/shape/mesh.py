@@ -126,7 +126,7 @@ def curvature_radius(card: Mesh) -> float | None:
     return None
 
 
-def bounding(element: Any) -> tuple[Any, float]:
+def bounding(element: Columns) -> tuple[Any, float]:
     """Centre (3,) [m] in body axes and radius [m] of an enclosing sphere."""
     low, high = element["points"].min(axis=0), element["points"].max(axis=0)
     middle = 0.5 * (low + high)
@@ -134,18 +134,18 @@ def bounding(element: Any) -> tuple[Any, float]:
     return centre, float(np.linalg.norm(element["points"] - middle, axis=1).max())
 
 
-def half_thickness(element: Any) -> float:
+def half_thickness(element: Columns) -> float:
     """Half the thickness of an open mesh, half the shortest extent of a closed one [m]."""
     extent = float(np.ptp(element["points"], axis=0).min())
     return 0.5 * min(element["thickness"], extent or np.inf)
 
 
-def half_width(element: Any) -> float:
+def half_width(element: Columns) -> float:
     """Half the middle one of its three extents [m]."""
     return float(0.5 * np.median(np.ptp(element["points"], axis=0)))
 
 
-def corners(element: Any) -> list[Columns]:
+def corners(element: Columns) -> list[Columns]:
     """The points of the mesh, as spheres of radius 0."""
     used = element["points"][np.unique(element["faces"])]
     points = element["point"] + used @ element["axes"].reshape(3, 3).T

@@ -32,16 +32,16 @@ def curvature_radius(card: Sphere) -> float | None:
     return card.radius
 
 
-def bounding(element: Any) -> tuple[Any, float]:
+def bounding(element: Columns) -> tuple[Any, float]:
     """Centre (3,) [m] in body axes and radius [m] of the smallest enclosing sphere."""
     return element["point"], float(element["radius"])
 
 
-def half_thickness(element: Any) -> float:
+def half_thickness(element: Columns) -> float:
     """How deep the middle lies where the shape is thinnest [m]."""
     return float(element["radius"])
 
 
-def half_width(element: Any) -> float:
+def half_width(element: Columns) -> float:
     """Radius [m]."""
     return float(element["radius"])

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.deck.building import Columns, Scene
+from crashsolve.deck.card import Card
 from crashsolve.elements.beams.bowing import coefficient
 from crashsolve.elements.beams.frequency_bound import fastest_rate, rate_of_tension
 from crashsolve.elements.damping import coefficients, heavier
@@ -18,7 +19,7 @@ from crashsolve.materials import elastic
 
 
 def halves(
-    card: Any, section: Columns, material: Columns, length: float, scene: Scene
+    card: Card, section: Columns, material: Columns, length: float, scene: Scene
 ) -> tuple[float, np.ndarray]:
     """Mass [kg] and inertia (3, 3) [kg m^2] of half an element, axes of the section."""
     mass, factor = scaled(card, section, material, np.array([length]), scene)

@@ -14,18 +14,17 @@ Reference: Crisfield (1990), A consistent co-rotational formulation for non-line
 three-dimensional beam-elements, Computer Methods in Applied Mechanics and Engineering 81, 131-150.
 """
 
-from typing import Any
-
 import numpy as np
 
 from crashsolve.foundation.orientation import matrices, products
+from crashsolve.foundation.rows import Table
 
 # rotations below: T and g are those of none, to round-off
 SMALL = 1e-8
 
 
 def forces_by_motions(
-    p: Any, q_a: np.ndarray, q_b: np.ndarray, displacement: np.ndarray
+    p: Table, q_a: np.ndarray, q_b: np.ndarray, displacement: np.ndarray
 ) -> np.ndarray:
     """Derivatives (n, 12, 12) of force and moment on both ends by their positions and rotations.
 
@@ -77,7 +76,7 @@ def by_motions(
     return np.concatenate([force, on_a, -force, on_b], axis=1)
 
 
-def _stretch(p: Any, y: np.ndarray, theta: np.ndarray) -> tuple[np.ndarray, ...]:
+def _stretch(p: Table, y: np.ndarray, theta: np.ndarray) -> tuple[np.ndarray, ...]:
     """Slopes (n, 6) of the stretch e by y and theta, their derivatives (n, 6, 6), and e (n,)."""
     d = np.linalg.norm(y, axis=1)[:, None]
     n, rotations, no_displacement = y / d, theta * [0.0, 1.0, 1.0], np.zeros_like(y)

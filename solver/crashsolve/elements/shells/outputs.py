@@ -52,7 +52,7 @@ class Part(Protocol):
 
 
 def values_of(
-    part: Part, blocks: np.ndarray, row: Any, wanted: np.ndarray, kind: Any = float
+    part: Part, blocks: np.ndarray, row: np.void, wanted: np.ndarray, kind: object = float
 ) -> dict[str, np.ndarray]:
     """Values of FIELDS of some elements (n, ...), in their units, from what all parts keep."""
     start = int(row["first"])

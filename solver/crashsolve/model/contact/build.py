@@ -16,11 +16,13 @@ from importlib import import_module
 from importlib.util import find_spec
 from itertools import product
 from math import inf
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from crashsolve.deck.building import Columns
+from crashsolve.deck.card import Card
 from crashsolve.deck.family import check_law
 from crashsolve.foundation.record import Record
 from crashsolve.model.contact import records
@@ -136,7 +138,7 @@ def _add_card(
             builders[key].add(index, entry, narrow, swapped, (some_a, some_b), on_both, scene)
 
 
-def _torsion_radius(card: Any) -> float | None:
+def _torsion_radius(card: Card) -> float | None:
     """Radius [m] with which friction of a contact card resists a spin, if it gives one."""
     return getattr(card, "torsion_radius", None)
 
@@ -161,7 +163,7 @@ def _leaf(module_name: str) -> str:
     return module_name.rpartition(".")[2].strip("_")
 
 
-def _home_of_gap(narrow: Any) -> Any:
+def _home_of_gap(narrow: ModuleType) -> Any:
     """Module in which the gap kernel is written: pairs of shapes that share it form one group."""
     return import_module(narrow.gap.__module__)
 
@@ -263,7 +265,7 @@ class Side:
         )
 
 
-def _bound(surface: Surface, element: Any) -> tuple[Any, float, float]:
+def _bound(surface: Surface, element: Columns) -> tuple[Any, float, float]:
     """Bounding sphere of an element, body axes, and half its thickness; infinite for a plane."""
     if hasattr(surface.module, "bounding"):
         return *surface.module.bounding(element), surface.module.half_thickness(element)
@@ -273,7 +275,7 @@ def _bound(surface: Surface, element: Any) -> tuple[Any, float, float]:
 class GroupBuilder:
     """Collects the pairs that share gap routine and laws."""
 
-    def __init__(self, word: str, home: Any, laws: list[Any]) -> None:
+    def __init__(self, word: str, home: ModuleType, laws: list[Any]) -> None:
         self.word, self.home = word, home
         self.modules = [import_module(type(law).__module__) for law in laws]
         self.sides = (Side("a"), Side("b"))

@@ -13,7 +13,7 @@ from crashsolve.model.tables import present_tables
 FRICTION_ROWS, SPIN_ROWS, TILT_ROWS = 2, 3, 2
 
 
-def is_damper(friction: Any) -> bool:
+def is_damper(friction: object) -> bool:
     """Whether friction depends on the sliding speed alone, so that a step can reverse it."""
     return friction is not None and not getattr(friction, "STEPWISE", False)
 

@@ -19,7 +19,7 @@ DESCRIPTIONS = ("rigid", "hinges", "segments", "beams", "shells")
 EXPLICIT = ("default", "rattle", "dormand_prince_5", "dormand_prince_8")
 
 
-def expand(name: str, card: Any, laws: dict[str, dict[str, Law]], control: Fields) -> list[Made]:
+def expand(name: str, card: object, laws: dict[str, dict[str, Law]], control: Fields) -> list[Made]:
     """The cards of a structure.
 
     `laws` are sections and materials of the deck, `control` the words of its control. Raises

@@ -5,6 +5,7 @@ from math import tan
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from crashsolve.deck.building import Columns
 from crashsolve.deck.expansion import Law, Problem, Steps
@@ -165,7 +166,7 @@ def _member(
     )  # fmt: skip
 
 
-def _axes(along: np.ndarray, side: Any, constants: Columns, path: Steps) -> np.ndarray:
+def _axes(along: np.ndarray, side: ArrayLike, constants: Columns, path: Steps) -> np.ndarray:
     """Axes of a member as columns. Raises Problem."""
     if side is None:
         I_y, I_z = constants["second"]

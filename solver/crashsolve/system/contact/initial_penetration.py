@@ -15,7 +15,6 @@ ball set in as deep.
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -66,7 +65,7 @@ def find_impact_speeds(model: Model, state: State) -> bool:
 
 
 def touches_of(
-    group: ContactGroup, nodes: Any, pairs: Sequence[int] | None = None
+    group: ContactGroup, nodes: np.ndarray, pairs: Sequence[int] | None = None
 ) -> Iterator[Touch]:
     """Touches of a group, or of some of its pairs; the body with the lower number first."""
     tables = (group.elements_a, group.elements_b, *group.data)
