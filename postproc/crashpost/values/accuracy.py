@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 from crashpost.results.result import Result
+from crashpost.results.status import Json
 from crashpost.results.table import number, text_table
 from crashsolve.channels.series import Window
 
@@ -19,7 +20,7 @@ COSTS = (
 )
 
 
-def watched(result: Result) -> list[dict[str, Any]]:
+def watched(result: Result) -> list[Json]:
     """The entries of the watched channels; none of a run that estimated nothing."""
     entries = result.status.get("watched")
     return [e for e in entries if isinstance(e, dict)] if isinstance(entries, list) else []
@@ -91,7 +92,7 @@ def _row(entry: dict[str, Any], shown: Callable[[str], tuple[str, float]]) -> li
     ]
 
 
-def _relative(entry: dict[str, Any]) -> float | None:
+def _relative(entry: Json) -> float | None:
     """Error over scale."""
     error, scale = entry.get("error"), entry.get("scale")
     return None if error is None or not scale else float(error) / float(scale)

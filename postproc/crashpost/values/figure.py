@@ -26,6 +26,7 @@ from typing import Any
 import numpy as np
 
 from crashpost.errors import PostError, unknown
+from crashpost.results.status import Json
 from crashsolve.channels.display import readable
 from crashsolve.channels.series import Series
 from crashsolve.channels.statistic import is_a_time
@@ -151,7 +152,7 @@ def _reference(entry: object, location: str) -> Reference:
     return reference
 
 
-def _fields(record: type, entry: object, location: str) -> dict[str, Any]:
+def _fields(record: type, entry: object, location: str) -> Json:
     """The entry's fields, none unknown, none required missing, lists of numbers as tuples."""
     if not isinstance(entry, dict):
         raise PostError(f"{location}: expected fields, found '{entry}'")

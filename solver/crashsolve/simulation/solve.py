@@ -26,7 +26,7 @@ from crashsolve.foundation.streams import report_error, say
 from crashsolve.model.build import build
 from crashsolve.model.integrator_selection import settled
 from crashsolve.output.errors import OutputError
-from crashsolve.output.files import reported
+from crashsolve.output.files import Json, reported
 from crashsolve.output.history import HistoryWriter
 from crashsolve.output.lock import Lock
 from crashsolve.output.log import ERROR, NORMAL, STOPPED, Log
@@ -348,7 +348,7 @@ class Run:
         path = write_restart(self.folder, arrays, {"deck_text": self.deck.text})
         self.log.line(f"restart dump {path.name} at t = {float(self.engine.clock['time']):.6g} s")
 
-    def _restore(self, arrays: dict[str, np.ndarray], info: dict[str, Any]) -> float:
+    def _restore(self, arrays: dict[str, np.ndarray], info: Json) -> float:
         """Take up a dump; returns its time. Raises DeckError for the dump of another run."""
         differ = differing(str(info.get("deck_text")), self.deck.text)
         if any(is_bound for _, is_bound in differ):
