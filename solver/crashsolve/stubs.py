@@ -5,6 +5,7 @@ records as attributes. No run reads them: a law imports them under TYPE_CHECKING
 """
 
 import ast
+import re
 from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
@@ -16,8 +17,23 @@ from crashsolve.model.contact import records as contact
 from crashsolve.model.force_columns import FORCE_HISTORY, FORCE_OUTPUT, ROW_PARAMETERS
 
 PACKAGE = Path(__file__).resolve().parent
+SHARED_PATH = PACKAGE / "_shared_rows.pyi"
 HEAD = "# written by `python -m crashsolve.stubs` from the records of the law"
-COLUMNS = "from crashsolve.foundation.rows import"
+RECORDS = {"Parameters": "PARAMETERS", "History": "HISTORY", "Output": "OUTPUT"}
+SHARED = {
+    "RowParameters": ROW_PARAMETERS,
+    "ForceHistory": FORCE_HISTORY,
+    "ForceOutput": FORCE_OUTPUT,
+    "ContactParameters": contact.PARAMETERS,
+    "ContactHistory": contact.HISTORY,
+    "ContactOutput": contact.OUTPUT,
+}
+# where the names are that a stub imports
+HOMES = {
+    "typing": {"Protocol"},
+    "crashsolve._shared_rows": {*SHARED},
+    "crashsolve.foundation.rows": {"Numbers", "Row"},
+}
 
 
 def laws() -> Iterator[tuple[Path, ModuleType]]:
@@ -37,30 +53,49 @@ def _has_kernels(path: Path) -> bool:
     return any(function.args.args and function.args.args[0].arg == "p" for function in functions)
 
 
-def _shared(law: ModuleType) -> tuple[Record, Record, Record]:
-    """Columns of parameters, history and output that the law has beside its own."""
-    if hasattr(law, "force"):
-        has_rows = hasattr(law, "CONSTRAINTS")
-        return ROW_PARAMETERS if has_rows else Record(), FORCE_HISTORY, FORCE_OUTPUT
+def bases(law: ModuleType) -> dict[str, str]:
+    """Classes of SHARED that have the columns of a law beside its own, by those of its stub."""
+    if hasattr(law, "CALLS_MATERIAL"):
+        # columns of a material are known once the deck names it
+        return dict.fromkeys(RECORDS, "Row, Protocol")
     if hasattr(law, "normal_force") or hasattr(law, "friction_force"):
-        return contact.PARAMETERS, contact.HISTORY, contact.OUTPUT
-    return ROW_PARAMETERS if hasattr(law, "CONSTRAINTS") else Record(), Record(), Record()
+        return {name: f"Contact{name}" for name in RECORDS}
+    found = {"Parameters": "RowParameters"} if hasattr(law, "CONSTRAINTS") else {}
+    if hasattr(law, "force"):
+        found |= {name: f"Force{name}" for name in ("History", "Output")}
+    return found
 
 
 def stub(law: ModuleType) -> str:
     """Text of the stub of a law."""
-    names = {"Parameters": "PARAMETERS", "History": "HISTORY", "Output": "OUTPUT"}
-    # those of a material are known once the deck names it
-    base = "(Row, Protocol)" if hasattr(law, "CALLS_MATERIAL") else ""
-    classes = []
-    for (name, word), shared in zip(names.items(), _shared(law), strict=True):
-        columns = (getattr(law, word, Record()) + shared).columns
-        if columns:
-            classes.append("\n".join([f"class {name}{base}:", *map(_attribute, columns)]))
+    own, classes = bases(law), []
+    for name, word in RECORDS.items():
+        record = getattr(law, word, Record())
+        if record.columns or name in own:
+            classes.append(_class(name, record, own.get(name, "")))
+    return _file(classes)
+
+
+def shared_stub() -> str:
+    """Text of the stub of the columns that many laws have beside their own."""
+    return _file([_class(name, record, "") for name, record in SHARED.items()])
+
+
+def _class(name: str, record: Record, base: str) -> str:
+    head = f"class {name}({base}):" if base else f"class {name}:"
+    return "\n".join(
+        [head, *map(_attribute, record.columns)] if record.columns else [f"{head} ..."]
+    )
+
+
+def _file(classes: list[str]) -> str:
     text = "\n\n".join(classes)
-    used = [word for word in ("Numbers", "Row") if f"{word}[" in text or f"({word}, " in text]
-    imports = ["from typing import Protocol\n"] if base else []
-    imports += [f"{COLUMNS} {', '.join(used)}"] if used else []
+    words = {*re.findall(r"[A-Z]\w+", re.sub(r"#.*", "", text))}
+    imports = [
+        f"from {home} import {', '.join(found)}"
+        for home, names in HOMES.items()
+        if (found := sorted(words & names - {*re.findall(r"class (\w+)", text)}))
+    ]
     return "\n".join([HEAD, *imports, "", text, ""])
 
 
@@ -72,6 +107,7 @@ def _attribute(column: Column) -> str:
 
 def write() -> None:
     """Write the stubs of all laws."""
+    SHARED_PATH.write_text(shared_stub(), "utf-8")
     for path, law in laws():
         path.parent.mkdir(exist_ok=True)
         path.write_text(stub(law), "utf-8")

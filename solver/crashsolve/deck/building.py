@@ -11,8 +11,6 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crashsolve.deck.card import Card
-
 # values by the names of columns of a record: numbers, vectors, indices of nodes
 Columns = dict[str, Any]
 
@@ -76,7 +74,7 @@ class Scene(Protocol):
     def law(self, keyword: str, name: str) -> tuple[Any, Any]:
         """Module and card of an entry that another card names."""
 
-    def built(self, card: Card) -> Any:
+    def built(self, card: Any) -> Any:
         """What a law within a card makes of it."""
 
     def curve(self, name: str) -> int:
@@ -117,13 +115,13 @@ class Scene(Protocol):
         """Positions and configurations, as the node table names them."""
 
     # columns of laws between two bodies
-    def attachments(self, card: Card) -> Columns:
+    def attachments(self, card: Any) -> Columns:
         """`node_a`, `node_b`, `point_a`, `point_b`, of the fields `a`, `b`, `at_a`, `at_b`."""
 
     def distance(self, ends: Columns) -> float:
         """Distance between two attachments [m]."""
 
-    def turning(self, card: Card) -> Columns:
+    def turning(self, card: Any) -> Columns:
         """Rotation of b about `axis` of a, with sides that meet at the start."""
 
     def joint_point(self, card: object) -> tuple[int, int, np.ndarray]:
@@ -133,7 +131,7 @@ class Scene(Protocol):
         """Point and right-handed triad (axis, side, third) of a joint, axes of both bodies."""
 
     # parts
-    def mesh(self, card: Card) -> Any:
+    def mesh(self, card: Any) -> Any:
         """The mesh of a part, refused where its elements do not hang together."""
 
     def own_share(self) -> Any:

@@ -8,7 +8,6 @@ law that lacks something, the contract tests and ADDING.md all read these classe
 from typing import Any, Protocol
 
 from crashsolve.deck.building import Pair, Scene
-from crashsolve.deck.card import Card
 
 
 class Built(Protocol):
@@ -24,7 +23,7 @@ class Expanded(Protocol):
     def expand(self, name: str, card: object, laws: Any, control: Any) -> Any:
         """Entries by keyword and name, as a deck has them."""
 
-    def unused(self, card: Card) -> Any:
+    def unused(self, card: Any) -> Any:
         """Why paths of the card change nothing beside its other words, by path."""
 
 
@@ -186,14 +185,14 @@ class Shape(Protocol):
     def build(self, card: Any, scene: Scene) -> Any:
         """A list of elements, each a row of PARAMETERS."""
 
-    def curvature_radius(self, card: Card) -> float | None:
+    def curvature_radius(self, card: Any) -> float | None:
         """Radius for laws that ask for one; infinite for a plane, None for none."""
 
 
 class PointForce(Protocol):
     """A load on the points of parts that keep their elements in blocks."""
 
-    def members(self, card: Card, scene: Scene) -> Any:
+    def members(self, card: Any, scene: Scene) -> Any:
         """Points that an entry acts on (n,); without it those of all parts."""
 
     def force_on_points(self, p, old, new, out, t, h, nodes, curves, scene, members=None):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import defaultdict
 from importlib import import_module
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -317,9 +316,7 @@ def _build_group(keyword: str, entries: list[Entry], scene: Scene) -> Group:
     return group
 
 
-def _members(
-    module: ModuleType, entries: list[Entry], table: np.ndarray, scene: Scene
-) -> np.ndarray:
+def _members(module: Any, entries: list[Entry], table: np.ndarray, scene: Scene) -> np.ndarray:
     """Points that the entries act on, one after the other. Writes: table."""
     lists = [np.zeros(0, np.int64)]
     for row, entry in zip(table, [] if scene.errors else entries, strict=not scene.errors):

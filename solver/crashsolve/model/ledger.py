@@ -4,11 +4,12 @@ From kinetic to friction they are added up. `internal` is the sum of two of them
 added.
 """
 
+from typing import Any
+
 import numpy as np
 
 from crashsolve.deck.family import families
 from crashsolve.foundation.kernels import kernel
-from crashsolve.model.model import Group
 
 # words whose entries are reported otherwise than NAME_stored and NAME_dissipated
 OTHERWISE: dict[str, tuple[str, str | None]] = {
@@ -59,7 +60,7 @@ MECHANICAL = (
 OUT_OF_NOTHING = 10.0
 
 
-def entries_of(group: Group) -> tuple[int, int | None]:
+def entries_of(group: Any) -> tuple[int, int | None]:
     """Entries of the energy that the laws of a group store, and of their losses.
 
     A law may name another word of its family (LEDGER) than the first. Raises: KeyError for a word

@@ -1,4 +1,5 @@
 # written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import ForceHistory, ForceOutput
 from crashsolve.foundation.rows import Numbers
 
 class Parameters:
@@ -29,7 +30,7 @@ class Parameters:
     total: float  # [m] their sum
     first: float  # [N] force at the start
 
-class History:
+class History(ForceHistory):
     along: Numbers[float]  # [1] directions of the segments
     arrive: Numbers[float]  # [m] where the belt comes to each fitting, world axes
     leave: Numbers[float]  # [m] where it leaves
@@ -70,10 +71,8 @@ class History:
     direction: Numbers[int]  # [flag] 1 onwards, -1 back, 0 not
     above: Numbers[float]  # [1] part of the tridiagonal matrix
     change: Numbers[float]  # [m] of the flow in a pass
-    dissipated: float  # [J] energy lost so far
-    power: float  # [W] its present rate
 
-class Output:
+class Output(ForceOutput):
     force: Numbers[float]  # [N] tension of each segment from the start of the route on
     length: Numbers[float]  # [m] present length of each segment
     webbing: Numbers[float]  # [m] its unstrained length
@@ -85,6 +84,3 @@ class Output:
     retractor: float  # [J] energy taken by the retractor so far; negative where it has done work
     pay_out: float  # [m] webbing that has left the retractor
     locked: int  # [count] 1 once the retractor is locked
-    stored: float  # [J] recoverable energy
-    power: float  # [W] rate of energy lost, or of work done by a load
-    loss: float  # [J] energy lost in this step without a rate

@@ -12,7 +12,6 @@ from crashsolve.elements.shells.cards import NamedNode, SectionCut, ShellCard, T
 from crashsolve.elements.shells.forces.quadrilateral import rate_bound
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.point import LANES
-from crashsolve.meshes._mesh import Mesh
 
 
 def rule(card: ShellCard, scene: Scene) -> tuple[np.ndarray, np.ndarray]:
@@ -45,7 +44,7 @@ def sides(x: np.ndarray, card: SectionCut, scene: Scene) -> np.ndarray:
     return is_front
 
 
-def sorted_mesh(mesh: Mesh, cut: bool) -> Any:
+def sorted_mesh(mesh: Any, cut: bool) -> Any:
     """The mesh with its triangles last, a corner named twice at their end; or cut into triangles.
 
     A quadrilateral is cut along the shorter diagonal.

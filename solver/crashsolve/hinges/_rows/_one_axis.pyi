@@ -1,7 +1,8 @@
 # written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import ForceHistory, ForceOutput, RowParameters
 from crashsolve.foundation.rows import Numbers
 
-class Parameters:
+class Parameters(RowParameters):
     node_a: int  # [index] first body
     node_b: int  # [index] second body
     point_a: Numbers[float]  # [m] joint point from the mass centre of a, axes of a
@@ -23,9 +24,8 @@ class Parameters:
     rate_floor: float  # [m/s or rad/s] speed at which phi = 1.1
     latched: int  # [flag] whether V is that at first yield
     tip: float  # [m or 1] speed of the factor over the rate
-    first_row: int  # [index] first constraint row
 
-class History:
+class History(ForceHistory):
     x: Numbers[float]  # [rad or m] motion from the undeformed hinge
     speed: float  # [rad/s or m/s] V
     plastic: Numbers[float]  # [rad or m] x_p
@@ -37,10 +37,8 @@ class History:
     factor: float  # [1] phi
     latch: float  # [m/s or rad/s] V at first yield; -1 before
     failed: int  # [flag] 1: there is no hinge any more
-    dissipated: float  # [J] energy lost so far
-    power: float  # [W] its present rate
 
-class Output:
+class Output(ForceOutput):
     rate_factor: float  # [1] phi, on the static moment or force at yield
     energy: float  # [J] taken so far: stored and dissipated
     failed: int  # [flag] 1 after failure
@@ -49,6 +47,3 @@ class Output:
     rate: float  # [rad/s] of the angle
     plastic_angle: float  # [rad] sum of plastic rotations in both directions
     residual_angle: float  # [rad] that would be left without moment
-    stored: float  # [J] recoverable energy
-    power: float  # [W] rate of energy lost, or of work done by a load
-    loss: float  # [J] energy lost in this step without a rate

@@ -1,7 +1,8 @@
 # written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import ForceHistory, ForceOutput, RowParameters
 from crashsolve.foundation.rows import Numbers
 
-class Parameters:
+class Parameters(RowParameters):
     node_a: int  # [index] first body
     node_b: int  # [index] second body
     point_a: Numbers[float]  # [m] joint point from the mass centre of a, axes of a
@@ -26,9 +27,8 @@ class Parameters:
     beam_a: Numbers[float]  # [1] direction of the beam, axes of a
     across_a: Numbers[float]  # [1] axis x beam, axes of a
     tip: float  # [m] arm of the angle in the speed of the factor
-    first_row: int  # [index] first constraint row
 
-class History:
+class History(ForceHistory):
     x: Numbers[float]  # [rad or m] motion from the undeformed hinge
     speed: float  # [rad/s or m/s] V
     plastic: Numbers[float]  # [rad or m] x_p
@@ -41,10 +41,8 @@ class History:
     latch: float  # [m/s or rad/s] V at first yield; -1 before
     failed: int  # [flag] 1: there is no hinge any more
     flow_work: float  # [J] W, plastic work at which elliptic curves are read
-    dissipated: float  # [J] energy lost so far
-    power: float  # [W] its present rate
 
-class Output:
+class Output(ForceOutput):
     rate_factor: float  # [1] phi, on the static moment or force at yield
     energy: float  # [J] taken so far: stored and dissipated
     failed: int  # [flag] 1 after failure
@@ -58,6 +56,3 @@ class Output:
     residual_angle: float  # [rad] that would be left without moment and force
     plastic_stroke: float  # [m] sum of plastic displacements in both directions
     residual_stroke: float  # [m] that would be left without moment and force
-    stored: float  # [J] recoverable energy
-    power: float  # [W] rate of energy lost, or of work done by a load
-    loss: float  # [J] energy lost in this step without a rate

@@ -1,7 +1,8 @@
 # written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import ForceHistory, ForceOutput, RowParameters
 from crashsolve.foundation.rows import Numbers
 
-class Parameters:
+class Parameters(RowParameters):
     node_a: int  # [index] first body
     node_b: int  # [index] second body
     point_a: Numbers[float]  # [m] joint point from the mass centre of a, axes of a
@@ -27,9 +28,8 @@ class Parameters:
     tip: float  # [m or 1] speed of the factor over the rate
     axial_yield: float  # [N] N_p of the section, which the joint exceeds; infinite if unknown
     buckling: float  # [N] compression to warn of; infinite if there is none
-    first_row: int  # [index] first constraint row
 
-class History:
+class History(ForceHistory):
     x: Numbers[float]  # [rad or m] motion from the undeformed hinge
     speed: float  # [rad/s or m/s] V
     plastic: Numbers[float]  # [rad or m] x_p
@@ -44,10 +44,8 @@ class History:
     flow_work: float  # [J] W, plastic work at which elliptic curves are read
     peak_axial: float  # [N] largest force along the beam so far, in magnitude
     peak_compression: float  # [N] largest compression along the beam so far
-    dissipated: float  # [J] energy lost so far
-    power: float  # [W] its present rate
 
-class Output:
+class Output(ForceOutput):
     rate_factor: float  # [1] phi, on the static moment or force at yield
     energy: float  # [J] taken so far: stored and dissipated
     failed: int  # [flag] 1 after failure
@@ -57,6 +55,3 @@ class Output:
     plastic_angle: Numbers[float]  # [rad] sum of plastic rotations in both directions
     residual_angle: Numbers[float]  # [rad] that would be left without moment
     peak_axial: float  # [N] largest force along the beam so far, in magnitude
-    stored: float  # [J] recoverable energy
-    power: float  # [W] rate of energy lost, or of work done by a load
-    loss: float  # [J] energy lost in this step without a rate

@@ -1,7 +1,8 @@
 # written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import RowParameters
 from crashsolve.foundation.rows import Numbers
 
-class Parameters:
+class Parameters(RowParameters):
     node_a: int  # [index] first body
     node_b: int  # [index] second body
     axis_a: Numbers[float]  # [1] axis, axes of a
@@ -13,7 +14,6 @@ class Parameters:
     side_c: Numbers[float]  # [1] from which its angle counts, axes of its a
     side_d: Numbers[float]  # [1] to which its angle counts, axes of its b
     ratio: float  # [1] angle of the second over angle of the first
-    first_row: int  # [index] first constraint row
 
 class History:
     first: float  # [rad] angle of the first joint, over all revolutions

@@ -1,7 +1,8 @@
 # written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import RowParameters
 from crashsolve.foundation.rows import Numbers
 
-class Parameters:
+class Parameters(RowParameters):
     node_a: int  # [index] first body
     node_b: int  # [index] second body
     axis_a: Numbers[float]  # [1] axis, axes of a
@@ -13,7 +14,6 @@ class Parameters:
     point_d: Numbers[float]  # [m] point of the rack's joint from the mass centre of its b, axes of its b
     axis_c: Numbers[float]  # [1] axis of the rack's joint, axes of its a
     radius: float  # [m] R
-    first_row: int  # [index] first constraint row
 
 class History:
     angle: float  # [rad] angle of the pinion, over all revolutions

@@ -1,7 +1,8 @@
 # written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import RowParameters
 from crashsolve.foundation.rows import Numbers
 
-class Parameters:
+class Parameters(RowParameters):
     node_a: int  # [index] first body
     node_b: int  # [index] second body
     axis_a: Numbers[float]  # [1] joint axis, axes of a
@@ -12,7 +13,6 @@ class Parameters:
     start: float  # [s] time at which the run begins
     rate: float  # [m/s or rad/s] velocity at the first point of an acceleration
     offset: float  # [m or rad] of f, or of its integral, over the coordinate
-    first_row: int  # [index] first constraint row
 
 class History:
     angle: float  # [rad] theta, over all revolutions

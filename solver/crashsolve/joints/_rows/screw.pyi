@@ -1,7 +1,8 @@
 # written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import RowParameters
 from crashsolve.foundation.rows import Numbers
 
-class Parameters:
+class Parameters(RowParameters):
     node_a: int  # [index] first body
     node_b: int  # [index] second body
     point_a: Numbers[float]  # [m] joint point from the mass centre of a, axes of a
@@ -13,7 +14,6 @@ class Parameters:
     side_b: Numbers[float]  # [1] side at the start, axes of b
     third_b: Numbers[float]  # [1] third at the start, axes of b
     advance: float  # [m/rad] h, travel over angle
-    first_row: int  # [index] first constraint row
 
 class History:
     angle: float  # [rad] theta, over all revolutions

@@ -1,4 +1,5 @@
 # written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import ForceHistory, ForceOutput
 from crashsolve.foundation.rows import Numbers
 
 class Parameters:
@@ -9,14 +10,9 @@ class Parameters:
     torque: float  # [N m] T
     curve: int  # [index] phi over time; 0 for none
 
-class History:
-    dissipated: float  # [J] energy lost so far
-    power: float  # [W] its present rate
+class History(ForceHistory): ...
 
-class Output:
+class Output(ForceOutput):
     torque: float  # [N m] on b about the axis
     rate: float  # [rad/s] of the angle
     moment: Numbers[float]  # [N m] on b, world axes
-    stored: float  # [J] recoverable energy
-    power: float  # [W] rate of energy lost, or of work done by a load
-    loss: float  # [J] energy lost in this step without a rate

@@ -1,4 +1,5 @@
 # written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import ForceHistory, ForceOutput
 from crashsolve.foundation.rows import Numbers
 
 class Parameters:
@@ -8,13 +9,8 @@ class Parameters:
     first_member: int  # [index] of the nodes among those of all entries
     member_count: int  # [count] nodes
 
-class History:
+class History(ForceHistory):
     factor: float  # [1] phi at the last step
-    dissipated: float  # [J] energy lost so far
-    power: float  # [W] its present rate
 
-class Output:
+class Output(ForceOutput):
     force: Numbers[float]  # [N] total, world axes
-    stored: float  # [J] recoverable energy
-    power: float  # [W] rate of energy lost, or of work done by a load
-    loss: float  # [J] energy lost in this step without a rate

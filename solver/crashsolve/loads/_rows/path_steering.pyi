@@ -1,4 +1,5 @@
 # written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import ForceHistory, ForceOutput
 from crashsolve.foundation.rows import Numbers
 
 class Parameters:
@@ -26,12 +27,10 @@ class Parameters:
     stiffness: float  # [N/m or N m/rad] k
     relaxation: float  # [s] c / k
 
-class History:
+class History(ForceHistory):
     angle: float  # [rad] of the joint, over all revolutions
-    dissipated: float  # [J] energy lost so far
-    power: float  # [W] its present rate
 
-class Output:
+class Output(ForceOutput):
     force: float  # [N or N m] F, on the second body of the joint
     steer: float  # [rad] delta that the driver asks for
     wanted: float  # [m or rad] n delta
@@ -39,6 +38,3 @@ class Output:
     rate: float  # [m/s or rad/s] of it
     offset: float  # [m] of the vehicle from the path at its point, positive to the left
     ahead: float  # [m] e
-    stored: float  # [J] recoverable energy
-    power: float  # [W] rate of energy lost, or of work done by a load
-    loss: float  # [J] energy lost in this step without a rate

@@ -1,4 +1,5 @@
 # written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import ForceHistory, ForceOutput
 from crashsolve.foundation.rows import Numbers
 
 class Parameters:
@@ -10,14 +11,9 @@ class Parameters:
     pressure: float  # [Pa] p
     curve: int  # [index] factor over time; 0 for none
 
-class History:
+class History(ForceHistory):
     pressure: float  # [Pa] pressure at the last step
-    dissipated: float  # [J] energy lost so far
-    power: float  # [W] its present rate
 
-class Output:
+class Output(ForceOutput):
     force: Numbers[float]  # [N] total
     pressure: float  # [Pa] present pressure
-    stored: float  # [J] recoverable energy
-    power: float  # [W] rate of energy lost, or of work done by a load
-    loss: float  # [J] energy lost in this step without a rate

@@ -1,4 +1,5 @@
 # written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import ForceHistory, ForceOutput
 from crashsolve.foundation.rows import Numbers
 
 class Parameters:
@@ -7,12 +8,7 @@ class Parameters:
     rotates: int  # [flag] the vector is fixed in the body
     curve: int  # [index] factor over time; 0 for none
 
-class History:
-    dissipated: float  # [J] energy lost so far
-    power: float  # [W] its present rate
+class History(ForceHistory): ...
 
-class Output:
+class Output(ForceOutput):
     torque: Numbers[float]  # [N m] world axes
-    stored: float  # [J] recoverable energy
-    power: float  # [W] rate of energy lost, or of work done by a load
-    loss: float  # [J] energy lost in this step without a rate

@@ -1,6 +1,5 @@
 # written by `python -m crashsolve.stubs` from the records of the law
 from typing import Protocol
-
 from crashsolve.foundation.rows import Numbers, Row
 
 class Parameters(Row, Protocol):
@@ -28,8 +27,6 @@ class Parameters(Row, Protocol):
 class History(Row, Protocol):
     stress: Numbers[float]  # [Pa] of the fibres; what else they remember says the material
     work: float  # [J] plastic work
-    dissipated: float  # [J] energy lost so far
-    power: float  # [W] its present rate
 
 class Output(Row, Protocol):
     force: Numbers[float]  # [N] tension, shear along y and z, axes of the element
@@ -39,6 +36,3 @@ class Output(Row, Protocol):
     curvature: Numbers[float]  # [1/m] twist, bending about y and z, theta / l
     plastic_strain: float  # [1] largest e of the fibres
     plastic_work: float  # [J] of the element
-    stored: float  # [J] recoverable energy
-    power: float  # [W] rate of energy lost, or of work done by a load
-    loss: float  # [J] energy lost in this step without a rate

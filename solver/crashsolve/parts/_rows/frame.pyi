@@ -1,4 +1,5 @@
 # written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import ForceHistory, ForceOutput
 from crashsolve.foundation.rows import Numbers
 
 class Parameters:
@@ -19,16 +20,11 @@ class Parameters:
     taut_b: float  # [1/(kg m)] the same at the second
     rotation: Numbers[float]  # [1] unit quaternion Q, element to nodes
 
-class History:
-    dissipated: float  # [J] energy lost so far
-    power: float  # [W] its present rate
+class History(ForceHistory): ...
 
-class Output:
+class Output(ForceOutput):
     force: Numbers[float]  # [N] tension, shear along y and z, axes of the element
     moment_a: Numbers[float]  # [N m] torsion, bending about y and z, at the first node
     moment_b: Numbers[float]  # [N m] torsion, bending about y and z, at the second node
     strain: Numbers[float]  # [1] stretch of the bent line, shear along y and z, u / l
     curvature: Numbers[float]  # [1/m] twist, bending about y and z, theta / l
-    stored: float  # [J] recoverable energy
-    power: float  # [W] rate of energy lost, or of work done by a load
-    loss: float  # [J] energy lost in this step without a rate

@@ -1,6 +1,5 @@
 # written by `python -m crashsolve.stubs` from the records of the law
 from typing import Protocol
-
 from crashsolve.foundation.rows import Numbers, Row
 
 class Parameters(Row, Protocol):

@@ -1,4 +1,5 @@
 # written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import ForceHistory, ForceOutput
 from crashsolve.foundation.rows import Numbers
 
 class Parameters:
@@ -12,16 +13,11 @@ class Parameters:
     side: Numbers[float]  # [1] on which side of its dead centre a link is
     stiffness: float  # [N m/rad] k
 
-class History:
-    dissipated: float  # [J] energy lost so far
-    power: float  # [W] its present rate
+class History(ForceHistory): ...
 
-class Output:
+class Output(ForceOutput):
     force: float  # [N] of the left link, tension positive
     right: float  # [N] of the right link
     torque: float  # [N m] T, of the bar
     twist: float  # [rad] theta
     angles: Numbers[float]  # [rad] phi of both arms
-    stored: float  # [J] recoverable energy
-    power: float  # [W] rate of energy lost, or of work done by a load
-    loss: float  # [J] energy lost in this step without a rate

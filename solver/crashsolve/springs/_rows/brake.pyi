@@ -1,4 +1,5 @@
 # written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import ForceHistory, ForceOutput
 from crashsolve.foundation.rows import Numbers
 
 class Parameters:
@@ -14,18 +15,13 @@ class Parameters:
     stiffness: float  # [N/m] K
     damping: float  # [N s/m] c
 
-class History:
+class History(ForceHistory):
     slider: Numbers[float]  # [m] s_p, axes of a
     bristle: Numbers[float]  # [m] z, axes of a
     force: Numbers[float]  # [N] f, axes of a
     slid: float  # [m] displacement of the slider
-    dissipated: float  # [J] energy lost so far
-    power: float  # [W] its present rate
 
-class Output:
+class Output(ForceOutput):
     force: Numbers[float]  # [N] on b, axes of a
     limit: float  # [N] level at which it slides
     slid: float  # [m] distance slid so far
-    stored: float  # [J] recoverable energy
-    power: float  # [W] rate of energy lost, or of work done by a load
-    loss: float  # [J] energy lost in this step without a rate

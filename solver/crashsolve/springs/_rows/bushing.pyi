@@ -1,4 +1,5 @@
 # written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import ForceHistory, ForceOutput
 from crashsolve.foundation.rows import Numbers
 
 class Parameters:
@@ -14,15 +15,10 @@ class Parameters:
     reference: Numbers[float]  # [1] q_a^-1 q_b at the start
     rotates: int  # [flag] whether it resists rotations, which end at half a revolution
 
-class History:
-    dissipated: float  # [J] energy lost so far
-    power: float  # [W] its present rate
+class History(ForceHistory): ...
 
-class Output:
+class Output(ForceOutput):
     force: Numbers[float]  # [N] f, on a, axes of a
     torque: Numbers[float]  # [N m] m, on a, axes of a
     displacement: Numbers[float]  # [m] x - x_0, axes of a
     angle: Numbers[float]  # [rad] theta, axes of a
-    stored: float  # [J] recoverable energy
-    power: float  # [W] rate of energy lost, or of work done by a load
-    loss: float  # [J] energy lost in this step without a rate

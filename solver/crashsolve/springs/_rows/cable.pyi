@@ -1,4 +1,5 @@
 # written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import ForceHistory, ForceOutput
 from crashsolve.foundation.rows import Numbers
 
 class Parameters:
@@ -9,16 +10,11 @@ class Parameters:
     damping: float  # [N s/m] c
     length: float  # [m] l_0
 
-class History:
+class History(ForceHistory):
     taut: int  # [flag] whether it is longer than without tension
-    dissipated: float  # [J] energy lost so far
-    power: float  # [W] its present rate
 
-class Output:
+class Output(ForceOutput):
     force: float  # [N] tension
     length: float  # [m] present length
     elongation: float  # [m] present length less that without tension; negative: slack
     rate: float  # [m/s] of the length
-    stored: float  # [J] recoverable energy
-    power: float  # [W] rate of energy lost, or of work done by a load
-    loss: float  # [J] energy lost in this step without a rate

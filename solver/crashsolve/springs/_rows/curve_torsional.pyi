@@ -1,4 +1,5 @@
 # written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import ForceHistory, ForceOutput
 from crashsolve.foundation.rows import Numbers
 
 class Parameters:
@@ -22,21 +23,16 @@ class Parameters:
     stiffest: float  # [N/m or N m/rad] largest slope of the curves and k
     angle: float  # [rad] theta_0
 
-class History:
+class History(ForceHistory):
     set: Numbers[float]  # [m or rad] s in tension, in compression
     kept: Numbers[float]  # [J] P of both
     side: int  # [flag] 1 or -1: direction of the deformation
     branch: int  # [flag] SLACK, LINE, LOADING or LOWER
     segment: int  # [index] of the curve that is read
     angle: float  # [rad] counted rotation
-    dissipated: float  # [J] energy lost so far
-    power: float  # [W] its present rate
 
-class Output:
+class Output(ForceOutput):
     torque: float  # [N m] positive rotates b back
     angle: float  # [rad] rotation of b from the start
     rate: float  # [rad/s] of the angle
     set: float  # [rad] permanent rotation, the larger of both directions
-    stored: float  # [J] recoverable energy
-    power: float  # [W] rate of energy lost, or of work done by a load
-    loss: float  # [J] energy lost in this step without a rate

@@ -1,4 +1,5 @@
 # written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import ForceHistory, ForceOutput
 from crashsolve.foundation.rows import Numbers
 
 class Parameters:
@@ -12,20 +13,15 @@ class Parameters:
     kinematic: float  # [N/m] H_k
     length: float  # [m] l_0
 
-class History:
+class History(ForceHistory):
     plastic: float  # [m] x_p
     flow: float  # [m] alpha
     plastic_flow: int  # [flag] 1 or -1: x_p grows or falls; 0: it rests
-    dissipated: float  # [J] energy lost so far
-    power: float  # [W] its present rate
 
-class Output:
+class Output(ForceOutput):
     force: float  # [N] tension positive
     length: float  # [m] present length
     elongation: float  # [m] present length less that without force at the start
     rate: float  # [m/s] of the length
     set: float  # [m] plastic elongation
     flow: float  # [m] sum of plastic elongations in both directions
-    stored: float  # [J] recoverable energy
-    power: float  # [W] rate of energy lost, or of work done by a load
-    loss: float  # [J] energy lost in this step without a rate

@@ -1,4 +1,5 @@
 # written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import ForceHistory, ForceOutput
 from crashsolve.foundation.rows import Numbers
 
 class Parameters:
@@ -10,14 +11,9 @@ class Parameters:
     damping: float  # [N s/m] c
     length: float  # [m] l_0
 
-class History:
-    dissipated: float  # [J] energy lost so far
-    power: float  # [W] its present rate
+class History(ForceHistory): ...
 
-class Output:
+class Output(ForceOutput):
     force: float  # [N] tension positive
     length: float  # [m] present length
     rate: float  # [m/s] of the length
-    stored: float  # [J] recoverable energy
-    power: float  # [W] rate of energy lost, or of work done by a load
-    loss: float  # [J] energy lost in this step without a rate

@@ -1,4 +1,5 @@
 # written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import ForceHistory, ForceOutput
 from crashsolve.foundation.rows import Numbers
 
 class Parameters:
@@ -13,7 +14,7 @@ class Parameters:
     axis_a: Numbers[float]  # [1] joint axis, axes of a; 0 for a ball
     torque_curve: int  # [index] phi over time; 0 for none
 
-class History:
+class History(ForceHistory):
     pressing: float  # [N] force that pressed the joint at the start of the step
     limit: float  # [N or N m] at which it slides
     step: float  # [s] length of the step; 0 before the first
@@ -21,14 +22,9 @@ class History:
     bristle: Numbers[float]  # [rad] z, axes of a
     torque: Numbers[float]  # [N m] M, axes of a
     slid: float  # [rad] angle slid
-    dissipated: float  # [J] energy lost so far
-    power: float  # [W] its present rate
 
-class Output:
+class Output(ForceOutput):
     torque: Numbers[float]  # [N m] on b, world axes
     moment: Numbers[float]  # [N m] the same, axes of b
     limit: float  # [N m] at which it slides
     slid: float  # [rad] angle slid so far
-    stored: float  # [J] recoverable energy
-    power: float  # [W] rate of energy lost, or of work done by a load
-    loss: float  # [J] energy lost in this step without a rate

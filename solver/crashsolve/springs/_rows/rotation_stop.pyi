@@ -1,4 +1,5 @@
 # written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import ForceHistory, ForceOutput
 from crashsolve.foundation.rows import Numbers
 
 class Parameters:
@@ -15,16 +16,11 @@ class Parameters:
     stiffest: float  # [N/m or N m/rad] largest slope of the force
     start: float  # [rad] angle at the start, of a posture
 
-class History:
+class History(ForceHistory):
     at: int  # [flag] 1: beyond the upper stop, -1: beyond the lower, 0: between
     angle: float  # [rad] theta, over all revolutions
-    dissipated: float  # [J] energy lost so far
-    power: float  # [W] its present rate
 
-class Output:
+class Output(ForceOutput):
     torque: float  # [N m] positive rotates b back
     angle: float  # [rad] of b from the start, or from the zero posture
     rate: float  # [rad/s] of the angle
-    stored: float  # [J] recoverable energy
-    power: float  # [W] rate of energy lost, or of work done by a load
-    loss: float  # [J] energy lost in this step without a rate

@@ -1,4 +1,5 @@
 # written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import ForceHistory, ForceOutput
 from crashsolve.foundation.rows import Numbers
 
 class Parameters:
@@ -23,16 +24,14 @@ class Parameters:
     buckling: float  # [N] compression to warn of; infinite if there is none
     at_rest: int  # [flag] NO_STEP, FLOWS or FROZEN, in load steps
 
-class History:
+class History(ForceHistory):
     plastic: Numbers[float]  # [any] u_p along the beam, theta_p about y and z
     held: Numbers[float]  # [any] N, M_y, M_z
     strain: float  # [1] e
     work: float  # [J] plastic work
     peak_compression: float  # [N] largest compression along the beam so far
-    dissipated: float  # [J] energy lost so far
-    power: float  # [W] its present rate
 
-class Output:
+class Output(ForceOutput):
     force: Numbers[float]  # [N] tension, shear along y and z, axes of the beam
     moment: Numbers[float]  # [N m] torsion, bending about y and z, in the middle
     displacement: Numbers[float]  # [m] u
@@ -40,6 +39,3 @@ class Output:
     plastic_angle: Numbers[float]  # [rad] theta_p about y and z
     plastic_strain: float  # [1] e, mean over the section
     plastic_work: float  # [J] so far
-    stored: float  # [J] recoverable energy
-    power: float  # [W] rate of energy lost, or of work done by a load
-    loss: float  # [J] energy lost in this step without a rate

@@ -1,4 +1,5 @@
 # written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import ForceHistory, ForceOutput
 from crashsolve.foundation.rows import Numbers
 
 class Parameters:
@@ -21,17 +22,12 @@ class Parameters:
     stiffest: float  # [N/m] largest slope of spring and stop together
     most_damping: float  # [N s/m] largest slope of the damper
 
-class History:
-    dissipated: float  # [J] energy lost so far
-    power: float  # [W] its present rate
+class History(ForceHistory): ...
 
-class Output:
+class Output(ForceOutput):
     force: float  # [N] tension positive
     spring: float  # [N] part of the spring
     damper: float  # [N] part of the damper
     stop: float  # [N] part of the stops
     length: float  # [m] present length
     rate: float  # [m/s] of the length
-    stored: float  # [J] recoverable energy
-    power: float  # [W] rate of energy lost, or of work done by a load
-    loss: float  # [J] energy lost in this step without a rate

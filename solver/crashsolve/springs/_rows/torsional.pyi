@@ -1,4 +1,5 @@
 # written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import ForceHistory, ForceOutput
 from crashsolve.foundation.rows import Numbers
 
 class Parameters:
@@ -11,15 +12,10 @@ class Parameters:
     damping: float  # [N m s/rad] c
     angle: float  # [rad] theta_0
 
-class History:
+class History(ForceHistory):
     angle: float  # [rad] counted rotation
-    dissipated: float  # [J] energy lost so far
-    power: float  # [W] its present rate
 
-class Output:
+class Output(ForceOutput):
     torque: float  # [N m] positive rotates b back
     angle: float  # [rad] rotation of b from the start
     rate: float  # [rad/s] of the angle
-    stored: float  # [J] recoverable energy
-    power: float  # [W] rate of energy lost, or of work done by a load
-    loss: float  # [J] energy lost in this step without a rate

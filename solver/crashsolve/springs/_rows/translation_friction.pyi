@@ -1,4 +1,5 @@
 # written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import ForceHistory, ForceOutput
 from crashsolve.foundation.rows import Numbers
 
 class Parameters:
@@ -14,7 +15,7 @@ class Parameters:
     stiffness: float  # [N/m or N m/rad] K
     damping: float  # [N s/m or N m s/rad] c
 
-class History:
+class History(ForceHistory):
     pressing: float  # [N] force that pressed the joint at the start of the step
     limit: float  # [N or N m] at which it slides
     step: float  # [s] length of the step; 0 before the first
@@ -22,13 +23,8 @@ class History:
     slider: float  # [m] travel without stretch of the bristle
     force: float  # [N] F
     slid: float  # [m] distance slid
-    dissipated: float  # [J] energy lost so far
-    power: float  # [W] its present rate
 
-class Output:
+class Output(ForceOutput):
     force: float  # [N] positive pushes b back along the axis
     limit: float  # [N] at which it slides
     slid: float  # [m] distance slid so far
-    stored: float  # [J] recoverable energy
-    power: float  # [W] rate of energy lost, or of work done by a load
-    loss: float  # [J] energy lost in this step without a rate

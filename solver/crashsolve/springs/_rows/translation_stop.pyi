@@ -1,4 +1,5 @@
 # written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import ForceHistory, ForceOutput
 from crashsolve.foundation.rows import Numbers
 
 class Parameters:
@@ -14,15 +15,10 @@ class Parameters:
     damping: float  # [N s/m or N m s/rad] c
     stiffest: float  # [N/m or N m/rad] largest slope of the force
 
-class History:
+class History(ForceHistory):
     at: int  # [flag] 1: beyond the upper stop, -1: beyond the lower, 0: between
-    dissipated: float  # [J] energy lost so far
-    power: float  # [W] its present rate
 
-class Output:
+class Output(ForceOutput):
     force: float  # [N] positive pushes b back
     travel: float  # [m] of b from the start
     rate: float  # [m/s] of the travel
-    stored: float  # [J] recoverable energy
-    power: float  # [W] rate of energy lost, or of work done by a load
-    loss: float  # [J] energy lost in this step without a rate

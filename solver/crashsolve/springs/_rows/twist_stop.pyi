@@ -1,4 +1,5 @@
 # written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import ForceHistory, ForceOutput
 from crashsolve.foundation.rows import Numbers
 
 class Parameters:
@@ -27,21 +28,16 @@ class Parameters:
     lower: float  # [rad] end of the range
     upper: float  # [rad] end of the range
 
-class History:
+class History(ForceHistory):
     set: Numbers[float]  # [m or rad] s in tension, in compression
     kept: Numbers[float]  # [J] P of both
     side: int  # [flag] 1 or -1: direction of the deformation
     branch: int  # [flag] SLACK, LINE, LOADING or LOWER
     segment: int  # [index] of the curve that is read
-    dissipated: float  # [J] energy lost so far
-    power: float  # [W] its present rate
 
-class Output:
+class Output(ForceOutput):
     torque: float  # [N m] M, positive rotates b back
     angle: float  # [rad] tau
     margin: float  # [rad] to the nearer limit; negative past it
     energy: float  # [J] stored
     moment: Numbers[float]  # [N m] on b, axes of b
-    stored: float  # [J] recoverable energy
-    power: float  # [W] rate of energy lost, or of work done by a load
-    loss: float  # [J] energy lost in this step without a rate

@@ -1,4 +1,5 @@
 # written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import ForceHistory, ForceOutput
 from crashsolve.foundation.rows import Numbers
 
 class Parameters:
@@ -34,15 +35,13 @@ class Parameters:
     C_y: float  # [N/rad] lateral force over slip at zero
     C_gamma: float  # [N/rad] lateral force over camber at zero
 
-class History:
+class History(ForceHistory):
     q_x: Numbers[float]  # [m] deflection of the carcass along the wheel, on each road
     q_y: Numbers[float]  # [m] the same across
     store: Numbers[float]  # [J] energy in it
     sunk: int  # [flag] whether its centre has been on a road or below it
-    dissipated: float  # [J] energy lost so far
-    power: float  # [W] its present rate
 
-class Output:
+class Output(ForceOutput):
     force: Numbers[float]  # [N] on the wheel, world axes
     moment: Numbers[float]  # [N m] on the wheel about its centre, world axes
     normal: float  # [N] F_z, sum over the roads
@@ -54,6 +53,3 @@ class Output:
     side_slip: float  # [1] s_y of that road
     camber: float  # [rad] gamma on that road
     sliding: float  # [1] share of the patch that slides, there
-    stored: float  # [J] recoverable energy
-    power: float  # [W] rate of energy lost, or of work done by a load
-    loss: float  # [J] energy lost in this step without a rate
