@@ -43,13 +43,13 @@ def _parameters(result: Result) -> Json:
     return result.stored_json("parameters", dict) or {}
 
 
-def _stated(result: Result) -> dict[str, Any]:
+def _stated(result: Result) -> Json:
     """The parameters without those that follow from others."""
     derived = result.stored_json("derived_parameters", list) or []
     return {name: v for name, v in _parameters(result).items() if name not in derived}
 
 
-def _decks(results: Sequence[Result]) -> list[dict[str, Any]]:
+def _decks(results: Sequence[Result]) -> list[Json]:
     """Every number and word of the decks by its position; raises PostError for a broken deck."""
     import yaml
 

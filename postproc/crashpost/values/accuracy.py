@@ -1,7 +1,6 @@
 """Estimated errors, steps and cost that a run has left in status.json."""
 
 from collections.abc import Callable
-from typing import Any
 
 from crashpost.results.result import Result
 from crashpost.results.status import Json
@@ -75,7 +74,7 @@ def cost_rows(result: Result) -> list[list[str]]:
     return [row for row in rows if row[1]]
 
 
-def _row(entry: dict[str, Any], shown: Callable[[str], tuple[str, float]]) -> list[str]:
+def _row(entry: Json, shown: Callable[[str], tuple[str, float]]) -> list[str]:
     error, relative = entry.get("error"), _relative(entry)
     name = f"{entry.get('channel')} {entry.get('statistic')}"
     if entry.get("during"):

@@ -37,7 +37,7 @@ def _duplicate(mesh: Mesh) -> str:
     return ""
 
 
-def _inverted(mesh: Any) -> str:
+def _inverted(mesh: Mesh) -> str:
     """Two elements that run along a side in the same direction have opposite normals.
 
     Of three that share a side, two always do.
