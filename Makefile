@@ -65,6 +65,7 @@ gallery: $(VENV)/render.installed
 docs: $(VENV)/plot.installed
 	$(BIN)/crashsolve keywords > solver/KEYWORDS.md
 	$(BIN)/crashsolve equations > solver/EQUATIONS.md
+	$(BIN)/python -m crashsolve.stubs
 
 clean:
 	rm -rf $(VENV) *.egg-info *.results build .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -178,6 +178,20 @@ class Law:
         return self.out
 
 
+def check_power(law: Law, draws: int, **tolerances: float) -> None:
+    """In random states the power on the bodies is what the law stores and loses; it loses."""
+    start, met, free = law.bench.state(), 0, 0
+    for seed in range(draws):
+        law.bench.nodes[:] = start
+        law.bench.shake(seed)
+        out = law.force()
+        given, lost = law.power_on_bodies(), float(out.power)
+        met, free = met + (out.stored > 0.0), free + (out.stored == 0.0)
+        assert given == pytest.approx(-law.growth(1e-6) - lost, **tolerances)
+        assert lost >= 0.0
+    assert met >= 5 and free >= 5
+
+
 def _no_force(*args: Any) -> None:
     raise AssertionError("the law has no force")
 

@@ -8,7 +8,7 @@
 #PBS -l walltime=01:00:00
 #PBS -j oe
 cd "$PBS_O_WORKDIR" || exit 1
-# PBS notifies nobody before the end of the time: the script keeps its own [s], two minutes shorter
+# PBS sends no signal before the time limit: the script has its own limit [s], two minutes shorter
 limit=${LIMIT:-3480}
 run_of_sweep=${RUN:-$PBS_ARRAY_INDEX}
 trap 'kill -TERM "$run"' TERM
@@ -29,7 +29,7 @@ while kill -0 "$run" 2>/dev/null; do
 done
 wait "$run"; code=$?
 
-# 3: stopped on request, with a dump to go on from; 143: asked before it could be, nothing is lost
+# 3: stopped on request, with a dump to continue from; 143: stopped before it began, nothing is lost
 if [ "$out_of_time" = yes ] && { [ "$code" -eq 3 ] || [ "$code" -eq 143 ]; }; then
     next="LIMIT=$limit,DECK=$DECK,RESULTS=$RESULTS,SWEEP=$SWEEP,RUN=$run_of_sweep"
     qsub -v "$next" "${SCRIPT:-pbs.sh}" && exit 0

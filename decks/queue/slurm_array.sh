@@ -20,7 +20,7 @@ trap 'kill -TERM "$run"' TERM
 
 ${CRASHSOLVE:-crashsolve} "$deck" -o "$results" --restart &
 run=$!
-# reported before the run was there
+# the signal arrived before the run was started
 [ "$out_of_time" = no ] || kill -TERM "$run"
 wait "$run"; code=$?
 while kill -0 "$run" 2>/dev/null; do wait "$run"; code=$?; done

@@ -96,7 +96,7 @@ def _parser(asked: Sequence[str]) -> argparse.ArgumentParser:
     run = commands.add_parser("run", help="solve a deck (the word run may be left out)")
     _deck_arguments(run)
     run.add_argument("-o", "--output", type=Path, metavar="DIR", help="results folder")
-    run.add_argument("--restart", action="store_true", help="go on from the newest dump")
+    run.add_argument("--restart", action="store_true", help="continue from the newest dump")
     run.add_argument(
         "--until", metavar="T", help='with --restart: another end time, such as 0.2 or "200 ms"'
     )
@@ -233,7 +233,7 @@ def _run(options: argparse.Namespace) -> int:
     if options.until is not None:
         if not options.restart:
             advice = "say --restart, or --set control.end_time=T"
-            raise DeckError("--until", None, None, "", "goes on from a dump", advice)
+            raise DeckError("--until", None, None, "", "continues from a dump", advice)
         overrides["control.end_time"] = options.until
     return solve(options.deck, folder, overrides, options.restart)
 

@@ -4,7 +4,6 @@ import re
 from os.path import commonpath, isfile
 from pathlib import Path
 from shutil import copyfile
-from typing import Any
 
 from crashsolve.deck.card import Card
 from crashsolve.deck.fields import deck_words
@@ -99,7 +98,7 @@ def _named_files(deck: Deck) -> list[Path]:
     return [Path(text) for card in cards for text in _texts(card) if isfile(text)]
 
 
-def _texts(value: Any) -> list[str]:
+def _texts(value: object) -> list[str]:
     """All words within a card."""
     if isinstance(value, str):
         return [value]

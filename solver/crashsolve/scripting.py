@@ -39,8 +39,8 @@ def run(
     `deck` is a path, or the deck itself as a dict, which is then written to deck.yaml of the
     folder: files that it names are looked for there. `folder` is DECK.results when
     absent. `set` replaces parameters and fields, as --set does: {"control.step": "0.1 ms"}; bare
-    numbers are in the deck's units. `restart` goes on from the newest dump. `report` is called with
-    every line that the run prints, as in report=print.
+    numbers are in the deck's units. `restart` continues from the newest dump. `report` is called
+    with every line that the run prints, as in report=print.
     """
     name = "deck" if isinstance(deck, Mapping) else Path(deck).stem
     folder = Path(f"{name}.results" if folder is None else folder)
@@ -87,12 +87,12 @@ def _written(deck: Mapping[str, Any], folder: Path) -> Path:
     return path
 
 
-def _text(value: Any) -> str:
+def _text(value: object) -> str:
     """A value of `set` as a deck has it."""
     return value if isinstance(value, str) else json.dumps(value, default=_plain, allow_nan=False)
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> Any:
     """Numbers and arrays of numpy, and paths, as JSON has them."""
     if isinstance(value, Path):
         return str(value)

@@ -33,7 +33,7 @@ def banned(where: str) -> list[str]:
 @cache
 def files() -> tuple[Path, ...]:
     found = [path for name in FOLDERS for path in (ROOT / name).rglob("*")]
-    found += [ROOT / "README.md", ROOT / "Makefile"]
+    found += [ROOT / name for name in ("README.md", "CHANGELOG.md", "Makefile")]
     hidden = {"__pycache__", ".pytest_cache"}
     return tuple(
         path

@@ -105,12 +105,12 @@ def test_a_run_killed_again_and_again_goes_on_to_the_same_bits(name: str, tmp_pa
             life *= 1.05 if steps_of(folder) == 0 else 1.0
             continue
         assert differences(folder, whole) == []
-        resumed += log.read_text("utf-8").count("going on from t = ")
+        resumed += log.read_text("utf-8").count("continuing from t = ")
         ended += 1
         shutil.rmtree(folder)
         life *= 0.9
     assert crashsolve(*words, "--restart").returncode == 0
-    resumed += (folder / "log.txt").read_text("utf-8").count("going on from t = ")
+    resumed += (folder / "log.txt").read_text("utf-8").count("continuing from t = ")
     assert differences(folder, whole) == []
     print(f"\n{name}: {done} kills, {resumed} times gone on, {ended + 1} runs to the same bits")
     assert resumed > 0

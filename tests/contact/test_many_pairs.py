@@ -1,15 +1,12 @@
 """Claim: many pairs in pieces act as pairs one by one, to the same bits on one thread or more."""
 
-import shutil
-import signal
-import time
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
-from command import crashsolve, differences, gone_on, results, start
+from command import check_restart_after_signal, crashsolve, differences, gone_on, results
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
@@ -126,22 +123,9 @@ def test_another_number_of_threads_goes_on_from_a_dump_to_the_same_bits(
 
 
 @pytest.mark.long
-def test_threads_stop_at_a_signal_and_go_on(two: tuple[Path, Path], tmp_path: Path) -> None:
-    deck, folder = two
-    # on a busy machine the run may end before the signal is sent: then try again
-    for _ in range(10):
-        shutil.rmtree(tmp_path / "cut", ignore_errors=True)
-        run = start(deck, "-o", tmp_path / "cut", "--set", "control.threads=3")
-        until = time.monotonic() + 600
-        while not (tmp_path / "cut/states/000001.h5").exists() and time.monotonic() < until:
-            time.sleep(0.001)
-        run.send_signal(signal.SIGTERM)
-        run.communicate(timeout=600)
-        if run.returncode == 3:
-            break
-    assert run.returncode == 3
-    assert crashsolve(deck, "-o", tmp_path / "cut", "--restart").returncode == 0
-    assert differences(tmp_path / "cut", folder) == []
+def test_threads_stop_at_a_signal_and_continue(two: tuple[Path, Path], tmp_path: Path) -> None:
+    threads = ("--set", "control.threads=3")
+    check_restart_after_signal(*two, tmp_path / "cut", *threads)
 
 
 @pytest.mark.long

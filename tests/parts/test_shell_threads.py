@@ -1,16 +1,13 @@
 """Claim: any number of threads gives the bits of one, goes on to them, and stops as one does."""
 
 import random
-import shutil
-import signal
-import time
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
-from command import crashsolve, differences, gone_on, results, start
+from command import check_restart_after_signal, crashsolve, differences, gone_on, results
 from quick import first_quick
 from shells import Elements
 
@@ -151,22 +148,9 @@ def test_another_number_of_threads_goes_on_from_a_dump_to_the_same_bits(
     assert "with other control.threads" in gone_on(other, two[1], tmp_path / "again")
 
 
-def test_threads_stop_at_a_signal_and_go_on(two: tuple[Path, Path], tmp_path: Path) -> None:
-    deck, folder = two
-    # on a busy machine the run may end before the signal is sent: then try again
-    for _ in range(10):
-        shutil.rmtree(tmp_path / "cut", ignore_errors=True)
-        run = start(deck, "-o", tmp_path / "cut", "--set", "control.threads=3")
-        until = time.monotonic() + 600
-        while not (tmp_path / "cut/states/000001.h5").exists() and time.monotonic() < until:
-            time.sleep(0.001)
-        run.send_signal(signal.SIGTERM)
-        run.communicate(timeout=600)
-        if run.returncode == 3:
-            break
-    assert run.returncode == 3
-    assert crashsolve(deck, "-o", tmp_path / "cut", "--restart").returncode == 0
-    assert differences(tmp_path / "cut", folder) == []
+def test_threads_stop_at_a_signal_and_continue(two: tuple[Path, Path], tmp_path: Path) -> None:
+    threads = ("--set", "control.threads=3")
+    check_restart_after_signal(*two, tmp_path / "cut", *threads)
 
 
 def test_a_step_too_long_stops_any_number_of_threads_alike(

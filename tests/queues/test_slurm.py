@@ -126,7 +126,7 @@ def test_a_time_limit_is_outlived_by_going_back_to_the_queue(slurm: Path) -> Non
     assert int(end["Restarts"]) >= 1
     log = (out / "log.txt").read_text("utf-8")
     # Slurm may report a job that its time is up before there is a dump to go on from
-    assert 1 <= log.count("going on from t = ") <= int(end["Restarts"])
+    assert 1 <= log.count("continuing from t = ") <= int(end["Restarts"])
     assert log.endswith("N o r m a l    t e r m i n a t i o n\n")
     assert crashsolve(deck, "-o", whole).returncode == 0
     # the dumps of both are at the same times; a stop adds one
@@ -149,7 +149,7 @@ def test_a_cancelled_job_leaves_a_dump_and_does_not_come_back(slurm: Path) -> No
     status = json.loads((out / "status.json").read_text("utf-8"))
     assert (status["state"], status["exit_code"]) == ("stopped", 3)
     assert 0.0 < status["time"] < status["end_time"]
-    assert "go on with --restart" in status["message"]
+    assert "continue with --restart" in status["message"]
 
 
 def test_a_sweep_outlives_time_limits_task_by_task(slurm: Path) -> None:

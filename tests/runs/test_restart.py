@@ -202,7 +202,7 @@ def test_the_control_file_writes_a_state_and_stops(mechanism: Path, tmp_path: Pa
     assert run.returncode == 3
     states = sorted((tmp_path / "states").glob("*.h5"))
     assert len(states) >= 2
-    assert (tmp_path / "log.txt").read_text("utf-8").count("go on with --restart") == 1
+    assert (tmp_path / "log.txt").read_text("utf-8").count("continue with --restart") == 1
 
 
 def test_a_new_run_forgets_the_dumps_of_the_old_one(mechanism: Path, tmp_path: Path) -> None:
@@ -256,7 +256,7 @@ def test_a_dump_of_another_deck_is_refused_with_the_names_of_what_differs(
     assert back.returncode == 2
     assert "control.end_time: 0.05 s lies before the dump, 0.1 s; give a later time" in back.stderr
     alone = crashsolve(mechanism, "-o", tmp_path, "--until", "0.2")
-    assert (alone.returncode, "--until: error: goes on from a dump" in alone.stderr) == (2, True)
+    assert (alone.returncode, "--until: error: continues from a dump" in alone.stderr) == (2, True)
 
 
 def test_a_run_goes_on_to_another_end_with_the_bits_of_the_whole(

@@ -186,7 +186,7 @@ def test_a_sweep_that_is_stopped_goes_on_to_the_same_table(tmp_path: Path, whole
     assert all(bool(row["peak [kN]"]) == (row["state"] == "finished") for row in rows)
     done = swept(plan)
     assert done.returncode == 0, done.stdout
-    assert "go on from where they were stopped" in done.stdout
+    assert "continue from where they were stopped" in done.stdout
     assert (out / "sweep.csv").read_text("utf-8") == whole
 
 

@@ -4,10 +4,11 @@ import argparse
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from crashpost.errors import PostError
 from crashpost.renders.tasks import FPS
+from crashpost.results.status import Json
 from crashpost.results.text import printable
 
 if TYPE_CHECKING:
@@ -175,7 +176,7 @@ def _film(options: argparse.Namespace) -> int:
     return 0
 
 
-def _scene(result: "Result", look: dict[str, Any]) -> tuple[list[str], dict[str, Any]]:
+def _scene(result: "Result", look: Json) -> tuple[list[str], Json]:
     """Moments and look of the deck's first scene, or of the default one."""
     from crashpost.reports import views
     from crashpost.results.states import States
@@ -185,7 +186,7 @@ def _scene(result: "Result", look: dict[str, Any]) -> tuple[list[str], dict[str,
     return [str(word) for word in scene.get("at", [])], look | views.look(scene)
 
 
-def _look(options: argparse.Namespace) -> dict[str, Any]:
+def _look(options: argparse.Namespace) -> Json:
     from crashpost.reports.views import check_magnify
 
     check_magnify(options.magnify)

@@ -72,7 +72,7 @@ class _Packing:
         return len(fields)
 
     def _fields(self) -> dict[tuple[str, str], int]:
-        """Name and place of every field of any block, and its components."""
+        """Name and location of every field of any block, and its components."""
         found: dict[tuple[str, str], int] = {}
         for block in self.blocks:
             for name in self.states.fields(block.name):

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from crashpost.errors import PostError
+from crashpost.results.status import Json
 from crashpost.values import words
 
 try:
@@ -106,7 +107,7 @@ def save(results: Runs, figures: Sequence[Figure], path: Path) -> None:
             raise PostError(f"{path}: {error}") from error
 
 
-def _metadata(path: Path) -> dict[str, Any]:
+def _metadata(path: Path) -> Json:
     """Nothing that differs between two files of one figure."""
     return {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}.get(path.suffix.lower(), {})
 
@@ -168,7 +169,7 @@ def _draw(axes: Axes, results: Runs, figure: Figure) -> list[Key]:
         style = (0, dashes) if dashes else "-"
         # a single sample has no line
         mark = "o" if len(line.x) == 1 else ""
-        look: dict[str, Any] = {
+        look: Json = {
             "linestyle": style,
             "marker": mark,
             "color": colour,

@@ -243,12 +243,13 @@ def motion_figures(result: Result) -> list[Figure]:
     """One for each family that has no figure of its own here."""
     families = [f for f in result.families.values() if f.word not in ("glstat", "rcforc")]
     figures = [figure for family in families if (figure := _family_figure(result, family))]
-    largest = {id(figure): _size(result, figure) for figure in figures}
+    sizes = [_size(result, figure) for figure in figures]
     forces = [result.span(name)[1] for name in _contacts(result, "normal")]
     scale: dict[str, float] = {"N": max(forces, default=0.0)}
-    for size, unit in largest.values():
+    for size, unit in sizes:
         scale[unit] = max(scale.get(unit, 0.0), size)
-    return [f for f in figures if largest[id(f)][0] > ROUND_OFF * scale[largest[id(f)][1]]]
+    sized = zip(figures, sizes, strict=True)
+    return [figure for figure, (size, unit) in sized if size > ROUND_OFF * scale[unit]]
 
 
 def _size(result: Result, figure: Figure) -> tuple[float, str]:

@@ -10,6 +10,7 @@ from typing import Any
 
 from crashpost.errors import PostError
 from crashpost.results.result import Result
+from crashpost.results.status import Json
 from crashpost.results.text import printable
 
 # of a legend: more differences are shown by folders
@@ -38,17 +39,17 @@ def _folder(result: Result) -> str:
     return printable(result.folder.resolve().name.removesuffix(".results"))
 
 
-def _parameters(result: Result) -> dict[str, Any]:
+def _parameters(result: Result) -> Json:
     return result.stored_json("parameters", dict) or {}
 
 
-def _stated(result: Result) -> dict[str, Any]:
+def _stated(result: Result) -> Json:
     """The parameters without those that follow from others."""
     derived = result.stored_json("derived_parameters", list) or []
     return {name: v for name, v in _parameters(result).items() if name not in derived}
 
 
-def _decks(results: Sequence[Result]) -> list[dict[str, Any]]:
+def _decks(results: Sequence[Result]) -> list[Json]:
     """Every number and word of the decks by its position; raises PostError for a broken deck."""
     import yaml
 
@@ -59,14 +60,14 @@ def _decks(results: Sequence[Result]) -> list[dict[str, Any]]:
             tree = yaml.load(result.deck_text, Loader=loader) or {}
         except (yaml.YAMLError, RecursionError, ValueError) as error:
             raise PostError(f"{result.file}: the stored deck cannot be read ({error})") from error
-        leaves: dict[str, Any] = {}
+        leaves: Json = {}
         if isinstance(tree, dict):
             _collect({key: part for key, part in tree.items() if key not in IDLE}, "", leaves)
         found.append(leaves)
     return found
 
 
-def _collect(part: Any, path: str, leaves: dict[str, Any]) -> None:
+def _collect(part: Any, path: str, leaves: Json) -> None:
     pairs = part.items() if isinstance(part, dict) else enumerate(part, start=1)
     for key, inner in pairs:
         where = f"{path}.{key}" if path else str(key)
@@ -76,20 +77,20 @@ def _collect(part: Any, path: str, leaves: dict[str, Any]) -> None:
             leaves[where] = inner
 
 
-def _differing(values: Sequence[dict[str, Any]]) -> list[str]:
-    """The places where not all have the same."""
+def _differing(values: Sequence[Json]) -> list[str]:
+    """The paths at which not all have the same."""
     positions = dict.fromkeys(path for own in values for path in own)
     return [p for p in positions if any(own.get(p) != values[0].get(p) for own in values)]
 
 
-def _said(own: dict[str, Any], positions: Sequence[str], values: Sequence[dict[str, Any]]) -> str:
+def _said(own: Json, positions: Sequence[str], values: Sequence[Json]) -> str:
     return ", ".join(
         f"{printable(path)} {_shown(own.get(path), [other.get(path) for other in values])}"
         for path in positions
     )
 
 
-def _shown(value: Any, among: Sequence[Any]) -> str:
+def _shown(value: object, among: Sequence[Any]) -> str:
     """A value with as many digits as distinguish it from the others; - where a deck has none."""
     if isinstance(value, float):
         for digits in (5, 9, 17):

@@ -176,9 +176,9 @@ class Scene:
         return magnified
 
     def _between(self, number: float, name: str) -> np.ndarray:
-        """Points (n, 3) of a block; between two states on the way from one to the other.
+        """Points (n, 3) of a block; interpolated between two states.
 
-        What turns so far from state to state that the straight way would shrink it stays where it
+        What turns so far from state to state that a straight path would shrink it stays where it
         was at the nearer of both.
         """
         before = self.states.positions(int(number), name)

@@ -26,7 +26,7 @@ class Surface:
     points: np.ndarray
     corners: np.ndarray
     colours: list[str]  # palette
-    which: np.ndarray  # place in the palette, of each polygon
+    which: np.ndarray  # index in the palette, of each polygon
     rows: np.ndarray  # numbers of the polygons among those of the mesh, deleted ones left out
     values: np.ndarray | None = None
     edges: bool = False

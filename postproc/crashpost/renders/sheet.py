@@ -329,7 +329,7 @@ def footer(figure: Figure, key: Key, panel: float, tall: float, lift: float = 0.
         _arrow(axes, key, width - ARROWS_ROOM + 0.15, panel)
 
 
-def _arrow(axes: Any, key: Key, left: float, panel: float) -> None:
+def _arrow(axes: Axes, key: Key, left: float, panel: float) -> None:
     """An arrow of a round size, as long as it would be in the picture."""
     length, label = key.arrow_bar(panel)
     head = min(0.1, 0.6 * length)
@@ -380,7 +380,7 @@ def name_grid(names: Sequence[tuple[str, str]], room: float) -> tuple[int, int]:
     return -(-count // columns), columns
 
 
-def _names(axes: Any, names: Sequence[tuple[str, str]], start: float, stop: float) -> None:
+def _names(axes: Axes, names: Sequence[tuple[str, str]], start: float, stop: float) -> None:
     """A square of its colour before each name."""
     shown = shown_names(names)
     _, columns = name_grid(names, stop - start)

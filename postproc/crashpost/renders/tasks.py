@@ -101,7 +101,7 @@ def _state_near(states: "States", time: float, word: str) -> int:
 
 
 def _number(states: "States", time: float) -> float:
-    """Number of the state before a time, and the way from there to the next."""
+    """Number of the state before a time, and the fraction of the interval to the next."""
     times = states.times
     after = int((times <= time).sum())
     if after == 0 or after == len(times):

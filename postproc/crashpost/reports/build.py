@@ -1,6 +1,6 @@
 """The report: one HTML page that holds everything and can be sent as it is.
 
-A figure that cannot be drawn leaves its reason in its place; the reasons are also returned.
+A figure that cannot be drawn is replaced by the reason; the reasons are also returned.
 """
 
 from collections.abc import Sequence

@@ -16,17 +16,18 @@ from crashpost.errors import PostError, unknown
 from crashpost.figures.page import escape, fold
 from crashpost.results.result import Result
 from crashpost.results.states import States
+from crashpost.results.status import Json
 
 CHOICES = ("all", "strips", "none")
 WORDS = ("view", "color", "arrows", "follow", "close_up", "cut")
 FIELDS = ("title", "at", "show", "magnify", *WORDS)
-# of the film [pixels], its height as the scene asks; nobody waits for a cinema's size in a page
+# of the film [pixels], its height as the scene asks; a page needs no full size
 SIZE = (720, 0)
 # the run in 3-D is left out where even two states would take this much [numbers]
 MOST_POINTS = 1_000_000
 
 
-def views(result: Result, described: Any, choice: str = "all") -> str:
+def views(result: Result, described: object, choice: str = "all") -> str:
     """The HTML of all pictures, "" for a run without states; raises PostError."""
     if choice == "none" or not any((result.folder / "states").glob("[0-9]*.h5")):
         return ""
@@ -45,7 +46,7 @@ def views(result: Result, described: Any, choice: str = "all") -> str:
     return "".join(parts)
 
 
-def scenes_of(described: Any) -> list[dict[str, Any]]:
+def scenes_of(described: Any) -> list[Json]:
     """The scenes of a result's `report` attribute; raises PostError for what is none."""
     entries = (described or {}).get("scenes") or []
     if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
@@ -64,11 +65,11 @@ def scenes_of(described: Any) -> list[dict[str, Any]]:
     return entries
 
 
-def default_scene(result: Result, states: States) -> dict[str, Any]:
+def default_scene(result: Result, states: States) -> Json:
     """Four moments of the run, one of them that of the largest contact force."""
     first, last = float(states.times[0]), float(states.times[-1])
     at: list[Any] = [first + k / 3 * (last - first) for k in range(4)]
-    found: dict[str, Any] = {"title": "The run", "at": at}
+    found: Json = {"title": "The run", "at": at}
     if "contacts" in states.blocks:
         found["arrows"] = "rcforc"
         strongest = _strongest(result)
@@ -105,9 +106,7 @@ def _in_order(result: Result, states: States, at: Sequence[Any]) -> list[Any]:
     return [numbers[number] for number in sorted(numbers)]
 
 
-def _tasks(
-    result: Result, folder: Path, scenes: Sequence[dict[str, Any]], *, with_film: bool
-) -> list[Any]:
+def _tasks(result: Result, folder: Path, scenes: Sequence[Json], *, with_film: bool) -> list[Any]:
     from crashpost.renders.film_file import can_write_mp4
     from crashpost.renders.tasks import film_task, strip_task
 
@@ -123,7 +122,7 @@ def _tasks(
     return tasks
 
 
-def look(scene: dict[str, Any]) -> dict[str, Any]:
+def look(scene: Json) -> Json:
     """What of a scene is a matter of the camera and of colours."""
     words = {name: scene[name] for name in WORDS if scene.get(name)}
     if scene.get("magnify", 1.0) != 1.0:
@@ -155,7 +154,7 @@ def _embedded(path: Path, title: str) -> str:
     return f'<img class="sight" alt="{words}" src="data:image/{kind};base64,{data}">'
 
 
-def _rotated(result: Result, states: States, scene: dict[str, Any]) -> str:
+def _rotated(result: Result, states: States, scene: Json) -> str:
     """The run in 3-D, which a browser loads when it is unfolded; nothing without k3d."""
     from importlib.util import find_spec
 

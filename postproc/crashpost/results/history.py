@@ -1,7 +1,8 @@
 """The files of a results folder: histories by channel name, status, log and deck.
 
 Rows whose time is not a number are reserved by the writer and do not exist yet (FILE_FORMAT.md),
-so that a result can be read while its run goes on. Views of it (answers, tables, meshes) are made
+so that a result can be read during its run. Views of it (answers, tables, meshes) are made
+from crashpost.results.status import Json
 from a History and not by it; `result.py` joins both for scripts.
 """
 
@@ -19,7 +20,7 @@ import numpy as np
 
 from crashpost.errors import PostError, unknown
 from crashpost.results.extremes import Extremes, Slab, extremes, rows_of_a_slab
-from crashpost.results.status import read_status
+from crashpost.results.status import Json, read_status
 from crashpost.results.text import plain_text, printable
 from crashsolve.channels.expression import evaluate
 from crashsolve.channels.series import Series
@@ -150,7 +151,7 @@ class History:
         return True
 
     @cached_property
-    def status(self) -> dict[str, Any]:
+    def status(self) -> Json:
         """What status.json says, see `read_status`."""
         return read_status(self.folder / "status.json")
 

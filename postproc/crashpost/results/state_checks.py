@@ -120,7 +120,7 @@ def sections_of(entries: Any) -> list[np.ndarray]:
     return found
 
 
-def vertical_of(entry: Any) -> np.ndarray:
+def vertical_of(entry: object) -> np.ndarray:
     """The direction upwards."""
     up = np.array(entry, float)
     if up.shape != (3,) or not np.isfinite(up).all() or not np.any(up):

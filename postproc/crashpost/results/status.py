@@ -13,12 +13,15 @@ from typing import Any
 
 from crashpost.results.text import plain_text
 
+# a table of a JSON file
+Json = dict[str, Any]
+
 UNKNOWN = {"state": "unknown"}
 # the largest number of a process
 MOST_PID = 2**31 - 1
 
 
-def read_status(path: Path) -> dict[str, Any]:
+def read_status(path: Path) -> Json:
     """The entries of status.json; state "unknown" without one, "killed" for a run that vanished."""
     try:
         found = json.loads(plain_text(path) or "")
@@ -33,7 +36,7 @@ def read_status(path: Path) -> dict[str, Any]:
     return status
 
 
-def unfinished(status: dict[str, Any]) -> str:
+def unfinished(status: Json) -> str:
     """What is said beside numbers and pictures of a run that did not end; "" of one that did."""
     state = status["state"]
     if state in ("finished", "unknown"):

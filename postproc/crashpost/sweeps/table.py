@@ -21,7 +21,7 @@ from typing import Any
 from crashpost.errors import PostError
 from crashpost.results.answer import answer
 from crashpost.results.result import Result
-from crashpost.results.status import read_status
+from crashpost.results.status import Json, read_status
 from crashpost.results.text import plain_text
 from crashpost.values.accuracy import error_of
 from crashsolve.channels.display import factor
@@ -52,7 +52,7 @@ class Measure:
     """What is asked of every run; a unit that the plan does not name is known from an answer."""
 
     name: str
-    question: dict[str, Any]
+    question: Json
     unit: str = ""
 
     @property
@@ -114,7 +114,7 @@ def read(folder: Path) -> Sweep:
         raise PostError(f"{path}: not as FILE_FORMAT.md has it ({error!r})") from error
 
 
-def _row(sweep: Path, entry: dict[str, Any], axes: list[Axis], measures: list[Measure]) -> Row:
+def _row(sweep: Path, entry: Json, axes: list[Axis], measures: list[Measure]) -> Row:
     folder = sweep / str(entry["folder"])
     texts = [str(entry["values"][axis.name]) for axis in axes]
     values = [_number(t) if a.is_of_numbers else t for t, a in zip(texts, axes, strict=True)]
@@ -191,7 +191,7 @@ def _text_mark(text: str, is_auto: bool) -> str:
     return is_auto * AUTO + hashlib.sha256(kept.encode()).hexdigest()[:16]
 
 
-def _table(path: Path) -> dict[str, Any]:
+def _table(path: Path) -> Json:
     """The table in a JSON file; empty without one."""
     try:
         found = json.loads(plain_text(path) or "")
@@ -234,7 +234,7 @@ def write(sweep: Sweep) -> list[Path]:
         raise PostError(f"{path}: {error.strerror}") from error
 
 
-def _cell(value: Any) -> str:
+def _cell(value: object) -> str:
     if isinstance(value, float):
         return repr(value) if isfinite(value) else ""
     return str(value)

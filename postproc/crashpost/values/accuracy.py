@@ -1,9 +1,9 @@
 """Estimated errors, steps and cost that a run has left in status.json."""
 
 from collections.abc import Callable
-from typing import Any
 
 from crashpost.results.result import Result
+from crashpost.results.status import Json
 from crashpost.results.table import number, text_table
 from crashsolve.channels.series import Window
 
@@ -19,7 +19,7 @@ COSTS = (
 )
 
 
-def watched(result: Result) -> list[dict[str, Any]]:
+def watched(result: Result) -> list[Json]:
     """The entries of the watched channels; none of a run that estimated nothing."""
     entries = result.status.get("watched")
     return [e for e in entries if isinstance(e, dict)] if isinstance(entries, list) else []
@@ -74,7 +74,7 @@ def cost_rows(result: Result) -> list[list[str]]:
     return [row for row in rows if row[1]]
 
 
-def _row(entry: dict[str, Any], shown: Callable[[str], tuple[str, float]]) -> list[str]:
+def _row(entry: Json, shown: Callable[[str], tuple[str, float]]) -> list[str]:
     error, relative = entry.get("error"), _relative(entry)
     name = f"{entry.get('channel')} {entry.get('statistic')}"
     if entry.get("during"):
@@ -91,13 +91,13 @@ def _row(entry: dict[str, Any], shown: Callable[[str], tuple[str, float]]) -> li
     ]
 
 
-def _relative(entry: dict[str, Any]) -> float | None:
+def _relative(entry: Json) -> float | None:
     """Error over scale."""
     error, scale = entry.get("error"), entry.get("scale")
     return None if error is None or not scale else float(error) / float(scale)
 
 
-def _reported(value: Any, unit: str) -> str:
+def _reported(value: object, unit: str) -> str:
     """A number with its unit, empty for what the run did not say."""
     if not isinstance(value, int | float):
         return ""

@@ -7,10 +7,10 @@ Value and tolerance are judged and shown in the unit of what was found.
 """
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 from crashpost.errors import PostError
 from crashpost.results.result import Result
+from crashpost.results.status import Json
 from crashpost.results.table import number, text_table
 from crashpost.values.accuracy import error_of
 from crashsolve.channels.display import factor
@@ -111,7 +111,7 @@ def verdict_table(verdicts: list[Verdict]) -> str:
     return "\n".join([table, *problems])
 
 
-def _read(entry: dict[str, Any]) -> Expectation:
+def _read(entry: Json) -> Expectation:
     given = {name: part for name, part in entry.items() if part is not None}
     known = {name: given[name] for name in Expectation.__annotations__ if name in given}
     known["value"], known["tolerance"] = (float(known["value"]), float(known["tolerance"]))

@@ -26,6 +26,7 @@ from typing import Any
 import numpy as np
 
 from crashpost.errors import PostError, unknown
+from crashpost.results.status import Json
 from crashsolve.channels.display import readable
 from crashsolve.channels.series import Series
 from crashsolve.channels.statistic import is_a_time
@@ -91,14 +92,14 @@ class Figure:
     note: str = ""
 
 
-def figures_of(report: Any) -> list[Figure]:
+def figures_of(report: object) -> list[Figure]:
     """The figures of a result's `report` attribute; raises PostError naming the wrong one."""
     if not isinstance(report, dict) or not isinstance(report.get("figures"), list):
         raise PostError("the report attribute must be {figures: [...]}")
     return [_figure(entry, f"figure {n}") for n, entry in enumerate(report["figures"], start=1)]
 
 
-def _figure(entry: Any, location: str) -> Figure:
+def _figure(entry: object, location: str) -> Figure:
     known = _fields(Figure, entry, location)
     location = f"{location} '{known['title']}'"
     if not isinstance(known["y"], list) or not known["y"]:
@@ -113,13 +114,13 @@ def _figure(entry: Any, location: str) -> Figure:
     return Figure(**known)
 
 
-def _curve(entry: Any, location: str) -> Curve:
+def _curve(entry: object, location: str) -> Curve:
     return Curve(
         **_fields(Curve, {"channel": entry} if isinstance(entry, str) else entry, location)
     )
 
 
-def _reference(entry: Any, location: str) -> Reference:
+def _reference(entry: object, location: str) -> Reference:
     if isinstance(entry, dict):
         # `from` is a word of the deck but no name in Python
         entry = {"from_" if key == "from" else key: value for key, value in entry.items()}
@@ -151,7 +152,7 @@ def _reference(entry: Any, location: str) -> Reference:
     return reference
 
 
-def _fields(record: type, entry: Any, location: str) -> dict[str, Any]:
+def _fields(record: type, entry: object, location: str) -> Json:
     """The entry's fields, none unknown, none required missing, lists of numbers as tuples."""
     if not isinstance(entry, dict):
         raise PostError(f"{location}: expected fields, found '{entry}'")

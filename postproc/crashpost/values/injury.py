@@ -15,12 +15,12 @@ as they are, and the measure says so.
 
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
 
 from crashpost.errors import PostError
 from crashpost.results.answer import answer
 from crashpost.results.choice import plain
 from crashpost.results.result import Result
+from crashpost.results.status import Json
 from crashpost.results.table import number
 from crashpost.values.figure import Curve, Figure, Reference
 from crashpost.values.pulse import pulse_rows
@@ -85,7 +85,7 @@ def measures(result: Result) -> list[list[str]]:
 
 
 def injury_figures(result: Result) -> list[Figure]:
-    """The acceleration of every place, with the window of HIC of 15 ms of heads, 3 ms clip."""
+    """The acceleration of every sensor, with the window of HIC of 15 ms of heads, 3 ms clip."""
     figures = []
     for position in positions(result):
         peak = result.value(position.channel, "max", unit="g0")
@@ -181,13 +181,13 @@ def _position(result: Result, sensor: str, role: str, *, has_gravity: bool) -> P
     return Place(name, role, filtered, sensor, has_gravity=has_gravity)
 
 
-def sensors(result: Result) -> dict[str, dict[str, Any]]:
+def sensors(result: Result) -> dict[str, Json]:
     """The cards of accelerometers, as the stored deck states."""
     cards = sensor_cards(result)
     return {name: card for name, card in cards.items() if card.get("type") == "accelerometer"}
 
 
-def sensor_cards(result: Result, section: str = "sensors") -> dict[str, dict[str, Any]]:
+def sensor_cards(result: Result, section: str = "sensors") -> dict[str, Json]:
     """Cards of a section of the stored deck, sensors or others; none where it cannot be read."""
     import yaml
 

@@ -21,13 +21,14 @@ Measures for which a deck has no sensor are named.
 """
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from crashpost.errors import PostError
 from crashpost.results.choice import plain
 from crashpost.results.result import Result
+from crashpost.results.status import Json
 from crashpost.results.table import number
 from crashpost.values.injury import sensor_cards
 from crashpost.values.words import capital
@@ -61,7 +62,7 @@ class Filtered(NamedTuple):
 def rows(result: Result) -> list[Row]:
     """A row for each measure: name, measure, value, limit, verdict, when; and what is missing."""
     cards = sensor_cards(result)
-    measures: dict[str, Callable[[Result, str, dict[str, Any]], list[Row]]] = {
+    measures: dict[str, Callable[[Result, str, Json], list[Row]]] = {
         "neck": _neck,
         "chest_deflection": _chest,
         "femur_left": _femur,
@@ -97,7 +98,7 @@ def bric(spins: list[np.ndarray]) -> float:
     return float(np.sqrt(np.sum(np.square(parts))))
 
 
-def _neck(result: Result, name: str, card: dict[str, Any]) -> list[Row]:
+def _neck(result: Result, name: str, card: Json) -> list[Row]:
     force = _history(result, f"-{plain(f'secforc.{name}.force.z')}", 600)
     parts = [f"secforc.{name}.moment.y", *_moments(result, card.get("joint"))]
     moment = _history(result, "-(" + " + ".join(plain(p) for p in parts) + ")", 600)
@@ -114,7 +115,7 @@ def _neck(result: Result, name: str, card: dict[str, Any]) -> list[Row]:
     ]
 
 
-def _moments(result: Result, joint: Any) -> list[str]:
+def _moments(result: Result, joint: object) -> list[str]:
     """Channels of the moments of all springs within a joint, on its second body."""
     springs = {
         name
@@ -128,7 +129,7 @@ def _moments(result: Result, joint: Any) -> list[str]:
     ]
 
 
-def _chest(result: Result, name: str, card: dict[str, Any]) -> list[Row]:
+def _chest(result: Result, name: str, card: Json) -> list[Row]:
     deflection = _history(result, f"-{plain(f'disbout.{name}.change')}", 180)
     load = viscous(result.time, deflection.values)
     message, at = deflection.plain_because, int(deflection.values.argmax())
@@ -139,7 +140,7 @@ def _chest(result: Result, name: str, card: dict[str, Any]) -> list[Row]:
     ]
 
 
-def _femur(result: Result, name: str, card: dict[str, Any]) -> list[Row]:
+def _femur(result: Result, name: str, card: Json) -> list[Row]:
     force = _history(result, f"-{plain(f'secforc.{name}.force.z')}", 600)
     message, at = force.plain_because, int(force.values.argmax())
     held = 1e-3 * _exceeded_for(result.time, force.values, 10e-3)
@@ -150,7 +151,7 @@ def _femur(result: Result, name: str, card: dict[str, Any]) -> list[Row]:
     ]
 
 
-def _brain(result: Result, name: str, card: dict[str, Any]) -> list[Row]:
+def _brain(result: Result, name: str, card: Json) -> list[Row]:
     spins = [_history(result, plain(f"nodout.{name}.angular_velocity.{a}"), 60) for a in "xyz"]
     message = next((w.plain_because for w in spins if w.plain_because), "")
     return [_row(name, "BrIC", bric([w.values for w in spins]), "", message)]
@@ -195,7 +196,7 @@ def _title(name: str) -> str:
     return capital(name.replace("_", " "))
 
 
-def _missing(cards: dict[str, dict[str, Any]]) -> list[Row]:
+def _missing(cards: dict[str, Json]) -> list[Row]:
     """Which measures of an occupant the sensors of the deck do not serve."""
     roles = {card.get("role") for card in cards.values()}
     if not roles & set(OF_OCCUPANTS):

@@ -9,20 +9,20 @@ The statistic `path` asks for the whole history and is answered by {time, value,
 
 import json
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from crashpost.errors import PostError
 from crashpost.results.answer import answer
 from crashpost.results.result import Result
+from crashpost.results.status import Json
 from crashsolve.channels.display import factor
 from crashsolve.channels.series import covered
 
 PATH = "path"
 
 
-def answers(result: Result, questions: Path) -> list[dict[str, Any]]:
+def answers(result: Result, questions: Path) -> list[Json]:
     """The answers to the questions in a file; raises PostError when the file is none."""
     try:
         asked = json.loads(questions.read_text(encoding="utf-8"))
@@ -33,7 +33,7 @@ def answers(result: Result, questions: Path) -> list[dict[str, Any]]:
     return [_answer(result, entry) for entry in asked]
 
 
-def _unit(asked: dict[str, Any]) -> str:
+def _unit(asked: Json) -> str:
     """The unit that is asked for; "" for that of the channel. Raises PostError."""
     unit = asked.get("unit") or ""
     if not isinstance(unit, str):
@@ -41,7 +41,7 @@ def _unit(asked: dict[str, Any]) -> str:
     return unit
 
 
-def _answer(result: Result, asked: dict[str, Any]) -> dict[str, Any]:
+def _answer(result: Result, asked: Json) -> Json:
     try:
         channel, word = str(asked["channel"]), str(asked["statistic"])
         during = (

@@ -55,7 +55,7 @@ def settle(p, old, new, out, t, curves):
                 new.passes = k + 1
                 break
         if largest <= SETTLED * p.total:
-            # a matter of round-off, which nobody need be warned of
+            # a matter of round-off, which needs no warning
             new.passes = min(new.passes, PASSES - 1)
     for j in range(p.segments + 1):
         new.slip[j] = old.slip[j] + new.flow[j]

@@ -21,7 +21,7 @@ from crashsolve.belts._wrap import (
     over_sphere,
     passing,
 )
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, SurfaceName, Vec3, quantity, word
 from crashsolve.foundation.columns import matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
@@ -142,9 +142,9 @@ def check_route(route: tuple[Fitting, ...]) -> None:
             )
 
 
-def route_columns(route: tuple[Fitting, ...], scene: Scene) -> dict[str, Any]:
+def route_columns(route: tuple[Fitting, ...], scene: Scene) -> Columns:
     """Columns of ROUTE but for what depends on lengths."""
-    columns: dict[str, Any] = {c.name: np.zeros((MOST, max(c.size // MOST, 1))) for c in TABLES}
+    columns: Columns = {c.name: np.zeros((MOST, max(c.size // MOST, 1))) for c in TABLES}
     for i, fitting in enumerate(route):
         if fitting.wrap is not None:
             _place_surface(columns, i, fitting.wrap, scene)
@@ -165,7 +165,7 @@ def route_columns(route: tuple[Fitting, ...], scene: Scene) -> dict[str, Any]:
 TABLES = [c for c in ROUTE.columns if c.name not in ("segments", "shortest")]
 
 
-def _place_surface(columns: dict[str, Any], i: int, wrap: Wrap, scene: Scene) -> None:
+def _place_surface(columns: Columns, i: int, wrap: Wrap, scene: Scene) -> None:
     """Writes: row i of columns."""
     module, card = scene.law("surfaces", wrap.surface)
     shape, field = module.__name__.rpartition(".")[2], f"route.{i}.wrap.surface"
@@ -183,9 +183,7 @@ def _place_surface(columns: dict[str, Any], i: int, wrap: Wrap, scene: Scene) ->
         raise scene.fail(message, f"{field}")
 
 
-def _turn_about_cylinders(
-    columns: dict[str, Any], route: tuple[Fitting, ...], scene: Scene
-) -> None:
+def _turn_about_cylinders(columns: Columns, route: tuple[Fitting, ...], scene: Scene) -> None:
     """Writes: sense and turned of columns."""
     for i in np.flatnonzero(columns["surface"].ravel() == CYLINDER):
         node, wrap = int(columns["node"][i, 0]), route[i].wrap

@@ -10,11 +10,11 @@ work of spring and pretensioner where it goes in.
 """
 
 from math import sqrt
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from pydantic import model_validator
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, CurveName, Vec3, quantity, word
 from crashsolve.foundation.curve import curve_value
 from crashsolve.foundation.kernels import kernel
@@ -84,14 +84,14 @@ WOUND = Record("""
     mode      flag     NONE, FREE, PULLING or LOCKED in the step
     wound_in  m        s
     paid_out  m        w, since it is locked
-    took      J        what the spool has taken up
+    took      J        energy taken by the spool
     speed     m/s   3  of its body
     moved_on  flag     whether the speed is one of a step
     emptied   flag     it has run out of webbing
 """)
 
 
-def spool_columns(card: Retractor | None, scene: Scene) -> dict[str, Any]:
+def spool_columns(card: Retractor | None, scene: Scene) -> Columns:
     """Columns of SPOOL; of none for a belt between anchors."""
     never = float("inf")
     own = card or Retractor(lock_time=0.0)

@@ -10,12 +10,12 @@ energy is L T^2 / 2k. With constant k the losses of a step between T_0 and T_1 a
 of what flows, summed over segments; with these the energy closes to round-off, whatever the step.
 """
 
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from pydantic import model_validator
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, CurveName, quantity, word
 from crashsolve.foundation.curve import HOLD, curve_value
 from crashsolve.foundation.kernels import kernel
@@ -50,7 +50,7 @@ WEBBING = Record("""
 """)
 
 
-def webbing_columns(card: Webbing, scene: Scene) -> dict[str, Any]:
+def webbing_columns(card: Webbing, scene: Scene) -> Columns:
     """Columns of WEBBING."""
     if card.curve is None:
         return {"k": card.stiffness, "curve": 0, "steepest": card.stiffness}
@@ -70,7 +70,7 @@ def webbing_columns(card: Webbing, scene: Scene) -> dict[str, Any]:
     return {"k": k, "curve": curve, "steepest": k}
 
 
-def force_at(columns: dict[str, Any], strain: float, scene: Scene) -> float:
+def force_at(columns: Columns, strain: float, scene: Scene) -> float:
     """Force of new webbing at a strain [N]."""
     if strain <= 0.0:
         return 0.0

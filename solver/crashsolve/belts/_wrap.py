@@ -6,16 +6,16 @@
                leaves towards the other point; unknowns are P on its silhouette and the arc
 
 The belt leaves where its tangent meets the points. All is in axes of the shape. `bend` is the
-integral of the curvature along the arc, which takes the place of the angle beta of a ring.
+integral of the curvature along the arc, which replaces the angle beta of a ring.
 Consequence to test: length and directions are continuous as the belt leaves, and the length is
 that of an independent search for the shortest line.
 """
 
 from math import acos, atan2, cos, pi, sin, sqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.vec3 import ZERO, add, add_scaled, cross, dot, norm, scale, sub
+from crashsolve.foundation.vec3 import ZERO, Vector, add, add_scaled, cross, dot, norm, scale, sub
 
 SPHERE, CYLINDER, ELLIPSOID = 1, 2, 3
 SHAPES = {"sphere": SPHERE, "cylinder": CYLINDER, "ellipsoid": ELLIPSOID}
@@ -30,14 +30,14 @@ class Arc(NamedTuple):
     """Where a belt lies on a body."""
 
     # 1, or 0 where it passes by; -1 where a point is within the shape, -2 where no geodesic is left
-    touches: Any
-    first: Any  # points where it comes to the body, and leaves
-    last: Any
-    middle: Any  # of the arc, or the nearest point of the belt
-    along: Any  # its direction there
-    length: Any  # of the arc [m]
-    bend: Any  # integral of the curvature [rad]
-    turned: Any  # angle of a cylinder that is wrapped, below 0 where it passes by [rad]
+    touches: int
+    first: Vector  # points where it comes to the body, and leaves
+    last: Vector
+    middle: Vector  # of the arc, or the nearest point of the belt
+    along: Vector  # its direction there
+    length: float  # of the arc [m]
+    bend: float  # integral of the curvature [rad]
+    turned: float  # angle of a cylinder that is wrapped, below 0 where it passes by [rad]
 
 
 @kernel

@@ -7,7 +7,9 @@ a ring has the ratio of forces exp(mu beta), whatever the step, and a ring at wh
 straight changes nothing.
 """
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pydantic import model_validator
@@ -30,12 +32,15 @@ from crashsolve.belts._route import (
 )
 from crashsolve.belts._spool import SPOOL, WOUND, spool_columns, wind
 from crashsolve.belts._webbing import WEBBING, Webbing, force_at, refuse_torn, webbing_columns
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, quantity, word
 from crashsolve.foundation.curve import REFUSE
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.rows import as_rows
+
+if TYPE_CHECKING:
+    from crashsolve.belts._rows.belt import History, Output, Parameters
 
 STEPWISE = True
 WARNINGS = {
@@ -65,7 +70,7 @@ class Belt(Card):
     )
 
     @model_validator(mode="after")
-    def _consistent(self) -> "Belt":
+    def _consistent(self) -> Belt:
         check_route(self.route)
         return self
 
@@ -112,7 +117,7 @@ OUTPUT = Record(f"""
     angle       rad  {MOST}  by which the belt turns at each fitting
     friction    J        lost at rings so far
     hysteresis  J        lost in webbing so far
-    retractor   J        taken up by the retractor so far; below 0: work that it has done
+    retractor   J        energy taken by the retractor so far; negative where it has done work
     pay_out     m        webbing that has left the retractor
     locked      count    1 once the retractor is locked
 """)
@@ -123,7 +128,7 @@ PLACED = Record("""
 """)
 
 
-def build(card: Belt, scene: Scene) -> dict[str, Any]:
+def build(card: Belt, scene: Scene) -> Columns:
     columns = route_columns(card.route, scene) | webbing_columns(card.webbing, scene)
     columns |= spool_columns(card.route[0].retractor, scene)
     laid, lengths = laid_at_start(columns, scene)
@@ -147,7 +152,7 @@ def build(card: Belt, scene: Scene) -> dict[str, Any]:
     return columns | {"start": start, "total": total, "first": first, "shortest": shortest}
 
 
-def laid_at_start(columns: dict[str, Any], scene: Scene) -> tuple[Any, np.ndarray]:
+def laid_at_start(columns: Columns, scene: Scene) -> tuple[Any, np.ndarray]:
     """Columns LAID and lengths of the segments at the start [m]."""
     p, new, old = (as_rows(np.zeros(1, r.dtype))[0] for r in (ROUTE, LAID, LAID))
     out, nodes = (
@@ -163,7 +168,7 @@ def laid_at_start(columns: dict[str, Any], scene: Scene) -> tuple[Any, np.ndarra
     return new, np.array(out["length"][: columns["segments"]])
 
 
-def initial_history(card: Belt, p: Any, scene: Scene) -> dict[str, Any]:
+def initial_history(card: Belt, p: np.void, scene: Scene) -> Columns:
     laid, lengths = laid_at_start(ROUTE.taken_from(p), scene)
     used, n = np.arange(SEGMENTS) < p["segments"], len(lengths)
     residual, straight = np.zeros(SEGMENTS), np.zeros(SEGMENTS)
@@ -172,7 +177,7 @@ def initial_history(card: Belt, p: Any, scene: Scene) -> dict[str, Any]:
         # what is pretensioned has reached its curve
         L = p["start"][:n]
         residual[:n] = np.maximum(lengths - L - L * p["first"] / p["k"], 0.0)
-    own: dict[str, Any] = {
+    own: Columns = {
         "straight": straight,
         "webbing": p["start"],
         "residual": residual,
@@ -182,7 +187,7 @@ def initial_history(card: Belt, p: Any, scene: Scene) -> dict[str, Any]:
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     clear(p, old, new, out)
     lay(p, old, new, out, nodes)
@@ -195,7 +200,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def clear(p, old, new, out):
+def clear(p: Parameters, old: History, new: History, out: Output):
     """Columns of fittings and segments that there are not. Writes: new, out."""
     for i in range(p.segments, SEGMENTS):
         new.webbing[i] = new.residual[i] = new.tension[i] = new.straight[i] = 0.0
@@ -217,7 +222,7 @@ def clear(p, old, new, out):
 
 
 @kernel
-def account(p, old, new, out, h):
+def account(p: Parameters, old: History, new: History, out: Output, h):
     """What is stored and lost, and what is shown. Writes: new, out."""
     out.stored = out.power = friction = drawn = slack = 0.0
     for i in range(p.segments):

@@ -5,12 +5,12 @@
 Consequence to test: the inertia of a solid sphere is 2/5 m r^2 about any axis.
 """
 
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from pydantic import model_validator
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, Rotation, SectionName, Vec3, quantity, word
 from crashsolve.foundation.orientation import matrix
 from crashsolve.foundation.record import Record
@@ -100,7 +100,7 @@ class Rigid(Card):
 PARAMETERS = HISTORY = OUTPUT = Record()
 
 
-def build(card: Rigid, scene: Scene) -> dict[str, Any]:
+def build(card: Rigid, scene: Scene) -> Columns:
     mass, inertia = _mass_and_inertia(card, scene)
     quaternion = card.rotation.quaternion()
     spin = np.asarray(card.angular_velocity)

@@ -1,6 +1,7 @@
-"""The folder of compiled code, which nobody else can write, and the files in it, each sealed.
+"""The folder of compiled code, which no other user can write, and the files in it, each with a
+checksum.
 
-What lies here is executed. So every folder on the way to it must belong to this user or to root,
+The files here are executed. So every folder on the path to it must belong to this user or to root,
 and others must not be able to write it, unless it is sticky as /tmp is. A file counts only with the
 checksum of its name and content: a damaged one is as good as absent, and made anew. The folder is
 named after a hash of every source file of the package and of the version of llvmlite, so that no
@@ -25,7 +26,7 @@ from crashsolve.foundation.errors import CrashsolveError, ExitCode
 
 CHOSEN = "CRASHSOLVE_CACHE"
 PACKAGE = Path(__file__).resolve().parent.parent
-# what was reported on the way to the folder, for the log
+# messages about the folder, for the log
 notes: list[str] = []
 
 
@@ -52,7 +53,7 @@ def cache_folder() -> Path:
 def find_folder(name: str) -> Path:
     """A folder of this name that only this user can write: `CRASHSOLVE_CACHE`, home or temporary.
 
-    Raises: CacheError where others can write to `CRASHSOLVE_CACHE`, or nobody can.
+    Raises: CacheError where others can write to `CRASHSOLVE_CACHE`, or this user cannot.
     """
     given = os.environ.get(CHOSEN)
     home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
@@ -126,7 +127,7 @@ def _others_write(info: os.stat_result) -> bool:
 
 
 def _is_own_group(number: int) -> bool:
-    """Whether a group is the one that many systems make for every user, with nobody else in it."""
+    """Whether a group is the one that many systems make for every user, without other members."""
     try:
         user, group = pwd.getpwuid(os.geteuid()), grp.getgrgid(number)
     except KeyError:
@@ -209,7 +210,7 @@ def read_own(path: Path) -> bytes | None:
 
 @contextmanager
 def locked(path: Path) -> Iterator[int | None]:
-    """Hold what nobody else holds for this file, waiting for it; None where nothing can be locked.
+    """Hold the exclusive lock of this file, waiting for it; None where files cannot be locked.
 
     The system takes it back from a process that has died. Raises: CacheError.
     """

@@ -10,7 +10,6 @@ import hashlib
 import pickle
 import sys
 from pathlib import Path
-from typing import Any
 
 import llvmlite
 import llvmlite.binding as llvm
@@ -27,7 +26,7 @@ from crashsolve.compiler.translation.module import Module, TranslationError
 from crashsolve.foundation.errors import ExitCode
 
 
-def optimise(module: Any, target: Any, vectors: bool) -> None:
+def optimise(module: llvm.ModuleRef, target: llvm.TargetMachine, vectors: bool) -> None:
     """Optimise all functions of a module together."""
     if vectors:
         # loops over lanes are not unrolled before they are vectorised, those over components are

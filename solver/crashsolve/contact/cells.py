@@ -7,7 +7,9 @@ comparing all with all.
 """
 
 from math import floor, sqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
+
+import numpy as np
 
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.point import LANES
@@ -99,9 +101,10 @@ def sort(p, width, cells, starts, sorted_faces):
 class Near(NamedTuple):
     """Tables by which the faces near each probe are known."""
 
-    grid: Any  # cells, starts of buckets, faces sorted by them
-    lists: Any  # first of each probe, faces near, way until each is due, that of the probe
-    spared: Any  # first of each probe, faces that it never meets
+    grid: tuple[np.ndarray, ...]  # cells, starts of buckets, faces sorted by them
+    # first of each probe, faces near, displacement until each is due, that of the probe
+    lists: tuple[np.ndarray, ...]
+    spared: tuple[np.ndarray, ...]  # first of each probe, faces that it never meets
 
 
 @kernel

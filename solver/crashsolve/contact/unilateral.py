@@ -5,7 +5,7 @@
 
 P is the impulse on the node over half a step, v its velocity over b at the end of it: a node that
 arrives loses its normal velocity at once (Eq. 23), then its normal acceleration (Eq. 24), and
-leaves when the reaction would pull (Eq. 25; the chapter prints its sign the other way round). Each
+leaves when the reaction would pull (Eq. 25; the chapter prints the opposite sign). Each
 capture loses m v_n^2 / 2 of the node. Consequence to test: that of a bar's first node is 1 / (2 N)
 of the energy for N elements; the impulse of a bar end on is that of the force laws as N grows. A
 rigid body would lose all its energy, and its joints would be torn: it is refused.
@@ -14,13 +14,18 @@ References: Ambrosio (2003), Eq. 23-25; Moreau (1988), in Nonsmooth Mechanics an
 302, 1-82; Jean (1999), Computer Methods in Applied Mechanics and Engineering 177, 235-257.
 """
 
-from typing import Any
+from __future__ import annotations
 
-from crashsolve.deck.building import Scene
+from typing import TYPE_CHECKING
+
+from crashsolve.deck.building import Columns, Pair, Scene
 from crashsolve.deck.card import Card, SurfaceName, quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add_scaled, dot, norm, scale
+
+if TYPE_CHECKING:
+    from crashsolve.contact._rows.unilateral import Parameters
 
 STEPWISE = True
 INSTEAD = "a law of force does: normal: {type: lankarani_nikravesh, stiffness: ..., ...}"
@@ -51,7 +56,7 @@ HISTORY = Record("""
 """)
 
 
-def build(card: Unilateral, scene: Scene, pair: Any) -> dict[str, Any]:
+def build(card: Unilateral, scene: Scene, pair: Pair) -> Columns:
     return {"friction_coefficient": card.friction_coefficient}
 
 
@@ -73,7 +78,7 @@ def check(card: Unilateral, scene: Scene, nodes_a: set[int], nodes_b: set[int]) 
 
 
 @kernel
-def unilateral_impulse(p, P, u, n, lift, mobility, mobility_along):
+def unilateral_impulse(p: Parameters, P, u, n, lift, mobility, mobility_along):
     """Impulse on side a, from P at velocity u over b, that leaves no v_n below `lift` [N s].
 
     The mobilities [1/kg] are those along n and along the slip.

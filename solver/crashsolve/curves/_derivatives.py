@@ -1,4 +1,4 @@
-"""Formulas over many places at once, each with its first derivative.
+"""Formulas at many points at once, each with its first derivative.
 
     (u v)' = u' v + u v',   (u^p)' = u^p (p' log u + p u'/u),   f(u)' = f'(u) u'
 

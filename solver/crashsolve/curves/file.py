@@ -33,7 +33,7 @@ class File(PointsCard):
 
     @model_validator(mode="before")
     @classmethod
-    def _units_by_use(cls, given: Any, info: ValidationInfo) -> Any:
+    def _units_by_use(cls, given: object, info: ValidationInfo) -> Any:
         """Units that are not given are those of the deck's file, where the use states which."""
         if not isinstance(given, Mapping):
             return given

@@ -5,7 +5,7 @@
     largest of all, beside the round-off of x
 
 Breakpoints halve until that holds, kinks included. `segments` are what they begin with: every one
-is looked at in many places, so that a narrow pulse is found; a narrower one needs more of them.
+is evaluated at many points, so that a narrow pulse is found; a narrower one needs more of them.
 Consequence to test: a power, a root and a fast sine have their own values everywhere.
 References: de Boor, A Practical Guide to Splines (1978), chapter IV.
 """
@@ -30,7 +30,7 @@ from crashsolve.deck.reading.expressions import Expression, ExpressionError
 # error of the cubics over the value, or over this share of the largest value; and the largest error
 # of those that need too many
 TOLERANCE, FLOOR, LOOSEST, ROUND_OFF = 1e-9, 1e-6, 2e-4, 1e-15
-# places at which a formula is looked at, in each piece at least so many; and the most cubics
+# points at which a formula is evaluated, in each piece at least so many; and the most cubics
 LOOKS, LEAST, MOST = 65_536, 5, 450_000
 # [of the range] the shortest cubic, which holds a kink; and what is a jump, of the largest value
 SMALLEST, JUMP = 1e-13, 1e-3
@@ -51,7 +51,7 @@ class Formula(CurveCard):
 
     @model_validator(mode="before")
     @classmethod
-    def _ends_to_si(cls, given: Any, info: ValidationInfo) -> Any:
+    def _ends_to_si(cls, given: object, info: ValidationInfo) -> Any:
         if not isinstance(given, Mapping):
             return given
         context = info.context or Context()
@@ -97,7 +97,7 @@ def _sample(
     count = len(left)
     while len(left):
         inside = np.linspace(0.0, 1.0, looks + 2)[1:-1]
-        # of even places a fast sine could be a multiple
+        # a fast sine could be a multiple of equidistant points
         inside = inside + 0.3 / (looks + 1) * np.sin(17.0 * inside)
         positions = left[:, None] + (right - left)[:, None] * inside
         y = with_derivative(formula, positions.ravel()).y.reshape(positions.shape)
@@ -157,7 +157,7 @@ def _cubic(h: Array, a: Jet, b: Jet, part: Array) -> Array:
 def _refuse_jump(
     left: Array, right: Array, before: Array, after: Array, least: float, largest: float
 ) -> None:
-    """Raises ExpressionError where the formula jumps: no slope states how it goes on."""
+    """Raises ExpressionError where the formula jumps: no slope continues it."""
     jumps = (right - left <= least) & (np.abs(after - before) > JUMP * largest)
     for at in left[jumps][:1]:
         raise ExpressionError(

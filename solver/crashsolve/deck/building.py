@@ -11,7 +11,16 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
+# values by the names of columns of a record: numbers, vectors, indices of nodes
 Columns = dict[str, Any]
+
+
+class Pair(Protocol):
+    """What a normal law may ask about the contact and the two surfaces between which it acts."""
+
+    contact: str
+    radius_a: float | None  # [m]; infinite for a plane, None where the surface has none
+    radius_b: float | None
 
 
 class DeckOfScene(Protocol):
@@ -115,21 +124,21 @@ class Scene(Protocol):
     def turning(self, card: Any) -> Columns:
         """Rotation of b about `axis` of a, with sides that meet at the start."""
 
-    def joint_point(self, card: Any) -> tuple[int, int, np.ndarray]:
+    def joint_point(self, card: object) -> tuple[int, int, np.ndarray]:
         """Both nodes and the joint's point in world components."""
 
-    def joint_frame(self, card: Any) -> Columns:
+    def joint_frame(self, card: object) -> Columns:
         """Point and right-handed triad (axis, side, third) of a joint, axes of both bodies."""
 
     # parts
     def mesh(self, card: Any) -> Any:
         """The mesh of a part, refused where its elements do not hang together."""
 
-    def share(self, card: Any) -> Any:
-        """What a part has of a mesh of the deck, by the card that names it."""
+    def own_share(self) -> Any:
+        """What the part that is being built has of a mesh of the deck."""
 
-    def meshed(self, card: Any) -> Any:
-        """A part with points in place; once for every card."""
+    def meshed(self, part: str) -> Any:
+        """A part with points in place."""
 
     def has_points(self, part: str) -> bool:
         """Whether the nodes of a part are points."""

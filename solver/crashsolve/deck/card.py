@@ -83,7 +83,7 @@ def plain_name(text: str) -> str:
 NewName = Annotated[str, AfterValidator(plain_name)]
 
 
-def reference_of(annotation: Any) -> str:
+def reference_of(annotation: object) -> str:
     """Keyword of the entries that a field, or each entry of its list, refers to; "" for none."""
     marks = getattr(annotation, "metadata", getattr(annotation, "__metadata__", ()))
     for mark in marks:
@@ -119,7 +119,7 @@ def existing_file(text: str, info: ValidationInfo) -> str:
 FileName = Annotated[str, AfterValidator(existing_file)]
 
 
-def number_as_name(value: Any) -> Any:
+def number_as_name(value: object) -> Any:
     """A whole number as text: sets of mesh files may have numbers for names."""
     return str(value) if type(value) is int else value
 
@@ -158,7 +158,9 @@ class Card(BaseModel):
 
     @field_validator("*", mode="wrap")
     @classmethod
-    def _read(cls, value: Any, handler: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Any:
+    def _read(
+        cls, value: object, handler: ValidatorFunctionWrapHandler, info: ValidationInfo
+    ) -> Any:
         """Bring a value to SI, or open a nested law; then check type and bounds."""
         field = declared(cls, str(info.field_name))
         context = info.context or Context()
@@ -176,7 +178,7 @@ class Card(BaseModel):
 
     @model_validator(mode="wrap")
     @classmethod
-    def _in_plain_english(cls, value: Any, handler: ModelWrapValidatorHandler["Card"]) -> "Card":
+    def _in_plain_english(cls, value: object, handler: ModelWrapValidatorHandler["Card"]) -> "Card":
         if cls.shorthand and isinstance(value, str):
             value = {cls.shorthand: value}
         try:
@@ -194,11 +196,11 @@ def law_class(folder: str, word: object) -> type[Card]:
     return card
 
 
-def _as_tuple(value: Any) -> Any:
+def _as_tuple(value: object) -> Any:
     return tuple(_as_tuple(part) for part in value) if isinstance(value, list) else value
 
 
-def _open_law(value: Any, folder: str, context: Context) -> Any:
+def _open_law(value: object, folder: str, context: Context) -> Any:
     """Card of a nested law written `{type: word, ...}`."""
     if value is None or isinstance(value, Card):
         return value
@@ -243,7 +245,7 @@ def _unit(field: Declared, earlier: Mapping[str, Any]) -> str:
 
 
 def _to_si(
-    value: Any, field: Declared, unit: str, context: Context, at: tuple[int, ...] = ()
+    value: object, field: Declared, unit: str, context: Context, at: tuple[int, ...] = ()
 ) -> Any:
     """Numbers and texts such as "54 km/h", alone or in nested tuples, as numbers in SI."""
     if isinstance(value, tuple):
@@ -265,7 +267,7 @@ def _to_si(
 
 
 def _check_bounds(
-    result: Any, written: Any, field: Declared, unit: str, at: tuple[int, ...] = ()
+    result: object, written: object, field: Declared, unit: str, at: tuple[int, ...] = ()
 ) -> None:
     if isinstance(result, tuple) and isinstance(written, list | tuple):
         for i, (part, text) in enumerate(zip(result, written, strict=True)):

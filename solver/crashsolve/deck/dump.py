@@ -37,7 +37,7 @@ class Dumped(Protocol):
     def expect(self) -> Sequence[Card]: ...
 
 
-def as_data(value: Any) -> Any:
+def as_data(value: object) -> Any:
     """A card as plain tables, lists and values, as a deck would hold it."""
     if isinstance(value, tuple):
         return [as_data(part) for part in value]
@@ -87,7 +87,7 @@ def _lines(data: Mapping[str, Any], indent: str = "") -> Iterator[str]:
             yield f"{head} {_flow(value)}"
 
 
-def _flow(value: Any) -> str:
+def _flow(value: object) -> str:
     """A value on one line; text in quotes where YAML could take it for anything else."""
     if isinstance(value, str):
         is_plain = _PLAIN.fullmatch(value) and plain_scalar(value)[0] == value

@@ -1,14 +1,14 @@
 """Cards that stand for many: they are written out in ordinary ones before names are looked up.
 
 The module of such a type has `expand(name, card, laws, control)`: a pure function from the card,
-the sections and materials of the deck and the words of its control to other cards. These have their
-place, and the errors in them, where the card stands that they are made of; their numbers are in
-SI.
+the sections and materials of the deck and the words of its control to other cards. Positions
+and errors of these are those of the card that they are made of; their numbers are in SI.
 """
 
 from collections.abc import Callable, Mapping
 from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 from typing import Any, NamedTuple
 
 from crashsolve.deck.card import law_class
@@ -21,6 +21,8 @@ from crashsolve.deck.source import locate
 # stands for the file of cards that are made: they have no units of their own
 MADE = Path("<made>")
 Steps = tuple[str | int, ...]
+# words of a card, as decks have them
+Fields = dict[str, Any]
 
 
 class Law(NamedTuple):
@@ -28,7 +30,7 @@ class Law(NamedTuple):
 
     name: str
     type: str
-    module: Any
+    module: ModuleType
     card: Any
 
 
@@ -37,7 +39,7 @@ class Made(NamedTuple):
 
     keyword: str
     name: str
-    fields: dict[str, Any]
+    fields: Fields
     path: Steps = ()
 
 

@@ -131,7 +131,7 @@ class Family:
         return self.integrators == ANY or integrator in self.integrators
 
 
-def _is_word(value: Any) -> bool:
+def _is_word(value: object) -> bool:
     return isinstance(value, str) and value.isidentifier()
 
 
@@ -148,7 +148,7 @@ def _are_paths(values: Any) -> bool:
 
 
 @cache
-def provided(law: Any) -> tuple[str, ...]:
+def provided(law: type) -> tuple[str, ...]:
     """Functions that a law must provide, by the Protocol of its family."""
     found = [n for part in _roles(law) for n, v in vars(part).items() if callable(v)]
     return tuple(dict.fromkeys(n for n in found if not n.startswith("_")))
@@ -246,7 +246,7 @@ def _arguments(function: Any) -> tuple[str, ...]:
     return tuple(code.co_varnames[: code.co_argcount])
 
 
-def _first_line(function: Any) -> str:
+def _first_line(function: object) -> str:
     return (function.__doc__ or "").strip().partition("\n")[0].rstrip(".")
 
 

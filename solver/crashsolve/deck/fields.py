@@ -24,7 +24,7 @@ BOUNDS = {
 def quantity(
     unit: str,
     meaning: str,
-    default: Any = REQUIRED,
+    default: object = REQUIRED,
     *,
     gt: float | None = None,
     ge: float | None = None,
@@ -45,7 +45,7 @@ def quantity(
 
 def word(
     meaning: str,
-    default: Any = REQUIRED,
+    default: object = REQUIRED,
     *,
     default_factory: Callable[[], Any] | None = None,
     ge: float | None = None,
@@ -56,12 +56,12 @@ def word(
     return _noted(default, {"ge": ge, "le": le}, meaning=meaning)
 
 
-def Law(folder: str, meaning: str = "", default: Any = REQUIRED) -> Any:
+def Law(folder: str, meaning: str = "", default: object = REQUIRED) -> Any:
     """Field of a nested law, written `{type: word, ...}`; the types are the files of the folder."""
     return _noted(default, {}, law=folder, meaning=meaning)
 
 
-def _noted(default: Any, bounds: Mapping[str, float | None], **notes: str) -> Any:
+def _noted(default: object, bounds: Mapping[str, float | None], **notes: str) -> Any:
     given: Any = {name: bound for name, bound in bounds.items() if bound is not None}
     return Field(default=default, json_schema_extra={**notes, "bounds": given})
 
@@ -101,7 +101,7 @@ class Declared:
         return None
 
 
-def _members(annotation: Any) -> tuple[Any, ...]:
+def _members(annotation: object) -> tuple[Any, ...]:
     if get_origin(annotation) in (Union, UnionType):
         return get_args(annotation)
     return (annotation,)

@@ -4,7 +4,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from crashsolve.channels.units import (
     BASES,
@@ -69,7 +68,7 @@ class Context:
 def as_written(value: float) -> str:
     """A number as text, without what rounding has added to a short one: 1.8 for 1.8000000000000003.
 
-    Short is up to twelve digits, rounding a few units of the last place.
+    Short is up to twelve digits, rounding a few units of the last digit.
     """
     if not isinstance(value, float):
         return repr(value)
@@ -114,7 +113,7 @@ def _factor_of_mixed(value: SiFloat, wanted: Unit, bases: Mapping[str, Unit]) ->
 
 
 def number_in(
-    value: Any, unit: Unit | None, context: Context, within: tuple[str | int, ...]
+    value: object, unit: Unit | None, context: Context, within: tuple[str | int, ...]
 ) -> tuple[float, Unit | None]:
     """A number whose unit is reported beside it, or in its own text; in SI, with its unit.
 

@@ -7,7 +7,7 @@ law that lacks something, the contract tests and ADDING.md all read these classe
 
 from typing import Any, Protocol
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Pair, Scene
 
 
 class Built(Protocol):
@@ -20,7 +20,7 @@ class Built(Protocol):
 class Expanded(Protocol):
     """A law that is written out in other cards, when the deck is read, and not built itself."""
 
-    def expand(self, name: str, card: Any, laws: Any, control: Any) -> Any:
+    def expand(self, name: str, card: object, laws: Any, control: Any) -> Any:
         """Entries by keyword and name, as a deck has them."""
 
     def unused(self, card: Any) -> Any:
@@ -109,10 +109,10 @@ class Tangent(Protocol):
 
 
 class RotationalForce(Protocol):
-    """A law whose force turns with its bodies, reported where elements have blocks of nodes."""
+    """A law whose force rotates with its bodies, reported where elements have blocks of nodes."""
 
     def geometric_stiffness(self, p, out, nodes, slot, blocks):
-        """What turns the present force. Writes: blocks."""
+        """Stiffness from the rotation of the present force. Writes: blocks."""
 
 
 class Branches(Protocol):
@@ -125,7 +125,7 @@ class Branches(Protocol):
 class NormalLaw(Protocol):
     """A law of the normal force of contact."""
 
-    def build(self, card: Any, scene: Scene, pair: Any) -> Any:
+    def build(self, card: Any, scene: Scene, pair: Pair) -> Any:
         """Words into symbols; `pair` states the radii of both surfaces."""
 
     def normal_force(self, p, old, new, h, depth, rate, mass, curves):
@@ -150,7 +150,8 @@ class FrictionLaw(Protocol):
     def friction_force(self, p, old, new, slide, curves):
         """Force on a (3) [N], stored [J], power [W], loss [J], stiffness, damping. Writes: new.
 
-        `slide` is a Slide (system/contact/pair.py): normal force, slip, way, normal, mass, ease.
+        `slide` is a Slide (system/contact/pair.py): normal force, slip, displacement, normal, mass,
+        ease.
         """
 
     def release(self, p, old, new):
@@ -265,7 +266,7 @@ class StepLaw(
 
 
 class KeptFace(Protocol):
-    """A gap routine of shapes with faces: a touch goes on by the face that it has."""
+    """A gap routine of shapes with faces: contact continues with the face that it has."""
 
     def gap_by(self, a, b, nodes, data, n):
         """Gap along the normal n of the touch so far, and whether it still is one."""

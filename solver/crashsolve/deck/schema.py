@@ -18,7 +18,8 @@ from crashsolve.deck.fields import BOUNDS, Declared, deck_words, declared
 from crashsolve.deck.keywords import KEYWORDS, LISTS, SECTIONS, SINGLE
 from crashsolve.deck.laws import PACKAGE, package_folder, types_in
 
-_SCALARS: dict[Any, dict[str, Any]] = {
+Schema = dict[str, Any]
+_SCALARS: dict[Any, Schema] = {
     float: {"type": ["number", "string"]},
     # a whole number may be an expression
     int: {"type": ["integer", "string"]},
@@ -54,10 +55,10 @@ SWITCHES = {"off": False, "no": False, "on": True, "yes": True}
 _SET_NAME = {"type": ["string", "integer"]}
 
 
-def json_schema() -> dict[str, Any]:
+def json_schema() -> Schema:
     """JSON Schema (2020-12) of a whole deck, with all types of all families."""
     cards = _Definitions()
-    keywords: dict[str, Any] = {
+    keywords: Schema = {
         "title": {"type": "string"},
         "include": {"anyOf": [_INCLUDED, {"type": "array", "items": _INCLUDED}]},
         "parameters": {"additionalProperties": {"type": ["number", "string"]}},
@@ -83,9 +84,9 @@ class _Definitions:
     """Schemas of cards, each once, referred to by name."""
 
     def __init__(self) -> None:
-        self.definitions: dict[str, Any] = {}
+        self.definitions: Schema = {}
 
-    def laws(self, folder: str, default: str = "") -> dict[str, Any]:
+    def laws(self, folder: str, default: str = "") -> Schema:
         """Any type of a family."""
         words = list(types_in(folder))
         if not words:
@@ -93,7 +94,7 @@ class _Definitions:
         # one branch is looked at, so that an error is reported the field it is in
         branches = []
         for word in words:
-            is_it: dict[str, Any] = {"properties": {"type": {"const": word}}}
+            is_it: Schema = {"properties": {"type": {"const": word}}}
             if word != default:
                 is_it["required"] = ["type"]
             branches.append({"if": is_it, "then": self.law(folder, word, word == default)})
@@ -104,7 +105,7 @@ class _Definitions:
             "allOf": branches,
         }
 
-    def law(self, folder: str, word: str, is_default: bool) -> dict[str, Any]:
+    def law(self, folder: str, word: str, is_default: bool) -> Schema:
         name = f"{folder.replace('/', '.')}.{word}"
         if name not in self.definitions:
             schema = self.definitions[name] = {}
@@ -113,7 +114,7 @@ class _Definitions:
             schema["required"] = [*([] if is_default else ["type"]), *schema["required"]]
         return {"$ref": f"#/$defs/{name}"}
 
-    def card(self, card: type[Card]) -> dict[str, Any]:
+    def card(self, card: type[Card]) -> Schema:
         name = f"{card.__module__.rpartition('.')[2]}.{card.__name__}"
         if name not in self.definitions:
             self.definitions[name] = {}
@@ -121,7 +122,7 @@ class _Definitions:
         reference = {"$ref": f"#/$defs/{name}"}
         return {"anyOf": [_SCALARS[str], reference]} if card.shorthand else reference
 
-    def fields(self, card: type[Card]) -> dict[str, Any]:
+    def fields(self, card: type[Card]) -> Schema:
         words = {word: declared(card, name) for word, name in deck_words(card).items()}
         return {
             "type": "object",
@@ -131,7 +132,7 @@ class _Definitions:
             "additionalProperties": False,
         }
 
-    def field(self, field: Declared) -> dict[str, Any]:
+    def field(self, field: Declared) -> Schema:
         schema = self.laws(field.law) if field.law else self.kind(field.info.annotation, field)
         if field.law and field.optional:
             schema = {"if": {"type": "object"}, "then": schema, "else": _SCALARS[NoneType]}
@@ -140,7 +141,7 @@ class _Definitions:
         meaning = " ".join(filter(None, (field.meaning, f"[{field.unit}]" if field.unit else "")))
         return {**schema, "description": meaning} if meaning else schema
 
-    def kind(self, annotation: Any, field: Declared) -> dict[str, Any]:
+    def kind(self, annotation: Any, field: Declared) -> Schema:
         """Schema of an annotation; bounds that no unit can change come along."""
         origin, parts = get_origin(annotation), get_args(annotation)
         if origin is Annotated:
@@ -164,7 +165,7 @@ class _Definitions:
         return self.card(annotation)
 
 
-def _or_empty(schema: dict[str, Any]) -> dict[str, Any]:
+def _or_empty(schema: Schema) -> Schema:
     """The schema of a value that may be left empty, without a choice that would hide errors."""
     if "type" in schema:
         kinds = schema["type"] if isinstance(schema["type"], list) else [schema["type"]]
@@ -306,7 +307,7 @@ def _default(field: Declared) -> str:
     return "none" if value in (None, "") else str(value)
 
 
-def _cards_in(annotation: Any) -> list[type[Card]]:
+def _cards_in(annotation: object) -> list[type[Card]]:
     """Cards that an annotation holds."""
     if isinstance(annotation, type) and issubclass(annotation, Card):
         return [] if annotation is Card else [annotation]

@@ -40,7 +40,7 @@ _CONTROL = re.compile("[\x00-\x08\x0b-\x1f\ud800-\udfff]")
 
 # what entries are called: part of channels and of files
 NAME = re.compile(r"[^\W\d][\w-]*")
-NAME_ADVICE = "begin with a letter, go on with letters, digits, _ and -"
+NAME_ADVICE = "begin with a letter, continue with letters, digits, _ and -"
 
 
 class _Broken:
@@ -51,7 +51,7 @@ BROKEN = _Broken()
 
 
 class Position(NamedTuple):
-    """Place in a file; lines and columns count from 1."""
+    """Position in a file; lines and columns count from 1."""
 
     file: str
     line: int
@@ -69,7 +69,7 @@ class Table(dict[str, Any]):
         self.keys_at: dict[str, tuple[int, int]] = {}
         self.values_at: dict[str, tuple[int, int]] = {}
 
-    def put(self, key: str, value: Any, key_at: tuple[int, int], at: tuple[int, int]) -> None:
+    def put(self, key: str, value: object, key_at: tuple[int, int], at: tuple[int, int]) -> None:
         """Add a value and its positions."""
         self[key] = value
         self.keys_at[key] = key_at
@@ -101,7 +101,7 @@ class Rows(list[Any]):
 
 
 def locate(start: Position, value: object, path: tuple[str | int, ...], key: bool) -> Position:
-    """Place of the value at a path, or of its key; as far as the path can be followed."""
+    """Position of the value at a path, or of its key; as far as the path can be followed."""
     for step in path:
         if isinstance(value, Table) and isinstance(step, str) and step in value:
             start = value.key_location(step) if key else value.value_location(step)
@@ -185,7 +185,7 @@ class _Parser:
         self.anchors: dict[str, tuple[Any, int]] = {}
         self.count = 0
 
-    def refuse(self, event: Any, message: str, advice: str = "") -> Any:
+    def refuse(self, event: object, message: str, advice: str = "") -> Any:
         line, column = _position(event)
         self.diagnostics.append(DeckError(self.name, line, column, "", message, advice))
         return BROKEN
@@ -194,7 +194,7 @@ class _Parser:
         name = event.tag.replace(_CORE_TAG, "!!")
         return self.refuse(event, f"the tag '{name}' is not allowed")
 
-    def abandon(self, event: Any, message: str, advice: str = "") -> NoReturn:
+    def abandon(self, event: object, message: str, advice: str = "") -> NoReturn:
         self.refuse(event, message, advice)
         raise _Abandoned
 
@@ -268,7 +268,7 @@ class _Parser:
                 table.put(key, other[key], other.keys_at[key], other.values_at[key])
         return table
 
-    def key(self, event: Any, depth: int) -> str | None:
+    def key(self, event: object, depth: int) -> str | None:
         if isinstance(event, yaml.ScalarEvent):
             word = self.scalar(event)
             if isinstance(word, str) and word:

@@ -16,6 +16,8 @@ References: von Neumann and Richtmyer (1950), Journal of Applied Physics 21, 232
 
 from typing import Any
 
+import numpy as np
+
 from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, quantity, word
 from crashsolve.foundation.columns import matvec, matvec_t
@@ -70,7 +72,7 @@ def heavier(card: Damped, squares: Any, scene: Scene) -> Any:
     return (squares / wanted).clip(min=1.0)
 
 
-def report_added(card: Damped, mass: Any, factor: Any, scene: Scene) -> None:
+def report_added(card: Damped, mass: np.ndarray, factor: np.ndarray, scene: Scene) -> None:
     """Report to the user how much mass has been added, or refuse it. `mass` is that of the
     elements.
     """

@@ -23,6 +23,7 @@ from crashsolve.estimate.error import Estimate
 from crashsolve.estimate.estimator import COARSER, Estimator
 from crashsolve.foundation.errors import DeckError, DeckErrors, RunStopped, SolverError
 from crashsolve.output.channels import Family
+from crashsolve.output.files import Json
 from crashsolve.output.log import Log
 from crashsolve.recording.samples import Channel, Samples, read
 from crashsolve.recording.sampling import Schedule
@@ -128,7 +129,7 @@ class Estimating:
         self.problems += [meshes.problem] if meshes.problem else []
         return meshes.runs
 
-    def entries(self) -> list[dict[str, Any]]:
+    def entries(self) -> list[Json]:
         """The estimates as status.json keeps them."""
         return [
             {

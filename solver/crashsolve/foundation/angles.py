@@ -1,4 +1,4 @@
-"""Angle of body b against body a about an axis, counted over any number of turns.
+"""Angle of body b against body a about an axis, counted over any number of revolutions.
 
 With the axis u and the side s fixed in a, t = u x s, and the side x fixed in b:
 
@@ -42,7 +42,7 @@ def angle_about(a, b, axis_a, side_a, side_b):
 
 @kernel
 def counted(angle, before):
-    """The angle with as many whole turns as bring it nearest to the one before [rad]."""
+    """The angle with as many whole revolutions as bring it nearest to the one before [rad]."""
     return angle + 2.0 * pi * floor((before - angle) / (2.0 * pi) + 0.5)
 
 
@@ -124,7 +124,7 @@ def check_rotation_limit(curves, node, w):
 
 @kernel
 def rotation_vector(a, b, reference):
-    """theta of b's turn relative to a since the start, axes of a [rad]."""
+    """theta of b's rotation relative to a since the start, axes of a [rad]."""
     w, v = relative_rotation(a, b, reference)
     # q and -q are one orientation: take the shorter turn
     if w < 0.0:
@@ -137,7 +137,7 @@ def rotation_vector(a, b, reference):
 
 @kernel
 def relative_rotation(a, b, reference):
-    """Unit quaternion (w, v) of b's turn relative to a since the start, axes of a."""
+    """Unit quaternion (w, v) of b's rotation relative to a since the start, axes of a."""
     w_a, w_b, w_0 = a.q[0], b.q[0], reference[0]
     v_a, v_b = (a.q[1], a.q[2], a.q[3]), (b.q[1], b.q[2], b.q[3])
     v_0 = (reference[1], reference[2], reference[3])
@@ -153,7 +153,7 @@ def tangent_factor(phi):
     if phi < 0.05:
         return 1.0 / 12.0 + phi * phi / 720.0 + phi**4 / 30240.0
     half = 0.5 * phi
-    # (1 + cos phi) / sin phi = cot(phi / 2), finite at half a turn
+    # (1 + cos phi) / sin phi = cot(phi / 2), finite at half a revolution
     cot = sin(phi) / (2.0 * sin(half) ** 2)
     return 1.0 / (phi * phi) - cot / (2.0 * phi)
 

@@ -23,7 +23,7 @@ def add_release(words, k, number):
 
 
 def replaced(words, k, old, new):
-    """Whether a word was still `old`, in whose place it is `new` now. Writes: words."""
+    """Whether a word was still `old`, and is now replaced by `new`. Writes: words."""
     if words[k] != old:
         return False
     words[k] = new

@@ -9,13 +9,14 @@ reading outside the range.
 """
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 
+# breakpoints (n,), coefficients of cubics between them (n - 1, 4), code of extrapolation
+Pieces = tuple[np.ndarray, np.ndarray, int]
 REFUSE, HOLD, LINEAR = 0, 1, 2
 
 POINT = Record("""
@@ -30,7 +31,7 @@ POINT = Record("""
 """)
 
 
-def pack(curves: Sequence[tuple[Any, Any, int]]) -> tuple[np.ndarray, list[int]]:
+def pack(curves: Sequence[Pieces]) -> tuple[np.ndarray, list[int]]:
     """Points of all curves and the first point of each.
 
     Each curve is given as breakpoints (n,), coefficients (n-1, 4), behaviour outside.

@@ -18,7 +18,7 @@ def kernel(function: F) -> F:
 def apart(function: F) -> F:
     """A kernel that several threads may share: it never becomes part of what calls it.
 
-    So it has the same code, and bits, whoever calls it.
+    So it has the same code, and bits, for every caller.
     """
     return _marked(function, "apart")
 

@@ -14,7 +14,7 @@ EIGHT, NEXT = 8, 12
 
 
 def take_motion(points, corners, first, work, at):
-    """Places, velocities and spins of eight points to rows of `work`. Writes: work."""
+    """Positions, velocities and spins of eight points to rows of `work`. Writes: work."""
     for e in range(EIGHT):
         b = points[corners[first + e]]
         for k in range(3):

@@ -4,16 +4,16 @@
 f there adds f to the body's force and d x f to its torque about the mass centre.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from crashsolve.foundation.columns import add_to, matvec
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.vec3 import add, cross, dot, scale, sub, vec
+from crashsolve.foundation.vec3 import Vector, add, cross, dot, scale, sub, vec
 
 
 @kernel
 def arm(body, point):
-    """World vector from the mass centre to a point fixed in the body; also turns directions."""
+    """World vector from the mass centre to a point fixed in the body; also rotates directions."""
     return matvec(body.A, point)
 
 
@@ -51,7 +51,7 @@ def apply_force(body, f, d):
 
 @kernel
 def add_deferred(body, f, d):
-    """Part of an applied force that the step now ending has not felt. Writes: body."""
+    """Part of an applied force that the step now ending did not contain. Writes: body."""
     add_to(body.deferred_force, f)
     add_to(body.deferred_torque, cross(d, f))
 
@@ -106,11 +106,11 @@ def twist(p, nodes, torque, g, stiffness, damping):
 class Line(NamedTuple):
     """The line from a point of a to one of b, along which a spring acts."""
 
-    u: Any  # unit vector
+    u: Vector  # unit vector
     length: float  # [m]
     rate: float  # of the length [m/s]
-    d_a: Any  # arms of both points [m]
-    d_b: Any
+    d_a: Vector  # arms of both points [m]
+    d_b: Vector
 
 
 @kernel

@@ -57,7 +57,7 @@ def rotated_by(q: np.ndarray, q_0: np.ndarray) -> np.ndarray:
     rotation *= np.where(rotation[:, :1] < 0.0, -1.0, 1.0)
     sine = np.linalg.norm(rotation[:, 1:], axis=1)
     angle = 2.0 * np.arctan2(sine, rotation[:, 0])
-    # of a small turn the vector is twice its sine
+    # of a small rotation the vector is twice its sine
     factor = np.divide(angle, sine, out=np.full_like(sine, 2.0), where=sine > 0.0)
     return factor[:, None] * rotation[:, 1:]
 

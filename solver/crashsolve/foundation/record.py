@@ -23,8 +23,12 @@ class Column:
     meaning: str
 
     @property
+    def is_integer(self) -> bool:
+        return self.unit in _INTEGER_UNITS
+
+    @property
     def format(self) -> tuple[Any, ...]:
-        kind = np.int64 if self.unit in _INTEGER_UNITS else np.float64
+        kind = np.int64 if self.is_integer else np.float64
         return (self.name, kind) if self.size == 1 else (self.name, kind, (self.size,))
 
 
@@ -34,7 +38,7 @@ class Record:
         r         m     3  position of the mass centre
         mass_inv  1/kg     inverse mass; 0 for the ground
 
-    Two or more spaces lie between them; a line that begins further in goes on with the meaning.
+    Two or more spaces lie between them; a line with more indentation continues the meaning.
     Raises ValueError where a line is no such column, or a name is used twice.
     """
 

@@ -13,7 +13,7 @@ from crashsolve.foundation.vec3 import add, cross, dot, scale, sub
 
 @kernel
 def rotate_by_cayley(q, half_angle, out):
-    """Turn quaternion q by the Cayley map of the body-frame vector h/2 Omega. Writes: out."""
+    """Rotate quaternion q by the Cayley map of the body-frame vector h/2 Omega. Writes: out."""
     w, x, y, z = q[0], q[1], q[2], q[3]
     a, b, c = half_angle
     nw = w - x * a - y * b - z * c
@@ -30,7 +30,7 @@ def rotate_by_cayley(q, half_angle, out):
 
 @kernel
 def rotate_by_vector(q, rotation, out):
-    """Turn quaternion q by a rotation vector in body axes [rad]. Writes: out."""
+    """Rotate quaternion q by a rotation vector in body axes [rad]. Writes: out."""
     angle = sqrt(dot(rotation, rotation))
     half = tan(0.5 * angle) / angle if angle > 1e-8 else 0.5
     rotate_by_cayley(q, scale(half, rotation), out)

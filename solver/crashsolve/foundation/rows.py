@@ -6,9 +6,29 @@ of Python, here the class of a row has a property for each column.
 
 from functools import cache
 from operator import itemgetter
-from typing import Any
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
+
+Number = TypeVar("Number", int, float)
+
+
+# rows of a record, by their columns `table["name"]`
+Table = np.ndarray
+
+
+class Row(Protocol):
+    """A record of a table: its columns are attributes."""
+
+    def __getattr__(self, name: str) -> Any: ...
+    def __setattr__(self, name: str, value: Any) -> None: ...
+
+
+class Numbers(Protocol[Number]):
+    """A column of several numbers, of one row."""
+
+    def __getitem__(self, i: int) -> Number: ...
+    def __setitem__(self, i: int, value: Number) -> None: ...
 
 
 class Rows(np.ndarray):

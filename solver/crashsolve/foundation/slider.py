@@ -1,4 +1,4 @@
-"""An elastic line of slope k on a slider that gives way at a curve: where they meet, and its work.
+"""An elastic line of slope k on a slider that slides at a curve: where they meet, and its work.
 
     c(e) = k (e - s),   G(e) = int c de - c^2 / 2k
 

@@ -57,7 +57,7 @@ def report_error(text: str) -> None:
 
 
 def say(text: str = "") -> None:
-    """Write to standard output, if anybody listens: for work that goes on in any case."""
+    """Write to standard output if it is open: for work that continues in any case."""
     try:
         # in one piece: several threads may report
         sys.stdout.write(f"{text}\n")

@@ -4,7 +4,8 @@ from math import sqrt
 
 from crashsolve.foundation.kernels import kernel
 
-ZERO = (0.0, 0.0, 0.0)
+Vector = tuple[float, float, float]
+ZERO: Vector = (0.0, 0.0, 0.0)
 
 
 @kernel

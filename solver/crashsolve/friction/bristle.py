@@ -12,7 +12,10 @@ References: Cundall and Strack (1979), Geotechnique 29, 47-65; Dupont, Hayward, 
 Altpeter (2002), IEEE Trans. Autom. Control 47, 787-792.
 """
 
+from __future__ import annotations
+
 from math import exp, sqrt
+from typing import TYPE_CHECKING
 
 from pydantic import model_validator
 
@@ -21,6 +24,9 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, add_scaled, dot, norm, put, scale, sub, vec
 from crashsolve.friction._card import columns
+
+if TYPE_CHECKING:
+    from crashsolve.friction._rows.bristle import History, Parameters
 
 
 class Bristle(Card):
@@ -37,7 +43,7 @@ class Bristle(Card):
     )
 
     @model_validator(mode="after")
-    def _in_order(self) -> "Bristle":
+    def _in_order(self) -> Bristle:
         if self.static < self.dynamic:
             raise ValueError(f"static: must not be below dynamic, {self.dynamic:g}")
         return self
@@ -57,7 +63,7 @@ build = columns
 
 
 @kernel
-def friction_force(p, old, new, slide, curves):
+def friction_force(p: Parameters, old: History, new: History, slide, curves):
     """Force on a [N], stored [J], power [W], loss [J], stiffness, damping. Writes: new."""
     k, slip, displacement = p.friction_stiffness, slide.slip, slide.displacement
     c = 2.0 * p.friction_damping_ratio * sqrt(k * slide.mass)
@@ -95,6 +101,6 @@ def cut(x, limit):
 
 
 @kernel
-def release(p, old, new):
+def release(p: Parameters, old: History, new: History):
     """The bristle is straight again; its energy was lost with the normal force. Writes: new."""
     put(new.bristle, (0.0, 0.0, 0.0))

@@ -11,6 +11,10 @@ at v_0 + (v_1 - v_0) tan(slope)/mu.
 References: Ambrosio (2003), Eq. 21-22.
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 from pydantic import model_validator
 
 from crashsolve.deck.card import Card, quantity
@@ -19,6 +23,9 @@ from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import vec
 from crashsolve.friction._card import columns
 from crashsolve.friction._regularised import against, speed, without_friction
+
+if TYPE_CHECKING:
+    from crashsolve.friction._rows.coulomb import History, Parameters
 
 LEFT_OUT = "the speeds over which friction sets in"
 
@@ -31,7 +38,7 @@ class Coulomb(Card):
     full_above: float = quantity("m/s", "sliding speed v_1 above which friction is full", gt=0)
 
     @model_validator(mode="after")
-    def _in_order(self) -> "Coulomb":
+    def _in_order(self) -> Coulomb:
         if self.full_above <= self.none_below:
             raise ValueError(f"full_above: must exceed none_below, {self.none_below:g} m/s")
         return self
@@ -47,7 +54,7 @@ build = columns
 
 
 @kernel
-def friction_force(p, old, new, slide, curves):
+def friction_force(p: Parameters, old: History, new: History, slide, curves):
     """Force on a [N], stored [J], power [W], loss [J], stiffness, damping. Writes: new."""
     friction_force = vec(old.friction_force)
     free = without_friction(slide, friction_force)
@@ -62,7 +69,7 @@ def friction_force(p, old, new, slide, curves):
 
 
 @kernel
-def regime_left(p, old, slip):
+def regime_left(p: Parameters, old: History, slip):
     """How far the sliding speed has left the regime of the start of the step [m/s]."""
     v = speed(slip)
     if old.friction_regime == 0:
@@ -73,13 +80,13 @@ def regime_left(p, old, slip):
 
 
 @kernel
-def release(p, old, new):
+def release(p: Parameters, old: History, new: History):
     """Nothing is remembered after separation. Writes: new."""
     new.friction_regime = 0
 
 
 @kernel
-def friction_tangent(p, normal_force, slip):
+def friction_tangent(p: Parameters, normal_force, slip):
     """Rise of the friction over the sliding speed, along and across the slip [N s/m]."""
     v = speed(slip)
     if v <= p.friction_none_below:

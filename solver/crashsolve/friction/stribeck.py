@@ -10,7 +10,10 @@ References: Stribeck (1902), Z. VDI 46; Andersson, Soederberg and Bjoerklund (20
 International 40, 580-587.
 """
 
+from __future__ import annotations
+
 from math import exp, tanh
+from typing import TYPE_CHECKING
 
 from pydantic import model_validator
 
@@ -20,6 +23,9 @@ from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import vec
 from crashsolve.friction._card import columns
 from crashsolve.friction._regularised import against, speed, without_friction
+
+if TYPE_CHECKING:
+    from crashsolve.friction._rows.stribeck import Parameters
 
 # of the slip without friction, that which is left; a dozen iterations find it
 CLOSED, PASSES = 1e-13, 60
@@ -37,7 +43,7 @@ class Stribeck(Card):
     smoothing_speed: float = quantity("m/s", "v_t, over which friction sets in", gt=0)
 
     @model_validator(mode="after")
-    def _in_order(self) -> "Stribeck":
+    def _in_order(self) -> Stribeck:
         if self.static < self.dynamic:
             raise ValueError(f"static: must not be below dynamic, {self.dynamic:g}")
         return self
@@ -55,7 +61,7 @@ build = columns
 
 
 @kernel
-def friction_force(p, old, new, slide, curves):
+def friction_force(p: Parameters, old, new, slide, curves):
     """Force on a [N], stored [J], power [W], loss [J], stiffness and damping [N s/m]."""
     friction_force = vec(old.friction_force)
     free, normal_force = without_friction(slide, friction_force), slide.normal_force
@@ -67,13 +73,13 @@ def friction_force(p, old, new, slide, curves):
 
 
 @kernel
-def steepest(p):
+def steepest(p: Parameters):
     """Largest rise of the friction coefficient over the sliding speed [s/m]."""
     return p.friction_static / p.friction_smoothing_speed + p.friction_viscous
 
 
 @kernel
-def coefficient(p, v, taken):
+def coefficient(p: Parameters, v, taken):
     """Friction over normal force at sliding speed v [m/s]; its slope is 1 / taken at most."""
     widened = max(1.0, taken * steepest(p))
     drop = p.friction_static - p.friction_dynamic
@@ -83,7 +89,7 @@ def coefficient(p, v, taken):
 
 
 @kernel
-def slip_left(p, v_free, taken):
+def slip_left(p: Parameters, v_free, taken):
     """Root v [m/s] of v + taken mu(v) = v_free, by the Illinois rule; both sides of it rise."""
     if taken * v_free == 0.0:
         return v_free
@@ -107,12 +113,12 @@ def slip_left(p, v_free, taken):
 
 
 @kernel
-def release(p, old, new):
+def release(p: Parameters, old, new):
     """Nothing is remembered after separation."""
 
 
 @kernel
-def friction_tangent(p, normal_force, slip):
+def friction_tangent(p: Parameters, normal_force, slip):
     """Rise of the friction over the sliding speed, along and across the slip [N s/m]."""
     v, v_s = speed(slip), p.friction_stribeck_speed
     peak = (p.friction_static - p.friction_dynamic) * exp(-((v / v_s) ** 2))

@@ -9,12 +9,11 @@ straight; curved ones are followed by chords.
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from crashsolve.deck.building import Scene
-from crashsolve.foundation.curve import LINEAR
+from crashsolve.foundation.curve import LINEAR, Pieces
 
 # slopes that differ by less than this share are the same
 SAME = 1e-9
@@ -42,7 +41,7 @@ class Backbone:
         return self.x, np.stack([self.y[:-1], slope, zero, zero], axis=1), self.beyond
 
 
-def backbone(points: Any, stiffness: float | None, word: str, scene: Scene) -> Backbone:
+def backbone(points: Pieces, stiffness: float | None, word: str, scene: Scene) -> Backbone:
     """The backbone of a curve M(theta); `stiffness` None takes its first slope."""
     angle, moment = _chords(points)
     if angle[0] != 0.0 or moment[0] != 0.0:
@@ -70,7 +69,7 @@ def backbone(points: Any, stiffness: float | None, word: str, scene: Scene) -> B
         )
     if points[2] == LINEAR and slopes[-1] < 0.0:
         raise scene.fail(
-            "falls at its end, and would go on below 0; say extrapolate: hold, or end it level",
+            "falls at its end, and would continue below 0; say extrapolate: hold, or end it level",
             word,
         )
     return _plastic(angle, moment, k, points[2], word, scene)
@@ -128,7 +127,7 @@ def refuse_kinematic(found: Backbone, word: str, scene: Scene) -> None:
         )
 
 
-def _chords(points: Any) -> tuple[np.ndarray, np.ndarray]:
+def _chords(points: Pieces) -> tuple[np.ndarray, np.ndarray]:
     """Points of the curve; pieces that bend get more of them."""
     x, c, _ = points
     xs, ys = [x[:1]], [np.asarray(c[:1, 0])]

@@ -5,7 +5,7 @@ from typing import Any, ClassVar, Literal, NamedTuple
 import numpy as np
 from pydantic import model_validator
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, CurveName, MaterialName, SectionName, quantity, word
 from crashsolve.hinges._backbone import Backbone, backbone, over_work, refuse_kinematic
 from crashsolve.hinges._law import ISOTROPIC, KINEMATIC, PEAK_ORIENTED
@@ -208,7 +208,7 @@ class Motion(NamedTuple):
 
 
 def backbones(
-    motions: tuple[Motion, ...], card: Any, built: dict[str, Any], scene: Scene
+    motions: tuple[Motion, ...], card: Any, built: Columns, scene: Scene
 ) -> dict[str, Backbone]:
     """Yield moments over plastic angles, by the fields of a card that name curves."""
     found: dict[str, Backbone] = {}
@@ -225,9 +225,7 @@ def backbones(
     return found
 
 
-def pair_backbones(
-    motions: tuple[Motion, ...], card: Any, built: dict[str, Any], scene: Scene
-) -> dict[str, Any]:
+def pair_backbones(motions: tuple[Motion, ...], card: Any, built: Columns, scene: Scene) -> Columns:
     """The same of two motions; on one ellipse, squares of the yield moments over plastic work."""
     if card.interaction == "uncoupled":
         return backbones(motions, card, built, scene)
@@ -245,7 +243,7 @@ def pair_backbones(
     }
 
 
-def _points(source: Any, field: str, built: dict[str, Any], scene: Scene) -> Any:
+def _points(source: Any, field: str, built: Columns, scene: Scene) -> Any:
     """Breakpoints, coefficients and the code of extrapolation."""
     if source.name is not None:
         if source.name not in built:
@@ -256,7 +254,7 @@ def _points(source: Any, field: str, built: dict[str, Any], scene: Scene) -> Any
     return axial_curve(source, field, built, scene)
 
 
-def law(card: Any, motions: tuple[Motion, ...], scene: Scene) -> dict[str, Any]:
+def law(card: Any, motions: tuple[Motion, ...], scene: Scene) -> Columns:
     """Columns of LAW."""
     found = scene.own_backbones()
     # a second direction without a curve has the first one's
@@ -289,7 +287,7 @@ def law(card: Any, motions: tuple[Motion, ...], scene: Scene) -> dict[str, Any]:
     }
 
 
-def _initial(card: Any, motions: tuple[Motion, ...]) -> tuple[float, ...]:
+def _initial(card: object, motions: tuple[Motion, ...]) -> tuple[float, ...]:
     """Motions from the start at which there is no moment; two of one field, or one of each."""
     if len({motion.initial for motion in motions}) < len(motions):
         found: tuple[float, ...] = getattr(card, motions[0].initial)
@@ -298,7 +296,7 @@ def _initial(card: Any, motions: tuple[Motion, ...]) -> tuple[float, ...]:
 
 
 def _refuse_start(
-    card: Any,
+    card: object,
     field: str,
     initial: np.ndarray,
     moments: np.ndarray,
@@ -321,7 +319,7 @@ def _refuse_start(
             "ellipse",
             field,
         )
-    # two turns of one hinge fail together
+    # two rotations of one hinge fail together
     is_rotation = field == "initial_angles"
     sizes = np.array([np.hypot(*initial), 0.0]) if is_rotation else np.abs(initial)
     if (sizes >= failure).any():

@@ -37,7 +37,7 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.foundation.curve import REFUSE
 
 POISSON = 0.3
@@ -147,7 +147,7 @@ def curve(
     return x, c, REFUSE
 
 
-def crush_force(section: Any, stress: float, field: str, scene: Scene) -> float:
+def crush_force(section: Columns, stress: float, field: str, scene: Scene) -> float:
     """P_m of a square tube [N]."""
     a, b, t = sides(section, "y", field, scene)
     if abs(a - b) > 1e-3 * a:

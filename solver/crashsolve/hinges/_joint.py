@@ -1,10 +1,9 @@
 """What joints beneath hinges share: rows that failure frees, histories at the start, energies."""
 
-from typing import Any
-
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
+from crashsolve.deck.card import Card
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.joints._card import direction
@@ -14,17 +13,17 @@ LEDGER = "hinge"
 SQUARE = 1e-5
 COMMON = Record("""
     rate_factor  1     phi, on the static moment or force at yield
-    energy       J     taken up so far: stored and dissipated
+    energy       J     taken so far: stored and dissipated
     failed       flag  1 after failure
 """)
 
 
-def at_start(p: Any, speed: float) -> dict[str, Any]:
+def at_start(p: np.void, speed: float) -> Columns:
     """History of a hinge that has not moved; `speed` is that of the rate factor."""
     return {"x": -p["initial"], "latch": -1.0, "factor": 1.0, "speed": abs(speed)}
 
 
-def across(card: Any, field: str, scene: Scene) -> np.ndarray:
+def across(card: Card, field: str, scene: Scene) -> np.ndarray:
     """Direction in a field of the card, which must be at right angles to its axis, and made so.
 
     Raises DeckErrors where it is not.
@@ -36,7 +35,7 @@ def across(card: Any, field: str, scene: Scene) -> np.ndarray:
     return np.asarray(scene.unit(found - cosine * axis, field))
 
 
-def motion_of(scene: Scene, p: Any) -> tuple[np.ndarray, np.ndarray]:
+def motion_of(scene: Scene, p: np.void) -> tuple[np.ndarray, np.ndarray]:
     """Velocity (3,) [m/s] of b's joint point, spin (3,) [rad/s] of b, seen from a, world axes."""
     a, b = p["node_a"], p["node_b"]
     arms = [scene.matrix(node) @ p[f"point_{side}"] for side, node in (("a", a), ("b", b))]

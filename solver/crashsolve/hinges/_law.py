@@ -239,7 +239,7 @@ def to_corner(p, new, c, side, curves):
     if at >= 0.0:
         return next_point(curves, p.backbone[own], at)
     other = p.backbone[4 * c + 1 - own]
-    # the way back along the other curve
+    # unloading along the other curve
     return -at - curves[segment(curves, other, curves[other].last, -at)].x
 
 

@@ -2,16 +2,19 @@
 
     theta = theta_b - theta_a - theta_0 about the axis of a      (Ambrosio (2003), Eq. 6)
 
-The angle is counted over any number of turns. `phi` grows with |theta_dot|, or with the speed of a
-tip at some distance of the axis.
+The angle is counted over any number of revolutions. `phi` grows with |theta_dot|, or with the speed
+of a tip at some distance of the axis.
 """
 
+from __future__ import annotations
+
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
+from crashsolve.deck.card import Card
 from crashsolve.foundation.angles import angle_about, angle_gradient, counted
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import rotation_tangent, twist
@@ -24,6 +27,9 @@ from crashsolve.hinges._law import LAW, PATH, growth_bound
 from crashsolve.joints import revolute
 from crashsolve.joints._card import FRAME
 from crashsolve.joints.basic import rows_of
+
+if TYPE_CHECKING:
+    from crashsolve.hinges._rows._one_axis import History, Output, Parameters
 
 # what makes a file a hinge, but for its card
 __all__ = ["ANGULAR", "CONSTRAINTS", "FREE", "HISTORY", "LEDGER", "OUTPUT", "PARAMETERS", "ROWS"]
@@ -50,16 +56,16 @@ OUTPUT = COMMON + Record("""
     moment          N m    positive rotates b back
     angle           rad    of b from the undeformed hinge
     rate            rad/s  of the angle
-    plastic_angle   rad    sum of plastic turns in both directions
+    plastic_angle   rad    sum of plastic rotations in both directions
     residual_angle  rad    that would be left without moment
 """)
 
 
-def build(card: Any, scene: Scene) -> dict[str, Any]:
+def build(card: Any, scene: Scene) -> Columns:
     return dict(scene.joint_frame(card)) | law(card, MOTIONS, scene) | {"tip": tip(card)}
 
 
-def initial_history(card: Any, p: Any, scene: Scene) -> dict[str, Any]:
+def initial_history(card: Card, p: np.void, scene: Scene) -> Columns:
     axis = scene.matrix(p["node_a"]) @ p["axis_a"]
     return at_start(p, p["tip"] * float(np.dot(axis, motion_of(scene, p)[1])))
 
@@ -74,7 +80,7 @@ def rotated(p, before, nodes):
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     angle, rate, g = rotated(p, old.x[0], nodes)
     moment, phi = _single.resist(p, old, new, out, angle, p.tip * abs(rate), curves)
@@ -86,7 +92,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
     angle, rate, g = rotated(p, state.x[0], nodes)
     stiffness, damping = _single.slopes(p, state, angle, rate, p.tip * abs(rate), curves)
@@ -95,7 +101,7 @@ def tangent(p, state, nodes, curves, rows, first):
 
 
 @kernel
-def event(p, old, h, nodes, curves):
+def event(p: Parameters, old: History, h, nodes, curves):
     """How far this has left the branch of the law on which the step began [rad]."""
     angle, rate, _ = rotated(p, old.x[0], nodes)
     return _single.beyond(p, old, h, angle, rate, p.tip * abs(rate), curves)

@@ -13,13 +13,13 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.foundation.curve import HOLD
 from crashsolve.hinges import _collapse
 from crashsolve.sections._plastic import GRID, plastic_modulus
 
 
-def material_of(card: Any, field: str, built: dict[str, Any], scene: Scene) -> tuple[float, float]:
+def material_of(card: Any, field: str, built: Columns, scene: Scene) -> tuple[float, float]:
     """Young's modulus and yield stress [Pa]."""
     module, material = scene.law("materials", card.material)
     young, stress = getattr(material, "young", None), getattr(material, "yield_stress", None)
@@ -31,7 +31,7 @@ def material_of(card: Any, field: str, built: dict[str, Any], scene: Scene) -> t
     return float(young), float(stress)
 
 
-def section_of(card: Any, field: str, scene: Scene) -> tuple[Any, Any, dict[str, Any]]:
+def section_of(card: Any, field: str, scene: Scene) -> tuple[Any, Any, Columns]:
     """Module and card of the section, and its constants."""
     module, section = scene.law("sections", card.section)
     # kappa, which depends on Poisson's ratio, has no part in a hinge
@@ -59,7 +59,7 @@ def plastic_curve(start: float, limit: float, until: float | None, field: str, s
     return x, c, HOLD
 
 
-def bending_curve(card: Any, field: str, built: dict[str, Any], scene: Scene) -> Any:
+def bending_curve(card: Any, field: str, built: Columns, scene: Scene) -> Any:
     """Moment over angle of a section: breakpoints, coefficients, the code of extrapolation."""
     young, stress = material_of(card, field, built, scene)
     module, section, constants = section_of(card, field, scene)
@@ -75,9 +75,7 @@ def bending_curve(card: Any, field: str, built: dict[str, Any], scene: Scene) ->
     return plastic_curve(limit / stiffness, limit, card.until, field, scene)
 
 
-def given_curve(
-    card: Any, stiffness: float, field: str, built: dict[str, Any], scene: Scene
-) -> Any:
+def given_curve(card: Any, stiffness: float, field: str, built: Columns, scene: Scene) -> Any:
     """M over theta = x + M / k of points M over x: breakpoints, coefficients, extrapolation."""
     if card.plastic_curve not in built:
         raise scene.fail(f"curve '{card.plastic_curve}' cannot be built", field)
@@ -102,7 +100,7 @@ def given_curve(
     return angle, rows, beyond
 
 
-def axial_curve(card: Any, field: str, built: dict[str, Any], scene: Scene) -> Any:
+def axial_curve(card: Any, field: str, built: Columns, scene: Scene) -> Any:
     """Force over change of length of a section, the same."""
     young, stress = material_of(card, field, built, scene)
     _, section, constants = section_of(card, field, scene)

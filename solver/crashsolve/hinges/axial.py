@@ -9,12 +9,14 @@ the stroke m V_0^2 / 2 P_s.
 References: Ambrosio (2003), Eq. 7 and Fig. 3.
 """
 
+from __future__ import annotations
+
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, axis_tangent, pull, relative
@@ -27,6 +29,9 @@ from crashsolve.hinges._law import LAW, PATH, growth_bound
 from crashsolve.joints import prismatic
 from crashsolve.joints._card import FRAME
 from crashsolve.joints.basic import rows_of
+
+if TYPE_CHECKING:
+    from crashsolve.hinges._rows.axial import History, Output, Parameters
 
 __all__ = ["LEDGER", "release_rows"]
 CONSTRAINTS, FREE = prismatic.CONSTRAINTS, prismatic.FREE
@@ -65,13 +70,13 @@ OUTPUT = COMMON + Record("""
 """)
 
 
-def build(card: Axial, scene: Scene) -> dict[str, Any]:
+def build(card: Axial, scene: Scene) -> Columns:
     if card.rate is not None and card.rate.arm is not None:
         raise scene.fail("an axial hinge has no arm: its speed is that of the stroke", "rate.arm")
     return dict(scene.joint_frame(card)) | law(card, MOTIONS, scene)
 
 
-def initial_history(card: Axial, p: Any, scene: Scene) -> dict[str, Any]:
+def initial_history(card: Axial, p: np.void, scene: Scene) -> Columns:
     axis = scene.matrix(p["node_a"]) @ p["axis_a"]
     return at_start(p, float(np.dot(axis, motion_of(scene, p)[0])))
 
@@ -88,7 +93,7 @@ def stroke_along(p, nodes, axis):
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     length_change, rate, u, d_a, d_b = stroke_along(p, nodes, p.axis_a)
     x = length_change - p.initial[0]
@@ -101,7 +106,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
     length_change, rate, u, d_a, d_b = stroke_along(p, nodes, p.axis_a)
     x = length_change - p.initial[0]
@@ -110,7 +115,7 @@ def tangent(p, state, nodes, curves, rows, first):
 
 
 @kernel
-def event(p, old, h, nodes, curves):
+def event(p: Parameters, old: History, h, nodes, curves):
     """How far this has left the branch of the law on which the step began [m]."""
     length_change, rate, _, _, _ = stroke_along(p, nodes, p.axis_a)
     return _single.beyond(p, old, h, length_change - p.initial[0], rate, abs(rate), curves)

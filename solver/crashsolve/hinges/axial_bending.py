@@ -10,13 +10,15 @@ References: Ambrosio (2003), Eq. 6-7 and Fig. 3; Powell and Chen (1986), ASCE J.
 627-641.
 """
 
+from __future__ import annotations
+
 from functools import partial
 from math import sqrt
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Vec3, quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import axis_tangent, pull, rotation_tangent, twist
@@ -31,6 +33,9 @@ from crashsolve.hinges.axial import stroke_along
 from crashsolve.joints._card import FRAME, direction
 from crashsolve.joints._rows import slide_along, slide_jacobian, slide_jacobian_rate
 from crashsolve.joints.basic import parallel
+
+if TYPE_CHECKING:
+    from crashsolve.hinges._rows.axial_bending import History, Output, Parameters
 
 __all__ = ["LEDGER", "release_rows"]
 # the axes of its rows are not those of a line
@@ -96,14 +101,14 @@ OUTPUT = COMMON + Record("""
     stroke           m      of b along the beam from the undeformed hinge
     rate             rad/s  of the angle
     stroke_rate      m/s    of the stroke
-    plastic_angle    rad    sum of plastic turns in both directions
+    plastic_angle    rad    sum of plastic rotations in both directions
     residual_angle   rad    that would be left without moment and force
     plastic_stroke   m      sum of plastic displacements in both directions
     residual_stroke  m      that would be left without moment and force
 """)
 
 
-def build(card: AxialBending, scene: Scene) -> dict[str, Any]:
+def build(card: AxialBending, scene: Scene) -> Columns:
     frame = dict(scene.joint_frame(card))
     axis, beam = direction(card, scene, "axis"), across(card, "beam", scene)
     if card.rate is not None and card.rate.arm is None:
@@ -121,7 +126,7 @@ def build(card: AxialBending, scene: Scene) -> dict[str, Any]:
     )
 
 
-def initial_history(card: AxialBending, p: Any, scene: Scene) -> dict[str, Any]:
+def initial_history(card: AxialBending, p: np.void, scene: Scene) -> Columns:
     v, w = motion_of(scene, p)
     A = scene.matrix(p["node_a"])
     speed = np.hypot(v @ (A @ p["beam_a"]), p["tip"] * (w @ (A @ p["axis_a"])))
@@ -129,7 +134,7 @@ def initial_history(card: AxialBending, p: Any, scene: Scene) -> dict[str, Any]:
 
 
 @kernel
-def residual(p, old, new, t, nodes, rows, curves):
+def residual(p: Parameters, old: History, new: History, t, nodes, rows, curves):
     """Writes: rows.phi."""
     a, b, r = nodes[p.node_a], nodes[p.node_b], p.first_row
     rows[r].phi = slide_along(a, b, p.point_a, p.point_b, p.axis_a)
@@ -138,7 +143,7 @@ def residual(p, old, new, t, nodes, rows, curves):
 
 
 @kernel
-def jacobian(p, old, t, nodes, rows, curves):
+def jacobian(p: Parameters, old: History, t, nodes, rows, curves):
     """Writes: rows.D, nu."""
     a, b, r = nodes[p.node_a], nodes[p.node_b], p.first_row
     slide_jacobian(a, b, p.point_a, p.point_b, p.axis_a, rows[r])
@@ -147,7 +152,7 @@ def jacobian(p, old, t, nodes, rows, curves):
 
 
 @kernel
-def convective(p, old, t, nodes, rows, curves):
+def convective(p: Parameters, old: History, t, nodes, rows, curves):
     """Writes: rows.gamma."""
     a, b, r = nodes[p.node_a], nodes[p.node_b], p.first_row
     rows[r].gamma = -slide_jacobian_rate(a, b, p.point_a, p.point_b, p.axis_a)
@@ -156,7 +161,7 @@ def convective(p, old, t, nodes, rows, curves):
 
 
 @kernel
-def seen_by(p, state, nodes):
+def seen_by(p: Parameters, state: History, nodes):
     """Both motions, the gradient of the angle, the axis and the arms of the force [m]."""
     angle, rate, g = rotated(p, state.x[0], nodes)
     length_change, along, u, d_a, d_b = stroke_along(p, nodes, p.beam_a)
@@ -166,7 +171,7 @@ def seen_by(p, state, nodes):
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     seen, g, u, d_a, d_b = seen_by(p, old, nodes)
     moment, pulled, phi = _pair.resist(p, old, new, out, seen, curves)
@@ -181,7 +186,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
     seen, g, u, d_a, d_b = seen_by(p, state, nodes)
     one, other = _pair.tangent(p, state, seen, curves)
@@ -198,6 +203,6 @@ def tangent(p, state, nodes, curves, rows, first):
 
 
 @kernel
-def event(p, old, h, nodes, curves):
+def event(p: Parameters, old: History, h, nodes, curves):
     """How far this has left the branch of the law on which the step began [rad]."""
     return _pair.beyond(p, old, h, seen_by(p, old, nodes)[0], curves)

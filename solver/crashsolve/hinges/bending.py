@@ -1,4 +1,4 @@
-"""Bending hinge: b turns against a about one axis, and an elastic-plastic moment resists.
+"""Bending hinge: b rotates against a about one axis, and an elastic-plastic moment resists.
 
     M(theta) by _law.py,   theta by _one_axis.py      (Ambrosio (2003), Fig. 3a)
 

@@ -14,14 +14,16 @@ in every configuration.
 References: Ambrosio (2003), Fig. 3; Bauchau and Trainelli (2003), Nonlinear Dynamics 32, 71-92.
 """
 
+from __future__ import annotations
+
 from functools import partial
 from math import sqrt
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from pydantic import model_validator
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Vec3, quantity, word
 from crashsolve.foundation.angles import FOLDED, rotation_vector, tangent_factor, tangent_map
 from crashsolve.foundation.columns import matvec_t
@@ -45,6 +47,9 @@ from crashsolve.hinges._sections import squash_load
 from crashsolve.joints._card import FRAME, direction
 from crashsolve.joints._rows import square_convective, square_jacobian, square_residual
 from crashsolve.joints.basic import point, rows_of
+
+if TYPE_CHECKING:
+    from crashsolve.hinges._rows.biaxial import History, Output, Parameters
 
 __all__ = ["LEDGER", "release_rows"]
 CONSTRAINTS = (point,)
@@ -83,7 +88,7 @@ class Biaxial(PairCard):
     )
 
     @model_validator(mode="after")
-    def _both_of_a_direction(self) -> "Biaxial":
+    def _both_of_a_direction(self) -> Biaxial:
         if self.second_stiffness is not None and self.second_curve is None:
             raise ValueError("second_stiffness: needs second_curve beside it")
         return self
@@ -112,13 +117,13 @@ OUTPUT = COMMON + Record("""
     moment          N m    2  about side and about axis x side, positive rotates b back
     angle           rad    2  theta
     rate            rad/s  2  of the angle
-    plastic_angle   rad    2  sum of plastic turns in both directions
+    plastic_angle   rad    2  sum of plastic rotations in both directions
     residual_angle  rad    2  that would be left without moment
     peak_axial      N         largest force along the beam so far, in magnitude
 """)
 
 
-def build(card: Biaxial, scene: Scene) -> dict[str, Any]:
+def build(card: Biaxial, scene: Scene) -> Columns:
     frame = dict(scene.joint_frame(card))
     beam, side = direction(card, scene, "axis"), across(card, "side", scene)
     for end in "ab":
@@ -138,21 +143,21 @@ def build(card: Biaxial, scene: Scene) -> dict[str, Any]:
     )
 
 
-def initial_history(card: Biaxial, p: Any, scene: Scene) -> dict[str, Any]:
+def initial_history(card: Biaxial, p: np.void, scene: Scene) -> Columns:
     spin, A = motion_of(scene, p)[1], scene.matrix(p["node_a"])
     across = np.hypot(spin @ (A @ p["side_a"]), spin @ (A @ p["third_a"]))
     return at_start(p, float(p["tip"] * across))
 
 
 @kernel
-def residual(p, old, new, t, nodes, rows, curves):
+def residual(p: Parameters, old: History, new: History, t, nodes, rows, curves):
     """Writes: rows.phi."""
     crossed = square_residual(p, p.side_a, p.third_b, nodes)
     rows[p.first_row + 3].phi = square_residual(p, p.third_a, p.side_b, nodes) - crossed
 
 
 @kernel
-def jacobian(p, old, t, nodes, rows, curves):
+def jacobian(p: Parameters, old: History, t, nodes, rows, curves):
     """Writes: rows.D, nu."""
     row = rows[p.first_row + 3]
     D = row.D
@@ -164,14 +169,14 @@ def jacobian(p, old, t, nodes, rows, curves):
 
 
 @kernel
-def convective(p, old, t, nodes, rows, curves):
+def convective(p: Parameters, old: History, t, nodes, rows, curves):
     """Writes: rows.gamma."""
     crossed = square_convective(p, p.side_a, p.third_b, nodes)
     rows[p.first_row + 3].gamma = square_convective(p, p.third_a, p.side_b, nodes) - crossed
 
 
 @kernel
-def seen_by(p, nodes):
+def seen_by(p: Parameters, nodes):
     """Both angles, the world directions of their torques, |theta| [rad] and |T|^2."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     theta = rotation_vector(a, b, p.reference)
@@ -189,7 +194,7 @@ def seen_by(p, nodes):
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     seen, g, q, size, stretch = seen_by(p, nodes)
     if size > FOLDED:
@@ -218,7 +223,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def axial_force(p, a, rows):
+def axial_force(p: Parameters, a, rows):
     """Reaction on b of the point along the beam, of the last step; compression if positive [N]."""
     k = p.first_row
     reaction = (rows[k].reaction, rows[k + 1].reaction, rows[k + 2].reaction)
@@ -226,7 +231,7 @@ def axial_force(p, a, rows):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
     seen, g, q, _, _ = seen_by(p, nodes)
     one, other = _pair.tangent(p, state, seen, curves)
@@ -238,6 +243,6 @@ def tangent(p, state, nodes, curves, rows, first):
 
 
 @kernel
-def event(p, old, h, nodes, curves):
+def event(p: Parameters, old: History, h, nodes, curves):
     """How far this has left the branch of the law on which the step began [rad]."""
     return _pair.beyond(p, old, h, seen_by(p, nodes)[0], curves)

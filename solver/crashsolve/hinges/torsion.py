@@ -1,4 +1,4 @@
-"""Torsion hinge: b turns against a about the axis of the beam against an elastic-plastic torque.
+"""Torsion hinge: b rotates against a about the axis of the beam against an elastic-plastic torque.
 
     M(theta) by _law.py,   theta by _one_axis.py      (Ambrosio (2003), Fig. 3c)
 

@@ -36,7 +36,7 @@ MANY = 8  # passes for the stages of a step, after which the next is no longer
 # the factors of a step serve the next, of hardly another length, where few iterations were enough
 FEW, CLOSE = 4, 0.02
 ATTEMPTS = 300  # at one step: what takes more will not end
-ONSET = 1e-4  # of the way in the step, by which what begins may be passed
+ONSET = 1e-4  # of the displacement in the step, by which an onset may be passed
 
 
 @stage
@@ -114,7 +114,7 @@ def take(h, clock, nodes, rows, saddle, scene):
             bracket, trial, found = seek(bracket, h, trial, gap)
             if not found:
                 continue
-        # past the end of a table on the way to the solution is no fault
+        # past the end of a table in an iteration is no fault
         scene.curves[0].fault = 0
         arrive(trial, clock, nodes, rows, saddle, scene)
         wanted = judge(trial, clock, nodes, scene)
@@ -158,7 +158,7 @@ def judge(h, clock, nodes, scene):
     speed = reference_speed(clock)
     error = estimate(h, clock, nodes, scene, control.length, speed)
     if control.fixed_step > 0.0:
-        # nobody chooses the step by it, but its equations are solved better; nothing is known of a
+        # the step is not chosen by it, but its equations are solved better; nothing is known of a
         # step that ends at a kink, nor of one that begins there
         clock.error = error if clock.kinked == 0 else 0.0
         return 0.0

@@ -29,11 +29,11 @@ from crashsolve.system.loops.tangents import bend, tangents
 from crashsolve.system.placeholders import JOINTS
 
 PASSES = 40
-# largest turn [rad] and way (over the model's size) of a correction
+# largest rotation [rad] and displacement (over the model's size) of a correction
 LARGEST_ROTATION, LARGEST_DISPLACEMENT = 0.3, 0.2
 # a correction that falls no more is round-off below this, in the model's size or rad
 STAGNATION_TOLERANCE = 1e-9
-# the foreseen error of the pass over what the run may leave of the way
+# the foreseen error of the pass over the allowed remaining displacement
 CARE = 0.03
 
 

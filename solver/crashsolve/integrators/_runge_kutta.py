@@ -61,7 +61,7 @@ from crashsolve.system.onset import first_gap, open_bracket, seek
 from crashsolve.system.placeholders import CONTACTS, DENSE, EVENTS, JOINTS, ONSETS
 from crashsolve.system.timestep import fit, wanted_step
 
-ONSET = 1e-4  # of the way in the step: by so much what begins may be passed at most
+ONSET = 1e-4  # of the displacement in the step: by so much an onset may be passed at most
 LOCATIONS = 10  # tries of the dense output, before bisection
 ATTEMPTS = 300  # at one step: what takes more will not end
 SAMPLE = STAGES + EXTRA  # as a stage: the position within a step where a sample is

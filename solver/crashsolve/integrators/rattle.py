@@ -150,7 +150,8 @@ def set_positions(h, clock, nodes, rows, saddle, scene):
             clear_trial(rows, nodes)
             continue
         # far apart in mass and inertia, or in a sharp turn, D of the start is no guide any more;
-        # past a singular configuration it points the wrong way: begin anew along D of the end
+        # past a singular configuration it points in the wrong direction: start again along D of the
+        # end
         anew = worst > 0.5 * previous and not renewed
         if anew or (iteration >= 3 and worst > 0.1 * previous):
             factor_at_the_end(anew, h, clock, nodes, rows, saddle, scene)

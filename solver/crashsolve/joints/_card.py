@@ -4,7 +4,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 from crashsolve.foundation.record import Record
 
@@ -41,7 +41,7 @@ class AxisJointCard(JointCard):
     axis: Vec3 = word("direction of the joint axis at the start, in `frame`; any length")
 
 
-def own_frame(card: JointCard, scene: Scene) -> dict[str, Any]:
+def own_frame(card: JointCard, scene: Scene) -> Columns:
     """Bodies and points of a joint, and its axes where it has some: `build` of most joints."""
     return dict(scene.joint_frame(card))
 
@@ -52,7 +52,7 @@ def direction(card: Any, scene: Scene, field: str) -> np.ndarray:
     return u if card.frame == "world" else scene.matrix(scene.node(card.frame)) @ u
 
 
-def named_frame(scene: Scene, field: str, name: str, motion: str) -> dict[str, Any]:
+def named_frame(scene: Scene, field: str, name: str, motion: str) -> Columns:
     """Columns of a joint that another card names, which must have a motion."""
     scene.refuse_joint(name, (motion,), field)
     try:

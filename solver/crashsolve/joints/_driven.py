@@ -8,11 +8,9 @@ Integrals of the cubics are exact. Consequence to test: a measured pulse gives t
 the area below it, and the stroke that is the integral of that, to the last digits.
 """
 
-from typing import Any
-
 from pydantic import model_validator
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, CurveName, word
 from crashsolve.foundation.curve import curve_area, curve_moment, curve_value
 from crashsolve.foundation.kernels import kernel
@@ -65,7 +63,7 @@ class DrivenCard(Card):
 
 def motion(
     card: DrivenCard, scene: Scene, coordinate: float, rate: float, tolerance: float
-) -> dict[str, Any]:
+) -> Columns:
     """Columns of MOTION, so that the coordinate begins as the model stands, and a velocity too.
 
     `coordinate` and `rate` are those of the bodies at the start.

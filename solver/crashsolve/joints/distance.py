@@ -6,9 +6,11 @@ lambda is the force in the rod, compression positive. Consequence to test: five 
 a particle on a rod is a pendulum.
 """
 
-from typing import Any
+from __future__ import annotations
 
-from crashsolve.deck.building import Scene
+from typing import TYPE_CHECKING
+
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import point_velocity
@@ -16,6 +18,9 @@ from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import cross, dot, scale, sub
 from crashsolve.joints._card import POINTS
 from crashsolve.joints._rows import centripetal, separation, write_row
+
+if TYPE_CHECKING:
+    from crashsolve.joints._rows.distance import Parameters
 
 CONSTRAINTS = ()
 ROWS = 1
@@ -35,7 +40,7 @@ class Distance(Card):
     )
 
 
-def build(card: Distance, scene: Scene) -> dict[str, Any]:
+def build(card: Distance, scene: Scene) -> Columns:
     ends = scene.attachments(card)
     start = scene.distance(ends)
     allowed = scene.deck.control.constraint_tolerance * scene.size
@@ -51,14 +56,14 @@ def build(card: Distance, scene: Scene) -> dict[str, Any]:
 
 
 @kernel
-def residual(p, old, new, t, nodes, rows, curves):
+def residual(p: Parameters, old, new, t, nodes, rows, curves):
     """Writes: rows.phi."""
     d, _, _ = separation(nodes[p.node_a], nodes[p.node_b], p.point_a, p.point_b)
     rows[p.first_row].phi = 0.5 * (dot(d, d) / p.length - p.length)
 
 
 @kernel
-def jacobian(p, old, t, nodes, rows, curves):
+def jacobian(p: Parameters, old, t, nodes, rows, curves):
     """Writes: rows.D, nu."""
     d, s_a, s_b = separation(nodes[p.node_a], nodes[p.node_b], p.point_a, p.point_b)
     u = scale(1.0 / p.length, d)
@@ -66,7 +71,7 @@ def jacobian(p, old, t, nodes, rows, curves):
 
 
 @kernel
-def convective(p, old, t, nodes, rows, curves):
+def convective(p: Parameters, old, t, nodes, rows, curves):
     """Writes: rows.gamma."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     d, s_a, s_b = separation(a, b, p.point_a, p.point_b)

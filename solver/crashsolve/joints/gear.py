@@ -1,21 +1,26 @@
 """Gear: the angles of two named joints turn in a fixed ratio.
 
-    Phi = theta_2 - ratio theta_1 = 0      (angles since the start, with all turns)
+    Phi = theta_2 - ratio theta_1 = 0      (angles since the start, over all revolutions)
 
 The row has two parts, one per joint; its torques act between the bodies of each joint, so that a
-housing feels the difference. Consequence to test: a torque T on wheel 1 turns both wheels with
+housing receives the difference. Consequence to test: a torque T on wheel 1 turns both wheels with
 theta_1_ddot = T / (J_1 + ratio^2 J_2).
 """
 
-from typing import Any
+from __future__ import annotations
 
-from crashsolve.deck.building import Scene
+from typing import TYPE_CHECKING
+
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, JointName, quantity, word
 from crashsolve.foundation.angles import FULL_TURN, angle_about, angle_jacobian_rate, counted
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.joints._card import named_frame
 from crashsolve.joints._rows import rotation_jacobian, scale_row
+
+if TYPE_CHECKING:
+    from crashsolve.joints._rows.gear import History, Parameters
 
 COUNTS_ROTATIONS = True
 CONSTRAINTS = ()
@@ -31,8 +36,8 @@ PARAMETERS = FULL_TURN + Record("""
     ratio   1         angle of the second over angle of the first
 """)
 HISTORY = Record("""
-    first   rad  angle of the first joint, with all turns
-    second  rad  angle of the second joint, with all turns
+    first   rad  angle of the first joint, over all revolutions
+    second  rad  angle of the second joint, over all revolutions
 """)
 
 
@@ -46,7 +51,7 @@ class Gear(Card):
     )
 
 
-def build(card: Gear, scene: Scene) -> dict[str, Any]:
+def build(card: Gear, scene: Scene) -> Columns:
     if card.first == card.second:
         raise scene.fail("couples a joint with itself; name another", "second")
     if card.ratio == 0.0:
@@ -59,7 +64,7 @@ def build(card: Gear, scene: Scene) -> dict[str, Any]:
 
 
 @kernel
-def residual(p, old, new, t, nodes, rows, curves):
+def residual(p: Parameters, old: History, new: History, t, nodes, rows, curves):
     """Writes: rows.phi, new."""
     first = angle_about(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_a, p.side_b)
     second = angle_about(nodes[p.node_c], nodes[p.node_d], p.axis_c, p.side_c, p.side_d)
@@ -69,7 +74,7 @@ def residual(p, old, new, t, nodes, rows, curves):
 
 
 @kernel
-def jacobian(p, old, t, nodes, rows, curves):
+def jacobian(p: Parameters, old: History, t, nodes, rows, curves):
     """Writes: rows.D, nu."""
     r = p.first_row
     rotation_jacobian(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_b, rows[r])
@@ -78,7 +83,7 @@ def jacobian(p, old, t, nodes, rows, curves):
 
 
 @kernel
-def convective(p, old, t, nodes, rows, curves):
+def convective(p: Parameters, old: History, t, nodes, rows, curves):
     """Writes: rows.gamma."""
     first = angle_jacobian_rate(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_b)
     second = angle_jacobian_rate(nodes[p.node_c], nodes[p.node_d], p.axis_c, p.side_d)

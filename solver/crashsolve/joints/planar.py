@@ -16,4 +16,4 @@ PARAMETERS, build = FRAME, own_frame
 
 
 class Planar(AxisJointCard):
-    """b slides and turns on a plane fixed in a; `axis` is the plane's normal."""
+    """b slides and rotates on a plane fixed in a; `axis` is the plane's normal."""

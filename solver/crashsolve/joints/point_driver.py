@@ -6,11 +6,11 @@ lambda is the driving force on the body. Consequence to test: a pendulum whose p
 A sin(omega t) swings as if gravity were shaken.
 """
 
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Vec3, quantity, word
 from crashsolve.foundation.record import Record
 from crashsolve.joints._card import POINTS, direction
@@ -60,7 +60,7 @@ class PointDriver(DrivenCard):
     )
 
 
-def build(card: PointDriver, scene: Scene) -> dict[str, Any]:
+def build(card: PointDriver, scene: Scene) -> Columns:
     node = scene.node(card.body)
     if node == 0:
         raise scene.fail("the ground cannot be moved; name another body", "body")

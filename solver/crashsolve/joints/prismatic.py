@@ -1,4 +1,4 @@
-"""Prismatic joint (slider): b slides along one axis of a and does not turn against it.
+"""Prismatic joint (slider): b slides along one axis of a and does not rotate against it.
 
     Phi = ( side_a . d,  third_a . d,  side_a . axis_b,  third_a . axis_b,  side_a . third_b ) = 0
 

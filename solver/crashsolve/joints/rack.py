@@ -1,14 +1,16 @@
 """Rack and pinion: the travel of one named joint is the angle of another times the radius.
 
-    Phi = x - R theta = 0      (travel and angle since the start, with all turns)
+    Phi = x - R theta = 0      (travel and angle since the start, over all revolutions)
 
 The row has two parts, one per joint. Consequence to test: a rack of mass m that falls while it
 turns a pinion of inertia J accelerates with m g / (m + J / R^2).
 """
 
-from typing import Any
+from __future__ import annotations
 
-from crashsolve.deck.building import Scene
+from typing import TYPE_CHECKING
+
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, JointName, quantity, word
 from crashsolve.foundation.angles import FULL_TURN, angle_about, angle_jacobian_rate, counted
 from crashsolve.foundation.kernels import kernel
@@ -21,6 +23,9 @@ from crashsolve.joints._rows import (
     slide_jacobian,
     slide_jacobian_rate,
 )
+
+if TYPE_CHECKING:
+    from crashsolve.joints._rows.rack import History, Parameters
 
 COUNTS_ROTATIONS = True
 CONSTRAINTS = ()
@@ -35,7 +40,7 @@ PARAMETERS = FULL_TURN + Record("""
     axis_c   1      3  axis of the rack's joint, axes of its a
     radius   m         R
 """)
-HISTORY = Record("angle  rad  angle of the pinion, with all turns")
+HISTORY = Record("angle  rad  angle of the pinion, over all revolutions")
 
 
 class Rack(Card):
@@ -48,7 +53,7 @@ class Rack(Card):
     )
 
 
-def build(card: Rack, scene: Scene) -> dict[str, Any]:
+def build(card: Rack, scene: Scene) -> Columns:
     if card.radius == 0.0:
         raise scene.fail("must not be 0", "radius")
     one = named_frame(scene, "pinion", card.pinion, "angle")
@@ -60,7 +65,7 @@ def build(card: Rack, scene: Scene) -> dict[str, Any]:
 
 
 @kernel
-def residual(p, old, new, t, nodes, rows, curves):
+def residual(p: Parameters, old: History, new: History, t, nodes, rows, curves):
     """Writes: rows.phi, new."""
     angle = angle_about(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_a, p.side_b)
     new.angle = counted(angle, old.angle)
@@ -69,7 +74,7 @@ def residual(p, old, new, t, nodes, rows, curves):
 
 
 @kernel
-def jacobian(p, old, t, nodes, rows, curves):
+def jacobian(p: Parameters, old: History, t, nodes, rows, curves):
     """Writes: rows.D, nu."""
     r, c, d = p.first_row, nodes[p.node_c], nodes[p.node_d]
     rotation_jacobian(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_b, rows[r])
@@ -78,7 +83,7 @@ def jacobian(p, old, t, nodes, rows, curves):
 
 
 @kernel
-def convective(p, old, t, nodes, rows, curves):
+def convective(p: Parameters, old: History, t, nodes, rows, curves):
     """Writes: rows.gamma."""
     turning = angle_jacobian_rate(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_b)
     sliding = slide_jacobian_rate(nodes[p.node_c], nodes[p.node_d], p.point_c, p.point_d, p.axis_c)

@@ -1,4 +1,4 @@
-"""Turn driver: the angle of a named joint follows a curve of time, over any number of turns.
+"""Rotation driver: the angle of a named joint follows a curve of time, over all revolutions.
 
     Phi = theta - x(t),   nu = x'(t),   Phi_tt = -x''(t)     (x: _driven.py)
 
@@ -6,9 +6,11 @@ lambda is the driving torque on body b. Consequence to test: a disc driven by f 
 needs the torque J alpha, and the driver's work is its kinetic energy.
 """
 
-from typing import Any, ClassVar
+from __future__ import annotations
 
-from crashsolve.deck.building import Scene
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import JointName, word
 from crashsolve.foundation.angles import angle_about, angle_jacobian_rate, counted
 from crashsolve.foundation.kernels import kernel
@@ -16,6 +18,9 @@ from crashsolve.foundation.record import Record
 from crashsolve.joints._card import named_frame
 from crashsolve.joints._driven import MOTION, DrivenCard, driven, motion
 from crashsolve.joints._rows import rotation_jacobian
+
+if TYPE_CHECKING:
+    from crashsolve.joints._rows.rotation_driver import History, Parameters
 
 COUNTS_ROTATIONS = True
 CONSTRAINTS = ()
@@ -32,7 +37,7 @@ PARAMETERS = (
 """)
     + MOTION
 )
-HISTORY = Record("angle  rad  theta, with all turns")
+HISTORY = Record("angle  rad  theta, over all revolutions")
 
 
 class RotationDriver(DrivenCard):
@@ -47,7 +52,7 @@ class RotationDriver(DrivenCard):
     joint: JointName = word("joint that has an angle: revolute, cylindrical, ...")
 
 
-def build(card: RotationDriver, scene: Scene) -> dict[str, Any]:
+def build(card: RotationDriver, scene: Scene) -> Columns:
     frame = named_frame(scene, "joint", card.joint, "angle")
     columns = frame | motion(
         card, scene, 0.0, turn_rate(frame, scene), scene.deck.control.constraint_tolerance
@@ -62,7 +67,7 @@ def turn_rate(frame: dict[str, Any], scene: Scene) -> float:
 
 
 @kernel
-def residual(p, old, new, t, nodes, rows, curves):
+def residual(p: Parameters, old: History, new: History, t, nodes, rows, curves):
     """Writes: rows.phi, new."""
     angle = angle_about(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_a, p.side_b)
     new.angle = counted(angle, old.angle)
@@ -71,7 +76,7 @@ def residual(p, old, new, t, nodes, rows, curves):
 
 
 @kernel
-def jacobian(p, old, t, nodes, rows, curves):
+def jacobian(p: Parameters, old: History, t, nodes, rows, curves):
     """Writes: rows.D, nu."""
     _, x_dot, _ = driven(p, curves, t)
     rotation_jacobian(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_b, rows[p.first_row])
@@ -79,7 +84,7 @@ def jacobian(p, old, t, nodes, rows, curves):
 
 
 @kernel
-def convective(p, old, t, nodes, rows, curves):
+def convective(p: Parameters, old: History, t, nodes, rows, curves):
     """Writes: rows.gamma."""
     _, _, x_ddot = driven(p, curves, t)
     turning = angle_jacobian_rate(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_b)

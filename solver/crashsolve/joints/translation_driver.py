@@ -6,17 +6,22 @@ lambda is the driving force on body b. Consequence to test: a mass driven by f =
 needs the force -m A omega^2 sin(omega t).
 """
 
-from typing import Any, ClassVar
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import JointName, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.joints._card import POINTS, named_frame
 from crashsolve.joints._driven import MOTION, DrivenCard, driven, motion
 from crashsolve.joints._rows import slide_along, slide_jacobian, slide_jacobian_rate
+
+if TYPE_CHECKING:
+    from crashsolve.joints._rows.translation_driver import Parameters
 
 CONSTRAINTS = ()
 ROWS = 1
@@ -43,7 +48,7 @@ class TranslationDriver(DrivenCard):
     joint: JointName = word("joint that has a travel: prismatic, cylindrical, ...")
 
 
-def build(card: TranslationDriver, scene: Scene) -> dict[str, Any]:
+def build(card: TranslationDriver, scene: Scene) -> Columns:
     frame = named_frame(scene, "joint", card.joint, "travel")
     tolerance = scene.deck.control.constraint_tolerance * scene.size
     columns = frame | motion(card, scene, 0.0, slide_rate(frame, scene), tolerance)
@@ -60,7 +65,7 @@ def slide_rate(frame: dict[str, Any], scene: Scene) -> float:
 
 
 @kernel
-def residual(p, old, new, t, nodes, rows, curves):
+def residual(p: Parameters, old, new, t, nodes, rows, curves):
     """Writes: rows.phi."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     x, _, _ = driven(p, curves, t)
@@ -69,7 +74,7 @@ def residual(p, old, new, t, nodes, rows, curves):
 
 
 @kernel
-def jacobian(p, old, t, nodes, rows, curves):
+def jacobian(p: Parameters, old, t, nodes, rows, curves):
     """Writes: rows.D, nu."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     _, x_dot, _ = driven(p, curves, t)
@@ -78,7 +83,7 @@ def jacobian(p, old, t, nodes, rows, curves):
 
 
 @kernel
-def convective(p, old, t, nodes, rows, curves):
+def convective(p: Parameters, old, t, nodes, rows, curves):
     """Writes: rows.gamma."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     _, _, x_ddot = driven(p, curves, t)

@@ -8,15 +8,20 @@ the shafts.
 Reference: Seherr-Thoss, Schmelz and Aucktor (2006), Universal Joints and Driveshafts, ch. 1.
 """
 
-from typing import Any
+from __future__ import annotations
 
-from crashsolve.deck.building import Scene
+from typing import TYPE_CHECKING
+
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Vec3, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.joints._card import POINTS, AxisJointCard, direction
 from crashsolve.joints._rows import square_convective, square_jacobian, square_residual
 from crashsolve.joints.basic import point, rows_of
+
+if TYPE_CHECKING:
+    from crashsolve.joints._rows.universal import Parameters
 
 CONSTRAINTS = (point,)
 ROWS, ANGULAR = rows_of(CONSTRAINTS, True)
@@ -35,7 +40,7 @@ class Universal(AxisJointCard):
     second_axis: Vec3 = word("direction of the axis fixed in b, at right angles to `axis`")
 
 
-def build(card: Universal, scene: Scene) -> dict[str, Any]:
+def build(card: Universal, scene: Scene) -> Columns:
     frame = scene.joint_frame(card)
     first, second = direction(card, scene, "axis"), direction(card, scene, "second_axis")
     cosine = float(first @ second)
@@ -49,18 +54,18 @@ def build(card: Universal, scene: Scene) -> dict[str, Any]:
 
 
 @kernel
-def residual(p, old, new, t, nodes, rows, curves):
+def residual(p: Parameters, old, new, t, nodes, rows, curves):
     """Writes: rows.phi."""
     rows[p.first_row + 3].phi = square_residual(p, p.axis_a, p.axis_b, nodes)
 
 
 @kernel
-def jacobian(p, old, t, nodes, rows, curves):
+def jacobian(p: Parameters, old, t, nodes, rows, curves):
     """Writes: rows.D, nu."""
     square_jacobian(p, p.axis_a, p.axis_b, nodes, rows[p.first_row + 3])
 
 
 @kernel
-def convective(p, old, t, nodes, rows, curves):
+def convective(p: Parameters, old, t, nodes, rows, curves):
     """Writes: rows.gamma."""
     rows[p.first_row + 3].gamma = square_convective(p, p.axis_a, p.axis_b, nodes)

@@ -6,11 +6,9 @@ Consequence to test: no degree of freedom; two welded halves fall and spin as th
 moment on a cantilever of length L is m g L / 2.
 """
 
-from typing import Any
-
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.joints._card import FRAME, JointCard
 from crashsolve.joints.basic import parallel, point, rows_of, square
 
@@ -23,7 +21,7 @@ class Weld(JointCard):
     """Fixes b to a; the reaction is reported at `at`."""
 
 
-def build(card: Weld, scene: Scene) -> dict[str, Any]:
+def build(card: Weld, scene: Scene) -> Columns:
     frame = dict(scene.joint_frame(card))
     for name, u in zip(("axis", "side", "third"), np.eye(3), strict=True):
         frame[f"{name}_a"] = scene.rotation_to_body(frame["node_a"], u)

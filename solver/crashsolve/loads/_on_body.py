@@ -2,7 +2,7 @@
 
 from typing import Any, ClassVar, Literal
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, CurveName, word
 from crashsolve.foundation.curve import curve_value
 from crashsolve.foundation.kernels import kernel
@@ -31,7 +31,7 @@ BODY_LOAD = Record("""
 """)
 
 
-def body_load(card: Any, vector: Any, scene: Scene) -> dict[str, Any]:
+def body_load(card: Any, vector: Any, scene: Scene) -> Columns:
     """Parameters of a load from the words of its card."""
     if card.body == "ground":
         raise scene.fail("the ground does not move; name a body", "body")

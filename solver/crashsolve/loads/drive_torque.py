@@ -7,9 +7,11 @@ and nothing comes from outside. Consequence to test: with a flywheel J_e behind 
 wheel J_w takes T n / (J_w + n^2 J_e) from the torque T on the flywheel.
 """
 
-from typing import Any, ClassVar
+from __future__ import annotations
 
-from crashsolve.deck.building import Scene
+from typing import TYPE_CHECKING, ClassVar
+
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, CurveName, JointName, quantity, word
 from crashsolve.foundation.angles import angle_gradient
 from crashsolve.foundation.curve import curve_value
@@ -17,6 +19,9 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import apply_torque
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, put, scale, sub, vec
+
+if TYPE_CHECKING:
+    from crashsolve.loads._rows.drive_torque import History, Output, Parameters
 
 
 class DriveTorque(Card):
@@ -47,7 +52,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: DriveTorque, scene: Scene) -> dict[str, Any]:
+def build(card: DriveTorque, scene: Scene) -> Columns:
     scene.refuse_joint(card.joint, ("angle",), "joint")
     frame = scene.joints[card.joint].frame
     return {
@@ -61,7 +66,7 @@ def build(card: DriveTorque, scene: Scene) -> dict[str, Any]:
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     factor = 1.0

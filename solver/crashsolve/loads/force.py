@@ -5,9 +5,11 @@
 Consequence to test: a constant force F in world axes does the work F . (x - x_0).
 """
 
-from typing import Any
+from __future__ import annotations
 
-from crashsolve.deck.building import Scene
+from typing import TYPE_CHECKING
+
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Vec3, quantity
 from crashsolve.foundation.columns import matvec
 from crashsolve.foundation.kernels import kernel
@@ -15,6 +17,9 @@ from crashsolve.foundation.motion import apply_external, arm, point_velocity
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, put, vec
 from crashsolve.loads._on_body import BODY_LOAD, BodyLoadCard, body_load, present_load
+
+if TYPE_CHECKING:
+    from crashsolve.loads._rows.force import History, Output, Parameters
 
 
 class Force(BodyLoadCard):
@@ -31,13 +36,13 @@ HISTORY = Record()
 OUTPUT = Record("force  N  3  world axes")
 
 
-def build(card: Force, scene: Scene) -> dict[str, Any]:
+def build(card: Force, scene: Scene) -> Columns:
     load = body_load(card, card.force, scene)
     return load | {"point": scene.from_mass_centre(load["node"], card.at)}
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, out."""
     body = nodes[p.node]
     f = present_load(p, t, nodes, curves)
@@ -50,6 +55,6 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def present(p, out, A):
+def present(p: Parameters, out: Output, A):
     """Present force, its arm in a body rotated by A, and torque; world axes."""
     return vec(out.force), matvec(A, vec(p.point)), (0.0, 0.0, 0.0)

@@ -3,9 +3,11 @@
 f_i = m_i g,   potential energy -m_i g . r_i
 """
 
-from typing import Any
+from __future__ import annotations
 
-from crashsolve.deck.building import Scene
+from typing import TYPE_CHECKING
+
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, Vec3, quantity
 from crashsolve.foundation.columns import add_to
 from crashsolve.foundation.kernels import kernel
@@ -13,6 +15,9 @@ from crashsolve.foundation.motion import act_from_outside, apply_external
 from crashsolve.foundation.point import ATTACHED
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add_scaled, cross, dot, put, scale, vec
+
+if TYPE_CHECKING:
+    from crashsolve.loads._rows.gravity import History, Output, Parameters
 
 LEDGER = "potential"
 AMPLITUDE = "acceleration"
@@ -29,7 +34,7 @@ HISTORY = Record()
 OUTPUT = Record("force  N  3  total weight")
 
 
-def build(card: Gravity, scene: Scene) -> dict[str, Any]:
+def build(card: Gravity, scene: Scene) -> Columns:
     fields = [
         name for name, entry in scene.deck.entries["loads"].items() if entry.type == "gravity"
     ]
@@ -40,7 +45,7 @@ def build(card: Gravity, scene: Scene) -> dict[str, Any]:
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, out."""
     zero = (0.0, 0.0, 0.0)
     g = vec(p.acceleration)
@@ -57,7 +62,9 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def force_on_points(p, old, new, out, t, h, nodes, curves, scene):
+def force_on_points(
+    p: Parameters, old: History, new: History, out: Output, t, h, nodes, curves, scene
+):
     """The same of points that ride on no body. Writes: scene.points, nodes, out."""
     g, points = vec(p.acceleration), scene.points
     mass, position = 0.0, (0.0, 0.0, 0.0)

@@ -8,11 +8,13 @@ a mesh of equal elements: half at its ends.
 Consequence to test: F turns nothing if all nodes of a shell share it by their masses.
 """
 
-from typing import Any, ClassVar, Literal
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, CurveName, PartName, SetName, Vec3, quantity, word
 from crashsolve.foundation.columns import add_to
 from crashsolve.foundation.curve import curve_value
@@ -20,6 +22,9 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import act_from_outside
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add_scaled, cross, dot, put, scale, vec
+
+if TYPE_CHECKING:
+    from crashsolve.loads._rows.nodal_force import History, Output, Parameters
 
 
 class NodalForce(Card):
@@ -47,7 +52,7 @@ HISTORY = Record("factor  1  phi at the last step")
 OUTPUT = Record("force  N  3  total, world axes")
 
 
-def build(card: NodalForce, scene: Scene) -> dict[str, Any]:
+def build(card: NodalForce, scene: Scene) -> Columns:
     meshed, _, _ = scene.skin(card.part, "part")
     own = meshed.set_of(card.nodes, "nodes", scene)
     return {
@@ -65,7 +70,7 @@ def members(card: NodalForce, scene: Scene) -> np.ndarray:
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: out, new."""
     factor = 1.0
     if p.curve > 0:
@@ -76,7 +81,9 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def force_on_points(p, old, new, out, t, h, nodes, curves, scene, members):
+def force_on_points(
+    p: Parameters, old: History, new: History, out: Output, t, h, nodes, curves, scene, members
+):
     """The share of every node. Writes: scene.points, nodes, out."""
     f, points = vec(out.force), scene.points
     position = velocity = (0.0, 0.0, 0.0)

@@ -14,13 +14,15 @@ Reference: Coulter (1992), Implementation of the pure pursuit path tracking algo
 Mellon University CMU-RI-TR-92-01.
 """
 
+from __future__ import annotations
+
 from importlib import import_module
 from math import atan, atan2, cos
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, CurveName, JointName, Vec3, quantity, word
 from crashsolve.foundation.angles import angle_about, angle_gradient, counted
 from crashsolve.foundation.curve import curve_value
@@ -38,6 +40,9 @@ from crashsolve.foundation.motion import (
 )
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, scale, sub, vec
+
+if TYPE_CHECKING:
+    from crashsolve.loads._rows.path_steering import History, Output, Parameters
 
 # iterations of the search for the path, and where it is close enough, over the distance ahead
 PASSES, CLOSE = 20, 1e-12
@@ -107,7 +112,7 @@ PARAMETERS = Record("""
     relaxation  s       c / k
 """)
 AMPLITUDE = "stiffness"
-HISTORY = Record("angle  rad  of the joint, with all turns")
+HISTORY = Record("angle  rad  of the joint, over all revolutions")
 OUTPUT = Record("""
     force   N or N m   F, on the second body of the joint
     steer   rad        delta that the driver asks for
@@ -119,7 +124,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: PathSteering, scene: Scene) -> dict[str, Any]:
+def build(card: PathSteering, scene: Scene) -> Columns:
     scene.refuse_joint(card.joint, ("travel", "angle"), "joint")
     if card.ratio == 0.0:
         raise scene.fail("must not be 0: the driver would never steer", "ratio")
@@ -160,7 +165,7 @@ def build(card: PathSteering, scene: Scene) -> dict[str, Any]:
 
 
 @kernel
-def sight(p, nodes, curves):
+def sight(p: Parameters, nodes, curves):
     """delta that he asks for [rad], offset of the path ahead [m], that of the vehicle [m]."""
     body, up = nodes[p.vehicle], vec(p.up)
     x = sub(world_position(body, vec(p.at)), vec(p.origin))
@@ -191,7 +196,7 @@ def sight(p, nodes, curves):
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     out.steer, out.ahead, out.offset = sight(p, nodes, curves)

@@ -6,9 +6,11 @@ Positive pressure acts against the normal. Its work is that of the mean force of
 Consequence to test: a flat plate takes p A in all, and a closed body nothing.
 """
 
-from typing import Any, ClassVar, NamedTuple
+from __future__ import annotations
 
-from crashsolve.deck.building import Scene
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
+
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, CurveName, PartName, quantity, word
 from crashsolve.foundation.columns import add_to
 from crashsolve.foundation.curve import curve_value
@@ -18,6 +20,9 @@ from crashsolve.foundation.motion import act_from_outside
 from crashsolve.foundation.point import BLOCKS, LANES
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, put, scale, sub, vec
+
+if TYPE_CHECKING:
+    from crashsolve.loads._rows.pressure import History, Output, Parameters
 
 
 class Pressure(Card):
@@ -47,7 +52,7 @@ FORCE, TOTAL, MOMENT, WORK = (3 * NEXT + k for k in (0, 3, 6, 9))
 EMPTY = FORCE + NEXT + 3
 
 
-def build(card: Pressure, scene: Scene) -> dict[str, Any]:
+def build(card: Pressure, scene: Scene) -> Columns:
     if scene.can_fail(card.part):
         message = (
             f"the elements of '{card.part}' may be deleted (failure_strain): load its nodes instead"
@@ -66,7 +71,7 @@ def build(card: Pressure, scene: Scene) -> dict[str, Any]:
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: out, new."""
     factor = 1.0
     if p.curve > 0:
@@ -87,7 +92,7 @@ class Elements(NamedTuple):
 
 
 @kernel
-def load_elements(p, old, out, h, scene):
+def load_elements(p: Parameters, old: History, out: Output, h, scene):
     """Forces on blocks of elements. Writes: scene.points, work, block_sums."""
     clear(scene.work)
     filled = (p.quads + LANES - 1) // LANES
@@ -100,7 +105,7 @@ def load_elements(p, old, out, h, scene):
 
 
 @kernel
-def add_up(p, out, h, nodes, block_sums):
+def add_up(p: Parameters, out: Output, h, nodes, block_sums):
     """What all blocks come to, one after the other. Writes: nodes, out."""
     total = moment = (0.0, 0.0, 0.0)
     work = 0.0
@@ -148,7 +153,7 @@ def clear(work):
 
 @inlined
 def row_of(work, quantity, c, e):
-    """Place [m] or velocity [m/s] of a corner."""
+    """Position [m] or velocity [m/s] of a corner."""
     at = LANES * (NEXT * quantity + 3 * c) + e
     return work[at], work[at + LANES], work[at + 2 * LANES]
 

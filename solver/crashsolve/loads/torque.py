@@ -5,15 +5,20 @@
 Consequence to test: a disc of inertia J under constant T about its axis turns by T t^2 / 2J.
 """
 
-from typing import Any
+from __future__ import annotations
 
-from crashsolve.deck.building import Scene
+from typing import TYPE_CHECKING
+
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Vec3, quantity
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import apply_external
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, put, vec
 from crashsolve.loads._on_body import BODY_LOAD, BodyLoadCard, body_load, present_load
+
+if TYPE_CHECKING:
+    from crashsolve.loads._rows.torque import History, Output, Parameters
 
 
 class Torque(BodyLoadCard):
@@ -29,12 +34,12 @@ HISTORY = Record()
 OUTPUT = Record("torque  N m  3  world axes")
 
 
-def build(card: Torque, scene: Scene) -> dict[str, Any]:
+def build(card: Torque, scene: Scene) -> Columns:
     return body_load(card, card.torque, scene)
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, out."""
     torque = present_load(p, t, nodes, curves)
     zero = (0.0, 0.0, 0.0)
@@ -46,6 +51,6 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def present(p, out, A):
+def present(p: Parameters, out: Output, A):
     """Present force, its arm in a body rotated by A, and torque; world axes."""
     return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), vec(out.torque)

@@ -13,7 +13,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
+from crashsolve.deck.card import Card
 from crashsolve.deck.family import ANY, FIRST, Family
 from crashsolve.foundation.record import Record
 
@@ -29,19 +30,19 @@ class MaterialLaw(Protocol):
     LARGE_STRAIN: bool  # whether strain across the thickness is logarithmic, and stiffness grows
     DISSIPATES: bool  # whether some of the work on it is lost
 
-    def build(self, card: Any, scene: Scene) -> dict[str, Any]:
+    def build(self, card: Any, scene: Scene) -> Columns:
         """Columns of PARAMETERS."""
 
-    def layer_rows(self, card: Any) -> int:
+    def layer_rows(self, card: Card) -> int:
         """Rows of a layer of this card."""
 
-    def initial_layer(self, card: Any, scene: Scene) -> np.ndarray:
+    def initial_layer(self, card: Card, scene: Scene) -> np.ndarray:
         """Their values at the start."""
 
-    def stored(self, card: Any, layer: np.ndarray) -> np.ndarray:
+    def stored(self, card: Card, layer: np.ndarray) -> np.ndarray:
         """Elastic energy per volume [J/m^3] of layers (..., rows), for pictures."""
 
-    def plastic_strain(self, card: Any, layer: np.ndarray) -> np.ndarray:
+    def plastic_strain(self, card: Card, layer: np.ndarray) -> np.ndarray:
         """Equivalent plastic strain of layers (..., rows), for pictures."""
 
     def update(self, m, blocks, at, d, h, curves):

@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
+from crashsolve.deck.card import Card
 from crashsolve.foundation.kernels import inlined
 from crashsolve.foundation.record import Record, rows_of
 from crashsolve.materials import elastic
@@ -49,9 +50,7 @@ PASSES, CLOSE = 60, 1e-14
 HEATED_FIBRE = FIBRE + Record("temperature  1  from 0 at the start to 1 at melting")
 
 
-def build(
-    card: Any, scene: Scene, kinematic: float, rated: bool, heating: float = 0.0
-) -> dict[str, Any]:
+def build(card: Any, scene: Scene, kinematic: float, rated: bool, heating: float = 0.0) -> Columns:
     """Columns of PARAMETERS; an equilibrium has no rate."""
     rated = rated and scene.deck.control.solution != "quasi_static"
     words = elastic.build(card, scene)
@@ -68,7 +67,7 @@ def build(
     }
 
 
-def plastic_strain(card: Any, layer: np.ndarray) -> np.ndarray:
+def plastic_strain(card: Card, layer: np.ndarray) -> np.ndarray:
     """Equivalent plastic strain [1] of layers (..., rows)."""
     found: np.ndarray = layer[..., LAYER.plastic_strain]
     return found

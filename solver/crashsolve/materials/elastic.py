@@ -5,11 +5,9 @@
 Consequence to test: a bar's elongation is N L / (E A).
 """
 
-from typing import Any
-
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, quantity
 from crashsolve.foundation.kernels import inlined
 from crashsolve.foundation.point import LANES
@@ -38,7 +36,7 @@ SOLID = Record("stress  Pa  6  xx, yy, zz, xy, yz, zx")
 VON_MISES = LARGE_STRAIN = DISSIPATES = False
 
 
-def build(card: Elastic, scene: Scene) -> dict[str, Any]:
+def build(card: Elastic, scene: Scene) -> Columns:
     return {
         "young": card.young,
         "poisson": card.poisson,

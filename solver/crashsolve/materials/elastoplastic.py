@@ -11,12 +11,12 @@ Int. J. Num. Meth. Eng. 22, 649-670. Cowper and Symonds (1957), Strain-hardening
 effects in the impact loading of cantilever beams, Brown University Report 28.
 """
 
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from pydantic import model_validator
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import CurveName, quantity, word
 from crashsolve.foundation.curve import curve_line, curve_value
 from crashsolve.foundation.kernels import inlined
@@ -67,7 +67,7 @@ LARGE_STRAIN = SMOOTH = HEATS = False
 LINE_ROWS = 3
 
 
-def build(card: Elastoplastic, scene: Scene) -> dict[str, Any]:
+def build(card: Elastoplastic, scene: Scene) -> Columns:
     kinematic = card.kinematic * card.hardening
     return _von_mises.build(card, scene, kinematic, card.rate_D is not None) | {
         "yield_stress": card.yield_stress or 0.0,

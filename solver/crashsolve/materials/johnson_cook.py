@@ -14,11 +14,10 @@ strains, high strain rates and high temperatures, 7th Int. Symposium on Ballisti
 """
 
 from math import log
-from typing import Any
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.kernels import inlined
 from crashsolve.foundation.record import Record
@@ -62,7 +61,7 @@ LARGE_STRAIN = False
 MOLTEN = 1e-6
 
 
-def build(card: JohnsonCook, scene: Scene) -> dict[str, Any]:
+def build(card: JohnsonCook, scene: Scene) -> Columns:
     heated = card.heat_share / (card.density * card.melting_heat) if card.melting_heat else 0.0
     return _von_mises.build(card, scene, 0.0, card.rate > 0.0, heated) | {
         "yield_stress": card.yield_stress,

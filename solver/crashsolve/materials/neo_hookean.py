@@ -11,11 +11,10 @@ Reference: Bonet and Wood (2008), Nonlinear Continuum Mechanics for Finite Eleme
 """
 
 from math import exp, expm1, log1p, sqrt
-from typing import Any
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.foundation.kernels import inlined
 from crashsolve.foundation.point import LANES
 from crashsolve.foundation.record import Record, rows_of
@@ -48,7 +47,7 @@ VON_MISES = DISSIPATES = False
 LARGE_STRAIN = True
 
 
-def build(card: NeoHookean, scene: Scene) -> dict[str, Any]:
+def build(card: NeoHookean, scene: Scene) -> Columns:
     return elastic.build(card, scene) | {"volumetric": card.volumetric}
 
 

@@ -29,5 +29,5 @@ class Shared(Card):
 
 
 def build(card: Shared, scene: Scene) -> Mesh:
-    mesh: Mesh = scene.share(card)
+    mesh: Mesh = scene.own_share()
     return mesh

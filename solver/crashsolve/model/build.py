@@ -33,7 +33,12 @@ from crashsolve.model.elements import (
     initial_points,
     tables_of_elements,
 )
-from crashsolve.model.force_columns import FORCE_HISTORY, FORCE_OUTPUT, history_of_force
+from crashsolve.model.force_columns import (
+    FORCE_HISTORY,
+    FORCE_OUTPUT,
+    ROW_PARAMETERS,
+    history_of_force,
+)
 from crashsolve.model.hubs import plan_of
 from crashsolve.model.implicit.assembly import embody
 from crashsolve.model.integrator_selection import Choice, by_default, choose, resolve
@@ -114,7 +119,7 @@ def _build(deck: Deck) -> tuple[Model, State]:
         warnings=scene.warnings,
         citations=citations(_modules(groups, [*contact_groups, *nodal_groups])),
         surfaces=scene.surfaces,
-        elements=tables_of_elements(groups, deck, scene),
+        elements=tables_of_elements(groups, scene),
         nodal_groups=nodal_groups,
         phases=phases,
     )
@@ -283,7 +288,7 @@ def _build_group(keyword: str, entries: list[Entry], scene: Scene) -> Group:
     history = getattr(module, "HISTORY", Record())
     output = getattr(module, "OUTPUT", Record())
     if families()[keyword].has_rows:
-        parameters = parameters + Record("first_row  index  first constraint row")
+        parameters = parameters + ROW_PARAMETERS
     if hasattr(module, "force"):
         try:
             history = history + history_of_force(keyword, module, scene)
@@ -394,7 +399,7 @@ def _state(model: Model, scene: Scene) -> State:
         cards=np.zeros(len(model.contacts), records.CARD_OUTPUT.dtype),
         card_history=card_history,
         ledger=np.zeros(len(ENTRIES)),
-        points=initial_points(model, scene.deck, scene),
+        points=initial_points(model, scene),
         blocks=initial_blocks(model, scene.deck, scene),
         stages=np.zeros(0),
     )

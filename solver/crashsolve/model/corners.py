@@ -41,7 +41,7 @@ def corners(curves: np.ndarray, first: int) -> np.ndarray:
     x, c, length = points["x"], points["c"][:-1], np.diff(points["x"])
     slopes = np.stack([c[:, 1], c[:, 1] + length * (2 * c[:, 2] + 3 * length * c[:, 3])])
     bends = np.stack([2 * c[:, 2], 2 * c[:, 2] + 6 * length * c[:, 3]])
-    # outside it goes on straight, or level where it holds its value
+    # outside it continues straight, or level where it holds its value
     outside = 0.0 if points["beyond"][0] == HOLD else 1.0
     before, after = outside * slopes[0, 0], outside * slopes[1, -1]
     slope_jump = np.diff(np.stack([np.r_[before, slopes[1]], np.r_[slopes[0], after]]), axis=0)[0]

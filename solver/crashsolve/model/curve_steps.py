@@ -83,7 +83,7 @@ def _steps(curves: np.ndarray, first: int) -> tuple[np.ndarray, np.ndarray]:
     starts, steps = [x[0]], [np.inf]
     if pieces.range > 0.0:
         starts, steps = _halved(pieces, float(x[0]), float(x[-1]), (x[-1] - x[0]) * SHORTEST)
-    # beyond its range it goes on straight
+    # beyond its range it continues straight
     return _merged(np.r_[starts, x[-1]], np.r_[steps, np.inf])
 
 

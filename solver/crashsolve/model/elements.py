@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from crashsolve.elements.shells.layout import DiscretisedShell
 from crashsolve.elements.shells.section_cut import CUT, TAP
 from crashsolve.foundation.point import ATTACHED_POINT, LANES, MOTION, POINT
 from crashsolve.model.materials import fill, laws_of, refuse_unlike, with_constants
@@ -29,7 +30,7 @@ def build_elements(entries: list[Entry], scene: Scene) -> Group:
     for row, entry in zip(table, entries, strict=True):
         with scene.building(entry):
             scene.refuse_stepwise(module)
-            values = module.parameters(entry.card, scene)
+            values = module.parameters(scene.meshed(entry.name), scene)
             law, _ = scene.law("materials", entry.card.material)
             refuse_unlike(law, law.PARAMETERS, values["material"])
             fill(row, values)
@@ -41,7 +42,7 @@ def build_elements(entries: list[Entry], scene: Scene) -> Group:
     return Group("parts", word, module, names, table, history, output, materials=numbered)
 
 
-def tables_of_elements(groups: list[Group], deck: Deck, scene: Scene) -> Elements | None:
+def tables_of_elements(groups: list[Group], scene: Scene) -> Elements | None:
     """Corners, attached points of all parts; their positions go to the parts' rows. Writes:
     groups.
     """
@@ -52,7 +53,7 @@ def tables_of_elements(groups: list[Group], deck: Deck, scene: Scene) -> Element
     mass = 0.0
     for group in (g for g in groups if hasattr(g.module, "KINDS")):
         for name, row in zip(group.names, group.parameters, strict=True):
-            meshed = parts[name] = scene.meshed(deck.entries["parts"][name].card)
+            meshed = parts[name] = scene.meshed(name)
             own = meshed.own
             row["first_point"], row["point_count"] = meshed.first + own.start, own.stop - own.start
             row["first"], row["stride"] = first, meshed.stride
@@ -98,7 +99,7 @@ def line_up(count: int) -> np.ndarray:
 
 
 def _attached(
-    meshed: Any, named: list[int], attached: list[tuple[int, int]], scene: Scene
+    meshed: DiscretisedShell, named: list[int], attached: list[tuple[int, int]], scene: Scene
 ) -> np.ndarray:
     """Points of a part that ride on bodies: those of its named nodes, and welded ones."""
     pairs = [*zip(meshed.named, named, strict=True), *attached]
@@ -109,9 +110,9 @@ def _attached(
     return rows
 
 
-def initial_points(model: Model, deck: Deck, scene: Scene) -> np.ndarray:
+def initial_points(model: Model, scene: Scene) -> np.ndarray:
     """All points (n,) at the start."""
-    parts = _meshed(model, deck, scene)
+    parts = _meshed(model, scene)
     table = np.zeros(scene.point_count, POINT.dtype)
     for meshed in parts:
         # in place: a copy of 10^5 elements is what memory peaks at
@@ -122,7 +123,7 @@ def initial_points(model: Model, deck: Deck, scene: Scene) -> np.ndarray:
 
 def initial_blocks(model: Model, deck: Deck, scene: Scene) -> np.ndarray:
     """What all elements keep, at the start."""
-    parts = _meshed(model, deck, scene)
+    parts = _meshed(model, scene)
     names = [name for g in model.element_groups() for name in g.names]
     sizes = [meshed.size for meshed in parts]
     numbers, first = line_up(sum(sizes)), 0
@@ -134,7 +135,7 @@ def initial_blocks(model: Model, deck: Deck, scene: Scene) -> np.ndarray:
     return numbers
 
 
-def _meshed(model: Model, deck: Deck, scene: Scene) -> list[Any]:
+def _meshed(model: Model, scene: Scene) -> list[Any]:
     """Parts with points in place, in the order of their tables."""
     names = (name for g in model.element_groups() for name in g.names)
-    return [scene.meshed(deck.entries["parts"][name].card) for name in names]
+    return [scene.meshed(name) for name in names]

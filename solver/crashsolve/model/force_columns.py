@@ -1,4 +1,4 @@
-"""Columns that every law of force has beside its own, and those by which its gains are found.
+"""Columns that laws have beside their own, and those by which gains of a law are found.
 
 A law between two bodies is watched where a step may be too long for it: with `control.step` and a
 method of one force pass a step. Steps chosen by the run keep to the stiffness that laws report.
@@ -6,14 +6,17 @@ method of one force pass a step. Steps chosen by the run keep to the stiffness t
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from types import ModuleType
+from typing import TYPE_CHECKING
 
 from crashsolve.foundation.record import Record
 
 if TYPE_CHECKING:
     from crashsolve.model.scene import Scene
 
-# every law that stores or loses energy has these beside its own columns
+# every law with constraint rows has these beside its own columns
+ROW_PARAMETERS = Record("first_row  index  first constraint row")
+# every law that stores or loses energy has these
 FORCE_HISTORY = Record("""
     dissipated  J  energy lost so far
     power       W  its present rate
@@ -37,7 +40,7 @@ WATCHED = Record("""
 PASSIVE = ("springs", "hinges", "tyres")
 
 
-def history_of_force(keyword: str, module: Any, scene: Scene) -> Record:
+def history_of_force(keyword: str, module: ModuleType, scene: Scene) -> Record:
     """Columns of HISTORY of a group beside its own."""
     control, columns = scene.deck.control, module.PARAMETERS.dtype
     is_between_two = all(

@@ -27,6 +27,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from crashsolve.deck.reading.deck import Deck
 from crashsolve.foundation.rows import as_rows
 from crashsolve.model.model import Group, Model, State
 
@@ -101,7 +102,7 @@ def resolve(control: np.ndarray) -> None:
     c["step_max"] = min(c["step_max"], (c["end"] - c["start"]) / LEAST_STEPS or 1.0)
 
 
-def settled(deck: Any, model: Model) -> Any:
+def settled(deck: Deck, model: Model) -> Any:
     """The deck with the method of its model: runs beside this one must not choose anew."""
     resolves = bool(model.control[0]["resolves"])
     chosen = {"integrator": model.integrator, "resolve": resolves}
@@ -109,7 +110,7 @@ def settled(deck: Any, model: Model) -> Any:
 
 
 def has_corners(model: Model) -> bool:
-    """Whether a law has several branches, or a curve a corner, whoever reads it."""
+    """Whether a law has several branches, or a curve a corner, whichever law reads it."""
     if any(_has_branches(group) for group in model.branching_groups()):
         return True
     curves = model.curves
@@ -126,7 +127,7 @@ def has_corners(model: Model) -> bool:
 def _has_branches(group: Group) -> bool:
     """Whether a law goes over to another branch: at yield, at a stop, or where it turns back."""
     p = group.parameters
-    # of a curve that is followed both ways the corners are those of its points
+    # of a curve that is followed in both directions the corners are those of its points
     return "loose" not in (p.dtype.names or ()) or bool((p["loose"] != 0).any())
 
 
@@ -159,7 +160,7 @@ def _world_tensors(nodes: Any) -> np.ndarray:
     return np.einsum("nij,njk,nlk->nil", A, J_inv, A).reshape(-1, 9)
 
 
-def _evaluate(group: Group, state: State, model: Model, nodes: Any) -> None:
+def _evaluate(group: Group, state: State, model: Model, nodes: np.ndarray) -> None:
     """Forces and stiffness of one group, on copies of what it would write. Writes: nodes."""
     force = group.module.force
     old, new = as_rows(group.history.copy())

@@ -47,7 +47,7 @@ FRICTION_STORED, FRICTION_DISSIPATED = INDEX["friction_stored"], INDEX["friction
 EXTERNAL_WORK, DRIVER_WORK = INDEX["external_work"], INDEX["driver_work"]
 INITIAL, LARGEST, IMBALANCE = INDEX["initial"], INDEX["largest"], INDEX["imbalance"]
 INTERNAL = INDEX["internal"]
-# what can be had back: the energy at the start is the sum of these
+# recoverable: the energy at the start is the sum of these
 MECHANICAL = (
     KINETIC,
     POTENTIAL,
@@ -61,7 +61,7 @@ OUT_OF_NOTHING = 10.0
 
 
 def entries_of(group: Any) -> tuple[int, int | None]:
-    """Places of what the laws of a group store, and of what they lose.
+    """Entries of the energy that the laws of a group store, and of their losses.
 
     A law may name another word of its family (LEDGER) than the first. Raises: KeyError for a word
     that the family does not declare.

@@ -6,10 +6,12 @@ the group uses; `law` says which of them is its own.
 
 from dataclasses import replace
 from importlib import import_module
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from crashsolve.deck.building import Columns
 from crashsolve.deck.family import FamilyError, check_arguments, constants, provided
 from crashsolve.foundation.record import Record
 from crashsolve.materials import GeneralLaw, VonMisesLaw
@@ -68,7 +70,7 @@ def joined(records: list[Record]) -> Record:
     return Record(columns=tuple(found.values()))
 
 
-def fill(record: Any, values: dict[str, Any]) -> None:
+def fill(record: Any, values: Columns) -> None:
     """Write values into a record; an unknown or a missing column is a programming error."""
     for name, value in values.items():
         if isinstance(value, dict):
@@ -77,7 +79,9 @@ def fill(record: Any, values: dict[str, Any]) -> None:
             record[name] = value
 
 
-def refuse_unlike(module: Any, record: Record, values: Any, later: tuple[str, ...] = ()) -> None:
+def refuse_unlike(
+    module: ModuleType, record: Record, values: Columns, later: tuple[str, ...] = ()
+) -> None:
     """Raises FamilyError unless what `build` of a law returned fits its PARAMETERS.
 
     A column that it left out would be 0 without a word; `later` are those that others fill.

@@ -75,7 +75,7 @@ class Group:
 
     @property
     def comes_apart(self) -> bool:
-        """Whether a joint may let go of its bodies."""
+        """Whether a joint may fail and release its bodies."""
         return hasattr(self.module, "release_rows")
 
     @property
@@ -147,12 +147,12 @@ class Group:
 
     @property
     def stored_entry(self) -> int:
-        """Place in the ledger of what its laws store."""
+        """Entry of the ledger for the energy that its laws store."""
         return ledger.entries_of(self)[0]
 
     @property
     def lost_entry(self) -> int | None:
-        """Place in the ledger of what its laws lose; None where nothing can be lost."""
+        """Entry of the ledger for the losses of its laws; None where nothing can be lost."""
         return ledger.entries_of(self)[1]
 
 

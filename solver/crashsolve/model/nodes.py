@@ -43,7 +43,7 @@ NODE = Record("""
 
 STAGE = Record("""
     rate_r     m/s    3  velocity at a stage of a Runge-Kutta step; ground: power of drivers [W]
-    rate_rotation  1/s    3  of turn
+    rate_rotation  1/s    3  of rotation
     rate_v     m/s^2  3  acceleration; ground: force from outside [N]
     rate_L     N m    3  moment about the mass centre; ground: from outside, about the origin
     rotation   1      3  Cayley vector of the rotation since the start of the step
@@ -55,7 +55,7 @@ IMPLICIT_STAGE = STAGE + Record("""
     mean_v      m/s^2    3  weighted mean of accelerations in generalized-alpha
     mean_w      rad/s^2  3  the same of angular accelerations
     closing_r   m        3  displacement by which generalized-alpha closes the joints
-    closing_w   rad      3  turn by which it does
+    closing_w   rad      3  rotation by which it does
     past_v      m/s^2    3  acceleration at this stage of the step before
     past_w      rad/s^2  3  angular acceleration there
     displacement_r  m        3  displacement since the start of the step
@@ -73,7 +73,7 @@ IMPLICIT_STAGE = STAGE + Record("""
 
 ESTIMATE = Record("""
     r     m      3  estimated error of a step: position of the mass centre
-    rotation  rad    3  configuration, as a turn
+    rotation  rad    3  configuration, as a rotation
     v     m/s    3  velocity of the mass centre
     w     rad/s  3  angular velocity
 """)

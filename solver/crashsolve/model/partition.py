@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.elements.shells.layout import DiscretisedShell
 from crashsolve.foundation.point import LANES, POINT
 from crashsolve.foundation.record import Record
 from crashsolve.model.model import Model, State
@@ -114,7 +115,7 @@ def _bounds(blocks: int, total: int, pieces: int) -> list[int]:
     return [blocks * k // own for k in range(own + 1)]
 
 
-def _piece(row: Any, meshed: Any, begin: int, end: int, blocks: int) -> Any:
+def _piece(row: np.void, meshed: DiscretisedShell, begin: int, end: int, blocks: int) -> Any:
     """The row of a part with the blocks from `begin` to `end`, and a share of its points."""
     one, triangles = row.copy(), int(row["triangles"])
     quads = int(row["element_count"]) - triangles
@@ -222,13 +223,13 @@ def _blocks(elements: int) -> int:
     return -(-elements // LANES)
 
 
-def _blocks_of(row: Any) -> int:
+def _blocks_of(row: np.void) -> int:
     """Blocks of a part."""
     triangles = int(row["triangles"])
     return _blocks(int(row["element_count"]) - triangles) + _blocks(triangles)
 
 
-def _live(row: Any) -> np.ndarray:
+def _live(row: np.void) -> np.ndarray:
     """Which lanes of the blocks of a part hold an element (blocks, lanes)."""
     triangles = int(row["triangles"])
     counts = (int(row["element_count"]) - triangles, triangles)

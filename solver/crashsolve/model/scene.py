@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from crashsolve.compiler.machine import runs_plain
+from crashsolve.deck.building import Columns
 from crashsolve.deck.card import law_class
 from crashsolve.deck.family import CHOSEN, families
 from crashsolve.deck.laws import types_in
@@ -78,11 +79,11 @@ class Scene:
         # [rad] of joints that a posture has turned from the zero posture
         self.angles_at_start: dict[str, float] = {}
         self._pose()
-        self._meshed: dict[int, Any] = {}  # parts with points, by card
+        self._meshed: dict[str, Any] = {}  # parts with points
         self._discretise()
         for part in deck.entries["parts"].values() if not self.errors else ():
             with self.building(part):
-                nodes = import_module(part.module_name).build(part.card, self)
+                nodes = self._part_bodies(part)
                 for i, node in zip(self.part_nodes[part.name], nodes, strict=True):
                     self._set_body(i, node)
         for entry in deck.entries["bodies"].values():
@@ -99,7 +100,7 @@ class Scene:
         self.size = self._model_size()
 
     def _pose(self) -> None:
-        """Bodies of postures, where their joint angles place them."""
+        """Bodies of postures, positioned by their joint angles."""
         for entry in self.deck.entries["postures"].values() if not self.errors else ():
             with self.building(entry):
                 import_module(entry.module_name).build(entry.card, self)
@@ -109,19 +110,26 @@ class Scene:
         self._shares = shared_mesh.shared_meshes(self)
         for part in self.deck.entries["parts"].values() if not self.errors else ():
             module = import_module(part.module_name)
-            if hasattr(module, "discretise"):
+            if hasattr(module, "bodies"):
                 with self.building(part):
-                    self._meshed[id(part.card)] = module.discretise(part.card, self)
+                    self._meshed[part.name] = module.build(part.card, self)
         shared_mesh.join(self)
-        self.point_count = shared_mesh.number_points([*map(self.meshed, self._with_points())])
+        self.point_count = shared_mesh.number_points([*self._with_points().values()])
         self.tied_mass = 0.0  # of nodes whose faces have it besides [kg]
         self.ties = tie_nodes(self)
 
-    def share(self, card: Any) -> Any:
-        """What a part has of a mesh of the deck, by the card that names it."""
-        return self._shares[id(card)]
+    def _part_bodies(self, part: Entry) -> Any:
+        """Nodes of a part that are bodies, a table of `_set_body` each."""
+        module = import_module(part.module_name)
+        if part.name in self._meshed:
+            return module.bodies(self._meshed[part.name])
+        return module.build(part.card, self)
 
-    def _set_body(self, i: int, body: dict[str, Any]) -> None:
+    def own_share(self) -> Any:
+        """What the part that is being built has of a mesh of the deck."""
+        return self._shares[self.under_way]
+
+    def _set_body(self, i: int, body: Columns) -> None:
         self.mass[i] = body["mass"]
         self.J[i] = np.asarray(body["inertia"]).ravel()
         self.q[i] = body["quaternion"]
@@ -138,7 +146,7 @@ class Scene:
         if self.errors:
             return pairs
         for k, weld in enumerate(getattr(part.card, "welded", ())):
-            meshed = self.meshed(part.card)
+            meshed = self.meshed(part.name)
             points = meshed.mesh.sets[weld.nodes]
             others = self._weld_targets(weld, part, f"welded.{k}")
             x = meshed.mesh.points[points]
@@ -271,41 +279,38 @@ class Scene:
             raise self.fail(wrong, "mesh")
         return mesh
 
-    def meshed(self, card: Any) -> Any:
+    def meshed(self, part: str) -> Any:
         """A part with points in place."""
-        return self._meshed[id(card)]
+        return self._meshed[part]
 
     def on_mesh_of(self, meshed: Any) -> list[Any]:
         """Parts in place with points of the same mesh, in the order of the deck."""
-        parts = [self.meshed(card) for card in self._with_points()]
-        return [part for part in parts if part.first == meshed.first]
+        return [part for part in self._with_points().values() if part.first == meshed.first]
 
-    def _with_points(self) -> list[Any]:
-        """Cards of the parts with points, type by type as the model has them."""
-        entries = [e for e in self.deck.entries["parts"].values() if id(e.card) in self._meshed]
+    def _with_points(self) -> dict[str, Any]:
+        """Parts in place with points, type by type as the model has them."""
+        entries = [self.deck.entries["parts"][name] for name in self._meshed]
         types = list(dict.fromkeys(entry.type for entry in entries))
-        return [e.card for e in sorted(entries, key=lambda entry: types.index(entry.type))]
+        ordered = sorted(entries, key=lambda entry: types.index(entry.type))
+        return {entry.name: self._meshed[entry.name] for entry in ordered}
 
     def has_points(self, part: str) -> bool:
         """Whether the nodes of a part are points."""
-        return id(self.deck.entries["parts"][part].card) in self._meshed
+        return part in self._meshed
 
     def skin(self, part: str, field: str) -> tuple[Any, int, int]:
         """A part with points in place, its first corner, and the first point of its mesh."""
-        entry = self.deck.entries["parts"][part]
         corner = 0
-        for card in self._with_points():
-            meshed = self.meshed(card)
-            if card is entry.card:
+        for name, meshed in self._with_points().items():
+            if name == part:
                 return meshed, corner, meshed.first
             corner += meshed.corners().size
         raise self.fail(f"part '{part}' has no surface; name a shell", field)
 
     def first_number(self, part: str) -> int:
         """Where the numbers of a part with points begin in blocks."""
-        card, cards = self.deck.entries["parts"][part].card, self._with_points()
-        before = takewhile(lambda own: own is not card, cards)
-        return int(sum(self.meshed(own).size for own in before))
+        parts = self._with_points()
+        return sum(parts[name].size for name in takewhile(lambda name: name != part, parts))
 
     @property
     def threads(self) -> int:
@@ -314,8 +319,7 @@ class Scene:
 
     def can_fail(self, part: str) -> bool:
         """Whether elements of a part may be deleted."""
-        card = self.deck.entries["parts"][part].card
-        return any(own is card for own in self._with_points()) and self.meshed(card).can_fail
+        return part in self._meshed and self.meshed(part).can_fail
 
     def faces(self, part: str, field: str) -> tuple[int, int, int]:
         """First corner of a part with points, its quadrilaterals and its triangles."""
@@ -351,7 +355,7 @@ class Scene:
     def rotation_to_body(self, node: int, u: Vector) -> Vector:
         return self.matrix(node).T @ u
 
-    def attachments(self, card: Any) -> dict[str, Any]:
+    def attachments(self, card: Any) -> Columns:
         """Ends of a spring: `a`, `b`, `at_a`, `at_b` in each body's own axes."""
         if card.a == card.b:
             raise self.fail(f"joins '{card.a}' with itself; a and b must differ", "b")
@@ -363,14 +367,14 @@ class Scene:
             "point_b": self.from_mass_centre(b, card.at_b),
         }
 
-    def distance(self, ends: dict[str, Any]) -> float:
+    def distance(self, ends: Columns) -> float:
         """Distance between two attachments at the start [m]."""
         a, b = ends["node_a"], ends["node_b"]
         x_a = self.r[a] + self.matrix(a) @ ends["point_a"]
         x_b = self.r[b] + self.matrix(b) @ ends["point_b"]
         return float(np.linalg.norm(x_b - x_a))
 
-    def turning(self, card: Any) -> dict[str, Any]:
+    def turning(self, card: Any) -> Columns:
         """Rotation of b about `axis` of a, with sides that meet at the start."""
         if card.a == card.b:
             raise self.fail(f"joins '{card.a}' with itself; a and b must differ", "b")
@@ -389,7 +393,7 @@ class Scene:
             return a, b, np.asarray(card.at, float)
         return a, b, self.world_point(self.node(card.frame), card.at)
 
-    def joint_frame(self, card: Any) -> dict[str, Any]:
+    def joint_frame(self, card: Any) -> Columns:
         """Point and right-handed triad (axis, side, third) of a joint, axes of both bodies."""
         a, b, x = self.joint_point(card)
         frame = {

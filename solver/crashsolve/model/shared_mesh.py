@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from crashsolve.deck.card import Card
 from crashsolve.foundation.point import ATTACHED
 from crashsolve.meshes.shared import Shared
 from crashsolve.model.checks.mesh_check import faults
@@ -27,9 +28,9 @@ SAME = 1e-9
 LISTED = 3
 
 
-def shared_meshes(scene: Any) -> dict[int, Any]:
-    """What every part has of a mesh under `meshes`, by the id of the mesh's card in the part."""
-    found: dict[int, Any] = {}
+def shared_meshes(scene: Any) -> dict[str, Any]:
+    """What every part has of a mesh under `meshes`, by the name of the part."""
+    found: dict[str, Any] = {}
     for name, entry in scene.deck.entries["meshes"].items():
         parts = parts_of(name, scene)
         with scene.building(entry):
@@ -62,12 +63,12 @@ def parts_of(mesh: str, scene: Any) -> list[Entry]:
     return [part for part in parts if _name_of(part.card) == mesh]
 
 
-def _name_of(card: Any) -> str:
+def _name_of(card: Card) -> str:
     mesh = getattr(card, "mesh", None)
     return mesh.mesh if isinstance(mesh, Shared) else ""
 
 
-def _shares(name: str, whole: Any, parts: list[Entry], scene: Any) -> dict[int, Any]:
+def _shares(name: str, whole: Any, parts: list[Entry], scene: Any) -> dict[str, Any]:
     """The mesh as each of its parts has it."""
     owner = np.full(len(whole.quads), -1)
     for k, part in enumerate(parts):
@@ -120,7 +121,7 @@ def _report_unowned(name: str, owner: np.ndarray, scene: Any) -> None:
         scene.warn(f"mesh '{name}': {len(missing)} {noun} in no part and left out ({some})")
 
 
-def _numbered(whole: Any, owner: np.ndarray, parts: list[Entry]) -> dict[int, Any]:
+def _numbered(whole: Any, owner: np.ndarray, parts: list[Entry]) -> dict[str, Any]:
     """The mesh of each part, with the nodes in the order of the parts."""
     first = np.full(len(whole.points), len(parts))
     for k in reversed(range(len(parts))):
@@ -135,7 +136,7 @@ def _numbered(whole: Any, owner: np.ndarray, parts: list[Entry]) -> dict[int, An
         own = np.zeros(len(order), bool)
         own[quads] = True
         sets = {name: number[some][number[some] >= 0] for name, some in whole.sets.items()}
-        found[id(part.card.mesh)] = replace(
+        found[part.name] = replace(
             whole,
             points=whole.points[order],
             quads=quads,
@@ -153,7 +154,7 @@ def join(scene: Any) -> None:
     for name in scene.deck.entries["meshes"]:
         entries = parts_of(name, scene)
         if entries and not scene.errors:
-            _join(entries, [scene.meshed(entry.card) for entry in entries], scene)
+            _join(entries, [scene.meshed(entry.name) for entry in entries], scene)
 
 
 def _join(entries: list[Entry], parts: list[Any], scene: Any) -> None:

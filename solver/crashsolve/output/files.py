@@ -11,6 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 from crashsolve.output.errors import OutputError
 
+# a table of a JSON file
+Json = dict[str, Any]
+
 if TYPE_CHECKING:
     import h5py
 
@@ -102,9 +105,7 @@ def read_plain(path: Path, most: int) -> str | None:
         return file.read(most).decode(errors="replace")
 
 
-def write_metadata(
-    file: "h5py.File", file_format: str, version: int, metadata: dict[str, Any]
-) -> None:
+def write_metadata(file: "h5py.File", file_format: str, version: int, metadata: Json) -> None:
     """Write root attributes: text and numbers as they are, everything else as JSON text."""
     file.attrs["format"] = file_format
     file.attrs["format_version"] = version

@@ -11,18 +11,18 @@ import time as clock
 from io import FileIO
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 
 from crashsolve.output import layout
 from crashsolve.output.channels import Family
 from crashsolve.output.errors import OutputError
-from crashsolve.output.files import replacing_hdf5, reported, write_metadata
+from crashsolve.output.files import Json, replacing_hdf5, reported, write_metadata
 from crashsolve.output.peaks import Extremes
 
 FIRST_CAPACITY = 1024
-# reserved at most for what is expected: a run may be reported to go on for ever, and be stopped
+# reserved at most for what is expected: a run may have an endless end time, and be stopped
 MOST_RESERVED_BYTES = 1 << 26
 MOST_BUFFERED_ROWS = 1024
 
@@ -38,7 +38,7 @@ class HistoryWriter:
         self,
         path: Path | str,
         families: tuple[Family, ...],
-        metadata: dict[str, Any],
+        metadata: Json,
         resume_time: float | None = None,
         *,
         expected_rows: int = 0,

@@ -1,6 +1,6 @@
 """One run in a results folder at a time.
 
-The kernel of the system keeps the lock for the process that holds it, and lets go of it when that
+The kernel of the system keeps the lock for the process that holds it, and releases it when that
 process ends, however it ends. The file stays: to remove it would let two runs lock two files of one
 name.
 """

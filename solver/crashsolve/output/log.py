@@ -150,7 +150,7 @@ class Log:
             self._progress_shown = False
 
     def _show(self, text: str) -> None:
-        """Write to the stream; one that is full, or that nobody reads, is no reason to stop."""
+        """Write to the stream; one that is full, or that is not read, is no reason to stop."""
         if self._stream is not None:
             try:
                 self._stream.write(text)

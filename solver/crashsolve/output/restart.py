@@ -1,7 +1,7 @@
 """Restart dumps: two files in turn, so that a whole one exists at every moment.
 
 Each dump carries a serial number and a checksum over all it holds. The newest valid dump is the
-one to go on from; a broken one is passed over and the reason reported.
+one to continue from; a broken one is skipped and the reason reported.
 """
 
 import hashlib
@@ -10,21 +10,20 @@ import sys
 import warnings
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from crashsolve.output.errors import OutputError
-from crashsolve.output.files import replacing_hdf5, write_metadata
+from crashsolve.output.files import Json, replacing_hdf5, write_metadata
 
 FORMAT = "crashsolve restart"
 FORMAT_VERSION = 2
 SLOTS = ("restart_0.h5", "restart_1.h5")
 
-Dump = tuple[dict[str, np.ndarray], dict[str, Any]]
+Dump = tuple[dict[str, np.ndarray], Json]
 
 
-def write_restart(folder: Path | str, arrays: dict[str, np.ndarray], info: dict[str, Any]) -> Path:
+def write_restart(folder: Path | str, arrays: dict[str, np.ndarray], info: Json) -> Path:
     """Write a dump over the older slot and return its path; `info` must be JSON values.
 
     Flush the history first: rows before the dump that were not flushed are lost to a kill.
@@ -72,7 +71,7 @@ def _read(path: Path) -> Dump:
             raise ValueError(f"not a {FORMAT} of version {FORMAT_VERSION}")
         arrays: dict[str, np.ndarray] = {}
 
-        def keep(name: str, item: Any) -> None:
+        def keep(name: str, item: object) -> None:
             if isinstance(item, h5py.Dataset):
                 arrays[name] = np.asarray(item[()])
 

@@ -6,13 +6,12 @@ the index: one temporal collection for each block, every moment referring to the
 
 import time as clock
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from crashsolve.output.blocks import Block
 from crashsolve.output.errors import OutputError
-from crashsolve.output.files import replace_text, replacing_hdf5, reported, write_metadata
+from crashsolve.output.files import Json, replace_text, replacing_hdf5, reported, write_metadata
 from crashsolve.output.paraview import script, xdmf
 from crashsolve.output.template import Template
 
@@ -29,7 +28,7 @@ class StateWriter:
         self,
         folder: Path | str,
         blocks: tuple[Block, ...],
-        metadata: dict[str, Any],
+        metadata: Json,
         resume_time: float | None = None,
     ) -> None:
         self.folder = Path(folder)
@@ -43,7 +42,7 @@ class StateWriter:
         with reported(self.folder):
             (self.folder / "states").mkdir(parents=True, exist_ok=True)
         later = self._keep_until(-np.inf if resume_time is None else resume_time)
-        # the index lets go of a state before the state goes
+        # the index drops a state before the state is deleted
         self._write_index()
         with reported(self.folder / "states"):
             for path in reversed(later):
@@ -97,7 +96,7 @@ class StateWriter:
                 raise OutputError(path, "the state before this one is missing")
         return later
 
-    def _write_mesh(self, metadata: dict[str, Any]) -> None:
+    def _write_mesh(self, metadata: Json) -> None:
         """Write the geometry of all blocks."""
         with replacing_hdf5(self.folder / "mesh.h5") as file:
             write_metadata(file, FORMAT, FORMAT_VERSION, metadata)

@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from crashsolve.output.files import replace_text
+from crashsolve.output.files import Json, replace_text
 
 # a thread may report how long something lasts; a second interrupt, that all is over
 _writing = threading.RLock()
@@ -42,12 +42,12 @@ class Status:
     constraint_velocity: float = 0.0
     cpu_stages: dict[str, float] = field(default_factory=dict)
     real_time_factor: float | None = None
-    watched: list[dict[str, Any]] = field(default_factory=list)
+    watched: list[Json] = field(default_factory=list)
     untouched: list[str] = field(default_factory=list)
     below_floor: list[str] = field(default_factory=list)
     undeformed: list[str] = field(default_factory=list)
     undetermined: list[str] = field(default_factory=list)
-    deleted: dict[str, dict[str, Any]] = field(default_factory=dict)
+    deleted: dict[str, Json] = field(default_factory=dict)
     pid: int = field(default_factory=os.getpid)
     host: str = field(default_factory=socket.gethostname)
 
@@ -59,7 +59,7 @@ def write_status(path: Path | str, status: Status) -> None:
         replace_text(Path(path), text)
 
 
-def _finite(value: Any) -> Any:
+def _finite(value: object) -> Any:
     if isinstance(value, dict):
         return {name: _finite(part) for name, part in value.items()}
     if isinstance(value, list | tuple):

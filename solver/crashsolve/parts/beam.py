@@ -20,12 +20,14 @@ Simo and Vu-Quoc (1986), A three-dimensional finite-strain rod model. Part II: C
 aspects, the same 58, 79-116.
 """
 
+from __future__ import annotations
+
 from math import dist
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, MaterialName, SectionName, Vec3, quantity, word
 from crashsolve.elements.beams import element, static_tangent
 from crashsolve.elements.beams.corotational import mean_frame
@@ -45,7 +47,11 @@ from crashsolve.foundation.angles import check_rotation_limit
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.orientation import quaternion_of
 from crashsolve.foundation.record import Record
+from crashsolve.foundation.rows import Table
 from crashsolve.foundation.vec3 import ZERO
+
+if TYPE_CHECKING:
+    from crashsolve.parts._rows.beam import History, Output, Parameters
 
 DESCRIPTIONS = ("co-rotational",)
 """How deformation may be described; a study runs over them."""
@@ -135,7 +141,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Beam, scene: Scene) -> list[dict[str, Any]]:
+def build(card: Beam, scene: Scene) -> list[Columns]:
     """The nodes as bodies."""
     section, material, length = _numbers(card, scene)
     start, end, n = np.asarray(card.mesh.from_), np.asarray(card.mesh.to), card.mesh.count
@@ -159,7 +165,7 @@ def build(card: Beam, scene: Scene) -> list[dict[str, Any]]:
     return nodes
 
 
-def elements(card: Beam, nodes: list[int], scene: Scene) -> list[dict[str, Any]]:
+def elements(card: Beam, nodes: list[int], scene: Scene) -> list[Columns]:
     """The elements between neighbours."""
     section, material, length = _numbers(card, scene)
     half, _ = halves(card, section, material, length, scene)
@@ -170,7 +176,7 @@ def elements(card: Beam, nodes: list[int], scene: Scene) -> list[dict[str, Any]]
     ]
 
 
-def _numbers(card: Beam, scene: Scene) -> tuple[dict[str, Any], dict[str, Any], float]:
+def _numbers(card: Beam, scene: Scene) -> tuple[Columns, Columns, float]:
     """Section, material and length of an element."""
     length = dist(card.mesh.from_, card.mesh.to) / card.mesh.count
     if not length > 0.0:
@@ -178,20 +184,20 @@ def _numbers(card: Beam, scene: Scene) -> tuple[dict[str, Any], dict[str, Any], 
     return *laws(card, scene), length
 
 
-def _triad(card: Beam, section: dict[str, Any], scene: Scene) -> np.ndarray:
+def _triad(card: Beam, section: Columns, scene: Scene) -> np.ndarray:
     """Axes of the section at the start as columns: along the beam, y, z."""
     along = scene.unit(np.subtract(card.mesh.to, card.mesh.from_), "mesh.to")
     return axes_of(card, along, section, scene)
 
 
-def forces_by_motions(p: Any, state: Any, nodes: Any, curves: Any) -> np.ndarray:
+def forces_by_motions(p: Table, state: Table, nodes: Table, curves: np.ndarray) -> np.ndarray:
     """Derivatives (n, 12, 12) of the forces on both nodes of all elements at rest."""
     a, b = nodes[p["node_a"]], nodes[p["node_b"]]
     return static_tangent.forces_by_motions(p, a["q"], b["q"], b["r"] - a["r"])
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame(a, b)
@@ -201,7 +207,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """By the velocities; by the positions see bend. Writes: rows."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame(a, b)
@@ -209,7 +215,7 @@ def tangent(p, state, nodes, curves, rows, first):
 
 
 @kernel
-def bend(p, state, nodes, curves, slot, blocks):
+def bend(p: Parameters, state: History, nodes, curves, slot, blocks):
     """Tangent by the positions. Writes: blocks."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame(a, b)

@@ -14,11 +14,13 @@ of it.
 References: those of the beam and of beams/fibres.py.
 """
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import word
 from crashsolve.elements.beams import element, fibres, properties
 from crashsolve.elements.beams.corotational import (
@@ -35,6 +37,9 @@ from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, scale, sub
 from crashsolve.parts import beam
 
+if TYPE_CHECKING:
+    from crashsolve.parts._rows.fibre_beam import History, Output, Parameters
+
 STEPWISE = CALLS_MATERIAL = True
 IMPLICIT = ("generalized_alpha", "radau_iia_5")
 # a row each for what the rates of N, M_y and M_z resist
@@ -44,8 +49,8 @@ TANGENTS = element.TANGENTS + RATES
 ORDER, DESCRIPTIONS = 1, beam.DESCRIPTIONS
 PARAMETERS = beam.PARAMETERS + Record(f"""
     count  count                        fibres
-    y      m      {fibres.MOST_FIBRES}  places along y of the section
-    z      m      {fibres.MOST_FIBRES}  places along z of the section
+    y      m      {fibres.MOST_FIBRES}  positions along y of the section
+    z      m      {fibres.MOST_FIBRES}  positions along z of the section
     area   m^2    {fibres.MOST_FIBRES}  areas
     law    index                        of the material's law among those of the group
 """)
@@ -69,19 +74,19 @@ class FibreBeam(beam.Beam):
     )
 
 
-def build(card: FibreBeam, scene: Scene) -> list[dict[str, Any]]:
+def build(card: FibreBeam, scene: Scene) -> list[Columns]:
     """The nodes as bodies."""
     return beam.build(card, scene)
 
 
-def elements(card: FibreBeam, nodes: list[int], scene: Scene) -> list[dict[str, Any]]:
+def elements(card: FibreBeam, nodes: list[int], scene: Scene) -> list[Columns]:
     """The elements between neighbours."""
     section, _ = properties.laws(card, scene)
     law, material_card = scene.law("materials", card.material)
     material = law.build(material_card, scene)
     y, z, area = fibres.fit(_table(card, scene), section)
     room = np.zeros(fibres.MOST_FIBRES - len(y))
-    own: dict[str, Any] = {"count": len(y), "material": material}
+    own: Columns = {"count": len(y), "material": material}
     own |= {"y": np.append(y, room), "z": np.append(z, room), "area": np.append(area, room)}
     return [row | own for row in beam.elements(card, nodes, scene)]
 
@@ -108,7 +113,9 @@ def _table(card: FibreBeam, scene: Scene) -> np.ndarray:
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves, material):
+def force(
+    p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves, material
+):
     """Writes: nodes, new, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame(a, b)
@@ -147,7 +154,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves, material):
 
 
 @kernel
-def at_section(p, strained):
+def at_section(p: Parameters, strained):
     """Stretch and bending of the section, and their rates; of what element.deformation states."""
     _, u, theta, u_dot, theta_dot, _, _ = strained
     per = 1.0 / p.length
@@ -156,7 +163,7 @@ def at_section(p, strained):
 
 
 @kernel
-def yielding(p, old, curves, strained, material):
+def yielding(p: Parameters, old: History, curves, strained, material):
     """What fibres have besides K: N, M_y, M_z, and derivatives by e, theta_y, theta_z (6 each).
 
     Those by the rates of these follow.
@@ -168,7 +175,7 @@ def yielding(p, old, curves, strained, material):
 
 
 @kernel
-def bend(p, state, nodes, curves, slot, blocks, material):
+def bend(p: Parameters, state: History, nodes, curves, slot, blocks, material):
     """Tangent by the positions. Writes: blocks."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame(a, b)
@@ -178,7 +185,7 @@ def bend(p, state, nodes, curves, slot, blocks, material):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first, material):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first, material):
     """By the velocities; by the positions see bend. Writes: rows."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame(a, b)

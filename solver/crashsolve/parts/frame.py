@@ -10,11 +10,13 @@ straight bar in any direction is the beam; an arm across another twists it.
 References: those of the beam.
 """
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import MaterialName, SectionName, Vec3, quantity, word
 from crashsolve.elements.beams import element, properties, releases, static_tangent
 from crashsolve.elements.beams.corotational import mean_frame_of
@@ -24,8 +26,12 @@ from crashsolve.foundation.angles import axes_at, check_rotation_limit
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.orientation import products, quaternion_of
 from crashsolve.foundation.record import Record
+from crashsolve.foundation.rows import Table
 from crashsolve.foundation.vec3 import ZERO
 from crashsolve.parts import beam
+
+if TYPE_CHECKING:
+    from crashsolve.parts._rows.frame import History, Output, Parameters
 
 HISTORY, OUTPUT, TANGENTS = beam.HISTORY, beam.OUTPUT, element.TANGENTS
 ORDER, DESCRIPTIONS = beam.ORDER, beam.DESCRIPTIONS
@@ -62,7 +68,7 @@ class Frame(Damped):
         """Number of elements."""
         return self.elements * len(self.bars)
 
-    def joints(self, part: str) -> dict[str, tuple[str, dict[str, Any]]]:
+    def joints(self, part: str) -> dict[str, tuple[str, Columns]]:
         """Joints that its ends bring: type and words by name."""
         return releases.joints(self, part)
 
@@ -71,7 +77,7 @@ class Frame(Damped):
         return [f"{part}_{k + 1}" for k in range(self.elements * len(self.bars))]
 
 
-def build(card: Frame, scene: Scene) -> list[dict[str, Any]]:
+def build(card: Frame, scene: Scene) -> list[Columns]:
     """The nodes as bodies."""
     _check(card, scene)
     section, material = properties.laws(card, scene)
@@ -101,7 +107,7 @@ def build(card: Frame, scene: Scene) -> list[dict[str, Any]]:
     ]
 
 
-def elements(card: Frame, nodes: list[int], scene: Scene) -> list[dict[str, Any]]:
+def elements(card: Frame, nodes: list[int], scene: Scene) -> list[Columns]:
     """The elements, bar after bar."""
     section, material = properties.laws(card, scene)
     positions, chains = _mesh(card)
@@ -117,7 +123,7 @@ def elements(card: Frame, nodes: list[int], scene: Scene) -> list[dict[str, Any]
 
 
 def _mesh(card: Frame) -> tuple[np.ndarray, list[tuple[int, int]]]:
-    """Places (n, 3) of all nodes, and the two nodes of each element."""
+    """Positions (n, 3) of all nodes, and the two nodes of each element."""
     positions, chains = [np.asarray(point) for point in card.points], []
     first_end = len(positions) + len(card.bars) * (card.elements - 1)
     own = {(end.bar, end.point): first_end + k for k, end in enumerate(card.ends)}
@@ -153,7 +159,7 @@ def _check(card: Frame, scene: Scene) -> None:
         raise scene.fail(f"point {loose[0]} has no bar; take it out or join it", "points")
 
 
-def forces_by_motions(p: Any, state: Any, nodes: Any, curves: Any) -> np.ndarray:
+def forces_by_motions(p: Table, state: Table, nodes: Table, curves: np.ndarray) -> np.ndarray:
     """Derivatives (n, 12, 12) of the forces on both nodes of all elements at rest."""
     a, b = nodes[p["node_a"]], nodes[p["node_b"]]
     q_a, q_b = products(a["q"], p["rotation"]), products(b["q"], p["rotation"])
@@ -161,7 +167,7 @@ def forces_by_motions(p: Any, state: Any, nodes: Any, curves: Any) -> np.ndarray
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame_of(axes_at(a, p.rotation), axes_at(b, p.rotation))
@@ -171,7 +177,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def bend(p, state, nodes, curves, position, blocks):
+def bend(p: Parameters, state: History, nodes, curves, position, blocks):
     """Tangent by the positions. Writes: blocks."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame_of(axes_at(a, p.rotation), axes_at(b, p.rotation))
@@ -180,7 +186,7 @@ def bend(p, state, nodes, curves, position, blocks):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """By the velocities. Writes: rows."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame_of(axes_at(a, p.rotation), axes_at(b, p.rotation))

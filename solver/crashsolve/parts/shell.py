@@ -14,11 +14,13 @@ References: Belytschko, Lin and Tsay (1984), Explicit algorithms for the nonline
 shells, Computer Methods in Applied Mechanics and Engineering 42, 225-251.
 """
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.elements.damping import coefficients
 from crashsolve.elements.shells.cards import ShellCard
 from crashsolve.elements.shells.energies import moving
@@ -28,6 +30,9 @@ from crashsolve.elements.shells.records import MOST_LAYERS, WORK
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import ZERO
+
+if TYPE_CHECKING:
+    from crashsolve.parts._rows.shell import History, Output, Parameters
 
 STEPWISE = CALLS_MATERIAL = True
 # but for these, which strain elements from the start of a step to its end, and to its stages
@@ -57,7 +62,7 @@ PARAMETERS = Record(f"""
     triangles      count                  triangles, which come after the quadrilaterals
     first_element  index                  number of the part's first element among all
     layers         count                  points through the thickness
-    zeta           1       {MOST_LAYERS}  places of the layers, -1 to 1
+    zeta           1       {MOST_LAYERS}  positions of the layers, -1 to 1
     weight         1       {MOST_LAYERS}  weights of the layers, sum 2
     law            index                  of the material's law among those of the group
     young          Pa                     E
@@ -96,7 +101,7 @@ OUTPUT = Record("""
 MANY = 4.0
 
 
-def discretise(card: Shell, scene: Scene) -> DiscretisedShell:
+def build(card: Shell, scene: Scene) -> DiscretisedShell:
     """The part in place."""
     if card.layers == 1:
         scene.warn(
@@ -113,9 +118,8 @@ def discretise(card: Shell, scene: Scene) -> DiscretisedShell:
     return part
 
 
-def build(card: Shell, scene: Scene) -> list[dict[str, Any]]:
+def bodies(part: DiscretisedShell) -> list[Columns]:
     """The nodes that are bodies."""
-    part = scene.meshed(card)
     speed = part.velocities()
     return [
         {
@@ -131,9 +135,9 @@ def build(card: Shell, scene: Scene) -> list[dict[str, Any]]:
     ]
 
 
-def parameters(card: Shell, scene: Scene) -> dict[str, Any]:
+def parameters(part: DiscretisedShell, scene: Scene) -> Columns:
     """Columns of PARAMETERS but for the positions in the tables."""
-    part = scene.meshed(card)
+    card = part.card
     zeta, weight = part.rule
     room = np.zeros(MOST_LAYERS - card.layers)
     law, material = part.law, part.law.build(part.material, scene)
@@ -162,9 +166,10 @@ def parameters(card: Shell, scene: Scene) -> dict[str, Any]:
 
 
 @kernel
-def energies(p, new, out, scene):
+def energies(p: Parameters, new: History, out: Output, scene):
     """Energies of a part but for its elements. Writes: out."""
     out.kinetic = moving(p, scene.points)
     out.strain = out.hourglass = out.drilling = out.plastic = out.damping = 0.0
-    out.eroded = out.eroded_kinetic = out.eroded_mass = out.deleted = 0.0
+    out.eroded = out.eroded_kinetic = out.eroded_mass = 0.0
+    out.deleted = 0
     out.drag = new.damped

@@ -2,8 +2,41 @@
 
 from typing import Any, Protocol
 
+import numpy as np
+
+from crashsolve.deck.building import Columns
 from crashsolve.deck.family import ANY, Family
 from crashsolve.deck.roles import Built
+
+
+class PhasedEngine(Protocol):
+    """What a phase may ask of the engine that steps it (recording/phased.py)."""
+
+    model: Any
+    memory: Any  # row of MEMORY
+    clock: np.void
+
+    @property
+    def phase(self) -> Any:
+        """The present phase: its name and end [s]."""
+
+    def kinetic(self) -> float:
+        """Kinetic energy of all that moves [J]."""
+
+    def halt(self) -> None:
+        """Sets all velocities to zero, which counts as work. Writes: the State."""
+
+    def launch(self) -> None:
+        """Gives the velocities of the deck, once. Writes: the State."""
+
+    def raise_loads(self, share: float) -> None:
+        """Applies a share of the loads without a curve. Writes: the Model, the State."""
+
+    def refuse_unrest(self, tolerance: float) -> None:
+        """Raises SolverError where a force is left above a share of the largest one."""
+
+    def set_velocities(self, given: Any) -> None:
+        """Sets velocities, None for zero. Writes: the State."""
 
 
 class PhaseLaw(Built, Protocol):
@@ -13,13 +46,13 @@ class PhaseLaw(Built, Protocol):
     recording/phased.py; all phases step the same State of the same Model.
     """
 
-    def start(self, p: Any, engine: Any) -> Any:
+    def start(self, p: Columns, engine: PhasedEngine) -> Any:
         """Before the initial state of a run that begins with it is evaluated. Writes: the State."""
 
-    def begin(self, p: Any, engine: Any) -> Any:
+    def begin(self, p: Columns, engine: PhasedEngine) -> Any:
         """Before its first step. Writes: the State."""
 
-    def end(self, p: Any, engine: Any) -> Any:
+    def end(self, p: Columns, engine: PhasedEngine) -> Any:
         """After its last step; raises SolverError where it has not reached what it promises."""
 
 

@@ -17,10 +17,10 @@ Structures 14, 89-104.
 """
 
 from math import ceil
-from typing import Any
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import quantity
+from crashsolve.phases import PhasedEngine
 from crashsolve.phases._card import PhaseCard
 
 # steps in which loads rise
@@ -47,26 +47,26 @@ class Equilibrium(PhaseCard):
     )
 
 
-def build(card: Equilibrium, scene: Scene) -> dict[str, Any]:
+def build(card: Equilibrium, scene: Scene) -> Columns:
     return {"tolerance": card.tolerance, "rise": card.rise}
 
 
-def start(p: dict[str, Any], engine: Any) -> None:
+def start(p: Columns, engine: PhasedEngine) -> None:
     engine.set_velocities(None)
     engine.raise_loads(0.0 if _rise(p, engine) > 0.0 else 1.0)
 
 
-def _rise(p: dict[str, Any], engine: Any) -> float:
+def _rise(p: Columns, engine: PhasedEngine) -> float:
     """Time over which loads rise [s]."""
     begun = float(engine.model.control[0]["start"])
     return 0.5 * (engine.phase.end - begun) if p["rise"] is None else p["rise"]
 
 
-def begin(p: dict[str, Any], engine: Any) -> None:
+def begin(p: Columns, engine: PhasedEngine) -> None:
     engine.halt()
 
 
-def look(p: dict[str, Any], engine: Any) -> None:
+def look(p: Columns, engine: PhasedEngine) -> None:
     """Halt the motion where its kinetic energy falls. Writes: the State."""
     kinetic, memory = engine.kinetic(), engine.memory
     if kinetic < memory["kinetic"]:
@@ -78,6 +78,6 @@ def look(p: dict[str, Any], engine: Any) -> None:
         engine.raise_loads(min(ceil(STEPS * passed / _rise(p, engine)) / STEPS, 1.0))
 
 
-def end(p: dict[str, Any], engine: Any) -> None:
+def end(p: Columns, engine: PhasedEngine) -> None:
     engine.halt()
     engine.refuse_unrest(p["tolerance"])

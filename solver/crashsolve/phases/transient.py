@@ -4,13 +4,13 @@
 
 The first transient phase begins with the velocities of the deck, in the configuration that the
 phase before has left; where joints stand otherwise there, with the nearest velocities that they
-allow, by the kinetic energy of the difference. Later ones go on from what is there. Consequence to
-test: a car that has settled on its springs begins with the speed of the deck and does not pitch.
+allow, by the kinetic energy of the difference. Later ones continue from the present state.
+Consequence to test: a car that has settled on its springs begins with the speed of the deck and
+does not pitch.
 """
 
-from typing import Any
-
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
+from crashsolve.phases import PhasedEngine
 from crashsolve.phases._card import PhaseCard
 
 
@@ -18,17 +18,17 @@ class Transient(PhaseCard):
     """Motion, from the velocities of the deck if it is the first of its kind."""
 
 
-def build(card: Transient, scene: Scene) -> dict[str, Any]:
+def build(card: Transient, scene: Scene) -> Columns:
     return {}
 
 
-def start(p: dict[str, Any], engine: Any) -> None:
+def start(p: Columns, engine: PhasedEngine) -> None:
     engine.memory["launched"] = 1
 
 
-def begin(p: dict[str, Any], engine: Any) -> None:
+def begin(p: Columns, engine: PhasedEngine) -> None:
     engine.launch()
 
 
-def end(p: dict[str, Any], engine: Any) -> None:
+def end(p: Columns, engine: PhasedEngine) -> None:
     """It promises nothing."""

@@ -14,7 +14,6 @@ covariance.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil
-from typing import Any
 
 import numpy as np
 
@@ -28,7 +27,7 @@ UNDETERMINED = 1.0
 
 
 class FitError(Exception):
-    """Points that cannot place a chain; the message says why, `advice` what would help."""
+    """Points that do not determine a chain; the message says why, `advice` what would help."""
 
     def __init__(self, message: str, advice: str = "") -> None:
         super().__init__(message)
@@ -143,7 +142,7 @@ def _check_count(count: int, unknowns: int, spreads: int, points: int) -> None:
 
 
 def _best(
-    residuals: Any, starts: list[Array], bounds: tuple[Array, Array], freedom: int
+    residuals: object, starts: list[Array], bounds: tuple[Array, Array], freedom: int
 ) -> tuple[Array, Array]:
     """The first minimum within the errors, or the least, and its Jacobian. Raises FitError."""
     from scipy.optimize import least_squares

@@ -182,7 +182,7 @@ def _frame(time: float, points: tuple[Point, ...], spread: Array, error: float) 
 
 
 def _check(asked: Asked, frames: tuple[Frame, ...], error: float, volume: float) -> None:
-    """Refuse points whose images do not belong together, or that hardly have a place."""
+    """Refuse points whose images do not belong together, or that hardly determine a position."""
     from scipy.stats import chi2
 
     errors = []

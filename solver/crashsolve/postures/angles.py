@@ -57,7 +57,7 @@ def build(card: Angles, scene: Scene) -> None:
         raise scene.fail("the ground cannot be placed; name a body", "root")
     turned = [(link(scene, one.joint, _card(one, i, scene)), one, i)
               for i, one in enumerate(card.joints)]  # fmt: skip
-    given_at = {id(one): (given, i) for one, given, i in turned}
+    given_at = {one.joint: (given, i) for one, given, i in turned}
     order, rest = in_order(root, [one for one, _, _ in turned])
     if rest:
         known = {root} | {node for one in order for node in (one.a, one.b)}
@@ -66,13 +66,13 @@ def build(card: Angles, scene: Scene) -> None:
         how = "closes a loop of this chain" if closes else (
             f"does not hang on '{card.root}' by the joints of this posture"
         )  # fmt: skip
-        raise scene.fail(f"'{one.joint}' {how}", f"joints.{given_at[id(one)][1]}.joint")
+        raise scene.fail(f"'{one.joint}' {how}", f"joints.{given_at[one.joint][1]}.joint")
     A, w = matrix(card.rotation.quaternion()), np.asarray(card.angular_velocity)
     arm = A @ scene.offset[root]
     v = np.asarray(card.velocity) + np.cross(w, arm)
     placed = {root: Motion(A, np.asarray(card.position) + arm, v, w)}
     for one in order:
-        given, i = given_at[id(one)]
+        given, i = given_at[one.joint]
         next_body(one, *_rotation(given, one, i, scene), placed)
     for node, motion in placed.items():
         scene.A[node], scene.q[node] = motion.A.ravel(), quaternion_of(motion.A)

@@ -146,7 +146,7 @@ def copy(table, rows, k):
 
 @kernel
 def sample(until, job, clock, scene):
-    """Take a sample; whether the run may go on. Writes: the tables of a sample, clock, ledger."""
+    """Take a sample; whether the run may continue. Writes: tables of a sample, clock, ledger."""
     copy(scene.before, job.before, 0)
     call_step(job.step, until, True, job.of_sample)
     sampled, ledger = scene.sample_clock[0], scene.sample_ledger

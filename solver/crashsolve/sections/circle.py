@@ -8,10 +8,9 @@ Reference: Cowper (1966), The shear coefficient in Timoshenko's beam theory, Jou
 Mechanics 33, 335-340.
 """
 
-from typing import Any
-
 import numpy as np
 
+from crashsolve.deck.building import Columns
 from crashsolve.deck.card import Card, quantity
 from crashsolve.foundation.record import Record
 from crashsolve.sections.tube import ring, rings, round_section
@@ -26,7 +25,7 @@ class Circle(Card):
 PARAMETERS = HISTORY = OUTPUT = Record()
 
 
-def build(card: Circle, poisson: float) -> dict[str, Any]:
+def build(card: Circle, poisson: float) -> Columns:
     return round_section(card.radius, 0.0, poisson)
 
 
@@ -36,5 +35,5 @@ def outline(card: Circle) -> np.ndarray:
 
 
 def fibres(card: Circle, grid: tuple[int, int]) -> np.ndarray:
-    """Places and areas (n, 3) of fibres, y, z [m] and A [m^2]: rings and sectors."""
+    """Positions and areas (n, 3) of fibres, y, z [m] and A [m^2]: rings and sectors."""
     return rings(0.0, card.radius, grid)

@@ -6,15 +6,14 @@ about the mass centre, which is the origin; y and z are principal axes. Conseque
 fibres are a sandwich, whose limit moment is Y A h / 2.
 """
 
-from typing import Any
-
 import numpy as np
 from pydantic import model_validator
 
+from crashsolve.deck.building import Columns
 from crashsolve.deck.card import Card, quantity, word
 from crashsolve.foundation.record import Record
 
-# of the size: places typed with six digits are central to this; a worse one is an error
+# of the size: positions typed with six digits are central to this; a worse one is an error
 CENTRAL = 1e-5
 
 
@@ -48,7 +47,7 @@ class Fibres(Card):
 PARAMETERS = HISTORY = OUTPUT = Record()
 
 
-def build(card: Fibres, poisson: float) -> dict[str, Any]:
+def build(card: Fibres, poisson: float) -> Columns:
     y, z, A = np.asarray(card.fibres).T
     return {
         "area": float(A.sum()),
@@ -59,5 +58,5 @@ def build(card: Fibres, poisson: float) -> dict[str, Any]:
 
 
 def fibres(card: Fibres, grid: tuple[int, int]) -> np.ndarray:
-    """Places and areas (n, 3) of the fibres, y, z [m] and A [m^2]."""
+    """Positions and areas (n, 3) of the fibres, y, z [m] and A [m^2]."""
     return np.asarray(card.fibres)

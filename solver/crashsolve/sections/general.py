@@ -7,8 +7,7 @@ length is rho diag(R_y + R_z, R_y, R_z). Consequence to test: with the numbers o
 that circle.
 """
 
-from typing import Any
-
+from crashsolve.deck.building import Columns
 from crashsolve.deck.card import Card, quantity
 from crashsolve.foundation.record import Record
 
@@ -33,7 +32,7 @@ class General(Card):
 PARAMETERS = HISTORY = OUTPUT = Record()
 
 
-def build(card: General, poisson: float) -> dict[str, Any]:
+def build(card: General, poisson: float) -> Columns:
     numbers = {
         "area": card.area,
         "second": (card.I_y, card.I_z),

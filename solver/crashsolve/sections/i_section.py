@@ -10,11 +10,10 @@ web alone kappa_z is 5/6.
 Reference: Megson (2017), Aircraft Structures for Engineering Students, chapters 16 to 18 and 20.
 """
 
-from typing import Any
-
 import numpy as np
 from pydantic import model_validator
 
+from crashsolve.deck.building import Columns
 from crashsolve.deck.card import Card, quantity
 from crashsolve.foundation.record import Record
 from crashsolve.sections.rectangle import patch
@@ -45,7 +44,7 @@ def outline(card: ISection) -> np.ndarray:
     return np.array(right + [(-y, -z) for y, z in right])
 
 
-def build(card: ISection, poisson: float) -> dict[str, Any]:
+def build(card: ISection, poisson: float) -> Columns:
     b, h, t_f, t_w = card.width, card.height, card.flange, card.web
     clear, middle = h - 2.0 * t_f, h - t_f
     area = 2.0 * b * t_f + clear * t_w

@@ -10,10 +10,10 @@ Mechanics 33, 335-340. Timoshenko and Goodier (1970), Theory of Elasticity, 109.
 """
 
 from math import pi, tanh
-from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Columns
 from crashsolve.deck.card import Card, quantity
 from crashsolve.foundation.record import Record
 
@@ -28,7 +28,7 @@ class Rectangle(Card):
 PARAMETERS = HISTORY = OUTPUT = Record()
 
 
-def build(card: Rectangle, poisson: float) -> dict[str, Any]:
+def build(card: Rectangle, poisson: float) -> Columns:
     a, b = card.width, card.height
     shear = 10.0 * (1.0 + poisson) / (12.0 + 11.0 * poisson)
     return {
@@ -57,7 +57,7 @@ def corners(width: float, height: float) -> np.ndarray:
 
 
 def fibres(card: Rectangle, grid: tuple[int, int]) -> np.ndarray:
-    """Places and areas (n, 3) of fibres, y, z [m] and A [m^2], so many along y and z."""
+    """Positions and areas (n, 3) of fibres, y, z [m] and A [m^2], so many along y and z."""
     return patch(card.width, card.height, grid)
 
 

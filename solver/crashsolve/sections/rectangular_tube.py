@@ -8,11 +8,10 @@ q(s) is the shear flow under a shear force V. Consequence to test: with webs alo
 Reference: Megson (2017), Aircraft Structures for Engineering Students, chapters 16 to 18 and 20.
 """
 
-from typing import Any
-
 import numpy as np
 from pydantic import model_validator
 
+from crashsolve.deck.building import Columns
 from crashsolve.deck.card import Card, quantity
 from crashsolve.foundation.record import Record
 from crashsolve.sections.rectangle import corners, patch
@@ -35,7 +34,7 @@ class RectangularTube(Card):
 PARAMETERS = HISTORY = OUTPUT = Record()
 
 
-def build(card: RectangularTube, poisson: float) -> dict[str, Any]:
+def build(card: RectangularTube, poisson: float) -> Columns:
     t = card.thickness
     a, b = card.width - t, card.height - t
     area = 2.0 * t * (a + b)

@@ -10,11 +10,11 @@ Mechanics 33, 335-340.
 """
 
 from math import pi
-from typing import Any
 
 import numpy as np
 from pydantic import model_validator
 
+from crashsolve.deck.building import Columns
 from crashsolve.deck.card import Card, quantity
 from crashsolve.foundation.record import Record
 
@@ -35,11 +35,11 @@ class Tube(Card):
 PARAMETERS = HISTORY = OUTPUT = Record()
 
 
-def build(card: Tube, poisson: float) -> dict[str, Any]:
+def build(card: Tube, poisson: float) -> Columns:
     return round_section(card.radius, card.radius - card.thickness, poisson)
 
 
-def round_section(outer: float, inner: float, poisson: float) -> dict[str, Any]:
+def round_section(outer: float, inner: float, poisson: float) -> Columns:
     """Constants of a section between two radii [m]: area [m^2], second moments and torsion [m^4].
 
     Shear factors are those of Cowper (1966), J. Appl. Mech. 33, 335-340.
@@ -70,7 +70,7 @@ def ring(radius: float, corners: int = 16) -> np.ndarray:
 
 
 def fibres(card: Tube, grid: tuple[int, int]) -> np.ndarray:
-    """Places and areas (n, 3) of fibres, y, z [m] and A [m^2]: rings and sectors."""
+    """Positions and areas (n, 3) of fibres, y, z [m] and A [m^2]: rings and sectors."""
     return rings(card.radius - card.thickness, card.radius, grid)
 
 

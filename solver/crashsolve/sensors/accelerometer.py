@@ -8,19 +8,24 @@ says what is measured of an occupant or vehicle, for measures of injury. Consequ
 to test: on an arm of radius R turning at w it shows w^2 R towards the axis.
 """
 
+from __future__ import annotations
+
 import re
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from pydantic import field_validator
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, point_velocity
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, cross, norm, put, sub, vec
+
+if TYPE_CHECKING:
+    from crashsolve.sensors._rows.accelerometer import Output, Parameters
 
 FAMILY = "nodout"
 MME = re.compile(r"[A-Z0-9?]{12}")
@@ -64,7 +69,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Accelerometer, scene: Scene) -> dict[str, Any]:
+def build(card: Accelerometer, scene: Scene) -> Columns:
     node = scene.node(card.body)
     loads = scene.deck.entries["loads"].values()
     falls = [entry.card.acceleration for entry in loads if entry.type == "gravity"]
@@ -82,7 +87,7 @@ def build(card: Accelerometer, scene: Scene) -> dict[str, Any]:
 
 
 @kernel
-def measure(p, out, t, nodes, rows, curves):
+def measure(p: Parameters, out: Output, t, nodes, rows, curves):
     """Writes: out."""
     body = nodes[p.node]
     d, w = arm(body, vec(p.point)), vec(body.w)

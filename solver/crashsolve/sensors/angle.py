@@ -2,17 +2,22 @@
 
     theta and theta_dot as in foundation.turn; 0 at the start
 
-The turns are counted at every step, not only at samples. Consequence to test: a body that spins
-at w for a time t shows w t, however many turns that is.
+Revolutions are counted at every step, not only at samples. Consequence to test: a body that spins
+at w for a time t shows w t, however many revolutions that is.
 """
 
-from typing import Any
+from __future__ import annotations
 
-from crashsolve.deck.building import Scene
+from typing import TYPE_CHECKING
+
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, word
 from crashsolve.foundation.angles import FULL_TURN, angle_about, angle_rate, counted
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
+
+if TYPE_CHECKING:
+    from crashsolve.sensors._rows.angle import History, Output, Parameters
 
 FAMILY = "disbout"
 
@@ -27,26 +32,26 @@ class Angle(Card):
 
 COUNTS_ROTATIONS = True
 PARAMETERS = FULL_TURN
-HISTORY = Record("angle  rad  counted turn")
+HISTORY = Record("angle  rad  counted rotation")
 OUTPUT = Record("""
     angle  rad    rotation of b from the start
     rate   rad/s  of the angle
 """)
 
 
-def build(card: Angle, scene: Scene) -> dict[str, Any]:
+def build(card: Angle, scene: Scene) -> Columns:
     return dict(scene.turning(card))
 
 
 @kernel
-def follow(p, old, new, out, nodes):
-    """Count the turn. Writes: new, out."""
+def follow(p: Parameters, old: History, new: History, out: Output, nodes):
+    """Count the rotation. Writes: new, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     new.angle = counted(angle_about(a, b, p.axis_a, p.side_a, p.side_b), old.angle)
     out.angle = new.angle
 
 
 @kernel
-def measure(p, out, t, nodes, rows, curves):
+def measure(p: Parameters, out: Output, t, nodes, rows, curves):
     """Writes: out."""
     out.rate = angle_rate(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_b)

@@ -5,15 +5,20 @@
 Consequence to test: a point fixed in b beside a turning a has, in the axes of a, the rate -w x x.
 """
 
-from typing import Any, Literal
+from __future__ import annotations
 
-from crashsolve.deck.building import Scene
+from typing import TYPE_CHECKING, Literal
+
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, relative
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import cross, dot, norm, put, sub, vec
+
+if TYPE_CHECKING:
+    from crashsolve.sensors._rows.displacement import Output, Parameters
 
 FAMILY = "disbout"
 
@@ -49,13 +54,13 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Displacement, scene: Scene) -> dict[str, Any]:
+def build(card: Displacement, scene: Scene) -> Columns:
     ends = scene.attachments(card)
     return ends | {"is_attached": card.axes == "a", "start": scene.distance(ends)}
 
 
 @kernel
-def measure(p, out, t, nodes, rows, curves):
+def measure(p: Parameters, out: Output, t, nodes, rows, curves):
     """Writes: out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     x, x_dot = relative(a, arm(a, vec(p.point_a)), b, arm(b, vec(p.point_b)))

@@ -6,17 +6,22 @@ in the axes of a chosen body, on body b (b minus a). Consequence to test: the jo
 hanging chain carries the weight of all below it.
 """
 
-from typing import Any, Literal
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, JointName, Vec3, quantity, word
 from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import world_position
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, add_scaled, cross, put, sub, vec
+
+if TYPE_CHECKING:
+    from crashsolve.sensors._rows.section_force import Output, Parameters
 
 FAMILY = "secforc"
 
@@ -50,7 +55,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: SectionForce, scene: Scene) -> dict[str, Any]:
+def build(card: SectionForce, scene: Scene) -> Columns:
     joint = scene.joints[card.joint]
     if joint.parts > 1:
         raise scene.fail("this joint acts between more than two bodies; name one of two", "joint")
@@ -71,7 +76,7 @@ def build(card: SectionForce, scene: Scene) -> dict[str, Any]:
 
 
 @kernel
-def measure(p, out, t, nodes, rows, curves):
+def measure(p: Parameters, out: Output, t, nodes, rows, curves):
     """Writes: out."""
     f, m = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for k in range(p.first_row, p.first_row + p.rows):

@@ -10,8 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Columns
 from crashsolve.deck.family import LINE, families
 from crashsolve.deck.reading.deck import Deck
+from crashsolve.deck.reading.items import Entry
 from crashsolve.foundation.orientation import perpendicular
 from crashsolve.model.model import Group, Model
 from crashsolve.output import shapes
@@ -86,7 +88,7 @@ def bars(model: Model, deck: Deck) -> list[Piece]:
     return pieces
 
 
-def outline(entry: Any) -> np.ndarray:
+def outline(entry: Entry) -> np.ndarray:
     """Outer edge (n, 2) of a section; a rectangle of the same radii of gyration without one."""
     law = import_module(entry.module_name)
     if hasattr(law, "outline"):
@@ -137,7 +139,7 @@ def _acting_points(group: Group) -> list[tuple[int, np.ndarray]]:
     return found
 
 
-def planes(model: Model, pieces: list[Piece], nodes: Any, others: np.ndarray) -> list[Piece]:
+def planes(model: Model, pieces: list[Piece], nodes: np.ndarray, others: np.ndarray) -> list[Piece]:
     """Planes, cut to what is near them at the start: their own body, or everything else.
 
     `others` are points (n, 3) of all that is drawn besides bodies, `nodes` those at the start.
@@ -158,13 +160,13 @@ def planes(model: Model, pieces: list[Piece], nodes: Any, others: np.ndarray) ->
     return found
 
 
-def in_world(pieces: list[Piece], nodes: Any) -> np.ndarray:
+def in_world(pieces: list[Piece], nodes: np.ndarray) -> np.ndarray:
     """Points (n, 3) of all pieces."""
     placed = [nodes["r"][n] + p @ nodes["A"][n].reshape(3, 3).T for n, p, _ in pieces]
     return np.concatenate([np.empty((0, 3)), *placed])
 
 
-def _cut_plane(element: Any, near: np.ndarray, size: float) -> shapes.Surface:
+def _cut_plane(element: Columns, near: np.ndarray, size: float) -> shapes.Surface:
     """The rectangle of a plane that lies below some points, with a margin."""
     normal, point = np.asarray(element["normal"]), np.asarray(element["point"])
     side = perpendicular(normal)
@@ -177,7 +179,7 @@ def _cut_plane(element: Any, near: np.ndarray, size: float) -> shapes.Surface:
     return corners @ axes.T + normal * float(normal @ point), np.array([[0, 1, 2], [0, 2, 3]])
 
 
-def _placed(element: Any, surface: shapes.Surface) -> shapes.Surface:
+def _placed(element: Columns, surface: shapes.Surface) -> shapes.Surface:
     """Shape axes to body axes, at the shape's centre."""
     points, triangles = surface
     axes = np.asarray(element.get("axes", np.eye(3))).reshape(3, 3)

@@ -15,7 +15,7 @@ TOUCHES = 3
 # of the nodes of a group: more arrows hide each other
 MOST_NODES = 200
 
-Points = tuple[np.ndarray, np.ndarray, np.ndarray]  # place (k, 3), force (k, 3), card (k,)
+Points = tuple[np.ndarray, np.ndarray, np.ndarray]  # position (k, 3), force (k, 3), card (k,)
 
 
 class ContactPoints:
@@ -68,7 +68,7 @@ class ContactPoints:
         return self._filled(position, p["order"] * force[largest], card, positions)
 
     def _centres(self, g: NodalGroup, chosen: np.ndarray) -> np.ndarray:
-        """Places (k, 3) of probes: points of shells, or points of bodies."""
+        """Positions (k, 3) of probes: points of shells, or points of bodies."""
         probes = (g.balls if g.is_round else g.probes)[chosen]
         if not len(probes) or probes["point"][0] >= 0:
             found: np.ndarray = self.engine.state.points["r"][probes["point"]]
@@ -80,7 +80,7 @@ class ContactPoints:
     def _filled(
         self, position: np.ndarray, force: np.ndarray, card: np.ndarray, positions: int
     ) -> Points:
-        """As many points as there are places: what is left over waits at the first body."""
+        """As many points as the block has room for: unused ones lie at the first body."""
         rest = positions - len(position)
         nodes = self.engine.nodes["r"]
         waiting = np.tile(nodes[min(1, len(nodes) - 1)], (rest, 1))

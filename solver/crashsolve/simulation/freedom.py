@@ -1,4 +1,4 @@
-"""Degrees of freedom of a model as its deck places it, and joints that hold the same twice.
+"""Degrees of freedom of a model in its initial configuration, and redundant joints.
 
     f = 6 n - rank D      n nodes that move, D the rows of their joints
 

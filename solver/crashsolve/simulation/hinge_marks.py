@@ -1,11 +1,9 @@
-"""Hinges in pictures: a ball in the point of each, with how far it has turned or moved for good.
+"""Hinges in pictures: a ball in the point of each, with its permanent rotation or displacement.
 
     plastic_angle = |(alpha_1, alpha_2)|,   plastic_stroke = alpha of the travel along the beam
 
 alpha is the sum of plastic displacements in both directions, as in the channels of the hinge.
 """
-
-from typing import Any
 
 import numpy as np
 
@@ -27,7 +25,7 @@ RADIUS = 0.04
 class HingeMarks:
     """The balls of all hinges of a model."""
 
-    def __init__(self, model: Model, nodes: Any) -> None:
+    def __init__(self, model: Model, nodes: np.ndarray) -> None:
         self.groups = [g for g in model.groups if families()[g.keyword].picture == MARK]
         self.ball, self.triangles = shapes.sphere(RADIUS * model.size)
         self.start = self._positions(nodes)
@@ -50,7 +48,7 @@ class HingeMarks:
         specs = tuple(self.specs.values())
         return (Block(NAME, points, (("triangle", cells),), specs, ((BODY, owners),)),)
 
-    def fields(self, nodes: Any) -> dict[str, dict[str, np.ndarray]]:
+    def fields(self, nodes: np.ndarray) -> dict[str, dict[str, np.ndarray]]:
         """Displacements (points, 3) [m] of the balls, and how far their hinges have yielded [1]."""
         if not len(self.start):
             return {}
@@ -61,7 +59,7 @@ class HingeMarks:
             found[name] = np.repeat(values, len(self.triangles))
         return {NAME: found}
 
-    def _positions(self, nodes: Any) -> np.ndarray:
+    def _positions(self, nodes: np.ndarray) -> np.ndarray:
         """Joint points (n, 3), in the bodies that carry the axes."""
         found = [np.empty((0, 3))]
         for g in self.groups:

@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.model.model import Model
+
 # a peak of which the samples show less than this share is missed
 SHOWN = 0.5
 
@@ -67,7 +69,7 @@ def missed_contacts(engine: Any, history: Path) -> list[Missed]:
     return found
 
 
-def _bodies(model: Any) -> dict[str, frozenset[str]]:
+def _bodies(model: Model) -> dict[str, frozenset[str]]:
     """Bodies that each contact card may touch."""
     found: dict[str, set[str]] = {}
     for group in model.contact_groups:

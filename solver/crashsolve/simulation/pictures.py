@@ -9,6 +9,7 @@ from crashsolve.deck.reading.deck import Deck
 from crashsolve.foundation.orientation import crosses, matrix, rotated_by
 from crashsolve.model.model import Group
 from crashsolve.output.blocks import GHOST, Block, FieldSpec
+from crashsolve.output.files import Json
 from crashsolve.simulation import body_shapes
 from crashsolve.simulation.body_shapes import Piece, outline
 from crashsolve.simulation.contact_points import ContactPoints
@@ -71,7 +72,7 @@ class Pictures:
         }
         self.blocks = self._blocks()
 
-    def description(self) -> dict[str, Any]:
+    def description(self) -> Json:
         """What numbers in the blocks stand for, sections of beams (y, z) [m], what is up."""
         entries = self.deck.entries
         weights = [g.parameters for g in self.engine.model.groups if g.word == "loads_gravity"]

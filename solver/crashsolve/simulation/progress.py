@@ -1,4 +1,4 @@
-"""What a run reports itself on the way: its banner, lines of progress, and status.json."""
+"""Reports of a run: its banner, lines of progress, and status.json."""
 
 import os
 import platform
@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import h5py
 import llvmlite
@@ -20,6 +20,7 @@ from crashsolve.deck.dump import as_data
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.foundation.errors import ExitCode
 from crashsolve.model.ledger import IMBALANCE, KINETIC, LARGEST
+from crashsolve.output.files import Json
 from crashsolve.output.log import ERROR, STOPPED, Log
 from crashsolve.output.status import State as RunState
 from crashsolve.output.status import Status, write_status
@@ -99,7 +100,7 @@ class Account:
         self.cpu, self.wall_begun = cpu, wall_begun
         self.pulse, self.pace, self.steps = pulse, Pace(), StepWatch()
         # what never happened, and what was lost: known at the end
-        self.remarks: dict[str, Any] = {}
+        self.remarks: Json = {}
         self.bound = ""
         self._bounds = StepBound(Schedule.of(deck).interval, deck.control.step_max)
         # a thread may report of the run as well
@@ -203,9 +204,9 @@ class Account:
         """CPU time of the run proper: steps and output [s]."""
         return self.cpu["steps"] + self.cpu["output"]
 
-    def _results(self) -> dict[str, Any]:
+    def _results(self) -> Json:
         """What status.json reports steps, constraints, CPU time and watched channels so far."""
-        clock, found = self.engine.clock, dict[str, Any]()
+        clock, found = self.engine.clock, Json()
         if self.phases is not None and self.phases.cycles():
             found |= {
                 "average_step": self.phases.averages(),
@@ -258,7 +259,7 @@ def balance(engine: Engine) -> float:
     return float(100.0 * ledger[IMBALANCE] / ledger[LARGEST]) if ledger[LARGEST] > 0 else 0.0
 
 
-def provenance(deck: Deck, engine: Engine) -> dict[str, Any]:
+def provenance(deck: Deck, engine: Engine) -> Json:
     """Where results come from, as their files keep it."""
     report = deck.output.report
     return {

@@ -1,7 +1,6 @@
 """What a run met with, or never did: idle contacts and parts, lost elements, a collapsed step."""
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -9,6 +8,7 @@ from crashsolve.foundation.curve import HOLD, REFUSE, curve_value
 from crashsolve.foundation.rows import as_rows
 from crashsolve.model.corners import curves_of_time
 from crashsolve.model.ledger import HOURGLASS, INTERNAL, LARGEST
+from crashsolve.output.files import Json
 from crashsolve.output.peaks import Extremes
 from crashsolve.system.engine import Engine
 from crashsolve.system.flags import contact_flags
@@ -96,7 +96,7 @@ def met_by(engine: Engine) -> list[str]:
     return [text for of in found for text in of(engine)]
 
 
-def remarks(engine: Engine, extremes: Extremes, history: Path) -> dict[str, Any]:
+def remarks(engine: Engine, extremes: Extremes, history: Path) -> Json:
     """What is worth a line at the end of a run, for status.json; empty where there is nothing."""
     return {
         "untouched": untouched(engine),
@@ -113,7 +113,7 @@ def below_floor(engine: Engine) -> list[str]:
 
 
 def read_beyond(engine: Engine) -> list[str]:
-    """Curves of a displacement or a turn that were read beyond their last point, and how far."""
+    """Curves of displacement or rotation that were read beyond their last point, and how far."""
     model, found = engine.model, []
     of_time = curves_of_time(model)
     for name, first in model.curve_names.items():
@@ -226,7 +226,7 @@ def _largest(extremes: Extremes, family: str, columns: tuple[str, ...]) -> dict[
     return dict(zip(its.ids, bounds.max(axis=(0, 1)).tolist(), strict=True))
 
 
-def deleted(engine: Engine, history: Path) -> dict[str, dict[str, Any]]:
+def deleted(engine: Engine, history: Path) -> dict[str, Json]:
     """Elements deleted by part: their number, and when the first and the last went [s]."""
     groups = [g for g in engine.model.element_groups() if g.output["deleted"].any()]
     if not groups:

@@ -1,8 +1,8 @@
 """What a user may ask of a run: by signals, and by words in control.txt of the results folder.
 
-SIGTERM, SIGINT and SIGHUP, of a terminal that is closed, dump and stop, SIGUSR1 dumps and goes on,
-SIGCONT is ignored (queues send it along). The words stop, dump and states do the same. A run under
-nohup goes on when its terminal closes.
+SIGTERM, SIGINT and SIGHUP, of a terminal that is closed, dump and stop, SIGUSR1 dumps and
+continues, SIGCONT is ignored (queues send it along). The words stop, dump and states do the same. A
+run under nohup continues when its terminal closes.
 """
 
 import signal
@@ -10,7 +10,6 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
 from crashsolve.deck.diagnostics import shown
 from crashsolve.output.files import read_plain, reported
@@ -38,13 +37,13 @@ def stop_as_by_keyboard() -> None:
     signal.signal(signal.SIGUSR1, signal.SIG_IGN)
 
 
-def _interrupt(number: int, _: Any) -> None:
+def _interrupt(number: int, _: object) -> None:
     _interrupts.append(number)
     raise KeyboardInterrupt
 
 
 def _is_ignored(number: int) -> bool:
-    """Whether whoever started the run wants it to go on, as nohup does."""
+    """Whether the run was started to continue after a hangup, as by nohup."""
     return number == signal.SIGHUP and signal.getsignal(number) == signal.SIG_IGN
 
 
@@ -66,7 +65,7 @@ class Requests:
             raise KeyboardInterrupt
         interrupts = 0
 
-        def keep(number: int, _: Any) -> None:
+        def keep(number: int, _: object) -> None:
             nonlocal interrupts
             self.words.add(SIGNALS[number])
             interrupts += number == signal.SIGINT
@@ -81,7 +80,7 @@ class Requests:
     def read(self) -> None:
         """Take up the words of control.txt and remove it; what is no plain file is left alone.
 
-        So is an empty one: whoever writes it may have come no further than to open it.
+        So is an empty one: its writer may only have opened it yet.
         """
         now = time.monotonic()
         if now < self._due:

@@ -1,10 +1,8 @@
-"""What of a deck may change when its run goes on from a restart dump."""
-
-from typing import Any
+"""The settings of a deck that may change at a restart from a dump."""
 
 import yaml
 
-# fields of control that say how to go on, and nothing of what has been
+# fields of control that affect the continuation only
 FREE_CONTROL = (
     "end_time",
     "step",
@@ -44,7 +42,7 @@ def _is_bound(path: tuple[str, ...]) -> bool:
     return path[0] not in FREE_CARDS
 
 
-def _paths(old: Any, new: Any, at: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
+def _paths(old: object, new: object, at: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
     """Paths to values that differ; parameters count by what they are used for."""
     if not (isinstance(old, dict) and isinstance(new, dict)):
         return [] if old == new else [at]

@@ -1,6 +1,6 @@
 """One run: deck to results. Read, build, compose, advance, write.
 
-What it may be asked on the way, by signals and in control.txt, says requests.py.
+Requests during the run, by signals and in control.txt, are those of requests.py.
 """
 
 import os
@@ -26,7 +26,7 @@ from crashsolve.foundation.streams import report_error, say
 from crashsolve.model.build import build
 from crashsolve.model.integrator_selection import settled
 from crashsolve.output.errors import OutputError
-from crashsolve.output.files import reported
+from crashsolve.output.files import Json, reported
 from crashsolve.output.history import HistoryWriter
 from crashsolve.output.lock import Lock
 from crashsolve.output.log import ERROR, NORMAL, STOPPED, Log
@@ -125,7 +125,7 @@ class Run:
         self.restart_step = out.restart.every
 
     def prepare(self, restart: bool) -> Any:
-        """Clear the folder, or find the dump to go on from; open the log. Raises OutputError."""
+        """Clear the folder, or find the dump to continue from; open the log. Raises OutputError."""
         self.notes: list[str] = []
         dump = newest_restart(self.folder, self.notes.append) if restart else None
         if not restart:
@@ -142,7 +142,7 @@ class Run:
         self.requests.catch()
         return dump
 
-    def execute(self, dump: Any, notes: list[str]) -> int:
+    def execute(self, dump: object, notes: list[str]) -> int:
         """The whole run. Raises SolverError, RunStopped, OutputError after flushing."""
         self.pulse.say = self.account.say
         try:
@@ -348,7 +348,7 @@ class Run:
         path = write_restart(self.folder, arrays, {"deck_text": self.deck.text})
         self.log.line(f"restart dump {path.name} at t = {float(self.engine.clock['time']):.6g} s")
 
-    def _restore(self, arrays: dict[str, np.ndarray], info: dict[str, Any]) -> float:
+    def _restore(self, arrays: dict[str, np.ndarray], info: Json) -> float:
         """Take up a dump; returns its time. Raises DeckError for the dump of another run."""
         differ = differing(str(info.get("deck_text")), self.deck.text)
         if any(is_bound for _, is_bound in differ):
@@ -379,7 +379,7 @@ class Run:
             )
         now = float(clock["sampled"])
         others = ", with other " + ", ".join(name for name, _ in differ) if differ else ""
-        self.log.line(f"going on from t = {now:.6g} s{others}")
+        self.log.line(f"continuing from t = {now:.6g} s{others}")
         return now
 
     def _inconsistency(self, owner: str) -> DeckError:
@@ -421,4 +421,4 @@ class Run:
             self.requests.words.discard("dump")
         if "stop" in self.requests.words:
             now = float(self.engine.clock["time"])
-            raise RunStopped(f"stopped on request at t = {now:.6g} s; go on with --restart")
+            raise RunStopped(f"stopped on request at t = {now:.6g} s; continue with --restart")

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.foundation.angles import angle_about, angle_gradient, counted
 from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
@@ -33,7 +33,7 @@ POINTS = Record("""
 SLIDE = POINTS + Record("axis_a  1  3  direction in which b slides, axes of a")
 
 
-def start_offset(scene: Scene, ends: dict[str, Any]) -> np.ndarray:
+def start_offset(scene: Scene, ends: Columns) -> np.ndarray:
     """Attachment of b from that of a at the start, axes of a [m]."""
     a, b = ends["node_a"], ends["node_b"]
     x_a = scene.r[a] + scene.matrix(a) @ ends["point_a"]
@@ -41,7 +41,7 @@ def start_offset(scene: Scene, ends: dict[str, Any]) -> np.ndarray:
     return np.asarray(scene.rotation_to_body(a, x_b - x_a))
 
 
-def rest_length(card: Any, scene: Scene, ends: dict[str, Any]) -> float:
+def rest_length(card: Any, scene: Scene, ends: Columns) -> float:
     """Length without force [m]; one is refused that has no direction at the start."""
     start = scene.distance(ends)
     length = start if card.length is None else card.length

@@ -63,6 +63,8 @@ def kept_share(stiffness, stretch, limit):
 
 @kernel
 def lost(stiffness, z_old, z, f_old, f, displacement):
-    """Energy lost over a way of the step: work of the force less what the bristle stores [J]."""
+    """Energy lost over a displacement of the step: work of the force less what the bristle stores
+    [J].
+    """
     taken = 0.5 * dot(add(f_old, f), displacement)
     return taken - 0.5 * stiffness * dot(add(z_old, z), sub(z, z_old))

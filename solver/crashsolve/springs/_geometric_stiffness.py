@@ -9,22 +9,22 @@ alone could hold no more than what is symmetric and pulls, in two more of them f
 Consequence to test: rows and blocks together are the derivative of the force.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.sparse.bordered import resist_far, resist_own
-from crashsolve.foundation.vec3 import ZERO, add, cross, dot, scale, sub, unit
+from crashsolve.foundation.vec3 import ZERO, Vector, add, cross, dot, scale, sub, unit
 from crashsolve.springs._between import SHORTEST, line_of_action
 
 
 class End(NamedTuple):
     """One end of the line."""
 
-    u: Any  # unit vector to the other end
+    u: Vector  # unit vector to the other end
     tension: float  # [N]
     length: float  # between both [m]
-    d: Any  # arm of this end [m]
-    d_far: Any  # arm of the other
+    d: Vector  # arm of this end [m]
+    d_far: Vector  # arm of the other
 
 
 @kernel
@@ -57,5 +57,7 @@ def rotation_end(own, far, k, end, blocks):
 
 @kernel
 def rotated(u, per, direction):
-    """Change of the force on an end [N/m] as it goes this way; `per` is the tension over l."""
+    """Change of the force on an end [N/m] by a displacement in this direction; `per` is the tension
+    over l.
+    """
     return scale(per, sub(scale(dot(u, direction), u), direction))

@@ -4,7 +4,7 @@ from typing import Any
 
 from pydantic import model_validator
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, CurveName, JointName, word
 from crashsolve.foundation.curve import curve_area, curve_value
 from crashsolve.foundation.kernels import kernel
@@ -49,7 +49,7 @@ def named_joint(scene: Scene, name: str, *motions: str) -> Any:
     return scene.joints[name]
 
 
-def stops(card: Any, scene: Scene) -> dict[str, Any]:
+def stops(card: Any, scene: Scene) -> Columns:
     """Columns of STOPS from the words of a card."""
     curve = scene.curve(card.curve) if card.curve else 0
     if curve and scene.curve_points[curve]["x"] != 0.0:

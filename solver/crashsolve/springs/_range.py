@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 
 from pydantic import model_validator
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, CurveName, JointName, quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
@@ -91,7 +91,7 @@ class _Curve:
         return getattr(self._card, name)
 
 
-def moment_columns(card: RangeCard, scene: Scene, acts: str) -> dict[str, Any]:
+def moment_columns(card: RangeCard, scene: Scene, acts: str) -> Columns:
     """Columns of MOMENT; `acts` is positive where the angle past the limit has one sign."""
     if card.curve:
         start = scene.curve_points[scene.curve(card.curve)]["x"]

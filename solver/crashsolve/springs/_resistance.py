@@ -5,9 +5,9 @@
     set      f = min(y(e), k (e - s)), not below 0     s grows, the permanent set; stored = f^2 / 2k
     between  u(e) <= f = k (e - s) <= y(e)             s grows and falls; stored = f^2 / 2k + P(s)
 
-The last two are an elastic line of slope k on a slider s, which gives way at y upwards and at u
+The last two are an elastic line of slope k on a slider s, which slides at y upwards and at u
 downwards. Work on the slider is exact: with G_c(e) = int c de - c^2 / 2k it is the change of G_y on
-the way up, of which P, the change of G_u, returns on the way down. Each direction of x has its own
+loading, of which P, the change of G_u, returns in unloading. Each direction of x has its own
 slider. A factor phi(|rate|) acts while the deformation grows, and what it adds is dissipated.
 
 Consequence to test: energy absorbed = stored + lost over any path, for any step.
@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.foundation.curve import curve_area, curve_value, segment
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
@@ -55,7 +55,7 @@ SLIDER = Record("""
 """)
 
 
-def resistance(card: Any, scene: Scene) -> dict[str, Any]:
+def resistance(card: Any, scene: Scene) -> Columns:
     """Parameters of the law from the words of a card."""
     a, b = _power_law(card)
     curves = [name for name in (card.curve, card.unloading_curve) if name]
@@ -181,7 +181,7 @@ def note_branch(p, new, side, e, f, upper, speed, curves):
         new.branch = SLACK
     elif p.unloading != SAME:
         j = 0 if side > 0.0 else 1
-        # at rest on a curve the way back is the elastic line
+        # at rest on a curve unloading is along the elastic line
         if f < upper or speed <= 0.0:
             new.branch = LINE
         if p.unloading == BETWEEN and f > 0.0 and speed < 0.0:

@@ -4,17 +4,15 @@
     dx_a = dr + w_a x d_a
 
 with f, m_a and their derivatives as of beam elements (elements/beams/static_tangent.py) between the
-points d_a and d_b of both bodies. By stretch and turns N, M_y and M_z change as `softened` states
-while they flow. Consequence to test: central differences of the forces, elastic and flowing.
+points d_a and d_b of both bodies. By stretch and rotations N, M_y and M_z change as `softened`
+states while they flow. Consequence to test: central differences of the forces, elastic and flowing.
 """
-
-from typing import Any
 
 import numpy as np
 
 from crashsolve.elements.beams.static_tangent import by_motions, skew, slopes_of_strains, strains
 from crashsolve.foundation.orientation import matrices, products
-from crashsolve.foundation.rows import as_rows
+from crashsolve.foundation.rows import Row, Table, as_rows
 from crashsolve.materials import elastoplastic
 from crashsolve.springs._segment_yield import FROZEN, growth, scaled_back, softened
 
@@ -25,7 +23,7 @@ YIELDING_AXES = np.array([0, 4, 5])
 OVER, YIELDING = 0.05, 1.0 - 1e-6
 
 
-def forces_by_motions(p: Any, state: Any, nodes: Any, curves: Any) -> np.ndarray:
+def forces_by_motions(p: Table, state: Table, nodes: Table, curves: np.ndarray) -> np.ndarray:
     """Derivatives (n, 12, 12) of the forces on both bodies of all segments at rest."""
     R, q, d_a, d_b = _seen(p, nodes)
     k = np.hstack([p["stiffness"], p["rotational_stiffness"]])
@@ -51,12 +49,13 @@ def forces_by_motions(p: Any, state: Any, nodes: Any, curves: Any) -> np.ndarray
 
 
 def predict(
-    p: Any, state: Any, new: Any, nodes: Any, displacement: np.ndarray, curves: Any
+    p: Table, state: Table, new: Table, nodes: Table, displacement: np.ndarray, curves: np.ndarray
 ) -> None:
     """How segments flow over motions `displacement` (n, 6) of all nodes, to first order. Writes:
     new.
 
-    Bodies that turn stretch what is between them by the square of their turns, which is no flow.
+    Bodies that rotate stretch what is between them by the square of their rotations, which is no
+    flow.
     """
     k, trial, change = _trials(p, state, nodes, displacement)
     trial += change
@@ -68,11 +67,11 @@ def predict(
 
 
 def load_factor_to_yield(
-    p: Any, state: Any, nodes: Any, displacement: np.ndarray, curves: Any
+    p: Table, state: Table, nodes: Table, displacement: np.ndarray, curves: np.ndarray
 ) -> float:
     """Share of motions `displacement` (n, 6) at which the first segment begins to yield; at most 1.
 
-    By OVER more than yield, as the way is not straight; of those that are elastic yet.
+    By OVER more than yield, as the path is not straight; of those that are elastic yet.
     """
     _, trial, change = _trials(p, state, nodes, displacement)
     named, past, least = as_rows(p), as_rows(state), 1.0
@@ -87,7 +86,7 @@ def load_factor_to_yield(
 
 
 def _trials(
-    p: Any, state: Any, nodes: Any, displacement: np.ndarray
+    p: Table, state: Table, nodes: Table, displacement: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """k, elastic N, M_y, M_z (n, 3), and how these change over motions, to first order."""
     R, q, d_a, d_b = _seen(p, nodes)
@@ -98,7 +97,7 @@ def _trials(
     return k, k * (q[:, YIELDING_AXES] - state["plastic"]), k * change
 
 
-def _seen(p: Any, nodes: Any) -> tuple[np.ndarray, ...]:
+def _seen(p: Table, nodes: Table) -> tuple[np.ndarray, ...]:
     """R (n, 3, 3), u and theta (n, 6), and arms (n, 3) of both ends."""
     a, b = nodes[p["node_a"]], nodes[p["node_b"]]
     d_a = np.einsum("nij,nj->ni", matrices(a["q"]), p["point_a"])
@@ -108,7 +107,7 @@ def _seen(p: Any, nodes: Any) -> tuple[np.ndarray, ...]:
     return R, np.hstack([u, theta]), d_a, d_b
 
 
-def _flow(p: Any, state: Any, trial: np.ndarray, curves: Any) -> tuple[float, float]:
+def _flow(p: Row, state: Row, trial: np.ndarray, curves: np.ndarray) -> tuple[float, float]:
     """What `growth` reports trial forces."""
     k = (p.stiffness[0], p.rotational_stiffness[1], p.rotational_stiffness[2])
     flow, share = growth(p, k, trial, state.strain, 1.0, curves)

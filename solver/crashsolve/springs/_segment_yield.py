@@ -3,7 +3,7 @@
     (N / A)^2 + (M_y / Z_y)^2 + (M_z / Z_z)^2 <= Y(e)^2 (1 + (rate / D)^(1/q))^2
 
 The return to it is one step of backward Euler; what is lost in a step is the mean of the forces
-over the plastic displacement, as bodies feel the mean of the forces before and after it.
+over the plastic displacement, because bodies receive the mean of the forces before and after it.
 
 References: Powell and Chen (1986), ASCE J. Eng. Mech. 112, 627-641; Simo and Hughes (1998),
 Computational Inelasticity, 3.
@@ -45,7 +45,7 @@ def resisting(p, old, new, h, q, q_dot, curves):
     for i in range(3):
         new.plastic[i] += (trial[i] - held[i]) / k[i]
         stored += 0.5 * held[i] * held[i] / k[i]
-        # bodies feel the mean of the forces before and after the step
+        # bodies receive the mean of the forces before and after the step
         lost += 0.5 * (old.held[i] + held[i]) * (trial[i] - held[i]) / k[i]
         new.held[i] = held[i]
     return held, stored, lost
@@ -98,7 +98,7 @@ def factor_of(p, rate):
 
 @kernel
 def softened(p, k, trial, flow, share, strain, factor, curves):
-    """Derivatives of N, M_y, M_z by stretch and turns while they flow (upper half, 6).
+    """Derivatives of N, M_y, M_z by stretch and rotations while they flow (upper half, 6).
 
     dF = (diag(k s) - b b^T / B) dq,   s = 1 / (1 + share k / Z^2),   b = F s k / Z^2,
     B = sum F b / Z^2 + Y^2 Y' / (1 - Y' share), Y' per flow.

@@ -7,11 +7,11 @@ with T s_j. The rows of the tangent take two points each, one in either half of 
 multiplier. Consequence to test: forces are in balance, and rows are the derivative of the force.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 from crashsolve.foundation.columns import matvec
 from crashsolve.foundation.kernels import kernel
@@ -23,7 +23,7 @@ from crashsolve.foundation.motion import (
     point_velocity,
 )
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import ZERO, add, cross, dot, norm, scale, sub, vec
+from crashsolve.foundation.vec3 import ZERO, Vector, add, cross, dot, norm, scale, sub, vec
 from crashsolve.springs._between import SHORTEST
 
 # points of one line, and rows of its tangent that take two of them each
@@ -42,7 +42,7 @@ class Guide(Card):
     at: Vec3 = quantity("m", "in the frame of the body", default=(0.0, 0.0, 0.0))
 
 
-def points_of(guides: tuple[Guide, ...], field: str, scene: Scene) -> dict[str, Any]:
+def points_of(guides: tuple[Guide, ...], field: str, scene: Scene) -> Columns:
     """Columns POINTS. Raises the scene's errors for too few or many, and for lines of no use."""
     if not 2 <= len(guides) <= MOST:
         raise scene.fail(f"has {len(guides)} points; from 2 to {MOST} are possible", field)
@@ -64,7 +64,7 @@ def points_of(guides: tuple[Guide, ...], field: str, scene: Scene) -> dict[str, 
     }
 
 
-def start_length(columns: dict[str, Any], scene: Scene) -> float:
+def start_length(columns: Columns, scene: Scene) -> float:
     """Length of the line at the start [m]."""
     points = columns["point"].reshape(-1, 3)
     positions = [
@@ -77,9 +77,9 @@ def start_length(columns: dict[str, Any], scene: Scene) -> float:
 class Span(NamedTuple):
     """From a point of the line to one of its neighbours."""
 
-    u: Any  # unit vector there; nothing where both meet
+    u: Vector  # unit vector there; nothing where both meet
     length: float  # [m]
-    v: Any  # velocity of the neighbour against the point [m/s]
+    v: Vector  # velocity of the neighbour against the point [m/s]
 
 
 @kernel

@@ -10,18 +10,23 @@ Consequence to test: with arms r, links at right angles to them and points at th
 bar adds 4 k s^2 / r^2 to the stiffness in roll, and nothing to that in bounce.
 """
 
+from __future__ import annotations
+
 from math import acos, atan2, pi, sqrt
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import add_stiffness_bound, apply_force, arm, mobility, point_at
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import ZERO, add, cross, dot, norm, scale, sub, vec
+from crashsolve.foundation.vec3 import ZERO, Vector, add, cross, dot, norm, scale, sub, vec
 from crashsolve.springs._several import MOST, PARTS, POINTS, arm_of
+
+if TYPE_CHECKING:
+    from crashsolve.springs._rows.anti_roll_bar import History, Output, Parameters
 
 # lever of a link over its arm, below which it is at its dead centre
 DEAD = 1e-3
@@ -67,7 +72,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: AntiRollBar, scene: Scene) -> dict[str, Any]:
+def build(card: AntiRollBar, scene: Scene) -> Columns:
     node = scene.node(card.body)
     if node == 0:
         raise scene.fail("the ground does not roll; name the body that does", "body")
@@ -123,15 +128,15 @@ def _end(name: str, card: AntiRollBar, scene: Scene) -> End:
 class Reach(NamedTuple):
     """How an arm stands for its link to be as long as it is."""
 
-    phi: Any  # [rad]
-    d: Any  # end of the arm from the mass centre of the bar's body, world axes [m]
-    far: Any  # point of the other body from its mass centre, world axes [m]
-    u: Any  # unit vector along the link, from the arm
-    m: Any  # lever of the link on the bar [m]
+    phi: float  # [rad]
+    d: Vector  # end of the arm from the mass centre of the bar's body, world axes [m]
+    far: Vector  # point of the other body from its mass centre, world axes [m]
+    u: Vector  # unit vector along the link, from the arm
+    m: float  # lever of the link on the bar [m]
 
 
 @kernel
-def reach(p, i, nodes):
+def reach(p: Parameters, i, nodes):
     """The Reach of link i: 0 left, 1 right. The lever is 0 where the link is too short or long."""
     j = RIGHT if i == 1 else LEFT
     body, other = nodes[p.node[LEFT_END]], nodes[p.node[j]]
@@ -161,19 +166,19 @@ def reach(p, i, nodes):
 
 
 @kernel
-def is_dead(p, i, at):
+def is_dead(p: Parameters, i, at):
     """Whether a link is at its dead centre, where the bar cannot turn its arm any further."""
     return not abs(at.m) > DEAD * arm_length(p, i)
 
 
 @kernel
-def arm_length(p, i):
+def arm_length(p: Parameters, i):
     """r [m]."""
     return norm((p.lever[3 * i], p.lever[3 * i + 1], p.lever[3 * i + 2]))
 
 
 @kernel
-def draw(p, i, nodes, torque, at):
+def draw(p: Parameters, i, nodes, torque, at):
     """Link i turns its arm by a torque, and what that resists. Writes: nodes. Returns N."""
     tension = torque / at.m
     body, other = nodes[p.node[LEFT_END]], nodes[p.node[RIGHT if i == 1 else LEFT]]
@@ -190,7 +195,7 @@ def draw(p, i, nodes, torque, at):
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, out, curves[0].fault and x."""
     left, right = reach(p, 0, nodes), reach(p, 1, nodes)
     out.twist = left.phi - right.phi
@@ -214,7 +219,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
     for k in range(PARTS):
         row = rows[first + k]

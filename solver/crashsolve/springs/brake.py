@@ -12,11 +12,13 @@ Reference: Dahl (1968), A solid friction model, The Aerospace Corporation TOR-01
 elastic-perfectly plastic limit of Simo and Hughes (1998), Computational Inelasticity, 1.2.
 """
 
-from typing import Any, ClassVar, Literal
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import CurveName, Vec3, quantity, word
 from crashsolve.foundation.curve import curve_value
 from crashsolve.foundation.kernels import kernel
@@ -32,6 +34,9 @@ from crashsolve.springs._between import (
 )
 from crashsolve.springs._bristle import kept_share, lost
 from crashsolve.springs._card import PointSpringCard
+
+if TYPE_CHECKING:
+    from crashsolve.springs._rows.brake import History, Output, Parameters
 
 LEDGER = "brake"
 
@@ -67,7 +72,7 @@ HISTORY = Record("""
     slider   m  3  s_p, axes of a
     bristle  m  3  z, axes of a
     force    N  3  f, axes of a
-    slid     m     way of the slider
+    slid     m     displacement of the slider
 """)
 OUTPUT = Record("""
     force  N  3  on b, axes of a
@@ -76,7 +81,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Brake, scene: Scene) -> dict[str, Any]:
+def build(card: Brake, scene: Scene) -> Columns:
     ends = scene.attachments(card)
     axis = scene.unit(card.axis, "axis")
     side = perpendicular(axis)
@@ -93,7 +98,7 @@ def build(card: Brake, scene: Scene) -> dict[str, Any]:
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     x, x_dot, d_a, d_b = seen_from_a(p, nodes)
     trial = sub(braked(p, sub(x, vec(p.offset))), vec(old.slider))
@@ -124,14 +129,14 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def braked(p, x):
+def braked(p: Parameters, x):
     """Part of a vector (3) in the directions braked, axes of a."""
     first, second = vec(p.first), vec(p.second)
     return add_scaled(scale(dot(first, x), first), dot(second, x), second)
 
 
 @kernel
-def level(p, t, curves):
+def level(p: Parameters, t, curves):
     """F(t) [N]; a negative factor releases the brake."""
     if p.force_curve == 0:
         return p.force

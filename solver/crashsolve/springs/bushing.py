@@ -6,17 +6,19 @@
 
 w is the spin of b over a in axes of a, phi = |theta|. The torque on b is -T^T m, so that power and
 energy agree in every configuration; about one axis it is stiffness times angle. theta is defined up
-to half a turn. The force of both bodies acts in the point of b. Consequence to test: stored energy
-is (x K x + theta K_r theta) / 2 and its gradient the force, in any configuration.
+to half a revolution. The force of both bodies acts in the point of b. Consequence to test: stored
+energy is (x K x + theta K_r theta) / 2 and its gradient the force, in any configuration.
 
 Reference: Bauchau and Trainelli (2003), The vectorial parameterization of rotation, Nonlinear
 Dynamics 32, 71-92.
 """
 
-from math import sqrt
-from typing import Any
+from __future__ import annotations
 
-from crashsolve.deck.building import Scene
+from math import sqrt
+from typing import TYPE_CHECKING
+
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Vec3, quantity
 from crashsolve.foundation.angles import (
     check_rotation_limit,
@@ -47,6 +49,9 @@ from crashsolve.springs._between import (
 )
 from crashsolve.springs._card import PointSpringCard
 
+if TYPE_CHECKING:
+    from crashsolve.springs._rows.bushing import History, Output, Parameters
+
 
 class Bushing(PointSpringCard):
     """Springs and dampers in six directions, along and about the axes of a."""
@@ -67,7 +72,7 @@ PARAMETERS = POINTS + Record("""
     rotational_damping  N m s/rad  3  diagonal of C_r
     offset             m          3  x_0
     reference          1          4  q_a^-1 q_b at the start
-    rotates            flag          whether it resists turns, which end at half a turn
+    rotates            flag          whether it resists rotations, which end at half a revolution
 """)
 HISTORY = Record()
 TANGENTS = 6
@@ -79,7 +84,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Bushing, scene: Scene) -> dict[str, Any]:
+def build(card: Bushing, scene: Scene) -> Columns:
     ends = scene.attachments(card)
     return ends | {
         "stiffness": card.stiffness,
@@ -93,7 +98,7 @@ def build(card: Bushing, scene: Scene) -> dict[str, Any]:
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, out."""
     x, x_dot, d_a, d_b = seen_from_a(p, nodes)
     x = sub(x, vec(p.offset))
@@ -126,7 +131,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
     _, _, d_a, d_b = seen_from_a(p, nodes)
     a, b = nodes[p.node_a], nodes[p.node_b]
@@ -142,7 +147,7 @@ def tangent(p, state, nodes, curves, rows, first):
 
 
 @kernel
-def add_stiffness_bound_about(p, nodes, k, d_a, d_b, stretch):
+def add_stiffness_bound_about(p: Parameters, nodes, k, d_a, d_b, stretch):
     """Report the springs along and about one axis of a to the step control. Writes: nodes.
 
     `stretch` is |T|^2, 1 at small angles.

@@ -7,9 +7,11 @@ one tension acts in all of it. Consequence to test: a hoist of n falls lifts n t
 bodies on one cable keep their momentum, and vibrate with omega^2 = k sum_j s_j . s_j / m_j.
 """
 
-from typing import Any
+from __future__ import annotations
 
-from crashsolve.deck.building import Scene
+from typing import TYPE_CHECKING
+
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
@@ -22,6 +24,9 @@ from crashsolve.springs._several import (
     start_length,
     tangent_along,
 )
+
+if TYPE_CHECKING:
+    from crashsolve.springs._rows.cable import History, Output, Parameters
 
 
 class Cable(Card):
@@ -50,7 +55,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Cable, scene: Scene) -> dict[str, Any]:
+def build(card: Cable, scene: Scene) -> Columns:
     columns = points_of(card.through, "through", scene)
     length = start_length(columns, scene) if card.length is None else card.length
     own = {"stiffness": card.stiffness, "damping": card.damping, "length": length}
@@ -58,7 +63,7 @@ def build(card: Cable, scene: Scene) -> dict[str, Any]:
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     length, rate = length_and_rate(p, nodes)
     x = length - p.length
@@ -73,7 +78,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
     length, rate = length_and_rate(p, nodes)
     x = length - p.length
@@ -82,7 +87,7 @@ def tangent(p, state, nodes, curves, rows, first):
 
 
 @kernel
-def event(p, old, h, nodes, curves):
+def event(p: Parameters, old: History, h, nodes, curves):
     """How far it is past the length at which it becomes taut or slack [m]."""
     length, _ = length_and_rate(p, nodes)
     x = length - p.length

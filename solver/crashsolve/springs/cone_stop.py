@@ -15,20 +15,22 @@ References: Ambrosio (2003), section 5.2; Engin and Tumer (1989), Journal of Bio
 Engineering 111, 107-112, of joint sinuses as generalised cones.
 """
 
+from __future__ import annotations
+
 from math import atan2, floor, pi, sin, sqrt
-from typing import Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 from pydantic import model_validator
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Vec3, quantity, word
 from crashsolve.foundation.angles import check_rotation_limit
 from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, rotation_tangent, twist
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import add_scaled, cross, dot, norm, put, scale, sub, vec
+from crashsolve.foundation.vec3 import Vector, add_scaled, cross, dot, norm, put, scale, sub, vec
 from crashsolve.springs._joint import named_joint
 from crashsolve.springs._range import (
     LARGEST,
@@ -41,6 +43,9 @@ from crashsolve.springs._range import (
     range_moment,
     range_tangent,
 )
+
+if TYPE_CHECKING:
+    from crashsolve.springs._rows.cone_stop import History, Output, Parameters
 
 LEDGER = "joint"
 COUNTS_ROTATIONS = True
@@ -66,7 +71,7 @@ class ConeStop(RangeCard):
     )
 
     @model_validator(mode="after")
-    def _a_cone(self) -> "ConeStop":
+    def _a_cone(self) -> ConeStop:
         if (self.half_angles is None) == (self.table is None):
             raise ValueError("needs one of half_angles and table")
         if max(half for _, half in self.limits()) > LARGEST:
@@ -111,7 +116,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: ConeStop, scene: Scene) -> dict[str, Any]:
+def build(card: ConeStop, scene: Scene) -> Columns:
     joint = named_joint(scene, card.joint, "ball", "swing")
     axis, pointer = scene.unit(card.axis, "axis"), scene.unit(card.pointer, "pointer")
     side = scene.unit(card.toward, "toward")
@@ -148,7 +153,7 @@ def _stretch(azimuth: np.ndarray, half: np.ndarray) -> float:
     return 1.0 + float(most)
 
 
-def _check_start(card: ConeStop, scene: Scene, p: dict[str, Any]) -> None:
+def _check_start(card: ConeStop, scene: Scene, p: Columns) -> None:
     """A joint that begins past its cone would be kicked back into it."""
     s = scene.rotation_to_body(p["node_a"], scene.matrix(p["node_b"]) @ p["pointer"])
     across = float(np.hypot(s @ p["side_a"], s @ p["third_a"]))
@@ -165,11 +170,11 @@ def _check_start(card: ConeStop, scene: Scene, p: dict[str, Any]) -> None:
 class Swing(NamedTuple):
     """Where the pointer is in the cone."""
 
-    theta: Any  # angle from the axis [rad]
-    phi: Any  # azimuth [rad]
-    past: Any  # angle past the limit, negative within [rad]
-    gradient: Any  # of `past` over turns of b, world axes; within the cone that of theta
-    cosine: Any  # of theta
+    theta: float  # angle from the axis [rad]
+    phi: float  # azimuth [rad]
+    past: float  # angle past the limit, negative within [rad]
+    gradient: Vector  # of `past` over rotations of b, world axes; within the cone that of theta
+    cosine: float  # of theta
 
 
 @kernel
@@ -192,7 +197,7 @@ def limit_between(azimuth, narrow, points, phi):
 
 
 @kernel
-def swing_of(p, nodes):
+def swing_of(p: Parameters, nodes):
     """The Swing of the pointer."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     c, side, third = arm(a, vec(p.axis_a)), arm(a, vec(p.side_a)), arm(a, vec(p.third_a))
@@ -210,7 +215,7 @@ def swing_of(p, nodes):
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     at = swing_of(p, nodes)
     check_rotation_limit(curves, p.node_b, sqrt(max(0.5 + 0.5 * at.cosine, 0.0)))
@@ -227,7 +232,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     at = swing_of(p, nodes)
@@ -237,7 +242,7 @@ def tangent(p, state, nodes, curves, rows, first):
 
 
 @kernel
-def event(p, old, h, nodes, curves):
+def event(p: Parameters, old: History, h, nodes, curves):
     """How far the swing has left where it began the step, within the cone or past it [rad]."""
     at = swing_of(p, nodes)
     rate = dot(at.gradient, sub(vec(nodes[p.node_b].w), vec(nodes[p.node_a].w)))

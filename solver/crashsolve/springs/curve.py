@@ -6,9 +6,11 @@ Consequence to test: with `unloading_stiffness` k the length after a stroke x ke
 x - f(x) / k, and the spring has absorbed int f dx, of which f^2 / 2k returns.
 """
 
-from typing import Any, ClassVar, Literal
+from __future__ import annotations
 
-from crashsolve.deck.building import Scene
+from typing import TYPE_CHECKING, ClassVar, Literal
+
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import line_tangent, pull
@@ -17,6 +19,9 @@ from crashsolve.springs import _resistance
 from crashsolve.springs._between import POINTS, line_of_action, rest_length
 from crashsolve.springs._card import PointSpringCard, ResistanceCard
 from crashsolve.springs._geometric_stiffness import add_geometric_stiffness
+
+if TYPE_CHECKING:
+    from crashsolve.springs._rows.curve import History, Output, Parameters
 
 
 class Curve(PointSpringCard, ResistanceCard):
@@ -56,13 +61,13 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Curve, scene: Scene) -> dict[str, Any]:
+def build(card: Curve, scene: Scene) -> Columns:
     ends = scene.attachments(card)
     return ends | _resistance.resistance(card, scene) | {"length": rest_length(card, scene, ends)}
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     u, length, rate, d_a, d_b = line_of_action(p, nodes)
     x = length - p.length
@@ -76,7 +81,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
     line = line_of_action(p, nodes)
     x, rate = line.length - p.length, line.rate
@@ -88,7 +93,7 @@ geometric_stiffness = add_geometric_stiffness
 
 
 @kernel
-def event(p, old, h, nodes, curves):
+def event(p: Parameters, old: History, h, nodes, curves):
     """How far this is past the branch of the law on which the step began [m]."""
     _, length, rate, _, _ = line_of_action(p, nodes)
     return _resistance.branch_event(p, old, h, length - p.length, rate, curves)

@@ -5,9 +5,11 @@
 Consequence to test: with `unloading_stiffness` k a turn theta leaves the set theta - f(theta) / k.
 """
 
-from typing import Any, ClassVar, Literal
+from __future__ import annotations
 
-from crashsolve.deck.building import Scene
+from typing import TYPE_CHECKING, ClassVar, Literal
+
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import quantity, word
 from crashsolve.foundation.angles import FULL_TURN
 from crashsolve.foundation.kernels import kernel
@@ -16,6 +18,9 @@ from crashsolve.foundation.record import Record
 from crashsolve.springs import _resistance
 from crashsolve.springs._between import rotated
 from crashsolve.springs._card import AxisSpringCard, ResistanceCard
+
+if TYPE_CHECKING:
+    from crashsolve.springs._rows.curve_torsional import History, Output, Parameters
 
 
 class CurveTorsional(AxisSpringCard, ResistanceCard):
@@ -43,22 +48,22 @@ class CurveTorsional(AxisSpringCard, ResistanceCard):
 
 COUNTS_ROTATIONS = True
 PARAMETERS = FULL_TURN + _resistance.RESISTANCE + Record("angle  rad  theta_0")
-HISTORY = _resistance.SLIDER + Record("angle  rad  counted turn")
+HISTORY = _resistance.SLIDER + Record("angle  rad  counted rotation")
 TANGENTS = 1
 OUTPUT = Record("""
     torque  N m    positive rotates b back
     angle   rad    rotation of b from the start
     rate    rad/s  of the angle
-    set     rad    permanent turn, the larger of both directions
+    set     rad    permanent rotation, the larger of both directions
 """)
 
 
-def build(card: CurveTorsional, scene: Scene) -> dict[str, Any]:
+def build(card: CurveTorsional, scene: Scene) -> Columns:
     return scene.turning(card) | _resistance.resistance(card, scene) | {"angle": card.angle}
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     angle, rate, g = rotated(p, old.angle, nodes)
     new.angle = angle
@@ -72,7 +77,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
     angle, rate, g = rotated(p, state.angle, nodes)
     stiffness, damping = _resistance.resist_tangent(p, state, angle - p.angle, rate, curves)
@@ -80,7 +85,7 @@ def tangent(p, state, nodes, curves, rows, first):
 
 
 @kernel
-def event(p, old, h, nodes, curves):
+def event(p: Parameters, old: History, h, nodes, curves):
     """How far this is past the branch of the law on which the step began [rad]."""
     angle, rate, _ = rotated(p, old.angle, nodes)
     return _resistance.branch_event(p, old, h, angle - p.angle, rate, curves)

@@ -8,11 +8,13 @@ and c_2 shortening a free mass m comes to rest after m v / c_1 or m v / c_2 of t
 energy is dissipated.
 """
 
-from typing import Any, ClassVar
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import CurveName, word
 from crashsolve.foundation.curve import LINEAR, curve_value, segment
 from crashsolve.foundation.kernels import kernel
@@ -22,6 +24,9 @@ from crashsolve.springs._between import POINTS, line_of_action
 from crashsolve.springs._card import PointSpringCard
 from crashsolve.springs._geometric_stiffness import add_geometric_stiffness
 from crashsolve.springs._resistance import steepest
+
+if TYPE_CHECKING:
+    from crashsolve.springs._rows.damper import History, Output, Parameters
 
 
 class Damper(PointSpringCard):
@@ -45,7 +50,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Damper, scene: Scene) -> dict[str, Any]:
+def build(card: Damper, scene: Scene) -> Columns:
     curve = scene.curve(card.curve)
     _check(scene.curve_points, curve, card.curve, scene)
     stiffest = steepest(scene.curve_points, curve)
@@ -80,7 +85,7 @@ def _check(points: np.ndarray, start: int, name: str, scene: Scene) -> None:
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     u, length, rate, d_a, d_b = line_of_action(p, nodes)
     tension, _, _ = curve_value(curves, p.curve, rate)
@@ -94,7 +99,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
     line = line_of_action(p, nodes)
     _, slope, _ = curve_value(curves, p.curve, line.rate)
@@ -105,7 +110,7 @@ geometric_stiffness = add_geometric_stiffness
 
 
 @kernel
-def event(p, old, h, nodes, curves):
+def event(p: Parameters, old: History, h, nodes, curves):
     """How far the rate is past the piece of the curve on which the step began, over h [m]."""
     _, _, rate, _, _ = line_of_action(p, nodes)
     first, last = old.segment, curves[p.curve].last

@@ -11,9 +11,11 @@ Consequence to test: with k_t = 0 a mass m at v_0 stops after m v_0^2 / 2 F_y + 
 Reference: Simo and Hughes (1998), Computational Inelasticity, 1.2 to 1.6.
 """
 
-from typing import Any, Literal
+from __future__ import annotations
 
-from crashsolve.deck.building import Scene
+from typing import TYPE_CHECKING, Literal
+
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import line_tangent, pull
@@ -21,6 +23,9 @@ from crashsolve.foundation.record import Record
 from crashsolve.springs._between import POINTS, line_of_action, rest_length
 from crashsolve.springs._card import PointSpringCard
 from crashsolve.springs._geometric_stiffness import add_geometric_stiffness
+
+if TYPE_CHECKING:
+    from crashsolve.springs._rows.elastoplastic import History, Output, Parameters
 
 
 class Elastoplastic(PointSpringCard):
@@ -60,7 +65,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Elastoplastic, scene: Scene) -> dict[str, Any]:
+def build(card: Elastoplastic, scene: Scene) -> Columns:
     k, tangent = card.stiffness, card.tangent
     if tangent >= k:
         raise scene.fail(f"must be below stiffness, {k:g} N/m", "tangent")
@@ -76,7 +81,7 @@ def build(card: Elastoplastic, scene: Scene) -> dict[str, Any]:
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     u, length, rate, d_a, d_b = line_of_action(p, nodes)
     x = length - p.length
@@ -104,13 +109,13 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
     line = line_of_action(p, nodes)
     x, hardening = line.length - p.length, p.isotropic + p.kinematic
     trial = p.stiffness * (x - state.plastic) - p.kinematic * state.plastic
     stiffness = p.stiffness
-    # at yield but for round-off, and not on the way back
+    # at yield but for round-off, and not in unloading
     at_yield = p.yield_force + p.isotropic * state.flow
     if abs(trial) >= (1.0 - 1e-12) * at_yield and trial * line.rate > 0.0:
         stiffness *= hardening / (p.stiffness + hardening)
@@ -121,7 +126,7 @@ geometric_stiffness = add_geometric_stiffness
 
 
 @kernel
-def event(p, old, h, nodes, curves):
+def event(p: Parameters, old: History, h, nodes, curves):
     """How far this is past yield, or past the rotation of the motion while it flows [m]."""
     _, length, rate, _, _ = line_of_action(p, nodes)
     if old.plastic_flow != 0:

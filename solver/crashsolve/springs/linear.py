@@ -6,9 +6,11 @@ Consequence to test: a mass on it swings with omega^2 = k / m; stored energy k (
 dissipated power c l_dot^2.
 """
 
-from typing import Any
+from __future__ import annotations
 
-from crashsolve.deck.building import Scene
+from typing import TYPE_CHECKING
+
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import line_tangent, pull
@@ -16,6 +18,9 @@ from crashsolve.foundation.record import Record
 from crashsolve.springs._between import POINTS, line_of_action, rest_length, spring_and_damper
 from crashsolve.springs._card import PointSpringCard
 from crashsolve.springs._geometric_stiffness import add_geometric_stiffness
+
+if TYPE_CHECKING:
+    from crashsolve.springs._rows.linear import History, Output, Parameters
 
 
 class Linear(PointSpringCard):
@@ -42,14 +47,14 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Linear, scene: Scene) -> dict[str, Any]:
+def build(card: Linear, scene: Scene) -> Columns:
     ends = scene.attachments(card)
     length = rest_length(card, scene, ends)
     return ends | {"stiffness": card.stiffness, "damping": card.damping, "length": length}
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, out."""
     u, length, rate, d_a, d_b = line_of_action(p, nodes)
     out.force = spring_and_damper(p, out, length - p.length, rate)
@@ -58,7 +63,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
     a, b, line = nodes[p.node_a], nodes[p.node_b], line_of_action(p, nodes)
     line_tangent(rows[first], a, b, line, p.stiffness, p.damping)

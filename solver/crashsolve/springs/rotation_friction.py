@@ -14,12 +14,14 @@ Reference: Dahl (1968), A solid friction model, The Aerospace Corporation TOR-01
 in joints: Haug, Wu and Yang (1986), Mechanism and Machine Theory 21, 401-406.
 """
 
-from typing import Any, ClassVar
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from pydantic import model_validator
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, CurveName, JointName, quantity, word
 from crashsolve.foundation.angles import orientation_in, rotation_between
 from crashsolve.foundation.columns import matvec_t
@@ -30,6 +32,9 @@ from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, add_scaled, dot, norm, put, scale, sub, vec
 from crashsolve.springs._bristle import BRISTLE, PRESSING, friction_limit, kept_share, lost
 from crashsolve.springs._joint import named_joint
+
+if TYPE_CHECKING:
+    from crashsolve.springs._rows.rotation_friction import History, Output, Parameters
 
 LEDGER = "joint"
 
@@ -50,7 +55,7 @@ class RotationFriction(Card):
     damping: float = quantity("N m s/rad", "c, of the bristle", default=0.0, ge=0)
 
     @model_validator(mode="after")
-    def _consistent(self) -> "RotationFriction":
+    def _consistent(self) -> RotationFriction:
         if self.torque == 0.0 and self.coefficient == 0.0:
             raise ValueError("needs torque, coefficient or both")
         if self.torque_curve and self.torque == 0.0:
@@ -84,7 +89,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: RotationFriction, scene: Scene) -> dict[str, Any]:
+def build(card: RotationFriction, scene: Scene) -> Columns:
     joint = named_joint(scene, card.joint, "angle", "ball")
     return {
         "level": card.torque,
@@ -100,14 +105,14 @@ def build(card: RotationFriction, scene: Scene) -> dict[str, Any]:
     }
 
 
-def initial_history(card: RotationFriction, p: Any, scene: Scene) -> dict[str, Any]:
+def initial_history(card: RotationFriction, p: np.void, scene: Scene) -> Columns:
     w, x, y, z = scene.q[p["node_a"]]
     a = np.array([[w, x, y, z], [-x, w, z, -y], [-y, -z, w, x], [-z, y, -x, w]])
     return {"configuration": a @ scene.q[p["node_b"]]}
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     now = orientation_in(a, b)
@@ -142,7 +147,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def level(p, t, curves):
+def level(p: Parameters, t, curves):
     """M_0 phi(t) [N m]; a negative factor releases the brake."""
     if p.torque_curve == 0:
         return p.level

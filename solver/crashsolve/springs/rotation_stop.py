@@ -6,9 +6,11 @@ Consequence to test: without damping the joint rebounds with its speed after the
 pi sqrt(J / k); with the damping ratio zeta it rebounds with the restitution exp(-zeta omega t_c).
 """
 
-from typing import Any, ClassVar
+from __future__ import annotations
 
-from crashsolve.deck.building import Scene
+from typing import TYPE_CHECKING, ClassVar
+
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.angles import FULL_TURN
 from crashsolve.foundation.kernels import kernel
@@ -16,6 +18,9 @@ from crashsolve.foundation.motion import rotation_tangent, twist
 from crashsolve.foundation.record import Record
 from crashsolve.springs import _joint
 from crashsolve.springs._between import rotated
+
+if TYPE_CHECKING:
+    from crashsolve.springs._rows.rotation_stop import History, Output, Parameters
 
 LEDGER = "joint"
 
@@ -33,7 +38,7 @@ class RotationStop(_joint.StopCard):
 
 COUNTS_ROTATIONS = True
 PARAMETERS = FULL_TURN + _joint.STOPS + Record("start  rad  angle at the start, of a posture")
-HISTORY = _joint.STOPPED + Record("angle  rad  theta, with all turns")
+HISTORY = _joint.STOPPED + Record("angle  rad  theta, over all revolutions")
 TANGENTS = 1
 OUTPUT = Record("""
     torque  N m    positive rotates b back
@@ -42,7 +47,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: RotationStop, scene: Scene) -> dict[str, Any]:
+def build(card: RotationStop, scene: Scene) -> Columns:
     frame = _joint.named_joint(scene, card.joint, "angle").frame
     start = scene.angles_at_start.get(card.joint, 0.0)
     columns = FULL_TURN.taken_from(frame) | _joint.stops(card, scene) | {"start": start}
@@ -57,7 +62,7 @@ def build(card: RotationStop, scene: Scene) -> dict[str, Any]:
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     angle, rate, g = rotated(p, old.angle, nodes)
     new.angle = angle
@@ -69,7 +74,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
     angle, rate, g = rotated(p, state.angle, nodes)
     stiffness, damping = _joint.stop_tangent(p, p.start + angle, rate, curves)
@@ -77,6 +82,6 @@ def tangent(p, state, nodes, curves, rows, first):
 
 
 @kernel
-def event(p, old, h, nodes, curves):
+def event(p: Parameters, old: History, h, nodes, curves):
     """How far the angle has left where it began the step, between the stops or beyond one [rad]."""
     return _joint.stop_event(p, old, p.start + rotated(p, old.angle, nodes)[0])

@@ -24,11 +24,13 @@ approach, Computers and Structures 6, 475-480. Powell and Chen (1986), ASCE J. E
 627-641 (the ellipse). Simo and Hughes (1998), Computational Inelasticity, 3 (return to it).
 """
 
-from typing import Any, NamedTuple
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import MaterialName, SectionName, Vec3, quantity, word
 from crashsolve.elements.beams.corotational import (
     half_angle_over_sine,
@@ -51,7 +53,19 @@ from crashsolve.foundation.motion import (
 )
 from crashsolve.foundation.orientation import quaternion_of
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import ZERO, add, add_scaled, cross, dot, put, scale, sub, unit, vec
+from crashsolve.foundation.vec3 import (
+    ZERO,
+    Vector,
+    add,
+    add_scaled,
+    cross,
+    dot,
+    put,
+    scale,
+    sub,
+    unit,
+    vec,
+)
 from crashsolve.sections._plastic import GRID, plastic_modulus
 from crashsolve.springs._between import POINTS
 from crashsolve.springs._card import PointSpringCard
@@ -64,6 +78,9 @@ from crashsolve.springs._segment_yield import (
     resisting,
     softened,
 )
+
+if TYPE_CHECKING:
+    from crashsolve.springs._rows.segment import History, Output, Parameters
 
 __all__ = ["forces_by_motions", "predict", "load_factor_to_yield"]
 
@@ -120,11 +137,11 @@ OUTPUT = Record("""
     angle           rad  3  theta
     plastic_angle   rad  2  theta_p about y and z
     plastic_strain  1       e, mean over the section
-    plastic_work    J       taken up so far
+    plastic_work    J       so far
 """)
 
 
-def build(card: Segment, scene: Scene) -> dict[str, Any]:
+def build(card: Segment, scene: Scene) -> Columns:
     section, material, moduli = _laws(card, scene)
     ends, T = _ends(card, scene), _triad(card, scene)
     a, b = ends["node_a"], ends["node_b"]
@@ -160,16 +177,16 @@ def build(card: Segment, scene: Scene) -> dict[str, Any]:
     }
 
 
-def _ends(card: Segment, scene: Scene) -> dict[str, Any]:
+def _ends(card: Segment, scene: Scene) -> Columns:
     """Both sides of the cut, which must be in one position at the start."""
-    ends: dict[str, Any] = scene.attachments(card)
+    ends: Columns = scene.attachments(card)
     if (apart := scene.distance(ends)) > CLOSE_ENOUGH * card.length:
         message = f"is {apart:.3g} m from at_a at the start; they are two sides of one cut"
         raise scene.fail(message, "at_b")
     return ends
 
 
-def _laws(card: Segment, scene: Scene) -> tuple[dict[str, Any], dict[str, Any], tuple[float, ...]]:
+def _laws(card: Segment, scene: Scene) -> tuple[Columns, Columns, tuple[float, ...]]:
     """Constants of section and material, and A, Z_y, Z_z."""
     law, material_card = scene.law("materials", card.material)
     kind = law.__name__.rpartition(".")[2]
@@ -204,19 +221,19 @@ def _triad(card: Segment, scene: Scene) -> np.ndarray:
 class Seen(NamedTuple):
     """What a spring has been brought to, in axes of the beam but for R and the arms."""
 
-    R: Any  # mean triad, v and w of corotational.py
-    v: Any
+    R: tuple[float, ...]  # mean triad, v and w of corotational.py
+    v: Vector
     w: float
-    d_a: Any  # arms of both sides [m], world axes
-    d_b: Any
-    u: Any  # stretch and shear [m]
-    theta: Any  # twist and bends [rad]
-    u_dot: Any
-    theta_dot: Any
+    d_a: Vector  # arms of both sides [m], world axes
+    d_b: Vector
+    u: Vector  # stretch and shear [m]
+    theta: Vector  # twist and bends [rad]
+    u_dot: Vector
+    theta_dot: Vector
 
 
 @kernel
-def seen_by(p, nodes):
+def seen_by(p: Parameters, nodes):
     """Deformation of the spring and its rates."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame_of(axes_at(a, p.rotation_a), axes_at(b, p.rotation_b))
@@ -230,7 +247,7 @@ def seen_by(p, nodes):
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     seen = seen_by(p, nodes)
     u, theta, u_dot, theta_dot = seen.u, seen.theta, seen.u_dot, seen.theta_dot
@@ -260,7 +277,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def act(p, nodes, seen, f, m):
+def act(p: Parameters, nodes, seen, f, m):
     """The force f and the moments m, which belong to u and theta, on both bodies. Writes: nodes."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w, c = seen.R, seen.v, seen.w, cross(seen.u, f)
@@ -273,7 +290,7 @@ def act(p, nodes, seen, f, m):
 
 
 @kernel
-def report(p, nodes, seen):
+def report(p: Parameters, nodes, seen):
     """Report all six directions to the step control. Writes: nodes."""
     a, b, R = nodes[p.node_a], nodes[p.node_b], seen.R
     # rows of a bent spring are longer than those of a straight one, and end half-way between
@@ -289,7 +306,7 @@ def report(p, nodes, seen):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Of the forces by positions and velocities, but for the rotation of the forces. Writes:
     rows.
     """
@@ -345,7 +362,7 @@ def shear_row(row, seen, k):
 
 @kernel
 def rotation_row(row, seen, k):
-    """Derivative of -theta_k by the turns of both bodies. Writes: row."""
+    """Derivative of -theta_k by the rotations of both bodies. Writes: row."""
     m = rotated_rate(half_angle_over_sine(seen.v, seen.w), seen.v, unit(k))
     write(row, seen.R, ZERO, m, scale(-1.0, m))
 

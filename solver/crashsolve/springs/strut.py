@@ -9,12 +9,14 @@ pi omega A^2 (c_b + c_r) / 2 in a cycle; a mass that meets the bump stop k_b at 
 sqrt(m / k_b) v beyond it.
 """
 
-from typing import Any, ClassVar
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from pydantic import model_validator
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import CurveName, quantity, word
 from crashsolve.foundation.curve import curve_area, curve_value
 from crashsolve.foundation.kernels import kernel
@@ -24,6 +26,9 @@ from crashsolve.springs._between import POINTS, line_of_action, rest_length
 from crashsolve.springs._card import PointSpringCard
 from crashsolve.springs._geometric_stiffness import add_geometric_stiffness
 from crashsolve.springs._resistance import read, steepest
+
+if TYPE_CHECKING:
+    from crashsolve.springs._rows.strut import History, Output, Parameters
 
 # where a cubic of a damper is asked for its sign
 PARTS = np.linspace(0.0, 1.0, 17)
@@ -67,7 +72,7 @@ class Strut(PointSpringCard):
     )
 
     @model_validator(mode="after")
-    def _consistent(self) -> "Strut":
+    def _consistent(self) -> Strut:
         if (self.stiffness is None) == (self.curve is None):
             raise ValueError("needs one of stiffness and curve")
         if self.damping_curve and (self.bump_damping or self.rebound_damping):
@@ -114,7 +119,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Strut, scene: Scene) -> dict[str, Any]:
+def build(card: Strut, scene: Scene) -> Columns:
     ends = scene.attachments(card)
     curves = {
         name: scene.curve(getattr(card, name)) if getattr(card, name) else 0
@@ -197,7 +202,7 @@ def elastic(curves, curve, stiffness, x):
 
 
 @kernel
-def damped(p, rate, curves):
+def damped(p: Parameters, rate, curves):
     """Force of the damper [N] and its slope [N s/m]."""
     if p.damping_curve > 0:
         f, slope, _ = curve_value(curves, p.damping_curve, rate)
@@ -207,7 +212,7 @@ def damped(p, rate, curves):
 
 
 @kernel
-def stopped(p, length, curves):
+def stopped(p: Parameters, length, curves):
     """Force of the stops, tension positive [N], slope [N/m] and stored energy [J]."""
     if length < p.bump_length:
         f, k, e = elastic(curves, p.bump_curve, p.bump_stiffness, p.bump_length - length)
@@ -218,7 +223,7 @@ def stopped(p, length, curves):
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, out."""
     u, length, rate, d_a, d_b = line_of_action(p, nodes)
     spring, _, stored = elastic(curves, p.curve, p.stiffness, length - p.length)
@@ -234,7 +239,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
     line = line_of_action(p, nodes)
     _, k, _ = elastic(curves, p.curve, p.stiffness, line.length - p.length)

@@ -2,14 +2,16 @@
 
     M = k (theta - theta_0) + c theta_dot,   positive rotates b back towards a
 
-theta counts any number of turns of b about the axis from the start. The torque acts along the
+theta counts any number of revolutions of b about the axis from the start. The torque acts along the
 gradient of theta, so no energy is lost if b tilts. Consequence to test: a disc of inertia J swings
 with omega^2 = k / J; stored energy k (theta - theta_0)^2 / 2.
 """
 
-from typing import Any
+from __future__ import annotations
 
-from crashsolve.deck.building import Scene
+from typing import TYPE_CHECKING
+
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.angles import FULL_TURN
 from crashsolve.foundation.kernels import kernel
@@ -17,6 +19,9 @@ from crashsolve.foundation.motion import rotation_tangent, twist
 from crashsolve.foundation.record import Record
 from crashsolve.springs._between import rotated, spring_and_damper
 from crashsolve.springs._card import AxisSpringCard
+
+if TYPE_CHECKING:
+    from crashsolve.springs._rows.torsional import History, Output, Parameters
 
 
 class Torsional(AxisSpringCard):
@@ -35,7 +40,7 @@ PARAMETERS = FULL_TURN + Record("""
     damping    N m s/rad  c
     angle      rad        theta_0
 """)
-HISTORY = Record("angle  rad  counted turn")
+HISTORY = Record("angle  rad  counted rotation")
 TANGENTS = 1
 OUTPUT = Record("""
     torque  N m    positive rotates b back
@@ -44,13 +49,13 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: Torsional, scene: Scene) -> dict[str, Any]:
+def build(card: Torsional, scene: Scene) -> Columns:
     constants = {"stiffness": card.stiffness, "damping": card.damping, "angle": card.angle}
     return scene.turning(card) | constants
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     angle, rate, g = rotated(p, old.angle, nodes)
     new.angle = angle
@@ -60,7 +65,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
     _, _, g = rotated(p, state.angle, nodes)
     rotation_tangent(rows[first], nodes[p.node_a], nodes[p.node_b], g, p.stiffness, p.damping)

@@ -12,11 +12,13 @@ bristle stores.
 Reference: Dahl (1968), A solid friction model, The Aerospace Corporation TOR-0158.
 """
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 from pydantic import model_validator
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, JointName, quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
@@ -24,6 +26,9 @@ from crashsolve.foundation.vec3 import dot, scale, vec
 from crashsolve.springs._between import SLIDE, add_stiffness_bound_along, push, seen_from_a
 from crashsolve.springs._bristle import BRISTLE, PRESSING, friction_limit, kept_share
 from crashsolve.springs._joint import named_joint
+
+if TYPE_CHECKING:
+    from crashsolve.springs._rows.translation_friction import History, Output, Parameters
 
 LEDGER = "joint"
 
@@ -38,7 +43,7 @@ class TranslationFriction(Card):
     damping: float = quantity("N s/m", "c, of the bristle", default=0.0, ge=0)
 
     @model_validator(mode="after")
-    def _consistent(self) -> "TranslationFriction":
+    def _consistent(self) -> TranslationFriction:
         if self.force == 0.0 and self.coefficient == 0.0:
             raise ValueError("needs force, coefficient or both")
         return self
@@ -60,7 +65,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: TranslationFriction, scene: Scene) -> dict[str, Any]:
+def build(card: TranslationFriction, scene: Scene) -> Columns:
     joint = named_joint(scene, card.joint, "travel")
     return SLIDE.taken_from(joint.frame) | {
         "level": card.force,
@@ -73,7 +78,7 @@ def build(card: TranslationFriction, scene: Scene) -> dict[str, Any]:
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     x, x_dot, d_a, d_b = seen_from_a(p, nodes)
     axis = vec(p.axis_a)

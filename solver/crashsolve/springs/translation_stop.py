@@ -6,9 +6,11 @@ Consequence to test: without damping the joint rebounds with its speed after the
 pi sqrt(m / k); with the damping ratio zeta it rebounds with the restitution exp(-zeta omega t_c).
 """
 
-from typing import Any, ClassVar
+from __future__ import annotations
 
-from crashsolve.deck.building import Scene
+from typing import TYPE_CHECKING, ClassVar
+
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, axis_tangent
@@ -16,6 +18,9 @@ from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, scale, vec
 from crashsolve.springs import _joint
 from crashsolve.springs._between import SLIDE, add_stiffness_bound_along, push, seen_from_a
+
+if TYPE_CHECKING:
+    from crashsolve.springs._rows.translation_stop import History, Output, Parameters
 
 LEDGER = "joint"
 
@@ -41,13 +46,13 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: TranslationStop, scene: Scene) -> dict[str, Any]:
+def build(card: TranslationStop, scene: Scene) -> Columns:
     frame = _joint.named_joint(scene, card.joint, "travel").frame
     return SLIDE.taken_from(frame) | _joint.stops(card, scene)
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     x, x_dot, d_a, d_b = seen_from_a(p, nodes)
     axis = vec(p.axis_a)
@@ -60,7 +65,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
     x, x_dot, d_a, d_b = seen_from_a(p, nodes)
     axis = vec(p.axis_a)
@@ -70,6 +75,6 @@ def tangent(p, state, nodes, curves, rows, first):
 
 
 @kernel
-def event(p, old, h, nodes, curves):
+def event(p: Parameters, old: History, h, nodes, curves):
     """How far the travel has left where it began the step, between the stops or beyond one [m]."""
     return _joint.stop_event(p, old, dot(vec(p.axis_a), seen_from_a(p, nodes)[0]))

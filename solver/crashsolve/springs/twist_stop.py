@@ -4,7 +4,7 @@
     axis) tau_dot = g . (w_b - w_a),   g = (c + s) / (1 + c . s)
 
 tau is what is left of the rotation of b against a when the pointer s has been brought back to c on
-the shortest way, so that a swing in any direction has no twist. The moment past `lower` or `upper`
+the shortest path, so that a swing in any direction has no twist. The moment past `lower` or `upper`
 is that of `_range.py`. Consequence to test: g is the derivative of tau at any swing below half a
 turn.
 
@@ -12,13 +12,15 @@ Reference: Baerlocher and Boulic (2001), Parametrization and range of motion of 
 joint, Deformable Avatars, IFIP 68, 180-190.
 """
 
+from __future__ import annotations
+
 from math import atan2, sqrt
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from pydantic import model_validator
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Vec3, quantity, word
 from crashsolve.foundation.angles import check_rotation_limit
 from crashsolve.foundation.columns import matvec_t
@@ -39,6 +41,9 @@ from crashsolve.springs._range import (
     range_tangent,
 )
 
+if TYPE_CHECKING:
+    from crashsolve.springs._rows.twist_stop import History, Output, Parameters
+
 LEDGER = "joint"
 COUNTS_ROTATIONS = True
 
@@ -54,7 +59,7 @@ class TwistStop(RangeCard):
     upper: float = quantity("rad", "upper end of the range", ge=-LARGEST, le=LARGEST)
 
     @model_validator(mode="after")
-    def _in_order(self) -> "TwistStop":
+    def _in_order(self) -> TwistStop:
         if self.lower >= self.upper:
             raise ValueError("lower: must be below upper")
         return self
@@ -81,7 +86,7 @@ OUTPUT = Record("""
 """)
 
 
-def build(card: TwistStop, scene: Scene) -> dict[str, Any]:
+def build(card: TwistStop, scene: Scene) -> Columns:
     joint = named_joint(scene, card.joint, "ball")
     columns = moment_columns(card, scene, "both") | {
         "node_a": joint.node_a,
@@ -100,7 +105,7 @@ def build(card: TwistStop, scene: Scene) -> dict[str, Any]:
     return columns
 
 
-def _check_start(card: TwistStop, scene: Scene, p: dict[str, Any]) -> None:
+def _check_start(card: TwistStop, scene: Scene, p: Columns) -> None:
     """A joint that begins past its range would be kicked back into it."""
     A_a, A_b = scene.matrix(p["node_a"]), scene.matrix(p["node_b"])
     vectors = (A_a @ p["axis_a"], A_a @ p["side_a"], A_b @ p["axis_b"], A_b @ p["side_b"])
@@ -117,7 +122,7 @@ def _check_start(card: TwistStop, scene: Scene, p: dict[str, Any]) -> None:
 @kernel
 def twist_angle(c, x, s, y):
     """tau [rad] of axes c and s with the sides x and y, world components; in (-pi, pi]."""
-    # y brought back by the shortest turn of s to c
+    # y brought back by the shortest rotation of s to c
     back = cross(s, c)
     cosine = dot(s, c)
     along = dot(back, y) / (1.0 + cosine)
@@ -126,8 +131,8 @@ def twist_angle(c, x, s, y):
 
 
 @kernel
-def twist_of(p, nodes):
-    """tau [rad], its gradient g over turns of b, and the cosine of the swing."""
+def twist_of(p: Parameters, nodes):
+    """tau [rad], its gradient g over rotations of b, and the cosine of the swing."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     c, x = arm(a, vec(p.axis_a)), arm(a, vec(p.side_a))
     s, y = arm(b, vec(p.axis_b)), arm(b, vec(p.side_b))
@@ -136,13 +141,13 @@ def twist_of(p, nodes):
 
 
 @kernel
-def past_range(p, angle):
+def past_range(p: Parameters, angle):
     """Angle past an end of the range, of its sign; 0 within [rad]."""
     return max(angle - p.upper, 0.0) - max(p.lower - angle, 0.0)
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     angle, g, cosine = twist_of(p, nodes)
     check_rotation_limit(curves, p.node_b, sqrt(max(0.5 + 0.5 * cosine, 0.0)))
@@ -155,7 +160,7 @@ def force(p, old, new, out, t, h, nodes, rows, curves):
 
 
 @kernel
-def tangent(p, state, nodes, curves, rows, first):
+def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     angle, g, _ = twist_of(p, nodes)
@@ -165,7 +170,7 @@ def tangent(p, state, nodes, curves, rows, first):
 
 
 @kernel
-def event(p, old, h, nodes, curves):
+def event(p: Parameters, old: History, h, nodes, curves):
     """How far the twist has left where it began the step, in its range or past it [rad]."""
     angle, g, _ = twist_of(p, nodes)
     rate = dot(g, sub(vec(nodes[p.node_b].w), vec(nodes[p.node_a].w)))

@@ -1,9 +1,9 @@
-"""How an equilibrium is judged, by forces, and the work that is done on the way to it.
+"""How an equilibrium is judged, by forces, and the work done up to it.
 
     |f| <= tolerance max(F, M / l)  and  |m| <= tolerance max(M, F l)
 
 f and m are what is left of forces and moments on any node, F and M the largest that the run has
-met: before the nodes gave way to a load step, and in the joints; l the model's size. What positions
+met: before the nodes moved in a load step, and in the joints; l the model's size. What positions
 of sixteen digits cannot resolve, epsilon K l, is nothing.
 
 Work of loads, prescribed motions and gravity is that of the mean of their forces before and after
@@ -36,7 +36,7 @@ class Forces:
         self.left = (0.0, 0.0)
 
     def meet(self, g: np.ndarray, engine: Equations) -> None:
-        """Forces and moments (6 n,) before anything gives way."""
+        """Forces and moments (6 n,) before any displacement."""
         self._grow(*_largest(g))
         self.meet_reactions(engine)
 
@@ -147,7 +147,7 @@ class Work:
         return [g for g in self.engine.model.force_groups() if hasattr(g.module, "AMPLITUDE")]
 
     def _of_surfaces(self) -> list[Any]:
-        """Loads on elements: steps of their own are no way to a mean of their forces."""
+        """Loads on elements: their own steps give no mean of their forces."""
         return [
             g
             for g in self._loads()

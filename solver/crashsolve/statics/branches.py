@@ -29,7 +29,7 @@ from crashsolve.statics.equations import Equations
 NEAR = 1e-6
 # more sets than two to this power are not tried
 MOST = 10
-# works and ways that differ by less are alike
+# works and displacements that differ by less are alike
 ALIKE = 1e-6
 Set = tuple[int, ...]
 

@@ -12,10 +12,9 @@ matter of forces, beside corrections (`balance.py`), and whether it is stable on
 Reference: Crisfield (1991), Non-linear Finite Element Analysis of Solids and Structures, vol. 1, 9.
 """
 
-from typing import Any
-
 import numpy as np
 
+from crashsolve.deck.run_cards.control import Control
 from crashsolve.model import ledger as energy
 from crashsolve.model.jacobian import jacobian, whole_rows
 from crashsolve.model.model import Model, State
@@ -33,12 +32,12 @@ from crashsolve.system.engine import Engine
 
 # differences: over the model's size, and rad; their errors only slow Newton's method a little
 STEP = 1e-7
-# largest turn [rad] and way (over the model's size) of a correction
+# largest rotation [rad] and displacement (over the model's size) of a correction
 LARGEST_ROTATION, LARGEST_DISPLACEMENT = 0.3, 0.2
 MOST_ITERATIONS = 40
 # a correction that falls no more is round-off below this, in the model's size or rad
 STAGNATION_TOLERANCE = 1e-9
-# a way that is nothing but round-off, and an energy, over the largest force times the size
+# a displacement that is nothing but round-off, and an energy, over the largest force times the size
 NOWHERE, NOTHING = 1e-15, 1e-12
 # of the largest mobility of the rows of joints: lets redundant ones share
 SHARED = 1e-10
@@ -51,7 +50,7 @@ TOLERANCE = 1e-8
 class StaticEngine(Engine):
     """Goes from equilibrium to equilibrium instead of stepping through time."""
 
-    def __init__(self, model: Model, state: State, control: Any, program: str = "") -> None:
+    def __init__(self, model: Model, state: State, control: Control, program: str = "") -> None:
         """`control` is the deck's card."""
         self.loading, self.yielding = Loading(model, control.start_time), Yielding(model)
         super().__init__(model, state, program)
@@ -100,7 +99,7 @@ class StaticEngine(Engine):
         loading, clock = self.loading, self.clock
         if not loading.rising and not self.rest(loading.start, self.state.nodes).any():
             return
-        # nobody can be answered before the files are open
+        # requests cannot be answered before the files are open
         answer, self.on_pause = self.on_pause, lambda: None
         clock.time = loading.begin
         self._step(loading.start, loading.start)
@@ -111,7 +110,7 @@ class StaticEngine(Engine):
             clock.driver_work += missing
 
     def _step(self, until: float, goal: float) -> None:
-        """Equilibrium at `until`, by way of others where it must. Raises SolverError."""
+        """Equilibrium at `until`, through others where necessary. Raises SolverError."""
         clock, found = self.clock, list[Problem]()
         self.least = (until - float(clock.time)) / 2**self.halvings
         while clock.time < until:
@@ -266,13 +265,14 @@ class StaticEngine(Engine):
         return self._is_closed(phi) and bool(self.forces.balance(g, self._round_off()))
 
     def _accept(self, count: int) -> None:
-        """What joints remember of the way, and what the run counts."""
+        """History of joints along the path, and the counts of the run."""
         clock = self.clock
         for g in (*self.model.joint_groups(), *self.plastic_flow.groups):
             g.history[:] = g.history[1 - int(clock.current)]
         clock.cycle += 1
         clock.iterations += count
-        # where a hinge has just begun to yield, a tangent cannot know which way it goes on
+        # where a hinge has just begun to yield, a tangent cannot know in which direction it
+        # continues
         self.known = self.tangent if self.yielding.groups or self.plastic_flow.groups else None
 
     def out_of_balance(self) -> str:
@@ -320,13 +320,13 @@ class StaticEngine(Engine):
         return f"body '{self.model.bodies[node]}'" if is_body else self.model.part_at(node)
 
     def change_from(self, start: np.ndarray) -> np.ndarray:
-        """Displacements and turns (n, 6) of the free nodes since a configuration."""
+        """Displacements and rotations (n, 6) of the free nodes since a configuration."""
         here = self.state.nodes[self.free]
         rotated = rotations(start["q"][self.free], here["q"])
         return np.hstack([here["r"] - start["r"][self.free], rotated])
 
     def size_of(self, change: np.ndarray) -> float:
-        """Of displacements and turns (n, 6): the largest, in the model's size or rad."""
+        """Of displacements and rotations (n, 6): the largest, in the model's size or rad."""
         far, angle = np.abs(change[:, :3]).max(initial=0.0), np.abs(change[:, 3:]).max(initial=0.0)
         return float(max(far / self.model.size, angle))
 
@@ -362,7 +362,7 @@ class StaticEngine(Engine):
         return 10.0 * float(largest) or 1.0
 
     def _tangent(self, time: float, g: np.ndarray, D: np.ndarray) -> np.ndarray:
-        """Derivative (6 n, 6 n) of g by positions and turns of the free nodes.
+        """Derivative (6 n, 6 n) of g by positions and rotations of the free nodes.
 
         Of nodes that only elements of beams hold it is theirs; other laws, and joints, are sampled.
         """
@@ -443,7 +443,7 @@ class StaticEngine(Engine):
         return g.ravel()
 
     def shift(self, nodes: np.ndarray, change: np.ndarray) -> None:
-        """Move the free nodes by displacements and turns (n, 6). Writes: nodes."""
+        """Move the free nodes by displacements and rotations (n, 6). Writes: nodes."""
         moved = nodes[self.free]
         move(moved, change)
         nodes[self.free] = moved

@@ -5,8 +5,9 @@
 What acts from the start has to come from somewhere: before the first moment of the run such loads
 rise from nothing, so that the model settles to the equilibrium in which the run begins. Moments
 before `start`, down to `start` - 1, are that rise: s is what is beyond `start` - 1. A driver moves
-from place to place and has no rate: between them its curve stands still, so that nothing in the
-step sees f' or f''. Consequence to test: work of the loads is the energy stored, gravity included.
+from configuration to configuration and has no rate: between them its curve stands still, so that
+nothing in the step sees f' or f''. Consequence to test: work of the loads is the energy stored,
+gravity included.
 """
 
 from typing import Any
@@ -124,7 +125,7 @@ def _still(model: Model) -> int:
     return first
 
 
-def potential(model: Model, nodes: Any, loading: Loading) -> float:
+def potential(model: Model, nodes: np.ndarray, loading: Loading) -> float:
     """Potential energy of the bodies under the whole of gravity [J]."""
     total, moving = 0.0, nodes[1:]
     moments = (

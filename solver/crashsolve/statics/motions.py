@@ -1,14 +1,12 @@
 """Small motions of nodes at rest: displacements and rotations, and those between two states."""
 
-from typing import Any
-
 import numpy as np
 
 from crashsolve.foundation.orientation import matrices, matrix, products
 
 
 def move(nodes: np.ndarray, change: np.ndarray) -> None:
-    """Move nodes by displacements and turns (n, 6). Writes: nodes."""
+    """Move nodes by displacements and rotations (n, 6). Writes: nodes."""
     nodes["r"] += change[:, :3]
     half = 0.5 * np.linalg.norm(change[:, 3:], axis=1)[:, None]
     q = products(np.hstack([np.cos(half), 0.5 * np.sinc(half / np.pi) * change[:, 3:]]), nodes["q"])
@@ -16,7 +14,7 @@ def move(nodes: np.ndarray, change: np.ndarray) -> None:
     nodes["A"] = matrices(nodes["q"]).reshape(-1, 9)
 
 
-def nudge(row: Any, k: int, size: float) -> None:
+def nudge(row: np.void, k: int, size: float) -> None:
     """Move a node along axis k [m], or turn it about axis k - 3 [rad], by very little.
 
     Writes: row.

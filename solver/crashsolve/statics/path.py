@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.run_cards.control import Control
 from crashsolve.foundation.errors import SolverError
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.rows import as_rows
@@ -56,7 +57,7 @@ Point = tuple[float, float, int]
 class PathEngine(StaticEngine):
     """Goes along a path of equilibria, by the distance from one to the next."""
 
-    def __init__(self, model: Model, state: State, control: Any, program: str = "") -> None:
+    def __init__(self, model: Model, state: State, control: Control, program: str = "") -> None:
         super().__init__(model, state, control, program)
         self.begin, self.end = control.start_time, control.end_time
         position = np.zeros(1, POSITION.dtype)

@@ -1,10 +1,10 @@
 """Segments that yield in quasi-static solutions: how a correction of Newton's method is taken.
 
-A correction turns the bodies of a stiff chain, and so stretches it by the squares of their turns.
-Elastic segments come back from that in the next passes; those that yield give way to it, and the
-iteration diverges. So what flows over a correction is found to first order, where turns stretch
-nothing, and kept, while some elastic iterations bring the chain back together. The law itself is
-asked again in the next pass, and in the equilibrium.
+A correction rotates the bodies of a stiff chain, and so stretches it by the squares of their
+rotations. Elastic segments return from that in the next iterations; those that yield follow it, and
+the iteration diverges. So what flows over a correction is found to first order, where rotations
+stretch nothing, and kept, while some elastic iterations bring the chain back together. The law
+itself is asked again in the next pass, and in the equilibrium.
 """
 
 from typing import Any
@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.model.checks.statics import follows_load_steps
+from crashsolve.model.model import Group
 from crashsolve.springs._segment_yield import FLOWS, FROZEN
 from crashsolve.statics.equations import Equations
 
@@ -33,7 +34,7 @@ class PlasticFlow:
         """Whether a correction, of which only this share is taken, leads nowhere."""
         return bool(self.groups) and cut < LOST
 
-    def state(self, group: Any, current: int) -> Any:
+    def state(self, group: Group, current: int) -> Any:
         """What its entries remember: what is accepted, or of a correction."""
         is_frozen = group in self.groups and bool((group.parameters["at_rest"] == FROZEN).any())
         return group.history[1 - current if is_frozen else current]

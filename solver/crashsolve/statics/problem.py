@@ -52,8 +52,8 @@ class Problem:
             f"the equilibrium becomes unstable between {at(moment)} and {at(self.target)}: "
             "beyond that load the model moves away from it, as a column buckles or a frame "
             "collapses",
-            "the load there is the critical load; to go on give a small imperfection or side load, "
-            "prescribe the motion by a driver, whose reaction is the load, or say "
+            "the load there is the critical load; to continue give a small imperfection or side "
+            "load, prescribe the motion by a driver, whose reaction is the load, or say "
             "solution: transient; a body that is balanced above its joint needs a support",
         )
 
@@ -78,8 +78,8 @@ class Problem:
 
     def _forked(self, engine: Equations, moment: float) -> tuple[str, str]:
         return (
-            "any one of them may go on yielding while the others unload, all with equal stability: "
-            "nothing in the model decides which",
+            "any one of them may continue to yield while the others unload, all with equal "
+            "stability: nothing in the model decides which",
             "make one of them a little weaker, or give a small imperfection or side load",
         )
 

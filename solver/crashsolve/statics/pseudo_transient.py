@@ -6,7 +6,7 @@ One step leaves 1 / (1 + (omega h)^2 / 2) of what is missing to the equilibrium 
 vibration of frequency omega (`integrators/_rest_stage.py`); what two steps move states what is
 left. h begins at so many periods of the fastest vibration, and grows where steps lead too slowly:
 the course of time has no part in it. Inertia holds what no stiffness does, as some spins of the
-nodes of a shell about its normal. Elements of shells and fibre beams strain on the way from
+nodes of a shell about its normal. Elements of shells and fibre beams strain along the path from
 equilibrium to equilibrium, as what yields must. Consequence to test: the answer is that of any
 end_time.
 
@@ -19,8 +19,9 @@ from typing import Any
 import numpy as np
 
 from crashsolve.deck.keywords import SECTIONS
+from crashsolve.deck.run_cards.control import Control
 from crashsolve.model.clock import CURVE_END, NOT_FINITE, PAUSED, REACHED, STEP_TOO_SMALL, UNSOLVED
-from crashsolve.model.model import Model, State
+from crashsolve.model.model import Group, Model, State
 from crashsolve.statics.balance import EQUAL, ROUND
 from crashsolve.statics.equilibrium import NOWHERE, STAGNATION_TOLERANCE, STEP, StaticEngine
 from crashsolve.statics.motions import nudge
@@ -49,7 +50,7 @@ NAMED = 3
 class RestEngine(StaticEngine):
     """Goes from equilibrium to equilibrium by steps from rest."""
 
-    def __init__(self, model: Model, state: State, control: Any, program: str = "") -> None:
+    def __init__(self, model: Model, state: State, control: Control, program: str = "") -> None:
         super().__init__(model, state, control, program)
         # elements that yield load by one tangent and unload by another
         self.sees_jumps, self.halvings = False, HALVINGS
@@ -83,7 +84,7 @@ class RestEngine(StaticEngine):
                     break
                 continue
             change, total = self.size_of(self.change_from(kept[1])), self._whole_change(start)
-            # of one step alone nobody knows
+            # one step alone does not show it
             is_known = 0.0 < previous < np.inf
             left = min(change / previous, UNKNOWN) if is_known else UNKNOWN * (change > 0.0)
             g = self.rest(time, nodes)
@@ -169,7 +170,7 @@ class RestEngine(StaticEngine):
         return self.name_of(node) if count > 0 else ""
 
     def _unstable_bodies(self, now: float) -> str:
-        """The same of bodies alone, where elements stand still; with all that turns forces."""
+        """The same of bodies alone, where elements stand still; with geometric stiffness."""
         theirs = (
             set(self.model.elements.attached_points["node"].tolist())
             if self.model.elements
@@ -217,7 +218,7 @@ def turning(groups: list[Any]) -> str | None:
     )
 
 
-def _rotating(group: Any) -> list[str]:
+def _rotating(group: Group) -> list[str]:
     """Loads whose forces turn with what they act on, and joints whose forces have an arm."""
     p = group.parameters
     names = set(p.dtype.names or ())

@@ -2,7 +2,7 @@
 
     x^T K x > 0   for every x with D x = 0
 
-K is the tangent stiffness with all that turns forces, D that of the joints. Where K is symmetric
+K is the tangent stiffness with geometric stiffness, D that of the joints. Where K is symmetric
 its reduced form has a negative eigenvalue as soon as the equilibrium is unstable: beyond the load
 at which a column buckles, or a shell snaps. Where loads follow the motion, or moments keep their
 axis, K is not symmetric; an equilibrium then is left without vibration where an eigenvalue of

@@ -9,7 +9,7 @@ until nothing holds it along the road. Consequence to test: a braked car on a sl
 with the deflections sigma F / C that bear it.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -63,7 +63,9 @@ class Standing:
         table, curves = as_rows(self.nodes), as_rows(self.model.curves)
         self.prints = [self._print(*patch, table, curves) for patch in self.patches]
 
-    def _print(self, group: Group, row: int, road: int, nodes: Any, curves: Any) -> Footprint:
+    def _print(
+        self, group: Group, row: int, road: int, nodes: np.ndarray, curves: np.ndarray
+    ) -> Footprint:
         data = tuple(as_rows(part) for part in group.data) or None
         at = group.module.patch_on(as_rows(group.parameters)[row], road, nodes, curves, data)
         # what the sample found: no more than friction holds, and nothing off the road

@@ -34,7 +34,7 @@ FAR, ANGLE = 0.05, 0.1
 # of tau [s]: that of the first pass, the largest, which leaves neutral directions alone, the least
 FIRST, LONGEST, SHORTEST = 0.01, 10.0, 1e-7
 PASSES = 300
-# searches where wheels stand: what one drags across the road as it is set down, the next lets go
+# searches where wheels stand: what one drags across the road as it is set down, the next releases
 SEARCHES = 3
 # passes on end in which a tyre that stands slides all over, after which nothing will hold it
 SLIDES = 40
@@ -99,7 +99,7 @@ class _Pass:
 
 
 class _Settling:
-    """Configurations on the way, as nodes without velocities."""
+    """Intermediate configurations, as nodes without velocities."""
 
     def __init__(self, engine: Engine) -> None:
         self.engine, self.model = engine, engine.model

@@ -5,11 +5,11 @@
 A hinge that yields has two slopes where it stands, onward and back, which differences of samples
 would mix. They are taken of elastic hinges, K_e, and what yield leaves of their stiffness is put in
 place of it, by the hinge's own rows d. An ellipse has no corner but first yield, and a tangent
-that depends on the way: there differences serve. The work of a load step is that of the mean of its
-forces, and the law of a hinge has straight branches: a step ends where the first hinge leaves
-its own, at the share s found by the Illinois method. Between corners a structure of hinges is
-linear but for its geometry. Consequence to test: limit loads, work and dissipated energy are those
-of limit analysis, however long the load steps.
+that depends on the direction: there differences are used. The work of a load step is that of the
+mean of its forces, and the law of a hinge has straight branches: a step ends where the first hinge
+leaves its own, at the share s found by the Illinois method. Between corners a structure of hinges
+is linear but for its geometry. Consequence to test: limit loads, work and dissipated energy are
+those of limit analysis, however long the load steps.
 
 References: Neal (1977), The Plastic Methods of Structural Analysis, 1.4 (hinge by hinge); Simo and
 Hughes (1998), Computational Inelasticity, 1.4.3 (consistent tangent).
@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.foundation.curve import HOLD, POINT
-from crashsolve.model.model import Model
+from crashsolve.model.model import Group, Model
 from crashsolve.model.nodes import COMPLIANT
 from crashsolve.statics.branches import Branches, Candidate, slope_ahead
 from crashsolve.statics.equations import Equations, Tangent
@@ -36,9 +36,9 @@ CLOSE = 1e-6
 # the least share of a load step: past the position of a corner that is met already
 LEAST = 1e-8
 MOST_ITERATIONS = 60
-# so much before a failure a step ends [of its way]
+# so much before a failure a step ends [of its displacement]
 BEFORE = 4.0 * CLOSE
-# where a corner cannot be passed a load step ends so much before it [of its way]
+# where a corner cannot be passed a load step ends so much before it [of its displacement]
 SHORT = 1e-5
 # a predicted corner is passed by a little more than the tangent errs
 BEHIND = 1.2
@@ -110,7 +110,7 @@ class Yielding:
         return begun + min(share, 1.0) * (time - begun)
 
     def before(self, engine: Equations, time: float) -> float:
-        """Moment a little before the first corner on the way to another, by the tangent."""
+        """Moment a little before the first corner towards another, by the tangent."""
         begun = float(engine.clock.time)
         change = engine.correction(time, engine.known)
         if not np.isfinite(change).all():
@@ -184,7 +184,7 @@ class Yielding:
     ) -> tuple[float, int]:
         """Moment of the first corner between nodes `start` and the equilibrium at `time`; passes.
 
-        That is `time` where none is met; 0 passes where an equilibrium is missing on the way.
+        That is `time` where none is met; 0 passes where an equilibrium is missing in between.
         Writes: the State.
         """
         nodes, current = engine.state.nodes, int(engine.clock.current)
@@ -259,7 +259,7 @@ class Yielding:
         return self.points
 
 
-def _is_curved(group: Any) -> bool:
+def _is_curved(group: Group) -> bool:
     """Whether any of these hinges yields on an ellipse."""
     p = group.parameters
     return "is_elliptic" in (p.dtype.names or ()) and bool(p["is_elliptic"].any())

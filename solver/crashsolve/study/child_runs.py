@@ -6,9 +6,10 @@ import subprocess
 import sys
 from collections.abc import Mapping
 from pathlib import Path
-from typing import IO, Any
+from typing import IO
 
 from crashsolve.deck.run_cards.control import CORES_GIVEN
+from crashsolve.output.files import Json
 
 
 def start(
@@ -34,12 +35,12 @@ def start(
     )
 
 
-def status_of(folder: Path) -> dict[str, Any]:
+def status_of(folder: Path) -> Json:
     """status.json of a run; empty when there is none."""
     return table_in(folder / "status.json")
 
 
-def table_in(path: Path) -> dict[str, Any]:
+def table_in(path: Path) -> Json:
     """The table in a JSON file; empty when there is none."""
     try:
         found = json.loads(path.read_text("utf-8"))

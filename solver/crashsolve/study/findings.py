@@ -11,10 +11,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from math import inf, isfinite, nan
-from typing import Any
 
 import numpy as np
 
+from crashsolve.output.files import Json
 from crashsolve.study.convergence import (
     GROWS,
     NEAR,
@@ -92,7 +92,7 @@ def find(
     watch: Watch,
     at: int,
     trials: Sequence[Trial],
-    known: dict[str, Any] | None,
+    known: Json | None,
     mesh_order: float | None = None,
 ) -> Finding:
     """Judge the answers number `at` of the trials; `known` is that of a reference folder.
@@ -185,7 +185,7 @@ def _mesh_reported(finding: Finding, ladder: Ladder, scale: float, order: float 
 
 
 def _set_reference(
-    finding: Finding, curves: list[Curve], found: list[Source], known: dict[str, Any] | None
+    finding: Finding, curves: list[Curve], found: list[Source], known: Json | None
 ) -> Source | None:
     """Choose the reference; returns the source it comes from, None when it comes from elsewhere."""
     watch, best = finding.watch, min(found, key=doubt)
@@ -252,7 +252,7 @@ def _away(watch: Watch, found: Convergence) -> float | None:
     return apart / abs(watch.value) if is_elsewhere else None
 
 
-def _at_times(known: dict[str, Any], times: np.ndarray) -> np.ndarray | None:
+def _at_times(known: Json, times: np.ndarray) -> np.ndarray | None:
     """The value of a reference, its history at the given times; None when it lacks one."""
     if "value" not in known:
         return None
@@ -282,7 +282,7 @@ def _set_errors(finding: Finding, curve: Curve, scale: float, best: Source | Non
         finding.errors[trial.setting.folder] = distance(value, finding.reference) / scale + blind
     last = curve.trials[-1].setting.folder
     if best is not None and best.convergence.grows:
-        # nobody knows which of its runs are right
+        # it is unknown which of its runs are right
         for trial in curve.trials:
             finding.errors[trial.setting.folder] += best.convergence.error / scale
     elif best is not None and best.finest is curve:

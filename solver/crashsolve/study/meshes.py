@@ -33,7 +33,7 @@ MOST_JOINED = 8
 class Divisible:
     """A field whose numbers divide elements: its path, and names of nodes that move if it changes.
 
-    `coarser` is what serves in its place where the elements become longer.
+    `coarser` replaces it where the elements become longer.
     """
 
     part: str
@@ -140,7 +140,7 @@ def _mesh_of(deck: Deck, part: Entry) -> tuple[str, Any]:
     return f"parts.{part.name}.mesh", mesh
 
 
-def _is_count(elements: Any) -> bool:
+def _is_count(elements: object) -> bool:
     return isinstance(elements, int | tuple) and elements != ()
 
 

@@ -6,7 +6,9 @@ Of many channels the largest error, which is what a target is about.
 from collections.abc import Callable, Sequence
 from math import isfinite
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
+
+from matplotlib.axes import Axes
 
 from crashsolve.output.files import reported
 from crashsolve.study.findings import Finding, worst
@@ -116,7 +118,7 @@ def _points(
     return [trial.cpu_steps for trial in mine], [error(trial) for trial in mine]
 
 
-def _dress(axes: Any, title: str, what: str) -> None:
+def _dress(axes: Axes, title: str, what: str) -> None:
     # a title is text: a dollar begins no formula
     axes.set_title(_cut(title), loc="left", fontsize=11, color=INK, parse_math=False)
     axes.set_xlabel("CPU time of the steps, s", color=MUTED)

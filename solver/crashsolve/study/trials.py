@@ -11,11 +11,11 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from math import nan
 from pathlib import Path
-from typing import Any
 
 import crashsolve
 from crashsolve.deck.reading.several import Several
 from crashsolve.foundation.errors import CrashsolveError, ExitCode
+from crashsolve.output.files import Json
 from crashsolve.study.child_runs import reason, start, status_of
 from crashsolve.study.settings import Series, Setting
 
@@ -38,7 +38,7 @@ class Trial:
     was_kept: bool = False
     # whether it took the same steps as the trial before it
     is_same: bool = False
-    answers: list[dict[str, Any]] = field(default_factory=list)
+    answers: list[Json] = field(default_factory=list)
 
     @property
     def is_good(self) -> bool:

@@ -11,7 +11,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import NamedTemporaryFile
-from typing import Any
 
 from crashsolve.channels.errors import ChannelError
 from crashsolve.channels.series import Window
@@ -21,6 +20,7 @@ from crashsolve.deck.run_cards.expect import Expect
 from crashsolve.deck.run_cards.statistic import PATH
 from crashsolve.deck.words import choices
 from crashsolve.foundation.errors import DeckError
+from crashsolve.output.files import Json
 from crashsolve.recording.sampling import Schedule
 
 KNOWN = ("exact", "published")
@@ -39,7 +39,7 @@ class Watch:
     value: float | None = None
     because: str = ""
 
-    def questions(self) -> list[dict[str, Any]]:
+    def questions(self) -> list[Json]:
         """What to ask a result for."""
         common = {"statistic": self.statistic, "during": self.during, "unit": self.unit}
         asked = [{"channel": channel, **common} for channel in self.channels]
@@ -117,7 +117,7 @@ def overall(deck: Deck) -> list[Watch]:
     return watches
 
 
-def ask(folder: Path, watches: Sequence[Watch]) -> list[dict[str, Any]]:
+def ask(folder: Path, watches: Sequence[Watch]) -> list[Json]:
     """The answer of a results folder for each watch: {value, unit, time} or {problem}."""
     with NamedTemporaryFile("w", suffix=".json", encoding="utf-8") as file:
         json.dump([question for watch in watches for question in watch.questions()], file)
@@ -134,7 +134,7 @@ def ask(folder: Path, watches: Sequence[Watch]) -> list[dict[str, Any]]:
     return [_answer(watch, answers) for watch in watches]
 
 
-def _answer(watch: Watch, answers: Iterator[dict[str, Any]]) -> dict[str, Any]:
+def _answer(watch: Watch, answers: Iterator[Json]) -> Json:
     """The answer for one watch, with the size of the vector around its channel, if any."""
     found = _largest([next(answers) for _ in watch.channels])
     if watch.vector:
@@ -143,7 +143,7 @@ def _answer(watch: Watch, answers: Iterator[dict[str, Any]]) -> dict[str, Any]:
     return found
 
 
-def _largest(answers: list[dict[str, Any]]) -> dict[str, Any]:
+def _largest(answers: list[Json]) -> Json:
     """The one answer; of several the one with the largest value, or with a problem."""
     problems = [answer for answer in answers if "problem" in answer]
     if problems or len(answers) == 1:

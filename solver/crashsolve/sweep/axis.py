@@ -238,7 +238,7 @@ def _amount(value: float | str) -> Amount:
     return Amount(*split_quantity(value)) if isinstance(value, str) else Amount(float(value), "")
 
 
-def _unit_of(value: Any) -> str | None:
+def _unit_of(value: object) -> str | None:
     """Unit of a number, None for a word."""
     if isinstance(value, bool) or not isinstance(value, str | int | float):
         return None
@@ -259,7 +259,7 @@ def _check_ends(low: float, high: float) -> None:
         raise ValueError(f"from: and to are both {low:g}, which leaves nothing to vary")
 
 
-def as_text(value: Any) -> str:
+def as_text(value: object) -> str:
     """A value of the plan in the words of --set."""
     if value is None:
         return "null"

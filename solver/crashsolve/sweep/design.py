@@ -15,7 +15,8 @@ Complexity 14(4), 466-489; Saltelli et al. (2010), Computer Physics Communicatio
 
 from itertools import product
 from math import prod
-from typing import Any
+
+import numpy as np
 
 from crashsolve.foundation.errors import DeckError
 from crashsolve.sweep.plan import DRAWN, MOST, Plan
@@ -68,7 +69,7 @@ def _crossed(a: list[float], b: list[float]) -> list[list[float]]:
     return [a, *([*a[:i], b[i], *a[i + 1 :]] for i in range(len(a))), b]
 
 
-def _between(rows: Any) -> list[list[float]]:
+def _between(rows: np.ndarray) -> list[list[float]]:
     return [[min(max(float(u), EDGE), 1.0 - EDGE) for u in row] for row in rows]
 
 

@@ -13,7 +13,6 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import crashsolve
 from crashsolve.deck.card import Card
@@ -21,7 +20,7 @@ from crashsolve.deck.family import CHOSEN
 from crashsolve.deck.laws import package_folder
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.foundation.errors import DeckError, ExitCode
-from crashsolve.output.files import replace_text, reported
+from crashsolve.output.files import Json, replace_text, reported
 from crashsolve.output.lock import NAME as LOCK
 from crashsolve.output.lock import is_held
 from crashsolve.study.child_runs import status_of, table_in
@@ -43,7 +42,7 @@ class Mark:
     files: str
     version: str
 
-    def differs_in(self, other: dict[str, Any]) -> str:
+    def differs_in(self, other: Json) -> str:
         """What makes another mark another, in words; empty for the same."""
         words = {"deck": "another deck or other values", "files": "other files that the deck reads"}
         words["version"] = "another version of crashsolve"
@@ -124,7 +123,7 @@ def _files_of(deck: Deck) -> Iterator[Path]:
             yield from _named_in(entry.card)
 
 
-def _named_in(value: Any) -> Iterator[Path]:
+def _named_in(value: object) -> Iterator[Path]:
     if isinstance(value, tuple):
         for part in value:
             yield from _named_in(part)
@@ -154,7 +153,7 @@ def write_sweep(folder: Path, plan: Plan, title: str, runs: list[Run]) -> None:
     replace_text(folder / NAME, json.dumps(data, indent=1, ensure_ascii=False) + "\n")
 
 
-def _axis_data(name: str, axis: Axis) -> dict[str, Any]:
+def _axis_data(name: str, axis: Axis) -> Json:
     scale = "log" if axis.distribution in ("log_uniform", "lognormal") else "linear"
     return {"name": name, "unit": axis.unit, "is_of_numbers": axis.is_of_numbers, "scale": scale}
 
@@ -195,7 +194,7 @@ def look(sweep: Path, run: Run) -> Look:
         return Look("failed", str(note.get("message", "")))
     if not status:
         return Look("new")
-    # a status that says running, and nobody who does
+    # a status that says running, without such a process
     word = "stopped" if note.get("state") == "stopped" else "killed"
     return Look(word, str(note.get("message", "")))
 
@@ -228,6 +227,6 @@ def clear(sweep: Path, run: Run) -> None:
 
 def note(sweep: Path, run: Run, state: str, code: int | None = None, message: str = "") -> None:
     """Write what a run is made from and what is known of it. Raises OutputError."""
-    data: dict[str, Any] = {"mark": asdict(run.mark), "overrides": run.overrides, "state": state}
+    data: Json = {"mark": asdict(run.mark), "overrides": run.overrides, "state": state}
     data |= {"exit_code": code, "message": message}
     replace_text(run.folder(sweep) / NOTE, json.dumps(data, indent=1, ensure_ascii=False) + "\n")

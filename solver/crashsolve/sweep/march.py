@@ -1,7 +1,7 @@
 """The runs of a sweep side by side, each an ordinary run in a process of its own, on one display.
 
 One loop looks at all of them, so that a signal to it reaches every run: SIGTERM and SIGINT stop
-them with a dump each, SIGUSR1 dumps. A run that was stopped or killed goes on from its dump.
+them with a dump each, SIGUSR1 dumps. A run that was stopped or killed continues from its dump.
 """
 
 import signal

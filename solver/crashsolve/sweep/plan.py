@@ -28,6 +28,7 @@ from crashsolve.deck.reading.overrides import PARAMETERS
 from crashsolve.deck.run_cards.statistic import check_window, known_statistic, words_reported
 from crashsolve.deck.source import BROKEN, Position, Table, locate, read_yaml
 from crashsolve.foundation.errors import DeckError, DeckErrors
+from crashsolve.output.files import Json
 from crashsolve.sweep.axis import Axis
 
 DRAWN = ("latin_hypercube", "sobol", "saltelli")
@@ -119,21 +120,21 @@ class PlanCard(Card):
     title: str = word("heading of table and pictures; that of the deck when empty", "")
     deck: FileName = word("deck to run, beside the plan")
     design: Design = word("which values are run together")
-    vary: dict[str, Any] = word("parameters or paths of the deck, each with values or a range")
-    set: dict[str, Any] = word("values of the deck that are the same in all runs", {})
+    vary: Json = word("parameters or paths of the deck, each with values or a range")
+    set: Json = word("values of the deck that are the same in all runs", {})
     measure: tuple[Measure, ...] = word("what is asked of every run")
     time_limit: float | None = quantity("s", "wall time after which a run is stopped", None, gt=0)
 
     @field_validator("vary", "measure")
     @classmethod
-    def _some(cls, value: Any) -> Any:
+    def _some(cls, value: object) -> Any:
         if not value:
             refuse("is empty")
         return value
 
     @field_validator("set")
     @classmethod
-    def _plain(cls, values: dict[str, Any]) -> dict[str, Any]:
+    def _plain(cls, values: Json) -> Json:
         for name, value in values.items():
             if not isinstance(value, str | int | float | bool | None):
                 refuse(f"must be a number or a word, not {shown(value)}", within=(name,))
@@ -180,7 +181,7 @@ def read_plan(path: Path) -> Plan:
     return Plan(path, card, axes, locations)
 
 
-def _axes(given: Any, context: Context, found: list[Diagnostic]) -> dict[str, Axis]:
+def _axes(given: object, context: Context, found: list[Diagnostic]) -> dict[str, Axis]:
     """The varied parameters; what is wrong with them goes to `found`."""
     axes = {}
     for name, value in given.items() if isinstance(given, Mapping) else ():

@@ -176,7 +176,7 @@ def _refuse_stale(request: Request, runs: Sequence[Run], looks: dict[int, Look])
 
 
 def _remove_old(folder: Path, due: Sequence[Run]) -> None:
-    """Remove the table and pictures of before: whoever looks meanwhile must not take them for new.
+    """Remove earlier tables and pictures: readers must not take them for new ones.
 
     Raises OutputError.
     """
@@ -199,7 +199,7 @@ def _report_kept(request: Request, runs: Sequence[Run], looks: dict[int, Look]) 
     failed = [run for run in failed if run not in kept]
     words = [f"{len(runs)} runs in {request.folder}"]
     words += [f"{len(kept)} finished already"] if kept else []
-    words += [f"{len(going)} go on from where they were stopped"] if going else []
+    words += [f"{len(going)} continue from where they were stopped"] if going else []
     say(printable("; ".join(words)))
     for run in failed[:REPORTED]:
         say(printable(f"  {run.name} failed before: {looks[run.number].message}"))

@@ -1,7 +1,7 @@
 """A job array for Slurm, as a script that a user can read and change.
 
 Each task is one run of the sweep. A task that comes to the end of its time is notified by SIGUSR1,
-stops its run with a dump, and goes back to the queue, from where it goes on. One that is cancelled
+stops its run with a dump, and is requeued, and continues there. One that is cancelled
 is notified by SIGTERM, stops with a dump as well, and does not go back.
 """
 
@@ -42,7 +42,7 @@ wait "$run"; code=$?
 # a trap ends the wait, not the run
 while kill -0 "$run" 2>/dev/null; do wait "$run"; code=$?; done
 
-# 3: stopped on request, with a dump to go on from; 143: asked before it could be, nothing is lost
+# 3: stopped on request, with a dump to continue from; 143: stopped before it began, nothing is lost
 if [ "$out_of_time" = yes ] && {{ [ "$code" -eq 3 ] || [ "$code" -eq 143 ]; }}; then
     scontrol requeue "$task" && exit 0
 fi

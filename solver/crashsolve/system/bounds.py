@@ -27,7 +27,7 @@ MOST = 32
 EQUAL = 0.499
 # [s] after which it is looked for anew who sets the step
 AGAIN = 1.0
-# share of the bound that goes when a body can no more turn, above which its inertia is the cause
+# share of the bound that goes when a body cannot rotate, above which its inertia is the cause
 BY_ROTATION = 0.9
 
 
@@ -79,7 +79,7 @@ class StepBound:
         return 1.0 / max(vibration, rotation, 1.0 / float(c["step_max"]))
 
     def _stable(self, engine: Engine) -> tuple[float, str]:
-        """The step [s] that stiffness and turns allow, and what bounds it."""
+        """The step [s] that stiffness and rotations allow, and what bounds it."""
         clock, control = engine.clock, engine.model.control[0]
         rotation, spin = float(control["rotation"]), 0
         h, at, text = float(control["step_max"]), int(clock["limit_node"]), "samples"
@@ -191,7 +191,7 @@ def _only(group: Any, rows: np.ndarray) -> dict[str, np.ndarray]:
 def _alone(
     engine: Engine, actor: Actor, arrays: dict[str, np.ndarray], at: int, rotations: bool = True
 ) -> tuple[float, bool]:
-    """Bound [rad/s] of a body by one actor, if need be without turns; whether it is a damper."""
+    """Bound [rad/s] of a body by one law, perhaps without rotations; whether it is a damper."""
     nobody = np.zeros(0, int)
     given = dict(arrays)
     for group in (*engine.model.force_groups(), *engine.model.contact_groups):

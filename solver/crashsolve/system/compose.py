@@ -20,6 +20,7 @@ from crashsolve.compiler.cache import (
 from crashsolve.compiler.machine import Function, machine_code, machine_codes, runs_plain
 from crashsolve.compiler.table import Tables
 from crashsolve.model.clock import NOT_FINITE
+from crashsolve.model.model import Model
 from crashsolve.system.placeholders import is_assembled, is_shared, method, placeholders
 from crashsolve.threads import sharing
 
@@ -30,7 +31,7 @@ SCENE = "crashsolve.system.placeholders"
 TABLEAUX = ("dormand_prince_5", "radau_iia_5")  # those that integrators name as examples
 
 
-def compose(model: Any) -> str:
+def compose(model: Model) -> str:
     """Text of the composed module.
 
     Functions of files of integrators with a leading underscore, and of loops, are copied into it;
@@ -59,7 +60,7 @@ def compose(model: Any) -> str:
     return program.text()
 
 
-def composed(model: Any, deck: str) -> str:
+def composed(model: Model, deck: str) -> str:
     """The same for the model of a deck's text, from the cache where it has been composed before.
 
     What is composed depends on the groups of a scene, on what they are made of, and on files of
@@ -109,7 +110,7 @@ def load(text: str, tables: Tables) -> Function:
 
 
 def ends_in_nan(advance: Function) -> Function:
-    """Plain Python raises where compiled code goes on with infinity or NaN, and is stopped."""
+    """Plain Python raises where compiled code continues with infinity or NaN, and is stopped."""
 
     def plain(number: float, flag: bool, tables: Any) -> None:
         try:

@@ -1,7 +1,5 @@
 """Why the compiled loop stopped: location, likely cause and advice, as the user reads them."""
 
-from typing import Any
-
 import numpy as np
 
 from crashsolve.deck.family import families
@@ -26,11 +24,11 @@ from crashsolve.system.timestep import QUARTER
 
 # what helps most where a shell folds on itself: a node meets the nearer of two walls alone
 OWN_FACES = "where a shell folds on itself take smaller elements, or ring: 1 of its faces"
-# place, likely cause, advice
+# location, likely cause, advice
 Diagnosis = tuple[str, str, str]
 
 
-def diagnose(model: Model, state: State, clock: Any, ledger: np.ndarray) -> SolverError:
+def diagnose(model: Model, state: State, clock: np.void, ledger: np.ndarray) -> SolverError:
     """The error for a loop that has stopped with this clock and ledger."""
     passed = passed_through(model, state)
     if passed is not None:
@@ -144,7 +142,7 @@ def chooses_step(model: Model, state: State) -> bool:
     return len(state.stages) > 0 and float(model.control[0]["fixed_step"]) == 0.0
 
 
-def open_joints(model: Model, state: State, clock: Any) -> Diagnosis:
+def open_joints(model: Model, state: State, clock: np.void) -> Diagnosis:
     """Positions that cannot be brought onto Phi = 0."""
     name, error = joint_of(model, int(clock["index"])), float(clock["value"])
     cause = (
@@ -187,7 +185,7 @@ def collapsed_step(model: Model, state: State, limit_node: int, step: float) -> 
     )
 
 
-def rotated_far(model: Model, state: State, clock: Any) -> Diagnosis:
+def rotated_far(model: Model, state: State, clock: np.void) -> Diagnosis:
     """A stated step in which a body rotates so far that angles cannot be counted."""
     at = int(np.linalg.norm(state.nodes["w"], axis=1).argmax())
     speed, step = float(clock["value"]), float(clock["step"])
@@ -206,7 +204,7 @@ def limiter(model: Model, limit_node: int) -> str:
     return model.node_with_element(limit_node) if limit_node else ""
 
 
-def curve_end(model: Model, clock: Any) -> Diagnosis:
+def curve_end(model: Model, clock: np.void) -> Diagnosis:
     """A curve read beyond its points, be it for a step too long for the elements."""
     curves = model.curves
     first, x = int(curves[0]["fault"]), float(curves[0]["x"])
@@ -273,10 +271,10 @@ def of_own_faces(model: Model, card: int) -> bool:
     return any(int(group.arrays["p"]["card"][0]) == card for group in own)
 
 
-def gaining_contact(model: Model, state: State, clock: Any) -> Diagnosis:
+def gaining_contact(model: Model, state: State, clock: np.void) -> Diagnosis:
     """A contact card whose normal force, or friction, has created energy."""
     number, is_friction = int(clock["index"]), float(clock["value"]) == 1.0
-    card = state.card_history[int(clock["current"]), number]
+    card = state.card_history[int(clock["current"])][number]
     held, exchanged = max(float(card["held_first"]), 0.0), float(card["exchanged"])
     taken = 0.5 * (exchanged - float(card["work"]))
     gained = float(card["work"]) - held

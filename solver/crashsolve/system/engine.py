@@ -1,4 +1,4 @@
-"""The engine: the compiled step of one scene with its arrays. The only place that calls it."""
+"""The engine: the compiled step of one scene with its arrays. The only module that calls it."""
 
 from collections.abc import Callable
 from importlib import import_module
@@ -39,7 +39,7 @@ ASSEMBLY = 1e-6
 # iterations to close the joints, per step on average, beyond which the step is suspect: 1 to 2 are
 # common, 8 are taken where the tension of a chain swings its rods at 2.4 times the stable frequency
 MANY_PASSES = 4.0
-# steps of the first call of the compiled loop, and seconds that a call may take: nobody waits
+# steps of the first call of the compiled loop, and seconds that a call may take: no request waits
 # longer for an answer to a signal
 FIRST_CALL, LONGEST_CALL = 16, 0.2
 # steps after which work from outside, of a force that grows from nothing, can be compared with
@@ -267,7 +267,7 @@ class Engine:
     def _next_curve_step(self, goal: float) -> float:
         """Time [s] until which one bound by curves of time holds. Writes: control, clock.
 
-        Where no step to `goal` could be as long as the bounds on the way, it is `goal`.
+        Where no step to `goal` could be as long as the bounds before it, it is `goal`.
         """
         control, clock, starts = self.model.control[0], self.state.clock[0], self._curve_starts
         if not len(starts) or control["fixed_step"] > 0.0:

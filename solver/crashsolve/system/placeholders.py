@@ -120,7 +120,7 @@ def is_shared(model: Model) -> bool:
 
 
 def counts_rotations(model: Model) -> bool:
-    """Whether laws follow angles from step to step, and a step may turn a body far."""
+    """Whether laws follow angles from step to step, and a step may rotate a body far."""
     is_short = hasattr(method(model), "KICK_DRIFT_KICK") and not model.control[0]["fixed_step"] > 0
     return not is_short and any(hasattr(g.module, "COUNTS_ROTATIONS") for g in model.groups)
 

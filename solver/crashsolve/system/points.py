@@ -74,7 +74,7 @@ def carry(h, nodes, points, attached_points):
 
 @kernel
 def half_rotation(old, new):
-    """Cayley vector of the turn from one quaternion to another, world axes."""
+    """Cayley vector of the rotation from one quaternion to another, world axes."""
     w = old[0] * new[0] + old[1] * new[1] + old[2] * new[2] + old[3] * new[3]
     a, b = (old[1], old[2], old[3]), (new[1], new[2], new[3])
     rotation = sub(scale(old[0], b), add(scale(new[0], a), cross(b, a)))

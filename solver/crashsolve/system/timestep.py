@@ -1,4 +1,4 @@
-"""Length of the next step: stability of the stiffest node, turn of the fastest body, deck.
+"""Length of the next step: stability of the stiffest node, rotation of the fastest body, deck.
 
     h_crit = 2 / ( sqrt(omega^2 + (gamma/2)^2) + gamma/2 ),
     omega^2 = 2 max_i sum k w_i,   gamma = 2 max_i sum c w_i
@@ -16,8 +16,8 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.model.clock import ROTATED
 from crashsolve.system.kinetics import fastest_rotation
 
-# turn of a body in a step, beyond which angles between two are not counted; and what is left of it
-# to a step chosen by its error, as bodies may spin up in it [rad]
+# rotation of a body in a step, beyond which angles between two are not counted; and what is left of
+# it to a step chosen by its error, as bodies may spin up in it [rad]
 QUARTER, MOST_ROTATION = 0.5 * pi, 1.0
 
 

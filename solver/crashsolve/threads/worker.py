@@ -9,8 +9,8 @@ it has begun. Which thread does a piece has no effect on what the piece yields, 
 pieces are taken by the first alone, in the order of the pieces (model/partition.py). Consequence to
 test: the same bits for any number of threads, and however they are held up.
 
-A queue is one word: the round, the next piece, and the end. So whoever takes a piece knows that it
-is of the present round.
+A queue is one word: the round, the next piece, and the end. So a thread that takes a piece knows
+that it is of the present round.
 """
 
 from crashsolve.foundation.atomic import (
@@ -23,7 +23,7 @@ from crashsolve.foundation.atomic import (
 )
 from crashsolve.foundation.kernels import kernel
 
-# places in `queues`, as far apart as cache lines: round, pieces done, queues of the threads
+# indices in `queues`, as far apart as cache lines: round, pieces done, queues of the threads
 ROUND, DONE, QUEUES, LINE = 0, 8, 16, 8
 # the round in which the threads end
 HOME = -1
@@ -49,7 +49,7 @@ def call(pieces, threads, queues):
 
 @kernel
 def next_piece(me, number, threads, queues):
-    """A piece of this round that nobody has begun; -1: there is none. Writes: turns."""
+    """A piece of this round that no thread has begun; -1: there is none. Writes: turns."""
     for k in range(threads):
         piece = taken(QUEUES + LINE * ((me + k) % threads), number, queues)
         if piece >= 0:

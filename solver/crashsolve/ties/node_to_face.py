@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Columns
 from crashsolve.deck.card import Card, PartName, SetName, quantity, word
 from crashsolve.ties._faces import nearest_face
 
@@ -35,7 +36,7 @@ class NodeToFace(Card):
     )
 
 
-def build(card: NodeToFace, scene: Any) -> list[dict[str, Any]]:
+def build(card: NodeToFace, scene: Any) -> list[Columns]:
     _refuse_method(scene)
     (riding, _, first), (bearing, _, base) = (
         scene.skin(card.part, "part"),

@@ -18,7 +18,7 @@ import numpy as np
 from crashsolve.contact.narrow import _tree
 from crashsolve.contact.narrow.sphere_box import from_box
 from crashsolve.contact.narrow.sphere_mesh import nearest, outward
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, CurveName, Vec3, quantity, word
 from crashsolve.foundation.columns import matvec, matvec_t
 from crashsolve.foundation.curve import curve_value, segment
@@ -55,11 +55,11 @@ class Profile(Card):
     up: Vec3 = word("direction of the height; any length", (0.0, 0.0, 1.0))
 
 
-def road_columns(names: Sequence[str], profile: Profile | None, scene: Scene) -> dict[str, Any]:
+def road_columns(names: Sequence[str], profile: Profile | None, scene: Scene) -> Columns:
     """Columns of ROADS of some surfaces and a profile."""
     if len(names) + (profile is not None) > MOST:
         raise scene.fail(f"at most {MOST} roads; join meshes, or give other tyres theirs", "road")
-    shapes: dict[str, Any] = {
+    shapes: Columns = {
         column.name: np.zeros((MOST, max(column.size // MOST, 1))) for column in ROADS.columns[1:]
     }
     for i, name in enumerate(names):
@@ -84,7 +84,7 @@ def road_columns(names: Sequence[str], profile: Profile | None, scene: Scene) ->
     return flat | {"roads": len(names) + (profile is not None)}
 
 
-def _place_profile(profile: Profile, i: int, shapes: dict[str, Any], scene: Scene) -> None:
+def _place_profile(profile: Profile, i: int, shapes: Columns, scene: Scene) -> None:
     """Writes: row i of shapes."""
     along, up = scene.unit(profile.along, "profile.along"), scene.unit(profile.up, "profile.up")
     if abs(along @ up) > 1e-6:
@@ -94,7 +94,7 @@ def _place_profile(profile: Profile, i: int, shapes: dict[str, Any], scene: Scen
     shapes["road_root"][i] = scene.curve(profile.curve)
 
 
-def _shape(name: str, card: Any, scene: Scene) -> Any:
+def _shape(name: str, card: Card, scene: Scene) -> Any:
     """The one element of a surface."""
     elements = import_module(type(card).__module__).build(card, scene)
     if len(elements) != 1:

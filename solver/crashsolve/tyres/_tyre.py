@@ -19,11 +19,11 @@ References: Gim and Nikravesh (1990), International Journal of Vehicle Design 11
 """
 
 from math import atan2, cos, exp, pi, sqrt
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
 from pydantic import model_validator
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, CurveName, SurfaceName, Vec3, quantity, word
 from crashsolve.foundation.curve import curve_area, curve_value
 from crashsolve.foundation.kernels import kernel
@@ -37,7 +37,7 @@ from crashsolve.foundation.motion import (
     world_position,
 )
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, scale, sub, vec
+from crashsolve.foundation.vec3 import Vector, add, add_scaled, cross, dot, scale, sub, vec
 from crashsolve.springs._resistance import steepest
 from crashsolve.tyres._road import MOST, PLANE, ROADS, Profile, above_road, road_columns
 
@@ -153,7 +153,7 @@ FORCES_OF_TYRE = Record("""
 """)
 
 
-def tyre_columns(card: TyreCard, scene: Scene) -> dict[str, Any]:
+def tyre_columns(card: TyreCard, scene: Scene) -> Columns:
     """Columns of TYRE."""
     node = scene.node(card.wheel)
     if node == 0:
@@ -197,19 +197,19 @@ def tyre_columns(card: TyreCard, scene: Scene) -> dict[str, Any]:
 class Patch(NamedTuple):
     """Where a wheel touches a road, and how it moves there; world components."""
 
-    depth: Any  # delta [m]
-    n: Any  # normal of the road
-    x: Any  # forward along the road
-    y: Any  # left along the road
-    bottom: Any  # lowest point of the circle, from the mass centre of the wheel [m]
-    foot: Any  # point of the road under the centre, from the mass centre of the wheel [m]
-    radius: Any  # loaded radius r [m]
-    camber: Any  # sin(gamma)
-    tilt: Any  # R times the gradient of cos(gamma) over the centre, as the normal turns [1]
-    closing: Any  # delta_dot [m/s]
-    V_x: Any  # speed of the centre along x [m/s]
-    slip_x: Any  # V_sx [m/s]
-    slip_y: Any  # V_sy [m/s]
+    depth: float  # delta [m]
+    n: Vector  # normal of the road
+    x: Vector  # forward along the road
+    y: Vector  # left along the road
+    bottom: Vector  # lowest point of the circle, from the mass centre of the wheel [m]
+    foot: Vector  # point of the road under the centre, from the mass centre of the wheel [m]
+    radius: float  # loaded radius r [m]
+    camber: float  # sin(gamma)
+    tilt: Vector  # R times the gradient of cos(gamma) over the centre, as the normal turns [1]
+    closing: float  # delta_dot [m/s]
+    V_x: float  # speed of the centre along x [m/s]
+    slip_x: float  # V_sx [m/s]
+    slip_y: float  # V_sy [m/s]
 
 
 @kernel
@@ -297,14 +297,14 @@ def vertical_force(p, at, curves):
 class Grip(NamedTuple):
     """Vertical force on a patch, deflection of the carcass, and forces of the brush model."""
 
-    F_z: Any  # [N], 0 off the road
-    slope: Any  # of F_z over the depth [N/m]
-    damping: Any  # of F_z over its rate [N s/m]
-    q_x: Any  # deflections [m]
-    q_y: Any
-    s_x: Any  # slips [1]
-    s_y: Any
-    mu: Any  # friction at the present slip
+    F_z: float  # [N], 0 off the road
+    slope: float  # of F_z over the depth [N/m]
+    damping: float  # of F_z over its rate [N s/m]
+    q_x: float  # deflections [m]
+    q_y: float
+    s_x: float  # slips [1]
+    s_y: float
+    mu: float  # friction at the present slip
 
 
 @kernel

@@ -12,7 +12,10 @@ References: Fiala (1954), VDI-Zeitschrift 96, 973-979; Gim and Nikravesh (1990),
 Journal of Vehicle Design 11, 589-618.
 """
 
+from __future__ import annotations
+
 from math import copysign, sqrt
+from typing import TYPE_CHECKING
 
 from crashsolve.foundation.kernels import kernel
 from crashsolve.tyres._road import mesh_tables, note_double
@@ -32,6 +35,9 @@ from crashsolve.tyres._tyre import (
     show,
     tyre_columns,
 )
+
+if TYPE_CHECKING:
+    from crashsolve.tyres._rows.fiala import History, Output, Parameters
 
 STEPWISE = True
 
@@ -61,7 +67,7 @@ def forces(C_x, C_y, s_x, s_y, mu, F_z, length):
 
 
 @kernel
-def carcass_energy(p, grip):
+def carcass_energy(p: Parameters, grip):
     """Energy of the deflected carcass, whose force is that of the tyre [J]."""
     F_x, F_y, _, _ = forces(
         p.C_x, p.C_y, grip.q_x / p.sigma_x, grip.q_y / p.sigma_y, grip.mu, grip.F_z, 1.0
@@ -70,7 +76,7 @@ def carcass_energy(p, grip):
 
 
 @kernel
-def roll(p, old, new, out, h, nodes, curves, data):
+def roll(p: Parameters, old: History, new: History, out: Output, h, nodes, curves, data):
     """All roads of a tyre. Writes: nodes, new, out."""
     clear(p, new, out)
     before = (0.0, 0.0, 0.0)
@@ -93,12 +99,14 @@ def roll(p, old, new, out, h, nodes, curves, data):
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     roll(p, old, new, out, h, nodes, curves, None)
 
 
 @kernel
-def force_with_tables(p, old, new, out, t, h, nodes, rows, curves, data):
+def force_with_tables(
+    p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves, data
+):
     """The same where some roads are meshes. Writes: nodes, new, out."""
     roll(p, old, new, out, h, nodes, curves, data)

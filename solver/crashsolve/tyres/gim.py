@@ -12,7 +12,10 @@ References: Ambrosio (2003), section 5.3; Gim and Nikravesh (1990, 1991), Intern
 Vehicle Design 11, 589-618; 12, 19-39; 12, 217-228.
 """
 
+from __future__ import annotations
+
 from math import sqrt
+from typing import TYPE_CHECKING
 
 from crashsolve.foundation.kernels import kernel
 from crashsolve.tyres._road import mesh_tables, note_double
@@ -32,6 +35,9 @@ from crashsolve.tyres._tyre import (
     show,
     tyre_columns,
 )
+
+if TYPE_CHECKING:
+    from crashsolve.tyres._rows.gim import History, Output, Parameters
 
 STEPWISE = True
 
@@ -66,7 +72,7 @@ def brush(C_x, C_y, s_x, s_y, mu, F_z, length):
 
 
 @kernel
-def carcass_energy(p, grip):
+def carcass_energy(p: Parameters, grip):
     """Work of the brush over the deflection from rest to (q_x, q_y), straight there [J]."""
     s_x, s_y = grip.q_x / p.sigma_x, grip.q_y / p.sigma_y
     s = sqrt(s_x * s_x + s_y * s_y)
@@ -74,7 +80,7 @@ def carcass_energy(p, grip):
         return 0.0
     most = grip.mu * grip.F_z
     a = sqrt((p.C_x * s_x) ** 2 + (p.C_y * s_y) ** 2) / (3.0 * most)
-    # up to the share of the way at which all slides
+    # up to the share of the patch from which on all slides
     t = min(1.0, 1.0 / a)
     b = a * t
     stick = p.C_x * s_x * grip.q_x + p.C_y * s_y * grip.q_y
@@ -84,7 +90,7 @@ def carcass_energy(p, grip):
 
 
 @kernel
-def roll(p, old, new, out, h, nodes, curves, data):
+def roll(p: Parameters, old: History, new: History, out: Output, h, nodes, curves, data):
     """All roads of a tyre. Writes: nodes, new, out."""
     clear(p, new, out)
     before = (0.0, 0.0, 0.0)
@@ -105,12 +111,14 @@ def roll(p, old, new, out, h, nodes, curves, data):
 
 
 @kernel
-def force(p, old, new, out, t, h, nodes, rows, curves):
+def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     roll(p, old, new, out, h, nodes, curves, None)
 
 
 @kernel
-def force_with_tables(p, old, new, out, t, h, nodes, rows, curves, data):
+def force_with_tables(
+    p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves, data
+):
     """The same where some roads are meshes. Writes: nodes, new, out."""
     roll(p, old, new, out, h, nodes, curves, data)

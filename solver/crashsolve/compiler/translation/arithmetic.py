@@ -1,4 +1,4 @@
-"""What operators do to numbers, as Python does it; division by zero goes on with infinity.
+"""Operators on numbers, as in Python; division by zero gives infinity.
 
 Numbers of different kinds are brought to the one that holds both. Integers are those of the
 machine: 64 bits. COMPILER.md says what that means.

@@ -136,7 +136,7 @@ class Function(Expressions):
             self.text.store(word, part, slot)
 
     def edge(self) -> list[Edge]:
-        """The way on from here to where control comes together; none where it has ended."""
+        """The edge from here to where branches join; none where control has ended."""
         if self.text.ended:
             return []
         label = self.text.new_label()
@@ -144,7 +144,7 @@ class Function(Expressions):
         return [Edge(label, self.bound)]
 
     def join(self, edges: list[Edge]) -> None:
-        """Go on where ways come together, if any do."""
+        """Continue where branches join, if any do."""
         if not edges:
             return
         merged = self._merged([edge.bound for edge in edges])
@@ -174,7 +174,7 @@ class Function(Expressions):
         return found
 
     def _rotate_into(self, name: str, kind: Kind) -> None:
-        """Have a variable be of the kind that it has on every way."""
+        """Convert a variable to the kind that it has on every branch."""
         had = self.bound.get(name)
         if kind == UNSET:
             self.bound[name] = Slots(UNSET, ())
@@ -296,7 +296,7 @@ class Function(Expressions):
         self._close(node, loop, out)
 
     def _enter(self, whether: Value) -> list[Edge]:
-        """Into the body of a loop under a condition; returns the way out."""
+        """Into the body of a loop under a condition; returns the exit."""
         if whether.constant is True:
             return []
         inside, out = self.text.new_label(), Edge(self.text.new_label(), dict(self.bound))

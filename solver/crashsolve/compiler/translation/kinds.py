@@ -165,7 +165,7 @@ def tuple_of(values: list[Value], names: tuple[str, ...] = ()) -> Value:
     return Value(kind, tuple(word for value in values for word in value.words), known)
 
 
-def known(thing: Any) -> Value:
+def known(thing: object) -> Value:
     """What stands under a global name. Raises Untranslatable."""
     if thing is None:
         return Value(NOTHING)

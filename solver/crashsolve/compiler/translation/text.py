@@ -83,11 +83,11 @@ class Text:
         return holds
 
     def go(self, label: str) -> None:
-        """End this block: go on at a label."""
+        """End this block: jump to a label."""
         self._end(f"br label %{label}")
 
     def choose(self, condition: str, one: str, other: str) -> None:
-        """End this block: go on at one label or another."""
+        """End this block: jump to one label or another."""
         self._end(f"br i1 {condition}, label %{one}, label %{other}")
 
     def ret(self, words: tuple[str, ...], values: tuple[str, ...]) -> None:

@@ -1,4 +1,4 @@
-"""Variables of a kernel: where they lie, and what is known of them where ways come together."""
+"""Variables of a kernel: where they are kept, and what is known of them where branches join."""
 
 from dataclasses import dataclass, field
 
@@ -13,7 +13,7 @@ LOST = Lost()
 
 
 class Unset(Kind):
-    """Of a variable that has a value on some ways only."""
+    """Of a variable that has a value on some branches only."""
 
 
 UNSET = Unset()
@@ -32,7 +32,7 @@ Bound = dict[str, Slots | Value]
 
 @dataclass
 class Edge:
-    """One of several ways to where control comes together: its label, and the variables on it."""
+    """One of several edges to where branches join: its label, and the variables on it."""
 
     label: str
     bound: Bound
@@ -40,7 +40,7 @@ class Edge:
 
 @dataclass
 class Loop:
-    """The ways by `continue` and by `break`, and the variables at the start of every turn."""
+    """The edges by `continue` and by `break`, and the variables at the start of every iteration."""
 
     start: str
     begun: Bound = field(default_factory=dict)

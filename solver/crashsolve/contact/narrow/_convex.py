@@ -11,11 +11,14 @@ Consequence to test: depth and normal of two spheres, and those of a brute-force
 References: Gilbert and Foo (1990), IEEE Trans. Robotics Autom. 6, 53-61 (support functions).
 """
 
+from collections.abc import Sequence
 from math import sqrt
+from types import ModuleType
 from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Columns
 from crashsolve.foundation.columns import matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import world_position
@@ -37,19 +40,19 @@ ITERATIONS = 60
 # rounding of edges beside ellipsoids, over the radius of the enclosing sphere; and most of it, over
 # the least half size
 SHARP, THINNEST = 1e-5, 0.1
-# relative noise of a height, not to be taken for a way down
+# relative noise of a height, not to be taken for a descent
 ROUND_OFF = 1e-13
 # directions to start from, and climbs to different tops of bodies that overlap; cosine of the
 # angle within which two climbs have come to one top
 STARTS, CLIMBS, ONE_TOP = 22, 4, 1.0 - 1e-8
 
 
-def expand(elements: Any, shape: Any) -> list[dict[str, Any]]:
+def expand(elements: Any, shape: Any) -> list[Columns]:
     """Elements of a shape as sums of ellipsoids."""
     return [_as_sum(element, shape.rounds(element)) for element in elements]
 
 
-def expand_sharp(elements: Any, shape: Any) -> list[dict[str, Any]]:
+def expand_sharp(elements: Sequence[Columns], shape: ModuleType) -> list[Columns]:
     """Boxes or cylinders that meet ellipsoids, as sums of ellipsoids.
 
     Roundness of an ellipsoid is enough for a touch: faces beside it are flat, but for what Newton's
@@ -63,7 +66,7 @@ def expand_sharp(elements: Any, shape: Any) -> list[dict[str, Any]]:
     return found
 
 
-def _as_sum(element: dict[str, Any], rounds: list[np.ndarray]) -> dict[str, Any]:
+def _as_sum(element: Columns, rounds: list[np.ndarray]) -> Columns:
     E = np.zeros(27)
     E[: 9 * len(rounds)] = np.concatenate([r.ravel() for r in rounds])
     kept = {name: element[name] for name in ("node", "point", "axes")}

@@ -25,6 +25,7 @@ from crashsolve.contact.narrow._convex import (
     tangents,
 )
 from crashsolve.contact.narrow._patch import ROWS, SPOT, axis_of, patch
+from crashsolve.deck.building import Columns
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import world_position
 from crashsolve.foundation.record import Record
@@ -67,7 +68,7 @@ FLATTER_CAP = 1
 OUTERMOST = 0.9999
 
 
-def expand(elements: Any, shape: Any, others: Any = ()) -> list[dict[str, Any]]:
+def expand(elements: Any, shape: Any, others: Any = ()) -> list[Columns]:
     """Elements of boxes or cylinders with the ellipsoids that they are sums of.
 
     The rounding is a share of the least half size of a touch, of the element and of all `others`
@@ -81,7 +82,7 @@ def expand(elements: Any, shape: Any, others: Any = ()) -> list[dict[str, Any]]:
     return [_rounded(element, shape, least, width) for element in elements]
 
 
-def _half(element: dict[str, Any]) -> np.ndarray:
+def _half(element: Columns) -> np.ndarray:
     """Half sizes (3,) [m] of the enclosing box."""
     if "radius" in element:
         r = element["radius"]
@@ -89,17 +90,17 @@ def _half(element: dict[str, Any]) -> np.ndarray:
     return np.asarray(element["half"])
 
 
-def least_half(element: dict[str, Any]) -> float:
+def least_half(element: Columns) -> float:
     """Least half size [m] of a box or cylinder."""
     return float(min(_half(element)))
 
 
-def widest_half(element: dict[str, Any]) -> float:
+def widest_half(element: Columns) -> float:
     """Largest half size [m] of a box or cylinder."""
     return float(max(_half(element)))
 
 
-def _rounded(element: dict[str, Any], shape: Any, least: float, width: float) -> dict[str, Any]:
+def _rounded(element: Columns, shape: Any, least: float, width: float) -> Columns:
     is_round, r = "radius" in element, element.get("radius")
     half = _half(element)
     flatness = min(1.0, width / widest_half(element)) ** (FLATTER_CAP if is_round else FLATTER)
@@ -115,7 +116,7 @@ def _rounded(element: dict[str, Any], shape: Any, least: float, width: float) ->
     return kept | size | {"alpha": alpha, "beta": beta}
 
 
-def data(elements_a: Any, elements_b: Any) -> tuple[np.ndarray]:
+def data(elements_a: object, elements_b: object) -> tuple[np.ndarray]:
     """Room for the points of one patch."""
     return (np.zeros(ROWS, SPOT.dtype),)
 

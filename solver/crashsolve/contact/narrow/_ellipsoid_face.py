@@ -95,7 +95,7 @@ def shrink(s, x):
 
 @kernel
 def stretched(s, at, d, m, a, b, c, e):
-    """Newton's next place: weights, and where it is."""
+    """Newton's next point: weights and position."""
     low = min(s[0], s[1], s[2])
     t, u, R_t, R_u = curvatures(s, add_scaled(at, -d, m), m)
     r = max(d + low, NO_DISTANCE * low)

@@ -56,7 +56,7 @@ def point_of(weights, a, b, c, d):
 
 @kernel
 def nearest_on_face(a, b, c, d):
-    """Weights N of the corners, given from the point in space, squared distance, place.
+    """Weights N of the corners, given from the point in space, squared distance, feature.
 
     The position is INSIDE, EDGE + k or CORNER + k.
     """

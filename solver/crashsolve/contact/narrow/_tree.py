@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Columns
 from crashsolve.foundation.record import Record
 
 # triangles in the smallest boxes
@@ -12,7 +13,7 @@ LEAF = 4
 BOX = Record("""
     low    m      3  lower corner
     high   m      3  upper corner
-    skip   index     box to go on with when this one is too far
+    skip   index     next box when this one is too far
     first  index     first triangle
     count  count     triangles; 0 for a box of boxes
 """)
@@ -46,7 +47,7 @@ def data(elements_a: Any, elements_b: Any) -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate(boxes), np.concatenate(triangles)
 
 
-def _triangles(element: Any) -> np.ndarray:
+def _triangles(element: Columns) -> np.ndarray:
     """Table of triangles with the normals of faces, edges and corners."""
     points, faces, edges = element["points"], element["faces"], element["edges"]
     table = np.zeros(len(faces), TRIANGLE.dtype)

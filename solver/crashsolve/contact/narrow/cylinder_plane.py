@@ -3,7 +3,7 @@
     depth = rho |t| - (c - x_0) . n,   t = n - (n . e) e,   x = c - rho t / |t|
 
 c is a point of the axis e. On either cap there are the lowest point of the rim (rho = R), the
-highest (rho = -R) and the centre (rho = 0); on the lateral surface, the lowest point half way (rho
+highest (rho = -R) and the centre (rho = 0); on the lateral surface, the lowest point midway (rho
 = R). Each has a third of the force of the law, so that a cylinder on a cap or on its side sinks as
 deep as one point would under the whole force. Spun on a cap it is braked by 2/3 mu N R, as under an
 even pressure, and it tips over its rim. All depths are those of its surface, and change as it
@@ -33,7 +33,7 @@ PARAMETERS_A = Record("""
 
 
 def expand_a(elements):
-    """The seven places of each cylinder."""
+    """The seven points of each cylinder."""
     return [position_on(e, *at) for e in elements for at in POSITIONS]
 
 

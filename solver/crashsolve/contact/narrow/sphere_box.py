@@ -2,7 +2,7 @@
 
     depth = r - d,   d the signed distance of the centre from the box, negative inside
 
-Inside, every face is an exit: `gap` takes the nearest, `gap_by` that by which a touch goes on.
+Inside, every face is an exit: `gap` takes the nearest, `gap_by` that by which contact continues.
 Point of contact: the deepest of the sphere, c - r n.
 """
 

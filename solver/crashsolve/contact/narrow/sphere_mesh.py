@@ -13,7 +13,7 @@ surface is behind the mesh and does not touch. (The chapter prints a normal that
 length and products that are negative inside; these are the corrected ones.)
 
 The nearest triangle is found in a tree of boxes: each is followed by its inner boxes and knows
-where to go on when it is too far. Consequence to test: a brute-force search over all triangles.
+the next one when it is too far. Consequence to test: a brute-force search over all triangles.
 
 References: Ambrosio (2003), Eq. 11-16; Baerentzen and Aanaes (2005), IEEE Trans. Vis. Comput.
 Graph. 11, 243-253 (signs).
@@ -27,9 +27,9 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import world_position
 from crashsolve.foundation.vec3 import add_scaled, cross, dot, norm, scale, sub, vec
 
-# cosine to the normal of a touch, below which a triangle faces another way
+# cosine to the normal of a touch, below which a triangle faces another direction
 FACING = 0.5
-FACE = 0  # places 1 to 3 are the edges, 4 to 6 the corners at which they start
+FACE = 0  # features 1 to 3 are the edges, 4 to 6 the corners at which they start
 data = _tree.data
 
 
@@ -48,7 +48,7 @@ def gap(a, b, nodes, data):
         m = scale(-1.0 / distance if inside else 1.0 / distance, offset)
     n = out_of(b, body, m)
     if inside and distance > b.thickness:
-        # the way to the back
+        # the distance to the back
         return b.thickness - distance, scale(-1.0, n), centre
     return a.radius + (distance if inside else -distance), n, add_scaled(centre, -a.radius, n)
 
@@ -57,8 +57,8 @@ def gap(a, b, nodes, data):
 def gap_by(a, b, nodes, data, normal):
     """The same by the triangles that face `normal`, and how far beyond the middle [m].
 
-    The middle is where those that face the other way are as near, or, of an open mesh, where it
-    ends. Without a triangle that faces `normal` there is no depth.
+    The middle is where those that face the opposite direction are as near, or, of an open mesh,
+    where it ends. Without a triangle that faces `normal` there is no depth.
     """
     body = nodes[b.node]
     centre = world_position(nodes[a.node], vec(a.point))

@@ -17,15 +17,20 @@ reported to the step control is that at the depth a free impact of speed v_0 wil
 first step is already short.
 """
 
+from __future__ import annotations
+
 from math import inf, sqrt
-from typing import Any
+from typing import TYPE_CHECKING
 
 from crashsolve.contact.normal._restitution import returned, speed_through, spent
 from crashsolve.contact.normal._stiffness import SOURCES, Materials, hertz_stiffness
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Pair, Scene
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
+
+if TYPE_CHECKING:
+    from crashsolve.contact.normal._rows._damped_power import History, Parameters
 
 # how far, in shares of the restitution asked for, the one returned may be off without a warning
 SILENT = 0.02
@@ -69,7 +74,7 @@ class DampedPowerCard(PowerCard):
     restitution: float = quantity("1", "coefficient of restitution e", ge=0, le=1)
 
 
-def build(card: PowerCard, scene: Scene, pair: Any) -> dict[str, Any]:
+def build(card: PowerCard, scene: Scene, pair: Pair) -> Columns:
     """Parameters of the force; warns where it returns another restitution than asked.
 
     Refuses two sources of stiffness.
@@ -92,7 +97,7 @@ def build(card: PowerCard, scene: Scene, pair: Any) -> dict[str, Any]:
     }
 
 
-def _check_restitution(card: DampedPowerCard, scene: Scene, pair: Any, chi: float) -> None:
+def _check_restitution(card: DampedPowerCard, scene: Scene, pair: Pair, chi: float) -> None:
     if chi == inf:
         raise scene.fail(
             "this law needs a restitution above 0: its damping grows without bound; give 0.01, "
@@ -110,7 +115,7 @@ def _check_restitution(card: DampedPowerCard, scene: Scene, pair: Any, chi: floa
 
 
 @kernel
-def normal_force(p, old, new, h, depth, rate, mass, curves):
+def normal_force(p: Parameters, old: History, new: History, h, depth, rate, mass, curves):
     """Returns force, stored energy, dissipated power, loss, stiffness, damping. Writes: new."""
     n = p.exponent
     spring = p.stiffness * power(depth, n)
@@ -140,7 +145,7 @@ def power_below(depth, n):
 
 
 @kernel
-def damping_speed(p, old, new, h, energy, rate):
+def damping_speed(p: Parameters, old: History, new: History, h, energy, rate):
     """v_0 of this touch so far [m/s]; the energy is that of the spring over the mass [m^2/s^2].
 
     Writes: new.
@@ -161,7 +166,7 @@ def damping_speed(p, old, new, h, energy, rate):
 
 
 @kernel
-def release(p, old, new):
+def release(p: Parameters, old: History, new: History):
     """Writes: new."""
     new.damping_speed = 0.0
     new.too_fast = old.too_fast
@@ -169,7 +174,7 @@ def release(p, old, new):
 
 
 @kernel
-def normal_tangent(p, state, depth, rate, mass, curves):
+def normal_tangent(p: Parameters, state: History, depth, rate, mass, curves):
     """Rise of the force over the depth and over its rate; none where v_0 grows with the rate."""
     n = p.exponent
     kept = max(state.impact_speed, state.damping_speed)

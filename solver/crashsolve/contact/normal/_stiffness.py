@@ -7,11 +7,10 @@ for 4/(3 pi) (Ambrosio (2003), Eq. 19). A side without a Young's modulus is rigi
 """
 
 from math import inf, isfinite, sqrt
-from typing import Any
 
 from pydantic import model_validator
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Pair, Scene
 from crashsolve.deck.card import Card, quantity
 
 # share of the wave speed below which local deformation is quasi-static (Ambrosio (2003), 4.2)
@@ -60,7 +59,7 @@ class Materials(Card):
         return QUASI_STATIC * min(waves, default=inf)
 
 
-def hertz_stiffness(card: Materials, scene: Scene, pair: Any) -> float:
+def hertz_stiffness(card: Materials, scene: Scene, pair: Pair) -> float:
     """K of Eq. 19 [N/m^1.5]; refuses a pair whose curvature is unknown."""
     compliance = card.compliance()
     if compliance == 0.0:
@@ -74,7 +73,7 @@ def hertz_stiffness(card: Materials, scene: Scene, pair: Any) -> float:
     return 4.0 / 3.0 * sqrt(radius) / compliance
 
 
-def relative_radius(pair: Any) -> float:
+def relative_radius(pair: Pair) -> float:
     """1/r = 1/r_a + 1/r_b [m]; infinite for two flats, not a number where a side is not round."""
     curvature = sum(1.0 / r if r else inf for r in (pair.radius_a, pair.radius_b) if r is not None)
     return 1.0 / curvature if curvature > 0.0 else inf

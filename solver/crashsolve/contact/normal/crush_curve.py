@@ -8,20 +8,25 @@ The loss is a function of d alone, so it does not depend on the step. Where a me
 that its forces do over a step (LOSS_IS_WORK), what they took and do not hold is the loss instead: a
 step that passes a corner of the curve takes another area than that under it. A dashpot may act
 beside it while the end is loaded; the sum is never tensile. Consequence to test: pushed to d and
-let go, the end keeps the set d - F(d)/k and has taken the area under the curve less the triangle
-F(d)^2/(2 k).
+after release the end keeps the set d - F(d)/k and has taken the area under the curve less the
+triangle F(d)^2/(2 k).
 
 References: Ambrosio (2003), 5.1, crushable ends of trains; how they unload is left open there.
 """
 
-from typing import Any, ClassVar
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
 
 from crashsolve.contact.normal._pressed import check_pressed
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Pair, Scene
 from crashsolve.deck.card import Card, CurveName, quantity, word
 from crashsolve.foundation.curve import curve_area, curve_value
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
+
+if TYPE_CHECKING:
+    from crashsolve.contact.normal._rows.crush_curve import History, Parameters
 
 
 class CrushCurve(Card):
@@ -47,7 +52,7 @@ HISTORY = Record("""
 """)
 
 
-def build(card: CrushCurve, scene: Scene, pair: Any) -> dict[str, Any]:
+def build(card: CrushCurve, scene: Scene, pair: Pair) -> Columns:
     curve = scene.curve(card.curve)
     check_pressed(curve, card.curve, card.unloading_stiffness, scene)
     return {
@@ -58,7 +63,7 @@ def build(card: CrushCurve, scene: Scene, pair: Any) -> dict[str, Any]:
 
 
 @kernel
-def normal_force(p, old, new, h, depth, rate, mass, curves):
+def normal_force(p: Parameters, old: History, new: History, h, depth, rate, mass, curves):
     """Returns force, stored energy, dissipated power, loss, stiffness, damping. Writes: new."""
     k = p.unloading_stiffness
     new.crush = max(old.crush, depth)
@@ -74,21 +79,21 @@ def normal_force(p, old, new, h, depth, rate, mass, curves):
 
 
 @kernel
-def lost(p, crush, curves):
+def lost(p: Parameters, crush, curves):
     """Energy that an end crushed to this depth will not give back [J]."""
     peak, _, _ = curve_value(curves, p.curve, crush)
     return curve_area(curves, p.curve, crush) - 0.5 * peak * peak / p.unloading_stiffness
 
 
 @kernel
-def release(p, old, new):
+def release(p: Parameters, old: History, new: History):
     """The end stays crushed. Writes: new."""
     new.crush = old.crush
     new.recoverable = 0.0
 
 
 @kernel
-def normal_tangent(p, state, depth, rate, mass, curves):
+def normal_tangent(p: Parameters, state: History, depth, rate, mass, curves):
     """Rise of the force over the depth and over its rate."""
     k = p.unloading_stiffness
     peak, slope, _ = curve_value(curves, p.curve, state.crush)

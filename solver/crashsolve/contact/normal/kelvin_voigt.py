@@ -14,15 +14,20 @@ central impact returns exactly e, and so do a box on its corners and a ball weld
 References: Schwager and Poeschel (2007), Granular Matter 9, 465-469.
 """
 
+from __future__ import annotations
+
 from math import acos, acosh, exp, sqrt
-from typing import Any
+from typing import TYPE_CHECKING
 
 from pydantic import model_validator
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Pair, Scene
 from crashsolve.deck.card import Card, quantity
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
+
+if TYPE_CHECKING:
+    from crashsolve.contact.normal._rows.kelvin_voigt import History, Parameters
 
 
 class KelvinVoigt(Card):
@@ -35,7 +40,7 @@ class KelvinVoigt(Card):
     )
 
     @model_validator(mode="after")
-    def _one_damping(self) -> "KelvinVoigt":
+    def _one_damping(self) -> KelvinVoigt:
         if (self.damping is None) == (self.restitution is None):
             raise ValueError("give one of: damping, restitution")
         return self
@@ -51,7 +56,7 @@ HISTORY = Record("""
 """)
 
 
-def build(card: KelvinVoigt, scene: Scene, pair: Any) -> dict[str, Any]:
+def build(card: KelvinVoigt, scene: Scene, pair: Pair) -> Columns:
     ratio = damping_ratio(card.restitution) if card.restitution is not None else 0.0
     return {
         "stiffness": card.stiffness,
@@ -81,7 +86,7 @@ def damping_ratio(e: float) -> float:
 
 
 @kernel
-def normal_force(p, old, new, h, depth, rate, mass, curves):
+def normal_force(p: Parameters, old: History, new: History, h, depth, rate, mass, curves):
     """Returns force, stored energy, dissipated power, loss, stiffness, damping. Writes: new."""
     new.mass_ratio = old.mass_ratio if old.active == 1 else 0.0
     c = damping_of(p, new, mass)
@@ -91,13 +96,13 @@ def normal_force(p, old, new, h, depth, rate, mass, curves):
 
 
 @kernel
-def release(p, old, new):
+def release(p: Parameters, old: History, new: History):
     """Writes: new."""
     new.mass_ratio = 0.0
 
 
 @kernel
-def damping_of(p, state, mass):
+def damping_of(p: Parameters, state: History, mass):
     """Damping c with the effective mass of the touch, of the two bodies until it is known."""
     if state.mass_ratio > 0.0:
         mass *= state.mass_ratio
@@ -105,7 +110,7 @@ def damping_of(p, state, mass):
 
 
 @kernel
-def normal_tangent(p, state, depth, rate, mass, curves):
+def normal_tangent(p: Parameters, state: History, depth, rate, mass, curves):
     """Rise of the force over the depth and over its rate."""
     c = damping_of(p, state, mass)
     if p.stiffness * depth + c * rate <= 0.0:

@@ -1,25 +1,31 @@
 """Padding: force over penetration by a curve, unloading on a lower one, recovers as it unloads.
 
-    u(delta) <= f = k (delta - s) <= y(delta)     s gives way at y going in, at u going out
+    u(delta) <= f = k (delta - s) <= y(delta)     s slides at y in loading, at u in unloading
     stored = f^2 / 2k + P(s),   loss = change of G_y - change of P    (G, P: foundation/slider.py)
 
 No force is kept and no set: the next touch meets the padding as new. A dashpot may act beside it;
 the sum is never tensile. Beyond the last point of its curve the run stops, unless the curve says
-how it goes on: there the padding is spent. Consequence to test: a stroke there and back loses the
-area between both curves, less the triangles under the lines between them, in any number of steps.
+its continuation: there the padding bottoms out. Consequence to test: a stroke there and back loses
+the area between both curves, less the triangles under the lines between them, in any number of
+steps.
 
 Reference: the shape of the hysteresis is that of seat and foam models of crash codes.
 """
 
-from typing import Any, ClassVar
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
 
 from crashsolve.contact.normal._pressed import check_below, check_pressed
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Pair, Scene
 from crashsolve.deck.card import Card, CurveName, quantity, word
 from crashsolve.foundation.curve import curve_area, curve_value
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.slider import line_meets, work
+
+if TYPE_CHECKING:
+    from crashsolve.contact.normal._rows.padding import History, Parameters
 
 
 class Padding(Card):
@@ -48,7 +54,7 @@ HISTORY = Record("""
 """)
 
 
-def build(card: Padding, scene: Scene, pair: Any) -> dict[str, Any]:
+def build(card: Padding, scene: Scene, pair: Pair) -> Columns:
     upper, lower = scene.curve(card.curve), scene.curve(card.unloading_curve)
     check_pressed(upper, card.curve, card.unloading_stiffness, scene)
     check_pressed(lower, card.unloading_curve, card.unloading_stiffness, scene)
@@ -62,7 +68,7 @@ def build(card: Padding, scene: Scene, pair: Any) -> dict[str, Any]:
 
 
 @kernel
-def normal_force(p, old, new, h, depth, rate, mass, curves):
+def normal_force(p: Parameters, old: History, new: History, h, depth, rate, mass, curves):
     """Returns force, stored energy, dissipated power, loss, stiffness, damping. Writes: new."""
     k, s, kept, loss = p.unloading_stiffness, old.slider, old.kept, 0.0
     upper, _, _ = curve_value(curves, p.curve, depth)
@@ -88,7 +94,7 @@ def normal_force(p, old, new, h, depth, rate, mass, curves):
 
 
 @kernel
-def release(p, old, new):
+def release(p: Parameters, old: History, new: History):
     """Nothing is left of the touch. Writes: new."""
     new.slider = 0.0
     new.kept = 0.0
@@ -96,7 +102,7 @@ def release(p, old, new):
 
 
 @kernel
-def normal_tangent(p, state, depth, rate, mass, curves):
+def normal_tangent(p: Parameters, state: History, depth, rate, mass, curves):
     """Rise of the force over the depth and over its rate."""
     k = p.unloading_stiffness
     upper, rises, _ = curve_value(curves, p.curve, depth)

@@ -8,14 +8,19 @@ whose own is 4 E / (rho A) and more: whatever the mesh, a touch shortens the ste
 Consequence to test: a ball on a rigid wall bounces back after pi sqrt(m / k) with all its energy.
 """
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 from pydantic import model_validator
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Pair, Scene
 from crashsolve.deck.card import Card, quantity
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
+
+if TYPE_CHECKING:
+    from crashsolve.contact.normal._rows.penalty import Parameters
 
 SHARE = 0.5
 LEFT_OUT = "the stiffness of penalty contacts"
@@ -28,7 +33,7 @@ class Penalty(Card):
     share: float | None = quantity("1", "s, k over E t of the shells; 0.5 if absent", None, gt=0)
 
     @model_validator(mode="after")
-    def _one_stiffness(self) -> "Penalty":
+    def _one_stiffness(self) -> Penalty:
         if self.stiffness is not None and self.share is not None:
             raise ValueError("share: stiffness is given already; leave one of them out")
         return self
@@ -38,7 +43,7 @@ PARAMETERS = Record("stiffness  N/m  k")
 HISTORY = Record()
 
 
-def build(card: Penalty, scene: Scene, pair: Any) -> dict[str, Any]:
+def build(card: Penalty, scene: Scene, pair: Pair) -> Columns:
     if card.stiffness is not None:
         return {"stiffness": card.stiffness}
     shell = getattr(pair, "membrane", None)
@@ -48,18 +53,18 @@ def build(card: Penalty, scene: Scene, pair: Any) -> dict[str, Any]:
 
 
 @kernel
-def normal_force(p, old, new, h, depth, rate, mass, curves):
+def normal_force(p: Parameters, old, new, h, depth, rate, mass, curves):
     """Returns force, stored energy, dissipated power, loss, stiffness, damping."""
     f = p.stiffness * depth
     return f, 0.5 * f * depth, 0.0, 0.0, p.stiffness, 0.0
 
 
 @kernel
-def release(p, old, new):
+def release(p: Parameters, old, new):
     """Nothing is remembered after separation."""
 
 
 @kernel
-def normal_tangent(p, state, depth, rate, mass, curves):
+def normal_tangent(p: Parameters, state, depth, rate, mass, curves):
     """Rise of the force over the depth and over its rate."""
     return p.stiffness, 0.0

@@ -1,10 +1,8 @@
 """Words of shapes that have a centre and axes of their own within a body."""
 
-from typing import Any
-
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, Rotation, Vec3, quantity, word
 from crashsolve.foundation.orientation import matrix
 from crashsolve.foundation.record import Record
@@ -25,7 +23,7 @@ PLACED = Record("""
 """)
 
 
-def placement(card: PlacedCard, scene: Scene) -> dict[str, Any]:
+def placement(card: PlacedCard, scene: Scene) -> Columns:
     """Columns PLACED of a shape."""
     node = scene.node(card.body)
     axes = np.eye(3) if card.rotation is None else matrix(card.rotation.quaternion())

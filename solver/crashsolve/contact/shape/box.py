@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.contact.shape._placed import PLACED, PlacedCard, placement
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Vec3, quantity
 from crashsolve.foundation.record import Record
 
@@ -23,7 +23,7 @@ class Box(PlacedCard):
 PARAMETERS = PLACED + Record("half  m  3  half edges")
 
 
-def build(card: Box, scene: Scene) -> list[dict[str, Any]]:
+def build(card: Box, scene: Scene) -> list[Columns]:
     return [placement(card, scene) | {"half": 0.5 * np.array(card.size)}]
 
 
@@ -32,22 +32,22 @@ def curvature_radius(card: Box) -> float | None:
     return None
 
 
-def bounding(element: Any) -> tuple[Any, float]:
+def bounding(element: Columns) -> tuple[Any, float]:
     """Centre (3,) [m] in body axes and radius [m] of an enclosing sphere."""
     return element["point"], float(np.linalg.norm(element["half"]))
 
 
-def half_thickness(element: Any) -> float:
+def half_thickness(element: Columns) -> float:
     """Half the shortest edge [m]."""
     return float(min(element["half"]))
 
 
-def half_width(element: Any) -> float:
+def half_width(element: Columns) -> float:
     """Half the middle one of its edges [m]."""
     return float(np.median(element["half"]))
 
 
-def corners(element: Any) -> list[dict[str, Any]]:
+def corners(element: Columns) -> list[Columns]:
     """The eight corners, as spheres of radius 0."""
     axes = element["axes"].reshape(3, 3)
     signs = product((-1.0, 1.0), repeat=3)
@@ -55,7 +55,7 @@ def corners(element: Any) -> list[dict[str, Any]]:
     return [{"node": element["node"], "point": point, "radius": 0.0} for point in points]
 
 
-def rounds(element: Any) -> list[np.ndarray]:
+def rounds(element: Columns) -> list[np.ndarray]:
     """Ellipsoids that sum up to this shape with rounded edges: (3, 3) [m^2], body axes."""
     axes = element["axes"].reshape(3, 3)
     e = element.get("edge", ROUNDING * min(element["half"]))

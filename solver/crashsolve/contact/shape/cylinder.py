@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.contact.shape._placed import PLACED
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 from crashsolve.foundation.orientation import perpendicular
 from crashsolve.foundation.record import Record
@@ -31,7 +31,7 @@ PARAMETERS = PLACED + Record("""
 """)
 
 
-def build(card: Cylinder, scene: Scene) -> list[dict[str, Any]]:
+def build(card: Cylinder, scene: Scene) -> list[Columns]:
     node = scene.node(card.body)
     axis = scene.unit(card.axis, "axis")
     side = perpendicular(axis)
@@ -51,22 +51,22 @@ def curvature_radius(card: Cylinder) -> float | None:
     return nan
 
 
-def bounding(element: Any) -> tuple[Any, float]:
+def bounding(element: Columns) -> tuple[Any, float]:
     """Centre (3,) [m] in body axes and radius [m] of an enclosing sphere."""
     return element["point"], hypot(element["radius"], element["half_length"])
 
 
-def half_thickness(element: Any) -> float:
+def half_thickness(element: Columns) -> float:
     """Radius, or half the length of a disc [m]."""
     return float(min(element["radius"], element["half_length"]))
 
 
-def half_width(element: Any) -> float:
+def half_width(element: Columns) -> float:
     """Half the middle one of its three extents [m]."""
     return float(element["radius"])
 
 
-def rounds(element: Any) -> list[np.ndarray]:
+def rounds(element: Columns) -> list[np.ndarray]:
     """Ellipsoids that sum up to this shape with rounded rims: (3, 3) [m^2], body axes."""
     axes = element["axes"].reshape(3, 3)
     r, half = element["radius"], element["half_length"]
@@ -76,7 +76,7 @@ def rounds(element: Any) -> list[np.ndarray]:
     return [axes * semi**2 @ axes.T for semi in (disc, needle)]
 
 
-def rims(element: Any) -> list[dict[str, Any]]:
+def rims(element: Columns) -> list[Columns]:
     """Two flat ellipsoids that reach exactly as far as the caps and the lateral surface."""
     axes = element["axes"].reshape(3, 3)
     r, half = element["radius"], element["half_length"]

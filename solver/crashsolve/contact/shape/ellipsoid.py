@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.contact.shape._placed import PLACED, PlacedCard, placement
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Vec3, quantity
 from crashsolve.foundation.record import Record
 
@@ -20,7 +20,7 @@ class Ellipsoid(PlacedCard):
 PARAMETERS = PLACED + Record("semi  m  3  semi-axes")
 
 
-def build(card: Ellipsoid, scene: Scene) -> list[dict[str, Any]]:
+def build(card: Ellipsoid, scene: Scene) -> list[Columns]:
     return [placement(card, scene) | {"semi": np.array(card.semi_axes)}]
 
 
@@ -30,22 +30,22 @@ def curvature_radius(card: Ellipsoid) -> float | None:
     return a if a == b == c else nan
 
 
-def bounding(element: Any) -> tuple[Any, float]:
+def bounding(element: Columns) -> tuple[Any, float]:
     """Centre (3,) [m] in body axes and radius [m] of an enclosing sphere."""
     return element["point"], float(max(element["semi"]))
 
 
-def half_thickness(element: Any) -> float:
+def half_thickness(element: Columns) -> float:
     """Shortest semi-axis [m]."""
     return float(min(element["semi"]))
 
 
-def half_width(element: Any) -> float:
+def half_width(element: Columns) -> float:
     """The middle one of its semi-axes [m]."""
     return float(np.median(element["semi"]))
 
 
-def rounds(element: Any) -> list[np.ndarray]:
+def rounds(element: Columns) -> list[np.ndarray]:
     """Ellipsoids that sum up to this shape: (3, 3) [m^2], body axes."""
     axes = element["axes"].reshape(3, 3)
     return [axes * element["semi"] ** 2 @ axes.T]

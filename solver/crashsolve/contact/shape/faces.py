@@ -3,9 +3,9 @@
 Nodes, balls and ellipsoids press on the nearest face, from whichever side they came.
 """
 
-from typing import Any, Literal
+from typing import Literal
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, PartName, quantity, word
 
 GAP_AS = "faces"
@@ -31,7 +31,7 @@ class Faces(Card):
     )
 
 
-def build(card: Faces, scene: Scene) -> list[dict[str, Any]]:
+def build(card: Faces, scene: Scene) -> list[Columns]:
     """No elements of its own: those of the part."""
     scene.skin(card.part, "part")
     return []

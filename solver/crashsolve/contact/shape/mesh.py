@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import model_validator
 
 from crashsolve.contact.shape._placed import PLACED, PlacedCard, placement
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import FileName, Vec3, quantity, word
 from crashsolve.foundation.mesh_files.reading import OUTLINES, MeshFileError, read_mesh_file
 from crashsolve.foundation.record import Record
@@ -45,7 +45,7 @@ PARAMETERS = PLACED + Record("""
 """)
 
 
-def build(card: Mesh, scene: Scene) -> list[dict[str, Any]]:
+def build(card: Mesh, scene: Scene) -> list[Columns]:
     points, faces = _read(card, scene)
     edges = _check(points, faces, scene)
     is_open = bool((edges[:, 2] < 0).any())
@@ -99,7 +99,7 @@ def _check(points: np.ndarray, faces: np.ndarray, scene: Scene) -> np.ndarray:
 
 
 def _neighbours(faces: np.ndarray, scene: Scene) -> np.ndarray:
-    """The triangle beyond each edge, which runs along the edge the other way."""
+    """The triangle beyond each edge, which has the edge in the opposite direction."""
     ends: dict[tuple[int, int], tuple[int, int]] = {}
     for c in range(3):
         for f, (p, q) in enumerate(faces[:, (c, (c + 1) % 3)].tolist()):
@@ -126,7 +126,7 @@ def curvature_radius(card: Mesh) -> float | None:
     return None
 
 
-def bounding(element: Any) -> tuple[Any, float]:
+def bounding(element: Columns) -> tuple[Any, float]:
     """Centre (3,) [m] in body axes and radius [m] of an enclosing sphere."""
     low, high = element["points"].min(axis=0), element["points"].max(axis=0)
     middle = 0.5 * (low + high)
@@ -134,18 +134,18 @@ def bounding(element: Any) -> tuple[Any, float]:
     return centre, float(np.linalg.norm(element["points"] - middle, axis=1).max())
 
 
-def half_thickness(element: Any) -> float:
+def half_thickness(element: Columns) -> float:
     """Half the thickness of an open mesh, half the shortest extent of a closed one [m]."""
     extent = float(np.ptp(element["points"], axis=0).min())
     return 0.5 * min(element["thickness"], extent or np.inf)
 
 
-def half_width(element: Any) -> float:
+def half_width(element: Columns) -> float:
     """Half the middle one of its three extents [m]."""
     return float(0.5 * np.median(np.ptp(element["points"], axis=0)))
 
 
-def corners(element: Any) -> list[dict[str, Any]]:
+def corners(element: Columns) -> list[Columns]:
     """The points of the mesh, as spheres of radius 0."""
     used = element["points"][np.unique(element["faces"])]
     points = element["point"] + used @ element["axes"].reshape(3, 3).T

@@ -4,10 +4,8 @@ Those of a shell are points of their own (`foundation/point.py`), met by
 `system/contact/node_contact.py`.
 """
 
-from typing import Any
-
 from crashsolve.contact.shape import sphere
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, PartName, quantity, word
 
 PARAMETERS, bounding = sphere.PARAMETERS, sphere.bounding
@@ -26,7 +24,7 @@ def gap_as(card: Nodes, scene: Scene) -> str:
     return "points" if scene.has_points(card.part) else "sphere"
 
 
-def build(card: Nodes, scene: Scene) -> list[dict[str, Any]]:
+def build(card: Nodes, scene: Scene) -> list[Columns]:
     if scene.has_points(card.part):
         return []
     nodes = [node for node in scene.part_nodes[card.part] if node not in scene.welded]

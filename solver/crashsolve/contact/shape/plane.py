@@ -1,8 +1,6 @@
 """Infinite plane fixed in a body; solid behind it, free on the side of its normal."""
 
-from typing import Any
-
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 from crashsolve.foundation.record import Record
 
@@ -22,7 +20,7 @@ PARAMETERS = Record("""
 """)
 
 
-def build(card: Plane, scene: Scene) -> list[dict[str, Any]]:
+def build(card: Plane, scene: Scene) -> list[Columns]:
     node = scene.node(card.body)
     point = scene.from_mass_centre(node, card.at)
     return [{"node": node, "point": point, "normal": scene.unit(card.normal, "normal")}]

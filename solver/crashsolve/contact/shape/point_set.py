@@ -1,9 +1,7 @@
 """Points fixed in a body: spheres of radius 0."""
 
-from typing import Any
-
 from crashsolve.contact.shape import sphere
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 
 GAP_AS = "sphere"
@@ -18,7 +16,7 @@ class PointSet(Card):
     points: tuple[Vec3, ...] = quantity("m", "points, body axes")
 
 
-def build(card: PointSet, scene: Scene) -> list[dict[str, Any]]:
+def build(card: PointSet, scene: Scene) -> list[Columns]:
     if not card.points:
         raise scene.fail("needs at least one point", "points")
     node = scene.node(card.body)

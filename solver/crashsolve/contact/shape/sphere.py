@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 from crashsolve.foundation.record import Record
 
@@ -22,7 +22,7 @@ PARAMETERS = Record("""
 """)
 
 
-def build(card: Sphere, scene: Scene) -> list[dict[str, Any]]:
+def build(card: Sphere, scene: Scene) -> list[Columns]:
     node = scene.node(card.body)
     return [{"node": node, "point": scene.from_mass_centre(node, card.at), "radius": card.radius}]
 
@@ -32,16 +32,16 @@ def curvature_radius(card: Sphere) -> float | None:
     return card.radius
 
 
-def bounding(element: Any) -> tuple[Any, float]:
+def bounding(element: Columns) -> tuple[Any, float]:
     """Centre (3,) [m] in body axes and radius [m] of the smallest enclosing sphere."""
     return element["point"], float(element["radius"])
 
 
-def half_thickness(element: Any) -> float:
+def half_thickness(element: Columns) -> float:
     """How deep the middle lies where the shape is thinnest [m]."""
     return float(element["radius"])
 
 
-def half_width(element: Any) -> float:
+def half_width(element: Columns) -> float:
     """Radius [m]."""
     return float(element["radius"])

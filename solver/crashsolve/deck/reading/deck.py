@@ -386,7 +386,7 @@ class _Reader:
         return any(name.startswith(f"{part}_") for part in self.unread_parts)
 
 
-def _curves_of(value: Any) -> Iterator[tuple[str, tuple[str, str]]]:
+def _curves_of(value: object) -> Iterator[tuple[str, tuple[str, str]]]:
     """Curves that a card and those within it name, with the units of their axes."""
     if isinstance(value, tuple) and value and isinstance(value[0], Card):
         for part in value:
@@ -399,7 +399,7 @@ def _curves_of(value: Any) -> Iterator[tuple[str, tuple[str, str]]]:
             yield from _curves_of(getattr(value, name))
 
 
-def _names_written(kind: type[Card], value: Any) -> Iterator[tuple[tuple[str | int, ...], Name]]:
+def _names_written(kind: type[Card], value: object) -> Iterator[tuple[tuple[str | int, ...], Name]]:
     """References in the fields of a card as they are written, each with its path."""
     if not isinstance(value, Mapping):
         return
@@ -418,7 +418,7 @@ def _has_blocks(entries: dict[str, dict[str, Entry]]) -> bool:
     return any(hasattr(part, "KINDS") for part in parts)
 
 
-def _names(value: Any, path: tuple[str | int, ...] = ()) -> Iterator[tuple[Any, Name]]:
+def _names(value: object, path: tuple[str | int, ...] = ()) -> Iterator[tuple[Any, Name]]:
     """References to entries within a card, each with its path."""
     if isinstance(value, Name):
         yield path, value

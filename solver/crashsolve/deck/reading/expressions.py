@@ -113,7 +113,7 @@ class Expression:
     def unit(self, units: Mapping[str, U | None]) -> U | None:
         """The unit of a lone name, or of sums of names; None of others, which may have any.
 
-        The numbers of a product or a power may have units that nobody has written.
+        The numbers of a product or a power may have units that are not written in the deck.
         """
         return self._unit(self.root, units)
 

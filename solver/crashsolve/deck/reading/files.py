@@ -183,7 +183,7 @@ class _Filling:
         self.words, self.diagnostics = words, diagnostics
         self.used: set[str] = set()
 
-    def value(self, value: Any, location: Position) -> Any:
+    def value(self, value: object, location: Position) -> Any:
         """A value with the words put in; a lone word that is a number becomes one."""
         if isinstance(value, Table):
             table = Table(value.file)

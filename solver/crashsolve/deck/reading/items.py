@@ -84,7 +84,7 @@ def _of_file(file: Path, table: Table, diagnostics: list[DeckError]) -> Iterator
 
 
 def _named(
-    file: Path, keyword: str, value: Any, at: Position, diagnostics: list[DeckError]
+    file: Path, keyword: str, value: object, at: Position, diagnostics: list[DeckError]
 ) -> Iterator[Item]:
     if not isinstance(value, Table):
         if value is not BROKEN and value is not None:
@@ -103,7 +103,7 @@ def _named(
 
 
 def _listed(
-    file: Path, keyword: str, value: Any, at: Position, diagnostics: list[DeckError]
+    file: Path, keyword: str, value: object, at: Position, diagnostics: list[DeckError]
 ) -> Iterator[Item]:
     if not isinstance(value, Rows):
         if value is not BROKEN and value is not None:

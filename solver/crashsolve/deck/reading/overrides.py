@@ -62,7 +62,7 @@ def set_fields(
     return parameters
 
 
-def _set(items: Items, tables: dict[Path, Table], name: str, given: str, value: Any) -> None:
+def _set(items: Items, tables: dict[Path, Table], name: str, given: str, value: object) -> None:
     """Write one value where its path leads. Raises _NoSuchPlace."""
     keyword, *path = name.split(".")
     main = next(iter(tables))
@@ -105,8 +105,8 @@ def _check_entry(keyword: str, entry: str, path: list[str], items: Items) -> Non
         raise _NoSuchLocation("has no fields", "write title=TEXT", keyword)
 
 
-def _put(old: Any, path: list[str], value: Any, at: tuple[int, int]) -> Any:
-    """A copy of a value with another at a path; tables that are missing on the way are made."""
+def _put(old: object, path: list[str], value: object, at: tuple[int, int]) -> Any:
+    """A copy of a value with another at a path; missing tables of the path are created."""
     if not path:
         return value
     word, rest = path[0], path[1:]

@@ -46,7 +46,7 @@ class Parameters:
         for name in self._in_order():
             self._value(name)
 
-    def substitute(self, value: Any, card: str, where: Position) -> Any:
+    def substitute(self, value: object, card: str, where: Position) -> Any:
         """The value with every expression in it worked out, or BROKEN where that fails."""
         if isinstance(value, str):
             if "${" not in value:
@@ -71,7 +71,7 @@ class Parameters:
         return value
 
     def read(self, but: Collection[Reader] = ()) -> set[str]:
-        """Names of those that cards read, by way of others too; not what stands in readers `but`.
+        """Names of those that cards read, also through others; not those in readers `but`.
 
         A title reads nothing that a run could follow.
         """
@@ -225,7 +225,7 @@ class _AlreadyReported(Exception):
     """A parameter is wrong, and has been reported with its location."""
 
 
-def _number(value: Any) -> float:
+def _number(value: object) -> float:
     """A number, in SI when it has a unit."""
     if isinstance(value, str):
         number, name = split_quantity(value)
@@ -238,7 +238,7 @@ def _number(value: Any) -> float:
     return value
 
 
-def _unit(value: Any) -> Unit | None:
+def _unit(value: object) -> Unit | None:
     """Unit of a value as written; None when it is an expression or cannot be read."""
     if isinstance(value, str):
         try:
@@ -248,7 +248,7 @@ def _unit(value: Any) -> Unit | None:
     return PURE if isinstance(value, int | float) and not isinstance(value, bool) else None
 
 
-def _inconsistency(value: Any, replaced: Any) -> tuple[str, str]:
+def _inconsistency(value: object, replaced: object) -> tuple[str, str]:
     """What is wrong with a value given on the command line, and advice; empty when it fits."""
     if isinstance(value, str) and "${" in value:
         return "", ""

@@ -109,7 +109,7 @@ def _refusal(given: str, card: str, message: str, advice: str) -> DeckError:
     return DeckError(given, None, None, card, message, advice)
 
 
-def _locations(value: Any, at: Position) -> Iterator[Position]:
+def _locations(value: object, at: Position) -> Iterator[Position]:
     """Of a value and of all that is in it."""
     yield at
     if isinstance(value, Table):

@@ -39,7 +39,7 @@ class Expect(Card):
 
     @model_validator(mode="before")
     @classmethod
-    def _to_si(cls, given: Any, info: ValidationInfo) -> Any:
+    def _to_si(cls, given: object, info: ValidationInfo) -> Any:
         if not isinstance(given, Mapping):
             return given
         fields = dict(given)

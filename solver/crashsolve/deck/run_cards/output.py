@@ -36,7 +36,7 @@ class States(Card):
 
 
 class Restart(Card):
-    """Dumps from which a run can go on."""
+    """Dumps from which a run can continue."""
 
     every: float | None = quantity("s", "time between dumps; none when absent", None, gt=0)
 
@@ -136,11 +136,11 @@ class Figure(Card):
         return self
 
 
-def _is_list(given: Any) -> bool:
+def _is_list(given: object) -> bool:
     return isinstance(given, list | tuple)
 
 
-def _is_number(given: Any) -> bool:
+def _is_number(given: object) -> bool:
     return isinstance(given, int | float) and not isinstance(given, bool)
 
 

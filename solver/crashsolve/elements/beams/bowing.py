@@ -1,11 +1,11 @@
-"""Stretch of an element of a beam that bends: what a taut line resists being bent with.
+"""Stretch of an element of a beam that bends: the resistance of a taut line to bending.
 
     e = d (1 + (theta_y^2 + theta_z^2) / 24 + c_y n_y^2 + c_z n_z^2) - l,   d = |y|,   n = y / d
     c_y = a - 2 a^2 / 5 - 1/2,   a = k_y l^3 / (12 E I_z),   likewise c_z
 
 e / l is the strain of Reissner's rod along the normal of its sections, mean over the element, to
-second order in turns: with w the line's way across and phi the rotation of its sections in the
-frame,
+second order in rotations: with w the lateral deflection of the line and phi the rotation of its
+sections in the frame,
 
     e = u_x + integral of (phi w' - phi^2 / 2) dx
 
@@ -35,7 +35,7 @@ def coefficient(shear: float, turning: float, length: float) -> float:
 
 @kernel
 def stretched(p, y, theta):
-    """e, and of the way y from end to end: n, d, h, and the derivatives of e by y and theta."""
+    """e, and of the vector y from end to end: n, d, h, and the derivatives of e by y and theta."""
     d = sqrt(dot(y, y))
     n = scale(1.0 / d, y)
     h = (0.0, 2.0 * p.bowing[0] * n[1], 2.0 * p.bowing[1] * n[2])

@@ -1,4 +1,4 @@
-"""Frame half-way between two triads: what a beam element measures its deformation in.
+"""Frame half-way between two triads, in which a beam element measures its deformation.
 
     q_a^-1 q_b = (w, v),   R = A_a exp(theta / 2),   theta = 2 eta v,   eta = atan2(|v|, w) / |v|
 
@@ -31,7 +31,7 @@ def mean_frame(a, b):
 def mean_frame_of(p, q):
     """The same between two triads given by their quaternions."""
     w, x, y, z = times((p[0], -p[1], -p[2], -p[3]), q)
-    # q and -q are one orientation: take the shorter turn
+    # q and -q are one orientation: take the shorter rotation
     if w < 0.0:
         w, x, y, z = -w, -x, -y, -z
     s = 1.0 / sqrt(2.0 + 2.0 * w)

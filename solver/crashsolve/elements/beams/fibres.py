@@ -6,9 +6,9 @@
 The material says its stress, or if it yields by von Mises' stress Y, f and g. Beyond yield, with xi
 the trial stress less H_k eps_p, the plastic strain grows by g in the direction of xi, where |xi| -
 (E + H_k) g = Y(e + g) f g; Newton's method finds it, in one step where hardening is linear. Plastic
-work of a step is the mean stress times the plastic strain, as nodes feel the mean of the forces
-before and after it. The algorithmic tangent of a fibre that flows in a step is that of this very
-equation,
+work of a step is the mean stress times the plastic strain, because nodes receive the mean of the
+forces before and after it. The algorithmic tangent of a fibre that flows in a step is that of this
+very equation,
 
     d sigma = (E - E^2 / D) d eps + (E / D) Y d(f g) sign(xi),   D = E + H_k + Y' f g
 
@@ -18,10 +18,9 @@ backwards after 2 Y_0 where beta is 1; moduli are the derivatives of resultants.
 Reference: Simo and Hughes (1998), Computational Inelasticity, 1.4 to 1.6.
 """
 
-from typing import Any
-
 import numpy as np
 
+from crashsolve.deck.building import Columns
 from crashsolve.foundation.kernels import inlined, kernel
 from crashsolve.foundation.vec3 import add_scaled, dot
 from crashsolve.materials._von_mises import factor_of
@@ -34,7 +33,7 @@ ROUND_OFF = 1e-12
 NONE = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-def fit(table: np.ndarray, section: dict[str, Any]) -> np.ndarray:
+def fit(table: np.ndarray, section: Columns) -> np.ndarray:
     """Fibres (y, z, A) moved a little and resized, to have area and second moments of a section."""
     y, z, A = table.T
     A = A * section["area"] / A.sum()

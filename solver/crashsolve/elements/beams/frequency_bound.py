@@ -1,4 +1,4 @@
-"""How fast a node of a straight beam element may swing: what bounds the step of explicit methods.
+"""Largest frequency of a node of a straight beam element: it bounds the step of explicit methods.
 
 The part K_a of the element's stiffness K that one node feels, over its mass M_a, has a largest
 eigenvalue r_a. No motion has more energy than twice that of both nodes apart; of a beam it is less,
@@ -13,13 +13,14 @@ tension, and is the highest frequency of a straight element by itself.
 """
 
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Columns
+
 
 def fastest_rates(
-    row: dict[str, Any], masses: tuple[float, float], J: tuple[np.ndarray, np.ndarray]
+    row: Columns, masses: tuple[float, float], J: tuple[np.ndarray, np.ndarray]
 ) -> tuple[float, float]:
     """s r / 2 of both nodes of a straight element [1/s^2].
 
@@ -44,10 +45,11 @@ def _fastest_rates(
     return 0.5 * coupled * rates[0], 0.5 * coupled * rates[1]
 
 
-def rate_of_tension(row: dict[str, Any], mass: float, J: np.ndarray) -> float:
-    """The same of what a tension of 1 N lends to it [1/(kg m)].
+def rate_of_tension(row: Columns, mass: float, J: np.ndarray) -> float:
+    """The same of what a tension of 1 N adds [1/(kg m)].
 
-    Of the stretch e by the way across: of the chord, 1 / l, and of the bow where it is positive.
+    Of the stretch e by lateral displacement: of the chord, 1 / l, and of the bow where it is
+    positive.
     """
     length = float(row["length"])
     by_displacement = (2.0 * max(c, 0.0) / length for c in row["bowing"])
@@ -61,7 +63,8 @@ def _fastest_rate(
 ) -> float:
     """Largest eigenvalue of M^-1 K of one node of a straight element.
 
-    `stiffness` is against the node's way and turn in the frame, `across` against its way alone.
+    `stiffness` resists displacement and rotation of the node in the frame, `across` displacement
+    alone.
     """
     D = _motion(length, 1.0)
     K = D.T @ np.diag(stiffness) @ D + np.diag((0.0, across, across, 0.0, 0.0, 0.0))
@@ -69,9 +72,12 @@ def _fastest_rate(
 
 
 def _motion(length: float, side: float) -> np.ndarray:
-    """What a node, b for side 1 and a for -1, adds to u and theta by its way and turn (6, 6)."""
+    """What a node, b for side 1 and a for -1, adds to u and theta, of its displacement and rotation.
+
+    (6, 6)
+    """
     D = side * np.eye(6)
-    # shear along y rotates about z, along z about y the other way
+    # shear along y rotates about z, along z about y in the opposite sense
     D[1, 5], D[2, 4] = -0.5 * length, 0.5 * length
     return D
 

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
+from crashsolve.deck.card import Card
 from crashsolve.elements.beams.bowing import coefficient
 from crashsolve.elements.beams.frequency_bound import fastest_rates, rate_of_tension
 from crashsolve.elements.damping import coefficients, heavier
@@ -18,7 +19,7 @@ from crashsolve.materials import elastic
 
 
 def halves(
-    card: Any, section: dict[str, Any], material: dict[str, Any], length: float, scene: Scene
+    card: Card, section: Columns, material: Columns, length: float, scene: Scene
 ) -> tuple[float, np.ndarray]:
     """Mass [kg] and inertia (3, 3) [kg m^2] of half an element, axes of the section."""
     mass, factor = scaled(card, section, material, np.array([length]), scene)
@@ -27,7 +28,7 @@ def halves(
 
 
 def scaled(
-    card: Any, section: dict[str, Any], material: dict[str, Any], lengths: np.ndarray, scene: Scene
+    card: Any, section: Columns, material: Columns, lengths: np.ndarray, scene: Scene
 ) -> tuple[np.ndarray, np.ndarray]:
     """Masses of elements of these lengths [kg], and the factors by which they are heavier."""
     mass = material["density"] * section["area"] * lengths
@@ -38,9 +39,7 @@ def scaled(
     return mass, heavier(card, np.array(squares), scene)
 
 
-def stiffness_row(
-    section: dict[str, Any], material: dict[str, Any], length: float
-) -> dict[str, Any]:
+def stiffness_row(section: Columns, material: Columns, length: float) -> Columns:
     """Length [m] and stiffnesses [N/m, N m] of an element, by their columns."""
     E, G, A = material["young"], material["shear"], section["area"]
     I_y, I_z = section["second"]
@@ -56,9 +55,7 @@ def stiffness_row(
     }
 
 
-def damping_row(
-    card: Any, section: dict[str, Any], material: dict[str, Any], scene: Scene
-) -> dict[str, Any]:
+def damping_row(card: Any, section: Columns, material: Columns, scene: Scene) -> Columns:
     """Damping and viscosity of an element."""
     b_1, b_2_squared = coefficients(card, scene)
     per_length = material["density"] * section["area"]
@@ -71,8 +68,8 @@ def damping_row(
 
 
 def ends_row(
-    card: Any, row: dict[str, Any], nodes: tuple[int, int], scene: Scene, T: np.ndarray, half: float
-) -> dict[str, Any]:
+    card: Any, row: Columns, nodes: tuple[int, int], scene: Scene, T: np.ndarray, half: float
+) -> Columns:
     """Nodes of an element with half its mass each, drag on them and its bound of the step.
 
     T are its axes in those of the nodes, as columns.
@@ -80,7 +77,7 @@ def ends_row(
     a, b = nodes
     masses = (float(scene.mass[a]), float(scene.mass[b]))
     J_a, J_b = (T.T @ scene.J[node].reshape(3, 3) @ T for node in nodes)
-    ends: dict[str, Any] = {}
+    ends: Columns = {}
     rates = fastest_rates(row, masses, (J_a, J_b))
     for k, (end, node, J) in enumerate(zip("ab", nodes, (J_a, J_b), strict=True)):
         ends |= {
@@ -92,13 +89,13 @@ def ends_row(
     return ends
 
 
-def rotary_inertia(section: dict[str, Any], material: dict[str, Any]) -> np.ndarray:
+def rotary_inertia(section: Columns, material: Columns) -> np.ndarray:
     """Rotary inertia per length (3, 3), axes of the section [kg m]."""
-    R_y, R_z = section.get("rotary", section["second"])
+    R_y, R_z = section["rotary" if "rotary" in section else "second"]
     return material["density"] * np.diag([R_y + R_z, R_y, R_z])
 
 
-def laws(card: Any, scene: Scene) -> tuple[dict[str, Any], dict[str, Any]]:
+def laws(card: Any, scene: Scene) -> tuple[Columns, Columns]:
     """Section and material of a card."""
     law, material_card = scene.law("materials", card.material)
     word = law.__name__.rpartition(".")[2]
@@ -116,7 +113,7 @@ def laws(card: Any, scene: Scene) -> tuple[dict[str, Any], dict[str, Any]]:
     return law.build(section_card, material["poisson"]), material
 
 
-def axes_of(card: Any, along: np.ndarray, section: dict[str, Any], scene: Scene) -> np.ndarray:
+def axes_of(card: Any, along: np.ndarray, section: Columns, scene: Scene) -> np.ndarray:
     """Axes of the section of an element as columns (3, 3): along it, y, z."""
     if card.side is None:
         I_y, I_z = section["second"]

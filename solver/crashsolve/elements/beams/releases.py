@@ -1,10 +1,10 @@
 """Ends of bars that are hinged to their point, or lie beside it: nodes of their own, and joints.
 
-    turns free      none    one        two          three
+    rotations free  none    one        two          three
     joint           weld    revolute   universal    spherical
 
 The joint holds the bar's end at its position on the node of the point, so that a moment which is
-not passed on is exactly none and an offset is a rigid arm, however far both turn. Consequence to
+not passed on is exactly zero and an offset is a rigid arm, for any rotation of both. Consequence to
 test: two clamped arms hinged to each other bend as two cantilevers; a pull beside the axis bends by
 P e.
 """
@@ -13,6 +13,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from crashsolve.deck.building import Columns
 from crashsolve.deck.card import Card, Vec3, quantity, word
 from crashsolve.foundation.orientation import perpendicular
 
@@ -89,9 +90,9 @@ def fault(card: Any) -> str:
     return ""
 
 
-def joints(card: Any, part: str) -> dict[str, tuple[str, dict[str, Any]]]:
+def joints(card: Any, part: str) -> dict[str, tuple[str, Columns]]:
     """Joints between the ends and their points: type and words by name."""
-    found: dict[str, tuple[str, dict[str, Any]]] = {}
+    found: dict[str, tuple[str, Columns]] = {}
     if fault(card):
         # refused where the part is built
         return found

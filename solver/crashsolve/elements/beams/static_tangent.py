@@ -1,11 +1,12 @@
-"""Tangent of the elements of beams: how the forces on their ends change as these move and turn.
+"""Tangent of the elements of beams: changes of the forces on their ends by displacements and
+rotations of these.
 
     dF = R (df - f x omega),   dM_a = R (dm' - dc - (m' - c) x omega),   dM_b = -R (dm' + ...)
     omega = w_0 - g x s,   dy = dr - omega x y,   dtheta = T s,   c = f x y / 2
     (df, dm) = U'' (dy, dtheta),   dm' = T dm + (dT) m + 2 (dg x c + g x dc)
 
 in axes of R, with the spins s of b over a and w_0 of the mean (`corotational.py`): the whole
-derivative, with what bends already and what turns; U'' is that of the energy by y and theta. For
+derivative, with present bending and rotation; U'' is that of the energy by y and theta. For
 all elements at once, in numpy, where statics asks for it. Consequence to test: central differences
 of the forces.
 
@@ -13,23 +14,22 @@ Reference: Crisfield (1990), A consistent co-rotational formulation for non-line
 three-dimensional beam-elements, Computer Methods in Applied Mechanics and Engineering 81, 131-150.
 """
 
-from typing import Any
-
 import numpy as np
 
 from crashsolve.foundation.orientation import matrices, products
+from crashsolve.foundation.rows import Table
 
-# turns below: T and g are those of no turn, to round-off
+# rotations below: T and g are those of none, to round-off
 SMALL = 1e-8
 
 
 def forces_by_motions(
-    p: Any, q_a: np.ndarray, q_b: np.ndarray, displacement: np.ndarray
+    p: Table, q_a: np.ndarray, q_b: np.ndarray, displacement: np.ndarray
 ) -> np.ndarray:
-    """Derivatives (n, 12, 12) of force and moment on both ends by their positions and turns.
+    """Derivatives (n, 12, 12) of force and moment on both ends by their positions and rotations.
 
-    q_a and q_b (n, 4) are the orientations of the ends in the element's axes, way (n, 3) from a to
-    b, world axes; of a the first six of rows and columns.
+    q_a and q_b (n, 4) are the orientations of the ends in the element's axes, vector (n, 3) from a
+    to b, world axes; of a the first six of rows and columns.
     """
     R, y, theta = strains(q_a, q_b, displacement)
     slopes, bent, e = _stretch(p, y, theta)
@@ -76,7 +76,7 @@ def by_motions(
     return np.concatenate([force, on_a, -force, on_b], axis=1)
 
 
-def _stretch(p: Any, y: np.ndarray, theta: np.ndarray) -> tuple[np.ndarray, ...]:
+def _stretch(p: Table, y: np.ndarray, theta: np.ndarray) -> tuple[np.ndarray, ...]:
     """Slopes (n, 6) of the stretch e by y and theta, their derivatives (n, 6, 6), and e (n,)."""
     d = np.linalg.norm(y, axis=1)[:, None]
     n, rotations, no_displacement = y / d, theta * [0.0, 1.0, 1.0], np.zeros_like(y)

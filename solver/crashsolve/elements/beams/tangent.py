@@ -24,7 +24,7 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.sparse.bordered import resist_far, resist_own
 from crashsolve.foundation.vec3 import ZERO, add, add_scaled, cross, dot, scale, sub, vec
 
-# turns below: T and g are those of no turn, to round-off
+# rotations below: T and g are those of none, to round-off
 SMALL = 1e-8
 
 
@@ -76,8 +76,8 @@ def stresses(p, section, strained, eta, v, g):
 def changes(p, section, strained, here, held, dr, s, w_0):
     """Changes of the force on a, and of the moments on a and b, axes of R.
 
-    `dr`, `s` and `w_0` are the change of the way from a to b, the rotation of b over a, the mean
-    turn.
+    `dr`, `s` and `w_0` are the changes of the vector from a to b, of the rotation of b over a, and
+    of the mean rotation.
     """
     v, eta, g, _, _, _, bend = here
     y, theta, bent = strained[0], strained[2], strained[5]
@@ -163,7 +163,7 @@ def times(k, x):
 
 @kernel
 def bends(theta):
-    """n of a turn, and the numbers by which T and g change along it and across."""
+    """n of a rotation, and the factors by which T and g change along it and across."""
     angle = sqrt(dot(theta, theta))
     if angle < SMALL:
         return ZERO, 0.0, 0.0, 0.125, 0.125

@@ -65,7 +65,7 @@ def resist(blocks, at, work, e, h, p):
         n_s = stiff * 0.5 * (1.0 - p.poisson) * s
         if side == 0:
             n_x, n_y = n_x + q, n_y + q
-        # nodes feel the mean of the resultants before and after the step
+        # nodes receive the mean of the resultants before and after the step
         lost += 0.5 * (n_x + blocks[row]) * x + 0.5 * (n_y + blocks[row + LANES]) * y
         lost += 0.5 * (n_s + blocks[row + 2 * LANES]) * s
         blocks[row], blocks[row + LANES], blocks[row + 2 * LANES] = n_x, n_y, n_s

@@ -15,7 +15,7 @@ from crashsolve.foundation.point import LANES
 
 
 def rule(card: ShellCard, scene: Scene) -> tuple[np.ndarray, np.ndarray]:
-    """Places -1 to 1 and weights, sum 2, of the layers, (layers,) each."""
+    """Positions -1 to 1 and weights, sum 2, of the layers, (layers,) each."""
     if card.rule == "gauss":
         return np.polynomial.legendre.leggauss(card.layers)
     if card.layers < 2:

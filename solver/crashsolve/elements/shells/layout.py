@@ -8,8 +8,6 @@ momentum of the nodes are those of the elements.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from crashsolve.deck.building import Scene
@@ -308,12 +306,12 @@ class DiscretisedShell:
         """Numbers of all blocks."""
         return sum(blocks_of(own) * self.stride_of(points) for own, points in self.sections())
 
-    def gauge_values(self, blocks: np.ndarray, row: Any) -> np.ndarray:
+    def gauge_values(self, blocks: np.ndarray, row: np.void) -> np.ndarray:
         """Values of FIELDS of the gauged elements, side by side (gauges, columns)."""
         found = outputs.values_of(self, blocks, row, np.array(self.gauged))
         return np.column_stack([found[name] for name in outputs.FIELDS])
 
-    def all_fields(self, blocks: np.ndarray, row: Any) -> dict[str, np.ndarray]:
+    def all_fields(self, blocks: np.ndarray, row: np.void) -> dict[str, np.ndarray]:
         """Values of FIELDS of all elements, in single precision."""
         return outputs.values_of(self, blocks, row, np.arange(len(self.area)), np.float32)
 

@@ -52,7 +52,7 @@ class Part(Protocol):
 
 
 def values_of(
-    part: Part, blocks: np.ndarray, row: Any, wanted: np.ndarray, kind: Any = float
+    part: Part, blocks: np.ndarray, row: np.void, wanted: np.ndarray, kind: object = float
 ) -> dict[str, np.ndarray]:
     """Values of FIELDS of some elements (n, ...), in their units, from what all parts keep."""
     start = int(row["first"])
@@ -73,7 +73,7 @@ def _rows(table: np.ndarray, positions: np.ndarray) -> np.ndarray:
     """What elements keep (m, rows), from blocks of them side by side (blocks, rows, LANES)."""
     if np.any(np.diff(positions) != 1):
         return table[positions // LANES, :, positions % LANES]
-    # elements side by side are turned at once
+    # elements side by side are rotated at once
     first, last = int(positions[0]), int(positions[-1]) + 1
     begun = first // LANES
     rotated = table[begun : -(-last // LANES)].transpose(0, 2, 1).reshape(-1, table.shape[1])

@@ -5,11 +5,15 @@ its numbers from step to step, BLOCK comes first, then the layers of every point
 VISCOUS and EROSION where a part has them; WORK is scratch that all blocks share.
 """
 
-from typing import Any, NamedTuple
+from types import ModuleType
+from typing import NamedTuple
+
+import numpy as np
 
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.point import LANES
 from crashsolve.foundation.record import Record, rows_of
+from crashsolve.foundation.rows import Row
 
 MOST_LAYERS = 10
 BLOCK = rows_of(
@@ -104,17 +108,17 @@ WORK = rows_of(_BEFORE + _SLOTS + _POINTS)
 class Layer(NamedTuple):
     """One layer of a block at a point of the plane."""
 
-    at: Any  # where its numbers begin in the blocks
-    zeta: Any  # its position, -1 to 1
-    weight: Any  # of the rule, sum 2
+    at: int  # where its numbers begin in the blocks
+    zeta: float  # its position, -1 to 1
+    weight: float  # of the rule, sum 2
 
 
 class Law(NamedTuple):
     """What layers are made of."""
 
-    m: Any  # columns `material` of a part
-    curves: Any  # those of the deck
-    kernels: Any  # the law's module
+    m: Row  # columns `material` of a part
+    curves: np.ndarray  # those of the deck
+    kernels: ModuleType  # the law's module
 
 
 @kernel

@@ -26,7 +26,7 @@ TAP = Record("""
 """)
 CUT = Record("""
     force    N      3  on what is in front
-    moment   N m    3  on what is in front, about `place`
+    moment   N m    3  on the part in front, about `place`
     position  m      3  middle of the cut elements
     corners  count     of the cut elements
 """)

@@ -1,8 +1,9 @@
 """Lines of Abaqus .inp files: nodes, elements and sets, by their identifiers.
 
-Keywords may be in any case and go on over lines that end in a comma; a set may be given in several
-cards, which unite, by numbers, by ranges, by other sets, or as the nodes of a set of elements.
-Keywords that would move or make nodes or elements elsewhere are refused; others are passed over.
+Keywords may be in any case and continue after lines that end in a comma; a set may be given in
+several cards, which unite, by numbers, by ranges, by other sets, or as the nodes of a set of
+elements. Keywords that would move or make nodes or elements elsewhere are refused; others are
+passed over.
 References: Abaqus Keywords Reference Manual, *ELEMENT, *ELGEN, *ELSET,
 *INSTANCE, *NGEN, *NODE, *NSET.
 """
@@ -111,7 +112,7 @@ def _keyword(line: int, text: str, lines: Lines) -> Keyword:
 
 
 def _whole_rows(rows: list[Row], count: int) -> Iterator[Row]:
-    """Rows joined with those that go on after a comma, unless they hold `count` fields already."""
+    """Rows joined with those that continue after a comma, unless they have `count` fields."""
     start, fields = 0, list[str]()
     for line, more in rows:
         start, fields = (start, fields + more) if fields else (line, more)

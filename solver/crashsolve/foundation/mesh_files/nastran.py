@@ -157,7 +157,9 @@ def _add_to_property(card: Card, lines: Lines) -> None:
 
 
 def _case_sets(rows: list[tuple[int, str]]) -> dict[str, tuple[int, str]]:
-    """Sets of the case control, with their lines and texts; a line that ends in a comma goes on."""
+    """Sets of the case control, with their lines and texts; a line that ends in a comma is
+    continued.
+    """
     sets: dict[str, tuple[int, str]] = {}
     label = ""
     for number, text in rows:

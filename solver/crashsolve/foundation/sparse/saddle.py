@@ -22,7 +22,9 @@ Vanderbei (1995), Symmetric quasidefinite matrices, SIAM Journal on Optimization
 """
 
 from math import sqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
+
+import numpy as np
 
 from crashsolve.foundation.kernels import inlined, kernel
 from crashsolve.foundation.record import Record
@@ -69,10 +71,10 @@ PAIR = Record("""
 class Saddle(NamedTuple):
     """Columns in the order of elimination, their blocks, and what adds to which block."""
 
-    columns: Any
-    blocks: Any
-    updates: Any
-    pairs: Any
+    columns: np.ndarray
+    blocks: np.ndarray
+    updates: np.ndarray
+    pairs: np.ndarray
 
     def redundant(self) -> int:
         """Rows found redundant by the last factorisation."""

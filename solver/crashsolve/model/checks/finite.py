@@ -52,7 +52,7 @@ def refuse_beyond(deck: Deck, model: Model, state: State) -> None:
         raise DeckErrors({str(error): error for error in found}.values())
 
 
-def _sizes(value: Any) -> Iterator[float]:
+def _sizes(value: object) -> Iterator[float]:
     """Magnitudes of the numbers of a field; infinity may be meant."""
     if isinstance(value, float | int) and math.isfinite(value):
         yield abs(value)

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.model.model import Joint
 
 # k over the reach of all from the axis below which, and over that of surfaces above which, is
@@ -80,7 +80,7 @@ def attached(groups: list[Any], joints: list[Joint]) -> dict[int, Points]:
     """Points of joints and springs from the mass centre of each body, body axes [m]."""
     found: dict[int, Points] = {}
 
-    def add(node: int, point: Any) -> None:
+    def add(node: int, point: object) -> None:
         found.setdefault(int(node), []).append((np.asarray(point, float), 0.0))
 
     for joint in joints:
@@ -107,7 +107,7 @@ def outlines(scene: Scene) -> dict[int, Points]:
     return found
 
 
-def outline(element: Any) -> Points:
+def outline(element: Columns) -> Points:
     """Points on the surface of a shape, or its middle with a radius, body axes."""
     middle = np.asarray(element["point"], float)
     if "points" in element:

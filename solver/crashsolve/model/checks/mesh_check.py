@@ -1,16 +1,16 @@
 """Whether the elements of a mesh hang together: unconnected, duplicate, inverted, disjoint."""
 
-from typing import Any
-
 import numpy as np
 
+from crashsolve.meshes._mesh import Mesh
 
-def faults(mesh: Any) -> str:
+
+def faults(mesh: Mesh) -> str:
     """The first thing wrong with how elements hang together; empty if nothing is."""
     return _unconnected(mesh) or _duplicate(mesh) or _inverted(mesh) or _disjoint(mesh)
 
 
-def _unconnected(mesh: Any) -> str:
+def _unconnected(mesh: Mesh) -> str:
     used = np.zeros(len(mesh.points), bool)
     used[mesh.quads] = True
     if used.all():
@@ -18,7 +18,7 @@ def _unconnected(mesh: Any) -> str:
     return f"node {int(np.argmin(used)) + 1} belongs to no element; leave it out"
 
 
-def _duplicate(mesh: Any) -> str:
+def _duplicate(mesh: Mesh) -> str:
     """Nodes nearer than a millionth of the shortest side, found in two nets of cells."""
     sides = mesh.points[mesh.quads] - mesh.points[np.roll(mesh.quads, -1, axis=1)]
     # a triangle names a corner twice
@@ -37,7 +37,7 @@ def _duplicate(mesh: Any) -> str:
     return ""
 
 
-def _inverted(mesh: Any) -> str:
+def _inverted(mesh: Mesh) -> str:
     """Two elements that run along a side in the same direction have opposite normals.
 
     Of three that share a side, two always do.
@@ -62,7 +62,7 @@ def _inverted(mesh: Any) -> str:
     return f"elements {a} and {b} have opposite normals; reverse the corners of one"
 
 
-def _disjoint(mesh: Any) -> str:
+def _disjoint(mesh: Mesh) -> str:
     """Every element must be joined to every other by common nodes."""
     label = np.arange(len(mesh.points))
     while True:

@@ -2,13 +2,14 @@
 
 from collections.abc import Iterator
 from importlib import import_module
-from typing import Any
+from types import ModuleType
 
 import numpy as np
 
 from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card
 from crashsolve.deck.family import ANY, CHOSEN, Family, FamilyError, families
+from crashsolve.deck.reading.deck import Deck
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.model import Model
 
@@ -35,7 +36,7 @@ def _refuse_method(scene: Scene, family: Family) -> None:
         raise scene.fail(message)
 
 
-def _folders(card: Any) -> Iterator[str]:
+def _folders(card: Card) -> Iterator[str]:
     """Folders of the families of a card and of the laws within it."""
     yield type(card).__module__.partition(".")[2].rpartition(".")[0].replace(".", "/")
     for name in type(card).model_fields:
@@ -45,7 +46,7 @@ def _folders(card: Any) -> Iterator[str]:
                 yield from _folders(part)
 
 
-def refuse_several(model: Model, deck: Any) -> None:
+def refuse_several(model: Model, deck: Deck) -> None:
     """Raises DeckErrors for springs among several bodies beside what has blocks of its nodes.
 
     The matrix of all nodes has no blocks for the parts of one row.
@@ -82,7 +83,7 @@ DECLARED = {
 }
 
 
-def refuse_incomplete_method(module: Any) -> None:
+def refuse_incomplete_method(module: ModuleType) -> None:
     """Raises FamilyError for a method that lacks what its stepper asks, or some of its tableau.
 
     Compiled steps read a tableau as far as its number of stages says, whatever its size.

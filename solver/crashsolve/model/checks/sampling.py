@@ -1,14 +1,13 @@
 """A stated step that samples cut short: the run takes another one than the deck asks for."""
 
-from typing import Any
-
 from crashsolve.deck.family import CHOSEN
+from crashsolve.deck.reading.deck import Deck
 
 # a step longer than the interval by this share is cut
 SAME = 1e-9
 
 
-def step_warnings(deck: Any) -> list[str]:
+def step_warnings(deck: Deck) -> list[str]:
     """The warning of a `control.step` longer than the time between samples."""
     control, step = deck.control, deck.control.step
     if step == "auto" or control.solution == "quasi_static" or control.integrator in CHOSEN:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.deck.family import families
+from crashsolve.deck.reading.deck import Deck
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.model import Group
 
@@ -23,7 +24,7 @@ def follows_load_steps(group: Group) -> bool:
     return "at_rest" in (group.parameters.dtype.names or ())
 
 
-def refuse_motion(deck: Any, groups: list[Group]) -> None:
+def refuse_motion(deck: Deck, groups: list[Group]) -> None:
     """Raises DeckErrors for the cards whose laws need the course of time."""
     if deck.control.solution != "quasi_static":
         return
@@ -37,7 +38,7 @@ def refuse_motion(deck: Any, groups: list[Group]) -> None:
         raise DeckErrors(found)
 
 
-def _off_paths(deck: Any, groups: list[Group]) -> Iterator[tuple[Any, str]]:
+def _off_paths(deck: Deck, groups: list[Group]) -> Iterator[tuple[Any, str]]:
     """What cannot go along a path of equilibria yet."""
     beyond = "path: arc_length does not follow {} yet; say path: load"
     for entry in deck.entries["hinges"].values():
@@ -49,7 +50,7 @@ def _off_paths(deck: Any, groups: list[Group]) -> Iterator[tuple[Any, str]]:
                 yield entry, beyond.format(f"parts of type {g.type}")
 
 
-def _inconsistencies(deck: Any, groups: list[Group]) -> Iterator[tuple[Any, str]]:
+def _inconsistencies(deck: Deck, groups: list[Group]) -> Iterator[tuple[Any, str]]:
     """Entries that a quasi-static solution cannot have, and why."""
     yield from _with_velocities(deck)
     for entry in deck.entries["contacts"].values():
@@ -62,7 +63,7 @@ def _inconsistencies(deck: Any, groups: list[Group]) -> Iterator[tuple[Any, str]
                 yield entry, "a quasi-static solution has no path-dependent laws yet"
 
 
-def _with_velocities(deck: Any) -> Iterator[tuple[Any, str]]:
+def _with_velocities(deck: Deck) -> Iterator[tuple[Any, str]]:
     for entry in [*deck.entries["bodies"].values(), *deck.entries["parts"].values()]:
         card = entry.card
         moves = bool(np.any(card.velocity) or np.any(card.angular_velocity))
@@ -70,7 +71,7 @@ def _with_velocities(deck: Any) -> Iterator[tuple[Any, str]]:
             yield entry, "a quasi-static solution has no velocities"
 
 
-def _beside_steps_from_rest(deck: Any) -> Iterator[tuple[Any, str]]:
+def _beside_steps_from_rest(deck: Deck) -> Iterator[tuple[Any, str]]:
     """What does not go with parts that take steps from rest."""
     for entry in deck.entries["bodies"].values():
         if entry.card.welded or entry.card.part_of:

@@ -16,10 +16,13 @@ from importlib import import_module
 from importlib.util import find_spec
 from itertools import product
 from math import inf
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from crashsolve.deck.building import Columns
+from crashsolve.deck.card import Card
 from crashsolve.deck.family import check_law
 from crashsolve.foundation.record import Record
 from crashsolve.model.attachments import IMPLICIT
@@ -51,13 +54,13 @@ class Surface:
     def __init__(self, entry: Entry, rank: int, scene: Scene) -> None:
         self.entry, self.rank = entry, rank
         self.module = import_module(entry.module_name)
-        self.elements: list[dict[str, Any]] = self.module.build(entry.card, scene)
+        self.elements: list[Columns] = self.module.build(entry.card, scene)
         self.shape = getattr(self.module, "GAP_AS", entry.type)
         if hasattr(self.module, "gap_as"):
             self.shape = self.module.gap_as(entry.card, scene)
         self.radius = self.module.curvature_radius(entry.card)
         # the smallest boxes and cylinders that it may touch, one for each side of a card
-        self.others: list[dict[str, Any]] = []
+        self.others: list[Columns] = []
 
 
 class Pair:
@@ -136,7 +139,7 @@ def _add_card(
             builders[key].add(index, entry, narrow, swapped, (some_a, some_b), on_both, scene)
 
 
-def _torsion_radius(card: Any) -> float | None:
+def _torsion_radius(card: Card) -> float | None:
     """Radius [m] with which friction of a contact card resists a spin, if it gives one."""
     return getattr(card, "torsion_radius", None)
 
@@ -161,13 +164,13 @@ def _leaf(module_name: str) -> str:
     return module_name.rpartition(".")[2].strip("_")
 
 
-def _home_of_gap(narrow: Any) -> Any:
+def _home_of_gap(narrow: ModuleType) -> Any:
     """Module in which the gap kernel is written: pairs of shapes that share it form one group."""
     return import_module(narrow.gap.__module__)
 
 
 def gap_routine(a: Surface, b: Surface, scene: Scene) -> tuple[Any, bool]:
-    """Module of the gap between two shapes, and whether it takes them the other way round."""
+    """Module of the gap between two shapes, and whether it takes them in reverse order."""
     for first, second, swapped in ((a, b, False), (b, a, True)):
         name = f"{NARROW}.{first.shape}_{second.shape}"
         if find_spec(name) is not None:
@@ -203,7 +206,7 @@ class Side:
     def __init__(self, letter: str) -> None:
         self.letter = letter
         self.record: Record | None = None
-        self.elements: list[dict[str, Any]] = []
+        self.elements: list[Columns] = []
         self.surfaces: dict[str, range] = {}
         self._of: list[Surface] = []
         self._bounds: list[tuple[Any, float, float]] = []
@@ -263,7 +266,7 @@ class Side:
         )
 
 
-def _bound(surface: Surface, element: Any) -> tuple[Any, float, float]:
+def _bound(surface: Surface, element: Columns) -> tuple[Any, float, float]:
     """Bounding sphere of an element, body axes, and half its thickness; infinite for a plane."""
     if hasattr(surface.module, "bounding"):
         return *surface.module.bounding(element), surface.module.half_thickness(element)
@@ -273,11 +276,11 @@ def _bound(surface: Surface, element: Any) -> tuple[Any, float, float]:
 class GroupBuilder:
     """Collects the pairs that share gap routine and laws."""
 
-    def __init__(self, word: str, home: Any, laws: list[Any]) -> None:
+    def __init__(self, word: str, home: ModuleType, laws: list[Any]) -> None:
         self.word, self.home = word, home
         self.modules = [import_module(type(law).__module__) for law in laws]
         self.sides = (Side("a"), Side("b"))
-        self.laws: list[dict[str, Any]] = []
+        self.laws: list[Columns] = []
         self.blocks: list[tuple[Any, ...]] = []
 
     def add(
@@ -305,7 +308,7 @@ class GroupBuilder:
         floor = speed_floor(entry.card, scene)
         self.blocks.append((index, floor, order, names, on_both, rows))
 
-    def _law(self, entry: Entry, a: Surface, b: Surface, scene: Scene) -> dict[str, Any]:
+    def _law(self, entry: Entry, a: Surface, b: Surface, scene: Scene) -> Columns:
         """Parameters of the laws between two surfaces."""
         first, *others = _laws(entry.card)
         scene.refuse_stepwise(self.modules[0])
@@ -387,7 +390,7 @@ def _unlike(surfaces: tuple[list[Surface], list[Surface]]) -> list[tuple[Surface
     return [(a, b) for a in some_a for b in some_b]
 
 
-def _table(rows: list[dict[str, Any]], record: Record | None) -> np.ndarray:
+def _table(rows: list[Columns], record: Record | None) -> np.ndarray:
     assert record is not None
     table = np.zeros(len(rows), record.dtype)
     for i, values in enumerate(rows):

@@ -1,22 +1,22 @@
 """Closing speed below which a touch counts as resting, where the deck gives none."""
 
 from math import sqrt
-from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.card import Card
 from crashsolve.model.scene import Scene
 
 # the default [m/s], and its share of the speeds of a slow or small model
 USUAL, SHARE = 1e-3, 1e-3
 
 
-def speed_floor(card: Any, scene: Scene) -> float:
+def speed_floor(card: Card, scene: Scene) -> float:
     """Speed floor [m/s] of a contact card; 0 where its law has none.
 
     A share of the fastest initial speed and of a fall through the model's size, at most USUAL:
     so slow touches that are deeper than lone ones, as of bodies within joints, are impacts still.
-    Springs, drivers, parts and other loads than gravity bring speeds that nobody knows yet, and
+    Springs, drivers, parts and other loads than gravity bring speeds that are not known yet, and
     then it is USUAL.
     """
     if not hasattr(card, "speed_floor"):

@@ -13,7 +13,7 @@ from crashsolve.model.tables import present_tables
 FRICTION_ROWS, SPIN_ROWS, TILT_ROWS = 2, 3, 2
 
 
-def is_damper(friction: Any) -> bool:
+def is_damper(friction: object) -> bool:
     """Whether friction depends on the sliding speed alone, so that a step can reverse it."""
     return friction is not None and not getattr(friction, "STEPWISE", False)
 
@@ -27,7 +27,7 @@ class Touching:
 
     @property
     def keeps_faces(self) -> bool:
-        """Whether a touch may go on by another face than the nearest."""
+        """Whether contact may continue with another face than the nearest."""
         return self.has_ends and hasattr(self.narrow, "gap_by")
 
     @property

@@ -1,7 +1,7 @@
 """Holes between nodes or points, through which what they shall meet would pass unmet.
 
 Nodes and points are met one by one. A ball that meets the middle between four of them touches none
-while its radius and theirs are less than the way to the nearest: the radius of the hole.
+while its radius and theirs are less than the distance to the nearest: the radius of the hole.
 """
 
 from collections.abc import Iterator

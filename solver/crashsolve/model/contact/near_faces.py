@@ -77,7 +77,7 @@ def points_along(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Pairs of points within `reach` [m] of each other along sides and diagonals of faces.
 
-    Shortest ways, edge by edge; each point is a pair with itself. Some points at a time, so that
+    Shortest paths, edge by edge; each point is a pair with itself. Some points at a time, so that
     their distances to all others fit into memory; the cost is that of the pairs.
     """
     count = len(points)
@@ -102,7 +102,7 @@ def points_along(
 def _reached(
     front: np.ndarray, edges: tuple[np.ndarray, ...], shortest: np.ndarray, reach: float
 ) -> np.ndarray:
-    """Pairs that are met on the way from a front, ascending. Writes: shortest."""
+    """Pairs that are reached from a front, ascending. Writes: shortest."""
     first, others, lengths = edges
     count = len(first) - 1
     shortest[front] = 0.0

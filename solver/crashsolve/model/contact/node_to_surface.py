@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from crashsolve.contact.cells import CELL, WALLS
+from crashsolve.deck.building import Columns
+from crashsolve.elements.shells.layout import DiscretisedShell
 from crashsolve.foundation.point import LANES
 from crashsolve.foundation.record import Record
 from crashsolve.model.attachments import IMPLICIT
@@ -168,7 +170,7 @@ class NodalBuilder:
         self.scene = scene
         self.groups: list[NodalGroup] = []
 
-    def add(self, index: int, entry: Entry, a: Any, b: Any, routine: Any) -> None:
+    def add(self, index: int, entry: Entry, a: Any, b: Any, routine: object) -> None:
         """A group for two surfaces of a card. `routine(a, b, scene)` finds a gap routine."""
         self._refuse_implicit()
         law = self._law(entry)
@@ -231,7 +233,7 @@ class NodalBuilder:
         return Probes(rows, float(radius), None, None, 0)
 
     def _common(
-        self, probes: Probes, values: dict[str, Any], probe_states: int, law: Any, friction: Any
+        self, probes: Probes, values: Columns, probe_states: int, law: Any, friction: Any
     ) -> dict[str, np.ndarray]:
         """Arrays of every group."""
         record, probe_state = PARAMETERS + law.PARAMETERS, PROBE_STATE + law.HISTORY
@@ -304,7 +306,7 @@ class NodalBuilder:
         values |= {"point_count": count, "extent": self.scene.size}
         return narrow, own | {"values": values}, 1
 
-    def _on_faces(self, probes: Probes, a: Any, b: Any, routine: Any) -> Any:
+    def _on_faces(self, probes: Probes, a: Any, b: Any, routine: object) -> Any:
         """Probes against the faces of a shell."""
         card = b.entry.card
         meshed, corner, first = self.scene.skin(card.part, "part")
@@ -365,7 +367,7 @@ class NodalBuilder:
         found = merged(near, spare_along(points, quads, around, reach))
         return found if not others else chosen(*found, nodes, len(meshed.mesh.quads))
 
-    def _refuse_too_thick(self, gap: float, meshed: Any, part: str) -> None:
+    def _refuse_too_thick(self, gap: float, meshed: DiscretisedShell, part: str) -> None:
         """Refuse a surface that could touch itself only far from where a shell describes it."""
         width = float(np.sqrt(meshed.area.mean()))
         if gap <= THICKEST * width:
@@ -382,7 +384,7 @@ class NodalBuilder:
         record = import_module("crashsolve.contact.shape.ellipsoid").PARAMETERS
         return {"ellipsoids": table_of(a.elements, record), "balls": probes.rows.copy()}
 
-    def _positions(self, part: str, meshed: Any) -> dict[str, int]:
+    def _positions(self, part: str, meshed: DiscretisedShell) -> dict[str, int]:
         """Where the tables hold quadrilaterals and triangles."""
         filled, first = -(-meshed.quad_count // LANES), self.scene.first_number(part)
         stride = meshed.stride_of(meshed.points)
@@ -414,7 +416,7 @@ class Seen:
     entry: Any
 
 
-def table_of(rows: list[dict[str, Any]], record: Record) -> np.ndarray:
+def table_of(rows: list[Columns], record: Record) -> np.ndarray:
     table = np.zeros(len(rows), record.dtype)
     for row, values in zip(table, rows, strict=True):
         for column in record.columns:

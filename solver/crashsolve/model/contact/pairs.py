@@ -40,7 +40,7 @@ class Elements:
     """What pairing asks of the elements of one side; arrays over the elements."""
 
     node: np.ndarray
-    rank: np.ndarray  # place of the surface in the deck
+    rank: np.ndarray  # index of the surface in the deck
     round: np.ndarray  # class of equal radii of curvature
     centre: np.ndarray  # of the bounding sphere, body axes from the mass centre
     radius: np.ndarray  # of the bounding sphere; infinite for a plane

@@ -96,7 +96,7 @@ def _pieces(cards: np.ndarray) -> np.ndarray:
 
 
 def _bodies(nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Places of loads body by body, of one body in their order, and where each body's are."""
+    """Indices of loads body by body, of one body in their order, and where each body's are."""
     order = np.argsort(nodes, kind="stable")
     load_rows = np.empty(len(nodes), np.int64)
     load_rows[order] = np.arange(len(nodes))

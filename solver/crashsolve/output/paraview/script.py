@@ -9,9 +9,9 @@ It is written for ParaView 5.10 and later, and needs nothing but ParaView.
 """
 
 import json
-from typing import Any
 
 from crashsolve.output.blocks import Block
+from crashsolve.output.files import Json
 
 NAME = "view_in_paraview.py"
 
@@ -213,7 +213,7 @@ if PICTURE:
 '''
 
 
-def script(blocks: tuple[Block, ...], description: dict[str, Any]) -> str:
+def script(blocks: tuple[Block, ...], description: Json) -> str:
     """The text of the script for a run's blocks and names."""
     names = [block.name for block in blocks]
     bodies = description.get("names", {}).get("bodies", [])

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.deck.expansion import Law, Made, Steps
+from crashsolve.deck.expansion import Fields, Law, Made, Steps
 from crashsolve.parts.structures.plan import Member, Plan, plan
 
 DESCRIPTIONS = ("rigid", "hinges", "segments", "beams", "shells")
@@ -19,9 +19,7 @@ DESCRIPTIONS = ("rigid", "hinges", "segments", "beams", "shells")
 EXPLICIT = ("default", "rattle", "dormand_prince_5", "dormand_prince_8")
 
 
-def expand(
-    name: str, card: Any, laws: dict[str, dict[str, Law]], control: dict[str, Any]
-) -> list[Made]:
+def expand(name: str, card: object, laws: dict[str, dict[str, Law]], control: Fields) -> list[Made]:
     """The cards of a structure.
 
     `laws` are sections and materials of the deck, `control` the words of its control. Raises
@@ -104,7 +102,7 @@ def together(
     return mass, centre, J
 
 
-def body_fields(whole: Plan, mass: float, J: np.ndarray, position: np.ndarray) -> dict[str, Any]:
+def body_fields(whole: Plan, mass: float, J: np.ndarray, position: np.ndarray) -> Fields:
     """Words of a rigid body with this inertia in its own axes, those of the world if it is given
     no rotation, that moves with the structure."""
     return {
@@ -127,10 +125,8 @@ def bar(whole: Plan, member: Member, name: str, start: float, end: float) -> Mad
     return Made("bodies", name, fields, member.path)
 
 
-def length_of(
-    member: Member, start: np.ndarray, end: np.ndarray, side: np.ndarray
-) -> dict[str, Any]:
-    """A length of a member, as its body is drawn; places (3,) [m] in the frame of the body."""
+def length_of(member: Member, start: np.ndarray, end: np.ndarray, side: np.ndarray) -> Fields:
+    """A length of a member, as its body is drawn; positions (3,) [m] in the frame of the body."""
     words = {"from": plain(start), "to": plain(end), "side": plain(side)}
     return words | {"section": member.section.name}
 

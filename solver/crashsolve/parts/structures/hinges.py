@@ -12,9 +12,7 @@ References: Ambrosio (2003), Eq. 6-7 and Fig. 3. Nikravesh, Chung and Benedict (
 and Structures 16, 395-400.
 """
 
-from typing import Any
-
-from crashsolve.deck.expansion import Made, Problem
+from crashsolve.deck.expansion import Fields, Made, Problem
 from crashsolve.parts.structures.cards import bar, plain
 from crashsolve.parts.structures.plan import Member, Plan, euler_load
 
@@ -118,7 +116,7 @@ def hinge(
         curve(member, whole, material, about, length)
         for about, length in zip("yz", stands_for, strict=True)
     ]
-    fields: dict[str, Any] = {
+    fields: Fields = {
         "type": "biaxial",
         "a": a,
         "b": b,
@@ -134,7 +132,7 @@ def hinge(
     return Made("hinges", f"{member.name}_{side}", fields, member.path)
 
 
-def curve(member: Member, whole: Plan, material: str, about: str, length: float) -> dict[str, Any]:
+def curve(member: Member, whole: Plan, material: str, about: str, length: float) -> Fields:
     """Moment [N m] over angle [rad] of a hinge about an axis of the section."""
     made = {
         "section": member.section.name,

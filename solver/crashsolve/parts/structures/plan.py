@@ -5,11 +5,13 @@ from math import tan
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from crashsolve.deck.building import Columns
 from crashsolve.deck.expansion import Law, Problem, Steps
 from crashsolve.foundation.orientation import perpendicular, quaternion_of
 
-# directions closer than this are the same, in radians; so are places, over a member's length
+# directions closer than this are the same, in radians; so are positions, over a member's length
 SAME = 1e-6
 
 
@@ -28,7 +30,7 @@ class Member:
     T: np.ndarray
     section: Law
     material: Law
-    constants: dict[str, Any]
+    constants: Columns
     divisions: int
     deformation: str
     joints: tuple[float, float] = (0.0, 0.0)
@@ -55,14 +57,14 @@ class Member:
         return [float(x) for x in quaternion_of(self.T)]
 
     def at(self, x: float) -> np.ndarray:
-        """Place at a length from where it begins to deform [m]."""
+        """Position at a length from where it begins to deform [m]."""
         return self.positions[0] + (self.joints[0] + x) * self.along
 
     def rod(self, start: float, end: float) -> tuple[float, np.ndarray, np.ndarray]:
         """Mass, mass centre and inertia (3, 3) about it of a length of it, world axes."""
         s, rho = end - start, self.material.card.density
         mass = rho * self.constants["area"] * s
-        I_y, I_z = self.constants.get("rotary", self.constants["second"])
+        I_y, I_z = self.constants["rotary" if "rotary" in self.constants else "second"]
         across = mass * s * s / 12.0
         J = np.diag([rho * s * (I_y + I_z), rho * s * I_y + across, rho * s * I_z + across])
         return mass, self.at(0.5 * (start + end)), self.T @ J @ self.T.T
@@ -164,7 +166,7 @@ def _member(
     )  # fmt: skip
 
 
-def _axes(along: np.ndarray, side: Any, constants: dict[str, Any], path: Steps) -> np.ndarray:
+def _axes(along: np.ndarray, side: ArrayLike, constants: Columns, path: Steps) -> np.ndarray:
     """Axes of a member as columns. Raises Problem."""
     if side is None:
         I_y, I_z = constants["second"]
@@ -208,7 +210,7 @@ def _refuse_touching(points: dict[str, np.ndarray], members: list[Member]) -> No
                     ("points", k),
                     f"point '{point}' lies on the member from '{first}' to '{last}', which is not "
                     "joined to it",
-                    "let that member end there and another go on, or move the point",
+                    "let that member end there and another continue, or move the point",
                 )
 
 

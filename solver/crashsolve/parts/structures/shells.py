@@ -7,7 +7,7 @@ mass is less than the circle's by the share (pi / n)^2 / 6, n around.
 
 from typing import Any
 
-from crashsolve.deck.expansion import Made, Problem
+from crashsolve.deck.expansion import Fields, Made, Problem
 from crashsolve.parts.structures.cards import plain
 from crashsolve.parts.structures.plan import Member, Plan
 
@@ -59,7 +59,7 @@ def _own_contact(member: Member) -> list[Made]:
     return [Made(*key, fields, member.path) for key, fields in made.items()]
 
 
-def mesh(member: Member, whole: Plan) -> dict[str, Any]:
+def mesh(member: Member, whole: Plan) -> Fields:
     """The middle surface of the walls, in squares along the member."""
     section, across = member.section, whole.card.across
     common = {"at": plain(member.at(0.0)), "axis": plain(member.along), "length": member.length}

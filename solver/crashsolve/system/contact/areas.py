@@ -6,7 +6,8 @@ with which friction resists it, as one vector with the spin along the normal:
     v + r w_n n  ->  t + t_n n      force t along the surface, torque r t_n n
 
 so that any law of friction keeps its limit, its regularisation and its energy: |t + t_n n| <= mu N,
-the ellipsoidal limit surface. Consequence to test: spun alone, an even disc feels 2/3 mu N R.
+the ellipsoidal limit surface. Consequence to test: spun alone, an even disc is resisted by 2/3 mu N
+R.
 
 References: Howe and Cutkosky (1996), Int. J. Robotics Research 15, 557-572.
 """

@@ -6,8 +6,6 @@ once for the normal force and once for friction. That of the whole scene may hid
 holds little of the energy of a crash.
 """
 
-from typing import Any
-
 import numpy as np
 
 from crashsolve.model.ledger import LARGEST
@@ -34,7 +32,7 @@ def contact_warnings(model: Model, state: State, ledger: np.ndarray) -> list[str
     return found
 
 
-def lacks(now: Any, out: Any) -> list[tuple[str, float, float]]:
+def lacks(now: np.void, out: np.void) -> list[tuple[str, float, float]]:
     """Of normal force and friction of a card: what it is, its lack [J], the most it handled [J]."""
     pushed = now["held"] + out["dissipated"] + now["work"] - now["held_first"]
     friction_loss = now["bristled"] + out["friction_dissipated"] + now["friction_work"]

@@ -8,11 +8,11 @@ one with
 
 over the touches j between the same two sides; k is the stiffness of the law, s the share of its
 force that acts, u the closing speed (the depth, where nothing closes), and W_ij the acceleration of
-place i along its normal by a unit force at place j, reactions of joints included. Touches of two
-bodies that push to opposite sides do not count for each other, and no mass is more than both sides
-have altogether, or than that of the place alone. They are found when a touch begins, and one that
-began before keeps the larger of both: it may have begun alone. Consequence to test: a box on any
-number of corners, and a body within joints, return the restitution of a lone ball.
+position i along its normal by a unit force at position j, reactions of joints included. Touches of
+two bodies that push to opposite sides do not count for each other, and no mass is more than both
+sides have altogether, or than that of the position alone. They are found when a touch begins, and
+one that began before keeps the larger of both: it may have begun alone. Consequence to test: a box
+on any number of corners, and a body within joints, return the restitution of a lone ball.
 """
 
 from collections import defaultdict

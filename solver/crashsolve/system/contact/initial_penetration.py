@@ -4,7 +4,7 @@ Several positions of a body that are set into another push it out together: a bo
 mesh, balls on one body. Each has the impact speed of the free impact in which all went as deep: of
 one alone with the effective mass
 
-    m_i = f_i / a_i,   a_i = sum_j f_j n_i . (acceleration of place i by a unit force at place j)
+    m_i = f_i / a_i,   a_i = sum_j f_j n_i . (acceleration of point i by a unit force at point j)
 
 with f = K d^n, over the touches j of the same two bodies that push to the same side, n_i . n_j > 0.
 What others push deeper meanwhile is as heavy as both bodies are without turning, at most. One touch
@@ -15,7 +15,6 @@ ball set in as deep.
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -66,7 +65,7 @@ def find_impact_speeds(model: Model, state: State) -> bool:
 
 
 def touches_of(
-    group: ContactGroup, nodes: Any, pairs: Sequence[int] | None = None
+    group: ContactGroup, nodes: np.ndarray, pairs: Sequence[int] | None = None
 ) -> Iterator[Touch]:
     """Touches of a group, or of some of its pairs; the body with the lower number first."""
     tables = (group.elements_a, group.elements_b, *group.data)
@@ -98,7 +97,7 @@ def _masses(nodes: np.ndarray, touches: list[Touch]) -> np.ndarray:
         levers = np.cross([touch.arms[side] for touch in touches], normals)
         ease += levers @ node["W"].reshape(3, 3) @ levers.T
     ease[alike <= 0.0] = 0.0
-    # the law knows of the whole spring, the bodies feel its share
+    # the law computes the whole spring, the bodies receive their share
     springs = np.array([touch.spring for touch in touches])
     pushes = springs * [touch.share for touch in touches]
     return np.asarray(springs / np.maximum(ease @ pushes, free * pushes))

@@ -2,36 +2,39 @@
 
 from typing import Any, NamedTuple
 
+from crashsolve.foundation.rows import Row
+from crashsolve.foundation.vec3 import Vector
+
 
 class Pair(NamedTuple):
     """What belongs to a pair of elements."""
 
-    p: Any  # row of parameters
-    old: Any  # history: accepted, and new
-    new: Any
-    out: Any  # output
-    first: Any  # elements of side a and of side b
-    second: Any
-    a: Any  # their bodies
-    b: Any
+    p: Row  # row of parameters
+    old: Row  # history: accepted, and new
+    new: Row
+    out: Row  # output
+    first: Row  # elements of side a and of side b
+    second: Row
+    a: Row  # their bodies
+    b: Row
 
 
 class Ends(NamedTuple):
     """A pair of elements before it is known to touch."""
 
-    p: Any  # row of parameters
-    old: Any  # history: accepted, and new
-    new: Any
-    a: Any  # elements of side a and of side b
-    b: Any
+    p: Row  # row of parameters
+    old: Row  # history: accepted, and new
+    new: Row
+    a: Row  # elements of side a and of side b
+    b: Row
 
 
 class Totals(NamedTuple):
     """What a pair adds to."""
 
-    on_a: Any  # forces on both bodies: the bodies, or loads of the pair's own
-    on_b: Any
-    card: Any  # its contact card, and what that remembers, or such of its piece
+    on_a: Row  # forces on both bodies: the bodies, or loads of the pair's own
+    on_b: Row
+    card: Row  # its contact card, and what that remembers, or such of its piece
     count: Any
 
 
@@ -39,18 +42,19 @@ class Meeting(NamedTuple):
     """Where the elements meet, and how a has moved over b in the step."""
 
     depth: float  # [m]
-    n: Any  # unit normal out of b
-    x: Any  # place [m]
-    motion: Any  # see work.motion_over; None where the work of both halves is not summed
+    n: Vector  # unit normal out of b
+    x: Vector  # position [m]
+    # see work.motion_over; None where the work of both halves is not summed
+    motion: tuple[Vector, ...] | None
 
 
 class Slide(NamedTuple):
-    """What a law of friction is reported."""
+    """What a law of friction is given."""
 
     normal_force: float  # [N]
-    slip: Any  # velocity of a over b [m/s]
-    displacement: Any  # displacement of a over b in the step [m]; None where power is summed
-    n: Any  # unit normal
+    slip: Vector  # velocity of a over b [m/s]
+    displacement: Vector | None  # of a over b in the step [m]; None where power is summed
+    n: Vector  # unit normal
     mass: float  # of both sides along n [kg]
     ease: float  # slip that friction takes per newton in half a step [s/kg]
 
@@ -58,13 +62,13 @@ class Slide(NamedTuple):
 class Sliding(NamedTuple):
     """How a pair slides."""
 
-    n: Any  # unit normal
-    slip: Any  # velocity of a over b [m/s]
-    displacement: Any  # displacement of a over b in the step [m]; None where power is summed
+    n: Vector  # unit normal
+    slip: Vector  # velocity of a over b [m/s]
+    displacement: Vector | None  # of a over b in the step [m]; None where power is summed
     f: float  # normal force [N]
     mass: float  # of both sides along n [kg]
-    d_a: Any  # arms of the position in both bodies [m]
-    d_b: Any
+    d_a: Vector  # arms of the position in both bodies [m]
+    d_b: Vector
 
 
 class Push(NamedTuple):
@@ -89,9 +93,10 @@ class Closing(NamedTuple):
 class Friction(NamedTuple):
     """What friction does to a pair."""
 
-    t: Any  # force on side a [N]
-    force: Any  # the same with the moment about the normal; None in a point
-    displacement: Any  # and what both work over; None in a point
+    t: Vector  # force on side a [N]
+    # the same with the moment about the normal; None in a point
+    force: tuple[Vector, Vector] | None
+    displacement: Vector | None  # and what both work over; None in a point
     power: float  # lost [W]
     loss: float  # in the step [J]
 
@@ -99,10 +104,10 @@ class Friction(NamedTuple):
 class Seen(NamedTuple):
     """What a probe has found among the shapes."""
 
-    x: Any  # its position [m]
-    v: Any  # its velocity [m/s]
-    hit: Any  # the deepest shape
-    held: bool  # whether it goes on by the face that it touched before
+    x: Vector  # its position [m]
+    v: Vector  # its velocity [m/s]
+    hit: Row  # the deepest shape
+    held: bool  # whether it continues with the face that it touched before
     over: float  # how far it is past the middle of that [m]
 
 
@@ -110,13 +115,13 @@ class Touch(NamedTuple):
     """A probe that touches, or has touched."""
 
     number: int  # of its record
-    probe: Any
-    x: Any  # its position [m]; None on faces
-    v: Any  # its velocity [m/s]
-    old: Any  # its records: accepted, and new
-    new: Any
-    hit: Any  # what it touches
-    past: Any  # its displacement over that in the step, where it touched before [m]
+    probe: Row
+    x: Vector | None  # its position [m]; None on faces
+    v: Vector  # its velocity [m/s]
+    old: Row  # its records: accepted, and new
+    new: Row
+    hit: Row  # what it touches
+    past: Vector  # its displacement over that in the step, where it touched before [m]
 
 
 class Pressing(NamedTuple):
@@ -124,4 +129,4 @@ class Pressing(NamedTuple):
 
     f: float  # normal force [N]
     mass: float  # of both sides along the normal [kg]
-    displacement: Any  # displacement over the step in the present position [m]
+    displacement: Vector | None  # over the step in the present position [m]

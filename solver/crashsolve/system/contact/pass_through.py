@@ -1,12 +1,13 @@
 """Touches that keep the face by which they began, and bodies that pass the middle of others.
 
 Within a solid every face is an exit. The nearest is the right one only as long as a touch is
-shallow: deeper than the next side face is far, a pair has to go on by its own face. It moves to the
-neighbour n from its own face n_0 where they are equally far and it slides more than it deepens,
+shallow: deeper than the next side face is far, a pair has to continue with its own face. It moves
+to the neighbour n from its own face n_0 where they are equally far and it slides more than it
+deepens,
 
     v . n > -v . n_0,   v the velocity of a over b,
 
-so round an edge the depth goes on without a jump. Beyond the middle of what is struck no exit is
+so round an edge the depth is continuous. Beyond the middle of what is struck no exit is
 the right one: such a pair is marked with the time, and the run stops (`engine.py`). Consequence to
 test: a deep box pushes back as a plane does.
 """
@@ -18,7 +19,8 @@ from crashsolve.foundation.vec3 import add, dot, put, sub, vec
 # cosine between the normals of a touch in two steps: below the first it is another face, below the
 # second the opposite one
 SAME, OPPOSITE = 0.7, -0.5
-# a touch of round bodies beyond this share of the way to the middle of both is one with no exit
+# a touch of round bodies beyond this share of the distance to the middle of both is one with no
+# exit
 MIDDLE = 0.8
 # a touch that begins deeper than this share of it has not come from outside, since no step brings
 # two sides that are apart so far; nor does one that is deeper keep its exit when its normal
@@ -40,7 +42,7 @@ def velocity_at(body, x):
 
 @kernel
 def keeps_face(old, v_a, v_b, n, kept):
-    """Whether a touch goes on by its own face, `kept`, though that with the normal n is nearer."""
+    """Whether contact keeps its own face, `kept`, though that with the normal n is nearer."""
     if kept[0] <= 0.0:
         return False
     return old.held == 1 or dot(sub(v_a, v_b), add(n, kept[1])) <= 0.0
@@ -48,7 +50,9 @@ def keeps_face(old, v_a, v_b, n, kept):
 
 @kernel
 def note_face(clock, h, p, old, new, held, over, depth, n):
-    """Remember by which face a touch goes on; `over` is how far beyond its middle. Writes: new."""
+    """Store the face with which contact continues; `over` is how far beyond its middle. Writes:
+    new.
+    """
     new.held = 1 if held else 0
     astray = over > 0.0 or is_opposite(old, n) or has_leapt(p, old, depth, n, SQUARE)
     mark(clock, h, p, old, new, depth, astray)
@@ -85,13 +89,13 @@ def note_round_probe(clock, h, p, old, new, hit):
 
 @kernel
 def is_opposite(old, n):
-    """Whether the normal has turned over."""
+    """Whether the normal has reversed."""
     return dot(n, vec(old.normal)) < OPPOSITE
 
 
 @kernel
 def has_leapt(p, old, depth, n, cosine):
-    """Whether the normal of a deep touch has turned too far in a step."""
+    """Whether the normal of a deep touch has rotated too far in a step."""
     return max(depth, old.depth) > SUDDEN * p.thick and dot(n, vec(old.normal)) < cosine
 
 

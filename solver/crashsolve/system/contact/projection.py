@@ -16,7 +16,7 @@ References: Baerentzen and Aanaes (2005), IEEE Transactions on Visualization and
 """
 
 from math import acos, sqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from crashsolve.contact.cells import WALLS, corner_points, list_near, measure, sort
 from crashsolve.contact.narrow._face import CORNER, EDGE, INSIDE, across, nearest_on_face, point_of
@@ -24,6 +24,7 @@ from crashsolve.elements.shells.records import BLOCK
 from crashsolve.foundation.columns import add_to
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.point import LANES
+from crashsolve.foundation.rows import Rows
 from crashsolve.foundation.vec3 import add, add_scaled, dot, norm, put, scale, sub, vec
 from crashsolve.system.contact.node_contact import (
     count,
@@ -104,9 +105,9 @@ def is_crowded(p, totals):
 class Sides(NamedTuple):
     """What is known of the touches of probes, on both sides of the faces."""
 
-    states: Any  # before and after the step, `WALLS` for each side of each probe
-    slot_in_use: Any  # which of both is from before
-    found: Any  # the nearest faces of one probe
+    states: Rows  # before and after the step, `WALLS` for each side of each probe
+    slot_in_use: int  # which of both is from before
+    found: Rows  # the nearest faces of one probe
 
 
 @kernel
@@ -127,7 +128,7 @@ def look(i, x, p, totals, sides, mesh, lists):
             N, square, spot = nearest_on_face(a, b, c, d)
             distance = sqrt(square)
             wait[k] = totals.travel + max(distance - p.gap, 0.0)
-            # what has been driven through is not let go behind
+            # a probe that has been driven through is not released behind
             if distance < p.gap or is_deep:
                 to = point_of(N, a, b, c, d)
                 take(i, p, (f, N, spot), distance, to, sides, mesh)
@@ -172,7 +173,7 @@ def seen_from(x, p, f, mesh):
 def take(i, p, face, distance, to, sides, mesh):
     """Keep a face that is the nearest on its side so far, at a distance [m]; `to` leads to it.
 
-    `face`: its number, the shares of its corners at the nearest point, which place that is.
+    `face`: its number, the shares of its corners at the nearest point, which feature that is.
     Writes: sides.found.
     """
     (f, N, spot), (probe_states, slot_in_use, found) = face, sides

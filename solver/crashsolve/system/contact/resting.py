@@ -22,7 +22,7 @@ AHEAD = 4.0
 
 @kernel
 def note_motion(nodes):
-    """How every body has moved and turned since the start of the step. Writes: nodes."""
+    """How every body has moved and rotated since the start of the step. Writes: nodes."""
     for i in range(1, nodes.shape[0]):
         b = nodes[i]
         put(b.moved, sub(vec(b.r), vec(b.start_r)))

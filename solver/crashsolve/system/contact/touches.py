@@ -20,7 +20,7 @@ from crashsolve.foundation.motion import (
 from crashsolve.foundation.vec3 import add_scaled, dot, norm, scale, sub, vec
 
 # share of the half thickness of both sides by which a step may bring two that are apart together;
-# spheres of radius R that meet by less than 6e-4 R on their way past may still not be seen
+# spheres of radius R that meet by less than 6e-4 R as they pass may still not be detected
 SEEN = 0.05
 # energy made by friction that nothing shows, over what the normal force took and gave
 NEGLIGIBLE = 1e-4
@@ -54,7 +54,7 @@ def open_load(load):
 
 @kernel
 def note_applied(applied, load_rows, i, now):
-    """Whether pair i has loads. Writes: felt, and no word that threads share without need."""
+    """Whether pair i has loads. Writes: applied, and no word that threads share without need."""
     for k in (2 * i, 2 * i + 1):
         if applied[load_rows[k]] != now:
             applied[load_rows[k]] = now

@@ -8,7 +8,9 @@ several pairs of one body are found by sweeps (Gauss-Seidel), which end at once 
 a node of its own. Between impacts the order is that of the step, 2.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
+
+import numpy as np
 
 from crashsolve.contact.unilateral import unilateral_impulse
 from crashsolve.foundation.columns import add_to, matvec
@@ -27,10 +29,10 @@ CLOSED = 1e-12  # gap of what is held, in model sizes
 class Pairs(NamedTuple):
     """Tables of a group of pairs: parameters, histories, outputs, elements of both sides."""
 
-    parameters: Any
-    history: Any
-    output: Any
-    elements: Any
+    parameters: np.ndarray
+    history: np.ndarray
+    output: np.ndarray
+    elements: tuple[np.ndarray, np.ndarray]
 
 
 @kernel

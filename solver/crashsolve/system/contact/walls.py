@@ -171,7 +171,7 @@ def touched(old):
 def pair_up(p, j, s, count, before, found, probe_states, slot_in_use):
     """Which of the walls touched before each of `count` is: the same face, or the nearest normal.
 
-    Returns the sum of 2^r over the walls r that go on. Writes: found.
+    Returns the sum of 2^r over the walls r that continue. Writes: found.
     """
     for w in range(count):
         found[number_of(s, w)].partner = -1

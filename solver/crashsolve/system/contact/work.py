@@ -29,8 +29,8 @@ def along_plane(u, n):
 def motion_of(body):
     """Displacement of the mass centre over the step [m], and the rotation of the body [rad].
 
-    The turn is that of the drift, along which torques work. What it moves d by has no part along d:
-    a normal force through the centre of a ball does no work by its spin.
+    The rotation is that of the drift, along which torques work. What it moves d by has no part
+    along d: a normal force through the centre of a ball does no work by its spin.
     """
     return sub(vec(body.r), vec(body.start_r)), scale(2.0, half_rotation(body.start_q, body.q))
 
@@ -63,7 +63,7 @@ def motion_over(h, old, depth, a, b, of_b):
     """Motion of body a over body b, number `of_b`, in a step at one end of which they touch.
 
     Displacement at the mass centre of a, where it was at the start and where it is at the end, as
-    if that position were fixed in both [m]; turn [rad].
+    if that position were fixed in both [m]; rotation [rad].
     """
     if h == 0.0 or (old.active == 0 and depth <= 0.0):
         return STILL

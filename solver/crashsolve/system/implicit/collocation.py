@@ -78,7 +78,7 @@ def extrapolate(stages, C, n, i, ratio):
 
 @kernel
 def sum_rates(stages, n, A, i, h):
-    """Changes of place, Cayley vector, velocity and spin up to stage i, without the start's."""
+    """Changes of position, Cayley vector, velocity and spin up to stage i, without the start's."""
     r = g = v = w = (0.0, 0.0, 0.0)
     for j in range(1, stages.shape[0]):
         r, g, v, w = add_rates(r, g, v, w, h * A[stages.shape[0] * i + j], stages[j, n])

@@ -2,12 +2,12 @@
 
     (1 - a_m) a_1 + a_m a_0 = (1 - a_f) v_dot_1 + a_f v_dot_0
     v_1 = v_0 + h ((1 - gamma) a_0 + gamma a_1)
-    turn or displacement = h v_0 + h^2 ((1/2 - beta) a_0 + beta a_1) + M^-1 D^T eta
+    rotation or displacement = h v_0 + h^2 ((1/2 - beta) a_0 + beta a_1) + M^-1 D^T eta
     M v_dot_1 = g_1 + D_1^T lambda_1,   D_1 v_1 = nu_1,   Phi(q_1) = 0
 
 a is a mean of accelerations, the one at t + (a_f - a_m) h. With rho, the share of the fastest
 vibration that a step leaves: a_m = (2 rho - 1)/(rho + 1), a_f = rho/(rho + 1),
-gamma = 1/2 + a_f - a_m, beta = (gamma + 1/2)^2 / 4. The turn is a rotation vector in world axes, so
+gamma = 1/2 + a_f - a_m, beta = (gamma + 1/2)^2 / 4. The rotation is a vector in world axes, so
 a body that spins freely about one axis turns exactly.
 
 References: Chung and Hulbert (1993), J. Appl. Mech. 60, 371-375; Arnold and Bruels (2007),
@@ -104,7 +104,7 @@ def stand_at_end(nodes, stages, weights, h, ratio):
 
 @kernel
 def spin(b, w):
-    """Let a body turn by w in its present configuration. Writes: b.W, w, L."""
+    """Rotate a body by w in its present configuration. Writes: b.W, w, L."""
     write_world_tensor(b.A, b.J_inv, b.W)
     put(b.w, w)
     put(b.L, matvec(b.A, matvec(b.J, matvec_t(b.A, w))))

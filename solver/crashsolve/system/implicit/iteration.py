@@ -18,8 +18,9 @@ PATIENCE = 4  # passes in which the correction may grow
 CARE = 0.03  # of the tolerance
 BESIDE = 0.01  # of the error of a step that its error has not chosen
 FAR_BELOW = 0.1  # of the tolerance: a step with less of an error is not chosen by it
-ROUND_OFF = 1e-12  # of the way in the step
-FLOOR = 1e-8  # of the way: below it what shrinks no more is round-off, or slow, and left as it is
+ROUND_OFF = 1e-12  # of the displacement in the step
+# of the displacement: a smaller correction that no longer shrinks is round-off, or slow, and left
+FLOOR = 1e-8
 
 
 @kernel

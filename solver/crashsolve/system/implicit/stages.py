@@ -102,7 +102,7 @@ def displace_by_joints(rows, nodes):
 
 @kernel
 def fastest_point(nodes, size):
-    """Largest speed of any body [m/s]; a turn counts at the model's size."""
+    """Largest speed of any body [m/s]; a rotation counts at the model's size."""
     fastest = 0.0
     for n in range(1, nodes.shape[0]):
         b = nodes[n]
@@ -153,7 +153,7 @@ def estimate(nodes, stages, count, E, errors, k, h):
         put(e.r, r)
         put(e.v, v)
         put(e.w, matvec(b.W, L))
-        # of the turn, from that of its Cayley vector
+        # of the rotation, from that of its Cayley vector
         whole = vec(stages[count - 1, n].rotation)
         share = 2.0 / (1.0 + dot(whole, whole))
         put(e.rotation, scale(share, matvec(b.A, sub(g, cross(whole, g)))))
@@ -168,7 +168,7 @@ def project_estimate(errors, k, nodes, rows, saddle):
 
 @kernel
 def project_pair(errors, k, rows, saddle, of_positions):
-    """The same of positions and turns, or of velocities and spins. Writes: errors, rows."""
+    """The same of positions and rotations, or of velocities and spins. Writes: errors, rows."""
     for i in range(rows.shape[0]):
         row = rows[i]
         x_a, y_a = pair_of(errors[k, row.node_a], of_positions)

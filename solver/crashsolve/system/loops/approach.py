@@ -23,7 +23,7 @@ def gaps_of(group, piece, current, nodes, floor, deepest, scene):
     first, end = ends_of(group, piece, params.shape[0], scene)
     for i in range(first, end):
         if not KICK_DRIFT_KICK:
-            # a method of high order feels the kink at the end of a contact too
+            # a method of high order is affected by the kink at the end of a contact too
             a, b = group.elements_a[params[i].a], group.elements_b[params[i].b]
             depth, _, _ = group.narrow.gap(a, b, nodes, group.data)
             deepest = max(deepest, depth if history[current, i].active == 0 else -depth)

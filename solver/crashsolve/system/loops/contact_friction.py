@@ -34,7 +34,10 @@ def friction_in_point(group, clock, h, pair, totals, sliding, curves):
 
 @stage
 def friction_in_area(group, clock, h, pair, totals, sliding, motion, radius, curves):
-    """Friction against slip and spin, the way of both; power, loss. Writes: new, out, totals."""
+    """Friction against slip and spin, their displacements; power, loss.
+
+    Writes: new, out, totals.
+    """
     p, old, new, out, m, w = pair.p, pair.old, pair.new, pair.out, pair.a, pair.b
     n, slip, displacement, f, mass, d_a, d_b = sliding
     slip = areas.sliding(m, w, slip, n, radius)

@@ -109,7 +109,7 @@ def gap(group, h, card, ends, displacement, nodes, scene):
 
 @stage
 def kept_face(group, clock, h, ends, depth, n, x, nodes, scene):
-    """Depth, normal and position of a pair by the face that it keeps, and whether that goes on.
+    """Depth, normal and position of a pair by the face that it keeps, and whether that continues.
 
     Writes: new.
     """

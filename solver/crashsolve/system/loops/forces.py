@@ -46,7 +46,7 @@ def force_pass(clock, time, h, nodes, rows, curves, scene):
         apply_contacts(clock, time, h, nodes, curves, scene)
     if ELEMENTS:
         if not ASSEMBLED:
-            # that of the mesh takes the place of that of its elements
+            # that of the mesh replaces that of its elements
             clock.element_rate = 0.0
         move_points(clock, h, nodes, scene)
     if NODAL:

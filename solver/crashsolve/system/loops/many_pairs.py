@@ -14,7 +14,7 @@ from crashsolve.system.loops.contact_pairs import contact_pairs
 
 @apart
 def press_piece(group, k, clock, h, scene):
-    """Forces of some pairs. Writes: loads, felt, sums, counts, outputs, new histories."""
+    """Forces of some pairs. Writes: loads, applied, sums, counts, outputs, new histories."""
     touches.open_card(group.sums[k])
     touches.open_count(group.counts[k])
     contact_pairs(group, k, clock, h, scene.nodes, scene.curves, scene)

@@ -28,7 +28,7 @@ def tangents(clock, nodes, curves, compliant, scene):
 
 @kernel
 def bend(h, clock, nodes, curves, matrix, scene):
-    """Tangents of shells after a step of h; what turns forces of beams, springs. Writes: matrix."""
+    """Tangents of shells after a step of h; geometric stiffness of others. Writes: matrix."""
     global_matrix.open_blocks(nodes, matrix)
     if ELEMENTS:
         add_element_stiffness(h, nodes, matrix, scene)

@@ -32,10 +32,10 @@ from crashsolve.foundation.point import LANES
 class Span(NamedTuple):
     """Where the elements of one kind lie in a part."""
 
-    first: Any  # index of their numbers in blocks
-    corner: Any  # index of their corners
-    element: Any  # number of the first among all elements
-    stride: Any  # numbers of a block
+    first: int  # index of their numbers in blocks
+    corner: int  # index of their corners
+    element: int  # number of the first among all elements
+    stride: int  # numbers of a block
     count: Any  # elements
 
 

@@ -14,7 +14,7 @@ from crashsolve.foundation.point import LANES
 
 @kernel
 def gather(points, corners, first, work):
-    """Places, velocities and spins of the corners of a block. Writes: work."""
+    """Positions, velocities and spins of the corners of a block. Writes: work."""
     for c in range(4):
         for e in range(0, LANES, EIGHT):
             take_motion(

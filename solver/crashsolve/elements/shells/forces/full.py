@@ -3,11 +3,11 @@
     eps_x = eps_x0 + h_x q_x - nu h_y q_y,   eps_y = eps_y0 + h_y q_y - nu h_x q_x
     h_x, h_y the slopes of xi eta,   q what motion in the plane has beyond a linear field
 
-and likewise the curvatures, with q of the turns. Shear is that of the middle, so that bending in
-the plane costs none; transverse shear is assumed from the sides, and elastic. In an elastic element
-the sum over the points is, exactly, the stiffness that the element of one point has in its place;
-beyond yield every point has its own stress, and no motion is left to a stiffness of its own.
-Consequence to test: elastic forces are those of the element with one point.
+and likewise the curvatures, with q of the rotations. Shear is that of the middle, so that bending
+in the plane costs none; transverse shear is assumed from the sides, and elastic. In an elastic
+element the sum over the points is, exactly, the stiffness that the element of one point has
+instead; beyond yield every point has its own stress, and no motion is left to a stiffness of its
+own. Consequence to test: elastic forces are those of the element with one point.
 
 References: Belytschko and Bindeman (1991), Assumed strain stabilization of the 4-node quadrilateral
 with 1-point quadrature for nonlinear problems, Computer Methods in Applied Mechanics and
@@ -152,7 +152,8 @@ def add_point(work, xi, eta, nu):
 
 @blockwise
 def resist(blocks, first, work):
-    """What acts on q: the transpose of the strains at the points, in the place after the step.
+    """Forces conjugate to q: the transpose of the strains at the points, in the configuration after
+    the step.
 
     Writes: blocks.
     """

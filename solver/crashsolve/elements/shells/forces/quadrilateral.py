@@ -96,7 +96,7 @@ def sides(flat):
 def shears(w, theta_x, theta_y, flat, hourglass, area):
     """Transverse shear in the middle, and its change across the element, along a and b.
 
-    w is (D, E, H) of the deflection, theta_x and theta_y are (D, E, S) of the turns.
+    w is (D, E, H) of the deflection, theta_x and theta_y are (D, E, S) of the rotations.
     """
     a_x, a_y, b_x, b_y = sides(flat)
     h_x, h_y = hourglass
@@ -113,7 +113,7 @@ def shears(w, theta_x, theta_y, flat, hourglass, area):
 
 @inlined
 def shears_transposed(V, Q, flat, hourglass):
-    """What acts on (D, E, H) of w and (D, E, S) of the turns for A V . gamma + Q . change."""
+    """What acts on (D, E, H) of w and (D, E, S) of the rotations for A V . gamma + Q . change."""
     a_x, a_y, b_x, b_y = sides(flat)
     h_x, h_y = hourglass
     g_a, g_b = b_y * V[0] - b_x * V[1], a_x * V[1] - a_y * V[0]

@@ -1,13 +1,13 @@
 """Three-node shell: constant strain and curvature, transverse shear assumed from the sides.
 
-    G = w_j - w_i + s . (beta_i + beta_j) / 2,   of a side s from i to j, with the turns beta
+    G = w_j - w_i + s . (beta_i + beta_j) / 2,   of a side s from i to j, with the rotations beta
     gamma = sum G (N_i grad N_j - N_j grad N_i),   tau = 5/6 G gamma t^2 / (t^2 + 0.3 h^2)
 
 with h^2 the mean square of the sides. The stress is weakened where the triangle is wide for its
 thickness, which keeps thin plates from locking and vanishes as the mesh is refined. Its mean in
 the element yields with the layers; what goes round its middle is elastic.
 Triangles are quadrilaterals whose last corner is their third, and share the axes of those; as both
-have linear turns along a side, they go together in one mesh. Consequence to test: any patch of
+have linear rotations along a side, they go together in one mesh. Consequence to test: any patch of
 either holds constant strain and constant curvature.
 
 References: Lee and Bathe (2004), Development of MITC isotropic triangular shell finite elements,
@@ -222,7 +222,7 @@ def push(blocks, first, work, p):
 def put_node(work, c, e, axes, plane, g, a, b):
     """Force and torque on a corner with the slopes g, from the plane and the two sides a and b.
 
-    `plane`: area [m^2], N [N/m], M [N], half of drilling [N m]; of a side: way [m], force [N].
+    `plane`: area [m^2], N [N/m], M [N], half of drilling [N m]; of a side: vector [m], force [N].
     Writes: work.
     """
     (area, N, M, drill), (s_a, F_a), (s_b, F_b) = plane, a, b

@@ -1,4 +1,4 @@
-"""What the tangents of shells share: rows of numbers, turns of the corners, blocks of the matrix.
+"""What the tangents of shells share: rows of numbers, corner rotations, blocks of the matrix.
 
 A tangent is made for sixteen elements at a time, a column for every motion of every corner: what is
 found once for all columns is `seen`, what belongs to the present one is its `change`. A corner with

@@ -4,7 +4,7 @@
 
 in columns, one for each motion of each corner, sixteen elements side by side. Strains are those of
 the middle of the step and forces those of its end: K is not symmetric. Consequence to test: central
-differences of the forces give the same, in large turns and beyond yield.
+differences of the forces give the same, in large rotations and beyond yield.
 
 References: those of elements/quadrilateral.py and layers.py.
 """
@@ -124,7 +124,7 @@ def see(blocks, kept, first, work, seen, h):
 
 @blockwise
 def see_motion(blocks, first, work, seen, h):
-    """Frames of the middle and of the end, displacements and turns of the step. Writes: seen."""
+    """Frames of the middle and of the end, and the motion in the step. Writes: seen."""
     half = 0.5 * h
     for e in range(LANES):
         x, v, w = (

@@ -64,7 +64,7 @@ def change_of(geometry, rotation, d, c, g):
 def strains(u, rotation, geometry):
     """Strains of the plane, curvatures, modes, shear, its change and drilling of a motion.
 
-    u and turn are (x, y, z) of its displacements and turns, each (D, E, H, S).
+    u and turn are (x, y, z) of its displacements and rotations, each (D, E, H, S).
     """
     (u_x, u_y, w), (t_x, t_y, t_z) = u, rotation
     flat, hourglass, z, area = geometry
@@ -135,7 +135,8 @@ def strains_moved(u, rotation, geometry, moved):
 
 @inlined
 def pushes(stress, geometry):
-    """What acts on D, E, H of the positions and on D, E, H, S of the turns, in the element's axes.
+    """What acts on D, E, H of the positions and on D, E, H, S of the rotations, in the element's
+    axes.
 
     `stress` has N, M, what acts on the modes, on the change of shear, V, and half of the drilling.
     """

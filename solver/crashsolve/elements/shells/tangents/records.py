@@ -40,7 +40,7 @@ SEEN = rows_of(
 )
 CHANGE = rows_of(
     Record(f"""
-        direction  1            3  turn of the corner
+        direction  1            3  rotation of the corner
         strain     1           15  in the order of SEEN.stress
         moved      m            5  diagonals and area of the middle
         stressed   N/m, N      15  in the order of SEEN.stress

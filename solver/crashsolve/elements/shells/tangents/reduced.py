@@ -3,7 +3,7 @@
     K = B_end^T (C B_mid + (dC) S) + (dB_end)^T sigma
 
 as quadrilateral.py has it, with the hourglass stresses that yield with the layers. Consequence to
-test: central differences of the forces give the same, in large turns and beyond yield.
+test: central differences of the forces give the same, in large rotations and beyond yield.
 
 References: those of quadrilateral.py.
 """

@@ -136,7 +136,7 @@ def put_corners_of(seen, at, axes, h, a, b, c):
 
 @blockwise
 def see_motion(blocks, first, work, seen, h):
-    """Frames of the middle and of the end, displacements and turns of the step. Writes: seen."""
+    """Frames of the middle and of the end, and the motion in the step. Writes: seen."""
     half = 0.5 * h
     for e in range(LANES):
         G, w = shape(blocks, first + e), of_corners(work, WORK.spin, e)

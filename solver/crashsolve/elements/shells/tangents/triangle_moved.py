@@ -28,7 +28,7 @@ from crashsolve.foundation.point import LANES
 
 @inlined
 def sides_of(s, w, x, y):
-    """G of the three sides; w is (D, E) of the deflection, x and y are the turns of the corners."""
+    """G of the three sides; w is (D, E) of the deflection, x and y are corner rotations."""
     return (
         side_shear(s[0], 0.0, w[0] - w[1], x[0], x[1], y[0], y[1]),
         side_shear(s[1], 0.0, w[1], x[1], x[2], y[1], y[2]),
@@ -47,7 +47,7 @@ def summed(m, G):
 def strains(u, rotation, geometry):
     """Strains of the plane, curvatures; shear (not weakened), what goes round, drilling.
 
-    u is (x, y, z) of D and E of the displacements, turn that of the turns of the corners.
+    u is (x, y, z) of D and E of the displacements, turn that of the rotations of the corners.
     """
     (flat, skew, _, area), (x, y, z) = geometry, rotation
     xx, xy, _ = slopes(u[0][0], u[0][1], 0.0, flat, skew, area)

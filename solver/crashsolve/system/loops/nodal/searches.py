@@ -39,7 +39,7 @@ def look_at_faces(group, i, found, nodes, scene):
 
 @apart
 def look_at_shapes(group, i, pen, v, hit, nodes, scene):
-    """The shape in which a probe of velocity v is deepest; whether it goes on by its own face,
+    """The shape in which a probe of velocity v is deepest; whether it continues with its own face,
     and how far it is past the middle of that. Writes: hit, turns, due, a copy of a body.
     """
     p, totals, frames, shapes = group.p[0], group.totals[0], group.frames, group.b

@@ -1,0 +1,3 @@
+# written by `python -m crashsolve.stubs` from the records of the law
+
+

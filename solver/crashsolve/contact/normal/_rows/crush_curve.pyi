@@ -1,0 +1,13 @@
+# written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import ContactHistory, ContactOutput, ContactParameters
+
+class Parameters(ContactParameters):
+    curve: int  # [index] force over penetration
+    unloading_stiffness: float  # [N/m] k
+    damping: float  # [N s/m] c
+
+class History(ContactHistory):
+    crush: float  # [m] deepest loading so far, d
+    recoverable: float  # [J] energy that the end gives back
+
+class Output(ContactOutput): ...

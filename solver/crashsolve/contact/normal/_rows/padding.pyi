@@ -1,0 +1,15 @@
+# written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import ContactHistory, ContactOutput, ContactParameters
+
+class Parameters(ContactParameters):
+    curve: int  # [index] y
+    unloading_curve: int  # [index] u
+    unloading_stiffness: float  # [N/m] k
+    damping: float  # [N s/m] c
+
+class History(ContactHistory):
+    slider: float  # [m] s
+    kept: float  # [J] P
+    recoverable: float  # [J] energy that the padding gives back
+
+class Output(ContactOutput): ...
