@@ -80,7 +80,7 @@ def test_in_a_corner_three_walls_push(tmp_path: Path) -> None:
     nodes = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [0, 1, 1]]
     quads = [[1, 2, 3, 4], [1, 5, 6, 2], [1, 4, 7, 5]]
     hits = found(Bench(tmp_path, nodes, quads), [0.06, 0.08, 0.09])
-    assert len(hits) == WALLS
+    assert len(hits) == 3
     np.testing.assert_allclose(force(hits), [0.08, 0.04, 0.02], atol=1e-13)
 
 
