@@ -1,7 +1,7 @@
 """Several walls that one probe touches on the same side of a surface: a crease, a closing fold.
 
-    stored = 1/2 k M^2,   M = (delta_1^p + delta_2^p)^(1/p),   p = 2 / s,   of three those that are
-                           least apart first, and their M with the third
+    stored = 1/2 k M^2,   M = (delta_1^p + delta_2^p)^(1/p),   p = 2 / s,   of more than two those
+                           that are least apart first, and their M with the others
     f_i = w_i k delta_i,   w_i = (delta_i / M)^(p - 2)
     s = c / FAR between 0 and 1,   c = (d_i - d_j n_i . n_j) / gap,   d_i <= d_j
 
