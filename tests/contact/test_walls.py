@@ -211,8 +211,8 @@ contacts:
 @pytest.mark.long
 @pytest.mark.parametrize("count", [6, 8])
 def test_a_tube_of_coarse_elements_folds_without_making_energy(count: int, tmp_path: Path) -> None:
-    # with the nearest wall alone 8 stopped with 2.4 J made of 21 J that it took and gave; with three
-    # walls 6 made 0.8 J of 3.2 J, since its folds have four
+    # with the nearest wall alone 8 stopped with 2.4 J made of 21 J that it took and gave; with
+    # three walls 6 made 0.8 J of 3.2 J, since its folds have four
     deck = tmp_path / "tube.yaml"
     deck.write_text(TUBE, "utf-8")
     done = crashsolve(deck, "-o", tmp_path / "out", "--set", f"n={count}")

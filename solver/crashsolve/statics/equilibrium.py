@@ -12,7 +12,6 @@ matter of forces, beside corrections (`balance.py`), and whether it is stable on
 Reference: Crisfield (1991), Non-linear Finite Element Analysis of Solids and Structures, vol. 1, 9.
 """
 
-from math import ceil
 from typing import Any
 
 import numpy as np
@@ -24,7 +23,7 @@ from crashsolve.statics.balance import Forces, Work
 from crashsolve.statics.elimination import eliminate
 from crashsolve.statics.equations import Tangent
 from crashsolve.statics.limit_point import passes_limit_point
-from crashsolve.statics.loading import Loading
+from crashsolve.statics.loading import Loading, equal_part
 from crashsolve.statics.motions import move, nudge, rotations
 from crashsolve.statics.plastic_flow import PlasticFlow
 from crashsolve.statics.problem import Problem, first_unstable_mode
@@ -45,8 +44,6 @@ NOWHERE, NOTHING = 1e-15, 1e-12
 SHARED = 1e-10
 # a load step is halved so often where no equilibrium is found
 HALVINGS = 7
-# of a load step: what is left of a way and no more is taken with the last one
-ALMOST = 1e-6
 # of the largest force, and of the change over a load step: where `control.tolerance` says nothing
 TOLERANCE = 1e-8
 
@@ -120,9 +117,7 @@ class StaticEngine(Engine):
         while clock.time < until:
             begun, kept, known = float(clock.time), self.keep(), self.known
             # towards a limit point by steps that double: from close by a long one may not see it
-            # in equal parts, none of which is but round-off
-            parts = ceil(max((until - begun) / (self.growth * self.width) - ALMOST, 1.0))
-            target = until if parts == 1 else begun + (until - begun) / parts
+            target = equal_part(begun, until, self.growth * self.width)
             while (problem := self._tries(target)) is not None:
                 found.append(problem)
                 target = 0.5 * (begun + target)
