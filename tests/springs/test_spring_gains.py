@@ -75,6 +75,30 @@ def test_a_spring_in_short_steps_gives_what_it_took(z: float, fast: float, tmp_p
     assert abs(gained(now, float(group.output["stored"][0]))) < 1e-3
 
 
+@pytest.mark.parametrize(("step", "is_said"), [(2.1e-3, True), (1.5e-3, False)])
+def test_a_linear_spring_too_fast_for_the_step_is_said(
+    step: float, is_said: bool, tmp_path: Path
+) -> None:
+    """Its work is what it holds in any step; at 2e-3 s, omega h = 2, a swing of 2 m/s grew to 200.
+
+    Height hides that from the balance of the whole.
+    """
+    path = tmp_path / "deck.yaml"
+    spring = "s: {type: linear, at_a: [0, 0, 1e5], b: sledge, stiffness: 1e6, length: 0.1}"
+    stop = "s: {type: translation_stop, joint: rail, upper: 0.1, stiffness: 1e7}"
+    text = DECK.format(step=step, z=1e5, fast=1e4).replace(stop, spring)
+    text = text.replace("position: [0, 0, 1", "position: [0.1, 0, 1")
+    path.write_text(text, "utf-8")
+    deck = read_deck(path)
+    engine = engine_of(deck, *build(deck))
+    engine.start()
+    for k in range(1, 4):
+        engine.reach(0.01 * k)
+        engine.sample()
+    said = [w for w in engine.step_warnings() if "body 'sledge'" in w and "1000 rad/s" in w]
+    assert bool(said) == is_said
+
+
 def test_no_run_that_chooses_its_steps_pays_for_it(tmp_path: Path) -> None:
     path = tmp_path / "deck.yaml"
     path.write_text(DECK.format(step="auto", z=0.0, fast=0.0), "utf-8")

@@ -17,8 +17,9 @@ from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, dot, put, scale, sub, vec
 
 FARTHEST = 1e9  # cubes
-# that a probe may touch at once on one side of a surface: those of a corner
-WALLS = 3
+# that a probe may touch at once on one side of a surface: both of a crease below and both of one
+# above, and of a corner one more each
+WALLS = 6
 CELL = Record("""
     middle  m      3  mean of the face's corners
     radius  m         its farthest corner from there

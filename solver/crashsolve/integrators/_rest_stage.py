@@ -2,17 +2,23 @@
 
     g(q) + D^T lambda = M a,   q = q_0 + h^2/2 a,   Phi(q) = 0        at the time `clock.goal`
 
-by Newton's method with a new matrix in every pass. h is no time but the size of 2 M / h^2, which
+by Newton's method with a new matrix in every pass. Where control.searches says so a correction d is
+shortened to the share s of it at which its power P is a part of that at its start, by bisection,
+
+    P(s) = d . (g + D^T lambda - M a) at q + s d,   |P(s)| <= LESS |P(0)|
+
+since the energy of elements that yield is least where P = 0, and a whole correction may go far
+beyond. h is no time but the size of 2 M / h^2, which
 stands in for stiffness where there is none; nothing moves, and no law sees a velocity. Consequence
 to test: as h grows, one step leads to the equilibrium.
 
 Reference: Crisfield (1991), Non-linear Finite Element Analysis of Solids and Structures, vol. 1, 9.
 """
 
-from crashsolve.foundation.columns import add_to, matvec_t
+from crashsolve.foundation.columns import add_to, matvec, matvec_t
 from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.foundation.rotation import rotate_by_vector, write_matrix, write_world_tensor
-from crashsolve.foundation.vec3 import add_scaled, norm, put, scale, vec
+from crashsolve.foundation.vec3 import add, add_scaled, dot, norm, put, scale, sub, vec
 from crashsolve.integrators._alpha_stage import end_factor
 from crashsolve.integrators._positions import evaluate
 from crashsolve.model.clock import UNSOLVED
@@ -35,6 +41,9 @@ LARGEST_ROTATION, LARGEST_DISPLACEMENT = 0.3, 0.2
 STAGNATION_TOLERANCE = 1e-9
 # the foreseen error of the pass over the allowed remaining displacement
 CARE = 0.03
+# bisections of a correction, and the share of the power along it that may be left: a little less
+# than all, since Newton's method does the rest (Crisfield, 9.2)
+SEARCHES, LESS = 8, 0.8
 
 
 @stage
@@ -59,7 +68,7 @@ def pass_stages(h, kept, clock, nodes, rows, saddle, scene):
     compliant, factor = scene.compliant_0, end_factor(scene)
     for k in range(rows.shape[0]):
         rows[k].trial = rows[k].multiplier
-    previous, converged = 1e300, False
+    previous, power, converged = 1e300, 0.0, False
     for count in range(PASSES):
         visit_end(h, tt, clock, nodes, rows, scene)
         tangents(clock, nodes, scene.curves, compliant, scene)
@@ -70,6 +79,8 @@ def pass_stages(h, kept, clock, nodes, rows, saddle, scene):
         for k in range(rows.shape[0]):
             compliant[k].right = -rows[k].phi / tt
         answer_rows(nodes, rows, scene.stages, compliant, factor)
+        if control.searches == 1:
+            power = power_of(nodes, scene.stages)
         worst, whole = correct_positions(scene.stages, tt, control.length)
         clock.iterations += 1
         clock.value = worst
@@ -82,6 +93,9 @@ def pass_stages(h, kept, clock, nodes, rows, saddle, scene):
         if worst <= STAGNATION_TOLERANCE and not worst < 0.5 * previous:
             converged = True
             break
+        # the first correction takes drivers to where they shall be
+        if control.searches == 1 and count > 0:
+            search(power, h, tt, clock, nodes, rows, scene)
         previous = worst
     visit_end(h, tt, clock, nodes, rows, scene)
     if JOINTS:
@@ -95,11 +109,58 @@ def pass_stages(h, kept, clock, nodes, rows, saddle, scene):
     return converged
 
 
+@stage
+def search(begun, h, tt, clock, nodes, rows, scene):
+    """Shorten the last correction, at the start of which the power was `begun`.
+
+    Writes: nodes, rows, scene.stages.
+    """
+    low, high, share = 0.0, 1.0, 1.0
+    for _ in range(SEARCHES):
+        visit_end(h, tt, clock, nodes, rows, scene)
+        power = power_of(nodes, scene.stages)
+        if abs(power) <= LESS * abs(begun) or (share == 1.0 and power * begun > 0.0):
+            break
+        if power * begun < 0.0:
+            high = share
+        else:
+            low = share
+        middle = 0.5 * (low + high)
+        add_correction(scene.stages, middle - share)
+        share = middle
+
+
+@kernel
+def power_of(nodes, stages):
+    """What is out of balance along the last correction, over a time [N m/s^2].
+
+    The forces are those of where the nodes stand.
+    """
+    power = 0.0
+    for n in range(1, nodes.shape[0]):
+        b, end = nodes[n], stages[1, n]
+        force = add(vec(b.force), vec(b.joint_force))
+        torque = add(vec(b.torque), vec(b.joint_torque))
+        inertia = matvec(b.A, matvec(b.J, matvec_t(b.A, vec(end.rate_w))))
+        power += dot(add_scaled(force, -1.0 / b.mass_inv, vec(end.rate_v)), vec(end.right_v))
+        power += dot(sub(torque, inertia), vec(end.right_w))
+    return power
+
+
+@kernel
+def add_correction(stages, share):
+    """A share of the last correction, which may be less than nothing. Writes: stages."""
+    for n in range(1, stages.shape[1]):
+        end = stages[1, n]
+        add_to(end.rate_v, scale(share, vec(end.right_v)))
+        add_to(end.rate_w, scale(share, vec(end.right_w)))
+
+
 @kernel
 def correct_positions(stages, tt, size):
     """Add the corrections, cut where they go too far. Returns the largest, and the largest motion.
 
-    Both in the model's size and rad. Writes: stages.
+    Both in the model's size and rad; those that are added remain. Writes: stages.
     """
     worst, whole, far = 0.0, 0.0, 1.0
     for n in range(1, stages.shape[1]):
@@ -111,8 +172,10 @@ def correct_positions(stages, tt, size):
         far = max(far, x / LARGEST_DISPLACEMENT, rotation / LARGEST_ROTATION)
     for n in range(1, stages.shape[1]):
         end = stages[1, n]
-        add_to(end.rate_v, scale(1.0 / far, vec(end.right_v)))
-        add_to(end.rate_w, scale(1.0 / far, vec(end.right_w)))
+        put(end.right_v, scale(1.0 / far, vec(end.right_v)))
+        put(end.right_w, scale(1.0 / far, vec(end.right_w)))
+        add_to(end.rate_v, vec(end.right_v))
+        add_to(end.rate_w, vec(end.right_w))
         whole = max(whole, tt * (norm(vec(end.rate_v)) / size + norm(vec(end.rate_w))))
     return worst, whole
 

@@ -94,6 +94,7 @@ CONTROL = Record("""
     start                 s      time at which the run begins
     end                   s      time at which it ends
     check_every           count  cycles between guards
+    searches              flag   whether corrections of Newton's method from rest are shortened
     follows_path          flag   whether equilibria are followed through limit points
     resolves              flag   whether steps chosen by their error keep to safety and rotation
 """)

@@ -22,7 +22,7 @@ from crashsolve.statics.balance import Forces, Work
 from crashsolve.statics.elimination import eliminate
 from crashsolve.statics.equations import Tangent
 from crashsolve.statics.limit_point import passes_limit_point
-from crashsolve.statics.loading import Loading
+from crashsolve.statics.loading import Loading, equal_part
 from crashsolve.statics.motions import move, nudge, rotations
 from crashsolve.statics.plastic_flow import PlasticFlow
 from crashsolve.statics.problem import Problem, first_unstable_mode
@@ -116,7 +116,7 @@ class StaticEngine(Engine):
         while clock.time < until:
             begun, kept, known = float(clock.time), self.keep(), self.known
             # towards a limit point by steps that double: from close by a long one may not see it
-            target = min(until, begun + self.growth * self.width)
+            target = equal_part(begun, until, self.growth * self.width)
             while (problem := self._tries(target)) is not None:
                 found.append(problem)
                 target = 0.5 * (begun + target)

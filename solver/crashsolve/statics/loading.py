@@ -10,6 +10,7 @@ nothing in the step sees f' or f''. Consequence to test: work of the loads is th
 gravity included.
 """
 
+from math import ceil
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,15 @@ import numpy as np
 from crashsolve.foundation.curve import HOLD, LINEAR, POINT
 from crashsolve.foundation.errors import SolverError
 from crashsolve.model.model import Model
+
+# of a load step: what is left of the way beyond whole ones, and is taken with them
+ALMOST = 1e-6
+
+
+def equal_part(begun: float, until: float, longest: float) -> float:
+    """End of the first of equal parts of a way, of at most a length; none is but round-off."""
+    parts = ceil(max((until - begun) / longest - ALMOST, 1.0))
+    return until if parts == 1 else begun + (until - begun) / parts
 
 
 class Loading:

@@ -38,6 +38,10 @@ CERTAIN = 1e7
 SLOW, UNKNOWN = 0.1, 0.9
 # how h grows where Newton's method has failed
 CAREFUL, RELENTING = 4.0, 1.2
+# h over 1 / omega where corrections that go too far are shortened: with more inertia a step from
+# rest ends far from equilibrium, and what has yielded on that detour stays; with less the nodes
+# between two elements that flow spin freely
+QUIET = FIRST * GROWTH**2
 # load steps after which one of twice the length is tried
 TRIED = 5
 # first yield may lie so many halvings within a load step
@@ -54,6 +58,7 @@ class RestEngine(StaticEngine):
         super().__init__(model, state, control, program)
         # elements that yield load by one tangent and unload by another
         self.sees_jumps, self.halvings = False, HALVINGS
+        self.searches = False  # whether corrections that go too far are shortened
         self.fastest = self.pseudo = 0.0
         self.good = 0
         message = turning(model.groups)
@@ -72,10 +77,13 @@ class RestEngine(StaticEngine):
         self.good += 1
         self.growth = 2.0 if self.good % TRIED == 0 else 1.0
         for _ in range(REPEATS):
-            kept, used = self.keep(), self.pseudo
+            kept = self.keep()
             if not self._relaxes(begun, time):
-                # too far for Newton's method: more inertia, and less at a time
                 self.take_back(kept)
+                if self.searches:
+                    # the load step is too long
+                    break
+                # too far for Newton's method: more inertia, and less at a time
                 self.pseudo = good if good else self.pseudo / GROWTH
                 growth, highest = CAREFUL, self.pseudo * self.fastest * (1.0 if good else GROWTH)
                 if self.pseudo * self.fastest < 0.5 * FIRST:
@@ -83,6 +91,7 @@ class RestEngine(StaticEngine):
                     # the load step is too long
                     break
                 continue
+            used = self.pseudo
             change, total = self.size_of(self.change_from(kept[1])), self._whole_change(start)
             # one step alone does not show it
             is_known = 0.0 < previous < np.inf
@@ -103,11 +112,11 @@ class RestEngine(StaticEngine):
                 and change <= STAGNATION_TOLERANCE * total / SLOW
             ):
                 return time
-            if (left > SLOW or change == 0.0) and previous < np.inf:
+            if (left > SLOW or change == 0.0) and previous < np.inf and not self.searches:
                 self.pseudo = min(self.pseudo * growth, highest / self.fastest)
             # what has failed far from equilibrium may serve near it
             highest, good, previous = min(highest * RELENTING, MOST), used, change
-        self.pseudo = first
+        self.pseudo = max(first, QUIET / self.fastest) if self.searches else first
         return None
 
     def _is_longest(self) -> bool:
@@ -123,12 +132,29 @@ class RestEngine(StaticEngine):
         self.pseudo = FIRST / self.fastest
 
     def _relaxes(self, begun: float, time: float) -> bool:
-        """One step from rest, with what acts at a time; whether its iteration converges."""
+        """One step from rest, with what acts at a time; whether its iteration converges.
+
+        Where whole corrections lead nowhere shorter ones may, and are kept to from then on.
+        """
+        kept, pseudo = self.keep(), self.pseudo
+        is_found = self._iterates(begun, time)
+        if is_found or self.searches:
+            return is_found
+        self.take_back(kept)
+        self.searches, self.pseudo = True, max(pseudo, QUIET / self.fastest)
+        if self._iterates(begun, time):
+            return True
+        self.searches, self.pseudo = False, pseudo
+        return False
+
+    def _iterates(self, begun: float, time: float) -> bool:
+        """The same, by corrections as they are or shortened."""
         clock, control = self.clock, self.model.control[0]
         message = clock.impulse.copy(), clock.angular_impulse.copy()
         clock.time, clock.kinked, clock.factored = 0.0, 1, 0.0
         clock.goal = self.loading.time(time)
         control["fixed_step"] = control["step_min"] = clock.next_step = self.pseudo
+        control["searches"] = self.searches
         clock.pause = clock.cycle + 1
         self.loading.set_time(time)
         self._advance(self.pseudo, False, self._present)
@@ -163,7 +189,7 @@ class RestEngine(StaticEngine):
             return location
         kept, pseudo = self.keep(), self.pseudo
         self.pseudo = CERTAIN / self.fastest
-        self._relaxes(now, now)
+        self._iterates(now, now)
         self.pseudo = pseudo
         self.take_back(kept)
         count, node = unstable_modes(self.tableau["columns_0"])

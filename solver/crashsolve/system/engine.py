@@ -39,6 +39,9 @@ ASSEMBLY = 1e-6
 # iterations to close the joints, per step on average, beyond which the step is suspect: 1 to 2 are
 # common, 8 are taken where the tension of a chain swings its rods at 2.4 times the stable frequency
 MANY_PASSES = 4.0
+# frequency times step, from which a swing is said to be too fast for it: by kick, drift, kick it is
+# 1 / sqrt(1 - (omega h / 2)^2) too wide, three times here, and grows from 2 on
+FASTEST_SWING = 1.9
 # steps of the first call of the compiled loop, and seconds that a call may take: no request waits
 # longer for an answer to a signal
 FIRST_CALL, LONGEST_CALL = 16, 0.2
@@ -369,7 +372,7 @@ class Engine:
 
     def step_warnings(self) -> list[str]:
         """Signs that the step is too long for the forces of joints, which state no stiffness."""
-        found = self._balance_warnings()
+        found = self._balance_warnings() + self._vibration_warnings()
         cycles = int(self.clock["cycle"])
         iterations = int(self.clock["iterations"]) / max(cycles, 1)
         if self.model.integrator != "rattle" or iterations <= MANY_PASSES:
@@ -378,6 +381,25 @@ class Engine:
             *found,
             f"the joints took {iterations:.1f} iterations per step: the step may be too long for "
             "their forces; halve control.step or control.step_max, and compare the results",
+        ]
+
+    def _vibration_warnings(self) -> list[str]:
+        """Warning that springs swing a body faster than a stated step can follow.
+
+        The work of a spring does not show it: that of a linear one is what it holds in any step.
+        """
+        control, step = self.model.control[0], float(self.clock["step"])
+        square = self.nodes["stiffness"][1:]
+        if self.model.integrator != "rattle" or not control["fixed_step"] or not len(square):
+            return []
+        node, omega = 1 + int(square.argmax()), float(square.max()) ** 0.5
+        if node >= len(self.model.bodies) or omega * step < FASTEST_SWING:
+            return []
+        return [
+            f"body '{self.model.bodies[node]}': springs and contacts swing it with {omega:.4g} "
+            f"rad/s, unless joints hold it; steps of {step:.4g} s amplify that, and from "
+            f"{2.0 / omega:.4g} s on it grows without bound: take control.step below "
+            f"{1.0 / omega:.2g} s"
         ]
 
     def _balance_warnings(self) -> list[str]:

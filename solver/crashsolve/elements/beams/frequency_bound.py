@@ -72,7 +72,7 @@ def _fastest_rate(
 
 
 def _motion(length: float, side: float) -> np.ndarray:
-    """What a node, b for side 1 and a for -1, adds to u and theta, of its displacement and rotation.
+    """What node b, of side 1, or a, of side -1, adds to u and theta by displacement and rotation.
 
     (6, 6)
     """

@@ -123,6 +123,8 @@ HIT = Record("""
     crossed   flag      whether it has been passed
     weight    1         share of its force; less than 1 where it is one wall with a nearer one
     beside    count     other walls found on this side, in that of the nearest
+    group     index     of the walls that are joined: the first of them
+    joined    m         depth of all of these as one
     partner   index     which of the walls touched before it is; -1: none
     normal    1      3  towards the side where the probe belongs
     N         1      4  weights of the corners

@@ -1,7 +1,7 @@
 """Several walls that one probe touches on the same side of a surface: a crease, a closing fold.
 
-    stored = 1/2 k M^2,   M = (delta_1^p + delta_2^p)^(1/p),   p = 2 / s,   of three those that are
-                           least apart first, and their M with the third
+    stored = 1/2 k M^2,   M = (delta_1^p + delta_2^p)^(1/p),   p = 2 / s,   of more than two those
+                           that are least apart first, and their M with the others
     f_i = w_i k delta_i,   w_i = (delta_i / M)^(p - 2)
     s = c / FAR between 0 and 1,   c = (d_i - d_j n_i . n_j) / gap,   d_i <= d_j
 
@@ -28,6 +28,8 @@ from crashsolve.system.contact.projection import NO_DISTANCE, row_of, seen_from,
 FAR = 0.1
 # of that: both are one, since what is left of the crease is nothing
 LEAST = 2e-3
+# above any separation of two walls, from 0 to 1
+FARTHEST = 2.0
 # above any cosine of two normals
 SAME_FACE = 4.0
 
@@ -61,28 +63,37 @@ def look_beside(i, s, x, p, totals, sides, mesh, lists):
 
 @kernel
 def share_out(s, count, p, found):
-    """Weights of the forces of all walls; of three the least apart are one side. Writes: found."""
-    one, two, three = found[s], found[number_of(s, 1)], found[number_of(s, 2)]
-    if count == 2:
-        one.weight, two.weight, _ = shares(one.depth, two.depth, separation_of(p, one, two))
-    elif count == 3:
-        a = separation_of(p, one, two)
-        b = separation_of(p, one, three)
-        c = separation_of(p, two, three)
-        if a <= b and a <= c:
-            nest(one, two, three, a, min(b, c))
-        elif b <= c:
-            nest(one, three, two, b, min(a, c))
-        else:
-            nest(two, three, one, c, min(a, b))
+    """Weights of the forces of all walls; those that are least apart are joined first.
+
+    Groups of walls are as far apart as the two of their walls that are least apart.
+
+    Writes: found.
+    """
+    for w in range(count):
+        hit = found[number_of(s, w)]
+        hit.group, hit.joined = w, hit.depth
+    for _ in range(count - 1):
+        least, one, two = FARTHEST, 0, 0
+        for v in range(count):
+            for w in range(v + 1, count):
+                a, b = found[number_of(s, v)], found[number_of(s, w)]
+                if a.group != b.group:
+                    apart = separation_of(p, a, b)
+                    if apart < least:
+                        least, one, two = apart, v, w
+        join(s, count, least, found[number_of(s, one)], found[number_of(s, two)], found)
 
 
 @kernel
-def nest(one, two, other, inner, outer):
-    """Weights of a pair of walls and of another, so far apart. Writes: one, two, other."""
-    a, b, depth = shares(one.depth, two.depth, inner)
-    whole, c, _ = shares(depth, other.depth, outer)
-    one.weight, two.weight, other.weight = whole * a, whole * b, c
+def join(s, count, apart, one, two, found):
+    """Make one group of those of two walls, so far apart. Writes: found."""
+    group, other = one.group, two.group
+    share, share_of_other, depth = shares(one.joined, two.joined, apart)
+    for w in range(count):
+        hit = found[number_of(s, w)]
+        if hit.group == group or hit.group == other:
+            hit.weight *= share if hit.group == group else share_of_other
+            hit.group, hit.joined = group, depth
 
 
 @kernel
@@ -139,6 +150,7 @@ def find_wall(i, s, w, x, p, totals, sides, mesh, lists):
 def keep(hit, p, f, N, distance, n):
     """Remember a wall; its weight follows. Writes: hit."""
     hit.face, hit.distance, hit.depth, hit.crossed = f, distance, p.gap - distance, 0
+    hit.weight = 1.0
     put(hit.normal, n)
     for k in range(4):
         hit.N[k] = N[k]
