@@ -40,6 +40,7 @@ class History(ForceHistory):
     q_y: Numbers[float]  # [m] the same across
     store: Numbers[float]  # [J] energy in it
     sunk: int  # [flag] whether its centre has been on a road or below it
+    doubled: int  # [flag] whether two roads have pressed it from one side
 
 class Output(ForceOutput):
     force: Numbers[float]  # [N] on the wheel, world axes
