@@ -220,7 +220,9 @@ def test_where_two_hinges_would_fold_alike_the_run_stops(
 ) -> None:
     """Either may go on, so none is chosen, however long the steps."""
     found = engine(tmp_path, two_folds(share))
-    reported = "hinge 'end' and hinge 'fold': any one of them may go on .* make one of them"
+    reported = (
+        "hinge 'end' and hinge 'fold': any one of them may continue to yield .* make one of them"
+    )
     with pytest.raises(SolverError, match=reported):
         for k in range(steps):
             found.reach((k + 1) / steps)

@@ -6,14 +6,15 @@ Of many channels the largest error, which is what a target is about.
 from collections.abc import Callable, Sequence
 from math import isfinite
 from pathlib import Path
-from typing import NamedTuple
-
-from matplotlib.axes import Axes
+from typing import TYPE_CHECKING, NamedTuple
 
 from crashsolve.output.files import reported
 from crashsolve.study.findings import Finding, worst
 from crashsolve.study.settings import Series
 from crashsolve.study.trials import Trial
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 # those of crashpost, which a solver does not import
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#332288", "#cc79a7", "#882255", "#1c2126")
@@ -118,7 +119,7 @@ def _points(
     return [trial.cpu_steps for trial in mine], [error(trial) for trial in mine]
 
 
-def _dress(axes: Axes, title: str, what: str) -> None:
+def _dress(axes: "Axes", title: str, what: str) -> None:
     # a title is text: a dollar begins no formula
     axes.set_title(_cut(title), loc="left", fontsize=11, color=INK, parse_math=False)
     axes.set_xlabel("CPU time of the steps, s", color=MUTED)
