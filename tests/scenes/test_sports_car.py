@@ -232,6 +232,7 @@ def test_with_friction_the_box_is_crushed_as_head_on(crashes: dict[str, Result])
     assert abs(turned[0]) < abs(turned[1]) / 2
 
 
+@pytest.mark.long
 def test_the_crash_box_has_186_free_coordinates(crash: Callable[[str], Result]) -> None:
     names = {str(channel.name).split(".")[1] for channel in crash("head-on").channels("rbdout.*")}
     box = {name for name in names if name.startswith("box_")}
