@@ -12,13 +12,14 @@ bar adds 4 k s^2 / r^2 to the stiffness in roll, and nothing to that in bounce.
 
 from __future__ import annotations
 
-from math import acos, atan2, pi, sqrt
+from math import acos, atan2, sqrt
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
+from crashsolve.foundation.angles import counted
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import add_stiffness_bound, apply_force, arm, mobility, point_at
 from crashsolve.foundation.record import Record
@@ -152,11 +153,7 @@ def reach(p: Parameters, i, nodes):
     most = sqrt(A * A + B * B)
     if not abs(C) < most:
         return Reach(0.0, add(pivot, lever), far, ZERO, 0.0)
-    phi = atan2(B, A) + p.side[i] * acos(C / most)
-    if phi > pi:
-        phi -= 2.0 * pi
-    if phi < -pi:
-        phi += 2.0 * pi
+    phi = counted(atan2(B, A) + p.side[i] * acos(C / most), 0.0)
     # cos and sin of phi, without asking for them: the foot of C on the line through (A, B)
     rest = p.side[i] * sqrt(max(most * most - C * C, 0.0))
     c, s = (A * C - B * rest) / (most * most), (B * C + A * rest) / (most * most)
@@ -198,12 +195,8 @@ def draw(p: Parameters, i, nodes, torque, at):
 def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, out, curves[0].fault and x."""
     left, right = reach(p, 0, nodes), reach(p, 1, nodes)
-    out.twist = left.phi - right.phi
-    # both angles end at half a turn, and one arm passes it before the other
-    if out.twist > pi:
-        out.twist -= 2.0 * pi
-    if out.twist < -pi:
-        out.twist += 2.0 * pi
+    # both angles end at half a revolution, and one arm passes it before the other
+    out.twist = counted(left.phi - right.phi, 0.0)
     out.torque = p.stiffness * out.twist
     out.angles[0], out.angles[1] = left.phi, right.phi
     out.stored = 0.5 * p.stiffness * out.twist * out.twist

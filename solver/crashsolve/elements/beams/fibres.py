@@ -100,8 +100,10 @@ def flow_on(law, old, new, i, eps, rate, h):
 
 @inlined
 def may_flow(m, old, i, size, curves, material):
-    """Whether a trial stress of this size may yield: a factor of rate, a power or a logarithm for
-    every fibre, is not below 1; one of heat may be."""
+    """Whether a fibre with a trial stress of this size may yield.
+
+    The factor of rate costs a power or a logarithm and is at least 1; that of heat may be less.
+    """
     if material.HEATS:
         return True
     Y, _ = material.flow(m, old.hardening[i], curves)

@@ -1,8 +1,8 @@
 """Largest frequency of a node of a straight beam element: it bounds the step of explicit methods.
 
-The part K_a of the element's stiffness K that one node feels, over its mass M_a, has a largest
-eigenvalue r_a. No motion has more energy than twice that of both nodes apart; of a beam it is less,
-as shear turns both ends one way and bending against each other:
+The diagonal block K_a of the element's stiffness K of node a, over its mass M_a, has a largest
+eigenvalue r_a. The energy of any motion is at most twice the sum of those of both nodes alone; in a
+beam it is less, since shear rotates both ends in one sense and bending in opposite ones:
 
     K <= s diag(r_a M_a, r_b M_b),   1 <= s <= 2
 
@@ -24,7 +24,7 @@ def fastest_rates(
 ) -> tuple[float, float]:
     """s r / 2 of both nodes of a straight element [1/s^2].
 
-    Their masses, and inertias (3, 3) in axes of the element.
+    The nodes have these masses, and inertias (3, 3) in axes of the element.
     """
     stiffness = (*row["stiffness"], *row["rotational_stiffness"])
     at_ends = tuple((float(m), inertia.tobytes()) for m, inertia in zip(masses, J, strict=True))
