@@ -50,7 +50,7 @@ def refuse(message: str, advice: str = "", within: Path = (), key: bool = False)
 
 
 def already_reported() -> NoReturn:
-    """Give up a value whose error is already reported of."""
+    """Skip a value whose error has been reported already."""
     raise PydanticCustomError("reported", "already reported")
 
 

@@ -32,7 +32,7 @@ FIRST = ""  # follows no section
 
 
 class FamilyError(CrashsolveError):
-    """A family, or a law of it, does not state all that is asked of it."""
+    """A family, or a law of it, lacks an attribute or function that it must have."""
 
 
 class _Missing:
@@ -307,7 +307,7 @@ def _what_python_says(error: Exception, location: str, path: Path) -> str:
     """File, line and reason of an error of an import, in one line."""
     trace = traceback.extract_tb(error.__traceback__)
     lines = [step.lineno for step in trace if step.filename == str(path)]
-    # pydantic states behind its first line where to read of it
+    # what follows the first line of pydantic's message is a link to its manual
     reason = str(error).partition("\n")[0]
     if isinstance(error, SyntaxError) and error.filename == str(path):
         lines, reason = [error.lineno], error.msg

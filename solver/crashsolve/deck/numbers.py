@@ -115,7 +115,7 @@ def _factor_of_mixed(value: SiFloat, wanted: Unit, bases: Mapping[str, Unit]) ->
 def number_in(
     value: object, unit: Unit | None, context: Context, within: tuple[str | int, ...]
 ) -> tuple[float, Unit | None]:
-    """A number whose unit is reported beside it, or in its own text; in SI, with its unit.
+    """A number whose unit is given beside it or in its own text; in SI, with its unit.
 
     A bare number without any unit is in SI, and refused where the file has units of its own,
     unless it is zero.

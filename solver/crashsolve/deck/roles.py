@@ -100,7 +100,7 @@ class Following(Protocol):
 
 
 class Tangent(Protocol):
-    """A law of force that states implicit methods its slopes, in TANGENTS rows an entry."""
+    """A law of force whose slopes implicit methods use, in TANGENTS rows for each entry."""
 
     TANGENTS: int
 
@@ -126,7 +126,7 @@ class NormalLaw(Protocol):
     """A law of the normal force of contact."""
 
     def build(self, card: Any, scene: Scene, pair: Pair) -> Any:
-        """Words into symbols; `pair` states the radii of both surfaces."""
+        """The row of PARAMETERS of a card; `pair` has the radii of both surfaces."""
 
     def normal_force(self, p, old, new, h, depth, rate, mass, curves):
         """Force >= 0 [N], stored [J], power [W], loss [J], stiffness, damping. Writes: new.

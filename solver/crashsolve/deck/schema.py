@@ -91,7 +91,7 @@ class _Definitions:
         words = list(types_in(folder))
         if not words:
             return {"not": {}}
-        # one branch is looked at, so that an error is reported the field it is in
+        # one branch alone is checked, so that an error names the field it is in
         branches = []
         for word in words:
             is_it: Schema = {"properties": {"type": {"const": word}}}

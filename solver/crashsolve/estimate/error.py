@@ -118,10 +118,10 @@ class Judge:
         return [_value(resolved, replace(run, units=units).at(times, has_steps)) for run in runs]
 
     def _resolved(self, watch: Watch, main: Samples) -> Watch:
-        """What states a largest value of any step: the course where a sample has caught it.
+        """The watch from which a largest value of any step is refined.
 
-        Otherwise the last sample, for the greatest of its samples has no gaps beside it. Other
-        numbers are what they are.
+        That is the history where a sample has met the largest value, otherwise the last sample:
+        a largest value over all steps misses nothing between samples. Other numbers are unchanged.
         """
         (channel, *others) = self.channels[watch.channels[0]]
         course = channel.course
@@ -223,7 +223,7 @@ def _margin(found: Convergence, order: float) -> float:
     """Share of what the difference before the last says that an error has at least."""
     if found.order <= order + NEAR:
         return CHANCE_MARGIN
-    # where the last difference is round-off, the one before states no chance
+    # where the last difference is round-off, the one before says nothing about chance
     if found.has_floor or not np.isfinite(found.order):
         return 1.0
     return float(min(2.0 ** (found.order - order), IMPOSSIBLE))

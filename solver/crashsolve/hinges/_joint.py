@@ -79,7 +79,7 @@ def keep_old(old, new):
 
 @kernel
 def close_outputs(p, old, new, out, stored, loss):
-    """What all hinges state; one that has failed releases what it stored. Writes: out, new."""
+    """Energies of a hinge; one that has failed releases what it stored. Writes: out, new."""
     out.failed, out.rate_factor = new.failed, new.factor
     out.stored, out.power, out.loss = stored, 0.0, loss
     if new.failed == 1:

@@ -196,8 +196,8 @@ def open_search(h):
 def cut(h, search, clock, nodes, rows, saddle, scene):
     """The step to try next, that ends where something begins; h itself when it does so already.
 
-    Where is reported by the dense output of a step that went too far; the shorter that is, the
-    better. Returns the step and the search. Writes: nodes, scene.*.
+    Where it begins is found from the dense output of a step that went beyond; the shorter that
+    step, the better. Returns the step and the search. Writes: nodes, scene.*.
     """
     early, late, before, allowed, tries = search
     gap = onset_gap(h, clock, nodes, scene)

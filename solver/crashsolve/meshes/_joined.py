@@ -2,8 +2,8 @@
 
 Each element of a mesh whose elements were divided by 2 has one corner that was there before, the
 opposite one in the middle of four elements, and two in the middle of sides. One corner of one
-element states all others, from neighbour to neighbour; of the four choices that one is taken which
-holds all over. Consequence to test: a mesh that is divided by 2 and joined is itself again.
+element determines all others, from neighbour to neighbour; of the four choices the one is taken
+that holds all over. Consequence to test: a mesh that is divided by 2 and joined is itself again.
 """
 
 from collections import defaultdict

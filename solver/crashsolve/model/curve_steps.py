@@ -27,7 +27,7 @@ FEW, SHORTEST = 100, 1.0 / 4096
 
 
 class _Pieces(NamedTuple):
-    """Cubics of a curve: where they end, and what states how fast they change."""
+    """Cubics of a curve: where they end, and the derivatives that bound steps within them."""
 
     x: np.ndarray  # (n + 1,) [s]
     bend: np.ndarray  # (n,) largest |f''|

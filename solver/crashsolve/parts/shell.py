@@ -97,7 +97,7 @@ OUTPUT = Record("""
     deleted         count  elements deleted
 """)
 
-# thickness over width of elements, from which it is reported that a shell is none
+# thickness over width of elements, from which a warning says that the part is no thin shell
 MANY = 4.0
 
 

@@ -21,7 +21,7 @@ from crashsolve.system.engine import FIRST_JUDGED
 
 SHOWN, PART = 0.9, 0.1
 # why `march` gave control back: all samples are done; the step did; the last interval hides
-# a touch; the last sample must be judged by who can report it; the next step is longer than wanted
+# a touch; the last sample must be checked by the caller; the next step is longer than wanted
 DONE, STEPPED, HIDDEN, SUSPECT, LONG = range(5)
 
 JOB = Record("""

@@ -1,6 +1,6 @@
 """The channels that a deck asks about, looked up in those that its run will have.
 
-They are those of expect and watch, of the figures of its report, and of the moments of its scenes.
+They are those of expect and watch, of the figures of its report, and of the times of its scenes.
 Names, units and the samples that a function needs are looked at; a run may still be too short.
 """
 

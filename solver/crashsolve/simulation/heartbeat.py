@@ -33,7 +33,7 @@ class Pulse:
         self._doing, self._since = doing, monotonic()
 
     def reported(self) -> None:
-        """Something has been reported."""
+        """Note that a line has just been written."""
         self._reported, self._has_reported = monotonic(), True
 
     def is_due(self) -> bool:

@@ -103,7 +103,7 @@ class Account:
         self.remarks: Json = {}
         self.bound = ""
         self._bounds = StepBound(Schedule.of(deck).interval, deck.control.step_max)
-        # a thread may report of the run as well
+        # a thread may write lines of the run as well
         self._writing = threading.RLock()
         self.phases: ContactPhases | None = None
         self.estimating: Estimating | None = None
@@ -205,7 +205,7 @@ class Account:
         return self.cpu["steps"] + self.cpu["output"]
 
     def _results(self) -> Json:
-        """What status.json reports steps, constraints, CPU time and watched channels so far."""
+        """Steps, constraints, CPU time and watched channels so far, as status.json has them."""
         clock, found = self.engine.clock, Json()
         if self.phases is not None and self.phases.cycles():
             found |= {

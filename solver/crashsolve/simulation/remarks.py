@@ -23,7 +23,7 @@ DEEP = 0.25
 HALFWAY = 0.5
 # share of internal energy in hourglass modes that is too much
 MUCH_HOURGLASS = 0.05
-# columns of beams that state strains, or strains over a length
+# columns of beams with strains, or strains over a length
 OF_BEAMS = ("strain", "curvature")
 # of so many steps the average counts, and by so much shorter is a collapse
 STEPS, COLLAPSED = 20, 1e-3
@@ -259,9 +259,7 @@ class StepWatch:
         self._has_fallen = False
 
     def look(self, time: float, cycle: int) -> str:
-        """What to warn of at this time [s] and cycle; empty where nothing is, or it was
-        reported.
-        """
+        """The warning at this time [s] and cycle; empty for none, or for one given before."""
         if self._from is None or cycle < self._from[1]:
             self._from = time, cycle
         steps = cycle - self._from[1]

@@ -172,8 +172,8 @@ class Run:
         """Remove what an earlier run left that this one could take for its own."""
         for name in (*SLOTS, "control.txt", "peaks.txt"):
             path = self.folder / name
-            # a folder of that name is no word to this run, and is reported when words are looked
-            # for
+            # a folder of that name is no request to this run, and is reported when requests are
+            # read
             if name != "control.txt" or not path.is_dir():
                 with reported(path):
                     path.unlink(missing_ok=True)
@@ -204,7 +204,7 @@ class Run:
         self._open(resumed)
 
     def _take_up(self, engine: Engine) -> None:
-        """Make this engine the run's: what is reported, written and obeyed is of it."""
+        """Make this the engine of the run, whose state is written and whose requests are met."""
         self.engine = self.account.engine = engine
         engine.on_pause = self._obey_at_once
         engine.on_message = self.log.line

@@ -4,8 +4,8 @@
     dx_a = dr + w_a x d_a
 
 with f, m_a and their derivatives as of beam elements (elements/beams/static_tangent.py) between the
-points d_a and d_b of both bodies. By stretch and rotations N, M_y and M_z change as `softened`
-states while they flow. Consequence to test: central differences of the forces, elastic and flowing.
+points d_a and d_b of both bodies. By stretch and rotations N, M_y and M_z change while they flow
+by `softened`. Consequence to test: central differences of the forces, elastic and flowing.
 """
 
 import numpy as np
@@ -108,7 +108,7 @@ def _seen(p: Table, nodes: Table) -> tuple[np.ndarray, ...]:
 
 
 def _flow(p: Row, state: Row, trial: np.ndarray, curves: np.ndarray) -> tuple[float, float]:
-    """What `growth` reports trial forces."""
+    """Plastic flow `growth` of the trial forces, and its factor."""
     k = (p.stiffness[0], p.rotational_stiffness[1], p.rotational_stiffness[2])
     flow, share = growth(p, k, trial, state.strain, 1.0, curves)
     return float(flow), float(share)

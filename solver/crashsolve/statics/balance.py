@@ -22,7 +22,7 @@ from crashsolve.statics.loading import potential
 
 # of stiffness times size: round-off of positions, in sums of some terms
 ROUND_OFF = 10.0 * np.finfo(float).eps
-# of the largest force: round-off below this leaves forces that report an equilibrium
+# of the largest force: where round-off is below this, forces decide whether there is balance
 RESOLVED = 1e-3
 EQUAL, ROUND = 2, 1
 

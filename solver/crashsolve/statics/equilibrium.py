@@ -106,7 +106,7 @@ class StaticEngine(Engine):
         self.on_pause = answer
         missing = self._missing_energy()
         if abs(missing) <= NOTHING * self.forces.energy():
-            # round-off of what is reported as nothing
+            # round-off of forces that count as zero
             clock.driver_work += missing
 
     def _step(self, until: float, goal: float) -> None:

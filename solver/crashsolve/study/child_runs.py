@@ -20,7 +20,7 @@ def start(
     errors: int | IO[str],
     jobs: int,
 ) -> subprocess.Popen[str]:
-    """Start a run, one of `jobs` at a time; what it states as errors goes to `errors`."""
+    """Start a run, one of `jobs` at a time; its standard error goes to the file `errors`."""
     words = [word for name, value in overrides.items() for word in ("--set", f"{name}={value}")]
     words += ["--restart"] * restart
     return subprocess.Popen(

@@ -3,8 +3,9 @@
     error = |x - x_ref| / |x_ref|,   |.| the largest element of a history, or the absolute value
 
 References, best first: an exact or published value of the deck, a results folder, and the runs
-themselves by extrapolation. A published value that the runs clearly do not lead to reports the
-model, not of the step, and is only reported. Where the reference is zero the error is absolute.
+themselves by extrapolation. A published value to which the runs clearly do not converge shows an
+error of the model, not of the step, and is only reported. Where the reference is zero the error is
+absolute.
 """
 
 from collections.abc import Sequence

@@ -57,7 +57,7 @@ def run_all(
     jobs: int,
     report: Tell,
 ) -> list[Trial]:
-    """All trials in the order of their settings; `report` hears of each as it ends."""
+    """All trials in the order of their settings; `report` is called with each as it ends."""
 
     def run(setting: Setting) -> Trial:
         trial = _trial(

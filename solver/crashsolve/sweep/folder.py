@@ -136,7 +136,7 @@ def _named_in(value: object) -> Iterator[Path]:
 
 
 def write_sweep(folder: Path, plan: Plan, title: str, runs: list[Run]) -> None:
-    """Write sweep.json, which states crashpost and the tasks of a queue all. Raises OutputError."""
+    """Write sweep.json, which crashpost and the tasks of a queue read. Raises OutputError."""
     data = {
         "format": FORMAT,
         "format_version": FORMAT_VERSION,

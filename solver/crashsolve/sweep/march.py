@@ -60,9 +60,7 @@ class March:
     is_stopping: bool = False
 
     def go(self, runs: Sequence[Run]) -> None:
-        """Run all; afterwards `states` and `codes` state what became of each. Raises
-        OutputError.
-        """
+        """Run all; afterwards `states` and `codes` have the outcome of each. Raises OutputError."""
         waiting, workers = list(runs), list[Worker]()
         self._warm: set[tuple[str, ...]] = set()
         self._held: set[int] = set()

@@ -237,7 +237,7 @@ def _queue(request: Request, due: Sequence[Run]) -> int:
 
 
 def gather(folder: Path) -> bool:
-    """Let crashpost write the table, and say what it states; whether every measure has a value.
+    """Let crashpost write the table and print its lines; whether every measure has a value.
 
     Raises OutputError when it cannot.
     """

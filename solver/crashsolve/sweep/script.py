@@ -1,8 +1,8 @@
 """A job array for Slurm, as a script that a user can read and change.
 
-Each task is one run of the sweep. A task that comes to the end of its time is notified by SIGUSR1,
-stops its run with a dump, and is requeued, and continues there. One that is cancelled
-is notified by SIGTERM, stops with a dump as well, and does not go back.
+Each task is one run of the sweep. A task that comes to the end of its time gets SIGUSR1, stops its
+run with a dump, is requeued, and continues from the dump. One that is cancelled gets SIGTERM, stops
+with a dump as well, and is not requeued.
 """
 
 import shlex
@@ -36,7 +36,7 @@ trap 'kill -TERM "$run"' TERM
 
 {python} -m crashsolve sweep {folder} --run "$SLURM_ARRAY_TASK_ID" &
 run=$!
-# reported before the run was there
+# the signal came before the run had started
 [ "$out_of_time" = no ] || kill -TERM "$run"
 wait "$run"; code=$?
 # a trap ends the wait, not the run
@@ -52,9 +52,7 @@ exit "$code"
 
 @dataclass(frozen=True)
 class Queue:
-    """What a job array needs: tasks at once, time of each, seconds before its end it is
-    reported.
-    """
+    """What a job array needs: tasks at once, time of each, and how long before it the signal comes."""
 
     at_once: int = 16
     time: str = "01:00:00"

@@ -142,7 +142,7 @@ class Engine:
         copied = (self.sample_clock, self.nodes, self.rows, self.ledger)
         copies = dict(zip(state, copied, strict=True))
         copies |= {name: copy for name, (_, copy) in self._histories.items()}
-        # that of the first thread, which others are reported by this name
+        # the clock of the first thread, which the others know by this name
         leaders = [{"leader": own["clock"]} if is_shared(m) else {} for own in (state, copies)]
         own = own_arrays(m)
         self._present, self._sampled = (
@@ -371,7 +371,7 @@ class Engine:
             raise passed
 
     def step_warnings(self) -> list[str]:
-        """Signs that the step is too long for the forces of joints, which state no stiffness."""
+        """Signs that the step is too long for the forces of joints, which have no stiffness."""
         found = self._balance_warnings() + self._vibration_warnings()
         cycles = int(self.clock["cycle"])
         iterations = int(self.clock["iterations"]) / max(cycles, 1)

@@ -53,7 +53,7 @@ def isolated(series: Series) -> float:
     if not 0 < at < len(values) - 1:
         return 0.0
     drop = float(values[at] - max(values[at - 1], values[at + 1]))
-    # a parabola through three such samples states nothing
+    # a parabola through three such samples means nothing
     return drop if drop > SINGLE * float(np.ptp(values)) else 0.0
 
 

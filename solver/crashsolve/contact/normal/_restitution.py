@@ -6,7 +6,7 @@ at depth delta obeys
     K delta^(n+1) / ((n+1) m v_0^2) = G(1) - G(s),   G(s) = s/chi - ln(1 + chi s)/chi^2
 
 whatever K, n, m and v_0 are. Proof: v dv / (1 + chi v / v_0) = -(K/m) delta^n d(delta), integrated
-from v_0. It goes as deep as s = 0 states, and parts with x v_0, the root of G(-x) = G(1):
+from v_0. Its largest depth is that where s = 0, and it parts with x v_0, the root of G(-x) = G(1):
 
     chi (1 + x) = ln[(1 + chi) / (1 - chi x)]
 """

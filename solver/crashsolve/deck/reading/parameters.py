@@ -18,7 +18,7 @@ from crashsolve.deck.source import BROKEN, Position, Rows, Table, plain_scalar
 from crashsolve.deck.words import choices
 from crashsolve.foundation.errors import DeckError
 
-# names that are reported a circle
+# names of a circle of parameters that its message lists
 LONGEST_CIRCLE = 50
 _EXPRESSION = re.compile(r"\$\{([^{}]*)\}")
 # the base of a power needs brackets, or -2**2 would be -4

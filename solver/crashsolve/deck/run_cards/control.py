@@ -12,14 +12,14 @@ from crashsolve.foundation.errors import DeckError, DeckErrors
 
 # one file each in integrators/
 Integrator: Any = Literal[(*integrators(), "auto", "default")]
-# words that state steps, or share them: those of rattle where no method is named
+# fields of fixed steps and of threads: they mean rattle where no method is named
 OF_STEPS = ("step", "step_min", "safety", "tolerance", "onset_tolerance", "threads")
 
 # default is rattle where there is anything to share
 EXPLICIT_STEPS = ("rattle", "default")
 
 MOST_THREADS = 1024
-# what Slurm states a job
+# variable in which Slurm gives a job its number of cores
 CORES_GIVEN = "SLURM_CPUS_PER_TASK"
 
 

@@ -55,7 +55,7 @@ def deformation(p, a, b, R, v, w):
 def act(p, out, a, b, frame, strained, load):
     """A force f [N] and moments m [N m], which belong to u and theta, on both nodes.
 
-    `frame`: R, v and w of corotational.py; `strained` is what deformation() states; `load`: f, m
+    `frame`: R, v and w of corotational.py; `strained` is what deformation() returns; `load`: f, m
     and the viscosity of the stretch [N s/m]. Returns by how much the element is stiffer than a
     straight one. Writes: a, b, out.
     """

@@ -33,8 +33,8 @@ class MeshFileError(ValueError):
 class MeshFile:
     """Points (n, 3) as they stand in the file; elements (m, 4) by points, and their kinds.
 
-    A triangle names its last corner twice; elements of other kinds are rows of -1. `firsts` states
-    where a kind is met first, `passed_over` what of the file has been left unread.
+    A triangle names its last corner twice; elements of other kinds are rows of -1. `firsts` has
+    the line where each kind occurs first, `passed_over` what of the file has been left unread.
     """
 
     points: np.ndarray
@@ -239,7 +239,7 @@ def _groups(found: "meshio.Mesh", path: Path) -> dict[str, np.ndarray]:
 
 
 def _lists_all_groups(path: Path) -> bool:
-    """Whether every element is in one group: meshio states the first number of several."""
+    """Whether meshio reads all groups of the file: of several of an element it keeps the first."""
     with path.open("rb") as file:
         head = file.read(64).split()[:3]
     if len(head) < 3 or head[0] != b"$MeshFormat" or head[1].startswith(b"2"):

@@ -290,7 +290,7 @@ def next_length(h, error, clock, tolerance, order):
     if not error < 1e300:
         return 0.1 * h
     share = SAFETY * (tolerance / error) ** (1.0 / order)
-    # a step that was cut short states no trend
+    # a step that was cut short shows no trend
     if error <= tolerance and clock.error > 0.0 and 0.2 * h < clock.step < 5.0 * h:
         before = SAFETY * (tolerance / clock.error) ** (1.0 / order)
         share = (share * before * clock.step / h) ** 0.25
