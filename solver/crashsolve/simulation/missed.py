@@ -25,7 +25,7 @@ class Missed:
     bodies: frozenset[str]
 
     @property
-    def lack(self) -> float:
+    def shortfall(self) -> float:
         """What the samples do not show of the peak [N]."""
         return self.peak - self.shown
 

@@ -97,9 +97,9 @@ def _joined(deck: Deck, factor: int) -> dict[str, str]:
 
 def undivided(deck: Deck) -> list[str]:
     """Names of the parts that have elements and cannot be divided."""
-    able = {field.part for field in divisible(deck)}
+    divided = {field.part for field in divisible(deck)}
     parts = deck.entries["parts"].values()
-    return [part.name for part in parts if not part.item.owner and part.name not in able]
+    return [part.name for part in parts if not part.item.owner and part.name not in divided]
 
 
 def has_mesh(deck: Deck) -> bool:

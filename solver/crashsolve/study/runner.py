@@ -85,22 +85,22 @@ def study(request: Request) -> int:
             say(text)
         say(f"{len(grid)} runs of {request.deck} in {request.folder}")
         jobs = max(request.jobs or cores(), 1)
-        trials = run_all(request.deck, grid, request.overrides, request.folder, jobs, _announce)
-        good = [trial for trial in trials if trial.is_good]
+        trials = run_all(request.deck, grid, request.overrides, request.folder, jobs, _report_trial)
+        finished = [trial for trial in trials if trial.has_finished]
         span = deck.control.end_time - deck.control.start_time
         with ThreadPoolExecutor(jobs) as pool:
-            answers = pool.map(lambda trial: ask(trial.folder, [*watches, *more]), good)
-            for trial, answer in zip(good, answers, strict=True):
+            answers = pool.map(lambda trial: ask(trial.folder, [*watches, *more]), finished)
+            for trial, answer in zip(finished, answers, strict=True):
                 trial.step, trial.answers = span / max(trial.cycles, 1), answer
         order = None if request.vary else order_of_mesh(deck)
-        known = known or _dearest(request, good)
+        known = known or _most_expensive(request, finished)
         findings = [
             find(watch, at, trials, known[at] if known else None, order)
             for at, watch in enumerate(watches)
         ]
         extra = [find(watch, len(watches) + i, trials, None, order) for i, watch in enumerate(more)]
         _report(request, deck, trials, findings, extra)
-        return ExitCode.NORMAL if good else max(trial.code for trial in trials)
+        return ExitCode.NORMAL if finished else max(trial.code for trial in trials)
 
 
 def _usual_meshes(deck: Deck, request: Request) -> str:
@@ -138,14 +138,14 @@ def _steps(request: Request, deck: Deck) -> str | None:
     return AUTO if deck.control.step == AUTO else repr(float(deck.control.step))
 
 
-def _dearest(request: Request, good: list[Trial]) -> list[dict[str, object]] | None:
+def _most_expensive(request: Request, finished: list[Trial]) -> list[dict[str, object]] | None:
     """Answers of the dearest run, which others are compared with where a field is varied.
 
     Different models do not tend to each other, so that nothing can be extrapolated.
     """
-    if not request.vary or not good:
+    if not request.vary or not finished:
         return None
-    best = max(good, key=lambda trial: trial.cpu_steps)
+    best = max(finished, key=lambda trial: trial.cpu_steps)
     say(f"errors are differences from {best.setting.name}, the dearest run; see --reference")
     return best.answers
 
@@ -175,10 +175,10 @@ def _reference(request: Request, watches: list[Watch]) -> list[dict[str, object]
     return known
 
 
-def _announce(trial: Trial) -> None:
+def _report_trial(trial: Trial) -> None:
     """One line as soon as a run has ended."""
-    how = "kept" if trial.was_kept else "done"
-    words = how if trial.is_good else f"exit code {trial.code}, {trial.message}"
+    how = "kept" if trial.was_reused else "done"
+    words = how if trial.has_finished else f"exit code {trial.code}, {trial.message}"
     say(printable(f"  {trial.setting.name}: {words}"))
 
 
@@ -234,12 +234,12 @@ def _verdict(findings: list[Finding], trials: list[Trial], target: float) -> str
     doubtful = [f.watch.name for f in findings if f.is_doubtful(target)]
     if doubtful:
         return f"{text}; not to be trusted: {', '.join(doubtful)}"
-    able = [trial for trial in trials if isfinite(worst(findings, trial))]
+    usable = [trial for trial in trials if isfinite(worst(findings, trial))]
     if len({trial.setting.label for trial in trials}) == 1:
         text += "; the error of a single step is not known: give --steps two or more"
-    if not able:
+    if not usable:
         return text
-    nearest = min(able, key=lambda trial: worst(findings, trial))
+    nearest = min(usable, key=lambda trial: worst(findings, trial))
     error = worst(findings, nearest)
     text += f"; the nearest is {nearest.setting.name}, error {error:.2g}"
     if error > target and (needed := _mesh_needed(findings, nearest, target)):
@@ -252,7 +252,7 @@ def _verdict(findings: list[Finding], trials: list[Trial], target: float) -> str
 
 
 def _mesh_needed(findings: list[Finding], nearest: Trial, target: float) -> str:
-    """The mesh that the orders of the meshes lead to; nothing where there are none."""
+    """The mesh that the wanted error needs by the orders of the meshes; "" where there are none."""
     factors = []
     for finding in (f for f in findings if not f.is_absolute and f.error(nearest) > target):
         order = finding.mesh_order(nearest)

@@ -179,15 +179,15 @@ def _of_parts(deck: Deck, mesh: int, description: str) -> dict[str, str]:
 
 def suited(deck: Deck) -> tuple[list[str], list[str]]:
     """All methods that can run a deck, its own first; and why the others cannot."""
-    own, able, notes = resolved(deck, deck.control.integrator), [], []
+    own, suited_methods, notes = resolved(deck, deck.control.integrator), [], []
     for method in sorted(METHODS, key=lambda method: method != own):
         try:
             build(replace(deck, control=deck.control.model_copy(update={"integrator": method})))
         except DeckErrors as refusal:
             notes.append(f"{method} is left out: {refusal.errors[0].message}")
         else:
-            able.append(method)
-    return able, notes
+            suited_methods.append(method)
+    return suited_methods, notes
 
 
 def resolved(deck: Deck, method: str) -> str:
