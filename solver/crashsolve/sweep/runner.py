@@ -170,7 +170,8 @@ def _refuse_stale(request: Request, runs: Sequence[Run], statuses: dict[int, Run
     stale = [run for run in runs if statuses[run.number].state == "stale"]
     if not stale or "stale" in request.again:
         return
-    message = f"{len(stale)} of {len(runs)} runs are there already, of {statuses[stale[0].number].message}"
+    reason = statuses[stale[0].number].message
+    message = f"{len(stale)} of {len(runs)} runs are there already, of {reason}"
     advice = "name another folder with -o, or lose them and run anew with --again stale"
     raise DeckError(str(request.folder), None, None, "", message, advice)
 
