@@ -122,7 +122,7 @@ class Work:
             done, pushed = self.before[g.word]
             g.history["dissipated"] = done + 0.5 * (pushed + self._forces(g, now)) @ change.ravel()
         clock.driver_work += self._of_drivers(start_time, now)
-        shares = loading.ratio(start_time), loading.ratio(now)
+        shares = loading.load_factor(start_time), loading.load_factor(now)
         positions = (
             potential(engine.model, start, loading),
             potential(engine.model, engine.state.nodes, loading),

@@ -7,7 +7,7 @@ g are the forces at rest that joints do not hold, delta_c closes the joints. tau
 (pseudo-transient continuation): small steps along the forces at first, so that what hangs above its
 springs settles on them, Newton's steps in the end. Directions in which nothing acts, as those in
 which a car rolls, keep their coordinate. Forces are those without motion: dampers, friction and
-slip of tyres are zero, but for the carcass of wheels that stand (`standing_tyres.py`). Velocities of
+slip of tyres are zero, but for the carcass of standing wheels (`standing_tyres.py`). Velocities of
 the deck stay, but for what joints of the new configuration do not allow. Consequence to test: loads
 sum to the weight and divide by their lever arms, and the motion that follows stays below 1 % of
 them.
