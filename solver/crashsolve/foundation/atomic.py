@@ -30,7 +30,7 @@ def replaced(words, k, old, new):
     return True
 
 
-def give_way():
+def offer_processor():
     """Let another thread have this core, if any waits for it."""
 
 

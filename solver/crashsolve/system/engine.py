@@ -32,7 +32,7 @@ from crashsolve.system.contact.effective_mass import EffectiveMasses
 from crashsolve.system.contact.initial_penetration import find_impact_speeds
 from crashsolve.system.diagnosis import diagnose, passed_through, velocity_error
 from crashsolve.system.placeholders import group_arrays, is_shared, samples_within_steps
-from crashsolve.threads.sharing import own_arrays
+from crashsolve.threads.sharing import arrays_of_threads
 
 # an assembly error above this share of the model's size is an error in the deck, not round-off
 ASSEMBLY = 1e-6
@@ -144,7 +144,7 @@ class Engine:
         copies |= {name: copy for name, (_, copy) in self._histories.items()}
         # the clock of the first thread, which the others know by this name
         leaders = [{"leader": own["clock"]} if is_shared(m) else {} for own in (state, copies)]
-        own = own_arrays(m)
+        own = arrays_of_threads(m)
         self._present, self._sampled = (
             self._tables(shared | step | leader, own)
             for step, leader in zip((state, copies), leaders, strict=True)

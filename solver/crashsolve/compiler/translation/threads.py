@@ -12,8 +12,8 @@ from crashsolve.compiler.translation.kinds import (
 )
 from crashsolve.foundation.atomic import (
     add_release,
-    give_way,
     load_acquire,
+    offer_processor,
     replaced,
     sleep,
     store_release,
@@ -70,4 +70,4 @@ def _sleep(of: Expressions, given: list[Value]) -> Value:
 
 
 BUILTINS.update({load_acquire: _load, store_release: _store, add_release: _add})
-BUILTINS.update({replaced: _replace, give_way: _give_way, sleep: _sleep})
+BUILTINS.update({replaced: _replace, offer_processor: _give_way, sleep: _sleep})

@@ -7,7 +7,7 @@ with the nodes, and ask for forces and tangents alone.
 from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.system import points, ties
 from crashsolve.system.implicit import stiffness
-from crashsolve.system.loops.pieces import deform_part, share, share_loans
+from crashsolve.system.loops.pieces import collect_in_pieces, deform_part, share
 from crashsolve.system.placeholders import ASSEMBLED, ELEMENTS, THREADS, TIES
 from crashsolve.threads import jobs
 
@@ -27,7 +27,7 @@ def move_elements(clock, h, nodes, scene):
         if THREADS:
             limit = clock.limit_element
             share(jobs.DEFORM, scene.pieces.shape[0], clock, h, scene)
-            share_loans(0, scene.pieces.shape[0], clock, h, scene)
+            collect_in_pieces(0, scene.pieces.shape[0], clock, h, scene)
             jobs.note_rates(clock, limit, scene)
         else:
             deform(clock, h, scene)
