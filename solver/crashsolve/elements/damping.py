@@ -64,7 +64,7 @@ def coefficients(card: Damped, scene: Scene) -> tuple[float, float]:
     return card.viscosity.linear, card.viscosity.quadratic**2
 
 
-def heavier(card: Damped, squares: Any, scene: Scene) -> Any:
+def mass_factors(card: Damped, squares: Any, scene: Scene) -> Any:
     """Factors of the mass of elements with these squares of their highest frequency [1/s^2]."""
     if card.mass_scaling is None:
         return 0.0 * squares + 1.0
@@ -72,7 +72,7 @@ def heavier(card: Damped, squares: Any, scene: Scene) -> Any:
     return (squares / wanted).clip(min=1.0)
 
 
-def report_added(card: Damped, mass: np.ndarray, factor: np.ndarray, scene: Scene) -> None:
+def report_added_mass(card: Damped, mass: np.ndarray, factor: np.ndarray, scene: Scene) -> None:
     """Report to the user how much mass has been added, or refuse it. `mass` is that of the
     elements.
     """
@@ -92,7 +92,7 @@ def report_added(card: Damped, mass: np.ndarray, factor: np.ndarray, scene: Scen
 
 
 @kernel
-def brake(nodes, node, rate):
+def apply_drag(nodes, node, rate):
     """Drag on a node; returns the power lost. Writes: nodes."""
     b, zero = nodes[node], (0.0, 0.0, 0.0)
     f = scale(-rate / b.mass_inv, vec(b.v))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from crashsolve.elements.shells.layout import DiscretisedShell
-from crashsolve.elements.shells.section_cut import CUT, TAP
+from crashsolve.elements.shells.section_cut import CUT, CUT_ELEMENT
 from crashsolve.foundation.point import ATTACHED_POINT, LANES, MOTION, POINT
 from crashsolve.model.materials import fill, laws_of, refuse_unlike, with_constants
 from crashsolve.model.model import Elements, Group, Model
@@ -69,9 +69,17 @@ def tables_of_elements(groups: list[Group], scene: Scene) -> Elements | None:
         return None
     rows = max(g.module.ROWS for g in groups if hasattr(g.module, "KINDS"))
     work = line_up(rows * LANES)
-    taps, cuts = _cuts(groups, parts)
+    element_cuts, cuts = _cuts(groups, parts)
     mass -= scene.tied_mass
-    tables = np.concatenate(corners), np.concatenate(attached_points), work, parts, mass, taps, cuts
+    tables = (
+        np.concatenate(corners),
+        np.concatenate(attached_points),
+        work,
+        parts,
+        mass,
+        element_cuts,
+        cuts,
+    )
     return Elements(*tables, motion=np.zeros(1, MOTION.dtype), ties=scene.ties)
 
 
@@ -87,8 +95,8 @@ def _cuts(groups: list[Group], parts: dict[str, Any]) -> tuple[np.ndarray, np.nd
                     at = (int(row["first"]) + block, int(row["first_corner"]) + corner)
                     found.append((i, kind, *at, lane, count, front[e]))
                 count += 1
-    found.sort(key=lambda tap: (tap[2], tap[4]))
-    return np.array(found, TAP.dtype), np.zeros(count, CUT.dtype)
+    found.sort(key=lambda element_cut: (element_cut[2], element_cut[4]))
+    return np.array(found, CUT_ELEMENT.dtype), np.zeros(count, CUT.dtype)
 
 
 def line_up(count: int) -> np.ndarray:

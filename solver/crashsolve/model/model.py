@@ -190,7 +190,9 @@ class Elements:
     work: np.ndarray
     parts: dict[str, Any]  # in place, by name
     point_mass: float  # of the points that ride on no body of the deck
-    taps: np.ndarray  # elements of sections, block by block, see elements/shells/section_cut.py
+    element_cuts: (
+        np.ndarray
+    )  # elements of sections, block by block, see elements/shells/section_cut.py
     cuts: np.ndarray
     motion: np.ndarray  # momenta of the points at the last sample
     ties: np.ndarray  # points that ride on faces

@@ -29,7 +29,7 @@ PIECE = Record("""
 """)
 ORIGINAL = Record("""
     point  index  whose forces a replica collects
-    slows  flag   whether its element has damping
+    is_damped  flag   whether its element has damping
 """)
 SPAN = Record("""
     first            index  of the rows of an entry's pieces
@@ -196,7 +196,7 @@ def _add_replicas(
     ):
         some[:] = part
     originals = np.zeros(len(points), ORIGINAL.dtype)
-    originals["point"], originals["slows"] = points[order], rows[0]["slows"]
+    originals["point"], originals["is_damped"] = points[order], rows[0]["is_damped"]
     cuts = len(originals) * np.arange(1, len(sizes)) // len(sizes)
     # all of one point to one piece
     return np.split(originals, np.searchsorted(originals["point"], originals["point"][cuts]))

@@ -161,7 +161,7 @@ def _join(entries: list[Entry], parts: list[Any], scene: Any) -> None:
     n = len(parts[0].mesh.points)
     corners, mass, inertia = (np.concatenate([p.lumps[k] for p in parts]) for k in range(3))
     mass, inertia = np.bincount(corners, mass, n), np.bincount(corners, inertia, n)
-    slows = any(part.slows for part in parts)
+    is_damped = any(part.is_damped for part in parts)
     momentum = sum(part.momentum for part in parts)
     held, by = np.zeros(n, np.uint8), np.full(n, -1)
     velocity, spin = np.zeros((n, 3)), np.zeros((n, 3))
@@ -177,7 +177,7 @@ def _join(entries: list[Entry], parts: list[Any], scene: Any) -> None:
         held[new] |= part.held[new]
         velocity[new], spin[new], by[new] = part.velocity[new], part.spin[new], k
     for part in parts:
-        part.mass, part.J, part.held, part.slows = mass, inertia, held, slows
+        part.mass, part.J, part.held, part.is_damped = mass, inertia, held, is_damped
         part.velocity, part.spin, part.momentum = velocity, spin, momentum
 
 

@@ -19,7 +19,7 @@ def collect_replicas(piece, scene):
         own = scene.points[original.point]
         add_to(own.force, vec(b.force))
         add_to(own.torque, vec(b.torque))
-        load_point(own, b.load, b.spin_load, original.slows)
+        load_point(own, b.load, b.spin_load, original.is_damped)
         put(b.force, (0.0, 0.0, 0.0))
         put(b.torque, (0.0, 0.0, 0.0))
         b.load = b.spin_load = 0.0

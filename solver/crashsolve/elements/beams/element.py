@@ -11,7 +11,7 @@ References: those of the beam.
 from crashsolve.elements.beams.bowing import bowed, stretched
 from crashsolve.elements.beams.corotational import half_angle_over_sine, rotated_rate, swing_of
 from crashsolve.elements.beams.tangent import slope_of_viscosity
-from crashsolve.elements.damping import brake
+from crashsolve.elements.damping import apply_drag
 from crashsolve.foundation.columns import add_to, matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import no_tangent
@@ -90,7 +90,7 @@ def act(p, out, a, b, frame, strained, load):
 def drag(p, out, nodes):
     """Drag on both nodes. Writes: nodes, out."""
     if p.drag_a > 0.0:
-        out.power += brake(nodes, p.node_a, p.drag_a) + brake(nodes, p.node_b, p.drag_b)
+        out.power += apply_drag(nodes, p.node_a, p.drag_a) + apply_drag(nodes, p.node_b, p.drag_b)
 
 
 @kernel

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.elements.shells.tangents.records import CHANGE, SEEN
+from crashsolve.elements.shells.tangents.records import BASE, CHANGE
 from crashsolve.foundation.point import ATTACHED, ATTACHED_POINT, LANES, OWN
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.sparse.bordered import plan
@@ -93,7 +93,7 @@ def seats_of_shells(
     counts["arms"] = (attached_points["spot"].any(axis=1) & (attached_points["node"] > 0)).sum()
     return {
         "block_addresses": np.array([address(pair, found) for pair in pairs]),
-        "seen": np.zeros(SEEN.SIZE * LANES),
+        "base": np.zeros(BASE.SIZE * LANES),
         "change": np.zeros(CHANGE.SIZE * LANES),
         "counts": counts,
         "arms": np.zeros(3 * len(state.points)),
