@@ -42,7 +42,7 @@ from crashsolve.elements.beams.properties import (
     stiffness_row,
 )
 from crashsolve.elements.beams.tangent import bend_blocks
-from crashsolve.elements.damping import Damped, report_added
+from crashsolve.elements.damping import Damped, report_added_mass
 from crashsolve.foundation.angles import check_rotation_limit
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.orientation import quaternion_of
@@ -147,7 +147,7 @@ def build(card: Beam, scene: Scene) -> list[Columns]:
     start, end, n = np.asarray(card.mesh.from_), np.asarray(card.mesh.to), card.mesh.count
     quaternion = quaternion_of(_triad(card, section, scene))
     mass, J = halves(card, section, material, length, scene)
-    report_added(card, *scaled(card, section, material, np.full(n, length), scene), scene)
+    report_added_mass(card, *scaled(card, section, material, np.full(n, length), scene), scene)
     nodes = []
     for k in range(n + 1):
         offset, ends = (end - start) * (k / n), 1 if k in (0, n) else 2

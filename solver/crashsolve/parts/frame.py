@@ -21,7 +21,7 @@ from crashsolve.deck.card import MaterialName, SectionName, Vec3, quantity, word
 from crashsolve.elements.beams import element, properties, releases, static_tangent
 from crashsolve.elements.beams.corotational import mean_frame_of
 from crashsolve.elements.beams.tangent import bend_blocks
-from crashsolve.elements.damping import Damped, report_added
+from crashsolve.elements.damping import Damped, report_added_mass
 from crashsolve.foundation.angles import axes_at, check_rotation_limit
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.orientation import products, quaternion_of
@@ -92,7 +92,7 @@ def build(card: Frame, scene: Scene) -> list[Columns]:
             mass[node] += half
             J[node] += T @ inertia @ T.T
     scaled_mass = properties.scaled(card, section, material, np.array(lengths), scene)
-    report_added(card, *scaled_mass, scene)
+    report_added_mass(card, *scaled_mass, scene)
     return [
         {
             "mass": mass[i],
