@@ -77,7 +77,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def give_back_memory() -> None:
-    """Let the C library return what large arrays leave behind, instead of growing to keep it."""
+    """Make the C library return the memory of large arrays at once, instead of keeping it."""
     with suppress(AttributeError, OSError):
         # M_MMAP_THRESHOLD of glibc; set, it stays where it is
         ctypes.CDLL(None).mallopt(-3, 1 << 18)

@@ -99,7 +99,7 @@ def _times(first: Result, other: Result) -> list[str]:
 
 
 def _floors(first: Result, other: Result, names: Sequence[str]) -> dict[object, float]:
-    """Of each dimension the size below which differences are round-off."""
+    """For each dimension the size below which differences are round-off."""
     floors: dict[object, float] = {}
     for series in (result.series(name) for name in names for result in (first, other)):
         kind, size = _dimension(series.unit)

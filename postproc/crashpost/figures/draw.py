@@ -32,7 +32,7 @@ from crashpost.figures.style import (
     MOST_LINES,
     MUTED,
     REFERENCE_COLOURS,
-    line_look,
+    line_style,
 )
 from crashpost.results.result import Result
 from crashpost.values.figure import Curve, Figure, Pair, Reference, axis_unit
@@ -165,7 +165,7 @@ def _draw(axes: Axes, results: Runs, figure: Figure) -> list[Key]:
     scaled = _scaled(_runs(results), figure)
     keys = []
     for number, line in enumerate(scaled.lines):
-        colour, dashes = line_look(number)
+        colour, dashes = line_style(number)
         style = (0, dashes) if dashes else "-"
         # a single sample has no line
         mark = "o" if len(line.x) == 1 else ""
@@ -259,7 +259,7 @@ def _finish_axes(axes: Axes, figure: Figure, scaled: _Scaled) -> None:
 
 
 def _fit_y(axes: Axes, x_range: Pair, lines: Sequence[_Line]) -> None:
-    """Let the ordinate span what is seen of the lines, where a part of the abscissa is shown."""
+    """Set the range of the ordinate to that of the lines within the abscissa shown."""
     seen = [line.y[_between(line.x, x_range)] for line in lines]
     values = np.concatenate([part[np.isfinite(part)] for part in seen])
     if not len(values):

@@ -29,7 +29,7 @@ class CloseUp:
 
     @property
     def width(self) -> float:
-        """Of a window [m]."""
+        """Width of a window [m]."""
         return self.cameras[0].width
 
     def frame(self, picture: int) -> tuple[float, float, float, float]:
@@ -62,9 +62,9 @@ def close_up(
 ) -> CloseUp:
     """The windows at some states; raises PostError for what is not there."""
     name, width = read(text)
-    seen = around[0]
-    height = float(np.ptp(seen.flat(scene.extent(numbers[0]))[:, 1]))
-    width = width or min(OF_HEIGHT * height or np.inf, OF_WIDTH * seen.width)
+    fitted_camera = around[0]
+    height = float(np.ptp(fitted_camera.flat(scene.extent(numbers[0]))[:, 1]))
+    width = width or min(OF_HEIGHT * height or np.inf, OF_WIDTH * fitted_camera.width)
     middles = _positions(scene, name, numbers)
     half = 0.5 * width / ASPECT
     own = [
@@ -75,7 +75,7 @@ def close_up(
 
 
 def _positions(scene: Scene, name: str, numbers: Sequence[float]) -> list[np.ndarray]:
-    """Where a contact acts at states, or a body or part is; raises PostError."""
+    """Positions of a contact, body or part at states; raises PostError."""
     states = scene.states
     contacts = states.names["contacts"]
     if name not in contacts:

@@ -125,7 +125,7 @@ class History:
             yield first, self._read(f"{family.name}/{column.path}", slice(None), rows)
 
     def last(self, family: Family, column: Column) -> np.ndarray:
-        """The same (n_id,) at the last sample."""
+        """One quantity of all entities of a family (n_id,) at the last sample."""
         rows = slice(len(self.time) - 1, len(self.time))
         return self._read(f"{family.name}/{column.path}", slice(None), rows)[0]
 
@@ -249,7 +249,7 @@ class History:
         return Series(self.time, self._read(f"{family.name}/{column.path}", at), column.unit)
 
     def _position(self, name: str) -> tuple[Family, int, Column]:
-        """Where a channel stands: family, number of the entity, column. Raises PostError."""
+        """Position of a channel: family, number of the entity, column. Raises PostError."""
         word, entity, path = _words(name)
         for family in self.families.values():
             if family.word == word and entity in family.ids:

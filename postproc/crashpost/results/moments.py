@@ -18,7 +18,7 @@ class Moment(NamedTuple):
     """A time [s], and in words why it was chosen; nothing for a plain time."""
 
     time: float
-    why: str
+    reason: str
 
 
 def split(text: str) -> list[str]:

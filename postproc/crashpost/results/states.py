@@ -120,7 +120,7 @@ class States:
 
     def _block(self, name: str, group: Any) -> Block:
         points, cells = points_of(group["points"]), corners_of(group["cells"])
-        kinds = [(np.arange(len(cells)), cells)] if cells.ndim == 2 else _unmixed(cells)
+        kinds = [(np.arange(len(cells)), cells)] if cells.ndim == 2 else _by_kind(cells)
         check_corners(kinds, len(points))
         bare = Block(name, points, kinds)
         fixed = {key: field_of(bare, key, group[key]) for key in group if key not in NOT_FIELDS}
@@ -136,7 +136,7 @@ class States:
             return time
 
 
-def _unmixed(flat: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+def _by_kind(flat: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     """Cells of one kind each, from the list in which each begins with its number."""
     runs: list[tuple[int, list[int], list[int]]] = []
     index = row = 0

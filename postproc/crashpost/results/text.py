@@ -34,5 +34,5 @@ def _spelt(met: re.Match[str]) -> str:
 
 
 def printable_lines(text: str) -> str:
-    """The same of several lines."""
+    """Several lines of a text, each made printable."""
     return "\n".join(map(printable, text.split("\n")))

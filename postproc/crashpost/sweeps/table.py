@@ -43,7 +43,7 @@ class Axis:
 
     @property
     def heading(self) -> str:
-        """With its unit."""
+        """Name with the unit."""
         return f"{self.name} [{self.unit}]" if self.unit else self.name
 
 
@@ -57,7 +57,7 @@ class Measure:
 
     @property
     def heading(self) -> str:
-        """With its unit."""
+        """Name with the unit."""
         return f"{self.name} [{self.unit}]" if self.unit not in ("", "1") else self.name
 
 

@@ -91,7 +91,7 @@ def _of_contacts(result: Result, family: Family, units: Mapping[str, str]) -> It
 def _peaks(
     result: Result, family: Family, columns: dict[str, Column], time_unit: str
 ) -> list[tuple[float, float, str]] | None:
-    """Of each contact its largest force of all steps [N], when that was [s], and how closely known.
+    """Largest force of each contact over all steps [N], its time [s], and the accuracy of that [s].
 
     Between two samples it is known to their interval, and has the time of the later one.
     """

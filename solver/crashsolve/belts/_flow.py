@@ -79,7 +79,7 @@ def fill(p, old, new, out, curves):
 
 @kernel
 def fill_one(p, i, old, new, out, curves):
-    """The same of segment i. Writes: new, out."""
+    """Webbing, residual elongation and force of segment i. Writes: new, out."""
     q_in, q_out = new.flow[i], new.flow[i + 1]
     L = old.webbing[i] + q_in - q_out
     S = old.residual[i] + carried(p, old, i, q_in) - carried(p, old, i + 1, q_out)
@@ -185,7 +185,7 @@ def settle_spool(p, old, new, out, curves):
 
 @kernel
 def spool_direction(new, out, F):
-    """That of the spool, whose edge is the force F."""
+    """Direction of the flow at the spool, whose locking edge bears the force F."""
     T, q = out.force[0], new.flow[0]
     if new.mode == FREE:
         return 2

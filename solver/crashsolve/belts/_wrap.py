@@ -27,7 +27,7 @@ CLOSE, FAR, STEP = 1e-11, 1e-7, 1e-6
 
 
 class Arc(NamedTuple):
-    """Where a belt lies on a body."""
+    """The part of a belt that lies on a body."""
 
     # 1, or 0 where it passes by; -1 where a point is within the shape, -2 where no geodesic is left
     touches: int

@@ -83,7 +83,7 @@ def find_folder(name: str) -> Path:
 
 
 def _unfit(root: Path, reason: str) -> CacheError:
-    """That the folder which the user has chosen keeps nothing."""
+    """The error for a cache folder, chosen by the user, that cannot be used."""
     advice = "name a folder of your own that can be written, or unset it"
     return CacheError(f"{CHOSEN}={root}: compiled code cannot be there: {reason}; {advice}")
 

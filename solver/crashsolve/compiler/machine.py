@@ -101,7 +101,7 @@ def runs_checked() -> bool:
 
 
 def plain(source: Path, name: str) -> Function:
-    """The same function as plain Python, for debugging and coverage."""
+    """A function of composed source as plain Python, for debugging and coverage."""
     function: Function = getattr(import_file(source), name)
     return function
 
@@ -191,7 +191,7 @@ def _function(engine: Any, name: str) -> Function:
 
 
 def _checked(function: Function, engine: Any) -> Function:
-    """The same, which raises BoundsError after the first access out of bounds."""
+    """A compiled function that raises BoundsError after the first access out of bounds."""
     address = ctypes.CFUNCTYPE(ctypes.c_void_p)(engine.get_function_address("first_failure"))()
     failure = Failure.from_address(address)
 

@@ -56,7 +56,9 @@ def with_derivative(formula: Expression, x: Array) -> Jet:
 
 
 def _jet(node: ast.AST, x: Array) -> Jet:
-    """The same of one node of a formula that has been evaluated before, so that its words exist."""
+    """Value and slope of one node of a formula that has been evaluated before, so that its words
+    exist.
+    """
     match node:
         case ast.Constant(value=int() | float() as number):
             return Jet(np.full_like(x, number), np.zeros_like(x))

@@ -78,7 +78,7 @@ def diagnostics_of(card: type[BaseModel], error: ValidationError) -> list[Diagno
 
 
 def explained(card: type[BaseModel], error: ValidationError) -> ValidationError:
-    """The same error with its errors in words."""
+    """The error of a card with the messages of its parts in words."""
     return reported(diagnostics_of(card, error), card.__name__)
 
 

@@ -142,7 +142,7 @@ def _are_words(values: Any) -> bool:
 
 
 def _are_paths(values: Any) -> bool:
-    """The same, of words that may be folders within folders (contact/normal)."""
+    """Whether these are words, or paths of words such as contact/normal, none of them twice."""
     is_tuple = isinstance(values, tuple) and all(isinstance(word, str) for word in values)
     return is_tuple and _are_words(tuple(word.replace("/", "_") for word in values))
 

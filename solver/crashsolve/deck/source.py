@@ -76,11 +76,11 @@ class Table(dict[str, Any]):
         self.values_at[key] = at
 
     def key_location(self, key: str) -> Position:
-        """Where a key stands."""
+        """Line and column of a key."""
         return Position(self.file, *self.keys_at[key])
 
     def value_location(self, key: str) -> Position:
-        """Where the value of a key stands; that of the key for a table or list below it."""
+        """Line and column of the value of a key; of the key for a table or list below it."""
         is_block = isinstance(self[key], Table | Rows)
         return self.key_location(key) if is_block else Position(self.file, *self.values_at[key])
 
@@ -96,7 +96,7 @@ class Rows(list[Any]):
         self.values_at: list[tuple[int, int]] = []
 
     def location(self, i: int) -> Position:
-        """Where a value stands."""
+        """Line and column of a value."""
         return Position(self.file, *self.values_at[i])
 
 

@@ -43,7 +43,7 @@ class MassScaling(Card):
 
 
 class Damped(Card):
-    """What the cards of all parts can say of damping and added mass; nothing of it by default."""
+    """Fields of damping and added mass of the cards of all parts; none by default."""
 
     damping: float = quantity("s", "beta, damping over stiffness", default=0.0, ge=0)
     drag: float = quantity("1/s", "alpha, damping force over momentum", default=0.0, ge=0)

@@ -258,7 +258,7 @@ def _number(watch: Watch, series: Series) -> float:
 
 
 def _sampling_error(watch: Watch, series: Series, main: Samples) -> float:
-    """By how much the number differs from that of the history behind the samples."""
+    """Difference of the number from that of the continuous history."""
     if watch.statistic == PATH:
         return _sampling_error_inside(watch, main)
     missed = unresolved(series, watch.statistic)

@@ -31,7 +31,7 @@ def replaced(words, k, old, new):
 
 
 def offer_processor():
-    """Let another thread have this core, if any waits for it."""
+    """Let another waiting thread run on this core."""
 
 
 def sleep(microseconds):

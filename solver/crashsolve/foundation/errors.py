@@ -110,7 +110,7 @@ class RunStopped(CrashsolveError):
 
 
 def out_of_memory() -> str:
-    """That memory was refused, and by what."""
+    """The message that memory was refused, with the limit that refused it."""
     limit, _ = getrlimit(RLIMIT_AS)
     whose = "of this machine is used up"
     if limit != RLIM_INFINITY:

@@ -83,7 +83,7 @@ def _column(line: str) -> Column:
 
 
 def rows_of(record: Record, first: int = 0) -> Any:
-    """Where each column begins among rows of lanes that lie one after the other from `first` on.
+    """First row of each column among rows of lanes, counted from `first` on.
 
     Kernels read `ROWS.name`; SIZE is that of all columns, RECORD what they mean.
     """

@@ -78,7 +78,7 @@ def backbone(points: Pieces, stiffness: float | None, word: str, scene: Scene) -
 def _plastic(
     angle: np.ndarray, moment: np.ndarray, k: float, beyond: int, word: str, scene: Scene
 ) -> Backbone:
-    """The same over the plastic angle."""
+    """The backbone over the plastic angle."""
     slopes = np.diff(moment) / np.diff(angle)
     yields = np.flatnonzero(slopes < k * (1.0 - SAME))
     if not len(yields):

@@ -226,7 +226,9 @@ def backbones(
 
 
 def pair_backbones(motions: tuple[Motion, ...], card: Any, built: Columns, scene: Scene) -> Columns:
-    """The same of two motions; on one ellipse, squares of the yield moments over plastic work."""
+    """Yield moments of two motions over plastic angles; on one ellipse, their squares over plastic
+    work.
+    """
     if card.interaction == "uncoupled":
         return backbones(motions, card, built, scene)
     if card.cyclic != "isotropic":

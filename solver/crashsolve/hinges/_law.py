@@ -331,7 +331,9 @@ def growth_bound(p, speed):
 
 @kernel
 def growth_slope(p, speed):
-    """Its slope [s/m or s/rad]; near rest, where a power below 1 is vertical, that close by."""
+    """Slope of the rate factor [s/m or s/rad]; near rest, where a power below 1 is vertical, that
+    at a small rate.
+    """
     if p.rate_coefficient == 0.0 or p.latched == 1:
         return 0.0
     b = p.rate_exponent

@@ -93,7 +93,7 @@ def limits(p, work, phi, curves):
 
 @kernel
 def advance_ellipse(p, old, new, x, y, phi, curves):
-    """The same on one ellipse. Writes: new."""
+    """Advance both motions on one ellipse. Writes: new."""
     k, j = p.stiffness[0], p.stiffness[1]
     u, v, work = old.plastic[0], old.plastic[1], old.flow_work
     a, b, _, _ = limits(p, work, phi, curves)
@@ -222,7 +222,7 @@ def beyond(p, old, h, seen, curves):
 
 @kernel
 def beyond_yield(p, old, h, seen, curves):
-    """The same, but for failure [rad or m]."""
+    """Distance beyond the branch of the law on which the step began, without failure [rad or m]."""
     x, y, rate, across, speed, _ = seen
     phi = step_factor(p, old, speed)
     if p.is_elliptic == 0:

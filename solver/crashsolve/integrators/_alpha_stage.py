@@ -145,7 +145,7 @@ def visit_end(h, clock, nodes, rows, scene):
 
 @kernel
 def end_factor(scene):
-    """Where the factor of the step's matrix stands."""
+    """The factor of the step's matrix."""
     pairs = scene.compliant_pairs
     return Saddle(scene.columns_0, scene.blocks_0, scene.compliant_updates, pairs)
 

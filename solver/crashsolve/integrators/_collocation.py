@@ -132,13 +132,13 @@ def correct_stages(h, speed, nodes, rows, scene):
 
 @kernel
 def stage_tables(scene):
-    """Where the rows of springs and joints at each stage stand."""
+    """The rows of springs and joints at each stage."""
     return (scene.compliant_0, scene.compliant_1, scene.compliant_2)
 
 
 @kernel
 def stage_factors(scene):
-    """Where the factors of the stages' matrices stand."""
+    """The factors of the stages' matrices."""
     updates, pairs = scene.compliant_updates, scene.compliant_pairs
     return (
         Saddle(scene.columns_0, scene.blocks_0, updates, pairs),

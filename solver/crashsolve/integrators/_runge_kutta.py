@@ -218,7 +218,7 @@ def cut(h, search, clock, nodes, rows, saddle, scene):
 
 @stage
 def locate(h, gap, clock, nodes, rows, saddle, scene):
-    """Where in the step just tried something begins, by its dense output.
+    """Locate the first event in the step just tried, by its dense output.
 
     Returns the step that ends there, and by how much it may be passed. Writes: nodes, scene.*.
     """
@@ -241,7 +241,10 @@ def locate(h, gap, clock, nodes, rows, saddle, scene):
 
 @stage
 def gap_before(h, clock, nodes, scene):
-    """The same at the start of the step. Writes: nodes, which the next trial moves again."""
+    """The smallest gap at the start of the step.
+
+    Writes: nodes, which the next trial moves again.
+    """
     gap = -1e300
     if CONTACTS:
         gap = approach_before(clock, scene)

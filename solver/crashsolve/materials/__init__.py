@@ -98,13 +98,13 @@ class VonMisesLaw(MaterialLaw, Protocol):
         """Line of Y at e: value at no strain, slope, where it ends; where not SMOOTH."""
 
     def rate_factor(self, m, rate):
-        """By which Y is higher at a rate of strain [1/s], at least 1; asked where m.rated is 1."""
+        """Factor on Y at a rate of strain [1/s], at least 1; called where m.rated is 1."""
 
     def rate_slope(self, m, rate, factor):
-        """Its slope by the rate [s], times what else is in `factor`."""
+        """Slope of the rate factor [s], times the other factors in `factor`."""
 
     def heat_factor(self, m, temperature):
-        """By which Y is lower at a temperature; asked where m.heating is above 0."""
+        """Factor on Y at a temperature, at most 1; called where m.heating is above 0."""
 
 
 FAMILY = Family(

@@ -242,7 +242,7 @@ def volume_of(c):
 
 @inlined
 def solid(m, old, new, d, h, curves, material):
-    """As a layer, with all six strains: C grows by U exp(2 d) U."""
+    """Update of a point as of a layer, with all six strains: C becomes U exp(2 d) U."""
     c = old.metric
     root = root_of((1.0 + c[0], 1.0 + c[1], 1.0 + c[2], c[3], c[4], c[5]))
     grown = between(root, doubled(d))

@@ -72,7 +72,7 @@ def warn_of_unseen(model: Model) -> list[str]:
 
 
 def _steps(curves: np.ndarray, first: int) -> tuple[np.ndarray, np.ndarray]:
-    """The same of the curve that begins with point `first`."""
+    """Times and longest steps of the curve that begins with point `first`."""
     points = curves[first : curves[first]["last"] + 1]
     x, c = points["x"].copy(), points["c"][:-1]
     length = np.diff(x)

@@ -50,7 +50,7 @@ class Group:
         return f"{self.keyword}_{self.type}"
 
     def tables(self) -> dict[str, np.ndarray]:
-        """Its arrays in the composed step."""
+        """Arrays of the group in the composed step."""
         return present_tables(self)
 
     @property
@@ -80,7 +80,7 @@ class Group:
 
     @property
     def fibre_law(self) -> FibreLaw:
-        """The same, where they call the laws of `materials`."""
+        """The module as one whose fibres call a law of `materials`."""
         law: FibreLaw = self.module
         return law
 
@@ -91,7 +91,7 @@ class Group:
 
     @property
     def numbered_kinds(self) -> tuple[tuple[int, Any], ...]:
-        """The same with their positions among all kinds."""
+        """Modules of the kinds of elements with their positions among all kinds."""
         return tuple(
             (number, self._within(f"{self.module.KERNELS}.{name}"))
             for number, (column, name) in enumerate(self.module.KINDS.items())
@@ -111,7 +111,7 @@ class Group:
 
     @property
     def slopes(self) -> Any:
-        """The same for their tangents."""
+        """Module that computes the tangents of elements of any kind block by block."""
         return self._within(f"{self.module.SLOPES}.blocks")
 
     def _within(self, name: str) -> Any:
@@ -158,7 +158,7 @@ class Group:
 
 @dataclass
 class Joint:
-    """Where one joint's rows are and what they join; the point and axis in body axes."""
+    """Rows of one joint, and what they join; its point and axis in body axes."""
 
     name: str
     type: str
@@ -183,7 +183,7 @@ class Joint:
 
 @dataclass
 class Elements:
-    """Where the elements of parts with points are: corners, attached points, room between loops."""
+    """Tables of the elements of parts with points: corners, attached points, work space."""
 
     corners: np.ndarray
     attached_points: np.ndarray
@@ -248,7 +248,7 @@ class Model:
         return [c for c in self.contact_groups if hasattr(c.friction, "regime_left")]
 
     def total_mass(self) -> float:
-        """Of bodies and points [kg]."""
+        """Mass of all bodies and points [kg]."""
         return float(self.mass.sum()) + (self.elements.point_mass if self.elements else 0.0)
 
     def element_groups(self) -> list[Group]:

@@ -110,7 +110,7 @@ def cut(model: Model, state: State, threads: int) -> Pieces:
 
 
 def _bounds(blocks: int, total: int, pieces: int) -> list[int]:
-    """Where pieces of a part begin and end, in blocks: its share of all pieces, one at least."""
+    """Bounds of the pieces of a part, in blocks: its share of all pieces, one at least."""
     own = min(blocks, max(1, round(pieces * blocks / total)))
     return [blocks * k // own for k in range(own + 1)]
 

@@ -308,7 +308,7 @@ class Scene:
         raise self.fail(f"part '{part}' has no surface; name a shell", field)
 
     def first_number(self, part: str) -> int:
-        """Where the numbers of a part with points begin in blocks."""
+        """First number of a part with points in the blocks."""
         parts = self._with_points()
         return sum(parts[name].size for name in takewhile(lambda name: name != part, parts))
 

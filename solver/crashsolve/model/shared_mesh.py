@@ -211,7 +211,7 @@ def _shown(x: np.ndarray) -> str:
 
 
 def number_points(parts: list[Any]) -> int:
-    """Where the points of each part's mesh begin among all; how many there are. Writes: parts."""
+    """First point of each part's mesh among all, and the number of points. Writes: parts."""
     first, begun = 0, {}
     for part in parts:
         mesh = part.mesh

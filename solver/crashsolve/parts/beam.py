@@ -208,7 +208,7 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
 
 @kernel
 def tangent(p: Parameters, state: History, nodes, curves, rows, first):
-    """By the velocities; by the positions see bend. Writes: rows."""
+    """Derivatives of the forces by velocities; for those by positions see bend. Writes: rows."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame(a, b)
     yield_rows(p, a, b, R, v, w, rows, first)

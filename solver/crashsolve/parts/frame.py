@@ -187,7 +187,7 @@ def bend(p: Parameters, state: History, nodes, curves, position, blocks):
 
 @kernel
 def tangent(p: Parameters, state: History, nodes, curves, rows, first):
-    """By the velocities. Writes: rows."""
+    """Derivatives of the forces by velocities. Writes: rows."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame_of(axes_at(a, p.rotation), axes_at(b, p.rotation))
     element.yield_rows(p, a, b, R, v, w, rows, first)

@@ -46,7 +46,7 @@ Deformation: Any = Literal[DESCRIPTIONS]
 
 
 class Point(Card):
-    """Where members meet or end: a rigid body called S_name in structure S."""
+    """A point where members meet or end: a rigid body called S_name in structure S."""
 
     name: NewName = word("name; the body is called S_name in structure S")
     at: Vec3 = quantity("m", "position")

@@ -220,7 +220,9 @@ def _covariance(chain: Chain, J: Array, names: Sequence[str]) -> Array:
 
 
 def _turns(chain: Chain, q: Array) -> Array:
-    """From changes of q to small rotations about axes of a, of the root about the world's."""
+    """Matrices from changes of q to small rotations: about axes of a, of the root about the
+    world's.
+    """
     found = np.eye(len(q))
     found[3:6, 3:6] = _left_jacobian(q[3:6])
     first = 6
@@ -232,7 +234,10 @@ def _turns(chain: Chain, q: Array) -> Array:
 
 
 def _left_jacobian(vector: Array) -> Array:
-    """Of the rotation vector: Chirikjian (2012), Stochastic Models 2, chapter 10; from memory."""
+    """Left Jacobian (3, 3) of a rotation vector:
+
+    Chirikjian (2012), Stochastic Models 2, chapter 10.
+    """
     angle = float(np.linalg.norm(vector))
     if angle < 1e-8:
         return np.eye(3)

@@ -111,7 +111,7 @@ def _by_cameras(x: Array, u: Array) -> Array:
 
 
 def _chi_squared(B: Array, misclosure: Array, S: Array) -> float:
-    """Of what is left of equations with the covariance S once their unknowns are found."""
+    """Chi-squared of the residuals of equations with the covariance S."""
     left = np.linalg.qr(B / np.linalg.norm(B, axis=0), mode="complete")[0][:, B.shape[1] :]
     z = left.T @ misclosure
     return float(z @ np.linalg.solve(left.T @ S @ left, z))

@@ -23,7 +23,9 @@ from crashsolve.foundation.errors import DeckError, DeckErrors
 
 
 class World(Card):
-    """Where the axes in which targets are measured lie in the world of the deck."""
+    """Position and orientation, in the world of the deck, of the axes in which targets are
+    measured.
+    """
 
     position: Vec3 = quantity("m", "of their origin", (0.0, 0.0, 0.0))
     rotation: Rotation = word("of them, to the world", default_factory=Rotation)

@@ -14,7 +14,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Columns:
-    """Of a table, those columns that values are made of: few of many are cheaper to keep."""
+    """The columns of a table that values need: to copy these alone takes less time."""
 
     table: np.ndarray
     names: frozenset[str]

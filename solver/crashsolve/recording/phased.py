@@ -62,7 +62,7 @@ class PhasedEngine(Engine):
         super().start()
 
     def bind(self) -> None:
-        """The same as of every engine; a dump does not bring the loads that act."""
+        """Bind the tables, as every engine does; a dump does not contain the loads that act."""
         super().bind()
         if hasattr(self, "memory"):
             self._set_loads()
@@ -102,7 +102,7 @@ class PhasedEngine(Engine):
             self._close()
 
     def _call(self, until: float) -> int:
-        """The same as of every engine, with a look of the phase after every step."""
+        """Step until a time, as every engine does, with a call of the phase after every step."""
         look = getattr(self.phase.module, "look", None)
         if look is None:
             return super()._call(until)
@@ -135,7 +135,7 @@ class PhasedEngine(Engine):
                 self.set_velocities(self.given)
 
     def raise_loads(self, share: float) -> None:
-        """Let a share of the loads without a curve act. Writes: the Model, the State.
+        """Apply a share of the loads without a curve. Writes: the Model, the State.
 
         The ledger has the potential of the weight that acts: raising it is work from outside.
         """
@@ -192,7 +192,9 @@ class PhasedEngine(Engine):
         return np.linalg.norm(np.where(is_held, 0.0, points["force"]), axis=1)
 
     def _largest_force(self) -> float:
-        """Of all laws in the last sample [N]; moments over the model's size."""
+        """Largest force of all laws in the last sample [N], including moments over the model's
+        size.
+        """
         sizes = [0.0]
         for group in self.model.groups:
             for column in getattr(group.module, "OUTPUT", Record()).columns:

@@ -31,7 +31,7 @@ class Recorder:
         self.history.flush()
 
     def close(self) -> None:
-        """The same, and close the history."""
+        """Write all samples taken, and close the history."""
         try:
             self._hand_over()
         finally:

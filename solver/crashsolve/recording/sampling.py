@@ -36,7 +36,7 @@ class Schedule:
         return plain.with_times(_asked(deck) | _ends_of_phases(deck))
 
     def with_times(self, times: set[float]) -> "Schedule":
-        """The same with further samples where none are."""
+        """This schedule with further samples at the given times [s]."""
         inside = sorted(t for t in times if self.start < t < self.end and not self._is_met(t))
         numbers = tuple(self._before(t) + j for j, t in enumerate(inside))
         return Schedule(self.start, self.end, self.interval, tuple(inside), numbers)

@@ -94,7 +94,10 @@ class EventStates:
             self.engine.sample(target)
 
     def _go_to(self, time: float, begun: float) -> None:
-        """By the steps of the run to a sample, which may be a step of it. Raises SolverError."""
+        """Advance by the steps of the run to a sample, which may be a step of it.
+
+        Raises SolverError.
+        """
         k = self._schedule.last_until(begun) + 1
         while self._schedule.time(k) < time:
             self.engine.reach(self._schedule.time(k))

@@ -319,7 +319,7 @@ def _through(g: Group, nodes: np.ndarray) -> list[np.ndarray]:
 
 
 def _tension(g: Group) -> np.ndarray:
-    """Of every line of a group [N]."""
+    """Tension of every line of a group [N]."""
     force = g.output["force"]
     if g.joins_several and force.ndim == 1:
         return np.repeat(force, g.parameters["count"] - 1)
@@ -357,7 +357,7 @@ def _split(field: str, components: int) -> tuple[str, ...]:
 
 
 def _split_values(found: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """The same of values, (m, 3) for a tensor."""
+    """Components (m, 3) of the values of a tensor; the values themselves of other fields."""
     return {
         whole: values if values.ndim == 1 else values[:, k]
         for field, values in found.items()

@@ -260,7 +260,7 @@ def balance(engine: Engine) -> float:
 
 
 def provenance(deck: Deck, engine: Engine) -> Json:
-    """Where results come from, as their files keep it."""
+    """The provenance of results: deck, versions, host, as result files keep it."""
     report = deck.output.report
     return {
         "title": deck.title,

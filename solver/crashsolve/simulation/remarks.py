@@ -132,7 +132,7 @@ def read_beyond(engine: Engine) -> list[str]:
 
 
 def hourglass_share(engine: Engine) -> list[str]:
-    """That modes without stiffness of their own hold more than a twentieth of internal energy."""
+    """Warning that hourglass modes have more than a twentieth of the internal energy."""
     at_most = float(engine.ledger[HOURGLASS])
     internal = float(engine.ledger[INTERNAL])
     if at_most <= MUCH_HOURGLASS * internal or internal <= STORED * float(engine.ledger[LARGEST]):

@@ -28,7 +28,7 @@ FREE = f"{', '.join(FREE_CARDS)} and of control {', '.join(FREE_CONTROL)}"
 
 
 def differing(old: str, new: str) -> list[tuple[str, bool]]:
-    """Where two decks (Deck.text) differ: name of a field, and whether the State is bound to it."""
+    """Fields in which two decks (Deck.text) differ, and whether the State depends on each."""
     if old == new:
         return []
     decks = [yaml.load(text, yaml.CSafeLoader) for text in (old, new)]

@@ -286,7 +286,7 @@ class Run:
         return self.estimating.judge(history, cycles, self.account.spent(), missed, mass)
 
     def _start_anew(self) -> None:
-        """The same deck from its start, with the steps that the estimates ask for."""
+        """Run the deck again from its start, with the steps that the estimates ask for."""
         assert self.estimating is not None
         self._take_up(engine_of(self.deck, *build(self.deck), self.engine.program))
         self.account.phases = None
@@ -409,7 +409,7 @@ class Run:
         self._dump_or_stop()
 
     def _obey_at_once(self) -> None:
-        """The same between two samples; pictures, and what was asked with them, wait for one."""
+        """Act on requests between two samples; those for pictures wait for the next sample."""
         self.account.keep_alive()
         self.requests.read()
         if "states" not in self.requests.words:

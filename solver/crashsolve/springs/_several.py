@@ -75,7 +75,7 @@ def start_length(columns: Columns, scene: Scene) -> float:
 
 
 class Span(NamedTuple):
-    """From a point of the line to one of its neighbours."""
+    """The line from one point to one of its neighbours."""
 
     u: Vector  # unit vector there; nothing where both meet
     length: float  # [m]
@@ -103,7 +103,7 @@ def span(p, j, k, nodes):
 
 @kernel
 def length_and_rate(p, nodes):
-    """Of the whole line [m, m/s]."""
+    """Length of the whole line and its rate [m, m/s]."""
     length, rate = 0.0, 0.0
     for j in range(p.count - 1):
         piece = span(p, j, j + 1, nodes)

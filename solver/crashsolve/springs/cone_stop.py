@@ -168,7 +168,7 @@ def _check_start(card: ConeStop, scene: Scene, p: Columns) -> None:
 
 
 class Swing(NamedTuple):
-    """Where the pointer is in the cone."""
+    """Direction of the pointer in the cone."""
 
     theta: float  # angle from the axis [rad]
     phi: float  # azimuth [rad]

@@ -307,8 +307,9 @@ def report(p: Parameters, nodes, seen):
 
 @kernel
 def tangent(p: Parameters, state: History, nodes, curves, rows, first):
-    """Of the forces by positions and velocities, but for the rotation of the forces. Writes:
-    rows.
+    """Tangent of the forces by positions and velocities, without the rotation of the forces.
+
+    Writes: rows.
     """
     seen = seen_by(p, nodes)
     u, theta, u_dot, theta_dot = seen.u, seen.theta, seen.u_dot, seen.theta_dot

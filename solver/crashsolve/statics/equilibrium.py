@@ -208,7 +208,7 @@ class StaticEngine(Engine):
         return [array.copy() for array in self._changing_arrays()]
 
     def restore_state(self, saved: list[np.ndarray]) -> None:
-        """As before a load step. Writes: the State."""
+        """Restore the state before a load step. Writes: the State."""
         for array, old in zip(self._changing_arrays(), saved, strict=True):
             array[...] = old
 
@@ -388,7 +388,7 @@ class StaticEngine(Engine):
         return self.elastic_tangent(time, g, D) + self.condense(elastic - stiff, D)
 
     def elastic_tangent(self, time: float, g: np.ndarray, D: np.ndarray) -> np.ndarray:
-        """The same while no hinge yields that has straight branches."""
+        """The derivative (6 n, 6 n) with elastic hinges, but for those that yield on an ellipse."""
         current, still = int(self.clock.current), self.state.nodes
         with self.yielding.elastic_hinges(current):
             nodes, columns = still.copy(), self.condense(self._beams(), D)

@@ -64,7 +64,7 @@ class Loading:
         return f"t = {moment:.6g} s"
 
     def set_time(self, moment: float) -> None:
-        """Let all act as at a moment. Writes: parameters.
+        """Set the parameters of loads and drivers to a moment. Writes: parameters.
 
         Raises SolverError for a curve that is read outside its range.
         """

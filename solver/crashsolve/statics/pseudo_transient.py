@@ -207,7 +207,9 @@ class RestEngine(StaticEngine):
         return self.name_of(node) if count > 0 else ""
 
     def _unstable_bodies(self, now: float) -> str:
-        """The same of bodies alone, with elements at rest, including geometric stiffness."""
+        """Name of the body that leaves the equilibrium, with elements at rest; empty where none
+        does.
+        """
         theirs = (
             set(self.model.elements.attached_points["node"].tolist())
             if self.model.elements

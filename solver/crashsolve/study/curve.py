@@ -42,7 +42,7 @@ class Refinement:
 
     @property
     def name(self) -> str:
-        """As people read it."""
+        """Name for tables and plots."""
         meshes = f"meshes x{self.curves[0].series.mesh} to x{self.curves[-1].series.mesh}"
         return f"{self.curves[0].series._replace(mesh=1).name}, {meshes}"
 

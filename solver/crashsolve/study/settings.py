@@ -44,7 +44,7 @@ class Series(NamedTuple):
 
     @property
     def name(self) -> str:
-        """As people read it."""
+        """Name for tables and plots."""
         mesh = f"mesh x{self.mesh}" if self.mesh > 1 else ""
         return ", ".join(filter(None, (self.method, mesh, self.description)))
 
@@ -63,7 +63,7 @@ class Setting:
 
     @property
     def name(self) -> str:
-        """As people read it."""
+        """Name for tables and plots."""
         return f"{self.series.name} {self.label}"
 
     @property

@@ -46,7 +46,7 @@ def _remark(trial: Trial) -> str:
 
 
 def csv_text(trials: Sequence[Trial], findings: Sequence[Finding]) -> str:
-    """The same with all digits; a value that does not exist is an empty cell."""
+    """The table as CSV with all digits; a value that does not exist is an empty cell."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     header = ["integrator", "mesh", "deformation", "setting"]

@@ -61,7 +61,7 @@ class Run:
 
     @property
     def name(self) -> str:
-        """As people read it, and as its folder is called."""
+        """Name of the run and of its folder."""
         return f"{self.number:04d}"
 
     def folder(self, sweep: Path) -> Path:
@@ -69,7 +69,7 @@ class Run:
         return sweep / "runs" / self.name
 
     def reported(self) -> str:
-        """Its values, for messages."""
+        """Values of the run, for messages."""
         return ", ".join(f"{name} = {text}" for name, text in self.values.items())
 
 

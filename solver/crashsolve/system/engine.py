@@ -104,7 +104,7 @@ class Engine:
 
     @property
     def addresses(self) -> tuple[int, int, int] | None:
-        """Where the compiled step is, its tables at present, and those of a sample.
+        """Addresses of the compiled step, of its present tables, and of those of a sample.
 
         None where it is no function of one thread that code without checks may call.
         """

@@ -64,7 +64,7 @@ def drift(nodes, h):
 
 @inlined
 def drift_body(b, h):
-    """The same of one body. Writes: b.r, q, A."""
+    """Move one body by its momentum at half step. Writes: b.r, q, A."""
     put(b.r, add_scaled(vec(b.start_r), h, vec(b.v_half)))
     if b.L_half[0] == 0.0 and b.L_half[1] == 0.0 and b.L_half[2] == 0.0:
         # what does not rotate keeps its configuration to the bit

@@ -16,7 +16,7 @@ from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, put, s
 
 @kernel
 def unit_normal(a, b, c, d):
-    """Of the diagonals between four points."""
+    """Unit normal of the diagonals between four points."""
     n = cross(sub(vec(c.r), vec(a.r)), sub(vec(d.r), vec(b.r)))
     return scale(1.0 / norm(n), n)
 

@@ -195,7 +195,7 @@ def tyre_columns(card: TyreCard, scene: Scene) -> Columns:
 
 
 class Patch(NamedTuple):
-    """Where a wheel touches a road, and how it moves there; world components."""
+    """Contact of a wheel with a road: point, axes and velocity; world components."""
 
     depth: float  # delta [m]
     n: Vector  # normal of the road

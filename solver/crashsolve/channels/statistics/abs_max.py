@@ -7,12 +7,12 @@ from crashsolve.channels.statistics._top import isolated, magnitude, top
 
 
 def value(series: Series) -> float:
-    """Of the samples."""
+    """The largest magnitude of the samples."""
     return float(np.max(np.abs(series.values)))
 
 
 def refined(series: Series) -> float:
-    """Of the parabola through the greatest magnitude and its neighbours."""
+    """The largest magnitude, by the parabola through the largest sample and its neighbours."""
     return top(magnitude(series))[0]
 
 

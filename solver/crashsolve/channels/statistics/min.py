@@ -7,12 +7,12 @@ from crashsolve.channels.statistics._top import isolated, negative, top
 
 
 def value(series: Series) -> float:
-    """Of the samples."""
+    """The smallest of the samples."""
     return float(np.min(series.values))
 
 
 def refined(series: Series) -> float:
-    """Of the parabola through the least sample and its neighbours."""
+    """The minimum of the parabola through the smallest sample and its neighbours."""
     return -top(negative(series))[0]
 
 

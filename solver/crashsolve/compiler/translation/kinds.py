@@ -145,7 +145,7 @@ class Value:
 
     @property
     def items(self) -> list["Value"]:
-        """Those of a tuple. Raises Untranslatable."""
+        """The values in a tuple. Raises Untranslatable."""
         if not isinstance(self.kind, Tuple):
             raise Untranslatable("this is no tuple")
         found, at = [], 0

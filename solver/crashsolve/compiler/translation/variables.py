@@ -6,14 +6,14 @@ from crashsolve.compiler.translation.kinds import Kind, Value, unify
 
 
 class Lost(Kind):
-    """Of a variable that is of one kind or another."""
+    """Value of a variable that has different kinds on different branches."""
 
 
 LOST = Lost()
 
 
 class Unset(Kind):
-    """Of a variable that has a value on some branches only."""
+    """Value of a variable that is set on some branches only."""
 
 
 UNSET = Unset()
@@ -21,7 +21,7 @@ UNSET = Unset()
 
 @dataclass(frozen=True)
 class Slots:
-    """Where a variable lies."""
+    """Stack slots of a variable."""
 
     kind: Kind
     names: tuple[str, ...]

@@ -82,7 +82,7 @@ def gap(a, b, nodes, data):
 
 @kernel
 def search(a, b, nodes, data):
-    """The same, and how much lower the next top is that has been found [m]."""
+    """Depth, normal and point as of gap, and how much lower the next maximum found is [m]."""
     body_a, body_b = nodes[a.node], nodes[b.node]
     c = sub(world_position(body_a, vec(a.point)), world_position(body_b, vec(b.point)))
     best, n, rival = -1e300, (0.0, 0.0, 1.0), -1e300
@@ -218,7 +218,7 @@ def ascend(a, b, body_a, body_b, c, n):
 
 @kernel
 def between(a, b, body_a, body_b, c, n):
-    """From the farthest point of b along n to that of a against n."""
+    """Vector [m] from the farthest point of b along n to that of a against n."""
     return sub(c, add(reach(a, body_a, n), reach(b, body_b, n)))
 
 

@@ -158,7 +158,7 @@ def gap(a, b, nodes, data):
 
 @kernel
 def search(a, b, nodes, data):
-    """The same, and how much lower the next top is that has been found [m]."""
+    """Depth, normal and point as of gap, and how much lower the next maximum found is [m]."""
     body_a, body_b = nodes[a.node], nodes[b.node]
     centre_a, centre_b = world_position(body_a, vec(a.point)), world_position(body_b, vec(b.point))
     c = sub(centre_a, centre_b)
@@ -303,7 +303,7 @@ def toward(n, c):
 
 @kernel
 def wider_face(a, b, cosines, k):
-    """Of two faces that lie flat on each other that of the larger box, over which both meet."""
+    """The face of the larger box, of two that lie flat on each other."""
     for i in range(3):
         for j in range(3):
             if (k == i or k == 3 + j) and abs(cosines[i][j]) > ALIKE:
@@ -401,7 +401,9 @@ def survey(shape, u, n, s, t):
 
 @kernel
 def around(a, b, u, w, c, n, s, t):
-    """From the farthest point of b along n to that of a against n, and both second derivatives."""
+    """Vector [m] from the farthest point of b along n to that of a against n, and the second
+    derivatives of both.
+    """
     x_a, bend_a = survey(a, u, n, s, t)
     x_b, bend_b = survey(b, w, n, s, t)
     return sub(c, add(x_a, x_b)), add(bend_a, bend_b)

@@ -89,7 +89,7 @@ def descend(s, far, a, b, c, d):
 
 @kernel
 def shrink(s, x):
-    """Where the ellipsoid is the unit sphere."""
+    """Coordinates in which the ellipsoid is the unit sphere."""
     return x[0] / s[0], x[1] / s[1], x[2] / s[2]
 
 

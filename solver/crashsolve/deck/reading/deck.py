@@ -101,7 +101,7 @@ class Deck:
         return cores_given()
 
     def unshared(self) -> DeckError:
-        """That threads have nothing to share."""
+        """The error for control.threads where there is nothing to share."""
         return placed(self.control_item, UNSHARED)
 
     def expectations(self) -> list[dict[str, Any]]:

@@ -43,7 +43,7 @@ class Item(NamedTuple):
 
     @property
     def what(self) -> str:
-        """The same without what it is made of."""
+        """The item without that which owns it: spring 'buffer_left'."""
         if self.keyword in LISTS:
             return f"{self.keyword} {self.name}"
         return f"{_NAMED[self.keyword]} '{self.name}'" if self.name else self.keyword

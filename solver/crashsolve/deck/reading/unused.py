@@ -110,7 +110,7 @@ def _refusal(given: str, card: str, message: str, advice: str) -> DeckError:
 
 
 def _locations(value: object, at: Position) -> Iterator[Position]:
-    """Of a value and of all that is in it."""
+    """The locations of a value and of all values within it."""
     yield at
     if isinstance(value, Table):
         for key, part in value.items():

@@ -53,7 +53,7 @@ def deformation(p, a, b, R, v, w):
 
 @kernel
 def act(p, out, a, b, frame, strained, load):
-    """A force f [N] and moments m [N m], which belong to u and theta, on both nodes.
+    """Apply the force f [N] and moments m [N m] conjugate to u and theta to both nodes.
 
     `frame`: R, v and w of corotational.py; `strained` is what deformation() returns; `load`: f, m
     and the viscosity of the stretch [N s/m]. Returns by how much the element is stiffer than a
@@ -95,7 +95,7 @@ def drag(p, out, nodes):
 
 @kernel
 def answer(stiffness, damping, x, x_dot):
-    """Force K (x + beta x_dot), stored energy and power lost."""
+    """Force K (x + beta x_dot), stored energy [J] and power lost [W]."""
     k = vec(stiffness)
     f = (k[0] * x[0], k[1] * x[1], k[2] * x[2])
     lag = (damping * k[0] * x_dot[0], damping * k[1] * x_dot[1], damping * k[2] * x_dot[2])
@@ -104,7 +104,8 @@ def answer(stiffness, damping, x, x_dot):
 
 @kernel
 def add_bounds(p, body, rate, bow, taut, viscosity):
-    """Report an element, of its bow over E A / l, and of its tension to the step control.
+    """Report the squared frequency of an element, with those of its bow and its tension, to the
+    step control.
 
     Writes: body.
     """

@@ -30,7 +30,7 @@ SMALL = 1e-8
 
 @kernel
 def bend_blocks(p, section, a, b, frame, strained, slot, blocks):
-    """Less the derivatives by every motion of both ends. Writes: blocks.
+    """Subtract the derivatives of the forces by every motion of both ends. Writes: blocks.
 
     `section` is what yields, or None; `frame`: R, v and w of corotational.py; `strained` is what
     element.deformation states.

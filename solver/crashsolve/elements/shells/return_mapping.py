@@ -178,7 +178,7 @@ def step_to_root(g, s1, s2, flow, rise, c1, c2):
 
 @inlined
 def step_at(u, s, flow, rise, c):
-    """The same by u: 1 + c1 g, 1 + c2 g and 1 - rise g.
+    """The step from u = (1 + c1 g, 1 + c2 g, 1 - rise g).
 
     With N that of Newton it is N (1 - b) / (1 - 2 b + b t): b and t from the second and third
     derivatives, multiplied out so that there is one division.

@@ -98,7 +98,7 @@ def factorise(saddle, rows, nodes):
 
 @inlined
 def put_mass(x, body):
-    """Less the lower triangle of the mass matrix of a hub, world axes. Writes: x."""
+    """Subtract the lower triangle of the mass matrix of a hub, world axes. Writes: x."""
     W = body.W
     m = 1.0 / body.mass_inv
     x[0] = x[7] = x[14] = -m

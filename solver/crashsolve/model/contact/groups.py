@@ -150,7 +150,7 @@ class ContactGroup(Touching):
         return self.search.slack if self.search else None
 
     def tables(self) -> dict[str, np.ndarray]:
-        """Its arrays in the composed step."""
+        """Arrays of the group in the composed step."""
         return present_tables(self)
 
 
@@ -211,7 +211,7 @@ class NodalGroup(Touching):
         return (*self.arrays, "data")
 
     def tables(self) -> dict[str, np.ndarray]:
-        """Its arrays in the composed step."""
+        """Arrays of the group in the composed step."""
         return self.arrays
 
     def changing(self) -> dict[str, np.ndarray]:

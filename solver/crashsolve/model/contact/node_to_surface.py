@@ -387,7 +387,7 @@ class NodalBuilder:
         return {"ellipsoids": table_of(a.elements, record), "balls": probes.rows.copy()}
 
     def _positions(self, part: str, meshed: DiscretisedShell) -> dict[str, int]:
-        """Where the tables hold quadrilaterals and triangles."""
+        """Positions of quadrilaterals and triangles in the tables."""
         filled, first = -(-meshed.quad_count // LANES), self.scene.first_number(part)
         stride = meshed.stride_of(meshed.points)
         return {

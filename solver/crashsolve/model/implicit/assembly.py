@@ -108,7 +108,7 @@ def pairs_of(own: np.ndarray) -> list[tuple[int, int]]:
 
 
 def address(pair: tuple[int, int], found: dict[tuple[int, int], int]) -> int:
-    """Where K of two bodies goes: twice the number of their block, and 1 for its other side.
+    """Address of K of two bodies: twice the number of their block, plus 1 for its other side.
 
     Rows are those of the first; -1 where one of them does not move.
     """

@@ -33,7 +33,9 @@ def contact_warnings(model: Model, state: State, ledger: np.ndarray) -> list[str
 
 
 def lacks(now: np.void, out: np.void) -> list[tuple[str, float, float]]:
-    """Of normal force and friction of a card: what it is, its lack [J], the most it handled [J]."""
+    """For normal force and friction of a card: its name, missing energy [J] and largest energy
+    exchanged [J].
+    """
     pushed = now["held"] + out["dissipated"] + now["work"] - now["held_first"]
     friction_loss = now["bristled"] + out["friction_dissipated"] + now["friction_work"]
     return [

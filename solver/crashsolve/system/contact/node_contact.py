@@ -222,13 +222,15 @@ def give(b, n):
 
 @kernel
 def predicts(b, n):
-    """The same of points whose velocity is predicted: not of those that ride on bodies."""
+    """Acceleration of a point over a force on it [1/kg] where its velocity is predicted; 0 of
+    points attached to bodies.
+    """
     return give(b, n) if b.held < ATTACHED else 0.0
 
 
 @kernel
 def probe_predicts(probe, hit, points):
-    """The same of a probe."""
+    """Acceleration of a probe over a force on it [1/kg] where its velocity is predicted."""
     return predicts(points[probe.point], vec(hit.normal)) if probe.point >= 0 else 0.0
 
 
@@ -300,7 +302,10 @@ def count(i, share, k, c, scene):
 
 @kernel
 def load(i, w, k, c, scene):
-    """The same for an acceleration w over the force [1/kg]. Writes: scene.stiffened, touched."""
+    """Report a contact on a point of mobility w [1/kg] to the step control.
+
+    Writes: scene.stiffened, touched.
+    """
     total, at = scene.touched[0], scene.stiffened[i]
     if at.listed == 0:
         scene.touched_points[total.count] = i

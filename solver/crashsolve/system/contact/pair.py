@@ -39,7 +39,7 @@ class Totals(NamedTuple):
 
 
 class Meeting(NamedTuple):
-    """Where the elements meet, and how a has moved over b in the step."""
+    """Point of contact of two elements, and the slip of a over b in the step."""
 
     depth: float  # [m]
     n: Vector  # unit normal out of b

@@ -60,7 +60,7 @@ def moves(b, d, f):
 
 @kernel
 def probe_predicts(probe, d, old, points):
-    """The same of a probe by the friction of the last step."""
+    """Acceleration over the last friction force that the velocity of a probe predicts [1/kg]."""
     if probe.point < 0:
         return 0.0, 0.0, 0.0
     return moves(points[probe.point], d, vec(old.friction_force))

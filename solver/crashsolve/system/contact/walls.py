@@ -113,7 +113,7 @@ def separation_of(p, one, two):
 
 @kernel
 def separation_between(p, distance, n, other):
-    """The same of a wall with this distance and normal, and another."""
+    """Separation, 0 to 1, of a wall with this distance and normal from another."""
     cosine = dot(n, vec(other.normal))
     low, high = min(distance, other.distance), max(distance, other.distance)
     return min(max((low - high * cosine) / (FAR * p.gap), 0.0), 1.0)

@@ -87,7 +87,7 @@ def sum_rates(stages, n, A, i, h):
 
 @inlined
 def add_rates(r, g, v, w, t, s):
-    """Those changes with a time t at the rates of stage s."""
+    """Add the changes over a time t at the rates of stage s."""
     return (
         add_scaled(r, t, vec(s.rate_r)),
         add_scaled(g, t, vec(s.rate_rotation)),

@@ -24,7 +24,9 @@ from crashsolve.system.implicit.collocation import start_spin
 
 @kernel
 def alpha_weights(rho, h):
-    """Of v_dot_1 and v_dot_0 and a_0 in a_1; steps of velocity and displacement by v_dot_1."""
+    """Weights of v_dot_1, v_dot_0 and a_0 in a_1; derivatives of velocity and displacement by
+    v_dot_1.
+    """
     a_m, a_f = (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
     gamma = 0.5 + a_f - a_m
     beta = 0.25 * (gamma + 0.5) ** 2

@@ -168,7 +168,10 @@ def project_estimate(errors, k, nodes, rows, saddle):
 
 @kernel
 def project_pair(errors, k, rows, saddle, of_positions):
-    """The same of positions and rotations, or of velocities and spins. Writes: errors, rows."""
+    """Project the estimate of positions and rotations, or of velocities and spins:
+
+    D e = 0. Writes: errors, rows.
+    """
     for i in range(rows.shape[0]):
         row = rows[i]
         x_a, y_a = pair_of(errors[k, row.node_a], of_positions)

@@ -45,7 +45,7 @@ def gaps_of(group, piece, current, nodes, floor, deepest, scene):
 
 @stage
 def apart_before(group, piece, current, deepest, scene):
-    """The same at the start of the step [m]."""
+    """The largest depth at the start of the step [m]."""
     history = group.history
     first, end = ends_of(group, piece, history.shape[1], scene)
     for i in range(first, end):

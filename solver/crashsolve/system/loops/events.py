@@ -26,7 +26,7 @@ def approach(clock, nodes, scene, floor):
 
 @kernel
 def approach_before(clock, scene):
-    """The same at the start of the step [m]."""
+    """The largest depth at the start of the step [m], of what did not touch."""
     deepest = -1e300
     for group in CONTACTS:
         if group.in_pieces:

@@ -130,7 +130,8 @@ def shears_transposed(V, Q, flat, hourglass):
 
 @inlined
 def hourglass_stiffness(flat, area, E, G, nu, t):
-    """Of the plane: xx, yy, xy times E t; and of the change of transverse shear along a and b.
+    """Hourglass stiffness of the plane: xx, yy, xy times E t; and of the change of transverse shear
+    along a and b.
 
     The integrals of the slopes of xi eta over the element, with the strains of pure bending.
     """
@@ -155,7 +156,8 @@ def larger_eigenvalue(a, b, c):
 
 @inlined
 def rotation_bound(largest, both, skew, a_b, bending, rotation, nu):
-    """Of transverse shear in the middle, and of its change with bending; a skew element has both.
+    """Bounds of squared frequency of transverse shear in the middle, and of its change with
+    bending; a skew element has both.
 
     Rows of the shear in the middle share at most the root of `shared` with those of the rest.
     """

@@ -50,7 +50,7 @@ def clear_tangent(base, at):
 
 @kernel
 def layers_of_one_point(first, h, p, scene, material):
-    """The same for the elements of a block with one point in their plane.
+    """Stresses and tangent of the layers of elements with one point in their plane.
 
     Writes: scene.lanes, work, seen.
     """

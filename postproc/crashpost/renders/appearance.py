@@ -1,4 +1,4 @@
-"""What of a run is to be seen, and how: the words of `crashpost render --help`."""
+"""What of a run is drawn, and how: the options of `crashpost render`."""
 
 from dataclasses import dataclass
 
@@ -6,8 +6,8 @@ from crashpost.renders.section_lines import Section
 
 
 @dataclass(frozen=True)
-class Look:
-    """Of bodies and parts `show`; all where it is empty."""
+class Appearance:
+    """What is drawn, and how: bodies and parts `show`, all where it is empty."""
 
     show: tuple[str, ...] = ()
     color: str = ""
