@@ -151,7 +151,7 @@ class Scene:
         return points
 
     def position(self, number: float, name: str) -> np.ndarray:
-        """Position (3,) of a body or part at a state: its mass centre, or the mean of its points."""
+        """Position (3,) of a body or part at a state: mass centre, or mean of its points."""
         states = self.states
         if name in states.names["bodies"][1:]:
             row = states.names["bodies"].index(name) - 1
