@@ -43,13 +43,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return REFUSED
     except BrokenPipeError:
         # the reader, such as `head`, has seen enough
-        _give_up_output()
+        _discard_output()
         return 0
     except OSError as error:
         # files are answered for where they are opened: what is left is standard output
         if error.filename is not None:
             raise
-        _give_up_output()
+        _discard_output()
         print(f"crashpost: error: standard output: {error.strerror}", file=sys.stderr)
         return REFUSED
     except KeyboardInterrupt:
@@ -57,7 +57,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return REFUSED
 
 
-def _give_up_output() -> None:
+def _discard_output() -> None:
     """Send what is left to flush nowhere: no error at exit."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 

@@ -16,7 +16,7 @@ from command import arguments, crashsolve, environment, start
 
 from crashpost.results.status import read_status
 from crashsolve.deck.reading.deck import read_deck
-from crashsolve.foundation.streams import lost, say
+from crashsolve.foundation.streams import lost, print_line
 from crashsolve.output.errors import OutputError
 from crashsolve.output.lock import Lock
 from crashsolve.output.log import STOPPED, Log
@@ -179,7 +179,7 @@ def test_standard_output_that_is_full_before_there_is_a_log_is_said_in_it(
     """On a busy machine the first words come before the log: that the deck is being read."""
     with open("/dev/full", "w") as full:
         monkeypatch.setattr(sys, "stdout", full)
-        say("reading the deck")
+        print_line("reading the deck")
         Log(tmp_path / "log.txt").line("goes on")
     assert "warning: standard output: No space left" in (tmp_path / "log.txt").read_text("utf-8")
     assert not lost

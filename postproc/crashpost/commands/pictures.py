@@ -181,8 +181,8 @@ def _scene(result: "Result", appearance: Json) -> tuple[list[str], Json]:
     from crashpost.reports import views
     from crashpost.results.states import States
 
-    asked = views.scenes_of(result.stored_json("report", dict))
-    scene = asked[0] if asked else views.default_scene(result, States(result.folder))
+    requested = views.scenes_of(result.stored_json("report", dict))
+    scene = requested[0] if requested else views.default_scene(result, States(result.folder))
     return [str(word) for word in scene.get("at", [])], appearance | views.appearance(scene)
 
 

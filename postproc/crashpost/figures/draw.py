@@ -118,7 +118,7 @@ def _legend_lines(figure: Figure) -> int:
     return 1 + (entries + 1) // 2 + figure.title.count("\n") + len(figure.title) // LINE
 
 
-def says_the_title(labels: Sequence[str], title: str) -> bool:
+def repeats_title(labels: Sequence[str], title: str) -> bool:
     """Whether a legend would only repeat words of the title."""
     return len(labels) == 1 and labels[0].lower() in title.lower()
 
@@ -126,7 +126,7 @@ def says_the_title(labels: Sequence[str], title: str) -> bool:
 def _add_legend(panel: Axes, title: str) -> None:
     """The title with the legend below it, above a panel; no legend of a single line."""
     handles, names = panel.get_legend_handles_labels()
-    if says_the_title(names, title):
+    if repeats_title(names, title):
         handles, names = [], []
     columns = 2 if all(len(name) <= HALF_LINE for name in names) else 1
     legend = panel.legend(

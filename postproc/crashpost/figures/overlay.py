@@ -16,7 +16,7 @@ from crashpost.results.text import printable
 # of a legend: more differences are shown by folders
 MOST_DIFFERENCES = 3
 # of the decks, what changes no physics
-IDLE = ("title", "output", "expect", "watch", "parameters")
+INEFFECTIVE = ("title", "output", "expect", "watch", "parameters")
 
 
 def names(results: Sequence[Result]) -> list[str]:
@@ -62,7 +62,9 @@ def _decks(results: Sequence[Result]) -> list[Json]:
             raise PostError(f"{result.file}: the stored deck cannot be read ({error})") from error
         leaves: Json = {}
         if isinstance(tree, dict):
-            _collect({key: part for key, part in tree.items() if key not in IDLE}, "", leaves)
+            _collect(
+                {key: part for key, part in tree.items() if key not in INEFFECTIVE}, "", leaves
+            )
         found.append(leaves)
     return found
 

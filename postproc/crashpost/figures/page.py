@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from html import escape
 
-from crashpost.figures.draw import Key, says_the_title
+from crashpost.figures.draw import Key, repeats_title
 from crashpost.figures.style import CSS
 
 # words of verdicts
@@ -77,7 +77,7 @@ def details(title: str, content: str, *, unfolded: bool = False) -> str:
 
 def figure(title: str, drawing: str, keys: Sequence[Key], below: str) -> str:
     """A drawing with its title and legend above and its comparison below."""
-    keys = [] if says_the_title([key.label for key in keys], title) else keys
+    keys = [] if repeats_title([key.label for key in keys], title) else keys
     items = "".join(f"<li>{_swatch(key)}{escape(key.label)}</li>" for key in keys)
     legend = f'<ul class="legend">{items}</ul>' if items else ""
     above = f"<figcaption><h3>{escape(title)}</h3>{legend}</figcaption>"

@@ -19,7 +19,7 @@ from crashpost.values.measured import Measurement
 from crashpost.values.units import Units, on_page, page_time_unit
 from crashsolve.channels.display import factor, is_convertible
 from crashsolve.channels.series import Series
-from crashsolve.channels.statistic import is_a_time, is_of_a_moment, moment_asked
+from crashsolve.channels.statistic import is_a_time, is_of_a_moment, requested_moment
 
 
 @dataclass(frozen=True)
@@ -65,11 +65,11 @@ def _longest(results: Sequence[Result]) -> Result:
     return max(results, key=lambda r: float(np.max(np.abs(r.time), initial=0.0)))
 
 
-def _chosen(results: Sequence[Result], asked: Sequence[str]) -> dict[Choice, list[int]]:
+def _chosen(results: Sequence[Result], requested: Sequence[str]) -> dict[Choice, list[int]]:
     """The channels, each with the numbers of the results that have it; raises PostError."""
     found: dict[Choice, list[int]] = {}
     problems: list[PostError] = []
-    for word in asked:
+    for word in requested:
         fitting = 0
         for run, result in enumerate(results):
             try:
@@ -145,15 +145,15 @@ def _panel(
     x_unit = request.units.wanted(request.against, first.series(request.against).unit) or AUTO
     if request.against == "time":
         x_unit = page_time_unit(_longest(results), [], request.units)
-    asked = [choice for choice in chosen if choice.statistic and choice.channel in group]
+    requested = [choice for choice in chosen if choice.statistic and choice.channel in group]
     marks = list[Reference]()
-    if asked:
+    if requested:
         # marks are in the units of the axes, which must be known
         y_unit = axis_unit(
             [results[r].series(c) for c, runs in group.items() for r in runs], y_unit
         )
         x_unit = axis_unit([result.series(request.against) for result in results], x_unit)
-        for choice in asked:
+        for choice in requested:
             for run in chosen[choice]:
                 name = names[run] if len(results) > 1 else ""
                 marks.append(_mark(results[run], choice, request.against, (x_unit, y_unit), name))
@@ -189,7 +189,7 @@ def _mark(
     message = f"{word} {found.value:.5g} {found.unit}".rstrip() + (f", {name}" if name else "")
     if is_value and not is_of_a_moment(word):
         return Reference(message, value=found.value)
-    moment = result.value(channel, word) if is_a_time(word) else moment_asked(word)
+    moment = result.value(channel, word) if is_a_time(word) else requested_moment(word)
     moment = float(series.time[-1]) if moment is None else moment
     at = f"at:{moment!r}"
     x, y = answer(result, against, at, None, units[0]), answer(result, channel, at, None, units[1])

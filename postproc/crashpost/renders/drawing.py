@@ -328,8 +328,8 @@ class Scene:
         block = self.states.blocks[name]
         if name == "ground":
             points = self._spread(points)
-        asked = self._cells_shown(name)
-        shown = asked & self.states.visible(int(number), name)
+        requested = self._cells_shown(name)
+        shown = requested & self.states.visible(int(number), name)
         values = None if name == "ground" else self.values(number, name)
         palette, which = [GREY], np.zeros(block.n_cells, int)
         if name == "ground":
@@ -350,12 +350,12 @@ class Scene:
             edges, rows = self._borders(name)
             # as many lines at each state: those of deleted elements have no length
             ends = points[np.where(shown[rows][:, None], edges, edges[:, :1])]
-            if asked[rows].any():
+            if requested[rows].any():
                 drawing.lines.append(Lines(ends, LINE, 1.0))
         for rows, corners in block.cells:
             kept = shown[rows]
             # as many surfaces at each state, also where one has lost all of its elements
-            if asked[rows].any() and corners.shape[1] in (3, 4):
+            if requested[rows].any() and corners.shape[1] in (3, 4):
                 own = None if values is None else values[rows][kept]
                 is_fine = name.startswith("part_")
                 drawing.surfaces.append(

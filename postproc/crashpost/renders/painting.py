@@ -71,7 +71,7 @@ class Task:
 
 
 def make(
-    folder: Path, tasks: Sequence[Task], progress: Progress, say: Callable[[str], None]
+    folder: Path, tasks: Sequence[Task], progress: Progress, print_line: Callable[[str], None]
 ) -> bool:
     """Make all; whether the pictures are those of pyvista. Raises PostError.
 
@@ -88,7 +88,7 @@ def make(
     reason = _in_child(folder, tasks, progress)
     if not reason:
         return True
-    say(reason)
+    print_line(reason)
     from crashpost.renders.paint_plain import Painter
 
     for task in tasks:

@@ -53,9 +53,9 @@ class _Report:
     def __init__(self, result: Result, pictures: str, units: Units) -> None:
         self.result, self.pictures, self.units = result, pictures, units
         self.described = result.stored_json("report", dict)
-        asked = figures_of(self.described) if (self.described or {}).get("figures") else []
-        self.chosen = asked or gallery.default_figures(result)
-        self.time_unit = page_time_unit(result, asked, units)
+        requested = figures_of(self.described) if (self.described or {}).get("figures") else []
+        self.chosen = requested or gallery.default_figures(result)
+        self.time_unit = page_time_unit(result, requested, units)
         self.energy = gallery.energy_figures(result)
         self.momentum = gallery.momentum_figures(result)
         shown = [*self.chosen, *self.energy, *self.momentum]

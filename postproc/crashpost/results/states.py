@@ -58,7 +58,7 @@ class States:
             self.sections = sections_of(json.loads(file.attrs.get("sections", "[]")))
             self.up = vertical_of(json.loads(file.attrs.get("up", "[0, 0, 1]")))
             self.blocks = {name: self._block(name, file[name]) for name in file}
-            self._name_what_is_without()
+            self._name_blocks()
             check_numbers(self.blocks, self.names, len(self.sections))
         self.times = np.array([self._time(path) for path in self.files])
 
@@ -100,7 +100,7 @@ class States:
         count = self.blocks[block].n_cells
         return np.ones(count, bool) if ghost is None else (ghost.astype(int) & HIDDEN) == 0
 
-    def _name_what_is_without(self) -> None:
+    def _name_blocks(self) -> None:
         """Version 2 knows no names: bodies are numbers there, parts those of the blocks."""
         centres, names = self.blocks.get("mass_centres"), self.names
         if centres is not None and not names["bodies"]:

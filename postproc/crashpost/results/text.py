@@ -26,10 +26,10 @@ def plain_text(path: Path) -> str | None:
 
 def printable(text: str) -> str:
     """One line of a text: what would move the cursor, colour it or begin a line is spelt out."""
-    return _UNPRINTABLE.sub(_spelt, text)
+    return _UNPRINTABLE.sub(_escaped, text)
 
 
-def _spelt(met: re.Match[str]) -> str:
+def _escaped(met: re.Match[str]) -> str:
     return repr(met[0])[1:-1] if ord(met[0]) < 0xA0 else f"\\u{ord(met[0]):04x}"
 
 

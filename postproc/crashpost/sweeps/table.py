@@ -168,17 +168,19 @@ def _measure(row: Row, folder: Path, measures: list[Measure]) -> None:
         return
     remarks = []
     for at, measure in enumerate(measures):
-        asked = measure.question
-        channel, word = str(asked["channel"]), str(asked["statistic"])
-        during = (asked["during"][0], asked["during"][1]) if asked.get("during") else None
+        requested = measure.question
+        channel, word = str(requested["channel"]), str(requested["statistic"])
+        during = (
+            (requested["during"][0], requested["during"][1]) if requested.get("during") else None
+        )
         try:
             found = answer(result, channel, word, during)
-            size = factor(found.unit, asked.get("unit") or found.unit)
+            size = factor(found.unit, requested.get("unit") or found.unit)
         except (PostError, ValueError, LookupError, OverflowError) as error:
             remarks.append(f"{measure.name}: {error}")
             continue
         remarks += [f"{measure.name}: {found.remark}"] if found.remark else []
-        measure.unit = str(asked.get("unit") or found.unit)
+        measure.unit = str(requested.get("unit") or found.unit)
         row.measured[at] = found.value * size
         estimate = error_of(result, channel, word, during)
         row.errors[at] = nan if estimate is None else estimate * size

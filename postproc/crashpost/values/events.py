@@ -131,12 +131,12 @@ def _force_ends(result: Result, family: Family, column: Column | None) -> np.nda
 
 def _starts(result: Result, family: Family, column: Column) -> Iterator[Event]:
     largest = result.extremes(family, column).largest
-    begun = np.full(len(family.ids), -1)
+    started = np.full(len(family.ids), -1)
     for first, values in result.slabs(family, column):
         moved = np.abs(values) > LEAST * largest
-        new = (begun < 0) & moved.any(axis=0)
-        begun[new] = first + moved.argmax(axis=0)[new]
-    for entity, row in zip(family.ids, begun, strict=True):
+        new = (started < 0) & moved.any(axis=0)
+        started[new] = first + moved.argmax(axis=0)[new]
+    for entity, row in zip(family.ids, started, strict=True):
         # what has been so from the start has not happened
         if row > 0:
             yield Event(float(result.time[row]), f"{_name(entity)} {STARTS[column.name]}")

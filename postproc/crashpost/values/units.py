@@ -37,13 +37,13 @@ class Units:
             Product.parse(unit)
         return cls(named, tuple(general))
 
-    def asked(self, channel: str) -> str:
+    def requested(self, channel: str) -> str:
         """The unit asked for a channel by name or pattern; "" where none is."""
         return next((unit for name, unit in self.of_channel.items() if fits(name, channel)), "")
 
     def wanted(self, channel: str, unit: str) -> str:
         """The unit in which to show a channel that has `unit`; "" where any will do."""
-        return self.asked(channel) or next(
+        return self.requested(channel) or next(
             (u for u in self.of_all if unit not in ("", "1") and is_convertible(unit, u)), ""
         )
 
@@ -61,10 +61,10 @@ def fits(name: str, channel: str) -> bool:
 
 def page_time_unit(result: Result, figures: Sequence[Figure], units: Units) -> str:
     """The page's unit of time: the reader's, else that of its first figure, else a fitting one."""
-    asked = units.wanted("time", "s")
+    requested = units.wanted("time", "s")
     stated = [f.x_unit for f in figures if f.x == "time" and f.x_unit not in ("", AUTO)]
     longest = float(np.max(np.abs(result.time), initial=0.0))
-    return asked or (stated[0] if stated else readable("s", longest))
+    return requested or (stated[0] if stated else readable("s", longest))
 
 
 class PageUnits:

@@ -154,7 +154,7 @@ def settle_ring(p, j, old, new, out, curves):
 
 
 @kernel
-def give_out(p, q, old, new, out, curves):
+def pay_out(p, q, old, new, out, curves):
     """Lets q out: how far the force is over that of the spool [N]. Writes: new, out."""
     new.flow[0] = q
     fill_one(p, 0, old, new, out, curves)
@@ -168,16 +168,16 @@ def settle_spool(p, old, new, out, curves):
     low, high = q - 0.99 * new.webbing[0], q + p.total
     if new.mode == PULLING:
         high = 0.0
-        if low > 0.0 or give_out(p, 0.0, old, new, out, curves) >= 0.0:
-            give_out(p, 0.0, old, new, out, curves)
+        if low > 0.0 or pay_out(p, 0.0, old, new, out, curves) >= 0.0:
+            pay_out(p, 0.0, old, new, out, curves)
             return
     if new.mode == LOCKED:
         low = 0.0
-        if give_out(p, 0.0, old, new, out, curves) <= 0.0:
+        if pay_out(p, 0.0, old, new, out, curves) <= 0.0:
             return
     for _ in range(HALVINGS):
         q = 0.5 * (low + high)
-        if give_out(p, q, old, new, out, curves) > 0.0:
+        if pay_out(p, q, old, new, out, curves) > 0.0:
             low = q
         else:
             high = q

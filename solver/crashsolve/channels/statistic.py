@@ -115,7 +115,7 @@ def is_a_time(text: str) -> bool:
     return bool(getattr(_read(text)[0], "IS_A_TIME", False))
 
 
-def moment_asked(text: str) -> float | None:
+def requested_moment(text: str) -> float | None:
     """The time [s] that a statistic such as at:0.25 names; None of others."""
     module, arguments = _read(text)
     return arguments[0] if arguments and is_of_a_moment(text) else None

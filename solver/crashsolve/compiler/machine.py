@@ -22,7 +22,7 @@ from types import ModuleType
 from typing import Any
 
 from crashsolve.compiler.cache import CacheError, cache_folder, locked, read_sealed
-from crashsolve.compiler.pages import give_back_pages
+from crashsolve.compiler.pages import release_pages
 from crashsolve.compiler.table import Tables
 from crashsolve.foundation.errors import CrashsolveError, ExitCode
 
@@ -173,7 +173,7 @@ def _link(names: tuple[str, ...], code: bytes) -> tuple[Function, ...]:
 
 def forget_linker() -> None:
     """Give back what LLVM has touched: its start alone 35 MB, of which loading a step needs 6."""
-    give_back_pages("libllvmlite")
+    release_pages("libllvmlite")
 
 
 def _function(engine: Any, name: str) -> Function:

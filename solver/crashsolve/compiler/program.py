@@ -66,7 +66,7 @@ class Program:
             original = source.functions[name]
             function = Copy(self, source, original, bound).function
             function.name = word
-            if all(map(_is_idle, function.body)):
+            if all(map(_is_ineffective, function.body)):
                 self.empty.add(word)
             else:
                 self._resolve(source, function)
@@ -158,7 +158,7 @@ def read_source(module: str) -> Source:
     return source
 
 
-def _is_idle(node: ast.stmt) -> bool:
+def _is_ineffective(node: ast.stmt) -> bool:
     """Whether a statement does nothing."""
     return isinstance(node, ast.Pass) or (
         isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)

@@ -178,7 +178,9 @@ class Card(BaseModel):
 
     @model_validator(mode="wrap")
     @classmethod
-    def _in_plain_english(cls, value: object, handler: ModelWrapValidatorHandler["Card"]) -> "Card":
+    def _with_plain_messages(
+        cls, value: object, handler: ModelWrapValidatorHandler["Card"]
+    ) -> "Card":
         if cls.shorthand and isinstance(value, str):
             value = {cls.shorthand: value}
         try:

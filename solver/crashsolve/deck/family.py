@@ -198,13 +198,13 @@ def check_arguments(module: Any, wanted: dict[str, Any]) -> None:
     for name, function in wanted.items():
         if not isinstance(getattr(module, name), FunctionType):
             raise FamilyError(f"{module.__name__}: {name} must be a function")
-        asked, given = _arguments(function)[1:], _arguments(getattr(module, name))
-        least = len(asked) - len(function.__defaults__ or ())
+        requested, given = _arguments(function)[1:], _arguments(getattr(module, name))
+        least = len(requested) - len(function.__defaults__ or ())
         # a name that begins with _ is one that the law has no use for
-        if not least <= len(given) <= len(asked) or any(
-            g != a and g[0] != "_" for g, a in zip(given, asked, strict=False)
+        if not least <= len(given) <= len(requested) or any(
+            g != a and g[0] != "_" for g, a in zip(given, requested, strict=False)
         ):
-            message = f"{name}({', '.join(asked)}), not {name}({', '.join(given)})"
+            message = f"{name}({', '.join(requested)}), not {name}({', '.join(given)})"
             raise FamilyError(f"{module.__name__} must provide {message}")
 
 
@@ -300,10 +300,10 @@ def imported(name: str, path: Path) -> Any:
     except CrashsolveError:
         raise
     except Exception as error:
-        raise FamilyError(_what_python_says(error, location, path)) from error
+        raise FamilyError(_import_message(error, location, path)) from error
 
 
-def _what_python_says(error: Exception, location: str, path: Path) -> str:
+def _import_message(error: Exception, location: str, path: Path) -> str:
     """File, line and reason of an error of an import, in one line."""
     trace = traceback.extract_tb(error.__traceback__)
     lines = [step.lineno for step in trace if step.filename == str(path)]

@@ -83,7 +83,7 @@ def coarse_runs(
 def _coarse(deck: Deck, factor: int) -> Deck:
     """The deck on a coarser mesh, with the control and output that it has by now."""
     given = deck.given | coarser(deck, factor)
-    made = read_deck(deck.path, given, refuses_idle=False)
+    made = read_deck(deck.path, given, refuses_ineffective=False)
     if made.written != deck.written:
         raise ValueError("the files of the deck have changed since the run began")
     return replace(

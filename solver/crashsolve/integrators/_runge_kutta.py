@@ -75,7 +75,7 @@ def prepare_sample(until, clock, nodes, rows, saddle, scene):
     """
     time, part = clock.time, 0.0
     if DENSE and until < time:
-        part = go_back(until, clock, nodes, rows, saddle, scene)
+        part = restore_at(until, clock, nodes, rows, saddle, scene)
         time = until
     elif JOINTS:
         residual(clock.current, time, nodes, rows, scene.curves, scene)
@@ -112,7 +112,7 @@ def finish(time, h, sampling, clock, nodes, rows, saddle, scene):
 
 
 @stage
-def go_back(time, clock, nodes, rows, saddle, scene):
+def restore_at(time, clock, nodes, rows, saddle, scene):
     """Copies to a time within the last step, by dense output; what is summed as well.
 
     Returns the time since the start of the step [s]. Writes: clock, nodes, rows, scene.stages, A.

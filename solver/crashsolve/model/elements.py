@@ -60,9 +60,9 @@ def tables_of_elements(groups: list[Group], scene: Scene) -> Elements | None:
             row["first_corner"], row["first_element"] = sum(len(own) for own in corners), count
             row["element_count"] = len(meshed.area)
             corners.append((meshed.corners() + meshed.first).astype(np.int32).ravel())
-            riding = _attached(meshed, scene.part_nodes[name], scene.attached[name], scene)
-            attached_points.append(riding)
-            mass += meshed.mass[own].sum() - meshed.mass[riding["point"] - meshed.first].sum()
+            tied = _attached(meshed, scene.part_nodes[name], scene.attached[name], scene)
+            attached_points.append(tied)
+            mass += meshed.mass[own].sum() - meshed.mass[tied["point"] - meshed.first].sum()
             first += meshed.size
             count += len(meshed.area)
     if not corners:

@@ -8,7 +8,7 @@ from collections import Counter
 from pathlib import Path
 from typing import TextIO
 
-from crashsolve.foundation.streams import give_up, lost, printable
+from crashsolve.foundation.streams import discard_output, lost, printable
 from crashsolve.output.files import reported
 
 NORMAL = "N o r m a l    t e r m i n a t i o n"
@@ -158,7 +158,7 @@ class Log:
             except (OSError, ValueError) as error:
                 stream, self._stream = self._stream, None
                 reason = getattr(error, "strerror", None) or error
-                give_up(stream)
+                discard_output(stream)
                 # a reader such as `head` has seen enough
                 if not isinstance(error, BrokenPipeError):
                     self._warn_of_loss(str(reason))

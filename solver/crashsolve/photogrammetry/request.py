@@ -76,7 +76,7 @@ class Request(Card):
 
 
 @dataclass(frozen=True)
-class Asked:
+class Requested:
     """A request without errors, and where its fields stand."""
 
     path: Path
@@ -89,7 +89,7 @@ class Asked:
         return DeckError(*where, ".".join(field), message, advice)
 
 
-def read_request(path: Path) -> Asked:
+def read_request(path: Path) -> Requested:
     """The request in a file. Raises DeckErrors with all its errors."""
     errors: list[DeckError] = []
     table = read_yaml(path, errors)
@@ -107,4 +107,4 @@ def read_request(path: Path) -> Asked:
         errors.append(DeckError(*where, words, one.message, one.advice))
     if errors:
         raise DeckErrors(sorted(errors, key=lambda one: one.line or 0))
-    return Asked(path, card, table)
+    return Requested(path, card, table)

@@ -14,7 +14,7 @@ MOST_BYTES = 1 << 26
 
 def changing(engine: Engine) -> dict[str, np.ndarray]:
     """Everything that changes during a run, by name, as bytes where an array has columns."""
-    fixed = {name: _plain(array) for name, array in _kept_aside(engine).items()}
+    fixed = {name: _plain(array) for name, array in _constant_arrays(engine).items()}
     lists = [
         {f"pairs/{g.word}": g.parameters, f"history/{g.word}": g.history} for g in _lists(engine)
     ]
@@ -29,7 +29,7 @@ def restore(engine: Engine, arrays: dict[str, np.ndarray]) -> None:
 
     Raises KeyError, ValueError, TypeError or IndexError for arrays of another model.
     """
-    for name, array in _kept_aside(engine).items():
+    for name, array in _constant_arrays(engine).items():
         found = _columns(arrays[name], array.dtype)
         if found.shape != array.shape:
             raise ValueError(f"{name} has the shape {found.shape}, not {array.shape}")
@@ -43,7 +43,7 @@ def restore(engine: Engine, arrays: dict[str, np.ndarray]) -> None:
     engine.bind()
 
 
-def _kept_aside(engine: Engine) -> dict[str, np.ndarray]:
+def _constant_arrays(engine: Engine) -> dict[str, np.ndarray]:
     """Arrays whose size never changes."""
     state, model = engine.state, engine.model
     arrays = {name: getattr(state, name) for name in state.__dataclass_fields__}

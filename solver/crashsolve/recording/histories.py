@@ -230,8 +230,8 @@ class Histories:
         def values(r: np.ndarray, v: np.ndarray) -> np.ndarray:
             return np.concatenate([r, r - start, v], axis=2)
 
-        asked = (lambda: points["r"][numbers], lambda: points["v"][numbers])
-        return [(Family("nodout-shell", tuple(names), tuple(columns)), asked, values)]
+        requested = (lambda: points["r"][numbers], lambda: points["v"][numbers])
+        return [(Family("nodout-shell", tuple(names), tuple(columns)), requested, values)]
 
     def _gauges(self) -> list[Part]:
         """Elements of shells whose history the deck asks for."""

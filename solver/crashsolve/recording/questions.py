@@ -13,7 +13,7 @@ import numpy as np
 from crashsolve.channels.display import is_convertible
 from crashsolve.channels.errors import TooShort
 from crashsolve.channels.series import Series
-from crashsolve.channels.statistic import moment_asked, unit_of
+from crashsolve.channels.statistic import requested_moment, unit_of
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.deck.run_cards.expect import Expect
 from crashsolve.deck.run_cards.statistic import PATH
@@ -60,9 +60,9 @@ def _of_report(deck: Deck) -> Iterator[tuple[str, str]]:
     if report is None:
         return
     for figure in report.figures:
-        asked = [figure.x, *(x for curve in figure.y for x in (curve.channel, curve.x))]
-        asked += [reference.channel for reference in figure.reference]
-        for channel in asked:
+        requested = [figure.x, *(x for curve in figure.y for x in (curve.channel, curve.x))]
+        requested += [reference.channel for reference in figure.reference]
+        for channel in requested:
             if channel not in ("", "time"):
                 yield f"figure '{figure.title}'", channel
     for scene in report.scenes:
@@ -96,7 +96,7 @@ def _problems_of(
                 yield f"value: is in {card.unit}, but '{card.statistic}' of the channel in {unit}"
     except ValueError as problem:
         yield f"channel: {problem}"
-    moment = None if card.statistic == PATH else moment_asked(card.statistic)
+    moment = None if card.statistic == PATH else requested_moment(card.statistic)
     if moment is not None and moment < start:
         yield f"statistic: '{card.statistic}' is before the run, from {start:g} s on"
 

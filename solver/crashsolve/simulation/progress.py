@@ -25,7 +25,7 @@ from crashsolve.output.log import ERROR, STOPPED, Log
 from crashsolve.output.status import State as RunState
 from crashsolve.output.status import Status, write_status
 from crashsolve.recording.sampling import Schedule
-from crashsolve.simulation.heartbeat import Pulse
+from crashsolve.simulation.heartbeat import Heartbeat
 from crashsolve.simulation.phases import ContactPhases
 from crashsolve.simulation.remarks import StepWatch
 from crashsolve.system.bounds import StepBound
@@ -46,24 +46,24 @@ def cpu_time() -> float:
 
 
 @contextmanager
-def preparing(deck: Deck, folder: Path, pulse: Pulse, append: bool) -> Iterator[Log]:
+def preparing(deck: Deck, folder: Path, heartbeat: Heartbeat, append: bool) -> Iterator[Log]:
     """The log of a run; log and status.json report its preparation and how it ended.
 
     From here on status.json speaks of this run, and not of one before it. Raises OutputError.
     """
     start, end = deck.control.start_time, deck.control.last_time
     status = Status("running", start, 0, end, 0.0, 0.0, 0.0, 0.0, message="preparing")
-    path, begun = folder / "status.json", time.monotonic()
+    path, started = folder / "status.json", time.monotonic()
     write_status(path, status)
     log: Log | None = None
 
-    def say(text: str) -> None:
+    def print_line(text: str) -> None:
         if log is not None:
             log.line(text)
-        status.cpu, status.wall, status.message = cpu_time(), time.monotonic() - begun, text
+        status.cpu, status.wall, status.message = cpu_time(), time.monotonic() - started, text
         write_status(path, status)
 
-    pulse.say = say
+    heartbeat.print_line = print_line
     try:
         log = Log(folder / "log.txt", append=append)
         yield log
@@ -94,11 +94,11 @@ class Account:
         log: Log,
         cpu: dict[str, float],
         wall_begun: float,
-        pulse: Pulse,
+        heartbeat: Heartbeat,
     ) -> None:
         self.deck, self.engine, self.folder, self.log = deck, engine, folder, log
         self.cpu, self.wall_begun = cpu, wall_begun
-        self.pulse, self.pace, self.steps = pulse, Pace(), StepWatch()
+        self.heartbeat, self.pace, self.steps = heartbeat, Pace(), StepWatch()
         # what never happened, and what was lost: known at the end
         self.remarks: Json = {}
         self.bound = ""
@@ -141,7 +141,7 @@ class Account:
             self.pace.left,
             self.step_bound(),
         )
-        self.pulse.reported()
+        self.heartbeat.reported()
         self.status("running", None, "")
         span = self.deck.control.last_time - self.deck.control.start_time
         self.log.progress((clock["time"] - self.deck.control.start_time) / (span or 1.0))
@@ -153,10 +153,10 @@ class Account:
         fallen = self.steps.look(float(clock["time"]), int(clock["cycle"]))
         if fallen:
             self.log.warning(f"{fallen}; it is set by: {self.step_bound()}")
-        if self.pulse.is_due():
+        if self.heartbeat.is_due():
             self.progress()
 
-    def say(self, text: str) -> None:
+    def print_line(self, text: str) -> None:
         """What the run has been doing for long, in the log and status.json. Raises OutputError."""
         clock = self.engine.clock
         self.log.line(f"{text}, at t = {float(clock['time']):.6g} s, cycle {int(clock['cycle'])}")
@@ -200,7 +200,7 @@ class Account:
         counted = sum(seconds for name, seconds in self.cpu.items() if name != REST)
         self.cpu[REST] = max(cpu_time() - counted, 0.0)
 
-    def spent(self) -> float:
+    def cpu_seconds(self) -> float:
         """CPU time of the run proper: steps and output [s]."""
         return self.cpu["steps"] + self.cpu["output"]
 
@@ -210,7 +210,7 @@ class Account:
         if self.phases is not None and self.phases.cycles():
             found |= {
                 "average_step": self.phases.averages(),
-                "real_time_factor": self.spent() / self.phases.simulated(),
+                "real_time_factor": self.cpu_seconds() / self.phases.simulated(),
             }
         if self.estimating is not None:
             self.cpu["estimates"] = self.estimating.cpu

@@ -195,8 +195,12 @@ def compressed(engine: Engine) -> list[str]:
 def untouched(engine: Engine) -> list[str]:
     """Contacts that never touched."""
     now = engine.state.card_history[int(engine.clock["current"])]
-    idle = (now["onsets"] == 0) & (now["peak_normal"] == 0.0)
-    return [name for name, is_idle in zip(engine.model.contacts, idle, strict=True) if is_idle]
+    ineffective = (now["onsets"] == 0) & (now["peak_normal"] == 0.0)
+    return [
+        name
+        for name, is_ineffective in zip(engine.model.contacts, ineffective, strict=True)
+        if is_ineffective
+    ]
 
 
 def undeformed(engine: Engine, extremes: Extremes) -> list[str]:

@@ -49,7 +49,7 @@ def _cost(account: Account) -> dict[str, str]:
     phases, model = account.phases, account.engine.model
     if phases is None or not phases.cycles():
         return {}
-    factor = account.spent() / phases.simulated()
+    factor = account.cpu_seconds() / phases.simulated()
     # a step too short for the clock of the process has no rate
     stepping = max(account.cpu["steps"], 1e-6)
     elements = sum(int(g.parameters["element_count"].sum()) for g in model.element_groups())

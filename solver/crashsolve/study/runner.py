@@ -9,7 +9,7 @@ from pathlib import Path
 from crashsolve.deck.reading.deck import Deck, read_deck
 from crashsolve.deck.reading.several import Several
 from crashsolve.foundation.errors import DeckError, DeckErrors, ExitCode
-from crashsolve.foundation.streams import printable, say
+from crashsolve.foundation.streams import print_line, printable
 from crashsolve.output.files import replace_text, reported
 from crashsolve.output.lock import Lock
 from crashsolve.study.child_runs import cores
@@ -61,7 +61,7 @@ def study(request: Request) -> int:
 
     Raises DeckError for a wrong deck or request, OutputError when the report cannot be written.
     """
-    deck = read_deck(request.deck, request.overrides, refuses_idle=False)
+    deck = read_deck(request.deck, request.overrides, refuses_ineffective=False)
     own = [deck.control.integrator] if request.vary else []
     if request.methods or own:
         methods = [resolved(deck, method) for method in request.methods or own]
@@ -73,7 +73,7 @@ def study(request: Request) -> int:
         deck, list(dict.fromkeys(methods)), _steps(request, deck), request.tolerances, meshes,
         request.vary,
     )  # fmt: skip
-    _refuse_idle(request, grid)
+    _refuse_ineffective(request, grid)
     watches = watched(deck, request.channels)
     # where a path does not converge, these may
     more = [watch for watch in overall(deck) if watch not in watches]
@@ -82,8 +82,8 @@ def study(request: Request) -> int:
     with Lock(request.folder):
         known = _reference(request, watches)
         for text in (*notes, *_axes(deck, methods, meshes)):
-            say(text)
-        say(f"{len(grid)} runs of {request.deck} in {request.folder}")
+            print_line(text)
+        print_line(f"{len(grid)} runs of {request.deck} in {request.folder}")
         jobs = max(request.jobs or cores(), 1)
         trials = run_all(request.deck, grid, request.overrides, request.folder, jobs, _report_trial)
         finished = [trial for trial in trials if trial.has_finished]
@@ -110,24 +110,24 @@ def _usual_meshes(deck: Deck, request: Request) -> str:
     try:
         finer(deck, 2)
     except ValueError as why:
-        say(f"no finer meshes: {why}")
+        print_line(f"no finer meshes: {why}")
         return "1"
     return MESHES
 
 
-def _refuse_idle(request: Request, grid: Sequence[Setting]) -> None:
+def _refuse_ineffective(request: Request, grid: Sequence[Setting]) -> None:
     """Raise DeckErrors for values that change no run, of --set and of --vary."""
-    asked, several = {*request.overrides}, Several()
-    asked |= {request.vary.partition("=")[0]} if request.vary else set()
-    for setting in grid if asked else ():
+    requested, several = {*request.overrides}, Several()
+    requested |= {request.vary.partition("=")[0]} if request.vary else set()
+    for setting in grid if requested else ():
         try:
             several.read(request.deck, {**request.overrides, **setting.overrides})
         except DeckErrors:
             # a run that fails; others may go
             continue
-        if not asked & {*(several.idle or ())}:
+        if not requested & {*(several.ineffective or ())}:
             return
-    if found := [error for name, error in (several.idle or {}).items() if name in asked]:
+    if found := [error for name, error in (several.ineffective or {}).items() if name in requested]:
         raise DeckErrors(found)
 
 
@@ -146,7 +146,7 @@ def _most_expensive(request: Request, finished: list[Trial]) -> list[dict[str, o
     if not request.vary or not finished:
         return None
     best = max(finished, key=lambda trial: trial.cpu_steps)
-    say(f"errors are differences from {best.setting.name}, the dearest run; see --reference")
+    print_line(f"errors are differences from {best.setting.name}, the dearest run; see --reference")
     return best.answers
 
 
@@ -171,7 +171,7 @@ def _reference(request: Request, watches: list[Watch]) -> list[dict[str, object]
     known = ask(request.reference, watches)
     for watch, answer in zip(watches, known, strict=True):
         if "remark" in answer:
-            say(printable(f"--reference, {watch.name}: {answer['remark']}"))
+            print_line(printable(f"--reference, {watch.name}: {answer['remark']}"))
     return known
 
 
@@ -179,7 +179,7 @@ def _report_trial(trial: Trial) -> None:
     """One line as soon as a run has ended."""
     how = "kept" if trial.was_reused else "done"
     words = how if trial.has_finished else f"exit code {trial.code}, {trial.message}"
-    say(printable(f"  {trial.setting.name}: {words}"))
+    print_line(printable(f"  {trial.setting.name}: {words}"))
 
 
 def _report(
@@ -193,18 +193,20 @@ def _report(
     replace_text(request.folder / "study.csv", csv_text(trials, findings))
     title = deck.title or request.deck.stem
     missing = draw(request.folder / "study.png", title, trials, findings)
-    say()
-    say(text_table(trials, findings))
-    say()
-    say(legend(findings))
+    print_line()
+    print_line(text_table(trials, findings))
+    print_line()
+    print_line(legend(findings))
     if any(finding.diverges for finding in findings):
-        say(_still_converging([*findings, *extra]))
-    say()
-    say(_verdict(findings, trials, USUAL if request.target is None else request.target))
-    say()
-    say(f"{request.folder / 'study.csv'}" + ("" if missing else f", {request.folder}/study.png"))
+        print_line(_still_converging([*findings, *extra]))
+    print_line()
+    print_line(_verdict(findings, trials, USUAL if request.target is None else request.target))
+    print_line()
+    print_line(
+        f"{request.folder / 'study.csv'}" + ("" if missing else f", {request.folder}/study.png")
+    )
     if missing:
-        say(missing)
+        print_line(missing)
 
 
 def _still_converging(findings: list[Finding]) -> str:

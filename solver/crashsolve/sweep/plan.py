@@ -104,7 +104,7 @@ class Measure(Card):
         return text
 
     @model_validator(mode="after")
-    def _has_a_window(self) -> "Measure":
+    def _has_window(self) -> "Measure":
         check_window(self.statistic, self.during)
         return self
 

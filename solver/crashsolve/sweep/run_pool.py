@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from crashsolve.foundation.errors import ExitCode
-from crashsolve.foundation.streams import give_up, printable, say
+from crashsolve.foundation.streams import discard_output, print_line, printable
 from crashsolve.output.files import reported
 from crashsolve.output.lock import is_held
 from crashsolve.study.child_runs import reason, start, status_of
@@ -189,7 +189,7 @@ class RunPool:
                 sys.stdout.write(f"\r\x1b[K{line}")
                 sys.stdout.flush()
         else:
-            say(line)
+            print_line(line)
 
     def _progress(self, workers: Sequence[Worker], waiting: int) -> str:
         """One line about all runs."""
@@ -206,14 +206,14 @@ class RunPool:
 
     def _print(self, text: str) -> None:
         self._clear_line()
-        say(printable(text))
+        print_line(printable(text))
 
     def _clear_line(self) -> None:
         try:
             if sys.stdout.isatty():
                 sys.stdout.write("\r\x1b[K")
         except OSError:
-            give_up(sys.stdout)
+            discard_output(sys.stdout)
 
 
 # what is kept of signals, and what the runs get for each

@@ -13,12 +13,12 @@ from pathlib import Path
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.deck.reading.several import Several
 from crashsolve.foundation.errors import DeckError, DeckErrors, ExitCode
-from crashsolve.foundation.streams import printable, say
+from crashsolve.foundation.streams import print_line, printable
 from crashsolve.model.build import build
 from crashsolve.output.errors import OutputError
 from crashsolve.output.files import reported
 from crashsolve.output.lock import Lock
-from crashsolve.simulation.heartbeat import Pulse
+from crashsolve.simulation.heartbeat import Heartbeat
 from crashsolve.study.child_runs import cores
 from crashsolve.sweep.axis import as_text
 from crashsolve.sweep.design import Point, points_of
@@ -52,11 +52,11 @@ def sweep(request: Request) -> int:
     folder is in use or cannot be written.
     """
     plan = read_plan(request.plan)
-    with Pulse("reading the deck of each run", say):
+    with Heartbeat("reading the deck of each run", print_line):
         title, runs = prepared(plan)
     if request.dry:
         for run in runs:
-            say(printable(f"{run.name}  {run.reported()}"))
+            print_line(printable(f"{run.name}  {run.reported()}"))
         return ExitCode.NORMAL
     with reported(request.folder):
         request.folder.mkdir(parents=True, exist_ok=True)
@@ -103,7 +103,7 @@ def task(folder: Path, number: int) -> int:
                 str(deck), None, None, "", f"run {run.name} was of {difference}", advice
             )
         if run_status(folder, run).state == "finished":
-            say(f"  {run.name} finished already")
+            print_line(f"  {run.name} finished already")
             return ExitCode.NORMAL
         pool = RunPool(deck, folder, 1, lambda run: ())
         pool.run_all([run])
@@ -134,8 +134,8 @@ def prepared(plan: Plan) -> tuple[str, list[Run]]:
             runs.append(Run(number, point, overrides, mark_of(deck)))
         if wrong and not runs:
             break
-    if not wrong and several.idle:
-        wrong.append((1, points[0], DeckErrors(list(several.idle.values()))))
+    if not wrong and several.ineffective:
+        wrong.append((1, points[0], DeckErrors(list(several.ineffective.values()))))
     if wrong:
         raise _refused(plan, wrong, len(points))
     return title, runs
@@ -201,12 +201,12 @@ def _report_plan(request: Request, runs: Sequence[Run], statuses: dict[int, RunS
     words = [f"{len(runs)} runs in {request.folder}"]
     words += [f"{len(kept)} finished already"] if kept else []
     words += [f"{len(going)} continue from where they were stopped"] if going else []
-    say(printable("; ".join(words)))
+    print_line(printable("; ".join(words)))
     for run in failed[:REPORTED]:
-        say(printable(f"  {run.name} failed before: {statuses[run.number].message}"))
+        print_line(printable(f"  {run.name} failed before: {statuses[run.number].message}"))
     if failed:
         more = f"{len(failed) - REPORTED} more failed before; " if len(failed) > REPORTED else ""
-        say(f"  {more}--again failed runs them once more")
+        print_line(f"  {more}--again failed runs them once more")
 
 
 def _failed_before(run: Run, statuses: dict[int, RunStatus], pool: RunPool) -> bool:
@@ -224,16 +224,18 @@ def _queue(request: Request, due: Sequence[Run]) -> int:
     """Write the script of a job array, and submit it if asked to."""
     assert request.queue is not None
     if not due:
-        say("nothing is left to be run")
+        print_line("nothing is left to be run")
         gather(request.folder)
         return ExitCode.NORMAL
     path = write_script(request.folder, [run.number for run in due], request.queue)
-    say(printable(f"{path}: an array of {len(due)} tasks"))
+    print_line(printable(f"{path}: an array of {len(due)} tasks"))
     if request.queue.submits:
-        say(printable(submit(path)))
+        print_line(printable(submit(path)))
     else:
-        say(printable(f"read it, then: sbatch {path}"))
-    say(printable(f"table of what has finished, at any time: crashpost sweep {request.folder}"))
+        print_line(printable(f"read it, then: sbatch {path}"))
+    print_line(
+        printable(f"table of what has finished, at any time: crashpost sweep {request.folder}")
+    )
     return ExitCode.NORMAL
 
 
@@ -247,7 +249,7 @@ def gather(folder: Path) -> bool:
         last_line = done.stderr.strip().splitlines()[-1:] or [f"crashpost: code {done.returncode}"]
         raise OutputError(folder, f"the table cannot be gathered: {last_line[0]}")
     for line in done.stdout.splitlines():
-        say(printable(line))
+        print_line(printable(line))
     return done.returncode == 0
 
 
@@ -256,8 +258,8 @@ def _report_problems(folder: Path) -> None:
     done = _gathered(folder)
     if done.returncode == 1:
         for line in done.stdout.splitlines()[1:]:
-            say(printable(line))
-        say("  measures may be corrected in the plan: finished runs are kept")
+            print_line(printable(line))
+        print_line("  measures may be corrected in the plan: finished runs are kept")
 
 
 def _gathered(folder: Path) -> subprocess.CompletedProcess[str]:

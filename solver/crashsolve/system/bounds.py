@@ -52,8 +52,8 @@ class StepBound:
         control, step = engine.model.control[0], float(engine.clock["step"])
         if step == 0.0:
             return "-"
-        if (asked := float(control["fixed_step"])) > 0.0:
-            is_cut = asked > self._interval and step < 0.999 * asked
+        if (requested := float(control["fixed_step"])) > 0.0:
+            is_cut = requested > self._interval and step < 0.999 * requested
             return "samples" if is_cut else "control.step"
         if self._longest is not None and step > 0.999 * self._longest:
             return "control.step_max"

@@ -20,7 +20,7 @@ from crashsolve.model.clock import (
     STOPS_AT_SAMPLE,
     TOUCHED,
 )
-from crashsolve.model.contact.node_to_surface import give_room
+from crashsolve.model.contact.node_to_surface import make_room
 from crashsolve.model.contact.pairs import renew
 from crashsolve.model.corners import corners_in_time
 from crashsolve.model.curve_steps import steps_by_curves
@@ -250,7 +250,7 @@ class Engine:
         elif status == REBUILD:
             self._refuse_passing()
             renew(self.model.contact_groups, s)
-            give_room(self.model.nodal_groups)
+            make_room(self.model.nodal_groups)
             self.bind()
         else:
             raise diagnose(self.model, s, self.clock, s.ledger)

@@ -43,7 +43,7 @@ class Loop:
     """The edges by `continue` and by `break`, and the variables at the start of every iteration."""
 
     start: str
-    begun: Bound = field(default_factory=dict)
+    started: Bound = field(default_factory=dict)
     continued: list[Edge] = field(default_factory=list)
     broken: list[Edge] = field(default_factory=list)
 

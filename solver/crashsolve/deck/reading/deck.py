@@ -25,7 +25,7 @@ from crashsolve.deck.reading.overrides import set_fields
 from crashsolve.deck.reading.parameters import Parameters
 from crashsolve.deck.reading.parts import joints_of_parts, part_nodes
 from crashsolve.deck.reading.size import excess
-from crashsolve.deck.reading.unused import Unused, idle, unread, unused
+from crashsolve.deck.reading.unused import Unused, ineffective, unread, unused
 from crashsolve.deck.run_cards.control import Control, cores_given
 from crashsolve.deck.run_cards.expect import Expect
 from crashsolve.deck.run_cards.output import Output
@@ -70,7 +70,7 @@ class Deck:
     # cards of the deck that stand in entries no more, but what was made of them
     written_out: list[Entry]
     # values set from outside that change nothing, and warnings of parameters unread
-    idle: dict[str, DeckError]
+    ineffective: dict[str, DeckError]
     unread: list[str]
     # all values set from outside, by their paths
     given: dict[str, str]
@@ -117,16 +117,16 @@ class Deck:
 
 
 def read_deck(
-    path: Path | str, overrides: Mapping[str, str] | None = None, refuses_idle: bool = True
+    path: Path | str, overrides: Mapping[str, str] | None = None, refuses_ineffective: bool = True
 ) -> Deck:
     """The deck in a file; `overrides` replace parameters, and fields such as `control.step`.
 
     Raises DeckErrors with all errors, overrides that change nothing among them if it
-    `refuses_idle`: one of many runs may have no use for what others need.
+    `refuses_ineffective`: one of many runs may have no use for what others need.
     """
     deck = _Reader(Path(path), overrides or {}).deck()
-    if deck.idle and refuses_idle:
-        raise DeckErrors(list(deck.idle.values()))
+    if deck.ineffective and refuses_ineffective:
+        raise DeckErrors(list(deck.ineffective.values()))
     return deck
 
 
@@ -210,7 +210,7 @@ class _Reader:
             entries=entries,
             control_item=self.items["control"][""],
             written_out=self.written_out,
-            idle=idle(self.items, self.parameters, self.unused, self.overrides),
+            ineffective=ineffective(self.items, self.parameters, self.unused, self.overrides),
             unread=unread(self.parameters, self.unused, next(iter(self.tables))),
             given=dict(self.overrides),
         )

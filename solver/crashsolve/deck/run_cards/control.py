@@ -153,7 +153,7 @@ class Control(Card):
         if self.step_min and self.step_max and self.step_min > self.step_max:
             raise ValueError(f"step_min: must not exceed step_max, {self.step_max:g} s")
         if self.accuracy:
-            self._leaves_the_choice()
+            self._check_accuracy()
         if self.solution == "quasi_static" and (self.accuracy or self.integrator != "rattle"):
             what = "accuracy" if self.accuracy else "integrator"
             raise ValueError(f"{what}: solution quasi_static finds equilibria; leave {what} out")
@@ -204,7 +204,7 @@ class Control(Card):
             found["path_length"] = "it belongs to path arc_length"
         return found
 
-    def _leaves_the_choice(self) -> None:
+    def _check_accuracy(self) -> None:
         """Raises ValueError for what an accuracy chooses, or needs."""
         if self.tolerance or self.step != "auto":
             chosen = "tolerance" if self.tolerance else "step"

@@ -344,7 +344,7 @@ class GroupBuilder:
         # the arrays of all elements come first: they may note in an element where its part starts
         data = getattr(self.home, "data", lambda *_: ())(*elements)
         pairing = self._pairing(parameters)
-        search = Search(pairing) if pairing.worth_searching(is_implicit) else None
+        search = Search(pairing) if pairing.should_search(is_implicit) else None
         rows = pairing.everything() if search is None else search.look(nodes)
         return ContactGroup(
             word=self.word,

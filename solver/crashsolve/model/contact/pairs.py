@@ -72,7 +72,7 @@ class Pairing:
     def __init__(self, sides: tuple[Elements, Elements], blocks: list[Block], laws: Any) -> None:
         self.sides, self.blocks, self.laws = sides, blocks, laws
 
-    def worth_searching(self, is_implicit: bool) -> bool:
+    def should_search(self, is_implicit: bool) -> bool:
         """Whether there are many possible pairs, of elements with an end or with planes at rest."""
         rests = "reach_a" in self.laws.dtype.names
         above = SEARCH_ABOVE_RESTING if rests else SEARCH_ABOVE
