@@ -160,7 +160,7 @@ def spool_force(p, old, mode, q, curves):
 
 
 @kernel
-def wind(p, old, new, nodes, q, h, curves):
+def update_spool(p, old, new, nodes, q, h, curves):
     """What the spool remembers of a step with the flow q. Writes: new, curves."""
     new.wound_in = old.wound_in + max(-q, 0.0) if new.mode == PULLING else old.wound_in
     new.paid_out = old.paid_out + max(q, 0.0) if new.mode == LOCKED else old.paid_out

@@ -119,7 +119,7 @@ class Branches(Protocol):
     """A law of force with corners, at which Runge-Kutta steps end."""
 
     def event(self, p, old, h, nodes, curves):
-        """How far it is past the branch on which the step of h began, 0 at the corner."""
+        """Distance beyond the branch on which the step of h began, 0 at the corner."""
 
 
 class NormalLaw(Protocol):
@@ -169,7 +169,7 @@ class FrictionBranches(Protocol):
     """Friction with corners, at which Runge-Kutta steps end."""
 
     def regime_left(self, p, old, slip):
-        """How far the slip is past the regime in which the step began [m/s]."""
+        """Difference of the slip from the regime in which the step began [m/s]."""
 
 
 class GapRoutine(Protocol):

@@ -70,7 +70,7 @@ def friction_force(p: Parameters, old: History, new: History, slide, curves):
 
 @kernel
 def regime_left(p: Parameters, old: History, slip):
-    """How far the sliding speed has left the regime of the start of the step [m/s]."""
+    """Difference of the sliding speed from the regime of the start of the step [m/s]."""
     v = speed(slip)
     if old.friction_regime == 0:
         return v - p.friction_none_below

@@ -97,7 +97,7 @@ def _plastic(
     return Backbone(k, x, moment, beyond, limit=float(moment[0]))
 
 
-def over_work(found: Backbone, word: str, scene: Scene) -> Backbone:
+def over_plastic_work(found: Backbone, word: str, scene: Scene) -> Backbone:
     """Squares of the yield moments over plastic work W: dW = y dx, so that y^2 stays straight."""
     least = float(found.y.min() / found.y.max())
     if least < LEAST:

@@ -7,7 +7,7 @@ from pydantic import model_validator
 
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, CurveName, MaterialName, SectionName, quantity, word
-from crashsolve.hinges._backbone import Backbone, backbone, over_work, refuse_kinematic
+from crashsolve.hinges._backbone import Backbone, backbone, over_plastic_work, refuse_kinematic
 from crashsolve.hinges._law import ISOTROPIC, KINEMATIC, PEAK_ORIENTED
 from crashsolve.hinges._sections import axial_curve, bending_curve
 from crashsolve.joints._card import AxisJointCard
@@ -162,7 +162,7 @@ class HingeCard(AxisJointCard):
     )
 
     @property
-    def may_open(self) -> bool:
+    def can_release(self) -> bool:
         """Whether failure may free the whole joint."""
         limits = [name for name in type(self).model_fields if name.startswith("failure_")]
         fails = any(getattr(self, name) is not None for name in limits)
@@ -240,7 +240,7 @@ def pair_backbones(motions: tuple[Motion, ...], card: Any, built: Columns, scene
                 motion.negative,
             )
     return {
-        field: over_work(found, field, scene)
+        field: over_plastic_work(found, field, scene)
         for field, found in backbones(motions, card, built, scene).items()
     }
 
@@ -328,6 +328,6 @@ def _refuse_start(
         raise scene.fail("the hinge would have failed at the start", field)
 
 
-def tip(card: Any) -> float:
+def rate_arm(card: Any) -> float:
     """Arm of the speed in the rate factor [m/rad]; 1 where that speed is in rad/s."""
     return float(card.rate.arm) if card.rate and card.rate.arm else 1.0

@@ -283,7 +283,7 @@ def at_yield(p, state, c, x, rate, phi, curves):
 
 @kernel
 def beyond_motion(p, old, h, c, x, rate, phi, curves):
-    """How far a motion has left the branch of the law on which the step began [rad or m].
+    """Distance of a motion beyond the branch of the law on which the step began [rad or m].
 
     A load step (h = 0) has no rates: one that turns back does so from its start on.
     """
@@ -303,7 +303,7 @@ def beyond_motion(p, old, h, c, x, rate, phi, curves):
 
 @kernel
 def beyond_yield(p, old, c, side, x, phi, curves):
-    """How far a motion is past the elastic line in one direction [rad or m]."""
+    """Distance of a motion beyond the elastic line in one direction [rad or m]."""
     R, _ = resistance(p, old, c, side, 0.0, line_origin(p, old, c, side), curves)
     # without resistance there is nothing to meet, but the line to a peak where M turns
     is_rising = p.cyclic == PEAK_ORIENTED and side * (old.x[c] - old.plastic[c]) < 0.0

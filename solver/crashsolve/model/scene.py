@@ -232,7 +232,7 @@ class Scene:
         """
         entry = self.joint_entry(name)
         if set(getattr(import_module(entry.module_name), "FREE", ())) & set(motions):
-            if getattr(entry.card, "may_open", False):
+            if getattr(entry.card, "can_release", False):
                 message = f"'{name}' comes apart when it fails, and this would still act"
                 raise self.fail(f"{message}; give it after_failure: loose", field)
             return

@@ -136,7 +136,7 @@ def _check_hysteresis(card: Any, scene: Scene, only: int, k: float, steepest_slo
 
 
 @kernel
-def resist(p, old, new, out, h, x, rate, curves):
+def resistance_force(p, old, new, out, h, x, rate, curves):
     """Force [N or N m] that opposes the deformation x [m or rad], stiffness and damping.
 
     Writes: new sliders, out.stored, power, loss.
@@ -194,7 +194,8 @@ def note_branch(p, new, side, e, f, upper, speed, curves):
 
 @kernel
 def branch_event(p, old, h, x, rate, curves):
-    """How far x is past the branch of the law on which the step began [m or rad]; below 0: on it.
+    """Distance of x beyond the branch of the law on which the step began [m or rad]; below 0: on
+    it.
 
     On y and u the branch ends where the motion reverses, by the displacement in h.
     """
@@ -290,7 +291,7 @@ def growth(p, speed, curves):
 
 
 @kernel
-def resist_tangent(p, state, x, rate, curves):
+def resistance_tangent(p, state, x, rate, curves):
     """Rise of the force over the deformation x [N/m or N m/rad] and over its rate, from a state."""
     side = 1.0 if x >= 0.0 else -1.0
     e = max(side * x - p.gap, 0.0)

@@ -25,7 +25,7 @@ OVER, YIELDING = 0.05, 1.0 - 1e-6
 
 def forces_by_motions(p: Table, state: Table, nodes: Table, curves: np.ndarray) -> np.ndarray:
     """Derivatives (n, 12, 12) of the forces on both bodies of all segments at rest."""
-    R, q, d_a, d_b = _seen(p, nodes)
+    R, q, d_a, d_b = _deformations(p, nodes)
     k = np.hstack([p["stiffness"], p["rotational_stiffness"]])
     held, own = k * q, k[:, :, None] * np.eye(6)
     held[:, YIELDING_AXES] -= k[:, YIELDING_AXES] * state["plastic"]
@@ -89,7 +89,7 @@ def _trials(
     p: Table, state: Table, nodes: Table, displacement: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """k, elastic N, M_y, M_z (n, 3), and how these change over motions, to first order."""
-    R, q, d_a, d_b = _seen(p, nodes)
+    R, q, d_a, d_b = _deformations(p, nodes)
     ends = np.hstack([displacement[p["node_a"]], displacement[p["node_b"]]])
     by_ends = slopes_of_strains(R, q[:, :3], q[:, 3:]) @ _from_mass_centres(d_a, d_b)
     k = np.hstack([p["stiffness"], p["rotational_stiffness"]])[:, YIELDING_AXES]
@@ -97,7 +97,7 @@ def _trials(
     return k, k * (q[:, YIELDING_AXES] - state["plastic"]), k * change
 
 
-def _seen(p: Table, nodes: Table) -> tuple[np.ndarray, ...]:
+def _deformations(p: Table, nodes: Table) -> tuple[np.ndarray, ...]:
     """R (n, 3, 3), u and theta (n, 6), and arms (n, 3) of both ends."""
     a, b = nodes[p["node_a"]], nodes[p["node_b"]]
     d_a = np.einsum("nij,nj->ni", matrices(a["q"]), p["point_a"])

@@ -29,10 +29,10 @@ from crashsolve.springs._between import (
     POINTS,
     add_stiffness_bound_along,
     push,
-    seen_from_a,
+    relative_position,
     start_offset,
 )
-from crashsolve.springs._bristle import kept_share, lost
+from crashsolve.springs._bristle import lost, retained_share
 from crashsolve.springs._card import PointSpringCard
 
 if TYPE_CHECKING:
@@ -100,10 +100,10 @@ def build(card: Brake, scene: Scene) -> Columns:
 @kernel
 def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
-    x, x_dot, d_a, d_b = seen_from_a(p, nodes)
+    x, x_dot, d_a, d_b = relative_position(p, nodes)
     trial = sub(braked(p, sub(x, vec(p.offset))), vec(old.slider))
     limit = level(p, t, curves)
-    share = kept_share(p.stiffness, norm(trial), limit)
+    share = retained_share(p.stiffness, norm(trial), limit)
     z = scale(share, trial)
     f = add_scaled(scale(p.stiffness, z), p.damping, braked(p, x_dot))
     if norm(f) > limit:

@@ -83,5 +83,7 @@ def tangent(p: Parameters, state: History, nodes, curves, rows, first):
 
 @kernel
 def event(p: Parameters, old: History, h, nodes, curves):
-    """How far the angle has left where it began the step, between the stops or beyond one [rad]."""
+    """Distance of the angle from the range in which it began the step, between the stops or
+    beyond one [rad].
+    """
     return _joint.stop_event(p, old, p.start + rotated(p, old.angle, nodes)[0])

@@ -23,8 +23,8 @@ from crashsolve.deck.card import Card, JointName, quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, scale, vec
-from crashsolve.springs._between import SLIDE, add_stiffness_bound_along, push, seen_from_a
-from crashsolve.springs._bristle import BRISTLE, PRESSING, friction_limit, kept_share
+from crashsolve.springs._between import SLIDE, add_stiffness_bound_along, push, relative_position
+from crashsolve.springs._bristle import BRISTLE, PRESSING, friction_limit, retained_share
 from crashsolve.springs._joint import named_joint
 
 if TYPE_CHECKING:
@@ -80,12 +80,12 @@ def build(card: TranslationFriction, scene: Scene) -> Columns:
 @kernel
 def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
-    x, x_dot, d_a, d_b = seen_from_a(p, nodes)
+    x, x_dot, d_a, d_b = relative_position(p, nodes)
     axis = vec(p.axis_a)
     travel, rate = dot(axis, x), dot(axis, x_dot)
     trial = travel - old.slider
     limit = friction_limit(p, p.level, old, new, h, rows)
-    z = trial * kept_share(p.stiffness, abs(trial), limit)
+    z = trial * retained_share(p.stiffness, abs(trial), limit)
     friction = min(max(p.stiffness * z + p.damping * rate, -limit), limit)
     new.travel = travel
     new.slider = travel - z

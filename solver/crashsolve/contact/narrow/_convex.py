@@ -224,7 +224,7 @@ def between(a, b, body_a, body_b, c, n):
 
 @kernel
 def apart(a, b, body_a, body_b, c, n):
-    """How far apart the bodies are along n [m]."""
+    """Separation of the bodies along n [m]."""
     return dot(between(a, b, body_a, body_b, c, n), n)
 
 

@@ -129,7 +129,7 @@ def axes_of(shape, body):
 
 @kernel
 def extent(shape, u, n):
-    """How far the enclosing box reaches along n from its centre, u its axes."""
+    """Extent of the enclosing box along n from its centre, u its axes [m]."""
     half = shape.half
     return half[0] * abs(dot(u[0], n)) + half[1] * abs(dot(u[1], n)) + half[2] * abs(dot(u[2], n))
 
@@ -340,7 +340,7 @@ def bent(shape, u, k, separation, n, sign):
 
 @kernel
 def extent_of(shape, u, n):
-    """How far the shape reaches along n from its centre, edges not rounded."""
+    """Extent of the shape along n from its centre, edges not rounded [m]."""
     if shape.is_round == 1:
         z = dot(u[2], n)
         return shape.half[0] * sqrt(max(0.0, 1.0 - z * z)) + shape.half[2] * abs(z)

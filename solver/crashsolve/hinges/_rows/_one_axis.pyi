@@ -23,7 +23,7 @@ class Parameters(RowParameters):
     rate_exponent: float  # [1] b
     rate_floor: float  # [m/s or rad/s] speed at which phi = 1.1
     latched: int  # [flag] whether V is that at first yield
-    tip: float  # [m or 1] speed of the factor over the rate
+    rate_arm: float  # [m or 1] speed of the factor over the rate
 
 class History(ForceHistory):
     x: Numbers[float]  # [rad or m] motion from the undeformed hinge

@@ -39,7 +39,7 @@ def largest_approach(p, a, b):
 
 @kernel
 def motion_seen_from(a, b, reach):
-    """How far a point of body a within `reach` of its mass centre has moved at most [m]; of b."""
+    """Bounds of displacement [m] of points within `reach` of the mass centres of bodies a and b."""
     offset, of_a, of_b = sub(vec(a.r), vec(b.r)), vec(a.rotated), vec(b.rotated)
     travel = sub(sub(vec(a.moved), vec(b.moved)), cross(of_b, offset))
     curved = dot(of_a, of_a) * reach + dot(of_b, of_b) * (reach + norm(offset))

@@ -107,7 +107,7 @@ def shares(one, two, apart):
 
 @kernel
 def separation_of(p, one, two):
-    """How far two walls are apart, from 0 to 1."""
+    """Separation of two walls, from 0 to 1."""
     return separation_between(p, one.distance, vec(one.normal), two)
 
 
@@ -160,7 +160,7 @@ def keep(hit, p, f, N, distance, n):
 
 @kernel
 def separation_from(s, w, p, distance, n, found):
-    """How far a wall is one of its own beside w others, from 0 to 1."""
+    """Separation of a wall from w others, from 0 to 1."""
     apart = 1.0
     for v in range(w):
         apart = min(apart, separation_between(p, distance, n, found[number_of(s, v)]))

@@ -38,7 +38,9 @@ def approach_before(clock, scene):
 
 @kernel
 def event(current, h, nodes, curves, scene):
-    """How far laws are past the branches on which a step of h began [m or rad]; 0: not yet."""
+    """Largest distance of laws beyond the branches on which a step of h began [m or rad]; 0: not
+    yet.
+    """
     farthest = -1e300
     for group in BRANCHES:
         p, history = group.parameters, group.history
