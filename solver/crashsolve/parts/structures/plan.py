@@ -257,8 +257,17 @@ def joint_length(point: str, members: list[Member]) -> float:
 
 def depth_of(member: Member) -> float:
     """Greatest width of a section [m]. Raises Problem."""
+    lacks = "has no shape, so the rigid joints at its ends no length"
+    return float(np.ptp(outline_of(member, lacks, "give both points a joint"), axis=0).max())
+
+
+def outline_of(member: Member, lacks: str, advice: str) -> np.ndarray:
+    """Points (n, 2) of the outer edge of its section, y and z [m].
+
+    Raises Problem with what a section without one `lacks`.
+    """
     law = member.section
     if not hasattr(law.module, "outline"):
-        message = f"section '{law.name}' has no shape, so the rigid joints at its ends no length"
-        raise Problem(member.path, message, "give both points a joint")
-    return float(np.ptp(law.module.outline(law.card), axis=0).max())
+        raise Problem(member.path, f"section '{law.name}' {lacks}", advice)
+    found: np.ndarray = law.module.outline(law.card)
+    return found
