@@ -90,7 +90,7 @@ PARAMETERS = (
     + Record("""
         beam_a    1  3  direction of the beam, axes of a
         across_a  1  3  axis x beam, axes of a
-        tip       m     arm of the angle in the speed of the factor
+        rate_arm  m     arm of the angle in the speed of the factor
     """)
 )
 HISTORY = PATH + WORK

@@ -100,7 +100,7 @@ PARAMETERS = (
     + PAIR
     + Record("""
         reference    1       4  q_a^-1 q_b at the start
-        rate_arm          m or 1     speed of the factor over the rate
+        rate_arm     m or 1     speed of the factor over the rate
         axial_yield  N          N_p of the section, which the joint exceeds; infinite if unknown
         buckling     N          compression to warn of; infinite if there is none
     """)

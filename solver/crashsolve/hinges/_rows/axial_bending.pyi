@@ -6,7 +6,7 @@ class Parameters(RowParameters, HingeLaw, JointFrame):
     is_elliptic: int  # [flag] whether both moments share one ellipse
     beam_a: Numbers[float]  # [1] direction of the beam, axes of a
     across_a: Numbers[float]  # [1] axis x beam, axes of a
-    tip: float  # [m] arm of the angle in the speed of the factor
+    rate_arm: float  # [m] arm of the angle in the speed of the factor
 
 class History(ForceHistory, HingePath):
     flow_work: float  # [J] W, plastic work at which elliptic curves are read
