@@ -131,7 +131,7 @@ class Resistance:
 
 class Slider:
     set: Numbers[float]  # [m or rad] s in tension, in compression
-    kept: Numbers[float]  # [J] P of both
+    unloading_work: Numbers[float]  # [J] P of both
     side: int  # [flag] 1 or -1: direction of the deformation
     branch: int  # [flag] SLACK, LINE, LOADING or LOWER
     segment: int  # [index] of the curve that is read

@@ -316,12 +316,12 @@ def _thinned(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         return x, y
     curves = [y] if np.all(np.diff(x) >= 0) else [x, y]
     starts = np.linspace(0, len(y), MOST_POINTS // (2 * len(curves)) + 1).astype(int)
-    kept = {0, len(y) - 1}
+    selected = {0, len(y) - 1}
     for start, stop in pairwise(starts):
         for curve in curves:
             part = curve[start:stop]
-            kept |= {start + int(np.argmin(part)), start + int(np.argmax(part))}
-    chosen = sorted(kept)
+            selected |= {start + int(np.argmin(part)), start + int(np.argmax(part))}
+    chosen = sorted(selected)
     return x[chosen], y[chosen]
 
 

@@ -52,9 +52,9 @@ def arrow_polygons(
     All are `width` [m] thick; those shorter than their head are left out.
     """
     lengths = unit_length * np.linalg.norm(vectors, axis=1)
-    kept = lengths > 2.0 * width
-    starts, lengths = starts[kept], lengths[kept]
-    along = vectors[kept] / np.linalg.norm(vectors[kept], axis=1)[:, None]
+    selected = lengths > 2.0 * width
+    starts, lengths = starts[selected], lengths[selected]
+    along = vectors[selected] / np.linalg.norm(vectors[selected], axis=1)[:, None]
     helper = np.eye(3)[np.argmin(np.abs(along), axis=1)]
     side = np.cross(along, helper)
     side /= np.linalg.norm(side, axis=1)[:, None]

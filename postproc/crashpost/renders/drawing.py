@@ -264,7 +264,7 @@ class Scene:
         bodies, parts = self.states.names["bodies"], self.states.names["parts"]
         if not self.appearance.show:
             return set(range(1, len(bodies))), set(parts)
-        shown, kept = set[int](), set[str]()
+        shown, selected = set[int](), set[str]()
         for word in self.appearance.show:
             met = {k for k, name in enumerate(bodies) if k and fnmatchcase(name, word)}
             # what belongs to a body by its name goes with it
@@ -273,8 +273,8 @@ class Scene:
             if not met and not own:
                 raise unknown("body or part", word, [*bodies[1:], *parts])
             shown |= met
-            kept |= own
-        return shown, kept
+            selected |= own
+        return shown, selected
 
     def _check_color(self) -> None:
         word = self.appearance.color
@@ -353,18 +353,18 @@ class Scene:
             if requested[rows].any():
                 drawing.lines.append(Lines(ends, LINE, 1.0))
         for rows, corners in block.cells:
-            kept = shown[rows]
+            selected = shown[rows]
             # as many surfaces at each state, also where one has lost all of its elements
             if requested[rows].any() and corners.shape[1] in (3, 4):
-                own = None if values is None else values[rows][kept]
+                own = None if values is None else values[rows][selected]
                 is_fine = name.startswith("part_")
                 drawing.surfaces.append(
                     Surface(
                         points,
-                        corners[kept],
+                        corners[selected],
                         palette,
-                        which[rows][kept],
-                        rows[kept],
+                        which[rows][selected],
+                        rows[selected],
                         own,
                         edges=is_fine,
                         is_flat=name == "ground",

@@ -189,8 +189,8 @@ def _measure(row: Row, folder: Path, measures: list[Measure]) -> None:
 
 def _text_mark(text: str, is_auto: bool) -> str:
     """Hash of the text of a deck, without the method where the run has chosen it."""
-    kept = _METHOD.sub("", text) if is_auto else text
-    return is_auto * AUTO + hashlib.sha256(kept.encode()).hexdigest()[:16]
+    selected = _METHOD.sub("", text) if is_auto else text
+    return is_auto * AUTO + hashlib.sha256(selected.encode()).hexdigest()[:16]
 
 
 def _table(path: Path) -> Json:

@@ -47,13 +47,13 @@ def main(source: Path, path: Path, names: list[str]) -> None:
     for name in names:
         kernels.entry(getattr(functions, name), name)
     text = kernels.text()
-    kept = path.parent.with_name("code") / f"{_fingerprint(text, kernels.has_lanes)}.o"
-    code = read_sealed(kept)
+    cached = path.parent.with_name("code") / f"{_fingerprint(text, kernels.has_lanes)}.o"
+    code = read_sealed(cached)
     if code is None:
         code = object_code(text, kernels.has_lanes)
-        make_private(kept.parent)
-        refuse_foreign(kept.parent)
-        write_sealed(kept, code)
+        make_private(cached.parent)
+        refuse_foreign(cached.parent)
+        write_sealed(cached, code)
     write_sealed(path, code)
 
 

@@ -69,10 +69,10 @@ class MaterialLaw(Protocol):
 class GeneralLaw(MaterialLaw, Protocol):
     """What a law of its own provides besides."""
 
-    def tangent(self, m, kept, blocks, at, d, direction, h, curves):
+    def tangent(self, m, blocks_before, blocks, at, d, direction, h, curves):
         """Changes of the stress (3) and of the strain across for a change `direction` of d.
 
-        `kept` holds the layer before the step, blocks the layer after it.
+        `blocks_before` holds the layer before the step, blocks the layer after it.
         """
 
     def fibre(self, m, old, new, i, strain, rate, h, curves):

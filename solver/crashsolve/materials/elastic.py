@@ -77,7 +77,7 @@ def update(m, blocks, at, d, h, curves):
 
 
 @inlined
-def tangent(m, kept, blocks, at, d, direction, h, curves):
+def tangent(m, blocks_before, blocks, at, d, direction, h, curves):
     both = m.young / (1.0 - m.poisson) * (direction[0] + direction[1])
     apart = 2.0 * m.shear * (direction[0] - direction[1])
     stress = (0.5 * (both + apart), 0.5 * (both - apart), m.shear * direction[2])

@@ -117,9 +117,9 @@ def square_of(a, b, c):
 
 
 @inlined
-def tangent(m, kept, blocks, at, d, direction, h, curves):
+def tangent(m, blocks_before, blocks, at, d, direction, h, curves):
     row = at + LANES * LAYER.metric
-    old = (kept[row], kept[row + LANES], kept[row + 2 * LANES])
+    old = (blocks_before[row], blocks_before[row + LANES], blocks_before[row + 2 * LANES])
     new = (blocks[row], blocks[row + LANES], blocks[row + 2 * LANES])
     across, more = (
         blocks[at + LANES * LAYER.across],

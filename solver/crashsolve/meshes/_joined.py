@@ -41,15 +41,15 @@ def _half(mesh: Mesh) -> Mesh:
     kinds = _kinds(quads)
     blocks = _blocks(quads, kinds)
     coarse = np.array([_around(quads[own], kinds) for own in blocks])
-    kept = np.unique(coarse)
+    remaining = np.unique(coarse)
     index = np.full(len(mesh.points), -1)
-    index[kept] = np.arange(len(kept))
+    index[remaining] = np.arange(len(remaining))
     sets = {}
     for name, own in mesh.sets.items():
         sets[name] = index[own][index[own] >= 0]
         if len(own) and not len(sets[name]):
             raise ValueError(f"no node of set '{name}' is a corner of joined elements")
-    return Mesh(mesh.points[kept], index[coarse], sets, _sets_of(blocks, mesh.element_sets))
+    return Mesh(mesh.points[remaining], index[coarse], sets, _sets_of(blocks, mesh.element_sets))
 
 
 def _sets_of(blocks: list[np.ndarray], fine: dict[str, np.ndarray]) -> dict[str, np.ndarray]:

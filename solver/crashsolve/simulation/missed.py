@@ -46,23 +46,23 @@ def missed_contacts(engine: Any, history: Path) -> list[Missed]:
         return found
     import h5py
 
-    kept = engine.state.card_history[int(engine.clock["current"])]
+    saved = engine.state.card_history[int(engine.clock["current"])]
     with h5py.File(history) as file:
         shown = file["rcforc"]["normal"][:]
         names = list(file["rcforc"]["ids"].asstr())
     shown = np.nanmax(shown, axis=0, initial=0.0)
     bodies = _bodies(model)
     for k, name in enumerate(model.contacts):
-        peak, seen = float(kept["peak_normal"][k]), float(shown[names.index(name)])
+        peak, seen = float(saved["peak_normal"][k]), float(shown[names.index(name)])
         if seen < SHOWN * peak:
             found.append(
                 Missed(
                     name,
                     peak,
                     seen,
-                    kept["impulse"][k].copy(),
-                    float(kept["duration"][k]),
-                    int(kept["touches"][k]),
+                    saved["impulse"][k].copy(),
+                    float(saved["duration"][k]),
+                    int(saved["touches"][k]),
                     bodies.get(name, frozenset()),
                 )
             )

@@ -126,7 +126,7 @@ def range_moment(p, old, new, out, h, past, rate, curves):
 def smooth_stop(p, new, out, e):
     """m(e) [N m], e >= 0. Writes: new, out.stored, loss."""
     for j in range(2):
-        new.set[j] = new.kept[j] = 0.0
+        new.set[j] = new.unloading_work[j] = 0.0
     new.side, new.segment = 1, 0
     new.branch = SLACK if e == 0.0 else (TRANSITION if e < p.transition else STRAIGHT)
     out.loss = 0.0

@@ -73,7 +73,7 @@ class PlasticFlow:
         if not self.groups or size < NEAR:
             engine.shift(nodes, change)
             return
-        current, kept = int(engine.clock.current), engine.tangent
+        current, saved = int(engine.clock.current), engine.tangent
         whole = self._of_all_nodes(engine, change)
         for g in self.groups:
             p, old, new = g.parameters, g.history[current], g.history[1 - current]
@@ -89,4 +89,4 @@ class PlasticFlow:
                 break
         for g in self.groups:
             g.parameters["at_rest"] = FLOWS
-        engine.tangent = kept
+        engine.tangent = saved

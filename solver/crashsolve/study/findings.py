@@ -411,10 +411,10 @@ def cheapest(findings: Sequence[Finding], trials: Sequence[Trial], target: float
 def _cheapest_of(meeting: Sequence[Trial], usable: Sequence[Trial]) -> Trial | None:
     """The least CPU time; where times do not tell, the first method and its fewest steps."""
     least = min((trial.cpu_steps for trial in meeting), default=0.0)
-    as_cheap = [t for t in meeting if t.cpu_steps <= max(SAME_TIME * least, NOISE)]
+    fastest = [t for t in meeting if t.cpu_steps <= max(SAME_TIME * least, NOISE)]
     methods = list(dict.fromkeys(trial.setting.series.method for trial in usable))
     return min(
-        as_cheap, default=None, key=lambda t: (methods.index(t.setting.series.method), t.cycles)
+        fastest, default=None, key=lambda t: (methods.index(t.setting.series.method), t.cycles)
     )
 
 

@@ -96,8 +96,8 @@ def text_mark(text: str, is_auto: bool) -> str:
 
     With `integrator: auto` or `default` without its line: results state the method that was chosen.
     """
-    kept = _METHOD.sub("", text) if is_auto else text
-    return is_auto * AUTO + hashlib.sha256(kept.encode()).hexdigest()[:16]
+    compared = _METHOD.sub("", text) if is_auto else text
+    return is_auto * AUTO + hashlib.sha256(compared.encode()).hexdigest()[:16]
 
 
 @cache

@@ -194,12 +194,12 @@ def _is_due(found: RunStatus, again: Sequence[str]) -> bool:
 
 def _report_plan(request: Request, runs: Sequence[Run], statuses: dict[int, RunStatus]) -> None:
     """What is run, what is not, and why."""
-    kept = [run for run in runs if statuses[run.number].state == "finished"]
+    finished = [run for run in runs if statuses[run.number].state == "finished"]
     going = [run for run in runs if statuses[run.number].state in ("stopped", "killed")]
     failed = [run for run in runs if not _is_due(statuses[run.number], request.again)]
-    failed = [run for run in failed if run not in kept]
+    failed = [run for run in failed if run not in finished]
     words = [f"{len(runs)} runs in {request.folder}"]
-    words += [f"{len(kept)} finished already"] if kept else []
+    words += [f"{len(finished)} finished already"] if finished else []
     words += [f"{len(going)} continue from where they were stopped"] if going else []
     print_line(printable("; ".join(words)))
     for run in failed[:REPORTED]:

@@ -85,21 +85,21 @@ def search(a, b, nodes, data):
     """Depth, normal and point as of gap, and how much lower the next maximum found is [m]."""
     body_a, body_b = nodes[a.node], nodes[b.node]
     c = sub(world_position(body_a, vec(a.point)), world_position(body_b, vec(b.point)))
-    best, n, rival = -1e300, (0.0, 0.0, 1.0), -1e300
+    best, n, next_maximum = -1e300, (0.0, 0.0, 1.0), -1e300
     starts = first_starts(a, b, body_a, body_b, c)
     for climb_number in range(CLIMBS):
         k = of_start(starts, climb_number)
         start = toward(direction(a, b, body_a, body_b, c, k), c) if k >= 0 else (0.0, 0.0, 1.0)
         height, top = ascend(a, b, body_a, body_b, c, start)
         if dot(top, n) < ONE_TOP:
-            rival = max(rival, min(best, height))
+            next_maximum = max(next_maximum, min(best, height))
         if height > best:
             best, n = height, top
         # bodies apart have one top only
         if best >= 0.0:
             break
     depth, n, x = at_top(a, b, nodes, best, n)
-    return depth, n, x, best - rival
+    return depth, n, x, best - next_maximum
 
 
 @kernel

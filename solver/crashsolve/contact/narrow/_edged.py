@@ -168,7 +168,7 @@ def search(a, b, nodes, data):
     allowed = 8.0 * (a.edge + b.edge) if are_boxes else 1e300
     cosines, c_u, c_w = cosines_of(u, w), along(u, c), along(w, c)
     best, n, before, same = -1e300, (0.0, 0.0, 1.0), (0.0, 0.0, 0.0), SAME * norm(c)
-    leading, last, rival = (1e300, 0, 1e300, 0), last_step(a, b), -1e300
+    leading, last, next_maximum = (1e300, 0, 1e300, 0), last_step(a, b), -1e300
     for trial in range(CLIMBS):
         if trial % 2 == 0 and are_boxes:
             leading = next_axes(a, b, cosines, c_u, c_w, leading[2] - same, same)
@@ -177,7 +177,7 @@ def search(a, b, nodes, data):
         value, k = (leading[0], leading[1]) if trial % 2 == 0 else (leading[2], leading[3])
         # of two that hardly differ one is enough
         if value < best - allowed:
-            rival = max(rival, value)
+            next_maximum = max(next_maximum, value)
             break
         k = wider_face(a, b, cosines, k) if are_boxes and k < 6 else k
         start = toward(direction(u, w, c, k), c)
@@ -186,14 +186,14 @@ def search(a, b, nodes, data):
             start = over_the_position(a, b, u, w, c, k, start) if are_boxes and k < 6 else start
             height, top = ascend(a, b, u, w, c, start, last)
             if dot(top, n) < ONE_TOP:
-                rival = max(rival, min(best, height))
+                next_maximum = max(next_maximum, min(best, height))
             if height > best:
                 best, n = height, top
             # bodies apart have one top only
             if best >= 0.0:
                 break
     depth, n, x = at_top(a, b, u, w, centre_a, centre_b, n)
-    return depth, n, x, best - rival
+    return depth, n, x, best - next_maximum
 
 
 @kernel

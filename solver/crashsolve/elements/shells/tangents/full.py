@@ -83,10 +83,10 @@ def stress(first, stride, h, p, scene, material):
 
 
 @kernel
-def set_base(blocks, kept, first, work, base, h):
+def set_base(blocks, blocks_before, first, work, base, h):
     """What acts on q, and as of elements with one point. Writes: blocks, base."""
     mode_forces(blocks, first, work)
-    quadrilateral.set_base(blocks, kept, first, work, base, h)
+    quadrilateral.set_base(blocks, blocks_before, first, work, base, h)
 
 
 @blockwise

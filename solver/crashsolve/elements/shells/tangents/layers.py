@@ -205,7 +205,7 @@ def add_plastic(work, base, at, h, layer, law):
 
 
 @blockwise
-def add_general(kept, blocks, layer, work, base, to, h, law):
+def add_general(blocks_before, blocks, layer, work, base, to, h, law):
     """Tangent of a layer with a law of its own after a step. Writes: base."""
     (at, zeta, weight), (m, curves, material) = layer, law
     for e in range(LANES):
@@ -214,7 +214,9 @@ def add_general(kept, blocks, layer, work, base, to, h, law):
         d = layer_strain(work, e, z)
         for k in range(3):
             direction = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
-            (x, y, s), across = material.tangent(m, kept, blocks, at + e, d, direction, h, curves)
+            (x, y, s), across = material.tangent(
+                m, blocks_before, blocks, at + e, d, direction, h, curves
+            )
             found = (x, y, s, 0.0, 0.0, 0.0, across)
             add_column(base, to + e, k, n, t, z, found)
             add_column(base, to + e, BENDING + k, n * z, t, z, found)

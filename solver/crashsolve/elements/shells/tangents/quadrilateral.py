@@ -102,13 +102,13 @@ def stress_at(base, e):
 
 
 @blockwise
-def set_base(blocks, kept, first, work, base, h):
-    """Set frames, motion and stresses of the step; `kept` are the blocks before it.
+def set_base(blocks, blocks_before, first, work, base, h):
+    """Set frames, motion and stresses of the step; `blocks_before` are the blocks before it.
 
     Writes: base.
     """
     set_motion(blocks, first, work, base, h)
-    set_stress(blocks, kept, first, work, base)
+    set_stress(blocks, blocks_before, first, work, base)
     for e in range(LANES):
         geometry = geometry_at(base, LANES * BASE.end + e)
         (D, E, H), (t_d, t_e, t_h, t_s) = generalized_forces(stress_at(base, e), geometry)
@@ -142,7 +142,7 @@ def set_motion(blocks, first, work, base, h):
 
 
 @blockwise
-def set_stress(blocks, kept, first, work, base):
+def set_stress(blocks, blocks_before, first, work, base):
     """Set the stresses after the step, and the quantities they depend on. Writes: base."""
     for e in range(LANES):
         at, to = first + LANES * BLOCK.hourglass_plane + e, LANES * BASE.stress + e
@@ -155,7 +155,7 @@ def set_stress(blocks, kept, first, work, base):
         base[to + 14 * LANES] = 0.5 * shear[2]
         at = LANES * BASE.tau + e
         base[at], base[at + LANES] = shear[0], shear[1]
-        base[LANES * BASE.thickness_before + e] = kept[first + LANES * BLOCK.thickness + e]
+        base[LANES * BASE.thickness_before + e] = blocks_before[first + LANES * BLOCK.thickness + e]
         base[LANES * BASE.thickness_after + e] = t
         geometry = geometry_at(base, LANES * BASE.middle + e)
         _, _, q, _, change, drill = strains(

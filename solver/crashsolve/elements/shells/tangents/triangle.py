@@ -91,8 +91,9 @@ def shares(b):
 
 
 @blockwise
-def set_base(blocks, kept, first, work, base, h):
-    """Both frames, the motion of the step and the stresses after it; `kept` is from before it.
+def set_base(blocks, blocks_before, first, work, base, h):
+    """Both frames, the motion of the step and the stresses after it; `blocks_before` is from
+    before it.
 
     Writes: base.
     """
@@ -108,7 +109,7 @@ def set_base(blocks, kept, first, work, base, h):
         base[to + 14 * LANES] = 0.5 * blocks[at + LANES * BLOCK.drilling]
         base[tau], base[tau + LANES] = x, y
         base[LANES * BASE.thickness_before + e], base[LANES * BASE.thickness_after + e] = (
-            kept[at + LANES * BLOCK.thickness],
+            blocks_before[at + LANES * BLOCK.thickness],
             t,
         )
         u, rotation = (
