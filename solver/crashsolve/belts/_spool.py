@@ -31,7 +31,7 @@ class Pretensioner(Card):
 
     time: float = quantity("s", "time at which it fires", ge=0)
     curve: CurveName = word("force over the webbing wound in; it stops at the end of the curve")
-    duration: float = quantity("s", "time for which it winds", default=0.02, gt=0)
+    duration: float = quantity("s", "duration of winding", default=0.02, gt=0)
 
 
 class Retractor(Card):

@@ -50,7 +50,7 @@ class Damped(Card):
     viscosity: Viscosity | None = word(
         "resists fast stretching; only for explicit integrators", default=None
     )
-    mass_scaling: MassScaling | None = word("adds mass; the log says how much", default=None)
+    mass_scaling: MassScaling | None = word("added mass, reported in the log", default=None)
 
 
 def coefficients(card: Damped, scene: Scene) -> tuple[float, float]:

@@ -30,7 +30,7 @@ class File(Card):
     groups of gmsh by name or number.
     """
 
-    file: FileName = word("beside the deck")
+    file: FileName = word("mesh file, beside the deck that names it")
     unit: float = quantity("m", "length that the file's unit stands for", default=1.0, gt=0)
     elements: SetName = word(
         "element set, property or physical group; all elements of the file if empty", default=""

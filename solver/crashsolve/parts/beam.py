@@ -84,7 +84,7 @@ class Beam(Damped):
 
     mesh: Mesh = word("nodes: P_start, P_1, P_2, ..., P_end of a part P; elements: P_1, P_2, ...")
     section: SectionName = word("cross section")
-    material: MaterialName = word("what it is made of")
+    material: MaterialName = word("material of the beam")
     side: Vec3 | None = word(
         "direction near the section's y axis; needed where I_y and I_z differ", default=None
     )

@@ -50,7 +50,7 @@ class Frame(Damped):
         "ends of bars that are hinged to their point, or offset from it", ()
     )
     section: SectionName = word("cross section")
-    material: MaterialName = word("what it is made of")
+    material: MaterialName = word("material of the bars")
     side: Vec3 | None = word(
         "direction near the section's y axis; needed where I_y and I_z differ", default=None
     )

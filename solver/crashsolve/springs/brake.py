@@ -52,7 +52,7 @@ class Brake(PointSpringCard):
     )
     force: float = quantity("N", "level at which it slides; times force_curve", gt=0)
     force_curve: CurveName | None = word("factor on the level over time", default=None)
-    stiffness: float = quantity("N/m", "K, of the bristle that holds", gt=0)
+    stiffness: float = quantity("N/m", "K, stiffness of the bristle", gt=0)
     damping: float = quantity("N s/m", "c, of the bristle", default=0.0, ge=0)
 
 

@@ -51,7 +51,7 @@ class RotationFriction(Card):
     )
     coefficient: float = quantity("1", "mu, of the force that presses the joint", default=0.0, ge=0)
     radius: float | None = quantity("m", "R of pin or ball; with coefficient", default=None, gt=0)
-    stiffness: float = quantity("N m/rad", "K, of the bristle that holds", gt=0)
+    stiffness: float = quantity("N m/rad", "K, stiffness of the bristle", gt=0)
     damping: float = quantity("N m s/rad", "c, of the bristle", default=0.0, ge=0)
 
     @model_validator(mode="after")

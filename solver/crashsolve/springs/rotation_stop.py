@@ -32,8 +32,8 @@ class RotationStop(_joint.StopCard):
 
     lower: float | None = quantity("rad", "angle of the lower stop; none when absent", default=None)
     upper: float | None = quantity("rad", "angle of the upper stop; none when absent", default=None)
-    stiffness: float | None = quantity("N m/rad", "k", default=None, gt=0)
-    damping: float = quantity("N m s/rad", "c", default=0.0, ge=0)
+    stiffness: float | None = quantity("N m/rad", "k, stiffness", default=None, gt=0)
+    damping: float = quantity("N m s/rad", "c, damping", default=0.0, ge=0)
 
 
 COUNTS_ROTATIONS = True

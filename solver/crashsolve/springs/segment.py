@@ -98,7 +98,7 @@ class Segment(PointSpringCard):
     side: Vec3 = word("direction near the section's y axis, in the frame of a")
     length: float = quantity("m", "l, of the beam that the spring stands for", gt=0)
     section: SectionName = word("cross section of the beam")
-    material: MaterialName = word("what it is made of: elastic, or elastoplastic, which yields")
+    material: MaterialName = word("material: elastic, or elastoplastic, which yields")
     damping: float = quantity("s", "beta, damping over stiffness", default=0.0, ge=0)
     buckling_load: float | None = quantity(
         "N", "compression along the beam above which the run warns at its end", default=None, gt=0

@@ -39,7 +39,7 @@ class TranslationFriction(Card):
     joint: JointName = word("joint that has a travel: prismatic, cylindrical, ...")
     force: float = quantity("N", "constant part of the limit", default=0.0, ge=0)
     coefficient: float = quantity("1", "mu, of the force across the axis", default=0.0, ge=0)
-    stiffness: float = quantity("N/m", "K, of the bristle that holds", gt=0)
+    stiffness: float = quantity("N/m", "K, stiffness of the bristle", gt=0)
     damping: float = quantity("N s/m", "c, of the bristle", default=0.0, ge=0)
 
     @model_validator(mode="after")

@@ -32,8 +32,8 @@ class TranslationStop(_joint.StopCard):
 
     lower: float | None = quantity("m", "travel of the lower stop; none when absent", default=None)
     upper: float | None = quantity("m", "travel of the upper stop; none when absent", default=None)
-    stiffness: float | None = quantity("N/m", "k", default=None, gt=0)
-    damping: float = quantity("N s/m", "c", default=0.0, ge=0)
+    stiffness: float | None = quantity("N/m", "k, stiffness", default=None, gt=0)
+    damping: float = quantity("N s/m", "c, damping", default=0.0, ge=0)
 
 
 PARAMETERS = SLIDE + _joint.STOPS
