@@ -54,6 +54,8 @@ class Scene(Protocol):
     curves: dict[str, int]
     curve_points: np.ndarray  # all curves, as kernels read them
     warnings: list[str]
+    errors: list[Any]  # DeckErrors found so far
+    tied_mass: float  # of tied nodes, whose faces have it besides [kg]
     stepwise: list[str]  # laws that count in whole steps
     methods: list[str]  # integrators of all families; empty for any
 
@@ -139,6 +141,9 @@ class Scene(Protocol):
 
     def meshed(self, part: str) -> Any:
         """A part with points in place."""
+
+    def on_mesh_of(self, meshed: Any) -> list[Any]:
+        """All parts in place that share the mesh of one."""
 
     def has_points(self, part: str) -> bool:
         """Whether the nodes of a part are points."""

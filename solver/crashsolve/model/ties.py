@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.foundation.point import ATTACHED, TIE
 from crashsolve.ties._faces import normal_rate
 
@@ -14,7 +15,7 @@ from crashsolve.ties._faces import normal_rate
 SAME = 1e-9
 
 
-def tie_nodes(scene: Any) -> np.ndarray:
+def tie_nodes(scene: Scene) -> np.ndarray:
     """Rows of TIE of all ties. Writes: parts in place, whose nodes ride, or bear others."""
     table = [np.zeros(0, TIE.dtype)]
     entries = list(scene.deck.entries["ties"].values()) if not scene.errors else []
@@ -36,13 +37,13 @@ def tie_nodes(scene: Any) -> np.ndarray:
     return found
 
 
-def _sides(card: Any, scene: Any) -> tuple[Any, Any]:
+def _sides(card: Any, scene: Scene) -> tuple[Any, Any]:
     tied, _, _ = scene.skin(card.part, "part")
     bearing, _, _ = scene.skin(card.to, "to")
     return tied, bearing
 
 
-def _check_motion(rows: np.ndarray, card: Any, scene: Any) -> None:
+def _check_motion(rows: np.ndarray, card: Any, scene: Scene) -> None:
     """Nodes begin with the motion of their positions on the faces."""
     tied, bearing = _sides(card, scene)
     for row in rows:
@@ -57,7 +58,7 @@ def _check_motion(rows: np.ndarray, card: Any, scene: Any) -> None:
             raise scene.fail(f"{message}; give both parts the same motion", "nodes")
 
 
-def _hand_over(rows: np.ndarray, card: Any, scene: Any) -> None:
+def _hand_over(rows: np.ndarray, card: Any, scene: Scene) -> None:
     """Mass, inertia and momenta of impulses go to the corners. Writes: both parts in place."""
     tied, bearing = _sides(card, scene)
     for row in rows:
@@ -75,7 +76,7 @@ def _hand_over(rows: np.ndarray, card: Any, scene: Any) -> None:
         scene.tied_mass += float(tied.mass[node])
 
 
-def _refuse_chain(rows: np.ndarray, tied: set[int], card: Any, scene: Any) -> None:
+def _refuse_chain(rows: np.ndarray, tied: set[int], card: Any, scene: Scene) -> None:
     """A face that bears nodes has no corner that rides itself."""
     if tied.intersection(rows["corner"].ravel().tolist()):
         message = f"a face of '{card.to}' to which nodes are tied has a corner that is tied itself"

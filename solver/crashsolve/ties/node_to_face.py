@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.deck.building import Columns
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, PartName, SetName, quantity, word
 from crashsolve.ties._faces import nearest_face
 
@@ -36,7 +36,7 @@ class NodeToFace(Card):
     )
 
 
-def build(card: NodeToFace, scene: Any) -> list[Columns]:
+def build(card: NodeToFace, scene: Scene) -> list[Columns]:
     _refuse_method(scene)
     (tied, _, first), (bearing, _, base) = (
         scene.skin(card.part, "part"),
@@ -61,7 +61,7 @@ def build(card: NodeToFace, scene: Any) -> list[Columns]:
     return rows
 
 
-def _refuse_method(scene: Any) -> None:
+def _refuse_method(scene: Scene) -> None:
     control = scene.deck.control
     method = f"integrator {control.integrator}"
     if control.solution == "quasi_static":
@@ -72,7 +72,7 @@ def _refuse_method(scene: Any) -> None:
     raise scene.fail(f"{message}; say integrator: rattle, or give both parts one mesh")
 
 
-def _refuse_held(node: int, tied: Any, scene: Any) -> None:
+def _refuse_held(node: int, tied: Any, scene: Scene) -> None:
     """A node that has a motion given already."""
     if tied.held[node]:
         message = f"the node at {_shown(tied.mesh.points[node])} is held, named, welded or tied"
