@@ -159,5 +159,5 @@ def group_arrays(model: Model, state: State) -> dict[str, np.ndarray]:
         if len(e.ties):
             arrays |= {"ties": e.ties}
         if len(e.cuts):
-            arrays |= {"element_cuts": e.taps, "cuts": e.cuts}
+            arrays |= {"element_cuts": e.element_cuts, "cuts": e.cuts}
     return arrays | (shared_arrays(model) if is_shared(model) else {})
