@@ -36,7 +36,9 @@ class CorridorResult:
 def compare_with_corridor(
     history: Course, lower: Course, upper: Course, during: Window | None = None
 ) -> CorridorResult:
-    """How a history (x, y) keeps within borders (x, y); raises PostError without common time."""
+    """Share of time and excess of a history (x, y) with borders (x, y); raises PostError without
+    common time.
+    """
     courses = history, lower, upper
     first, last = during or (-np.inf, np.inf)
     first = max(first, *(float(x[0]) for x, _ in courses))

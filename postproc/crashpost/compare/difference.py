@@ -109,7 +109,7 @@ def _floors(first: Result, other: Result, names: Sequence[str]) -> dict[object, 
 
 
 def _dimension(unit: str) -> tuple[object, float]:
-    """What a unit measures, and its size in SI; of an unknown one itself."""
+    """Dimension of a unit, and its size in SI; an unknown unit itself."""
     try:
         size = Product.parse(unit).size()
     except PostError:

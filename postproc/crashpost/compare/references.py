@@ -77,7 +77,7 @@ def _compare(result: Result, figure: Figure, reference: Reference) -> Comparison
 
 
 def _beside_corridor(series: Series, figure: Figure, reference: Reference) -> Comparison:
-    """How far a history leaves a corridor over time, and for how long."""
+    """Largest distance of a history from a corridor over time, and its duration."""
     unit, x_unit = figure.y_unit or series.unit, figure.x_unit or "s"
     time = series.time * factor("s", x_unit) + figure.x_offset
     values = series.values * factor(series.unit, unit) + figure.y_offset

@@ -51,7 +51,7 @@ def header(named: Sequence[str]) -> tuple[str, ...]:
 def differences_text(
     found: Compared, named: Sequence[str], tolerance: float, *, everything: bool
 ) -> str:
-    """What differs, or all channels, as text; "" where nothing was compared."""
+    """Channels that differ, or all, as text; "" where nothing was compared."""
     if not found.differences and not found.remarks:
         return ""
     beyond = [one for one in found.differences if one.is_beyond(tolerance)]
@@ -65,7 +65,7 @@ def differences_text(
 
 
 def summary(found: Compared, tolerance: float) -> str:
-    """How many channels differ."""
+    """Number of channels that differ, in words."""
     beyond = sum(one.is_beyond(tolerance) for one in found.differences)
     return (
         f"{beyond} of {len(found.differences)} channels differ by more than "

@@ -218,7 +218,7 @@ def _draw_reference(axes: Axes, reference: Reference, colour: str, figure: Figur
 
 
 def _between(values: np.ndarray, ends: Pair | None) -> np.ndarray:
-    """Which values lie between the ends of an axis; all when it has none."""
+    """Mask of the values between the ends of an axis; all when it has none."""
     low, high = (min(ends), max(ends)) if ends else (-np.inf, np.inf)
     return (values >= low) & (values <= high)
 
@@ -326,7 +326,7 @@ def _thinned(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _axis_words(channels: Sequence[str]) -> str:
-    """What an axis shows, in words."""
+    """Label of an axis."""
     distinct = list(dict.fromkeys(channels))
     if distinct == ["time"]:
         return "time"

@@ -24,7 +24,7 @@ from crashsolve.channels.statistic import is_a_time, is_of_a_moment, requested_m
 
 @dataclass(frozen=True)
 class PlotRequest:
-    """What is to be drawn, and how."""
+    """Request for figures: channels, axes and units."""
 
     channels: Sequence[str] = ()
     against: str = "time"

@@ -43,7 +43,7 @@ class CloseUp:
 
 
 def read(text: str) -> tuple[str, float]:
-    """What is seen closely, and the width of the window [m], 0 for a fitting one; or PostError."""
+    """Object of a close-up, and the width of its window [m], 0 for a fitting one; or PostError."""
     name, colon, width = text.partition(":")
     if not colon:
         return name.strip(), 0.0
@@ -98,7 +98,9 @@ def _positions(scene: Scene, name: str, numbers: Sequence[float]) -> list[np.nda
 
 
 def _moved(scene: Scene, point: np.ndarray, between: tuple[float, float]) -> np.ndarray:
-    """How far the mass centre nearest to a point at the first state has moved at the second [m]."""
+    """Displacement of the mass centre nearest to a point, from the first state to the second
+    [m].
+    """
     if "mass_centres" not in scene.states.blocks:
         return np.zeros(3)
     before, after = (scene.positions(number, "mass_centres") for number in between)

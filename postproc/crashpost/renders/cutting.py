@@ -16,7 +16,7 @@ Half = tuple[np.ndarray, float]
 
 
 def half_space(text: str) -> Half:
-    """What a sectional view keeps, from words; raises PostError."""
+    """Half space that a sectional view keeps, from words; raises PostError."""
     found = _WORDS.fullmatch(text)
     try:
         if found is None:
@@ -40,7 +40,7 @@ def clamped(points: np.ndarray, half: Half) -> np.ndarray:
 
 
 def cut(drawing: Drawing, half: Half) -> Drawing:
-    """What is left of a drawing."""
+    """The part of a drawing within a half space."""
     normal, offset = half
     found = Drawing([s for one in drawing.surfaces for s in _surfaces(one, half)])
     for lines in drawing.lines:

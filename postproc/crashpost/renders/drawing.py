@@ -77,7 +77,7 @@ class Scene:
         ]
 
     def at(self, number: float, *, is_ghost: bool = False) -> Drawing:
-        """What is seen at a state."""
+        """Drawing of a state."""
         drawing = Drawing()
         for name in self.drawn:
             points = self.positions(number, name)
@@ -298,7 +298,7 @@ class Scene:
         return np.unique(np.concatenate(used)) if used else np.empty(0, int)
 
     def _cells_shown(self, name: str) -> np.ndarray:
-        """Which cells (m,) of a block the look shows."""
+        """Mask of the cells (m,) of a block that are shown."""
         block = self.states.blocks[name]
         everything = np.ones(block.n_cells, bool)
         if name in WHOLE and "body" in block.fixed:
@@ -316,7 +316,7 @@ class Scene:
         return COLOURS[position % len(COLOURS)]
 
     def _label(self, body: int) -> str:
-        """What stands for a body in legends."""
+        """Label of a body in legends."""
         return self.labels[self.wholes.index(self.groups[body])]
 
     def _part_colour(self, number: int) -> str:

@@ -14,7 +14,7 @@ BESIDE = 0.02
 
 
 class Shown(Protocol):
-    """What arrows ask of a scene: its states and look, numbers of the bodies that are shown."""
+    """Attributes of a scene that arrows need: states, appearance, numbers of the bodies shown."""
 
     states: States
     appearance: Appearance
@@ -62,7 +62,7 @@ def forces_of(scene: Shown, number: float, contacts: set[int]) -> tuple[np.ndarr
 
 
 def _near(scene: Shown, points: np.ndarray, number: float) -> np.ndarray:
-    """Which points (n,) lie in the box around what is shown at a state."""
+    """Mask of the points (n,) in the box around what is shown at a state."""
     shown = scene.extent(number)
     if not len(shown):
         return np.zeros(len(points), bool)

@@ -186,7 +186,7 @@ def _thinned(scene: Scene, count: int) -> list[int]:
 
 
 def _numbers(surface: Surface) -> int:
-    """How many a surface puts on the page at each state."""
+    """Count of numbers of a surface on the page at each state."""
     if surface.values is None:
         return 3 * len(surface.points)
     if len(surface.corners) > FINE:
@@ -239,7 +239,7 @@ def _put(
 
 
 def _plain_mesh(k3d: Any, first: Surface, same: dict[str, Surface], kind: int) -> Any:
-    """What has one colour of a surface's palette."""
+    """Mesh of the polygons with one colour of a surface's palette."""
     of = first.which == kind
     still = all(np.array_equal(s.points, first.points) for s in same.values())
     cells = _fan(first.corners[of])
@@ -262,7 +262,7 @@ def _plain_mesh(k3d: Any, first: Surface, same: dict[str, Surface], kind: int) -
 def _field_mesh(
     k3d: Any, first: Surface, same: dict[str, Surface], colour_scale: ColourScale
 ) -> Any:
-    """What is coloured by a field, of each polygon."""
+    """Mesh coloured by a field, polygon by polygon."""
     per_cell = first.corners.shape[1] - 2
     vertices, values = {}, {}
     is_whole = all(len(surface.corners) == len(first.corners) for surface in same.values())

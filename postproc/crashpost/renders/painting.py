@@ -198,7 +198,7 @@ def _film_size(task: Task, key: "Key") -> tuple[tuple[int, int], "Margins"]:
 
 
 def _shifts(scene: Scene, task: Task) -> list[np.ndarray]:
-    """How far what the camera follows has moved since the first picture [m]."""
+    """Displacement of the followed object since the first picture [m]."""
     if not task.follow:
         return [np.zeros(3)] * len(task.frames)
     positions = [scene.position(number, task.follow) for number, _ in task.frames]
@@ -210,7 +210,7 @@ def _moved(fitted_camera: cameras.Camera, shift: np.ndarray) -> cameras.Camera:
 
 
 class View:
-    """What pictures at some states must hold: points of the model, and arrows."""
+    """Content that pictures at some states must show: points of the model, and arrows."""
 
     def __init__(
         self, scene: Scene, task: Task, numbers: Sequence[float], shift: Sequence[np.ndarray]

@@ -58,7 +58,7 @@ def scale_bar(width: float) -> tuple[float, str]:
 
 @dataclass(frozen=True)
 class Key:
-    """What colours, lengths and arrows mean."""
+    """Meaning of colours, lengths and arrows."""
 
     camera: Camera
     colour_scale: ColourScale
@@ -153,7 +153,7 @@ def wrapped(title: str, width: float) -> list[str]:
 
 
 def layout(captions: Sequence[str], aspect: float, title: str, width: float = WIDTH) -> Layout:
-    """How many pictures side by side, and how large."""
+    """Number of pictures side by side, and their size."""
     count = len(captions)
     most = 1 if aspect >= WIDE else 2 if aspect >= HALF_WIDE else MOST_COLUMNS
     rows = -(-count // most)

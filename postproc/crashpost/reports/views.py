@@ -125,7 +125,7 @@ def _tasks(result: Result, folder: Path, scenes: Sequence[Json], *, with_film: b
 
 
 def appearance(scene: Json) -> Json:
-    """What of a scene is a matter of the camera and of colours."""
+    """Fields of a scene for the camera and colours."""
     words = {name: scene[name] for name in WORDS if scene.get(name)}
     if scene.get("magnify", 1.0) != 1.0:
         words["magnify"] = float(scene["magnify"])

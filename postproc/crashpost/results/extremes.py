@@ -28,7 +28,7 @@ class Extremes:
 
 
 def rows_of_a_slab(width: int) -> int:
-    """How many samples of so many entities fill a slab."""
+    """Number of samples of so many entities in a slab."""
     return max(1, SLAB // (8 * max(width, 1)))
 
 

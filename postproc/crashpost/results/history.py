@@ -72,7 +72,7 @@ class Channel:
 
 
 class History:
-    """What the files of one run hold; raises PostError when they cannot be read."""
+    """Content of the files of one run; raises PostError when they cannot be read."""
 
     def __init__(self, path: Path | str) -> None:
         """Open `path`, a results folder or the history.h5 in one."""
@@ -152,7 +152,7 @@ class History:
 
     @cached_property
     def status(self) -> Json:
-        """What status.json says, see `read_status`."""
+        """Content of status.json, see `read_status`."""
         return read_status(self.folder / "status.json")
 
     @property
@@ -177,7 +177,7 @@ class History:
         return printable(title if isinstance(title, str) and title else self.folder.resolve().name)
 
     def stored_json(self, attribute: str, kind: type = object) -> Any:
-        """What a root attribute holds as JSON, None when absent; raises PostError when broken."""
+        """Value of a root attribute in JSON, None when absent; raises PostError when broken."""
         text = self.attributes.get(attribute)
         try:
             found = None if text is None else json.loads(text)

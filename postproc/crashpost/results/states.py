@@ -38,7 +38,7 @@ NOT_FIELDS = ("points", "cells")
 
 
 class States:
-    """What a results folder holds for pictures; raises PostError when it cannot be read."""
+    """States of a results folder, for pictures; raises PostError when it cannot be read."""
 
     def __init__(self, folder: Path | str) -> None:
         self.folder = Path(folder)
@@ -95,7 +95,9 @@ class States:
         return self.blocks[block].points + found.get("displacement", 0.0)
 
     def visible(self, number: int, block: str) -> np.ndarray:
-        """Which cells (m,) are drawn: deleted elements and contacts that are apart are not."""
+        """Mask of the cells (m,) that are drawn: not deleted elements, nor contacts that are
+        apart.
+        """
         ghost = self.read(number, block, GHOST).get(GHOST)
         count = self.blocks[block].n_cells
         return np.ones(count, bool) if ghost is None else (ghost.astype(int) & HIDDEN) == 0

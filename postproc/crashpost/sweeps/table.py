@@ -49,7 +49,9 @@ class Axis:
 
 @dataclass
 class Measure:
-    """What is asked of every run; a unit that the plan does not name is known from an answer."""
+    """A number that is asked of every run; a unit that the plan does not name is known from an
+    answer.
+    """
 
     name: str
     question: Json
@@ -135,7 +137,7 @@ def _number(text: str) -> float:
 
 
 def _state(folder: Path, mark: dict[str, str]) -> tuple[str, str]:
-    """What has become of a run, and why."""
+    """State of a run, and why."""
     note, status = _table(folder / "run.json"), read_status(folder / "status.json")
     state, message = str(status["state"]), str(status.get("message", ""))
     if not note:
@@ -262,7 +264,7 @@ def unanswered(sweep: Sweep) -> list[str]:
 
 
 def summary(sweep: Sweep, paths: list[Path]) -> str:
-    """What the table holds, in a few lines: states, and each problem of a measure once."""
+    """Summary of the table in a few lines: states, and each problem of a measure once."""
     counts = Counter(row.state for row in sweep.rows)
     states = ", ".join(f"{n} {state}" for state, n in sorted(counts.items()))
     lines = [f"{', '.join(map(str, paths))}: {len(sweep.rows)} runs, {states}"]

@@ -53,7 +53,7 @@ class SensorPosition:
 
     @property
     def filter(self) -> str:
-        """How its acceleration was filtered, in words."""
+        """Filter of its acceleration, in words."""
         return "" if self.plain_because else f"CFC {CLASSES[self.role]}"
 
 

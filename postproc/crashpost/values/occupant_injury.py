@@ -197,7 +197,7 @@ def _title(name: str) -> str:
 
 
 def _missing(cards: dict[str, Json]) -> list[Row]:
-    """Which measures of an occupant the sensors of the deck do not serve."""
+    """Measures of an occupant for which the deck has no sensors."""
     roles = {card.get("role") for card in cards.values()}
     if not roles & set(OF_OCCUPANTS):
         return []

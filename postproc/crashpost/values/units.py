@@ -96,7 +96,7 @@ class PageUnits:
         return self.of.get(own, own)
 
     def size(self, own: str) -> float:
-        """What numbers in this unit are multiplied with."""
+        """Factor on numbers in this unit."""
         return factor(own, self.of[own]) if own in self.of else 1.0
 
 
@@ -128,7 +128,7 @@ def on_page(
 
 
 def _ratio(present: str, own: str, wanted: str) -> float:
-    """What numbers of an axis are multiplied with; those in an automatic unit are in its own."""
+    """Factor on numbers of an axis; those in an automatic unit are in its own."""
     return factor(own if present in ("", AUTO) else present, wanted)
 
 

@@ -49,7 +49,7 @@ def is_name(channel: str) -> bool:
 
 
 def quantity(channel: str) -> str:
-    """What a channel measures, in words: contact force along x."""
+    """Quantity of a channel in words: contact force along x."""
     family, _, column = channel.split(".", 2)
     first, _, component = column.partition(".")
     if family == "glstat" and first == "energy":

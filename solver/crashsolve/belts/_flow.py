@@ -227,7 +227,9 @@ def direction_of(new, out, j):
 
 @kernel
 def slack_of_segment(p, new, out, j, direction):
-    """What a slack segment gives through ring j until it is taut, of the sign of the flow [m]."""
+    """Length that a slack segment passes through ring j until it is taut, of the sign of the flow
+    [m].
+    """
     if direction == 0 or out.force[j] == out.force[j - 1]:
         return 0.0
     sign = 1.0 if out.force[j] > out.force[j - 1] else -1.0

@@ -223,7 +223,7 @@ def clear_unused(p: Parameters, old: History, new: History, out: Output):
 
 @kernel
 def update_energies(p: Parameters, old: History, new: History, out: Output, h):
-    """What is stored and lost, and what is shown. Writes: new, out."""
+    """Update stored and dissipated energies, and outputs. Writes: new, out."""
     out.stored = out.power = friction = drawn = slack = 0.0
     for i in range(p.segments):
         T_0, T_1 = old.tension[i], out.force[i]

@@ -39,7 +39,7 @@ Function = Callable[[float, bool, Tables], None]
 
 
 class Failure(ctypes.Structure):
-    """What code that checks bounds reports: where, the number that was wrong, and its limit."""
+    """Failure of a check of bounds: location, index, and its limit."""
 
     _fields_ = (
         ("site", ctypes.c_char_p),

@@ -23,7 +23,7 @@ def release_pages(library: str) -> None:
 
 
 def _unchanged(library: str) -> Iterator[tuple[int, int]]:
-    """Where a library lies that nothing has written to: not where addresses were put in."""
+    """Address ranges of a library's pages that have not been written to."""
     begin = end = changed = 0
     with open("/proc/self/smaps", encoding="utf-8") as file:
         for line in file:

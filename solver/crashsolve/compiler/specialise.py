@@ -223,7 +223,7 @@ class Copy(ast.NodeTransformer):
         return ast.Constant(test) if isinstance(test, bool) else test
 
     def _condition(self, node: ast.expr) -> ast.expr | bool:
-        """What is left of a condition, or what it comes to."""
+        """The unknown part of a condition, or its value."""
         is_known, value = self.known_value(node)
         if is_known:
             return bool(value)

@@ -16,7 +16,7 @@ Columns = dict[str, Any]
 
 
 class Pair(Protocol):
-    """What a normal law may ask about the contact and the two surfaces between which it acts."""
+    """The contact and its two surfaces, for the build of a normal law."""
 
     contact: str
     radius_a: float | None  # [m]; infinite for a plane, None where the surface has none
@@ -77,7 +77,7 @@ class Scene(Protocol):
         """Module and card of an entry that another card names."""
 
     def built(self, card: Any) -> Any:
-        """What a law within a card makes of it."""
+        """Columns that a law within a card builds."""
 
     def curve(self, name: str) -> int:
         """Number of a curve of the deck."""
@@ -137,7 +137,7 @@ class Scene(Protocol):
         """The mesh of a part, refused where its elements do not hang together."""
 
     def own_share(self) -> Any:
-        """What the part that is being built has of a mesh of the deck."""
+        """Elements and points of a shared mesh that the part being built has."""
 
     def meshed(self, part: str) -> Any:
         """A part with points in place."""

@@ -30,7 +30,7 @@ EXPECTED = {
 
 
 class Diagnostic(NamedTuple):
-    """What is wrong at a path within a card; `key` when it is the name there, not its value."""
+    """An error at a path within a card; `key` when it is in the name there, not in its value."""
 
     path: Path
     message: str

@@ -45,7 +45,7 @@ class Made(NamedTuple):
 
 
 class Problem(ValueError):
-    """Why a card cannot be written out, at a path of it."""
+    """An error at a path of a card that cannot be written out."""
 
     def __init__(self, path: Steps, message: str, advice: str = "") -> None:
         super().__init__(message)

@@ -41,7 +41,7 @@ class _Missing:
 
 @dataclass(frozen=True)
 class Family:
-    """What a folder of laws states of itself. Raises FamilyError naming all that is missing."""
+    """Declaration of a folder of laws. Raises FamilyError naming all that is missing."""
 
     # which question each declaration answers, as the error asks it
     entry: Any = _Missing  # what is one entry of its section called? None for laws within cards

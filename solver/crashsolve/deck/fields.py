@@ -68,7 +68,7 @@ def _noted(default: object, bounds: Mapping[str, float | None], **notes: str) ->
 
 @dataclass(frozen=True)
 class Declared:
-    """What the declaration of a field says, in the form messages and manuals need."""
+    """Declaration of a field, in the form that messages and manuals need."""
 
     info: FieldInfo
     unit: str = ""

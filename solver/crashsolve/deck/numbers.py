@@ -42,13 +42,13 @@ class SiFloat(float):
         return self
 
     def __getnewargs__(self) -> tuple[float, Unit | None, Unit | None]:  # type: ignore[override]
-        """What copies are made of."""
+        """Arguments with which a copy is made."""
         return float(self), self.unit, self.derived
 
 
 @dataclass(frozen=True)
 class Context:
-    """What a card must know of the file it stands in: units of bare numbers, and folder.
+    """Properties of the file of a card: units of bare numbers, and folder.
 
     `symbols` are those units by name; `axes` the units of x and y of a curve by what uses it.
     """

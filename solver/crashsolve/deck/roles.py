@@ -24,7 +24,7 @@ class Expanded(Protocol):
         """Entries by keyword and name, as a deck has them."""
 
     def unused(self, card: Any) -> Any:
-        """Why paths of the card change nothing beside its other words, by path."""
+        """Reasons why fields of the card have no effect beside the others, by path."""
 
 
 class BasicConstraint(Protocol):
@@ -86,7 +86,7 @@ class Force(Protocol):
 
 
 class Reading(Protocol):
-    """What is read at samples and acts on nothing."""
+    """A law that is evaluated at samples and acts on nothing."""
 
     def measure(self, p, out, t, nodes, rows, curves):
         """Readings at a sample. Writes: out."""
@@ -96,7 +96,7 @@ class Following(Protocol):
     """A sensor that must look at every step."""
 
     def follow(self, p, old, new, out, nodes):
-        """What it keeps of a step. Writes: new, out."""
+        """Update its history by a step. Writes: new, out."""
 
 
 class Tangent(Protocol):
@@ -220,7 +220,7 @@ class ElementEnergies(Protocol):
     """Parts that keep their elements in blocks."""
 
     def energies(self, p, new, out, scene):
-        """What the part has stored and lost. Writes: new, out."""
+        """Stored and dissipated energies of the part. Writes: new, out."""
 
 
 class FibreLaw(Protocol):

@@ -226,7 +226,7 @@ def _family(folder: str, nested: dict[type[Card], None]) -> Iterator[str]:
 
 
 def _pairs_of_shapes() -> Iterator[str]:
-    """Which shapes can meet, and in how many points: the files of contact/narrow say so."""
+    """Shapes that can meet, and their number of points, by the files of contact/narrow."""
     files = sorted((package_folder() / "contact" / "narrow").glob("[!_]*.py"))
     shells = ", ".join(f"`{shape}`" for shape in ("nodes", "sphere", "point_set", "ellipsoid"))
     yield from (
@@ -315,7 +315,7 @@ def _cards_in(annotation: object) -> list[type[Card]]:
 
 
 def _kind_of(field: Declared) -> str:
-    """What a user may write for a field, in words."""
+    """Values that a user may write for a field, in words."""
     return _marked(field.info.metadata) or _kind(field.info.annotation)
 
 
@@ -325,7 +325,7 @@ def _is_set_name(marks: Iterable[Any]) -> bool:
 
 
 def _marked(marks: Iterable[Any]) -> str:
-    """What the marks of an annotation make of a text: a name, or a file."""
+    """Meaning of a text by the marks of its annotation: a name, or a file."""
     if _is_set_name(marks):
         return "text or whole number"
     functions = [mark.func for mark in marks if isinstance(mark, AfterValidator)]

@@ -276,7 +276,7 @@ def _sum(found: _Steps, sampling_error: float) -> float:
 
 
 def _reported(found: Convergence, order: float | None) -> str:
-    """How the error was found, in words."""
+    """Method of the error estimate, in words."""
     if found.stalls is not None:
         return "2 coarser runs: differences do not shrink, the larger one is taken"
     if found.is_extrapolated:
@@ -299,7 +299,7 @@ def series_of(watch: Watch, samples: Samples) -> Series:
 
 
 def _value(watch: Watch, samples: Samples) -> np.ndarray:
-    """What runs are compared in: the refined number, or the history."""
+    """The value by which runs are compared: the refined number, or the history."""
     if not len(samples.time):
         raise ValueError("no samples")
     series = series_of(watch, samples)
@@ -327,7 +327,7 @@ def _sampling_error_inside(watch: Watch, main: Samples) -> float:
 
 
 def _scale(watch: Watch, channels: list[Channel], main: Samples, series: Series) -> float:
-    """What errors are compared with: the largest magnitude of the history, or of its vector.
+    """Scale of relative errors: the largest magnitude of the history, or of its vector.
 
     A sum counts by itself, unless its parts cancel.
     """

@@ -174,7 +174,7 @@ class Estimator:
 
 
 def left_out(deck: Deck) -> list[str]:
-    """What laws of the contacts approximate, and no run of the deck changes: their LEFT_OUT."""
+    """Approximations of contact laws that no run of the deck shows: their LEFT_OUT."""
     cards = [contact.card for contact in deck.entries["contacts"].values()]
     laws = [getattr(card, word, None) for card in cards for word in ("normal", "friction")]
     modules = [import_module(type(law).__module__) for law in laws if law is not None]

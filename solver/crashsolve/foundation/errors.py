@@ -9,7 +9,7 @@ from crashsolve.foundation.streams import printable
 
 
 class ExitCode(IntEnum):
-    """What the command line reports to the shell and to a queue."""
+    """Exit codes of the commands, for the shell and for queues."""
 
     NORMAL = 0
     INTERNAL = 1

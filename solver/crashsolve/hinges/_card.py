@@ -147,7 +147,7 @@ class RateFactor(Card):
 
 
 class HingeCard(AxisJointCard):
-    """What every hinge has: two bodies, a position, an axis, and how it behaves in cycles."""
+    """Fields of all hinges: two bodies, position, axis, and behaviour in cycles."""
 
     cyclic: Literal["isotropic", "kinematic", "peak_oriented"] = word(
         "isotropic: yield in both directions follows the curve along the plastic displacement; "

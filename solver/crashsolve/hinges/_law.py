@@ -217,7 +217,7 @@ def advance_motion(p, old, new, c, x, phi, curves):
 
 @kernel
 def added_loss(p, old, flow, static, phi, curves):
-    """What the factor adds to the work on the slider, with its mean over the step [J]."""
+    """Additional work [J] on the slider by the rate factor, with its mean over the step."""
     c, side, displacement, origin = flow
     mean = 0.5 * (phi + old.factor) if old.plastic_flow[c] == int(side) else phi
     if p.cyclic != KINEMATIC:

@@ -132,7 +132,7 @@ def search(begun, h, tt, clock, nodes, rows, scene):
 
 @kernel
 def power_of(nodes, stages):
-    """What is out of balance along the last correction, over a time [N m/s^2].
+    """Residual force along the last correction, over a time [N m/s^2].
 
     The forces are those of where the nodes stand.
     """

@@ -68,7 +68,7 @@ POOR_GUESS = 1e-4  # first residual, in model sizes, above which lambda is guess
 
 @stage
 def prepare_sample(until, clock, nodes, rows, saddle, scene):
-    """What a sample needs before its forces; returns its time [s]. Writes: rows.phi."""
+    """Prepare a sample before its forces; returns its time [s]. Writes: rows.phi."""
     if JOINTS:
         residual(clock.current, clock.time, nodes, rows, scene.curves, scene)
     return clock.time

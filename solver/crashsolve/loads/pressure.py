@@ -106,7 +106,7 @@ def load_elements(p: Parameters, old: History, out: Output, h, scene):
 
 @kernel
 def add_up(p: Parameters, out: Output, h, nodes, block_sums):
-    """What all blocks come to, one after the other. Writes: nodes, out."""
+    """Sum the values of all blocks in order. Writes: nodes, out."""
     total = moment = (0.0, 0.0, 0.0)
     work = 0.0
     blocks = (p.quads + LANES - 1) // LANES + (p.triangles + LANES - 1) // LANES

@@ -20,7 +20,7 @@ from crashsolve.foundation.record import Record
 
 
 class MaterialLaw(Protocol):
-    """What the file of every material provides beside its card."""
+    """Attributes and functions of every material's file, beside its card."""
 
     PARAMETERS: Record  # with the columns of elastic.py: young, poisson, shear, density, ...
     LAYER: Any  # rows of a layer, from rows_of()
@@ -67,7 +67,7 @@ class MaterialLaw(Protocol):
 
 
 class GeneralLaw(MaterialLaw, Protocol):
-    """What a law of its own provides besides."""
+    """Further functions of a material with a stress update of its own."""
 
     def tangent(self, m, blocks_before, blocks, at, d, direction, h, curves):
         """Changes of the stress (3) and of the strain across for a change `direction` of d.
@@ -83,7 +83,7 @@ class GeneralLaw(MaterialLaw, Protocol):
 
 
 class VonMisesLaw(MaterialLaw, Protocol):
-    """What a law of a metal provides besides."""
+    """Further functions of a metal that yields by the von Mises criterion."""
 
     HEATS: bool  # whether FIBRE has a temperature
     SMOOTH: bool  # whether Y bends, and is followed by its tangents; or goes from line to line

@@ -64,7 +64,7 @@ def _sets_of(blocks: list[np.ndarray], fine: dict[str, np.ndarray]) -> dict[str,
 
 
 def _kinds(quads: np.ndarray) -> np.ndarray:
-    """What every node was, of all patches of elements that hang together."""
+    """Kind of every node before the division, of all connected patches of elements."""
     beside = defaultdict(list)
     for element, quad in enumerate(quads.tolist()):
         for k in range(4):
@@ -114,7 +114,7 @@ def _spread(
 
 
 def _corner_of(quad: list[int], kinds: np.ndarray, pair: tuple[int, int]) -> int:
-    """Which node of an element was a corner, from the kinds of two that it shares."""
+    """Node of an element that was a corner, from the kinds of two that it shares."""
     at = {int(kinds[node]): quad.index(node) for node in pair}
     return at[CORNER] if CORNER in at else (at[MIDDLE] + 2) % 4
 

@@ -77,7 +77,7 @@ def _refuse_implicit(word: str, given: bool, scene: Scene) -> None:
 
 
 def _refuse_apart(body: int, node: int, word: str, scene: Scene) -> None:
-    """What becomes part of a body begins with its motion."""
+    """Refuse nodes that become part of a body without its motion."""
     apart = inconsistency(body, node, scene)
     if apart > SAME * (np.linalg.norm(scene.v[node]) + np.linalg.norm(scene.v[body])):
         message = f"'{scene.names[node]}' begins {apart:.3g} m/s faster than its position on "

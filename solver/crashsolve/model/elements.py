@@ -130,7 +130,7 @@ def initial_points(model: Model, scene: Scene) -> np.ndarray:
 
 
 def initial_blocks(model: Model, deck: Deck, scene: Scene) -> np.ndarray:
-    """What all elements keep, at the start."""
+    """Numbers of all blocks of elements at the start."""
     parts = _meshed(model, scene)
     names = [name for g in model.element_groups() for name in g.names]
     sizes = [meshed.size for meshed in parts]

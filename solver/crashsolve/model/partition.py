@@ -232,7 +232,7 @@ def _blocks_of(row: np.void) -> int:
 
 
 def _live(row: np.void) -> np.ndarray:
-    """Which lanes of the blocks of a part hold an element (blocks, lanes)."""
+    """Mask (blocks, lanes) of the lanes that hold an element of a part."""
     triangles = int(row["triangles"])
     counts = (int(row["element_count"]) - triangles, triangles)
     lanes = [np.arange(LANES * _blocks(n)) < n for n in counts]

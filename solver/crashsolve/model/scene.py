@@ -126,7 +126,7 @@ class Scene:
         return module.build(part.card, self)
 
     def own_share(self) -> Any:
-        """What the part that is being built has of a mesh of the deck."""
+        """Elements and points of a shared mesh that the part being built has."""
         return self._shares[self.under_way]
 
     def _set_body(self, i: int, body: Columns) -> None:
@@ -268,7 +268,7 @@ class Scene:
         return import_module(entry.module_name), entry.card
 
     def built(self, card: Any) -> Any:
-        """What a law within a card makes of it."""
+        """Columns that a law within a card builds."""
         return import_module(type(card).__module__).build(card, self)
 
     def mesh(self, card: Any) -> Any:

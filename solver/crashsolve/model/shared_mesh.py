@@ -30,7 +30,7 @@ LISTED = 3
 
 
 def shared_meshes(scene: Scene) -> dict[str, Any]:
-    """What every part has of a mesh under `meshes`, by the name of the part."""
+    """Shares of the meshes under `meshes`, by the name of the part."""
     found: dict[str, Any] = {}
     for name, entry in scene.deck.entries["meshes"].items():
         parts = parts_of(name, scene)

@@ -139,7 +139,7 @@ class HistoryWriter:
         return count
 
     def _judge(self, times: np.ndarray, blocks: list[np.ndarray]) -> tuple[int, OutputError | None]:
-        """How many rows are sound, and what is wrong with the next: its time, or a number."""
+        """Number of sound rows, and the error of the next: its time, or a number."""
         before = np.concatenate([[self._last_time], times[:-1]])
         wrong = np.flatnonzero(~((before < times) & (times < np.inf)))
         sound, error = len(times), None

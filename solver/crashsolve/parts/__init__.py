@@ -7,7 +7,7 @@ from crashsolve.deck.roles import Built
 
 
 class PartLaw(Built, Protocol):
-    """What the file of a part provides beside its card."""
+    """Attributes and functions of a part's file, beside its card."""
 
 
 FAMILY = Family(

@@ -164,7 +164,8 @@ def at_section(p: Parameters, strained):
 
 @kernel
 def yielding(p: Parameters, old: History, curves, strained, material):
-    """What fibres have besides K: N, M_y, M_z, and derivatives by e, theta_y, theta_z (6 each).
+    """Differences of fibres from the elastic K: N, M_y, M_z, and derivatives by e, theta_y, theta_z
+    (6 each).
 
     Those by the rates of these follow.
     """

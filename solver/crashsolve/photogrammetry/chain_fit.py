@@ -36,7 +36,9 @@ class FitError(Exception):
 
 @dataclass(frozen=True)
 class Chain:
-    """What is fitted: links in order from the root, landmarks, stops and spreads of joints."""
+    """The chain that is fitted: links in order from the root, landmarks, stops and spreads of
+    joints.
+    """
 
     root: int
     root_name: str
@@ -51,7 +53,7 @@ class Chain:
         return [3 if one.axis is None else 1 for one in self.links]
 
     def labels(self) -> list[str]:
-        """What each unknown belongs to."""
+        """Label of each unknown."""
         joints = zip(self.links, self.widths(), strict=True)
         return [self.root_name] * 6 + [one.joint for one, n in joints for _ in range(n)]
 

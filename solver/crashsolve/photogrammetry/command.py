@@ -55,7 +55,7 @@ def posture(path: Path, folder: Path) -> list[str]:
 
 
 def _start(requested: Any, seen: Any) -> int:
-    """Which frame is the start. Raises DeckErrors."""
+    """The frame at the start. Raises DeckErrors."""
     times = [frame.time for frame in seen.frames]
     if requested.card.start is None:
         return 0

@@ -78,7 +78,7 @@ def joints_table(chain: Chain, fits: list[Fit]) -> str:
 def summary(
     requested: Requested, chain: Chain, measured: Measured, fits: list[Fit], moving: Rates
 ) -> str:
-    """What is printed."""
+    """The text that is printed."""
     given = (
         "given" if requested.card.image_error else f"from {measured.freedom} equations left over"
     )

@@ -97,7 +97,7 @@ class Snapshot:
         self.is_copied = not _nodal(engine) and all(a.flags.c_contiguous for a in arrays)
 
     def pieces(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """What is to be copied, from and to, in bytes, as numpy takes columns one by one."""
+        """Copies to be made, from and to, in bytes, as numpy copies columns one by one."""
         if self._bound != self.engine.bindings:
             now = {name: a for name, a in changing(self.engine).items() if a.size}
             self._arrays = {name: a.copy() for name, a in now.items()}
@@ -114,7 +114,7 @@ class Snapshot:
             kept[...] = now
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """What was kept, by name."""
+        """Copied arrays by name."""
         return self._arrays
 
     def recall(self, arrays: dict[str, np.ndarray]) -> None:

@@ -85,7 +85,7 @@ def together(sources: Iterable[Source]) -> dict[int, Source]:
 
 
 def identity(source: Source) -> int:
-    """What distinguishes two sources."""
+    """Key that distinguishes two sources."""
     return id(source.table if isinstance(source, Columns) else source)
 
 

@@ -85,7 +85,7 @@ def _problems_of(
     found: dict[str, list[Channel]],
     deck: Deck,
 ) -> Iterator[str]:
-    """What is wrong with a question, by its fields; adds the channels it asks for to `found`."""
+    """Errors of a question, by its fields; adds the channels it asks for to `found`."""
     start = deck.control.start_time
     try:
         found[card.channel] = find(card.channel, families)

@@ -161,7 +161,7 @@ def _channel(name: str, families: Sequence[Family]) -> Channel | None:
 
 
 def _unknown(name: str, families: Sequence[Family]) -> str:
-    """What is wrong with a channel that does not exist, from its first wrong word."""
+    """Message of a channel that does not exist, from its first wrong word."""
     word, _, rest = name.partition(".")
     entity, _, path = rest.partition(".")
     same = [family for family in families if family.word == word]

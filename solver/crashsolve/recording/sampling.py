@@ -78,7 +78,7 @@ class Schedule:
         return self.time(k) >= self.end
 
     def plain_number(self, k: int) -> int | None:
-        """How many intervals from the start sample k lies; None of one that was asked for."""
+        """Number of intervals from the start to sample k; None of one that was asked for."""
         j = bisect_left(self.numbers, k)
         return None if k in self.numbers[j : j + 1] else k - j
 
@@ -87,7 +87,7 @@ class Schedule:
         return self.end if target > self.end - SAME * self.interval else target
 
     def _before(self, time: float) -> int:
-        """How many samples in intervals come before a time."""
+        """Number of regular samples before a time."""
         k = max(int((time - self.start) / self.interval) - 1, 0)
         while self._plain(k) < time:
             k += 1

@@ -120,7 +120,7 @@ class EventStates:
         self._started = float(self.engine.clock["sampled"])
 
     def _look(self) -> dict[str, float]:
-        """What grows when an event happens."""
+        """Quantities that grow when an event happens."""
         state, clock = self.engine.state, self.engine.state.clock[0]
         cards = state.card_history[int(clock["current"])]
         yielded = sum(
@@ -152,7 +152,7 @@ class EventStates:
 
 
 def _stop(is_asked: Callable[[], bool]) -> Callable[[], None]:
-    """What a pause does: raise Abandoned where something is asked of the run."""
+    """Callback at a pause: raises Abandoned where something is asked of the run."""
 
     def pause() -> None:
         if is_asked():
@@ -162,7 +162,7 @@ def _stop(is_asked: Callable[[], bool]) -> Callable[[], None]:
 
 
 def _course(file: Any, name: str, rows: slice) -> np.ndarray:
-    """What grows at an event, at rows of a history."""
+    """Quantities that grow at an event, at rows of a history."""
     if name == TOUCH:
         return np.count_nonzero(file["rcforc/onsets"][rows], axis=1)
     if name == FORCE:

@@ -22,7 +22,7 @@ from crashsolve.system.engine import Engine
 
 
 class Run(Protocol):
-    """What marching asks of a run."""
+    """Attributes and functions of a run that the loop over samples needs."""
 
     deck: Deck
     engine: Engine
@@ -124,7 +124,7 @@ def _go_to(run: Run, target: float) -> float:
 
 
 def _after(run: Run, now: float) -> None:
-    """What follows a sample, the last of those taken."""
+    """Actions after a sample, the last of those taken."""
     run.account.keep_alive()
     run.write(now, force=now == run.schedule.end or run.engine.is_complete)
     run.sampled = now

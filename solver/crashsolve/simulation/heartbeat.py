@@ -29,7 +29,7 @@ class Heartbeat:
         self._thread = threading.Thread(target=self._watch, daemon=True)
 
     def does(self, doing: str) -> None:
-        """What the run does from now on."""
+        """Set the activity of the run from now on."""
         self._doing, self._since = doing, monotonic()
 
     def reported(self) -> None:

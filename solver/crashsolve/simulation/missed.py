@@ -26,7 +26,7 @@ class Missed:
 
     @property
     def shortfall(self) -> float:
-        """What the samples do not show of the peak [N]."""
+        """Part of the peak that the samples do not show [N]."""
         return self.peak - self.shown
 
     def words(self, interval: float) -> str:

@@ -73,7 +73,7 @@ class Pictures:
         self.blocks = self._blocks()
 
     def description(self) -> Json:
-        """What numbers in the blocks stand for, sections of beams (y, z) [m], what is up."""
+        """Names of the numbers in the blocks, sections of beams (y, z) [m], vertical direction."""
         entries = self.deck.entries
         weights = [g.parameters for g in self.engine.model.groups if g.word == "loads_gravity"]
         pull = sum((w["acceleration"].sum(axis=0) for w in weights), np.zeros(3))
@@ -269,7 +269,7 @@ class Pictures:
         return BEAM | (YIELDING_BEAM if yields else {})
 
     def _beam_fields(self) -> dict[str, np.ndarray]:
-        """What the elements of beams bear and store; what is elastic has not yielded."""
+        """Forces and energies of beam elements; elastic ones have not yielded."""
         nodes, ends = self.engine.nodes, self._beam_ends()
         fields = {
             "displacement": nodes["r"][ends] - self._r0[ends],

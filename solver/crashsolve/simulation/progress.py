@@ -157,13 +157,13 @@ class Account:
             self.progress()
 
     def print_line(self, text: str) -> None:
-        """What the run has been doing for long, in the log and status.json. Raises OutputError."""
+        """Write the present long activity to the log and status.json. Raises OutputError."""
         clock = self.engine.clock
         self.log.line(f"{text}, at t = {float(clock['time']):.6g} s, cycle {int(clock['cycle'])}")
         self.status("running", None, text)
 
     def step_bound(self) -> str:
-        """What sets the step, and why."""
+        """The entity that limits the step, and why."""
         is_static = self.deck.control.solution == "quasi_static"
         self.bound = "load steps" if is_static else self._bounds.report(self.engine)
         return self.bound
@@ -196,7 +196,7 @@ class Account:
         )
 
     def close_stages(self) -> None:
-        """What no stage has counted: opening and closing of files, looks at the results."""
+        """Count the time of no other stage: opening and closing of files, checks of results."""
         counted = sum(seconds for name, seconds in self.cpu.items() if name != REST)
         self.cpu[REST] = max(cpu_time() - counted, 0.0)
 

@@ -97,7 +97,7 @@ def met_by(engine: Engine) -> list[str]:
 
 
 def remarks(engine: Engine, extremes: Extremes, history: Path) -> Json:
-    """What is worth a line at the end of a run, for status.json; empty where there is nothing."""
+    """Remarks at the end of a run, for status.json."""
     return {
         "untouched": untouched(engine),
         "below_floor": below_floor(engine),

@@ -48,7 +48,7 @@ def _is_ignored(number: int) -> bool:
 
 
 class Requests:
-    """What has been asked and not yet been done; `end` ends the process at once."""
+    """Requests that have not been met yet; `end` ends the process at once."""
 
     def __init__(self, folder: Path, log: Log, end: Callable[[], None]) -> None:
         self.words: set[str] = set()

@@ -62,7 +62,7 @@ def _cost(account: Account) -> dict[str, str]:
 
 
 def _remarks(account: Account) -> dict[str, str]:
-    """What never happened, what is not determined, and which elements were deleted."""
+    """Remarks: contacts that never touched, undetermined motions, deleted elements."""
     found, remarks = {}, account.remarks
     for name, what in (
         ("untouched", "contacts that never touched"),

@@ -37,7 +37,7 @@ class PowerLaw(Card):
 
 
 class ResistanceCard(Card):
-    """What a force given by a curve may do: unload on another path, grow with the rate."""
+    """Fields of a force given by a curve: unloading path, growth with the rate."""
 
     curve: CurveName = word("force over deformation while it grows; see also gap")
     unloading_curve: CurveName | None = word(

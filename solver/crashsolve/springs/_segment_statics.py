@@ -51,8 +51,8 @@ def forces_by_motions(p: Table, state: Table, nodes: Table, curves: np.ndarray) 
 def predict(
     p: Table, state: Table, new: Table, nodes: Table, displacement: np.ndarray, curves: np.ndarray
 ) -> None:
-    """How segments flow over motions `displacement` (n, 6) of all nodes, to first order. Writes:
-    new.
+    """Predict the plastic flow of segments over motions `displacement` (n, 6) of all nodes, to
+    first order. Writes: new.
 
     Bodies that rotate stretch what is between them by the square of their rotations, which is no
     flow.

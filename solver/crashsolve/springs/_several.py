@@ -164,7 +164,7 @@ def tangent_along(p, nodes, rows, first, stiffness, damping):
 
 @kernel
 def add_span(row, c, p, j, k, nodes):
-    """What the span from point j to point k adds to the columns of j from c on. Writes: row."""
+    """Add the span from point j to point k to the columns of j from c on. Writes: row."""
     body, d, piece = nodes[p.node[j]], arm_of(p, j, nodes), span(p, j, k, nodes)
     u = piece.u
     per = 1.0 / piece.length if piece.length >= SHORTEST else 0.0

@@ -127,7 +127,7 @@ def _end(name: str, card: AntiRollBar, scene: Scene) -> End:
 
 
 class Reach(NamedTuple):
-    """How an arm stands for its link to be as long as it is."""
+    """Position of an arm at which its link has its length."""
 
     phi: float  # [rad]
     d: Vector  # end of the arm from the mass centre of the bar's body, world axes [m]

@@ -219,7 +219,7 @@ def _triad(card: Segment, scene: Scene) -> np.ndarray:
 
 
 class Deformation(NamedTuple):
-    """What a spring has been brought to, in axes of the beam but for R and the arms."""
+    """Deformation of a spring, in axes of the beam but for R and the arms."""
 
     R: tuple[float, ...]  # mean triad, v and w of corotational.py
     v: Vector

@@ -76,7 +76,7 @@ class StaticEngine(Engine):
         self.known_tangent: Tangent | None = None
 
     def _nodes_with_other_forces(self, attached_nodes: set[int]) -> np.ndarray:
-        """Which free nodes (n,) forces other than those of beam elements may act on."""
+        """Mask (n,) of the free nodes on which forces other than those of beam elements may act."""
         named = attached_nodes | set(self.model.attached_nodes["body"])
         for g in self.model.groups:
             if not hasattr(g.module, "forces_by_motions"):

@@ -7,8 +7,8 @@ from crashsolve.system.diagnosis import curve_end
 
 
 class Problem:
-    """Why there is no next equilibrium: "lost", "balance", "unstable mode", "bifurcation", "jump",
-    "lost path", "end of curve".
+    """Reason why there is no next equilibrium: "lost", "balance", "unstable mode", "bifurcation",
+    "jump", "lost path", "end of curve".
     """
 
     def __init__(self, kind: str, target: float, location: str = "the model") -> None:

@@ -74,7 +74,7 @@ def _of_odd(K: np.ndarray, M: np.ndarray) -> tuple[np.ndarray | None, bool]:
 
 
 def unstable_modes(columns: np.ndarray) -> tuple[int, int]:
-    """How many unstable modes the pivots of a factor show, and the node of the most negative one.
+    """Number of unstable modes by the pivots of a factor, and the node of the most negative one.
 
     `columns` are those of foundation/sparse/bordered.py, after the nodes' have been factorised.
     """

@@ -279,7 +279,7 @@ class _EquilibriumSearch:
         nodes["L"][self.free] = np.einsum("nij,njk,nlk,nl->ni", A, J, A, w)
 
     def _words(self, first: np.ndarray, iterations: int) -> str:
-        """What was moved, for the log."""
+        """Displacement of the bodies in words, for the log."""
         moved = np.linalg.norm(self.nodes["r"] - first["r"], axis=1)
         node = int(moved.argmax())
         displacement = f"by up to {moved[node]:.4g} m ({self._name(node)})"

@@ -33,7 +33,7 @@ RATIO = 1.1
 
 @dataclass(frozen=True)
 class Convergence:
-    """What the runs of one method, from the longest step to the shortest, say of one value.
+    """Convergence of one value over the runs of one method, from the longest step to the shortest.
 
     `error` is the estimated error of the last one, in the unit of the value; `orders` begin with
     the third run; `stalls` is the run from which on the differences shrink no more; then

@@ -140,6 +140,6 @@ def refinement_of(curve: Curve, refinements: Sequence[Refinement]) -> Refinement
 
 
 def doubt(source: Source) -> tuple[bool, float]:
-    """What the better source has less of."""
+    """Divergence and error, by which sources are ordered, the best first."""
     error = source.convergence.error
     return source.convergence.diverges, error if isfinite(error) else float("inf")

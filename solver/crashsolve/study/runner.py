@@ -40,7 +40,7 @@ CONVERGED = 0.01
 
 @dataclass(frozen=True)
 class Request:
-    """What is to be studied, as the command line says it."""
+    """Request for a study, as on the command line."""
 
     deck: Path
     folder: Path
@@ -151,7 +151,7 @@ def _most_expensive(request: Request, finished: list[Trial]) -> list[dict[str, o
 
 
 def _axes(deck: Deck, methods: Sequence[str], meshes: str) -> list[str]:
-    """What is run over, in words; and that there is no choice of descriptions, where so."""
+    """Axes of the study in words, and a note where there is no choice of descriptions."""
     message = [f"integrators: {', '.join(methods)}"]
     if divisible(deck):
         message.append(f"meshes: elements of all parts times {meshes.replace(',', ', ')}")
@@ -210,7 +210,7 @@ def _report(
 
 
 def _still_converging(findings: list[Finding]) -> str:
-    """Which numbers converge although a watched channel does not."""
+    """Names of numbers that converge although a watched channel does not."""
     names = [
         f"{finding.watch.name} (to {finding.estimate:.1g})"
         for finding in findings

@@ -36,7 +36,7 @@ Words = tuple[str, dict[str, str], float | None]
 
 
 class Series(NamedTuple):
-    """What the steps of one curve have in common: method, elements times `mesh`, description."""
+    """Common settings of the runs of one curve: method, elements times `mesh`, description."""
 
     method: str
     mesh: int = 1
@@ -169,7 +169,7 @@ def _part_modules(deck: Deck) -> list[ModuleType]:
 
 
 def _of_parts(deck: Deck, mesh: int, description: str) -> dict[str, str]:
-    """What a mesh and a description change in the deck."""
+    """Overrides of the deck for a mesh and a description."""
     found = mesh_fields.finer(deck, mesh)
     if description:
         own = [name for name, part in deck.entries["parts"].items() if not part.item.owner]

@@ -69,7 +69,7 @@ def csv_text(trials: Sequence[Trial], findings: Sequence[Finding]) -> str:
 
 
 def legend(findings: Sequence[Finding]) -> str:
-    """What each channel is measured against, and how its runs converge."""
+    """Reference of each channel, and the convergence of its runs."""
     lines = []
     for number, finding in enumerate(findings, 1):
         lines.append(f"{number}  {finding.watch.name}{_reference(finding)}")

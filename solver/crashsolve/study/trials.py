@@ -97,7 +97,7 @@ def _trial(
 def _finished(
     setting: Setting, folder: Path, code: int, errors: str, was_reused: bool = False
 ) -> Trial:
-    """What the files of a run say of it."""
+    """The trial of a run that has ended, from its files."""
     status = status_of(folder)
     trial = Trial(setting, folder, code, was_reused=was_reused)
     if code in COMPLETE:

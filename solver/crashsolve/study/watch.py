@@ -40,7 +40,7 @@ class Watch:
     because: str = ""
 
     def questions(self) -> list[Json]:
-        """What to ask a result for."""
+        """Questions to a result."""
         common = {"statistic": self.statistic, "during": self.during, "unit": self.unit}
         requested = [{"channel": channel, **common} for channel in self.channels]
         if self.vector:
@@ -86,7 +86,7 @@ def _refuse_unsampled(deck: Deck, watch: Watch, word: str) -> None:
 
 
 def named(deck: Deck) -> list[Watch]:
-    """What the deck expects and watches, each once."""
+    """Channels that the deck expects and watches, each once."""
     expected = [_expected(card) for card in deck.expect]
     watches = [
         Watch(

@@ -36,14 +36,14 @@ _METHOD = re.compile(r"(?m)^  integrator: .*\n")
 
 @dataclass(frozen=True)
 class Mark:
-    """What a result is made from, as hashes."""
+    """Hashes of the inputs of a result."""
 
     deck: str
     files: str
     version: str
 
     def difference_from(self, other: Json) -> str:
-        """What makes another mark another, in words; empty for the same."""
+        """Difference from another mark in words; empty for the same."""
         words = {"deck": "another deck or other values", "files": "other files that the deck reads"}
         words["version"] = "another version of crashsolve"
         mine = asdict(self)
@@ -75,7 +75,7 @@ class Run:
 
 @dataclass(frozen=True)
 class RunStatus:
-    """What has become of a run: new, stale, held, running, finished, failed, stopped or killed."""
+    """State of a run: new, stale, held, running, finished, failed, stopped or killed."""
 
     state: str
     message: str = ""
@@ -172,7 +172,7 @@ def read_sweep(folder: Path) -> tuple[Path, list[Run]]:
 
 
 def run_status(sweep: Path, run: Run) -> RunStatus:
-    """What has become of a run, by its files."""
+    """State of a run by its files."""
     folder = run.folder(sweep)
     record = table_in(folder / RECORD)
     if not record:
@@ -204,7 +204,7 @@ def _has_results(folder: Path) -> bool:
 
 
 def _text_difference(folder: Path, mark: Mark) -> str:
-    """Why finished results are of another deck, as after a run by hand in this folder."""
+    """Reason why finished results are of another deck, as after a run by hand in this folder."""
     import h5py
 
     try:

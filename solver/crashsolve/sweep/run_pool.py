@@ -225,7 +225,7 @@ _SIGNALS: dict[int, int] = {
 
 
 def _time_fraction(status: dict[str, object]) -> float:
-    """How much of its time span a run has behind it."""
+    """Fraction of its time span that a run has completed."""
     now, end = status.get("time"), status.get("end_time")
     if not isinstance(now, int | float) or not isinstance(end, int | float) or end <= 0:
         return 0.0

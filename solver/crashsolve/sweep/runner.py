@@ -35,7 +35,7 @@ REPORTED = 8
 
 @dataclass(frozen=True)
 class Request:
-    """What is to be run, as the command line says it; `queue` asks for a job array instead."""
+    """Request for a sweep, as on the command line; `queue` asks for a job array instead."""
 
     plan: Path
     folder: Path
@@ -193,7 +193,7 @@ def _is_due(found: RunStatus, again: Sequence[str]) -> bool:
 
 
 def _report_plan(request: Request, runs: Sequence[Run], statuses: dict[int, RunStatus]) -> None:
-    """What is run, what is not, and why."""
+    """Print which runs are started, which are not, and why."""
     finished = [run for run in runs if statuses[run.number].state == "finished"]
     going = [run for run in runs if statuses[run.number].state in ("stopped", "killed")]
     failed = [run for run in runs if not _is_due(statuses[run.number], request.again)]
@@ -254,7 +254,7 @@ def gather(folder: Path) -> bool:
 
 
 def _report_problems(folder: Path) -> None:
-    """What is wrong with the measures of the first run, while there is time to correct them."""
+    """Print errors of the measures after the first run, while there is time to correct them."""
     done = _gathered(folder)
     if done.returncode == 1:
         for line in done.stdout.splitlines()[1:]:

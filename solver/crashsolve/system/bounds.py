@@ -40,7 +40,9 @@ class Actor:
 
 
 class StepBound:
-    """What sets the step of a run; searched again after a second, or for another body."""
+    """The entity that limits the step of a run; searched again after a second, or for another
+    body.
+    """
 
     def __init__(self, interval: float, longest: float | None) -> None:
         """`interval` [s] of samples, `longest` [s] the deck's own bound."""
@@ -48,7 +50,7 @@ class StepBound:
         self._culprit, self._at, self._found = "", 0, -np.inf
 
     def report(self, engine: Engine) -> str:
-        """What sets the present step, and why."""
+        """The entity that limits the present step, and why."""
         control, step = engine.model.control[0], float(engine.clock["step"])
         if step == 0.0:
             return "-"

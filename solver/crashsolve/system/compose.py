@@ -78,7 +78,7 @@ def composed(model: Model, deck: str) -> str:
 
 
 def _description(model: Any) -> Iterator[str]:
-    """What a composed step may depend on beside the deck's text."""
+    """Properties on which a composed step may depend beside the deck's text."""
     for name, value in placeholders(model).items():
         yield f"{name} {value if isinstance(value, bool) else [g.word for g in value]}"
     for group in (*model.groups, *model.contact_groups, *model.nodal_groups):

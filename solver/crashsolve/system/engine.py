@@ -119,7 +119,7 @@ class Engine:
         return is_free and self.clock["kinked"] != CORNER and self._next_corner(until) > until
 
     def _in_bytes(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """What a sample copies, from and to: in bytes, as numpy takes columns one by one."""
+        """Copies of a sample, from and to, in bytes, as numpy copies columns one by one."""
         s = self.state
         pairs = [(s.nodes, self.nodes), (s.rows, self.rows), (s.clock, self.sample_clock)]
         pairs += [(s.ledger, self.ledger), *self._histories.values()]
@@ -240,7 +240,7 @@ class Engine:
             self.answer(status)
 
     def answer(self, status: int) -> None:
-        """What the loop gave control back for, other than its goal. Raises SolverError."""
+        """Handle a return of the loop before its goal. Raises SolverError."""
         s = self.state
         if status == PAUSED:
             self.on_pause()
@@ -291,7 +291,9 @@ class Engine:
         return change if change - now > ROUND_OFF * abs(goal) else inf
 
     def _rotate_corner(self) -> None:
-        """What methods keep of the end of a step, as it is after the corner there."""
+        """Renew forces at the end of a step that ends at a corner in time, for methods that reuse
+        them.
+        """
         if self.has_stages:
             self._renew_forces()
         self.state.clock[0]["kinked"] = 1

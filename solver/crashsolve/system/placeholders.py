@@ -60,7 +60,7 @@ COUNTS_ROTATIONS = True  # laws follow angles from step to step, and steps may b
 
 
 def placeholders(model: Model) -> dict[str, Any]:
-    """What the names above stand for in a scene."""
+    """Values of the names above in a scene."""
     contacts, nodal = model.contact_groups, model.nodal_groups
     damped = [n.friction_damps for n in nodal]
     return {

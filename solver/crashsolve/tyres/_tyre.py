@@ -434,7 +434,7 @@ def await_road(p, nodes, curves, data):
 
 @kernel
 def load(body, d, u, stiffness, damping):
-    """What a force along u in the point d adds to the stiffness of a body. Writes: body."""
+    """Add the stiffness of a force along u in the point d to a body. Writes: body."""
     add_stiffness_bound(body, mobility(body, d, u), stiffness, damping)
 
 

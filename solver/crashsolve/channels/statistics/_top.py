@@ -47,7 +47,7 @@ def plateau(values: np.ndarray, at: int) -> int:
 
 
 def isolated(series: Series) -> float:
-    """What the greatest value may lack when a single sample has caught it; else 0."""
+    """Possible error of a largest value that one sample alone shows; else 0."""
     values = series.values
     at = int(np.argmax(values))
     if not 0 < at < len(values) - 1:

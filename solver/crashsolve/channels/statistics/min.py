@@ -17,5 +17,5 @@ def refined(series: Series) -> float:
 
 
 def unresolved(series: Series) -> float:
-    """What a single sample has caught."""
+    """Possible error of a smallest value that one sample alone shows."""
     return isolated(negative(series))

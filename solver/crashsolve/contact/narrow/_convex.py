@@ -137,7 +137,7 @@ def bound(a, b, nodes, data):
 
 @kernel
 def first_starts(a, b, body_a, body_b, c):
-    """Which CLIMBS directions the bodies are farthest apart along; -1: there is none.
+    """The CLIMBS directions along which the bodies are farthest apart; -1 without any.
 
     Of those with the same distance one is enough.
     """
@@ -160,7 +160,7 @@ def first_starts(a, b, body_a, body_b, c):
 
 @kernel
 def of_start(starts, number):
-    """Which direction the climb of that number starts from; -1: there is none."""
+    """Direction from which the search of that number starts; -1 without any."""
     first, second, third, fourth = starts
     if number < 2:
         return first if number == 0 else second

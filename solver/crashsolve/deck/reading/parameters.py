@@ -249,7 +249,7 @@ def _unit(value: object) -> Unit | None:
 
 
 def _inconsistency(value: object, replaced: object) -> tuple[str, str]:
-    """What is wrong with a value given on the command line, and advice; empty when it fits."""
+    """Message of a wrong value given on the command line, and advice; empty when it fits."""
     if isinstance(value, str) and "${" in value:
         return "", ""
     unit, before = _unit(value), _unit(replaced)

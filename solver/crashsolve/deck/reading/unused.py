@@ -63,7 +63,7 @@ def unused(
 def ineffective(
     items: Items, parameters: Parameters, spots: Collection[Unused], overrides: Mapping[str, str]
 ) -> dict[str, DeckError]:
-    """Why values set from outside change nothing, by their names in `overrides`."""
+    """Reasons why values set from outside change nothing, by their names in `overrides`."""
     words = {
         f"--set {word}={text}": name
         for name, text in overrides.items()

@@ -219,7 +219,7 @@ class Report(Card):
 
 
 class Output(Card):
-    """What a run writes and how often."""
+    """The files that a run writes, and their intervals."""
 
     history: History = word("time histories", History())
     states: States = word("configurations", States())

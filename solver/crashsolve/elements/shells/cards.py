@@ -95,7 +95,7 @@ class Impulse(Card):
 
 
 class ShellCard(Damped):
-    """What the user writes of a shell, by which its mesh, layout and outputs are made."""
+    """Fields of a shell, from which its mesh, layout and outputs follow."""
 
     mesh: Card = Law("meshes", "positions of the nodes, elements, sets of nodes")
     thickness: float = quantity("m", "t, thickness", gt=0)

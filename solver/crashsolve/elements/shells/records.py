@@ -114,7 +114,7 @@ class Layer(NamedTuple):
 
 
 class Law(NamedTuple):
-    """What layers are made of."""
+    """Material of layers."""
 
     m: Row  # columns `material` of a part
     curves: np.ndarray  # those of the deck

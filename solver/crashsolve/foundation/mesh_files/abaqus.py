@@ -65,7 +65,7 @@ class Keyword(NamedTuple):
 
 
 def read_lines(path: Path) -> Lines:
-    """What the file says. Raises MeshFileError."""
+    """The content of the file. Raises MeshFileError."""
     reader = _Reader(Lines(path.name))
     for keyword in _keywords(path, reader.lines):
         reader.take(keyword)

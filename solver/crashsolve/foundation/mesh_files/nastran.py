@@ -37,7 +37,7 @@ class Card:
 
 
 def read_lines(path: Path) -> Lines:
-    """What the file says. Raises MeshFileError."""
+    """The content of the file. Raises MeshFileError."""
     lines, sets = Lines(path.name), dict[str, tuple[int, str]]()
     rows = list(enumerate(path.read_text("utf-8", errors="replace").splitlines(), 1))
     starts = [i for i, (_, text) in enumerate(rows) if re.match(r"\s*BEGIN\s+BULK", text, re.I)]

@@ -49,7 +49,7 @@ class MeshFile:
 
 @dataclass
 class Lines:
-    """What the lines of a file say: a text that meshio reads in full, and what it would lose.
+    """Content of the lines of a file: a text that meshio reads in full, and what meshio would lose.
 
     Elements by identifier: their kind and, of quadrilaterals and triangles, their nodes. Sets hold
     identifiers.
@@ -110,7 +110,7 @@ def read_mesh_file(path: Path) -> MeshFile:
 
 
 def _of_lines(lines: Lines, found: "meshio.Mesh") -> MeshFile:
-    """What meshio has found, under the identifiers and sets of the lines."""
+    """The mesh read by meshio, with the identifiers and sets of the lines."""
     shells = [number for number, (kind, _) in lines.elements.items() if kind in SIDES]
     corners, kinds = _elements(found)
     points = _points(found)

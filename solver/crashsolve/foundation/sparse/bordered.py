@@ -161,7 +161,7 @@ def add_mass(c, x):
 
 @inlined
 def line_of(matrix, slot, k):
-    """Which row of its joint row k is."""
+    """Number of row k among those of its joint."""
     block = slot.a if slot.a >= 0 else slot.b
     if block < 0:
         return 0

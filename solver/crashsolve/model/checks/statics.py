@@ -39,7 +39,7 @@ def refuse_motion(deck: Deck, groups: list[Group]) -> None:
 
 
 def _off_paths(deck: Deck, groups: list[Group]) -> Iterator[tuple[Any, str]]:
-    """What cannot go along a path of equilibria yet."""
+    """Entries that cannot follow a path of equilibria yet."""
     beyond = "path: arc_length does not follow {} yet; say path: load"
     for entry in deck.entries["hinges"].values():
         yield entry, beyond.format("hinges")
@@ -72,7 +72,7 @@ def _with_velocities(deck: Deck) -> Iterator[tuple[Any, str]]:
 
 
 def _beside_steps_from_rest(deck: Deck) -> Iterator[tuple[Any, str]]:
-    """What does not go with parts that take steps from rest."""
+    """Entries that cannot be combined with parts that take steps from rest."""
     for entry in deck.entries["bodies"].values():
         if entry.card.welded or entry.card.part_of:
             message = "a quasi-static solution with shells or fibre beams has no welded nodes"

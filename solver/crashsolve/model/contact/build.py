@@ -64,7 +64,7 @@ class Surface:
 
 
 class Pair:
-    """What a normal law may ask about the contact and the two surfaces it acts between."""
+    """The contact and its two surfaces, for the build of a normal law."""
 
     def __init__(self, contact: str, radius_a: float | None, radius_b: float | None) -> None:
         self.contact, self.radius_a, self.radius_b = contact, radius_a, radius_b
@@ -245,7 +245,7 @@ class Side:
         return self._rounds[str(surface.radius)]
 
     def mask(self, names: Any) -> np.ndarray:
-        """Which elements belong to the named surfaces."""
+        """Mask of the elements of the named surfaces."""
         mask = np.zeros(len(self.elements), bool)
         for name in names:
             if name in self.surfaces:

@@ -398,7 +398,7 @@ class NodalBuilder:
 
 
 class Touching:
-    """What a normal law may ask about the contact and the two surfaces it acts between."""
+    """The contact and its two surfaces, for the build of a normal law."""
 
     def __init__(self, contact: str, a: Any, b: Any, scene: Scene) -> None:
         self.contact, self.radius_a, self.radius_b = contact, a.radius, b.radius
@@ -427,7 +427,7 @@ def table_of(rows: list[Columns], record: Record) -> np.ndarray:
 
 
 def loads_of_points(count: int) -> dict[str, np.ndarray]:
-    """What all groups together add to the stiffness of points."""
+    """Stiffness that all groups together add to points."""
     return {
         "touched": np.zeros(1, TOUCHED.dtype),
         "stiffened": np.zeros(count, STIFFNESS_BOUND.dtype),

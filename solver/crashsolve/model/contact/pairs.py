@@ -37,7 +37,7 @@ SEEN = Record("r  m  3  centre of an element when the list was made")
 
 @dataclass
 class Elements:
-    """What pairing asks of the elements of one side; arrays over the elements."""
+    """Elements of one side as pairing needs them; arrays over the elements."""
 
     node: np.ndarray
     rank: np.ndarray  # index of the surface in the deck
@@ -49,7 +49,7 @@ class Elements:
     reach: np.ndarray  # how far it reaches from the mass centre; ENDLESS for a plane
 
     def spread(self) -> np.ndarray:
-        """How much farther each reaches than it is thick [m]; 0 where it has no end."""
+        """Extent of each element beyond its thickness [m]; 0 of infinite ones."""
         is_infinite = np.isinf(self.radius)
         return np.where(is_infinite, 0.0, self.radius - np.where(is_infinite, 0.0, self.thick))
 
@@ -137,7 +137,7 @@ class Search:
         return sorted({block.card for block in self.pairing.blocks})
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """What the step needs to know when to look again."""
+        """Arrays by which the step knows when pairs must be searched again."""
         return {"seen_a": self.seen[0], "seen_b": self.seen[1], "slack": self.slack}
 
     def look(self, nodes: Any) -> np.ndarray:
@@ -211,7 +211,7 @@ def flags_of(law: Any) -> list[str]:
 
 
 def _credit(card: np.ndarray, history: np.ndarray, warnings: list[str], cards: np.ndarray) -> None:
-    """What pairs have lost and met that leave the list. Writes: cards."""
+    """Add losses and flags of pairs that leave the list to their cards. Writes: cards."""
     for side in cards:
         for name in ("dissipated", "friction_dissipated"):
             np.add.at(side[f"left_{name}"], card, history[name])

@@ -87,7 +87,7 @@ def shared_by_shells(model: Any, state: Any) -> list[tuple[int, int]]:
 def seats_of_shells(
     model: Any, state: Any, pairs: list[tuple[int, int]], found: dict[tuple[int, int], int]
 ) -> dict[str, np.ndarray]:
-    """What the tangents of shells write, and where it goes."""
+    """Tables of the tangents of shells, and the addresses of their blocks."""
     counts, attached_points = np.zeros(1, COUNTS.dtype), model.elements.attached_points
     counts["numbers"] = len(state.blocks)
     counts["arms"] = (attached_points["spot"].any(axis=1) & (attached_points["node"] > 0)).sum()

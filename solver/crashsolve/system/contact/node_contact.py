@@ -184,7 +184,7 @@ def open_pass(totals):
 
 @kernel
 def settle(slot_in_use, j):
-    """What was found in the last step is accepted; returns which record that is. Writes: turns."""
+    """Accept what was found in the last step; returns the number of that record. Writes: turns."""
     if slot_in_use[j] > 1:
         slot_in_use[j] = 3 - slot_in_use[j]
     return slot_in_use[j]
@@ -192,7 +192,10 @@ def settle(slot_in_use, j):
 
 @kernel
 def swap_slot(h, slot_in_use, j):
-    """What this step has found will be accepted, a sample never. Writes: turns."""
+    """Mark the touches found in this step for acceptance; those of a sample never are.
+
+    Writes: turns.
+    """
     if h > 0.0:
         slot_in_use[j] += 2
 

@@ -22,7 +22,7 @@ AHEAD = 4.0
 
 @kernel
 def note_motion(nodes):
-    """How every body has moved and rotated since the start of the step. Writes: nodes."""
+    """Record displacement and rotation of every body since the start of the step. Writes: nodes."""
     for i in range(1, nodes.shape[0]):
         b = nodes[i]
         put(b.moved, sub(vec(b.r), vec(b.start_r)))
@@ -31,7 +31,7 @@ def note_motion(nodes):
 
 @kernel
 def largest_approach(p, a, b):
-    """What the gap of a pair on bodies a and b has lost in the step at most [m]."""
+    """Largest decrease of the gap of a pair on bodies a and b in the step [m]."""
     if p.reach_a <= p.reach_b:
         return motion_seen_from(a, b, p.reach_a)
     return motion_seen_from(b, a, p.reach_b)

@@ -361,7 +361,7 @@ def carry_onsets(current, history):
 
 @kernel
 def note_power(applied, f, rate, t, slip, out, count):
-    """What the forces of a pair give to both sides in a stage, and what they hold. Writes: count.
+    """Record power and stored energy of the forces of a pair in a stage. Writes: count.
 
     Methods of stages sum it with the weights of the stages, as what is lost.
     """

@@ -181,7 +181,8 @@ def touched(old):
 
 @kernel
 def pair_up(p, j, s, count, before, found, probe_states, slot_in_use):
-    """Which of the walls touched before each of `count` is: the same face, or the nearest normal.
+    """Number of the wall touched before that each of `count` continues: the same face, or the
+    nearest normal.
 
     Returns the sum of 2^r over the walls r that continue. Writes: found.
     """

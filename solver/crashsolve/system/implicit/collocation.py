@@ -129,7 +129,7 @@ def stand(nodes, stages, i):
 
 @kernel
 def miss(nodes, stages, A, T, i, h):
-    """What stage i misses, with the corrections of the stages before it. Writes: stages.right_*."""
+    """Residual of stage i, with the corrections of the stages before it. Writes: stages.right_*."""
     count = stages.shape[0]
     for n in range(1, nodes.shape[0]):
         s = stages[i, n]

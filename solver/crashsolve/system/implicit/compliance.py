@@ -100,7 +100,7 @@ def solve_stage(nodes, stages, i, compliant, saddle, joint_rows, t):
 
 @kernel
 def gather_kicks(stages, i, compliant):
-    """What the impulses of all rows do to each body. Writes: stages.slope_v, slope_w."""
+    """Sum the impulses of all rows on each body. Writes: stages.slope_v, slope_w."""
     zero = (0.0, 0.0, 0.0)
     for n in range(stages.shape[1]):
         put(stages[i, n].slope_v, zero)

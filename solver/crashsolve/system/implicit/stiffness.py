@@ -29,7 +29,7 @@ def reach(nodes, scene):
 
 @kernel
 def keep(scene):
-    """What the elements keep at the start of a step. Writes: scene.lanes_before."""
+    """Copy the blocks of elements at the start of a step. Writes: scene.lanes_before."""
     for i in range(scene.counts[0].numbers):
         scene.lanes_before[i] = scene.lanes[i]
 

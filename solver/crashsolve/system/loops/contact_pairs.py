@@ -73,7 +73,7 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
 
 @stage
 def totals_of(group, piece, i, clock, p, m, w, scene):
-    """What pair i adds to. Of many pairs each has loads, and each piece sums, of its own.
+    """The sums to which pair i adds. Of many pairs each has loads, and each piece sums, of its own.
 
     One thread hands loads on at once, and needs those of one pair alone.
     """
@@ -130,7 +130,7 @@ def kept_face(group, clock, h, ends, depth, n, x, nodes, scene):
 
 @stage
 def first_half_ended(group, h, old, motion, m, count):
-    """What friction loses in the half of a step in which the last forces end [J]. Writes: count."""
+    """Loss by friction in the half of a step in which the last forces end [J]. Writes: count."""
     if KICK_DRIFT_KICK and group.resists_spin:
         return areas.end_first_half(h, old, motion, m, count)
     if KICK_DRIFT_KICK and group.friction:
@@ -232,7 +232,7 @@ def push_of(group, h, pair, totals, meeting, closing, curves, scene):
 
 @stage
 def resistance(group, clock, h, pair, totals, sliding, motion, radius, curves):
-    """What friction does to the pair. Writes: out, new."""
+    """Friction of the pair. Writes: out, new."""
     pair.out.friction_stored = 0.0
     if group.resists_spin:
         force, displacement, power, loss = friction_in_area(
@@ -285,7 +285,7 @@ def patch_of(group, pair, meeting, nodes, scene):
 
 @stage
 def share_of_step(clock, h, old, depth, rate):
-    """How much of the force of a pair counts in the step in which it begins to touch."""
+    """Fraction of the force of a pair in the step in which it begins to touch."""
     if KICK_DRIFT_KICK:
         return touches.applied_fraction(old, depth, rate, h)
     return touches.begun_before(clock, old, h)

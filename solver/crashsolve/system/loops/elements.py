@@ -35,7 +35,7 @@ def move_elements(clock, h, nodes, scene):
 
 @stage
 def move_points(clock, h, nodes, scene):
-    """What the points end a force pass with. Writes: scene.points, nodes."""
+    """Second kick of the points, at the end of a force pass. Writes: scene.points, nodes."""
     if ASSEMBLED:
         points.carry_attached(nodes, scene.points)
         points.unload(clock, nodes, scene.points, scene.attached_points)
@@ -56,7 +56,7 @@ def elements(clock, h, scene):
 
 @kernel
 def keep_elements(scene):
-    """What elements keep at the start of a step. Writes: lanes_before."""
+    """Copy the blocks of elements at the start of a step. Writes: lanes_before."""
     if ELEMENTS:
         stiffness.keep(scene)
 

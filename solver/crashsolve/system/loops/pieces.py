@@ -198,7 +198,7 @@ def speed_piece(k, scene):
 
 @kernel
 def look_piece(k, me, number, scene):
-    """What some probes of a contact find. Writes: group.found, seen, looks."""
+    """Search with some probes of a contact. Writes: group.found, seen, looks."""
     for number_of, group in enumerate(NODAL):
         if number == number_of and not group.keeps_faces:
             look_for(group, k, me, scene)

@@ -84,7 +84,7 @@ def stress(first, stride, h, p, scene, material):
 
 @kernel
 def set_base(blocks, blocks_before, first, work, base, h):
-    """What acts on q, and as of elements with one point. Writes: blocks, base."""
+    """Set the forces on q, and the state as of elements with one point. Writes: blocks, base."""
     mode_forces(blocks, first, work)
     quadrilateral.set_base(blocks, blocks_before, first, work, base, h)
 
@@ -149,7 +149,7 @@ def add_point_by(base, change, entry, xi, eta, nu):
 
 @inlined
 def mode_actions(flat, sums):
-    """What acts on q along x and y, from sums over the points."""
+    """Generalized forces on q along x and y, from sums over the points."""
     x, _ = slopes_at(flat, sums[0], sums[1])
     _, y = slopes_at(flat, sums[2], sums[3])
     return x, y

@@ -138,7 +138,7 @@ def modes_by(base, change, e, p):
 
 @inlined
 def relax_modes_by(base, change, e):
-    """What yielding takes of the change of the stresses of the modes. Writes: change."""
+    """Relax the changes of the stresses of the modes by yielding. Writes: change."""
     t, (sizes, integrate_stress) = (
         base[LANES * BASE.thickness_before + e],
         sizes_at(base, change, e),

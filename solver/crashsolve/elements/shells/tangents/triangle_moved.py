@@ -118,7 +118,9 @@ def stress_of(table, at):
 
 @inlined
 def around(V, Q, flat):
-    """What acts on the G of each side: gradients over one half are those times the area."""
+    """Generalized forces on the G of each side: gradients over one half are those times the
+    area.
+    """
     m1, m2, m3 = mean_shears(*gradients(flat, 1.0))
     return Q + dot2(V, m1), Q + dot2(V, m2), Q + dot2(V, m3)
 
@@ -140,7 +142,7 @@ def with_sides(t, a, F_a, b, F_b):
 
 @inlined
 def generalized_forces(stress, geometry):
-    """What acts on the motions of the corners, in the element's axes: forces and torques."""
+    """Forces and torques on the corners, in the element's axes."""
     (N, M, Q, V, drill), (flat, _, _, area) = stress, geometry
     g, slope, s = gradients(flat, 1.0), gradients(flat, area), edges(flat)
     F1, F2, F3 = around(V, Q, flat)
