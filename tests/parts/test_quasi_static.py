@@ -323,7 +323,7 @@ def test_loads_without_a_curve_act_from_the_start_and_do_half_their_way(tmp_path
 
 def test_equilibrium_is_a_matter_of_forces() -> None:
     forces = Forces(size=2.0, tolerance=1e-6)
-    forces._grow(100.0, 0.0)
+    forces._raise_largest(100.0, 0.0)
     g = np.zeros(12)
     for force, moment, stiffness, reported in (
         (0.9e-4, 1.9e-4, 0.0, EQUAL),

@@ -197,8 +197,9 @@ class Account:
 
     def close_stages(self) -> None:
         """Count the time of no other stage: opening and closing of files, checks of results."""
-        counted = sum(seconds for name, seconds in self.cpu.items() if name != REST)
-        self.cpu[REST] = max(cpu_time() - counted, 0.0)
+        # last of all stages, also where an earlier status was written without some of them
+        self.cpu.pop(REST, None)
+        self.cpu[REST] = max(cpu_time() - sum(self.cpu.values()), 0.0)
 
     def cpu_seconds(self) -> float:
         """CPU time of the run proper: steps and output [s]."""
