@@ -21,7 +21,7 @@ from crashsolve.output.errors import OutputError
 from crashsolve.output.lock import Lock
 from crashsolve.output.log import STOPPED, Log
 from crashsolve.simulation import progress
-from crashsolve.simulation.heartbeat import Pulse
+from crashsolve.simulation.heartbeat import Heartbeat
 from crashsolve.simulation.requests import SIGNALS, Requests, stop_as_by_keyboard
 
 OSCILLATOR = Path(__file__).parents[1] / "runs" / "oscillator.yaml"
@@ -133,7 +133,7 @@ def test_an_old_status_does_not_speak_for_a_new_run(tmp_path: Path) -> None:
 
 
 def test_the_status_is_that_of_a_run_from_its_preparation_on(tmp_path: Path) -> None:
-    deck, pulse = read_deck(OSCILLATOR), Pulse("a test", print)
+    deck, pulse = read_deck(OSCILLATOR), Heartbeat("a test", print)
     (tmp_path / "status.json").write_text('{"state": "finished"}')
     with progress.preparing(deck, tmp_path, pulse, append=False):
         status = json.loads((tmp_path / "status.json").read_text("utf-8"))
@@ -277,7 +277,7 @@ def test_an_interrupt_while_the_log_is_being_opened_is_in_it(
         return log
 
     monkeypatch.setattr(progress, "Log", interrupted)
-    deck, pulse = read_deck(OSCILLATOR), Pulse("reading", print)
+    deck, pulse = read_deck(OSCILLATOR), Heartbeat("reading", print)
     with pytest.raises(KeyboardInterrupt), progress.preparing(deck, tmp_path, pulse, False):
         pytest.fail("nothing runs after an interrupt")
     lines = (tmp_path / "log.txt").read_text().splitlines()

@@ -17,7 +17,7 @@ import yaml
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.elements.beams import fibres
-from crashsolve.elements.shells.layers import clear_growth, through_thickness
+from crashsolve.elements.shells.layers import reset_growth, through_thickness
 from crashsolve.elements.shells.records import BLOCK, WORK
 from crashsolve.elements.shells.resultants import clear_resultants
 from crashsolve.elements.shells.tangents.layers import layers_and_tangent
@@ -91,7 +91,7 @@ class Layers:
     def strained(self, d: np.ndarray) -> None:
         for k in range(3):
             self.put(WORK.membrane + k, d[:, k])
-        clear_growth(self.work)
+        reset_growth(self.work)
         clear_resultants(self.work)
 
     def step(self, d: np.ndarray, h: float = 1.0) -> np.ndarray:
