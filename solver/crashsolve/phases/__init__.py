@@ -42,7 +42,7 @@ class PhasedEngine(Protocol):
 class PhaseLaw(Built, Protocol):
     """Functions of a phase's file: `build` returns the parameters `p` of the others.
 
-    `look(p, engine)`, where there is one, is called after every step. `engine` is that of
+    `after_step(p, engine)`, where there is one, is called after every step. `engine` is that of
     recording/phased.py; all phases step the same State of the same Model.
     """
 

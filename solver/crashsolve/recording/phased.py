@@ -27,7 +27,7 @@ MEMORY = Record("""
     phase     index     number of the present phase
     begun     flag      whether it has been begun
     launched  flag      whether the velocities of the deck have been given
-    kinetic   J         kinetic energy at the last look, 0 after a halt
+    kinetic   J         kinetic energy after the last step, 0 after a halt
     share     1         of the loads without a curve that acts
     halts     count     how often the motion was halted in this phase
     taken     J         kinetic energy taken by that
@@ -103,13 +103,13 @@ class PhasedEngine(Engine):
 
     def _call(self, until: float) -> int:
         """Step until a time, as every engine does, with a call of the phase after every step."""
-        look = getattr(self.phase.module, "look", None)
-        if look is None:
+        after_step = getattr(self.phase.module, "after_step", None)
+        if after_step is None:
             return super()._call(until)
         self._steps_per_call, cycle = 1, int(self.clock.cycle)
         status = super()._call(until)
         if self.clock.cycle > cycle:
-            look(self.phase.p, self)
+            after_step(self.phase.p, self)
         return status
 
     def kinetic(self) -> float:
