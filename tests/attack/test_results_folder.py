@@ -22,7 +22,7 @@ from crashsolve.output.lock import Lock
 from crashsolve.output.log import STOPPED, Log
 from crashsolve.simulation import progress
 from crashsolve.simulation.heartbeat import Heartbeat
-from crashsolve.simulation.requests import SIGNALS, Requests, stop_as_by_keyboard
+from crashsolve.simulation.requests import SIGNALS, Requests, interrupt_as_keyboard
 
 OSCILLATOR = Path(__file__).parents[1] / "runs" / "oscillator.yaml"
 # as plain Python: nothing is to be compiled, and a run of a million steps lasts; 0.5 GB would come
@@ -238,7 +238,7 @@ def test_an_interrupt_that_python_drops_is_not_lost(tmp_path: Path) -> None:
     known = {number: signal.getsignal(number) for number in SIGNALS}
     requests = Requests(tmp_path, Log(tmp_path / "log.txt"), end=lambda: None)
     try:
-        stop_as_by_keyboard()
+        interrupt_as_keyboard()
         with catch_unraisable() as dropped:
             del (disposed := [Disposed()])[0]
             assert not disposed
@@ -246,7 +246,7 @@ def test_an_interrupt_that_python_drops_is_not_lost(tmp_path: Path) -> None:
         with pytest.raises(KeyboardInterrupt):
             requests.catch()
         # of a run that begins anew nothing has been asked
-        stop_as_by_keyboard()
+        interrupt_as_keyboard()
         requests.catch()
     finally:
         for number, handler in known.items():

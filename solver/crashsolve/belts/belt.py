@@ -169,7 +169,7 @@ def laid_at_start(columns: Columns, scene: Scene) -> tuple[Any, np.ndarray]:
 
 
 def initial_history(card: Belt, p: np.void, scene: Scene) -> Columns:
-    laid, lengths = laid_at_start(ROUTE.taken_from(p), scene)
+    laid, lengths = laid_at_start(ROUTE.columns_of(p), scene)
     used, n = np.arange(SEGMENTS) < p["segments"], len(lengths)
     residual, straight = np.zeros(SEGMENTS), np.zeros(SEGMENTS)
     straight[:n] = lengths

@@ -58,7 +58,7 @@ class Record:
         """Both sets of columns; a name used twice is a programming error."""
         return Record(columns=self.columns + other.columns)
 
-    def taken_from(self, values: Any) -> dict[str, Any]:
+    def columns_of(self, values: Any) -> dict[str, Any]:
         """The values of these columns out of a row that has them and others."""
         return {column.name: values[column.name] for column in self.columns}
 

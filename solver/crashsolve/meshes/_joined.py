@@ -26,7 +26,7 @@ def joined(mesh: Mesh, factor: int) -> Mesh:
     return mesh
 
 
-def made_coarser(mesh: Mesh, card: Any, scene: Scene) -> Mesh:
+def coarsened(mesh: Mesh, card: Any, scene: Scene) -> Mesh:
     """The mesh of a card as its `joined` asks for; an error of the deck where it cannot be."""
     try:
         return joined(mesh, card.joined)

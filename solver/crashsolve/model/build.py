@@ -40,10 +40,10 @@ from crashsolve.model.force_columns import (
     history_of_force,
 )
 from crashsolve.model.hubs import plan_of
-from crashsolve.model.implicit.assembly import embody
+from crashsolve.model.implicit.assembly import add_nodes_of_points
 from crashsolve.model.integrator_selection import Choice, by_default, choose, resolve
 from crashsolve.model.ledger import ENTRIES
-from crashsolve.model.materials import fill, laws_of, refuse_unlike, with_constants, with_memory
+from crashsolve.model.materials import fill, laws_of, refuse_different, with_constants, with_memory
 from crashsolve.model.model import Group, Joint, Model, State
 from crashsolve.model.nodes import IMPLICIT_STAGE, NODE, ROW, STAGE
 from crashsolve.model.partition import cut
@@ -166,7 +166,7 @@ def _arrange(model: Model, state: State, scene: Scene) -> None:
     """Points as the method needs them. Writes: model, state."""
     assert model.elements is not None
     if hasattr(_method(model), "T"):
-        embody(model, state)
+        add_nodes_of_points(model, state)
     held = state.points["held"]
     model.elements.holds = np.flatnonzero((held > 0) & (held < ATTACHED)).astype(HOLD.dtype)
     blocks = max((int(blocks_of(g.parameters).max()) for g in model.element_loads()), default=0)
@@ -302,7 +302,7 @@ def _build_group(keyword: str, entries: list[Entry], scene: Scene) -> Group:
         with scene.building(entry):
             scene.refuse_stepwise(module)
             built = module.build(entry.card, scene)
-            refuse_unlike(module, module.PARAMETERS, built, FILLED_LATER)
+            refuse_different(module, module.PARAMETERS, built, FILLED_LATER)
             fill(table[i], built)
             if hasattr(module, "initial_history"):
                 for side in (0, 1):
@@ -337,7 +337,7 @@ def _build_parts(entries: list[Entry], scene: Scene) -> Group:
             own = module.elements(entry.card, scene.part_nodes[entry.name], scene)
             if laws:
                 law, _ = scene.law("materials", entry.card.material)
-                refuse_unlike(law, law.PARAMETERS, own[0]["material"])
+                refuse_different(law, law.PARAMETERS, own[0]["material"])
                 own = [row | {"law": laws.index(law)} for row in own]
             names += entry.card.element_names(entry.name)
             rows += own

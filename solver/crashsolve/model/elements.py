@@ -10,7 +10,7 @@ import numpy as np
 from crashsolve.elements.shells.layout import DiscretisedShell
 from crashsolve.elements.shells.section_cut import CUT, CUT_ELEMENT
 from crashsolve.foundation.point import ATTACHED_POINT, LANES, MOTION, POINT
-from crashsolve.model.materials import fill, laws_of, refuse_unlike, with_constants
+from crashsolve.model.materials import fill, laws_of, refuse_different, with_constants
 from crashsolve.model.model import Elements, Group, Model
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ def build_elements(entries: list[Entry], scene: Scene) -> Group:
             scene.refuse_stepwise(module)
             values = module.parameters(scene.meshed(entry.name), scene)
             law, _ = scene.law("materials", entry.card.material)
-            refuse_unlike(law, law.PARAMETERS, values["material"])
+            refuse_different(law, law.PARAMETERS, values["material"])
             fill(row, values)
             row["law"] = laws.index(law)
     names = [entry.name for entry in entries]

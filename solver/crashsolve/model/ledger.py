@@ -57,7 +57,7 @@ MECHANICAL = (
     *(INDEX[f"{word}_stored"] for word in WORDS),
 )
 # a step far too long makes so many times the energy there should be, within a few steps
-OUT_OF_NOTHING = 10.0
+SPURIOUS = 10.0
 
 
 def entries_of(group: Any) -> tuple[int, int | None]:
@@ -81,7 +81,7 @@ def is_broken(ledger: np.ndarray, limit: float) -> bool:
 
 
 @kernel
-def is_out_of_nothing(ledger: np.ndarray, limit: float) -> bool:
+def is_spurious_energy(ledger: np.ndarray, limit: float) -> bool:
     """Whether motion and laws have many times the energy that was there or came in."""
     due = ledger[INITIAL] - ledger[POTENTIAL] + ledger[EXTERNAL_WORK] + ledger[DRIVER_WORK]
-    return is_broken(ledger, limit) and not ledger[IMBALANCE] <= OUT_OF_NOTHING * abs(due)
+    return is_broken(ledger, limit) and not ledger[IMBALANCE] <= SPURIOUS * abs(due)

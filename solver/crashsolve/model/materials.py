@@ -79,7 +79,7 @@ def fill(record: Any, values: Columns) -> None:
             record[name] = value
 
 
-def refuse_unlike(
+def refuse_different(
     module: ModuleType, record: Record, values: Columns, later: tuple[str, ...] = ()
 ) -> None:
     """Raises FamilyError unless what `build` of a law returned fits its PARAMETERS.

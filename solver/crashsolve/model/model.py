@@ -74,7 +74,7 @@ class Group:
         return hasattr(self.module, "residual")
 
     @property
-    def comes_apart(self) -> bool:
+    def can_separate(self) -> bool:
         """Whether a joint may fail and release its bodies."""
         return hasattr(self.module, "release_rows")
 
@@ -200,7 +200,7 @@ class Elements:
     block_sums: Any = None  # of loads on elements
     pieces: Any = None  # for several threads, see model/partition.py
     # points with bodies behind those that have names, for implicit integrators
-    embodied: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
+    node_points: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
 
 
 @dataclass
@@ -290,8 +290,8 @@ class Model:
     def part_at(self, index: int) -> str:
         """The part whose point a position behind those of the bodies is."""
         point = index - len(self.bodies)
-        if self.elements and len(self.elements.embodied):
-            point = int(self.elements.embodied[point])
+        if self.elements and len(self.elements.node_points):
+            point = int(self.elements.node_points[point])
         name, row = next(
             (name, row)
             for name, row in self._rows_of_parts()

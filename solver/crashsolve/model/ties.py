@@ -27,7 +27,7 @@ def tie_nodes(scene: Scene) -> np.ndarray:
                 for name, value in row.items():
                     record[name] = value
             _check_motion(own, entry.card, scene)
-            _hand_over(own, entry.card, scene)
+            _transfer_mass(own, entry.card, scene)
             table.append(own)
     found = np.concatenate(table)
     tied = set(found["point"].tolist())
@@ -58,7 +58,7 @@ def _check_motion(rows: np.ndarray, card: Any, scene: Scene) -> None:
             raise scene.fail(f"{message}; give both parts the same motion", "nodes")
 
 
-def _hand_over(rows: np.ndarray, card: Any, scene: Scene) -> None:
+def _transfer_mass(rows: np.ndarray, card: Any, scene: Scene) -> None:
     """Mass, inertia and momenta of impulses go to the corners. Writes: both parts in place."""
     tied, bearing = _sides(card, scene)
     for row in rows:

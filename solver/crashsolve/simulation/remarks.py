@@ -90,23 +90,23 @@ def driven_deep(engine: Engine) -> list[str]:
     ]
 
 
-def met_by(engine: Engine) -> list[str]:
+def range_warnings(engine: Engine) -> list[str]:
     """Warnings of what the run met outside the range of its laws."""
-    found = (read_beyond, pressed_deep, hourglass_share, overloaded, compressed)
+    found = (read_beyond, pressed_deep, hourglass_share, crushed_hinges, compressed)
     return [text for of in found for text in of(engine)]
 
 
 def remarks(engine: Engine, extremes: Extremes, history: Path) -> Json:
     """Remarks at the end of a run, for status.json."""
     return {
-        "untouched": untouched(engine),
-        "below_floor": below_floor(engine),
+        "untouched": contacts_without_touch(engine),
+        "below_floor": contacts_below_speed_floor(engine),
         "undeformed": undeformed(engine, extremes),
         "deleted": deleted(engine, history),
     }
 
 
-def below_floor(engine: Engine) -> list[str]:
+def contacts_below_speed_floor(engine: Engine) -> list[str]:
     """Contacts with touches that were pressed on while slower than their speed floor."""
     cards = {card for card, _ in contact_flags(engine.model, engine.state, "REMARKS")}
     return [engine.model.contacts[card] for card in sorted(cards)]
@@ -145,7 +145,7 @@ def hourglass_share(engine: Engine) -> list[str]:
     ]
 
 
-def overloaded(engine: Engine) -> list[str]:
+def crushed_hinges(engine: Engine) -> list[str]:
     """Hinges that bore more along their beam than its section does when it is crushed."""
     worst: tuple[float, str, float] = (1.0, "", 0.0)
     count = 0
@@ -192,7 +192,7 @@ def compressed(engine: Engine) -> list[str]:
     ]
 
 
-def untouched(engine: Engine) -> list[str]:
+def contacts_without_touch(engine: Engine) -> list[str]:
     """Contacts that never touched."""
     now = engine.state.card_history[int(engine.clock["current"])]
     ineffective = (now["onsets"] == 0) & (now["peak_normal"] == 0.0)

@@ -28,7 +28,7 @@ SIGNALS |= {signal.SIGHUP: "stop"}
 _interrupts: list[int] = []
 
 
-def stop_as_by_keyboard() -> None:
+def interrupt_as_keyboard() -> None:
     """Until there is something to dump: stop as by the keyboard, and dump nothing."""
     _interrupts.clear()
     for number in (signal.SIGTERM, signal.SIGHUP):

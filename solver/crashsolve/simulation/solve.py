@@ -49,8 +49,8 @@ from crashsolve.simulation.missed import missed_contacts
 from crashsolve.simulation.pictures import Pictures
 from crashsolve.simulation.progress import Account, cpu_time, preparing, provenance
 from crashsolve.simulation.redundant import arbitrary_reactions, undetermined
-from crashsolve.simulation.remarks import met_by, pressed_at_start, remarks, settling
-from crashsolve.simulation.requests import Requests, stop_as_by_keyboard
+from crashsolve.simulation.remarks import pressed_at_start, range_warnings, remarks, settling
+from crashsolve.simulation.requests import Requests, interrupt_as_keyboard
 from crashsolve.simulation.resume import FREE, OF_ERRORS, differing
 from crashsolve.simulation.totals import write_totals
 from crashsolve.system.contact.balance import contact_warnings
@@ -66,7 +66,7 @@ COARSENESS = "run/coarseness"
 
 def solve(deck_path: Path, folder: Path, overrides: Mapping[str, str], restart: bool) -> int:
     """Run a deck and write its results; returns the exit code. Raises CrashsolveError."""
-    stop_as_by_keyboard()
+    interrupt_as_keyboard()
     with Heartbeat(f"reading {deck_path.name}", print_line) as heartbeat:
         return _solve(deck_path, folder, overrides, restart, heartbeat)
 
@@ -334,7 +334,7 @@ class Run:
         for text in (
             *self.overlapping,
             *law_warnings(engine.model, engine.state),
-            *met_by(engine),
+            *range_warnings(engine),
             *(c.words(self.schedule.interval) for c in found),
             *arbitrary_reactions(self.account.remarks["undetermined"], self.deck),
             *unbalanced,

@@ -50,7 +50,7 @@ OUTPUT = Record("""
 def build(card: RotationStop, scene: Scene) -> Columns:
     frame = _joint.named_joint(scene, card.joint, "angle").frame
     start = scene.angles_at_start.get(card.joint, 0.0)
-    columns = FULL_TURN.taken_from(frame) | _joint.stops(card, scene) | {"start": start}
+    columns = FULL_TURN.columns_of(frame) | _joint.stops(card, scene) | {"start": start}
     past = max(start - columns["upper"], columns["lower"] - start)
     if start != 0.0 and past > 0.0:
         raise scene.fail(

@@ -67,7 +67,7 @@ OUTPUT = Record("""
 
 def build(card: TranslationFriction, scene: Scene) -> Columns:
     joint = named_joint(scene, card.joint, "travel")
-    return SLIDE.taken_from(joint.frame) | {
+    return SLIDE.columns_of(joint.frame) | {
         "level": card.force,
         "friction_coefficient": card.coefficient,
         "first_row": joint.first_row,

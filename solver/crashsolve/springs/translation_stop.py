@@ -48,7 +48,7 @@ OUTPUT = Record("""
 
 def build(card: TranslationStop, scene: Scene) -> Columns:
     frame = _joint.named_joint(scene, card.joint, "travel").frame
-    return SLIDE.taken_from(frame) | _joint.stops(card, scene)
+    return SLIDE.columns_of(frame) | _joint.stops(card, scene)
 
 
 @kernel

@@ -343,7 +343,7 @@ class Engine:
         self._refuse_passing()
         is_stopped = clock["status"] in STOPS_AT_SAMPLE
         is_judged = clock["cycle"] >= FIRST_JUDGED
-        if is_stopped or (is_judged and energy.is_out_of_nothing(self.ledger, self._limit)):
+        if is_stopped or (is_judged and energy.is_spurious_energy(self.ledger, self._limit)):
             raise diagnose(self.model, self.state, clock, self.ledger)
         self.state.ledger[energy.LARGEST] = self.ledger[energy.LARGEST]
         for name in MISSING:

@@ -6,7 +6,7 @@ Targets with shorter vectors split them.
 from crashsolve.compiler.translation import arithmetic, memory
 from crashsolve.compiler.translation.expressions import BUILTINS, Expressions
 from crashsolve.compiler.translation.kinds import INT, NOTHING, Table, Untranslatable, Value
-from crashsolve.foundation.lanes import EIGHT, NEXT, add_forces, take_motion
+from crashsolve.foundation.lanes import EIGHT, NEXT, add_forces, gather_motion
 from crashsolve.foundation.point import LANES
 
 VECTOR = f"<{EIGHT} x double>"
@@ -95,4 +95,4 @@ def _add(of: Expressions, given: list[Value]) -> Value:
     return Value(NOTHING)
 
 
-BUILTINS.update({take_motion: _take, add_forces: _add})
+BUILTINS.update({gather_motion: _take, add_forces: _add})

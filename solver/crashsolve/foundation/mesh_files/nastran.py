@@ -126,7 +126,7 @@ def _take(card: Card, lines: Lines, sets: dict[str, tuple[int, str]]) -> None:
             raise lines.fail(card.line, f"{label} is given twice, first in line {sets[label][0]}")
         sets[label] = card.line, " ".join(card.fields[1:])
     elif name not in SILENT | {"GRID"}:
-        lines.pass_over(card.line, name)
+        lines.skip_card(card.line, name)
 
 
 def _shell(card: Card, kind: str, lines: Lines) -> None:

@@ -68,7 +68,7 @@ class Lines:
         """The exception for a line that cannot be read: `raise lines.fail(...)`."""
         return MeshFileError(f"{self.name}, line {line}: {message}")
 
-    def pass_over(self, line: int, word: str) -> None:
+    def skip_card(self, line: int, word: str) -> None:
         """Remember a card that is neither node, element nor set."""
         self.passed_over.setdefault(word, line)
 

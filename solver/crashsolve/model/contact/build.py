@@ -33,7 +33,7 @@ from crashsolve.model.contact.groups import ContactGroup, NodalGroup
 from crashsolve.model.contact.holes import warn_of_holes
 from crashsolve.model.contact.node_to_surface import NodalBuilder
 from crashsolve.model.contact.pairs import ENDLESS, Block, Elements, Pairing, Search, resting
-from crashsolve.model.materials import refuse_unlike
+from crashsolve.model.materials import refuse_different
 from crashsolve.model.scene import Scene
 
 if TYPE_CHECKING:
@@ -299,7 +299,7 @@ class GroupBuilder:
             for surface in some:
                 side.assign(surface, narrow)
         rows: dict[tuple[int, int], int] = {}
-        for a, b in _unlike(surfaces):
+        for a, b in _different(surfaces):
             first, second = (b, a) if swapped else (a, b)
             rows[self.sides[0].round_of(first), self.sides[1].round_of(second)] = len(self.laws)
             self.laws.append(self._law(entry, a, b, scene))
@@ -313,11 +313,11 @@ class GroupBuilder:
         first, *others = _laws(entry.card)
         scene.refuse_stepwise(self.modules[0])
         law = self.modules[0].build(first, scene, Pair(entry.name, a.radius, b.radius))
-        refuse_unlike(self.modules[0], self.modules[0].PARAMETERS, law)
+        refuse_different(self.modules[0], self.modules[0].PARAMETERS, law)
         for module, card in zip(self.modules[1:], others, strict=True):
             scene.refuse_stepwise(module, "friction")
             own = module.build(card, scene)
-            refuse_unlike(module, module.PARAMETERS, own)
+            refuse_different(module, module.PARAMETERS, own)
             law = law | own
         if _torsion_radius(entry.card) is not None:
             law = law | {"torsion_radius": entry.card.torsion_radius}
@@ -384,7 +384,7 @@ class GroupBuilder:
         return Pairing((first, second), blocks, laws)
 
 
-def _unlike(surfaces: tuple[list[Surface], list[Surface]]) -> list[tuple[Surface, Surface]]:
+def _different(surfaces: tuple[list[Surface], list[Surface]]) -> list[tuple[Surface, Surface]]:
     """One pair of surfaces for every two radii of curvature: their laws are the same."""
     some_a, some_b = ({str(s.radius): s for s in side}.values() for side in surfaces)
     return [(a, b) for a in some_a for b in some_b]

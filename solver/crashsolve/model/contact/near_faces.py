@@ -44,7 +44,7 @@ def faces_beside(quads: np.ndarray) -> np.ndarray:
     return beside
 
 
-def spare(quads: np.ndarray, around: Any, ring: int) -> tuple[np.ndarray, np.ndarray]:
+def excluded_faces(quads: np.ndarray, around: Any, ring: int) -> tuple[np.ndarray, np.ndarray]:
     """Faces that each point never meets: its own, and those within `ring` of them."""
     first, faces = around
     count = len(first) - 1

@@ -24,11 +24,11 @@ from crashsolve.model.contact.floor import speed_floor
 from crashsolve.model.contact.groups import NodalGroup
 from crashsolve.model.contact.near_faces import (
     chosen,
+    excluded_faces,
     faces_around,
     faces_beside,
     merged,
     nothing,
-    spare,
     spare_along,
 )
 from crashsolve.model.nodes import NODE
@@ -329,7 +329,7 @@ class NodalBuilder:
         spared = nothing(len(probes.rows))
         if is_own:
             self._refuse_too_thick(gap, meshed, card.part)
-            spared = self._spared(meshed, probes.meshed.used, card.ring, FOLDED * gap)
+            spared = self._excluded_faces(meshed, probes.meshed.used, card.ring, FOLDED * gap)
         room = ROOM * len(probes.rows)
         buckets = 1 << int(2 * count - 1).bit_length()
         values = {
@@ -360,12 +360,12 @@ class NodalBuilder:
             values["over"] = max(a.elements[0]["semi"]) - probes.radius
         return None, own | {"values": values}, 2
 
-    def _spared(self, meshed: Any, nodes: np.ndarray, ring: int, reach: float) -> Any:
+    def _excluded_faces(self, meshed: Any, nodes: np.ndarray, ring: int, reach: float) -> Any:
         """Faces of a part that some nodes of its mesh never meet, by these nodes."""
         others = [own.mesh.quads for own in self.scene.on_mesh_of(meshed) if own is not meshed]
         quads, points = np.concatenate([meshed.mesh.quads, *others]), meshed.mesh.points
         around = faces_around(quads, len(points))
-        near = spare(quads, around, ring)
+        near = excluded_faces(quads, around, ring)
         found = merged(near, spare_along(points, quads, around, reach))
         return found if not others else chosen(*found, nodes, len(meshed.mesh.quads))
 

@@ -187,7 +187,7 @@ def _renew(group: ContactGroup, search: Search, state: State, current: int) -> N
     history = resting(len(rows), group.history.dtype, search)
     history[:, at[kept]] = group.history[current, kept]
     left = group.parameters["card"][~kept], group.history[current, ~kept]
-    _credit(*left, flags_of(group.normal), state.card_history)
+    _add_losses_of_removed(*left, flags_of(group.normal), state.card_history)
     take_pairs(group, rows, history)
 
 
@@ -210,7 +210,9 @@ def flags_of(law: Any) -> list[str]:
     return [*getattr(law, "WARNINGS", {}), *getattr(law, "REMARKS", {})]
 
 
-def _credit(card: np.ndarray, history: np.ndarray, warnings: list[str], cards: np.ndarray) -> None:
+def _add_losses_of_removed(
+    card: np.ndarray, history: np.ndarray, warnings: list[str], cards: np.ndarray
+) -> None:
     """Add losses and flags of pairs that leave the list to their cards. Writes: cards."""
     for side in cards:
         for name in ("dissipated", "friction_dissipated"):

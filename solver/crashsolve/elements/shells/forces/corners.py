@@ -7,7 +7,7 @@ equal distances, and nothing branches. `work` has a row of lanes for each number
 from crashsolve.elements.shells.forces.quadrilateral import dot3
 from crashsolve.elements.shells.records import BLOCK, WORK
 from crashsolve.foundation.kernels import blockwise, inlined, kernel
-from crashsolve.foundation.lanes import EIGHT, add_forces, take_motion
+from crashsolve.foundation.lanes import EIGHT, add_forces, gather_motion
 from crashsolve.foundation.motion import load_point
 from crashsolve.foundation.point import LANES
 
@@ -17,7 +17,7 @@ def gather(points, corners, first, work):
     """Copy positions, velocities and spins of the corners of a block. Writes: work."""
     for c in range(4):
         for e in range(0, LANES, EIGHT):
-            take_motion(
+            gather_motion(
                 points, corners, first + LANES * c + e, work, LANES * (WORK.position + 3 * c) + e
             )
 
