@@ -69,11 +69,11 @@ def main(arguments: list[str] | None = None) -> int:
         report_error("interrupted")
         return int(ExitCode.STOPPED)
     except BrokenPipeError:
-        # the reader, such as `head`, has seen enough
+        # the reader, such as `head`, has closed the pipe
         discard_output(sys.stdout)
         return int(ExitCode.NORMAL)
     except OSError as error:
-        # files are answered for where they are opened: what is left is standard output
+        # errors of files are handled where they are opened: this one is of standard output
         if error.filename is not None:
             raise
         discard_output(sys.stdout)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 BAR = 40
 
-# the look of who says nothing of it
+# the default appearance
 DEFAULTS = {
     "view": "auto",
     "show": (),

@@ -19,7 +19,7 @@ from crashsolve.channels.series import Series
 
 # of the largest value of its dimension in the results, and in SI: less is round-off
 FLOOR, NOTHING = 1e-6, 1e-12
-# what describes the computation, not of what was computed
+# channels of the computation, not of the model
 NUMERICS = (
     *("glstat.model.step", "glstat.model.cycle", "glstat.model.residual", "glstat.model.balance"),
     *("glstat.model.energy.imbalance", "glstat.model.momentum_error"),

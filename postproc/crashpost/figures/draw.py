@@ -225,7 +225,7 @@ def _between(values: np.ndarray, ends: Pair | None) -> np.ndarray:
 
 def _finish_axes(axes: Axes, figure: Figure, scaled: _Scaled) -> None:
     for set_scale, scale in ((axes.set_xscale, figure.x_scale), (axes.set_yscale, figure.y_scale)):
-        # what has no logarithm is not shown, rather than at the edge as if it were small
+        # values without a logarithm are left out, not drawn at the edge as if they were small
         set_scale(scale, **({"nonpositive": "mask"} if scale == "log" else {}))
     for axis, scale in ((axes.xaxis, figure.x_scale), (axes.yaxis, figure.y_scale)):
         if scale == "linear":

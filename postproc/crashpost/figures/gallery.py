@@ -38,7 +38,7 @@ CRUSHES = (
     ("deforc", "angle", "moment"),
     ("hinge", "angle", "moment"),
 )
-# what is worth a look, by the first word of the channels; where it rests, what moves
+# quantities shown, by the first word of the channels; where they are constant, those that change
 IMPORTANCE = {
     "rbdout": ("velocity",),
     "nodout": ("acceleration",),

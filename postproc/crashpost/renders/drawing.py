@@ -121,7 +121,7 @@ class Scene:
             points = self.positions(number, name)
             used = self._used_points(name, number)
             if name == "ground":
-                # the ground may reach beyond what alone is to be seen
+                # the ground may extend beyond the parts that are shown
                 used = used[:0] if self.appearance.show else np.setdiff1d(used, self.planes)
             found.append(points[used])
             if name == "beams" and len(used):
@@ -267,7 +267,7 @@ class Scene:
         shown, selected = set[int](), set[str]()
         for word in self.appearance.show:
             met = {k for k, name in enumerate(bodies) if k and fnmatchcase(name, word)}
-            # what belongs to a body by its name goes with it
+            # bodies whose names begin with that of another are shown with it
             met |= {k for k in range(1, len(bodies)) if self.groups[k] in met}
             own = {name for name in parts if fnmatchcase(name, word)}
             if not met and not own:

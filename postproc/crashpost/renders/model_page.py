@@ -111,7 +111,7 @@ def page(result: Result, **appearance: Any) -> tuple[str, str]:
         ) from None
     states = States(result.folder)
     if appearance.get("view", "auto") == "auto":
-        # who may turn it sees at once that it is more than flat
+        # a model that can be rotated is shown obliquely
         appearance["view"] = "iso"
     task = Task("", "", (), **appearance)
     scene = Scene(
@@ -223,7 +223,7 @@ def _put(
         for kind in np.unique(surface.which):
             shown += _plain_mesh(k3d, surface, same, int(kind))
     for number, lines in enumerate(first.lines):
-        # a browser draws nothing more once it was given what has no points
+        # k3d stops drawing after an object without points
         if not len(lines.ends):
             continue
         ends = {key: drawing.lines[number].ends for key, drawing in frames.items()}

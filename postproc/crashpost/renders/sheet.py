@@ -66,7 +66,7 @@ class Key:
     arrow: float = 0.0  # metres for each unit
     arrow_unit: str = ""
     arrow_size: float = 0.0  # the largest, in its unit
-    note: str = ""  # what is not as long as it was
+    note: str = ""  # lengths that are magnified
 
     @property
     def scale_bar(self) -> tuple[float, str]:
@@ -392,7 +392,7 @@ def name_grid(names: Sequence[tuple[str, str]], room: float) -> tuple[int, int]:
     """Lines and columns of a legend of names in some inches; long names are cut, not lost."""
     count = len(shown_names(names))
     few = -(-count // NAME_LINES) if count > 3 else count
-    # a column is at least 0.8 inches wide, eight letters of a name, and at most 2: lines are cheap
+    # a column is 0.8 inches wide, eight letters of a name, to 2 inches
     columns = max(min(few, int(room / min(name_width(shown_names(names)), 2.0))), 1)
     return -(-count // columns), columns
 

@@ -151,7 +151,7 @@ def _state(folder: Path, mark: dict[str, str]) -> tuple[str, str]:
         is_known = note.get("state") in ("failed", "stopped", "killed")
         return (str(note["state"]) if is_known else "new"), str(note.get("message", ""))
     if state == "killed" and note.get("state") in ("stopped", "killed"):
-        # the process that conducted the sweep knows more
+        # the process that ran the sweep has the reason
         return str(note["state"]), str(note.get("message", ""))
     return state, message
 

@@ -137,7 +137,7 @@ def _starts(result: Result, family: Family, column: Column) -> Iterator[Event]:
         new = (started < 0) & moved.any(axis=0)
         started[new] = first + moved.argmax(axis=0)[new]
     for entity, row in zip(family.ids, started, strict=True):
-        # what has been so from the start has not happened
+        # a condition that holds from the start is no event
         if row > 0:
             yield Event(float(result.time[row]), f"{_name(entity)} {STARTS[column.name]}")
 

@@ -86,7 +86,7 @@ class PageUnits:
                     unit = units.wanted(channels[0], series[0].unit) or axis_unit(series, stated)
                     factor(series[0].unit, unit)
                 except PostError:
-                    # where the figure is drawn this is said
+                    # the figure itself reports this
                     continue
                 if series[0].unit not in ("", "1"):
                     self.of.setdefault(series[0].unit, unit)

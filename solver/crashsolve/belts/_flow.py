@@ -27,7 +27,7 @@ PATIENCE = 100
 CLOSE = 1e-15
 # the same after so many passes, where round-off of tight segments keeps flows moving
 NEARLY, MANY = 1e-13, 40
-# what no result of a belt shows, over its length
+# a flow too small to affect any result, over the length of the belt
 SETTLED = 1e-10
 # of a segment, that one pass may take from it
 MOST_TAKEN = 0.8
@@ -264,7 +264,7 @@ def correct(p, old, new, out, curves):
             new.above[j] = upper / pivot
             new.change[j] = (right - lower * new.change[j - 1]) / pivot
         else:
-            # a spool draws in what is slack; where friction holds it stays
+            # a spool draws in slack webbing; friction may hold it
             new.above[j], new.change[j] = 0.0, slack_of_segment(p, new, out, j, direction)
     new.above[n] = new.change[n] = 0.0
     share = 1.0

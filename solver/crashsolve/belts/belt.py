@@ -174,7 +174,7 @@ def initial_history(card: Belt, p: np.void, scene: Scene) -> Columns:
     residual, straight = np.zeros(SEGMENTS), np.zeros(SEGMENTS)
     straight[:n] = lengths
     if p["curve"]:
-        # what is pretensioned has reached its curve
+        # a pretensioned belt has reached its curve
         L = p["start"][:n]
         residual[:n] = np.maximum(lengths - L - L * p["first"] / p["k"], 0.0)
     own: Columns = {
@@ -237,7 +237,7 @@ def update_energies(p: Parameters, old: History, new: History, out: Output, h):
             slack += mean * (before - max(L + new.residual[i] - out.length[i], 0.0))
         out.stored += 0.5 * T_1 * T_1 * L / p.k
         if new.slipped > old.slipped:
-            # a length that goes at once does no work on the bodies
+            # a length that vanishes at once does no work on the bodies
             friction -= mean * (out.length[i] - old.straight[i])
         new.tension[i], out.webbing[i], new.straight[i] = T_1, L, out.length[i]
         out.strain[i] = out.length[i] / L - 1.0

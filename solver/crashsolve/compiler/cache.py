@@ -220,7 +220,7 @@ def locked(path: Path) -> Iterator[int | None]:
         yield held
     finally:
         if held is not None:
-            # those who wait see that it is gone, and make another
+            # waiting processes find that it is gone, and make another
             lock.unlink(missing_ok=True)
             os.close(held)
 

@@ -43,9 +43,9 @@ class Program:
         self._meanings: dict[str, tuple[Any, ...]] = {}
         self._imports: dict[str, tuple[str, str]] = {}
         self._parts: list[str] = []
-        # objects whose copies have been made must live on, for theirs is the number
+        # copied objects must stay alive, because their identity is the key
         self._bound: list[Any] = []
-        # copies of which nothing is left
+        # copies that are empty
         self.empty: set[str] = set()
 
     def text(self) -> str:

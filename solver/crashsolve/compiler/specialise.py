@@ -20,7 +20,7 @@ from dataclasses import dataclass, field
 from types import ModuleType
 from typing import Any
 
-# what may be called with placeholders
+# functions that may be called with placeholders
 BUILTINS: dict[str, Callable[..., Any]] = {
     f.__name__: f for f in (all, any, bool, enumerate, getattr, hasattr, len, range, zip)
 }

@@ -50,7 +50,7 @@ def with_derivative(formula: Expression, x: Array) -> Jet:
     with np.errstate(all="ignore"):
         found = _jet(formula.root, x)
     for at in x[~np.isfinite(found.y)][:1]:
-        # the plain evaluation says what is wrong there
+        # the plain evaluation raises the error there
         formula.value({"x": float(at)})
     return found
 

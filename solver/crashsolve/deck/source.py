@@ -30,7 +30,7 @@ _WORDS |= {"true": True, "True": True, "TRUE": True, "false": False, "False": Fa
 
 
 _CORE_TYPES: dict[str, Any] = {"int": int, "float": int | float, "bool": bool, "null": NoneType}
-# what YAML calls printable
+# printable characters of YAML
 _FORBIDDEN = re.compile(r"[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
@@ -38,7 +38,7 @@ _FORBIDDEN = re.compile(r"[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U0001000
 _CONTROL = re.compile("[\x00-\x08\x0b-\x1f\ud800-\udfff]")
 
 
-# what entries are called: part of channels and of files
+# names of entries: parts of channels and of files
 NAME = re.compile(r"[^\W\d][\w-]*")
 NAME_ADVICE = "begin with a letter, continue with letters, digits, _ and -"
 

@@ -52,7 +52,7 @@ EXTREMES = ("argmax", "argmin")
 LATCHED = ("final", "max", "abs_max")
 # a step that stands this little out of the samples is one of them
 SAME_POSITION = 1e-9
-# a sum that is smaller than this share of its parts is nothing
+# a sum below this share of its parts counts as zero
 CANCELS = 1e-6
 # numbers below this share of their scale are round-off
 DIGITS = 1e-13

@@ -142,5 +142,5 @@ def mesh_error(
     power = log2(two / one)
     least = two / (2.0**order * (2.0**order - 1.0)) if power > order + NEAR else 0.0
     size = max(one / (2.0 ** min(power, order) - 1.0), least)
-    # an order near nothing makes an error of any size
+    # an order near zero gives an error of any size
     return min(size, max(one, two) * 2.0), f"2 coarser meshes, order {power:.2f}"

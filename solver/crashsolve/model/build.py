@@ -66,7 +66,7 @@ def build(deck: Deck) -> tuple[Model, State]:
     Raises: DeckErrors naming every card that cannot be built.
     """
     try:
-        # what becomes of them is looked at below, card by card
+        # they are checked below, card by card
         with np.errstate(all="ignore"):
             model, state = _build(deck)
             model.warnings.extend(warn_of_unseen(model))
@@ -80,7 +80,7 @@ def _build(deck: Deck) -> tuple[Model, State]:
     scene = Scene(deck)
     methods.refuse_methods(scene)
     curves = _build_curves(deck, scene)
-    # what follows stands on sound bodies and curves
+    # the rest needs bodies and curves without errors
     scene.raise_errors()
     groups: list[Group] = []
     joints = _build_joints(deck, scene, groups)

@@ -123,7 +123,7 @@ def initial_points(model: Model, scene: Scene) -> np.ndarray:
     parts = _meshed(model, scene)
     table = np.zeros(scene.point_count, POINT.dtype)
     for meshed in parts:
-        # in place: a copy of 10^5 elements is what memory peaks at
+        # in place: a copy of 10^5 elements would be the peak of memory
         first = meshed.first + meshed.own.start
         meshed.write_points(table[first : meshed.first + meshed.own.stop])
     return table

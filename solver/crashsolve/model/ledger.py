@@ -17,7 +17,7 @@ OTHERWISE: dict[str, tuple[str, str | None]] = {
     "potential": ("potential", None),
     "part": ("elastic", "part_damping"),
 }
-# words under which laws of families book what they store and lose, in the order of the ledger
+# entries of stored and dissipated energies of families, in the order of the ledger
 WORDS = tuple(
     dict.fromkeys(w for family in families().values() for w in family.energy if w not in OTHERWISE)
 )

@@ -100,7 +100,7 @@ def cut(model: Model, state: State, threads: int) -> Pieces:
     for g in model.element_loads():
         rows[g.word], spans[g.word] = _loads(g.parameters, of_part)
         if len(set(firsts)) < len(firsts):
-            # pieces of other parts may keep what a load has given
+            # replicas of other parts may have forces of a load
             spans[g.word]["first_collector"], spans[g.word]["collector_count"] = 0, len(pieces)
     table = np.zeros(count + len(originals), POINT.dtype)
     table[:count] = state.points

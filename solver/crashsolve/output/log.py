@@ -159,7 +159,7 @@ class Log:
                 stream, self._stream = self._stream, None
                 reason = getattr(error, "strerror", None) or error
                 discard_output(stream)
-                # a reader such as `head` has seen enough
+                # a reader such as `head` has closed the pipe
                 if not isinstance(error, BrokenPipeError):
                     self._warn_of_loss(str(reason))
 

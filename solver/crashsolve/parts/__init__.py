@@ -22,6 +22,6 @@ FAMILY = Family(
     picture=ELEMENTS,
     uses=("materials",),
     integrators=ANY,
-    # what they remember is asked of their modules
+    # their histories are those of their modules
     at_rest=True,
 )

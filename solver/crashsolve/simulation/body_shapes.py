@@ -21,7 +21,7 @@ from crashsolve.output import shapes
 # node, points from the mass centre in body axes, cells
 Piece = tuple[int, np.ndarray, np.ndarray]
 
-# a plane is infinite: what is drawn reaches so far beyond what is near, in widths of the model
+# a plane is infinite: it is drawn so far beyond the model, in widths of it
 PLANE_MARGIN = 0.15
 # points of a body to which lines are drawn, at most
 MOST_LINES = 100

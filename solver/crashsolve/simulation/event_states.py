@@ -86,7 +86,7 @@ class EventStates:
                     self.engine.sample(times[name])
                     states.insert(times[name], self._fields())
         except (Abandoned, SolverError):
-            # the run itself was judged when it came by
+            # the checks of the run itself have been made there
             pass
         finally:
             self.engine.on_pause = pause

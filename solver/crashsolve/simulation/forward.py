@@ -85,7 +85,7 @@ def _is_asked(run: Run) -> bool:
 
 def _march_through(run: Run, times: np.ndarray) -> int:
     """Samples at times [s] in compiled code; how many are done. Raises SolverError."""
-    # no run has children while it marches: their times need not be asked for
+    # a run has no child processes between samples: their CPU times are not needed
     started = time.process_time()
     count, stepping, left = run.between.march.go(times, run.histories.kept)
     if count:

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from crashsolve.estimate.runner import Estimating
 
 
-# CPU time of what is no other stage
+# CPU time of no other stage
 REST = "files and reports"
 
 
@@ -99,7 +99,7 @@ class Account:
         self.deck, self.engine, self.folder, self.log = deck, engine, folder, log
         self.cpu, self.wall_begun = cpu, wall_begun
         self.heartbeat, self.pace, self.steps = heartbeat, Pace(), StepWatch()
-        # what never happened, and what was lost: known at the end
+        # remarks that are known at the end
         self.remarks: Json = {}
         self.bound = ""
         self._bounds = StepBound(Schedule.of(deck).interval, deck.control.step_max)

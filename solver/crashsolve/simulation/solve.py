@@ -265,7 +265,7 @@ class Run:
 
                 look_up(self.deck, self.histories.families)
             return None
-        # a deck that watches nothing does not pay for what this imports
+        # a deck that watches nothing does not import this
         from crashsolve.estimate.runner import Estimating
 
         families = self.histories.families
@@ -399,7 +399,7 @@ class Run:
             lambda: self.account.status("stopped", ExitCode.STOPPED, text),
             lambda: report_error(text),
         ):
-            # whatever the interrupt came upon
+            # an interrupt at any place
             with suppress(Exception):
                 act()
         os._exit(ExitCode.STOPPED)

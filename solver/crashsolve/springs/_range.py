@@ -43,7 +43,7 @@ REACHED = SLIDER
 class RangeCard(Card):
     """A joint, and the moment past the end of its range."""
 
-    # what a curve of a spring may do besides, and a stop does not
+    # features of a spring's curve that a stop does not have
     gap: ClassVar[float] = 0.0
     rate_curve: ClassVar[None] = None
     cowper_symonds: ClassVar[None] = None

@@ -16,7 +16,7 @@ from crashsolve.foundation.rows import Row, Table, as_rows
 from crashsolve.materials import elastoplastic
 from crashsolve.springs._segment_yield import FROZEN, growth, scaled_back, softened
 
-# what yields together, among u and theta
+# components of u and theta that yield together
 YIELDING_AXES = np.array([0, 4, 5])
 # a load step leads so far beyond the first yield that it meets; square over that of yield of what
 # has begun

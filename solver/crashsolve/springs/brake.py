@@ -115,7 +115,7 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
     out.stored = 0.5 * p.stiffness * dot(z, z)
     out.power = 0.0
     displacement = sub(trial, vec(old.bristle))
-    # a sample repeats the last step: what it slides is round-off
+    # a sample repeats the last step: its slip is round-off
     out.loss = (
         lost(p.stiffness, vec(old.bristle), z, vec(old.force), f, displacement) if h > 0.0 else 0.0
     )

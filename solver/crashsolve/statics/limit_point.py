@@ -28,7 +28,7 @@ def passes_limit_point(engine: Any, start: np.ndarray, start_time: float, target
         return False
     change, forward = engine.size_of(engine.change_from(start)), engine.first
     if forward > APART * change + NOWHERE and target - start_time > 2.0 * engine.least:
-        # near a limit point the tangent of the lower equilibrium says more than there is
+        # near a limit point the tangent of the lower equilibrium overestimates the change
         return True
     if change <= FAR * forward + NOWHERE:
         return False

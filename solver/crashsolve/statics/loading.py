@@ -19,7 +19,7 @@ from crashsolve.foundation.curve import HOLD, LINEAR, POINT
 from crashsolve.foundation.errors import SolverError
 from crashsolve.model.model import Model
 
-# of a load step: what is left of the way beyond whole ones, and is taken with them
+# of a load step: a remainder below this is joined to the last one
 ALMOST = 1e-6
 
 

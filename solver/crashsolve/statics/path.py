@@ -41,7 +41,7 @@ MOMENT_STEP = 1e-6
 COSINE = 0.9
 # of a step: the end is reached within its length
 REACHED = 1.0 + 1e-6
-# what moves less under its whole load does not move, in the model's size or rad
+# a model that moves less under its full load counts as rigid, in the model's size or rad
 UNMOVED = 1e-14
 
 POSITION = Record("""

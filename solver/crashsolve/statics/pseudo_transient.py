@@ -28,13 +28,13 @@ from crashsolve.statics.motions import perturb
 from crashsolve.statics.stability import mass_matrix, unstable_mode, unstable_modes
 from crashsolve.system.diagnosis import diagnose
 
-# steps for one load; what needs more moves freely
+# most steps for one load; a model that needs more can move freely
 REPEATS = 150
 # h over 1 / omega of the fastest vibration: at first, at most, and how it grows
 FIRST, MOST, GROWTH = 1e3, 1e8, 32.0
 # the same where unstable modes are looked for
 CERTAIN = 1e7
-# of what is missing, that a step may leave
+# residual that a step may leave, of the distance to equilibrium
 SLOW, UNKNOWN = 0.1, 0.9
 # how h grows where Newton's method has failed
 CAREFUL, RELENTING = 4.0, 1.2
@@ -121,7 +121,7 @@ class RestEngine(StaticEngine):
                 and not self.shortens_corrections
             ):
                 self.pseudo = min(self.pseudo * growth, highest / self.highest_frequency)
-            # what has failed far from equilibrium may serve near it
+            # a step that failed far from equilibrium may converge near it
             highest, good_steps, previous = min(highest * RELENTING, MOST), used, change
         self.pseudo = (
             max(first, QUIET / self.highest_frequency) if self.shortens_corrections else first

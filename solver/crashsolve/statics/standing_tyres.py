@@ -68,7 +68,7 @@ class StandingTyres:
     ) -> Footprint:
         data = tuple(as_rows(part) for part in group.data) or None
         at = group.module.patch_on(as_rows(group.parameters)[row], road, nodes, curves, data)
-        # what the sample found: no more than friction holds, and nothing off the road
+        # deflections of the sample: within friction, and zero off the road
         found = group.history[1 - self.current]
         q = float(found["q_x"][row, road]), float(found["q_y"][row, road])
         hub = self.nodes["r"][group.parameters["node"][row]]

@@ -216,7 +216,7 @@ class RunPool:
             discard_output(sys.stdout)
 
 
-# what is kept of signals, and what the runs get for each
+# signals that are handled, and the signal that the runs get for each
 _SIGNALS: dict[int, int] = {
     signal.SIGTERM: signal.SIGTERM,
     signal.SIGINT: signal.SIGTERM,

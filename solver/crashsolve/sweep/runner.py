@@ -27,7 +27,7 @@ from crashsolve.sweep.plan import Plan, read_plan
 from crashsolve.sweep.run_pool import RunPool
 from crashsolve.sweep.script import Queue, submit, write_script
 
-# what crashpost makes of the runs
+# files that crashpost writes from the runs
 GATHERED = ("sweep.csv", "sweep.parquet", "scatter.png", "effects.png", "indices.png")
 # runs that failed before and are named
 REPORTED = 8

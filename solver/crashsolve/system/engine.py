@@ -92,11 +92,11 @@ class Engine:
         self.masses = EffectiveMasses(self.model)
         # of how the run begins, for the log
         self.notes: list[str] = []
-        # asked now and then between two samples; may raise
+        # called from time to time between two samples; may raise
         self.on_pause: Callable[[], None] = lambda: None
-        # what the log is to say of the run
+        # messages for the log
         self.on_message: Callable[[str], None] = lambda text: None
-        # what goes into a dump beside the State
+        # arrays of a dump beside the State
         self.aside: dict[str, np.ndarray] = {}
         self._steps_per_call = 1 if runs_plain() else FIRST_CALL
         # steps from one look to the next, of an interval that is run once more

@@ -21,7 +21,7 @@ from crashsolve.model.model import Group, Model, State
 from crashsolve.system.contact.effective_mass import weighed_groups
 from crashsolve.threads.sharing import shared_arrays
 
-# groups by what their laws do
+# groups by the functions of their laws
 JOINTS: tuple[Group, ...] = ()  # constraint rows
 FORCES: tuple[Group, ...] = ()  # forces between bodies, or on them
 WATCHED: tuple[Group, ...] = ()  # of them, those judged by their own work
@@ -38,13 +38,13 @@ SLIDING: tuple[ContactGroup, ...] = ()  # of them, those whose friction has bran
 TANGENT_CONTACTS: tuple[ContactGroup, ...] = ()  # of them, those that keep all their pairs
 NODAL: tuple[NodalGroup, ...] = ()  # nodes on shapes and on the faces of shells
 
-# what else is in the scene
+# other content of the scene
 ATTACHMENTS = True  # nodes welded to rigid bodies
 TIES = True  # points that ride on faces
 CUTS = True  # sensors that cut through elements
 SEARCHES = True  # lists of near pairs, which are renewed
 MANY_PAIRS = True  # contacts whose pairs are done in pieces
-RESTING = True  # contacts whose pairs are left alone until they may have met
+RESTING = True  # contacts whose pairs are skipped until they may touch
 PAIR_DAMPERS = True  # contacts whose friction depends on the sliding speed alone
 NODAL_DAMPERS = True  # the same between nodes and faces
 
@@ -55,7 +55,7 @@ THREADS = True  # several share the elements, and many contact pairs
 DENSE = True  # a sample may lie within a step
 ONSETS = True  # something may begin within a step
 EVENTS = True  # there are laws with an event function
-LOOKS_AHEAD = True  # the next step must be asked about before it is taken
+LOOKS_AHEAD = True  # contacts cut the next step: a list to renew, or sides with an end
 COUNTS_ROTATIONS = True  # laws follow angles from step to step, and steps may be long
 
 

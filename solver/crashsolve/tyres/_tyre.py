@@ -387,7 +387,7 @@ def bear(p, i, old, new, out, h, nodes, at, grip, F, M_z, store):
     to_road = sub(vec(wheel.r), vec(road.r))
     press = scale(grip.F_z, at.n)
     pull = add(scale(F[0], at.x), scale(F[1], at.y))
-    # what the depth gains as the normal turns, the wheel gives
+    # the depth gained by rotation of the normal is taken from the wheel
     hub, lean = arm(wheel, vec(p.centre)), scale(-grip.F_z, at.tilt)
     apply_force(wheel, lean, hub)
     apply_force(road, scale(-1.0, lean), add(to_road, hub))

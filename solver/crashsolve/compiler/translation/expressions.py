@@ -27,7 +27,7 @@ from crashsolve.compiler.translation.kinds import (
 )
 from crashsolve.compiler.translation.text import FLAGS, Text
 
-# what becomes of calls of functions that are no kernels, by the function
+# translations of calls of functions that are not kernels, by the function
 Builtin = Callable[["Expressions", list[Value]], Value]
 BUILTINS: dict[Any, Builtin] = {}
 # of constants, to settle before the run
@@ -46,7 +46,7 @@ class Expressions:
     `bound` are its variables; `call` translates a call of a kernel, `keep` puts constants aside.
     """
 
-    # what LLVM may do to sums and products
+    # transformations of sums and products that LLVM may make
     flags = FLAGS
 
     def __init__(self, names: dict[str, Any], module: Any) -> None:

@@ -43,7 +43,7 @@ SHARP, THINNEST = 1e-5, 0.1
 # relative noise of a height, not to be taken for a descent
 ROUND_OFF = 1e-13
 # directions to start from, and climbs to different tops of bodies that overlap; cosine of the
-# angle within which two climbs have come to one top
+# angle within which two searches have reached the same maximum
 STARTS, CLIMBS, ONE_TOP = 22, 4, 1.0 - 1e-8
 
 

@@ -33,7 +33,7 @@ from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, scale,
 
 __all__ = ["PARAMETERS", "bound", "data", "expand", "gap", "patch"]
 
-# what the manual says of pairs with this gap
+# description of these pairs in the manual
 POINTS = "one, or where sides lie flat up to eight (twelve with a cap) that share the force"
 # the gap is a distance: see system/contact/resting.py
 IS_DISTANCE = True

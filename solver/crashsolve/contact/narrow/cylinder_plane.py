@@ -20,7 +20,7 @@ from crashsolve.foundation.vec3 import add_scaled, dot, scale, sub, vec
 # tilt [rad] of an upright cylinder up to which the lowest point of its rim leans to a fixed one:
 # bristles that hold it against a torque must not be thrown about by round-off
 UPRIGHT = 1e-4
-# what the manual says
+# description in the manual
 POINTS = "three on a cap and three on the side, each a third of the force"
 PARAMETERS_A = Record("""
     node   index     body

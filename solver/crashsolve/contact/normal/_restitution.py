@@ -42,7 +42,7 @@ def spent(chi, s):
     z = chi * s
     if abs(z) < SMALL:
         return s * s * (0.5 - z * (1.0 / 3.0 - z * (0.25 - 0.2 * z)))
-    # a damped force never pulls: nothing comes out faster than v_0 / chi
+    # a damped force never pulls: the rebound is slower than v_0 / chi
     return (z - log1p(z)) / (chi * chi) if z > -1.0 else inf
 
 

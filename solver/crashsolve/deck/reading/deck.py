@@ -68,7 +68,7 @@ class Deck:
     watch_at: list[Position]
     entries: dict[str, dict[str, Entry]]
     control_item: Item
-    # cards of the deck that stand in entries no more, but what was made of them
+    # cards of the deck that were expanded, and are no entries any more
     written_out: list[Entry]
     # values set from outside that change nothing, and warnings of parameters unread
     ineffective: dict[str, DeckError]
@@ -96,7 +96,7 @@ class Deck:
         """
         if self.control.threads is not None:
             return self.control.threads
-        # pairs of bodies alone take thousands of spheres before threads are worth their calls
+        # for pairs of bodies alone threads are faster from thousands of spheres on
         if not self.control.is_explicit or not _has_blocks(self.entries):
             return 1
         return cores_given()
@@ -162,7 +162,7 @@ class _Reader:
     def deck(self) -> Deck:
         """The whole deck; raises DeckErrors."""
         self.expand()
-        # what uses a curve states the units of its numbers
+        # the card that uses a curve determines the units of its numbers
         others = {keyword: self.section(keyword) for keyword in SECTIONS if keyword != "curves"}
         self.axes = self.axes_of_curves(others)
         read = others | {"curves": self.section("curves")}
@@ -315,7 +315,7 @@ class _Reader:
             if word is not BROKEN:
                 self.refuse(item, Diagnostic(("type",), error.message, error.advice))
             if error.near:
-                # what else is wrong, if this one is meant
+                # further errors, if this type is meant
                 kind = law_class(section.folder, error.near)
                 meant = self.card(item, kind, "type", is_certain=False)
                 self.unread += [(item, list(_names(meant)))] * (meant is not None)

@@ -78,7 +78,7 @@ def act(p, out, a, b, frame, strained, load):
     add_to(b.force, scale(-1.0, f))
     add_to(b.torque, matvec(R, scale(-1.0, add(m, c))))
     # rows of a bent or stretched element are longer than those of a straight one; that of its
-    # stretch gains what twice the tension of its bow would add
+    # the stretch adds as much as twice the tension of its bow
     growth = eta**4 * max(1.0, dot(y, y) / (p.length * p.length))
     bow, taut = 2.0 * growth * bowed(y, theta, bent), growth * max(tension, 0.0)
     add_bounds(p, a, growth * p.rate_a, bow * p.taut_a, taut * p.taut_a, slow)

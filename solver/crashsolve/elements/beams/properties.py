@@ -107,7 +107,7 @@ def laws(card: Any, scene: Scene) -> tuple[Columns, Columns]:
     if getattr(material_card, "failure_strain", None) is not None:
         message = f"material '{card.material}' has failure_strain, which fibres do not follow"
         raise scene.fail(f"{message}; take shells for it", "material")
-    # nodes are built before curves are: what a fibre does beyond small strain is not asked here
+    # nodes are built before curves: the behaviour of fibres beyond small strain is not checked here
     material = elastic.build(material_card, scene)
     law, section_card = scene.law("sections", card.section)
     return law.build(section_card, material["poisson"]), material

@@ -73,7 +73,7 @@ class DiscretisedShell:
         inertia = mass * self.radius_2[:, None]
         self.mass = np.bincount(corners, mass.ravel(), n)
         self.J = np.bincount(corners, inertia.ravel(), n)
-        # what each corner brings, to be summed over the parts of a shared mesh
+        # contribution of each corner, to be summed over the parts of a shared mesh
         self.lumps = None if own is None else (corners, mass.ravel(), inertia.ravel())
         near = self.mesh.points[self.used]
         self.named = [int(self.used[nearest(near, node)]) for node in card.nodes]
@@ -318,7 +318,7 @@ class DiscretisedShell:
     def _shape(self) -> np.ndarray:
         """Inverse of the diagonals in axes between them, by rows (m, 4)."""
         found = np.empty((len(self.area), 4))
-        # blocks are there already: what is needed besides is what memory peaks at
+        # blocks exist already: additional arrays determine the peak of memory
         for start in range(0, len(found), PIECE):
             x = self.mesh.points[self.mesh.quads[start : start + PIECE]]
             found[start : start + PIECE] = np.linalg.inv(diagonals(x)).reshape(-1, 4)

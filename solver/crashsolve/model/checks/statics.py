@@ -10,7 +10,7 @@ from crashsolve.deck.reading.deck import Deck
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.model import Group
 
-# what every law of force keeps of a step
+# history columns of every law of force
 KEPT = {"dissipated", "power", "unused"}
 
 

@@ -167,7 +167,7 @@ class NodalGroup(Touching):
     is_smooth: bool = False  # normals of faces from a continuous field
     can_fail: bool = False  # whether faces may vanish
 
-    # what a run writes, and what grows with it
+    # outputs of a run
     CHANGING: ClassVar = (
         "p",
         "probe_states",

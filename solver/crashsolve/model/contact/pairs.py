@@ -30,7 +30,7 @@ MARGIN, MARGIN_OF_PLANES = 0.5, 4.0
 # margin of two, each of both elements has gone 0.7, and a step of 0.2, at most
 # (system/contact/touches.py)
 APART = 0.2
-# reach of what has no end, which times no turn is still nothing [m]
+# extent of infinite elements [m]: finite, so that its product with no rotation is 0
 ENDLESS = 1e300
 SEEN = Record("r  m  3  centre of an element when the list was made")
 

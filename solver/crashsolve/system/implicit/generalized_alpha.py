@@ -43,7 +43,7 @@ def open_accelerations(stages, smooth):
     for n in range(1, stages.shape[1]):
         s, end = stages[0, n], stages[1, n]
         if smooth:
-            # keep_rates has not seen the multipliers of the step
+            # keep_rates does not include the multipliers of the step
             put(s.past_v, vec(end.past_v))
             put(s.past_w, vec(end.past_w))
             put(s.rate_v, vec(end.rate_v))
@@ -55,7 +55,7 @@ def open_accelerations(stages, smooth):
             put(s.past_w, vec(s.rate_w))
             put(s.mean_v, vec(s.rate_v))
             put(s.mean_w, vec(s.rate_w))
-        # what the step after this one will find as its past
+        # history for the next step
         put(end.past_v, vec(s.rate_v))
         put(end.past_w, vec(s.rate_w))
 

@@ -115,7 +115,7 @@ def limit_closing(group, clock, nodes, scene):
         a, b = group.elements_a[p.a], group.elements_b[p.b]
         speed = touches.closing_at_most(p, a, b, nodes)
         if group.rests and speed * clock.next_step > distance:
-            # what is kept is no more than a bound
+            # the stored value is only a bound
             depth, _, _ = group.narrow.gap(a, b, nodes, group.data)
             distance = touches.SEEN * p.thick - depth
         if speed * clock.next_step > distance:

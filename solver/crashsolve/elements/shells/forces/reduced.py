@@ -52,6 +52,6 @@ def element_energy(p, blocks, at, d, e, material):
     """Elastic energy of the layers and shear, of the hourglass stresses, of drilling [J]."""
     t, _, area = in_plane(blocks, at, d, e)
     total = layer_energy(p, blocks, at + LANES * BLOCK.SIZE, material) + shear_energy(p, blocks, at)
-    # what yields gives its work back in part only: that done on the hourglass is reported
+    # after yielding the work on the hourglass is recoverable in part only: all of it is reported
     held = blocks[at + LANES * BLOCK.hourglass_work]
     return area * t * total, held, drilling_energy(p, blocks, at, t, area)
