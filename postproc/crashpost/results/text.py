@@ -25,7 +25,7 @@ def plain_text(path: Path) -> str | None:
 
 
 def printable(text: str) -> str:
-    """One line of a text: what would move the cursor, colour it or begin a line is spelt out."""
+    """A text as one line: control characters are escaped."""
     return _UNPRINTABLE.sub(_escaped, text)
 
 

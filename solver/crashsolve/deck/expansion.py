@@ -36,7 +36,9 @@ class Law(NamedTuple):
 
 
 class Made(NamedTuple):
-    """A card that is made, and the path in the other of what it is made of."""
+    """A card that an expansion has made, and the path in the expanded card from which it is
+    made.
+    """
 
     keyword: str
     name: str

@@ -36,7 +36,7 @@ class FamilyError(CrashsolveError):
 
 
 class _Missing:
-    """Stands for what is not declared."""
+    """Default of a declaration that is missing."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class Family:
             raise FamilyError("a family whose laws act must name the first word of its channels")
 
     def _kinds(self) -> tuple[tuple[str, bool, str], ...]:
-        """For each declaration whether it is of its kind, and what it must be."""
+        """Check of each declaration, and the kind that it must be."""
         channels = self.channels or {}
         texts = list(channels.values()) if isinstance(channels, dict) else [None]
         return (
@@ -316,7 +316,7 @@ def _import_message(error: Exception, location: str, path: Path) -> str:
 
 
 def _refuse_clashes(found: list[Family]) -> None:
-    """Raises FamilyError for names that two families have, and for those that nothing has."""
+    """Raises FamilyError for names that two families have, and for names of no family."""
     owners: dict[tuple[str, str], str] = {("channels", "glstat"): "the whole model"}
     for family in found:
         location = f"{PACKAGE}/{family.folder}/__init__.py"

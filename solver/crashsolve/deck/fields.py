@@ -122,5 +122,5 @@ def deck_words(card: type[BaseModel]) -> dict[str, str]:
 
 
 def in_unit(unit: str) -> str:
-    """ " in N/m" for messages; nothing for a pure number."""
+    """ " in N/m" for messages; "" for a pure number."""
     return "" if unit in ("", "1", "any") or "{" in unit else f" in {unit}"

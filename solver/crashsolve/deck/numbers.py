@@ -66,7 +66,7 @@ class Context:
 
 
 def as_written(value: float) -> str:
-    """A number as text, without what rounding has added to a short one: 1.8 for 1.8000000000000003.
+    """A number as text without round-off: 1.8 for 1.8000000000000003.
 
     Short is up to twelve digits, rounding a few units of the last digit.
     """
@@ -151,7 +151,7 @@ def number_in(
 def _refuse_mixed(
     value: SiFloat, unit: Unit | None, context: Context, within: tuple[str | int, ...]
 ) -> None:
-    """Refuse what may be a bare number of a file with units of its own."""
+    """Refuse an expression that may be a bare number of a file with units of its own."""
     try:
         factor = _factor_of_mixed(value, unit or value.unit or PURE, context.units)
         if factor != 1.0 and value != 0.0:

@@ -70,7 +70,10 @@ class Releasing(Protocol):
     """A constraint that comes apart."""
 
     def release_rows(self, p, old, rows, count):
-        """Rows that hold nothing, where it has. Writes: rows.phi, D, nu, gamma."""
+        """Clear the constraint rows of a joint that has been released.
+
+        Writes: rows.phi, D, nu, gamma.
+        """
 
 
 class Force(Protocol):
@@ -82,7 +85,10 @@ class Force(Protocol):
     """
 
     def force(self, p, old, new, out, t, h, nodes, rows, curves):
-        """Forces on bodies, what is stored, the power and the loss. Writes: nodes, out, new."""
+        """Apply the forces to bodies, and compute stored energy, power and loss.
+
+        Writes: nodes, out, new.
+        """
 
 
 class Reading(Protocol):
@@ -227,7 +233,10 @@ class FibreLaw(Protocol):
     """Elements of fibres, which call the law of their material."""
 
     def force(self, p, old, new, out, t, h, nodes, rows, curves, material):
-        """Forces on bodies, what is stored, the power and the loss. Writes: nodes, out, new."""
+        """Apply the forces to bodies, and compute stored energy, power and loss.
+
+        Writes: nodes, out, new.
+        """
 
     def tangent(self, p, state, nodes, curves, rows, first, material):
         """Compliant rows from row `first` on. Writes: rows."""

@@ -247,7 +247,9 @@ def _pairs_of_shapes() -> Iterator[str]:
 
 
 def _points_of_pair(pair: str) -> str:
-    """POINTS of the pair's file or of the file of its kernel, else what the first line says."""
+    """POINTS of the pair's file or of the file of its kernel, else the first line of its
+    docstring.
+    """
     module = import_module(f"{PACKAGE}.contact.narrow.{pair}")
     home = import_module(module.gap.__module__)
     stated = getattr(module, "POINTS", getattr(home, "POINTS", ""))

@@ -163,7 +163,7 @@ def arrive(h, clock, nodes, rows, saddle, scene):
 
 @stage
 def estimate(h, clock, nodes, scene, size, speed):
-    """Estimated error of the step; what is stiff is damped as the method damps it.
+    """Estimated error of the step; stiff components are damped as by the method.
 
     Writes: scene.stages.right_*.
     """

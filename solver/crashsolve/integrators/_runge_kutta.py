@@ -113,7 +113,7 @@ def finish(time, h, sampling, clock, nodes, rows, saddle, scene):
 
 @stage
 def restore_at(time, clock, nodes, rows, saddle, scene):
-    """Copies to a time within the last step, by dense output; what is summed as well.
+    """Move the copies to a time within the last step by dense output, including sums over the step.
 
     Returns the time since the start of the step [s]. Writes: clock, nodes, rows, scene.stages, A.
     """
@@ -328,7 +328,7 @@ def pass_stages(h, clock, nodes, rows, saddle, scene):
 
 @kernel
 def weigh_pass(h, i, clock, scene):
-    """Weights of stage i in what is summed over the step. Writes: clock."""
+    """Set the weights of stage i in sums over the step. Writes: clock."""
     end = (SAMPLE + 1) * (STAGES - 1)
     clock.stage = i
     clock.opens = 1 if i == 1 else 0

@@ -185,7 +185,7 @@ def kick_and_drift(again, h, clock, control, nodes, scene):
 
 @stage
 def is_closed(worst, previous, control):
-    """Whether joints are: a decimal better than asked, or as asked and stalled at round-off."""
+    """Whether joints are closed: to a tenth of the tolerance, or to the tolerance at round-off."""
     tolerance = control.constraint_tolerance
     return worst <= 0.1 * tolerance or (worst <= tolerance and worst > 0.5 * previous)
 

@@ -100,7 +100,7 @@ def _halved(
 
 
 def _bound(pieces: _Pieces, begin: float, end: float) -> float:
-    """Longest step [s] between two times; infinite where the curve goes straight."""
+    """Longest step [s] between two times; infinite where the curve is straight."""
     first = int(np.searchsorted(pieces.x, begin, side="right")) - 1
     last = max(int(np.searchsorted(pieces.x, end, side="left")), first + 1)
     bend, third = pieces.bend[first:last].max(), pieces.third[first:last].max()

@@ -79,7 +79,7 @@ def choose(model: Model, state: State, stepwise: list[str], tolerance: float) ->
 
 
 def by_default(model: Model, stepwise: list[str]) -> Choice:
-    """The integrator for a deck that says nothing of it."""
+    """The integrator for a deck that names none."""
     if needs_rattle := _only_for_rattle(model, stepwise):
         return needs_rattle
     if model.contacts:
@@ -125,7 +125,7 @@ def has_corners(model: Model) -> bool:
 
 
 def _has_branches(group: Group) -> bool:
-    """Whether a law goes over to another branch: at yield, at a stop, or where it turns back."""
+    """Whether a law may change its branch: at yield, at a stop, or at a reversal."""
     p = group.parameters
     # of a curve that is followed in both directions the corners are those of its points
     return "loose" not in (p.dtype.names or ()) or bool((p["loose"] != 0).any())

@@ -76,7 +76,7 @@ def entries_of(group: Any) -> tuple[int, int | None]:
 
 @kernel
 def is_broken(ledger: np.ndarray, limit: float) -> bool:
-    """Whether the imbalance exceeds `limit` times the largest energy (0: never asked)."""
+    """Whether the imbalance exceeds `limit` times the largest energy (0: never)."""
     return limit > 0.0 and not abs(ledger[IMBALANCE]) <= limit * ledger[LARGEST]
 
 

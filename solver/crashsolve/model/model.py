@@ -137,7 +137,7 @@ class Group:
 
     @property
     def has_work(self) -> bool:
-        """Whether plastic work is distinguished from what else is lost."""
+        """Whether plastic work is distinguished from other losses."""
         return "work" in (self.history.dtype.names or ())
 
     @property

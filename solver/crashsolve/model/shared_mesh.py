@@ -151,7 +151,10 @@ def _numbered(whole: Any, owner: np.ndarray, parts: list[Entry]) -> dict[str, An
 
 
 def join(scene: Scene) -> None:
-    """Give the nodes of shared meshes what all their parts bring. Writes: the parts in place."""
+    """Sum masses and inertias of all parts at the nodes of shared meshes.
+
+    Writes: the parts in place.
+    """
     for name in scene.deck.entries["meshes"]:
         entries = parts_of(name, scene)
         if entries and not scene.errors:

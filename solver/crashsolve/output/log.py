@@ -49,7 +49,7 @@ class Log:
         self._show(text + "\n")
 
     def last_words(self, text: str) -> None:
-        """Write a line from within any other, after which nothing follows. Raises OSError."""
+        """Write the last line of the log, also from within another one. Raises OSError."""
         with self.path.open("a", encoding="utf-8") as file:
             file.write(printable(text) + "\n")
 

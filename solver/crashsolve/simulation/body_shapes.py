@@ -140,7 +140,7 @@ def _acting_points(group: Group) -> list[tuple[int, np.ndarray]]:
 
 
 def planes(model: Model, pieces: list[Piece], nodes: np.ndarray, others: np.ndarray) -> list[Piece]:
-    """Planes, cut to what is near them at the start: their own body, or everything else.
+    """Planes, cut to the extent of near objects at the start: their own body, or all others.
 
     `others` are points (n, 3) of all that is drawn besides bodies, `nodes` those at the start.
     """

@@ -26,7 +26,7 @@ PLASTIC_OUTPUT = ("plastic", "plastic_angle", "plastic_strain", "set")
 
 
 class Abandoned(Exception):
-    """Something was asked of the run meanwhile."""
+    """A request has come in for the run."""
 
 
 class Reached(Exception):

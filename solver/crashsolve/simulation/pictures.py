@@ -289,7 +289,7 @@ class Pictures:
         return fields
 
     def _contact_fields(self) -> dict[str, np.ndarray]:
-        """Contact points with their forces; what is apart is hidden."""
+        """Contact points with their forces; pairs that are apart are hidden."""
         points, forces, cards = self._contact_points.found()
         hidden = DELETED * ~np.any(forces, axis=1)
         return {"points": points, "force": forces, "contact": cards, GHOST: hidden}

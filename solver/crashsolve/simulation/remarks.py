@@ -61,7 +61,7 @@ def settling(engine: Engine) -> list[str]:
 
 
 def pressed_deep(engine: Engine) -> list[str]:
-    """Contacts of round sides so deep that one can slip by the other: nothing else notices."""
+    """Contacts of round sides so deep that one can slip by the other: no other check finds this."""
     now = engine.state.card_history[int(engine.clock["current"])]
     return driven_deep(engine) + [
         f"contact '{name}': the penetration reached {100.0 * share:.0f} % of the half thicknesses "
@@ -91,7 +91,7 @@ def driven_deep(engine: Engine) -> list[str]:
 
 
 def range_warnings(engine: Engine) -> list[str]:
-    """Warnings of what the run met outside the range of its laws."""
+    """Warnings of laws outside their range of validity."""
     found = (read_beyond, pressed_deep, hourglass_share, crushed_hinges, compressed)
     return [text for of in found for text in of(engine)]
 

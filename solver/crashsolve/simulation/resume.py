@@ -43,7 +43,7 @@ def _is_bound(path: tuple[str, ...]) -> bool:
 
 
 def _paths(old: object, new: object, at: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
-    """Paths to values that differ; parameters count by what they are used for."""
+    """Paths to values that differ; parameters count by their use."""
     if not (isinstance(old, dict) and isinstance(new, dict)):
         return [] if old == new else [at]
     words = [word for word in {**old, **new} if at or word != "parameters"]

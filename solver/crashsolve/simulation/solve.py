@@ -173,7 +173,7 @@ class Run:
             raise
 
     def _clear_folder(self) -> None:
-        """Remove what an earlier run left that this one could take for its own."""
+        """Remove files of an earlier run that could be mistaken for those of this one."""
         for name in (*SLOTS, "control.txt", "peaks.txt"):
             path = self.folder / name
             # a folder of that name is no request to this run, and is reported when requests are
@@ -304,7 +304,7 @@ class Run:
         return "stop" in self.requests.words
 
     def write(self, now: float, force: bool) -> None:
-        """Whatever is due at this sample, beside what is kept of it."""
+        """Write the outputs that are due at this sample."""
         if force or self._due(now, self.state_step):
             self.states.write(now, self.pictures.fields())
             self.events.state_written()

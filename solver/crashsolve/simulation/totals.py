@@ -6,7 +6,7 @@ from crashsolve.system.engine import Engine
 
 
 def write_totals(account: Account) -> None:
-    """Report to the log what the run has come to. Raises OutputError."""
+    """Write the totals of the run to the log. Raises OutputError."""
     engine, log = account.engine, account.log
     log.line()
     log.facts(_steps(engine) | _constraints(engine) | _cost(account) | _remarks(account))
@@ -30,7 +30,7 @@ def _steps(engine: Engine) -> dict[str, str]:
 
 
 def _constraints(engine: Engine) -> dict[str, str]:
-    """Rows of the joints, and how well they were kept; nothing of a deck without any."""
+    """Rows of the joints and their errors; [] for a deck without joints."""
     clock, saddle = engine.clock, engine.model.saddle
     if not engine.model.joints:
         return {}
@@ -45,7 +45,7 @@ def _constraints(engine: Engine) -> dict[str, str]:
 
 
 def _cost(account: Account) -> dict[str, str]:
-    """Average steps and what they cost; nothing of a run that took none."""
+    """Average steps and their cost; [] for a run without steps."""
     phases, model = account.phases, account.engine.model
     if phases is None or not phases.cycles():
         return {}

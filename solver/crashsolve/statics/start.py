@@ -133,7 +133,9 @@ class _EquilibriumSearch:
         return self._words(first, iterations)
 
     def _search(self, iterations: int, report: Callable[[str], None]) -> tuple["_RestState", int]:
-        """Passes from the present configuration to an equilibrium; what acts there, all passes."""
+        """Iterate from the present configuration to an equilibrium; its state, and the number of
+        all iterations.
+        """
         state, tau, slides = self._at_rest(self.nodes), FIRST, 0
         self.standing_tyres.accept(self.nodes)
         while True:

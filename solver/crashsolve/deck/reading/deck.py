@@ -217,7 +217,7 @@ class _Reader:
         )
 
     def expand(self) -> None:
-        """Write out cards that stand for many. Writes: items, contexts."""
+        """Expand cards that represent many. Writes: items, contexts."""
         self.contexts[MADE] = Context()
         several = [item for item in self.items["parts"].values() if stands_for_many(item)]
         laws = {word: self.section(word) for word in ("sections", "materials") if several}
@@ -373,7 +373,7 @@ class _Reader:
         self.diagnostics.append(placed(item, diagnostic))
 
     def check_names(self, item: Item, names: Iterable[tuple[tuple[str | int, ...], Name]]) -> None:
-        """Report the names in a card that nothing in the deck bears."""
+        """Report names in a card that no entry of the deck has."""
         for path, name in names:
             self.named.add((name.keyword, str(name)))
             known = [own for keyword in answering(name.keyword) for own in self.items[keyword]]

@@ -31,7 +31,7 @@ class Included(NamedTuple):
 
 
 class Files:
-    """Reads a deck and its includes; what is wrong with any of them goes to `errors`.
+    """Reads a deck and its includes; their errors are added to `errors`.
 
     `incomplete` states that a file is missing, so that names not found may stand in it. A file that
     is included again has a path of its own in `tables`, in the same folder; `paths` are real ones.

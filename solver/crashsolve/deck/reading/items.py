@@ -54,7 +54,7 @@ Items = dict[str, dict[str, Item]]
 
 
 def items_of(tables: Mapping[Path, Table], diagnostics: list[DeckError]) -> Items:
-    """All items of all files; what is wrong with them goes to `errors`."""
+    """All items of all files; their errors are added to `errors`."""
     items: Items = {keyword: {} for keyword in KEYWORDS}
     for file, table in tables.items():
         for item in _of_file(file, table, diagnostics):

@@ -29,7 +29,7 @@ Reader = tuple[str, Position]
 
 
 class Parameters:
-    """Values of all parameters, each worked out when first asked for."""
+    """Values of all parameters, each evaluated when it is first needed."""
 
     def __init__(
         self, items: Mapping[str, Item], overrides: Mapping[str, str], diagnostics: list[DeckError]

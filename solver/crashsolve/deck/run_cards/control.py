@@ -205,7 +205,7 @@ class Control(Card):
         return found
 
     def _check_accuracy(self) -> None:
-        """Raises ValueError for what an accuracy chooses, or needs."""
+        """Raises ValueError for fields that `accuracy` chooses itself, or needs."""
         if self.tolerance or self.step != "auto":
             chosen = "tolerance" if self.tolerance else "step"
             raise ValueError(f"{chosen}: is chosen by the accuracy; give one of the two")

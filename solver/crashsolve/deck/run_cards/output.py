@@ -181,7 +181,7 @@ class Scene(Card):
     @field_validator("at", mode="before")
     @classmethod
     def _known_moments(cls, given: Any) -> Any:
-        """Moments keep their words, so that a bare number would mean what no unit says."""
+        """Times as words; a bare number is refused where its unit would be unclear."""
         if not _is_list(given):
             return given
         words = ["0" if _is_number(part) and part == 0 else part for part in given]

@@ -92,7 +92,7 @@ class DiscretisedShell:
 
     @property
     def radius_2(self) -> np.ndarray:
-        """Squared radii of gyration of what the nodes have of the elements [m^2]."""
+        """Squared radii of gyration of the mass that elements give to nodes [m^2]."""
         squared: np.ndarray = (self.area + self.card.thickness**2) / 12.0
         return squared
 

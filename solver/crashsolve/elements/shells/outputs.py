@@ -54,7 +54,7 @@ class Part(Protocol):
 def values_of(
     part: Part, blocks: np.ndarray, row: np.void, wanted: np.ndarray, kind: object = float
 ) -> dict[str, np.ndarray]:
-    """Values of FIELDS of some elements (n, ...), in their units, from what all parts keep."""
+    """Values of FIELDS of some elements (n, ...), in their units, from the blocks of all parts."""
     start = int(row["first"])
     shapes = {name: (len(wanted), n)[: 1 + (n > 1)] for name, (_, n) in FIELDS.items()}
     found = {name: np.zeros(shape, kind) for name, shape in shapes.items()}

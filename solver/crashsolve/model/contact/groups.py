@@ -94,7 +94,9 @@ class ContactGroup(Touching):
 
     @property
     def loses_work(self) -> bool:
-        """Whether what its normal force loses is the work of a step that it does not hold."""
+        """Whether the loss of its normal force is the work of a step less the change of stored
+        energy.
+        """
         return hasattr(self.normal, "LOSS_IS_WORK") and not self.is_flat
 
     @property
@@ -114,7 +116,7 @@ class ContactGroup(Touching):
 
     @property
     def rests(self) -> bool:
-        """Whether a pair is left alone until it may have moved as far as it was apart."""
+        """Whether a pair is skipped until it may have moved as far as its gap."""
         return "reach_a" in (self.parameters.dtype.names or ()) and not self.is_unilateral
 
     @property

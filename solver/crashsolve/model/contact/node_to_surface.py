@@ -436,7 +436,7 @@ def loads_of_points(count: int) -> dict[str, np.ndarray]:
 
 
 def make_room(groups: list[NodalGroup]) -> None:
-    """Lists that fill more than half of their room get twice what they need. Writes: groups."""
+    """Enlarge lists that are more than half full to twice their need. Writes: groups."""
     for group in groups:
         if group.narrow is not None:
             continue

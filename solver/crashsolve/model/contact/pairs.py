@@ -192,7 +192,7 @@ def _renew(group: ContactGroup, search: Search, state: State, current: int) -> N
 
 
 def take_pairs(group: ContactGroup, rows: np.ndarray, history: np.ndarray) -> None:
-    """Another list of pairs, with what they remember. Writes: group."""
+    """Replace the list of pairs, with their histories. Writes: group."""
     group.parameters, group.history = rows, history
     group.output = np.zeros(len(rows), group.output.dtype)
     if group.in_pieces:

@@ -17,7 +17,7 @@ SAME = 1e-6
 
 @dataclass
 class Member:
-    """A member in place: its number from 0, its name, and where what deforms begins and ends.
+    """A member in place: its number from 0, its name, and the ends of its deformable part.
 
     `T` has its axes as columns: along it, y and z of the section. `joints` are the lengths at its
     ends that belong to rigid joints.

@@ -120,7 +120,7 @@ def strains_by(base, change, e, pair, h, dh, nu):
 
 @blockwise
 def add_point_by(base, change, entry, xi, eta, nu):
-    """A quarter of the changes from what changes at a point. Writes: change."""
+    """Add a quarter of the changes at a point to the sums. Writes: change."""
     for e in range(LANES):
         flat, _, _, area = geometry_at(base, LANES * BASE.middle + e)
         at = LANES * CHANGE.moved + e
@@ -157,7 +157,7 @@ def mode_actions(flat, sums):
 
 @blockwise
 def mode_forces_by(base, change):
-    """Change of what acts on the modes with that of the sums. Writes: change."""
+    """Set the change of the forces on the modes from that of the sums. Writes: change."""
     for e in range(LANES):
         flat, to = geometry_at(base, LANES * BASE.end + e)[0], LANES * (CHANGE.stressed + 6) + e
         for pair in range(2):
@@ -174,7 +174,10 @@ def corner_forces_by_position(base, work, change, b, k):
 
 @blockwise
 def mode_forces_moved(base, work, change, b, k):
-    """Change of what acts on q by the geometry of the end as a corner moves. Writes: change."""
+    """Add the change of the forces on q by the geometry of the end as a corner moves.
+
+    Writes: change.
+    """
     d, c, g = shares(b)
     for e in range(LANES):
         _, moved = end_moved(base, e, k, d, c, g)

@@ -300,7 +300,10 @@ def enter_shear(change, e, stiff):
 
 @blockwise
 def stress_of_shear(base, change, p):
-    """Change of what acts on the change of shear, of V and of drilling. Writes: change."""
+    """Set the changes of the forces on the change of shear, of V and of drilling.
+
+    Writes: change.
+    """
     for e in range(LANES):
         frame, to, at = (
             LANES * BASE.middle + e,

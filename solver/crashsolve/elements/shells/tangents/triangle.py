@@ -231,7 +231,7 @@ def shear_by(base, change, e, p):
 
 @inlined
 def shear_and_tie_by(base, change, e, p):
-    """Change of what goes round, of transverse shear and of drilling. Writes: change."""
+    """Set the changes of circulation, transverse shear and drilling. Writes: change."""
     s, t, weaker, wider = side_changes(base, change, e)
     area, to = geometry_at(base, LANES * BASE.middle + e)[3], LANES * CHANGE.stressed + e
     more, after = change[LANES * (CHANGE.moved + 4) + e], base[LANES * BASE.thickness_after + e]

@@ -45,7 +45,7 @@ def summed(m, G):
 
 @inlined
 def strains(u, rotation, geometry):
-    """Strains of the plane, curvatures; shear (not weakened), what goes round, drilling.
+    """Strains of the plane, curvatures; shear without its factor, circulation, drilling.
 
     u is (x, y, z) of D and E of the displacements, turn that of the rotations of the corners.
     """
@@ -110,7 +110,7 @@ def side_changes(base, change, e):
 
 @inlined
 def stress_of(table, at):
-    """N, M, what goes round, V, half of the drilling."""
+    """N, M, circulation, V, half of the drilling."""
     V = (table[at + 12 * LANES], table[at + 13 * LANES])
     N, M = three(table, at), three(table, at + 3 * LANES)
     return N, M, table[at + 6 * LANES], V, table[at + 14 * LANES]
