@@ -30,7 +30,7 @@ def _steps(engine: Engine) -> dict[str, str]:
 
 
 def _constraints(engine: Engine) -> dict[str, str]:
-    """Rows of the joints and their errors; [] for a deck without joints."""
+    """Rows of the joints and their errors; empty without joints."""
     clock, saddle = engine.clock, engine.model.saddle
     if not engine.model.joints:
         return {}
@@ -45,7 +45,7 @@ def _constraints(engine: Engine) -> dict[str, str]:
 
 
 def _cost(account: Account) -> dict[str, str]:
-    """Average steps and their cost; [] for a run without steps."""
+    """Average steps and their cost; empty for a run without steps."""
     phases, model = account.phases, account.engine.model
     if phases is None or not phases.cycles():
         return {}
