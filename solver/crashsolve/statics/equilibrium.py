@@ -114,11 +114,7 @@ class StaticEngine(Engine):
         clock, found = self.clock, list[Problem]()
         self.least = (until - float(clock.time)) / 2**self.halvings
         while clock.time < until:
-            start_time, saved, known_tangent = (
-                float(clock.time),
-                self.save_state(),
-                self.known_tangent,
-            )
+            start_time, saved, tangent = float(clock.time), self.save_state(), self.known_tangent
             # steps towards a limit point double: a long one from nearby may jump over it
             target = equal_part(start_time, until, self.growth * self.width)
             while (problem := self._attempt(target)) is not None:
@@ -129,7 +125,7 @@ class StaticEngine(Engine):
                     self._count_initial_energy()
                     break
                 self.restore_state(saved)
-                self.known_tangent = known_tangent
+                self.known_tangent = tangent
                 if is_last:
                     ahead = [problem for problem in found if problem.target > start_time]
                     raise first_unstable_mode(ahead).error(self, start_time)
@@ -143,16 +139,13 @@ class StaticEngine(Engine):
 
     def _attempt(self, target: float) -> Problem | None:
         """Move to the equilibrium at a time [s], or at one before it; returns why that failed."""
-        saved, known_tangent, problem = (
-            self.save_state(),
-            self.known_tangent,
-            self._solve_to(target),
-        )
+        saved, tangent = self.save_state(), self.known_tangent
+        problem = self._solve_to(target)
         if problem is None or not self.yielding.straight or self.yielding.is_least:
             return problem
         # a corner that one long step cannot pass is approached by a step that ends just before it
         self.restore_state(saved)
-        self.known_tangent = known_tangent
+        self.known_tangent = tangent
         near = self.yielding.before_corner(self, target)
         return problem if near >= target or self._solve_to(near) else None
 
@@ -227,10 +220,7 @@ class StaticEngine(Engine):
         super().sample(time)
 
     def _solve_at(self, time: float) -> float | None:
-        """Move to the equilibrium at a time, or at the first corner of a law before it.
-
-        Returns its time [s], None where there is none.
-        """
+        """Move to the equilibrium at a time or at a corner before it; its time [s], or None."""
         start, whole = self.state.nodes.copy(), time
         if self.yielding.groups:
             time = self.yielding.predicted(self, time)
@@ -282,11 +272,9 @@ class StaticEngine(Engine):
             g.history[:] = g.history[1 - int(clock.current)]
         clock.cycle += 1
         clock.iterations += count
-        # where a hinge has just begun to yield, a tangent cannot know in which direction it
-        # continues
-        self.known_tangent = (
-            self.tangent if self.yielding.groups or self.plastic_flow.groups else None
-        )
+        # at the onset of yield the tangent depends on the direction in which a hinge continues
+        can_yield = self.yielding.groups or self.plastic_flow.groups
+        self.known_tangent = self.tangent if can_yield else None
 
     def out_of_balance(self) -> str:
         """The share of forces that is out of balance, for a message."""
@@ -350,9 +338,7 @@ class StaticEngine(Engine):
 
     def _largest_change(self, start: np.ndarray) -> float:
         """The larger of the change over a load step and of that since the first configuration."""
-        return max(
-            self.size_of(self.change_from(start_time)) for start_time in (start, self.origin)
-        )
+        return max(self.size_of(self.change_from(nodes)) for nodes in (start, self.origin))
 
     def correction(self, time: float, known_tangent: Tangent | None = None) -> np.ndarray:
         """Newton's correction (n, 6) of positions and rotations, by a known tangent."""

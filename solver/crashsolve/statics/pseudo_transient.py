@@ -69,7 +69,7 @@ class RestEngine(StaticEngine):
         """Step from rest to the equilibrium at a time [s]; returns it, None without convergence."""
         clock, nodes = self.clock, self.state.nodes
         start_time, start, previous = float(clock.time), nodes.copy(), np.inf
-        growth, highest, good_steps, cycle = GROWTH, MOST, 0.0, int(clock.cycle)
+        growth, highest, last_good, cycle = GROWTH, MOST, 0.0, int(clock.cycle)
         self.forces.include(self.forces_at_rest(time, nodes), self)
         self._set_first_step()
         first = self.pseudo
@@ -84,12 +84,10 @@ class RestEngine(StaticEngine):
                     # the load step is too long
                     break
                 # too far for Newton's method: more inertia, and less at a time
-                self.pseudo = good_steps if good_steps else self.pseudo / GROWTH
-                growth, highest = (
-                    CAREFUL,
-                    self.pseudo * self.highest_frequency * (1.0 if good_steps else GROWTH),
-                )
-                if self.pseudo * self.highest_frequency < 0.5 * FIRST:
+                self.pseudo = last_good if last_good else self.pseudo / GROWTH
+                ratio = self.pseudo * self.highest_frequency
+                growth, highest = CAREFUL, ratio * (1.0 if last_good else GROWTH)
+                if ratio < 0.5 * FIRST:
                     # more inertia would leave all of the motion to the elements beside a driver;
                     # the load step is too long
                     break
@@ -99,21 +97,10 @@ class RestEngine(StaticEngine):
             # one step alone does not show it
             is_known = 0.0 < previous < np.inf
             left = min(change / previous, UNKNOWN) if is_known else UNKNOWN * (change > 0.0)
-            g = self.forces_at_rest(time, nodes)
-            self.forces.include_reactions(self)
-            balance, is_longest = self.forces.balance(g, self._round_off()), self._is_longest_step()
+            is_balanced = self._is_balanced_at(time, change, left, total)
             # a load step counts as one
-            clock.cycle = cycle + 1
-            clock.value = change
-            is_small = change * left <= self.tolerance * total * (1.0 - left) + NOWHERE
-            if is_small and (balance == EQUAL or (balance == ROUND and is_longest)):
-                return time
-            if (
-                is_longest
-                and balance
-                and left > SLOW
-                and change <= STAGNATION_TOLERANCE * total / SLOW
-            ):
+            clock.cycle, clock.value = cycle + 1, change
+            if is_balanced:
                 return time
             if (
                 (left > SLOW or change == 0.0)
@@ -122,11 +109,25 @@ class RestEngine(StaticEngine):
             ):
                 self.pseudo = min(self.pseudo * growth, highest / self.highest_frequency)
             # a step that failed far from equilibrium may converge near it
-            highest, good_steps, previous = min(highest * RELENTING, MOST), used, change
+            highest, last_good, previous = min(highest * RELENTING, MOST), used, change
         self.pseudo = (
             max(first, QUIET / self.highest_frequency) if self.shortens_corrections else first
         )
         return None
+
+    def _is_balanced_at(self, time: float, change: float, left: float, total: float) -> bool:
+        """Whether forces are in balance at a time [s], and the step has moved little.
+
+        `change` of the step, `total` of the load step, and `left`, the rate of convergence [1].
+        """
+        g = self.forces_at_rest(time, self.state.nodes)
+        self.forces.include_reactions(self)
+        balance, is_longest = self.forces.balance(g, self._round_off()), self._is_longest_step()
+        is_small = change * left <= self.tolerance * total * (1.0 - left) + NOWHERE
+        if is_small and (balance == EQUAL or (balance == ROUND and is_longest)):
+            return True
+        stagnates = left > SLOW and change <= STAGNATION_TOLERANCE * total / SLOW
+        return is_longest and bool(balance) and stagnates
 
     def _is_longest_step(self) -> bool:
         """Whether h has reached its largest value."""
