@@ -43,8 +43,8 @@ class Status:
     cpu_stages: dict[str, float] = field(default_factory=dict)
     real_time_factor: float | None = None
     watched: list[Json] = field(default_factory=list)
-    contacts_without_touch: list[str] = field(default_factory=list)
-    contacts_below_speed_floor: list[str] = field(default_factory=list)
+    untouched: list[str] = field(default_factory=list)
+    below_floor: list[str] = field(default_factory=list)
     undeformed: list[str] = field(default_factory=list)
     undetermined: list[str] = field(default_factory=list)
     deleted: dict[str, Json] = field(default_factory=dict)
