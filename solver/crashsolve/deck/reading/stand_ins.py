@@ -39,7 +39,9 @@ class StandIns:
     def put(self, contact: Item) -> None:
         """Put surfaces in place of the names of entries. Writes: items, the contact's value."""
         value = contact.value
-        sides = [value.get(side) if isinstance(value, Mapping) else None for side in "ab"]
+        sides: list[Any] = [
+            value.get(side) if isinstance(value, Mapping) else None for side in "ab"
+        ]
         if not all(isinstance(names, Rows) for names in sides):
             return
         on_both = [name for name in sides[0] if self._is_one(name) and name in sides[1]]
