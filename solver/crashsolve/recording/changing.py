@@ -52,6 +52,9 @@ def _constant_arrays(engine: Engine) -> dict[str, np.ndarray]:
     for c in _lists(engine):
         seen = c.search.arrays() if c.search else {}
         arrays |= {f"{name}/{c.word}": array for name, array in seen.items()}
+    for c in model.contact_groups:
+        if c.body_pairs is not None:
+            arrays[f"body_pairs/{c.word}"] = c.body_pairs
     arrays |= model.nodal_loads
     # a sample may lie within the last step
     arrays |= engine.stages

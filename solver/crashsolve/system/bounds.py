@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.deck.keywords import SECTIONS
+from crashsolve.model.contact.body_pairs import body_pairs_of
 from crashsolve.model.contact.pieces import tables_of
 from crashsolve.model.ledger import ENTRIES
 from crashsolve.system.diagnosis import chooses_step, limiter
@@ -187,6 +188,8 @@ def _only(group: Any, rows: np.ndarray) -> dict[str, np.ndarray]:
     }
     if getattr(group, "in_pieces", False):
         tables |= tables_of(group, tables["parameters"])
+    if getattr(group, "body_pairs", None) is not None:
+        tables["body_pairs"] = body_pairs_of(group, tables["parameters"])
     return {f"{group.word}_{name}": table for name, table in tables.items()}
 
 

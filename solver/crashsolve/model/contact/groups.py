@@ -49,6 +49,7 @@ class ContactGroup(Touching):
         *("parameters", "history", "output", "elements_a", "elements_b", "data"),
         *("seen_a", "seen_b", "slack"),
         *("pieces", "sums", "counts", "loads", "applied", "load_rows", "bearers", "ranges"),
+        "body_pairs",
     )
 
     word: str
@@ -71,6 +72,8 @@ class ContactGroup(Touching):
     load_rows: Any = None  # of pair i those of loads 2 i on side a and 2 i + 1 on side b
     bearers: Any = None
     ranges: Any = None  # pieces of the bodies
+    # of few pairs that are left alone while apart: model/contact/body_pairs.py
+    body_pairs: Any = None
 
     @property
     def in_pieces(self) -> bool:
