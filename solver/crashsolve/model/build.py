@@ -22,7 +22,7 @@ from crashsolve.model.checks.statics import is_incremental, refuse_motion
 from crashsolve.model.citations import citations
 from crashsolve.model.clock import CLOCK, CONTROL
 from crashsolve.model.contact import records
-from crashsolve.model.contact.body_pairs import body_pairs_of, is_sorted_by_bodies
+from crashsolve.model.contact.body_pairs import rest_together
 from crashsolve.model.contact.build import build_contacts
 from crashsolve.model.contact.node_to_surface import loads_of_points
 from crashsolve.model.contact.pieces import cut as cut_pairs
@@ -180,16 +180,13 @@ def _arrange(model: Model, state: State, scene: Scene) -> None:
 
 
 def _share_pairs(model: Model, scene: Scene) -> None:
-    """Many contact pairs in pieces, whether or not there are threads to share them.
-
-    Raises: DeckErrors for threads without a use. Writes: model.
-    """
+    """Arrange contact pairs. Raises: DeckErrors for threads without a use. Writes: model."""
+    # many are cut into pieces, whether or not there are threads to share them
     groups = [g for g in model.contact_groups if has_many(g)]
-    for group in groups if hasattr(_method(model), "KICK_DRIFT_KICK") else ():
-        cut_pairs(group)
-    for group in model.contact_groups if hasattr(_method(model), "KICK_DRIFT_KICK") else ():
-        if is_sorted_by_bodies(group):
-            group.body_pairs = body_pairs_of(group, group.parameters)
+    if hasattr(_method(model), "KICK_DRIFT_KICK"):
+        for group in groups:
+            cut_pairs(group)
+        rest_together(model.contact_groups)
     if groups and scene.threads > 1:
         model.threads = scene.threads
     if not groups and not model.elements and (scene.deck.control.threads or 1) > 1:

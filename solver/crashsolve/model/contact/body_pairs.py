@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -29,9 +30,14 @@ BODY_PAIR = Record("""
 """)
 
 
-def is_sorted_by_bodies(group: ContactGroup) -> bool:
-    """Whether a group has one list of pairs, which are left alone while they are apart."""
-    return group.rests and group.search is None and not group.in_pieces
+def rest_together(groups: Iterable[ContactGroup]) -> None:
+    """Find pairs on the same bodies where a group has one list of pairs that rest while apart.
+
+    Writes: groups.
+    """
+    for group in groups:
+        if group.rests and group.search is None and not group.in_pieces:
+            group.body_pairs = body_pairs_of(group, group.parameters)
 
 
 def body_pairs_of(group: ContactGroup, pairs: np.ndarray) -> np.ndarray:
