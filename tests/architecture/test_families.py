@@ -163,7 +163,7 @@ def test_the_contract_tests_ask_about_it(home: Path) -> None:
             ' | {"stiffness": card.stiffness}',
             "crashsolve.tethers.rope: build returns nothing for 'length' of PARAMETERS",
         ),
-        ("rope", "def force(", "def pull(", "must provide force (Forces on bodies, what is"),
+        ("rope", "def force(", "def pull(", "must provide force (Forces on bodies, stored energy"),
     ],
 )
 def test_what_is_forgotten_is_one_error_in_words(

@@ -78,7 +78,7 @@ class Layers:
         self.first = int(self.p.first) + LANES * BLOCK.SIZE
         self.put(WORK.depth, np.ones(LANES))
         self.put(WORK.area, np.ones(LANES))
-        self.put(WORK.weak, np.ones(LANES))
+        self.put(WORK.shear_factor, np.ones(LANES))
 
     def put(self, row: int, values: np.ndarray) -> None:
         self.work[LANES * row : LANES * (row + 1)] = values

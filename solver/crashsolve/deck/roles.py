@@ -85,7 +85,7 @@ class Force(Protocol):
     """
 
     def force(self, p, old, new, out, t, h, nodes, rows, curves):
-        """Apply the forces to bodies, and compute stored energy, power and loss.
+        """Forces on bodies, stored energy, power and loss.
 
         Writes: nodes, out, new.
         """
@@ -233,7 +233,7 @@ class FibreLaw(Protocol):
     """Elements of fibres, which call the law of their material."""
 
     def force(self, p, old, new, out, t, h, nodes, rows, curves, material):
-        """Apply the forces to bodies, and compute stored energy, power and loss.
+        """Forces on bodies, stored energy, power and loss.
 
         Writes: nodes, out, new.
         """
