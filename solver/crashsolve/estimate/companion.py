@@ -49,13 +49,13 @@ def coarsen(control: np.ndarray, coarseness: float, interval: float, order: floa
         return
     power = min((order or HIGHEST_POWER) + 1, HIGHEST_POWER)
     c["tolerance"] = min(c["tolerance"] * coarseness**power, 0.5)
+    c["curve_share"] *= coarseness
     if c["fixed_step"] > 0.0:
         c["fixed_step"] *= coarseness
         return
     # samples do not cut the steps of the default method that chooses them
     longest = c["step_max"] if c["resolves"] == 1 else min(c["step_max"], interval)
     c["step_max"] = longest * coarseness
-    c["curve_share"] *= coarseness
     c["safety"] *= coarseness
     c["rotation"] *= coarseness
 

@@ -2,9 +2,11 @@
 
     h <= 2 pi / 40 / omega,   omega = max |f'''| / max |f''|   near the time
 
-omega is the circular frequency of a sine, and for a smooth pulse of width s about 2 / s; straight
-pieces have none, and steps end at their corners (corners.py). A curve may change as fast as it
-likes where that is below NOTHING of its range in a step, and no piece is cut into more than four.
+omega is the circular frequency of a sine, and for a smooth pulse of width s about 2 / s. A curve
+may change as fast as it likes where that is below NOTHING of its range in a step, and no piece is
+cut into more than four. Straight pieces have no frequency, and steps end at their corners
+(corners.py): those that rise or fall are cut into four, or every run beside this one would take the
+same step over them, and estimate no error of what moves within it.
 Time is halved until a part has no more than some steps; parts of like bounds are one.
 Consequence to test: a pulse between two samples gives its impulse, wherever it lies; a load of the
 frequency of the samples as well.
@@ -30,14 +32,20 @@ class _Pieces(NamedTuple):
     """Cubics of a curve: where they end, and what states how fast they change."""
 
     x: np.ndarray  # (n + 1,) [s]
+    rise: np.ndarray  # (n,) change of f
     bend: np.ndarray  # (n,) largest |f''|
     third: np.ndarray  # (n,) |f'''|
     range: float
 
 
 def steps_by_curves(model: Model) -> tuple[np.ndarray, np.ndarray]:
-    """Times [s] (n,) from which a step [s] (n,) is the longest that sees all curves of time."""
-    found = [_steps(model.curves, first) for first in sorted(curves_of_time(model))]
+    """Times [s] (n,) from which a step [s] (n,) is the longest that sees all curves of time.
+
+    A stated step is cut within straight pieces alone.
+    """
+    is_stated = float(model.control[0]["fixed_step"]) > 0.0
+    of = _of_straight if is_stated else _steps
+    found = [of(model.curves, first) for first in sorted(curves_of_time(model))]
     found = [(x, h) for x, h in found if np.isfinite(h).any()]
     if not found:
         return np.zeros(0), np.zeros(0)
@@ -51,7 +59,7 @@ def unseen(model: Model) -> dict[str, tuple[float, float]]:
     control, found = model.control[0], {}
     step, names = float(control["fixed_step"]), {k: name for name, k in model.curve_names.items()}
     for first in sorted(curves_of_time(model)) if step > 0.0 else ():
-        starts, steps = _steps(model.curves, first)
+        starts, steps = _steps(model.curves, first, cuts_straight=False)
         met = (starts < control["end"]) & (np.r_[starts[1:], np.inf] > control["start"])
         shares = np.where(met, step / steps, 0.0)
         at = int(shares.argmax())
@@ -71,15 +79,27 @@ def warn_of_unseen(model: Model) -> list[str]:
     ]
 
 
-def _steps(curves: np.ndarray, first: int) -> tuple[np.ndarray, np.ndarray]:
-    """The same of the curve that begins with point `first`."""
+def _of_straight(curves: np.ndarray, first: int) -> tuple[np.ndarray, np.ndarray]:
+    """The same of the straight pieces of a curve: from the start of each, and from its end."""
+    points = curves[first : curves[first]["last"] + 1]
+    x, c = points["x"].copy(), points["c"][:-1]
+    is_cut = (c[:, 1] != 0.0) & (c[:, 2] == 0.0) & (c[:, 3] == 0.0)
+    return _merged(x, np.r_[np.where(is_cut, 0.25 * np.diff(x), np.inf), np.inf])
+
+
+def _steps(
+    curves: np.ndarray, first: int, cuts_straight: bool = True
+) -> tuple[np.ndarray, np.ndarray]:
+    """The same of the curve that begins with point `first`; straight pieces are cut, or not."""
     points = curves[first : curves[first]["last"] + 1]
     x, c = points["x"].copy(), points["c"][:-1]
     length = np.diff(x)
     ends = np.abs([2 * c[:, 2], 2 * c[:, 2] + 6 * length * c[:, 3]])
     values = points["c"][:-1, 0]
     last = c[-1] @ length[-1] ** np.arange(4)
-    pieces = _Pieces(x, ends.max(axis=0), 6 * np.abs(c[:, 3]), float(np.ptp(np.r_[values, last])))
+    values = np.r_[values, last]
+    rise = np.abs(np.diff(values)) * cuts_straight
+    pieces = _Pieces(x, rise, ends.max(axis=0), 6 * np.abs(c[:, 3]), float(np.ptp(values)))
     starts, steps = [x[0]], [np.inf]
     if pieces.range > 0.0:
         starts, steps = _halved(pieces, float(x[0]), float(x[-1]), (x[-1] - x[0]) * SHORTEST)
@@ -100,14 +120,14 @@ def _halved(
 
 
 def _bound(pieces: _Pieces, begin: float, end: float) -> float:
-    """Longest step [s] between two times; infinite where the curve goes straight."""
+    """Longest step [s] between two times; infinite where the curve has nothing to see."""
     first = int(np.searchsorted(pieces.x, begin, side="right")) - 1
     last = max(int(np.searchsorted(pieces.x, end, side="left")), first + 1)
     bend, third = pieces.bend[first:last].max(), pieces.third[first:last].max()
-    if bend == 0.0 or third == 0.0:
-        return np.inf
-    by_shape = 2.0 * pi / PER_PERIOD * bend / third
     by_piece = 0.25 * float(np.diff(pieces.x[first : last + 1]).min())
+    if bend == 0.0 or third == 0.0:
+        return by_piece if pieces.rise[first:last].max() > 0.0 else np.inf
+    by_shape = 2.0 * pi / PER_PERIOD * bend / third
     by_size = float(np.sqrt(12.0 * NOTHING * pieces.range / bend))
     return max(by_shape, by_piece, by_size)
 

@@ -115,7 +115,7 @@ class Engine:
 
     def has_no_bend(self, until: float) -> bool:
         """Whether no curve of time has a corner or another bound on steps by `until` [s]."""
-        is_free = not len(self._curve_starts) or float(self.model.control[0]["fixed_step"]) > 0.0
+        is_free = self._is_free_of_curves()
         return is_free and self.clock["kinked"] != CORNER and self._next_corner(until) > until
 
     def _in_bytes(self) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -267,17 +267,27 @@ class Engine:
         # one that a sample lies on to the last digits is met with it
         return until if abs(corner - until) <= near else corner
 
+    def _is_free_of_curves(self) -> bool:
+        """Whether no curve of time bounds steps: a stated one, where it is short enough for all."""
+        control = self.model.control[0]
+        steps = self._curve_steps * float(control["curve_share"])
+        return bool(steps.min(initial=inf) >= (float(control["fixed_step"]) or inf))
+
     def _next_curve_step(self, goal: float) -> float:
         """Time [s] until which one bound by curves of time holds. Writes: control, clock.
 
         Where no step to `goal` could be as long as the bounds before it, it is `goal`.
         """
         control, clock, starts = self.model.control[0], self.state.clock[0], self._curve_starts
-        if not len(starts) or control["fixed_step"] > 0.0:
+        if self._is_free_of_curves():
             return inf
         now = float(clock["time"])
         steps = self._curve_steps * (float(control["curve_share"]) * self._stages_see)
         at = max(int(np.searchsorted(starts, now, side="right")) - 1, 0)
+        if control["fixed_step"] > 0.0:
+            # what is left but for round-off is one step
+            is_cut = steps[at] < min(control["fixed_step"], (1.0 - STAGNATION_RATIO) * (goal - now))
+            return now + float(steps[at]) if is_cut else inf
         last = int(np.searchsorted(starts, goal, side="left"))
         if steps[at:last].min(initial=inf) >= goal - now:
             control["curve_step"] = inf
