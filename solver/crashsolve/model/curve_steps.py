@@ -24,8 +24,11 @@ from crashsolve.model.model import Model
 PER_PERIOD, NOTHING = 40, 1e-8
 # a stated step of so many times the longest hardly sees a curve, or misses it
 HARDLY, MISSED = 4.0, 16.0
-# a part is halved down to so many of its steps, over a period, and this share of the curve
-FEW, SHORTEST = 100, 1.0 / 4096
+# a part is halved down to so many of its steps, over a period, and this share of the curve; further
+# only where that parts steps by this factor, as towards an end with infinite slope, to round-off
+FEW, SHORTEST, UNLIKE, ROUND_OFF = 100, 1.0 / 4096, 1.5, 1e-15
+# share of the run in which no load does anything: ten times that below which a step has collapsed
+NO_TIME = 1e-11
 
 
 class _Pieces(NamedTuple):
@@ -43,7 +46,9 @@ def steps_by_curves(model: Model) -> tuple[np.ndarray, np.ndarray]:
 
     A stated step is cut within straight pieces alone.
     """
-    is_stated = float(model.control[0]["fixed_step"]) > 0.0
+    control = model.control[0]
+    is_stated = float(control["fixed_step"]) > 0.0
+    shortest = NO_TIME * float(control["end"] - control["start"])
     of = _of_straight if is_stated else _steps
     found = [of(model.curves, first) for first in sorted(curves_of_time(model))]
     found = [(x, h) for x, h in found if np.isfinite(h).any()]
@@ -51,7 +56,7 @@ def steps_by_curves(model: Model) -> tuple[np.ndarray, np.ndarray]:
         return np.zeros(0), np.zeros(0)
     starts = np.unique(np.concatenate([x for x, _ in found]))
     each = [np.r_[np.inf, h][np.searchsorted(x, starts, side="right")] for x, h in found]
-    return _merged(starts, np.min(each, axis=0))
+    return _merged(starts, np.maximum(np.min(each, axis=0), shortest))
 
 
 def unseen(model: Model) -> dict[str, tuple[float, float]]:
@@ -112,11 +117,21 @@ def _halved(
 ) -> tuple[list[float], list[float]]:
     """Starts and steps of parts, each of a few steps or short."""
     step = _bound(pieces, begin, end)
-    if not np.isfinite(step) or end - begin <= max(FEW * step, least):
-        return [begin], [step]
     middle = 0.5 * (begin + end)
+    if not np.isfinite(step) or end - begin <= FEW * step:
+        return [begin], [step]
+    if end - begin <= least and not _has_unlike_halves(pieces, begin, middle, end):
+        return [begin], [step]
     halves = [_halved(pieces, *part, least) for part in ((begin, middle), (middle, end))]
     return halves[0][0] + halves[1][0], halves[0][1] + halves[1][1]
+
+
+def _has_unlike_halves(pieces: _Pieces, begin: float, middle: float, end: float) -> bool:
+    """Whether one half of a part takes much longer steps than the other."""
+    if end - begin <= ROUND_OFF * max(abs(begin), abs(end), pieces.x[-1] - pieces.x[0]):
+        return False
+    one, other = _bound(pieces, begin, middle), _bound(pieces, middle, end)
+    return max(one, other) > UNLIKE * min(one, other)
 
 
 def _bound(pieces: _Pieces, begin: float, end: float) -> float:
