@@ -176,7 +176,10 @@ def test_functions_give_radians_whatever_the_units(
     assert found == pytest.approx(radians, rel=1e-14)
 
 
-MAIN = 'include: [part.yaml]\ncontrol: {end_time: 1}\nparameters: {n: 2, gap: 3, depth: "20 mm", pure: "4 1"}\n'
+MAIN = """include: [part.yaml]
+control: {end_time: 1}
+parameters: {n: 2, gap: 3, depth: "20 mm", pure: "4 1"}
+"""
 PART = """units: {length: mm}
 parameters: {own: 5, doubled: "${2*gap}"}
 bodies: {a: {mass: "${n}", inertia: [1, 1, 1], position: ["EXPRESSION", 0, 0]}}

@@ -1,4 +1,4 @@
-"""Claim: a scene that names what the model lacks is refused before the run, not when it is drawn."""
+"""Claim: a scene that names what the model lacks is refused before the run."""
 
 from pathlib import Path
 

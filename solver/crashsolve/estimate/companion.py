@@ -24,7 +24,7 @@ from crashsolve.recording.histories import Histories
 from crashsolve.recording.marching import MOST
 from crashsolve.recording.samples import Channel, Samples, gather
 from crashsolve.recording.sampling import Schedule
-from crashsolve.study.settings import order_of
+from crashsolve.study.methods import order_of
 from crashsolve.system.engine import Engine
 
 # where the error of a step is of higher order the step falls by a factor between 1.5 and 2

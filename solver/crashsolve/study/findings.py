@@ -34,7 +34,8 @@ from crashsolve.study.curve import (
     ladder_of,
     sources,
 )
-from crashsolve.study.settings import Series, order_of
+from crashsolve.study.methods import order_of
+from crashsolve.study.settings import Series
 from crashsolve.study.trials import Trial
 from crashsolve.study.watch import PATH, Watch
 

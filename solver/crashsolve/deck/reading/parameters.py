@@ -3,8 +3,8 @@
 A parameter with a unit is kept in SI, and so is every expression it enters. An expression of bare
 numbers is itself a bare number, in the units of the file it stands in. Where a file has units of
 its own, an expression that mixes both is read when its bare numbers leave no doubt (numbers.py).
-A bare parameter counts in the units of the file that defines it: where a file with other units reads
-it, it must be pure.
+A bare parameter counts in the units of the file that defines it: where a file with other units
+reads it, it must be pure.
 """
 
 import re
