@@ -27,15 +27,14 @@ FORCE_OUTPUT = Record("""
     loss    J  energy lost in this step without a rate
 """)
 WATCHED = Record("""
-    given        J          work on both bodies so far
-    least_given  J          its least value so far, at most 0
-    exchanged    J          what was taken and given, both positive
-    held_first   J          held before the first step
-    peak_force   N          largest force so far
-    force_a      N       3  on body a
-    torque_a     N m     3  about its mass centre
-    force_b      N       3  on body b
-    torque_b     N m     3  about its mass centre
+    given       J          work on both bodies so far
+    exchanged   J          what was taken and given, both positive
+    held_first  J          held before the first step
+    peak_force  N          largest force so far
+    force_a     N       3  on body a
+    torque_a    N m     3  about its mass centre
+    force_b     N       3  on body b
+    torque_b    N m     3  about its mass centre
 """)
 # families whose laws only hold and lose energy
 PASSIVE = ("springs", "hinges", "tyres")

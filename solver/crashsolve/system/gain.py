@@ -2,14 +2,11 @@
 
     W = 1/2 (f_old . u_old + f_new . u_new)   of both bodies, u the displacement in the step
     gain = min(W - held at the start, W + held + lost - held at the start)
-    taken = held at the start - the least W so far
 
 Kick, drift, kick: half of the forces at both ends of a step act along what it moves, see
 contact/work.py. A law that is passed in too long a step, a stop or a tyre that is hit, gives more
-than it took; the balance of the whole may hide that behind other energy. A force with a bound, of
-friction or yield, does so without growing: it takes and gives the same again in every step, so that
-the gain is compared with the most that was taken at once. Consequence to test: the gain of any step
-is that of the kinetic energy of two free bodies.
+than it took; the balance of the whole may hide that behind other energy. Consequence to test: the
+gain of any step is that of the kinetic energy of two free bodies.
 """
 
 from crashsolve.foundation.kernels import kernel
@@ -40,7 +37,6 @@ def note_work(p, old, new, before, h, nodes):
             work += half_work(nodes[p.node_b], force, torque)
     new.given = old.given + work
     new.exchanged = old.exchanged + abs(work)
-    new.least_given = min(old.least_given, new.given)
     new.peak_force = max(old.peak_force, norm(force_a), norm(force_b))
     put(new.force_a, force_a)
     put(new.torque_a, torque_a)
@@ -64,9 +60,7 @@ def gained(now, stored):
 
 @kernel
 def gains(now, stored, limit, unseen):
-    """Whether that is more than `limit` of what was taken at once and given back, and than the
-    largest force does over `unseen`, the round-off of positions [m].
+    """Whether that is more than `limit` of all taken and given, and than the largest force does
+    over `unseen`, the round-off of positions [m].
     """
-    gain = gained(now, stored)
-    exchanged = min(now.exchanged, 2.0 * (now.held_first - now.least_given) + gain)
-    return gain > max(limit * exchanged, unseen * now.peak_force)
+    return gained(now, stored) > max(limit * now.exchanged, unseen * now.peak_force)
