@@ -190,8 +190,7 @@ class Judge:
             return None
         times = used[0].time
         for samples in used[1:]:
-            if not np.array_equal(times, samples.time):
-                times = np.intersect1d(times, samples.time)
+            times = np.intersect1d(times, samples.time)
         has_steps = watch.statistic != PATH
         values = [_value(watch, samples.at(times, has_steps)) for samples in used]
         steps = [1.0 / samples.cycles for samples in used]
