@@ -84,7 +84,7 @@ def find_folder(name: str) -> Path:
 
 
 def _unfit(root: Path, reason: str) -> CacheError:
-    """That the folder which the user has chosen keeps nothing."""
+    """The error for a cache folder, chosen by the user, that cannot be used."""
     advice = "name a folder of your own that can be written, or unset it"
     return CacheError(f"{CHOSEN}={root}: compiled code cannot be there: {reason}; {advice}")
 
@@ -221,7 +221,7 @@ def locked(path: Path) -> Iterator[int | None]:
         yield held
     finally:
         if held is not None:
-            # those who wait see that it is gone, and make another
+            # waiting processes find that it is gone, and make another
             lock.unlink(missing_ok=True)
             os.close(held)
 

@@ -82,7 +82,7 @@ def sample(card: Formula) -> tuple[Array, Array, Array, float]:
 def _sample(
     expression: str, start: float, end: float, segments: int
 ) -> tuple[Array, Array, Array, float]:
-    """The same, once for the check of the card and its build."""
+    """The samples of a formula, computed once for the check of the card and its build."""
     formula = Expression(expression)
     # what cannot be evaluated at all is reported by the plain evaluation
     formula.value({"x": start})

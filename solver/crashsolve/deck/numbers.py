@@ -57,7 +57,7 @@ class BareFloat(float):
         return self
 
     def __getnewargs__(self) -> tuple[float, tuple[Foreign, ...]]:  # type: ignore[override]
-        """What copies are made of."""
+        """Arguments with which a copy is made."""
         return float(self), self.foreign
 
 
@@ -72,7 +72,7 @@ class BareInt(int):
         return self
 
     def __getnewargs__(self) -> tuple[int, tuple[Foreign, ...]]:  # type: ignore[override]
-        """What copies are made of."""
+        """Arguments with which a copy is made."""
         return int(self), self.foreign
 
 
@@ -102,13 +102,13 @@ class SiFloat(float):
         return self
 
     def __getnewargs__(self) -> tuple[Any, ...]:  # type: ignore[override]
-        """What copies are made of."""
+        """Arguments with which a copy is made."""
         return float(self), self.unit, self.derived, self.foreign
 
 
 @dataclass(frozen=True)
 class Context:
-    """What a card must know of the file it stands in: units of bare numbers, and folder.
+    """Properties of the file of a card: units of bare numbers, and folder.
 
     `symbols` are those units by name; `axes` the units of x and y of a curve by what uses it.
     """
@@ -126,7 +126,7 @@ class Context:
 
 
 def as_written(value: float) -> str:
-    """A number as text, without what rounding has added to a short one: 1.8 for 1.8000000000000003.
+    """A number as text without round-off: 1.8 for 1.8000000000000003.
 
     Short is up to twelve digits, rounding a few units of the last digit.
     """
@@ -183,7 +183,7 @@ def _factor_of_mixed(value: SiFloat, wanted: Unit, bases: Mapping[str, Unit]) ->
 def number_in(
     value: object, unit: Unit | None, context: Context, within: tuple[str | int, ...]
 ) -> tuple[float, Unit | None]:
-    """A number whose unit is reported beside it, or in its own text; in SI, with its unit.
+    """A number whose unit is given beside it or in its own text; in SI, with its unit.
 
     A bare number without any unit is in SI, and refused where the file has units of its own,
     unless it is zero.
@@ -221,7 +221,7 @@ def number_in(
 def _refuse_mixed(
     value: SiFloat, unit: Unit | None, context: Context, within: tuple[str | int, ...]
 ) -> None:
-    """Refuse what may be a bare number of a file with units of its own."""
+    """Refuse an expression that may be a bare number of a file with units of its own."""
     try:
         if unit is None and value.unit is None:
             refuse_foreign(value, EVERY_BASE)

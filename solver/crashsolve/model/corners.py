@@ -36,7 +36,7 @@ def curves_of_time(model: Model) -> set[int]:
 
 
 def corners(curves: np.ndarray, first: int) -> np.ndarray:
-    """Where the curve that begins with point `first` has corners, its ends among them."""
+    """Abscissas of the corners of the curve that begins with point `first`, including its ends."""
     points = curves[first : curves[first]["last"] + 1]
     x, c, length = points["x"], points["c"][:-1], np.diff(points["x"])
     slopes = np.stack([c[:, 1], c[:, 1] + length * (2 * c[:, 2] + 3 * length * c[:, 3])])

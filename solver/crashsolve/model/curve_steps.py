@@ -32,7 +32,7 @@ NO_TIME = 1e-11
 
 
 class _Pieces(NamedTuple):
-    """Cubics of a curve: where they end, and what states how fast they change."""
+    """Cubics of a curve: where they end, and the derivatives that bound steps within them."""
 
     x: np.ndarray  # (n + 1,) [s]
     rise: np.ndarray  # (n,) change of f
@@ -151,5 +151,5 @@ def _merged(starts: np.ndarray, steps: np.ndarray) -> tuple[np.ndarray, np.ndarr
     """Neighbours of like steps as one, of the smaller: powers of two of a second."""
     coarse = np.exp2(np.floor(np.log2(steps)))
     is_first = np.r_[True, coarse[1:] != coarse[:-1]]
-    kept = np.flatnonzero(is_first)
-    return starts[kept], np.minimum.reduceat(steps, kept)
+    firsts = np.flatnonzero(is_first)
+    return starts[firsts], np.minimum.reduceat(steps, firsts)

@@ -105,7 +105,9 @@ def _passed_pairs(model: Model, state: State) -> list[tuple[str, float, str]]:
 
 
 def _passed_nodes(model: Model) -> list[tuple[str, float, str]]:
-    """The same for nodes of shells on rigid shapes, and for nodes and balls on faces."""
+    """Contact, time and words for nodes of shells on rigid shapes, and for nodes and balls on
+    faces.
+    """
     found = []
     for group in model.nodal_groups:
         location = f"contact '{group.card}'"

@@ -20,7 +20,7 @@ from crashsolve.model.clock import (
     STOPS_AT_SAMPLE,
     TOUCHED,
 )
-from crashsolve.model.contact.node_to_surface import give_room
+from crashsolve.model.contact.node_to_surface import make_room
 from crashsolve.model.contact.pairs import renew
 from crashsolve.model.corners import corners_in_time
 from crashsolve.model.curve_steps import steps_by_curves
@@ -32,7 +32,7 @@ from crashsolve.system.contact.effective_mass import EffectiveMasses
 from crashsolve.system.contact.initial_penetration import find_impact_speeds
 from crashsolve.system.diagnosis import diagnose, passed_through, velocity_error
 from crashsolve.system.placeholders import group_arrays, is_shared, samples_within_steps
-from crashsolve.threads.sharing import own_arrays
+from crashsolve.threads.sharing import arrays_of_threads
 
 # an assembly error above this share of the model's size is an error in the deck, not round-off
 ASSEMBLY = 1e-6
@@ -92,11 +92,11 @@ class Engine:
         self.masses = EffectiveMasses(self.model)
         # of how the run begins, for the log
         self.notes: list[str] = []
-        # asked now and then between two samples; may raise
+        # called from time to time between two samples; may raise
         self.on_pause: Callable[[], None] = lambda: None
-        # what the log is to say of the run
+        # messages for the log
         self.on_message: Callable[[str], None] = lambda text: None
-        # what goes into a dump beside the State
+        # arrays of a dump beside the State
         self.aside: dict[str, np.ndarray] = {}
         self._steps_per_call = 1 if runs_plain() else FIRST_CALL
         # steps from one look to the next, of an interval that is run once more
@@ -104,7 +104,7 @@ class Engine:
 
     @property
     def addresses(self) -> tuple[int, int, int] | None:
-        """Where the compiled step is, its tables at present, and those of a sample.
+        """Addresses of the compiled step, of its present tables, and of those of a sample.
 
         None where it is no function of one thread that code without checks may call.
         """
@@ -119,7 +119,7 @@ class Engine:
         return is_free and self.clock["kinked"] != CORNER and self._next_corner(until) > until
 
     def _in_bytes(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """What a sample copies, from and to: in bytes, as numpy takes columns one by one."""
+        """Copies of a sample, from and to, in bytes, as numpy copies columns one by one."""
         s = self.state
         pairs = [(s.nodes, self.nodes), (s.rows, self.rows), (s.clock, self.sample_clock)]
         pairs += [(s.ledger, self.ledger), *self._histories.values()]
@@ -142,9 +142,9 @@ class Engine:
         copied = (self.sample_clock, self.nodes, self.rows, self.ledger)
         copies = dict(zip(state, copied, strict=True))
         copies |= {name: copy for name, (_, copy) in self._histories.items()}
-        # that of the first thread, which others are reported by this name
+        # the clock of the first thread, which the others know by this name
         leaders = [{"leader": own["clock"]} if is_shared(m) else {} for own in (state, copies)]
-        own = own_arrays(m)
+        own = arrays_of_threads(m)
         self._present, self._sampled = (
             self._tables(shared | step | leader, own)
             for step, leader in zip((state, copies), leaders, strict=True)
@@ -240,7 +240,7 @@ class Engine:
             self.answer(status)
 
     def answer(self, status: int) -> None:
-        """What the loop gave control back for, other than its goal. Raises SolverError."""
+        """Handle a return of the loop before its goal. Raises SolverError."""
         s = self.state
         if status == PAUSED:
             self.on_pause()
@@ -250,7 +250,7 @@ class Engine:
         elif status == REBUILD:
             self._refuse_passing()
             renew(self.model.contact_groups, s)
-            give_room(self.model.nodal_groups)
+            make_room(self.model.nodal_groups)
             self.bind()
         else:
             raise diagnose(self.model, s, self.clock, s.ledger)
@@ -301,7 +301,9 @@ class Engine:
         return change if change - now > ROUND_OFF * abs(goal) else inf
 
     def _rotate_corner(self) -> None:
-        """What methods keep of the end of a step, as it is after the corner there."""
+        """Renew forces at the end of a step that ends at a corner in time, for methods that reuse
+        them.
+        """
         if self.has_stages:
             self._renew_forces()
         self.state.clock[0]["kinked"] = 1
@@ -351,7 +353,7 @@ class Engine:
         self._refuse_passing()
         is_stopped = clock["status"] in STOPS_AT_SAMPLE
         is_judged = clock["cycle"] >= FIRST_JUDGED
-        if is_stopped or (is_judged and energy.is_out_of_nothing(self.ledger, self._limit)):
+        if is_stopped or (is_judged and energy.is_spurious_energy(self.ledger, self._limit)):
             raise diagnose(self.model, self.state, clock, self.ledger)
         self.state.ledger[energy.LARGEST] = self.ledger[energy.LARGEST]
         for name in MISSING:
@@ -381,7 +383,7 @@ class Engine:
             raise passed
 
     def step_warnings(self) -> list[str]:
-        """Signs that the step is too long for the forces of joints, which state no stiffness."""
+        """Signs that the step is too long for the forces of joints, which have no stiffness."""
         found = self._balance_warnings() + self._vibration_warnings()
         cycles = int(self.clock["cycle"])
         iterations = int(self.clock["iterations"]) / max(cycles, 1)

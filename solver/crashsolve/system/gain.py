@@ -56,7 +56,7 @@ def half_work(body, force, torque):
 
 @kernel
 def gained(now, stored):
-    """What a law has given more than it took and held [J]."""
+    """Energy [J] that a law has returned beyond what it took and stored."""
     beyond = now.given - max(now.held_first, 0.0)
     return min(beyond, now.given + stored + now.dissipated - now.held_first)
 

@@ -30,7 +30,7 @@ from crashsolve.deck.source import BROKEN, Position, Rows, Table, plain_scalar
 from crashsolve.deck.words import choices
 from crashsolve.foundation.errors import DeckError
 
-# names that are reported a circle
+# names of a circle of parameters that its message lists
 LONGEST_CIRCLE = 50
 _EXPRESSION = re.compile(r"\$\{([^{}]*)\}")
 # the base of a power needs brackets, or -2**2 would be -4
@@ -41,7 +41,7 @@ Reader = tuple[str, Position]
 
 
 class Parameters:
-    """Values of all parameters, each worked out when first asked for."""
+    """Values of all parameters, each evaluated when it is first needed."""
 
     def __init__(
         self,
@@ -306,7 +306,7 @@ def _unit(value: object) -> Unit | None:
 
 
 def _inconsistency(value: object, replaced: object) -> tuple[str, str]:
-    """What is wrong with a value given on the command line, and advice; empty when it fits."""
+    """Message of a wrong value given on the command line, and advice; empty when it fits."""
     if isinstance(value, str) and "${" in value:
         return "", ""
     unit, before = _unit(value), _unit(replaced)

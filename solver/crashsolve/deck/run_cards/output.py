@@ -65,7 +65,7 @@ class Reference(Card):
     """A result known from elsewhere, drawn with the curves and compared with them."""
 
     label: str = word("name in the legend")
-    kind: Literal["level", "band", "point", "curve", "corridor"] = word("how it is drawn", "level")
+    kind: Literal["level", "band", "point", "curve", "corridor"] = word("form of the mark", "level")
     value: float | None = quantity("1", "height of a level, in the unit of the axis", None)
     from_: float | None = quantity("1", "lower end of a band", None)
     to: float | None = quantity("1", "upper end of a band", None)
@@ -74,7 +74,7 @@ class Reference(Card):
     )
     upper: tuple[Pair, ...] = quantity("1", "[x, y] of a corridor's upper border", ())
     tolerance: float | None = quantity(
-        "1", "how well the number is known; what the run gives beyond it is a miss", None, ge=0
+        "1", "uncertainty of the number; a larger difference counts as a miss", None, ge=0
     )
     source: str = word("where it was published", "")
     channel: str = word("channel to compare with it", "")
@@ -175,7 +175,7 @@ class Scene(Card):
     cut: str = word("a sectional view: drawn is only where y<0, or x > 100 mm; all when empty", "")
     magnify: float = quantity(
         "1",
-        "small displacements are drawn this many times as large, and the picture says so",
+        "factor on displacements, for small ones; the picture is labelled with it",
         1.0,
         gt=0,
     )
@@ -206,7 +206,7 @@ class Scene(Card):
     @field_validator("at", mode="before")
     @classmethod
     def _known_moments(cls, given: Any) -> Any:
-        """Moments keep their words, so that a bare number would mean what no unit says."""
+        """Times as words; a bare number is refused where its unit would be unclear."""
         if not _is_list(given):
             return given
         words = ["0" if _is_number(part) and part == 0 else part for part in given]
@@ -244,7 +244,7 @@ class Report(Card):
 
 
 class Output(Card):
-    """What a run writes and how often."""
+    """The files that a run writes, and their intervals."""
 
     history: History = word("time histories", History())
     states: States = word("configurations", States())
