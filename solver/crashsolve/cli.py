@@ -267,6 +267,7 @@ def _check(options: argparse.Namespace) -> int:
     from crashsolve.deck.reading.deck import read_deck
     from crashsolve.model.build import build
     from crashsolve.recording.histories import families_of
+    from crashsolve.recording.pictured import look_up_pictured
     from crashsolve.recording.questions import look_up
     from crashsolve.simulation.expected_size import expected_size
     from crashsolve.simulation.freedom import freedom
@@ -275,6 +276,7 @@ def _check(options: argparse.Namespace) -> int:
     model, state = build(deck)
     families = families_of(model, state)
     look_up(deck, families)
+    look_up_pictured(deck, model)
     size = expected_size(deck, families, (), Path(options.deck.stem + ".results"))
     for text in (*deck.unread, *model.warnings):
         print(printable(f"warning: {text}"))

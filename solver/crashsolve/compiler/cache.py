@@ -19,8 +19,9 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
-from importlib.metadata import version
 from pathlib import Path
+
+import llvmlite
 
 from crashsolve.foundation.errors import CrashsolveError, ExitCode
 
@@ -40,7 +41,7 @@ class CacheError(CrashsolveError):
 def cache_folder() -> Path:
     """Folder for composed steps and compiled code of exactly these sources. Raises CacheError."""
     # another compiler makes other code of the same sources
-    digest, root = hashlib.sha256(version("llvmlite").encode()), str(PACKAGE)
+    digest, root = hashlib.sha256(llvmlite.__version__.encode()), str(PACKAGE)
     # pathlib would take twice the time for all
     files = (os.path.join(folder, name) for folder, _, names in os.walk(root) for name in names)
     for path in sorted(path for path in files if path.endswith(".py")):

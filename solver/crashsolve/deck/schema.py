@@ -191,6 +191,8 @@ def _manual() -> Iterator[str]:
         "Where a file has `units`, an expression of parameters with units may hold bare numbers",
         "if these are pure, as in `${length/2}`, or if the units of the others cancel, as in",
         "`${gap*sin(tilt)}`.",
+        "A parameter without a unit counts in the units of the file that defines it: a file with",
+        "other units may read it only where it is pure; `'4 1'` states that it is.",
         "`title` is text, `include` a list of files, `parameters` a table of names and numbers.",
         "A file may be included many times with other words: with",
         "`{file: car.yaml, with: {car: c1}}` every `<car>` in its names and texts becomes `c1`.",

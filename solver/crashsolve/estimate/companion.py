@@ -24,7 +24,7 @@ from crashsolve.recording.histories import Histories
 from crashsolve.recording.marching import MOST
 from crashsolve.recording.samples import Channel, Samples, gather
 from crashsolve.recording.sampling import Schedule
-from crashsolve.study.settings import order_of
+from crashsolve.study.methods import order_of
 from crashsolve.system.engine import Engine
 
 # where the error of a step is of higher order the step falls by a factor between 1.5 and 2
@@ -49,13 +49,13 @@ def coarsen(control: np.ndarray, coarseness: float, interval: float, order: floa
         return
     power = min((order or HIGHEST_POWER) + 1, HIGHEST_POWER)
     c["tolerance"] = min(c["tolerance"] * coarseness**power, 0.5)
+    c["curve_share"] *= coarseness
     if c["fixed_step"] > 0.0:
         c["fixed_step"] *= coarseness
         return
     # samples do not cut the steps of the default method that chooses them
     longest = c["step_max"] if c["resolves"] == 1 else min(c["step_max"], interval)
     c["step_max"] = longest * coarseness
-    c["curve_share"] *= coarseness
     c["safety"] *= coarseness
     c["rotation"] *= coarseness
 

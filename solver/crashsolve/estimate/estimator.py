@@ -32,7 +32,7 @@ from crashsolve.recording.questions import look_up
 from crashsolve.recording.samples import Channel, Samples
 from crashsolve.recording.sampling import Schedule
 from crashsolve.study.meshes import has_mesh
-from crashsolve.study.settings import chooses_its_step, order_of
+from crashsolve.study.methods import chooses_its_step, order_of
 from crashsolve.study.watch import Watch, named
 
 COARSER = (4.0, 2.0)

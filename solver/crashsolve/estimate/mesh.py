@@ -23,7 +23,6 @@ from crashsolve.foundation.errors import CrashsolveError, SolverError
 from crashsolve.recording.samples import Samples
 from crashsolve.study.convergence import NEAR, SHRINKS, distance
 from crashsolve.study.meshes import coarser, has_mesh
-from crashsolve.study.settings import order_of_mesh
 
 FACTORS = (2, 4)
 # shares of the scale
@@ -101,6 +100,9 @@ def with_mesh(estimate: Estimate, numbers: Sequence[np.ndarray], deck: Deck) -> 
     """An estimate with the error by the mesh in it; `numbers` of this mesh and coarser ones."""
     if estimate.error is None:
         return estimate
+    # a run without a mesh needs no settings of studies
+    from crashsolve.study.settings import order_of_mesh
+
     size, how = mesh_error(numbers, estimate.scale, order_of_mesh(deck) or 1.0)
     if size is None:
         is_one = len(numbers[1]) == 1

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from crashsolve.elements.shells.layout import DiscretisedShell
 from crashsolve.elements.shells.section_cut import CUT, CUT_ELEMENT
 from crashsolve.foundation.point import ATTACHED_POINT, LANES, MOTION, POINT
 from crashsolve.model.materials import fill, laws_of, refuse_different, with_constants
@@ -16,6 +15,7 @@ from crashsolve.model.model import Elements, Group, Model
 if TYPE_CHECKING:
     from crashsolve.deck.reading.deck import Deck
     from crashsolve.deck.reading.items import Entry
+    from crashsolve.elements.shells.layout import DiscretisedShell
     from crashsolve.model.scene import Scene
 
 

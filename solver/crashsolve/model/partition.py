@@ -10,14 +10,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from crashsolve.elements.shells.layout import DiscretisedShell
 from crashsolve.foundation.point import LANES, POINT
 from crashsolve.foundation.record import Record
 from crashsolve.model.model import Model, State
+
+if TYPE_CHECKING:
+    from crashsolve.elements.shells.layout import DiscretisedShell
 
 PIECE = Record("""
     first_replica  index  of those that it collects

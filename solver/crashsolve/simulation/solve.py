@@ -203,6 +203,10 @@ class Run:
         """Take up the dump, if any; prepare the estimates; open the files."""
         # both measure from the start of the run, whatever a dump brings
         self._use_engine(self.engine)
+        if self.deck.output.report:
+            from crashsolve.recording.pictured import look_up_pictured
+
+            look_up_pictured(self.deck, self.engine.model)
         resumed = None if dump is None else self._restore(*dump)
         self.estimating = self.account.estimating = self._prepare_estimates(dump)
         self._open(resumed)

@@ -13,7 +13,8 @@ from math import isfinite, nan
 import numpy as np
 
 from crashsolve.study.convergence import Convergence, analyse
-from crashsolve.study.settings import Series, order_of
+from crashsolve.study.methods import order_of
+from crashsolve.study.settings import Series
 from crashsolve.study.trials import Trial
 
 

@@ -35,7 +35,8 @@ from crashsolve.study.curve import (
     refinements_of,
     sources,
 )
-from crashsolve.study.settings import Series, order_of
+from crashsolve.study.methods import order_of
+from crashsolve.study.settings import Series
 from crashsolve.study.trials import Trial
 from crashsolve.study.watch import PATH, Watch
 

@@ -16,13 +16,13 @@ from crashsolve.study.child_runs import cores
 from crashsolve.study.convergence import NEAR
 from crashsolve.study.findings import NOISE, Finding, cheapest, find, worst
 from crashsolve.study.meshes import divisible, finer
+from crashsolve.study.methods import order_of
 from crashsolve.study.plot import draw
 from crashsolve.study.settings import (
     AUTO,
     MESHES,
     Setting,
     descriptions,
-    order_of,
     order_of_mesh,
     resolved,
     settings,

@@ -21,6 +21,7 @@ from crashsolve.deck.run_cards.control import Control
 from crashsolve.foundation.errors import DeckError, DeckErrors
 from crashsolve.model.build import build
 from crashsolve.study import meshes as mesh_fields
+from crashsolve.study.methods import chooses_its_step
 
 FACTORS = (4.0, 2.0, 1.0, 1 / 2, 1 / 4, 1 / 8)
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
@@ -197,24 +198,6 @@ def resolved(deck: Deck, method: str) -> str:
     return build(replace(deck, control=deck.control.model_copy(update={"integrator": method})))[
         0
     ].integrator
-
-
-def order_of(method: str) -> float | None:
-    """Declared order [1] of a method in its step; None when it declares none."""
-    return getattr(_module(method), "ORDER", None)
-
-
-def chooses_its_step(method: str) -> bool:
-    """Whether a method chooses its steps by a tolerance, as those of stages do."""
-    return hasattr(_module(method), "STAGES")
-
-
-def _module(method: str) -> ModuleType | None:
-    try:
-        return importlib.import_module(f"crashsolve.integrators.{method}")
-    except ModuleNotFoundError:
-        # a run with it will say so
-        return None
 
 
 def _of_method(deck: Deck, method: str, steps: str | None, tolerances: str | None) -> list[Words]:

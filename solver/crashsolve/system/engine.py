@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from importlib import import_module
-from math import inf, nextafter
+from math import hypot, inf, nextafter
 from time import monotonic
 from typing import Any
 
@@ -115,7 +115,7 @@ class Engine:
 
     def has_no_bend(self, until: float) -> bool:
         """Whether no curve of time has a corner or another bound on steps by `until` [s]."""
-        is_free = not len(self._curve_starts) or float(self.model.control[0]["fixed_step"]) > 0.0
+        is_free = self._is_free_of_curves()
         return is_free and self.clock["kinked"] != CORNER and self._next_corner(until) > until
 
     def _in_bytes(self) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -267,17 +267,27 @@ class Engine:
         # one that a sample lies on to the last digits is met with it
         return until if abs(corner - until) <= near else corner
 
+    def _is_free_of_curves(self) -> bool:
+        """Whether no curve of time bounds steps: a stated one, where it is short enough for all."""
+        control = self.model.control[0]
+        steps = self._curve_steps * float(control["curve_share"])
+        return bool(steps.min(initial=inf) >= (float(control["fixed_step"]) or inf))
+
     def _next_curve_step(self, goal: float) -> float:
         """Time [s] until which one bound by curves of time holds. Writes: control, clock.
 
         Where no step to `goal` could be as long as the bounds before it, it is `goal`.
         """
         control, clock, starts = self.model.control[0], self.state.clock[0], self._curve_starts
-        if not len(starts) or control["fixed_step"] > 0.0:
+        if self._is_free_of_curves():
             return inf
         now = float(clock["time"])
         steps = self._curve_steps * (float(control["curve_share"]) * self._stages_see)
         at = max(int(np.searchsorted(starts, now, side="right")) - 1, 0)
+        if control["fixed_step"] > 0.0:
+            # what is left but for round-off is one step
+            is_cut = steps[at] < min(control["fixed_step"], (1.0 - STAGNATION_RATIO) * (goal - now))
+            return now + float(steps[at]) if is_cut else inf
         last = int(np.searchsorted(starts, goal, side="left"))
         if steps[at:last].min(initial=inf) >= goal - now:
             control["curve_step"] = inf
@@ -386,23 +396,30 @@ class Engine:
         ]
 
     def _vibration_warnings(self) -> list[str]:
-        """Warning that springs swing a body faster than a stated step can follow.
+        """Warning that springs or dampers move a body faster than a stated step can follow.
 
         The work of a spring does not show it: that of a linear one is what it holds in any step.
+        A bounded force that turns a velocity round in every step does none.
         """
-        control, step = self.model.control[0], float(self.clock["step"])
-        square = self.nodes["stiffness"][1:]
-        if self.model.integrator != "rattle" or not control["fixed_step"] or not len(square):
+        clock = self.clock
+        node, swing = int(clock["swing_node"]), float(clock["swing"])
+        if swing < FASTEST_SWING or node >= len(self.model.bodies):
             return []
-        node, omega = 1 + int(square.argmax()), float(square.max()) ** 0.5
-        if node >= len(self.model.bodies) or omega * step < FASTEST_SWING:
-            return []
-        return [
-            f"body '{self.model.bodies[node]}': springs and contacts swing it with {omega:.4g} "
-            f"rad/s, unless joints hold it; steps of {step:.4g} s amplify that, and from "
-            f"{2.0 / omega:.4g} s on it grows without bound: take control.step below "
-            f"{1.0 / omega:.2g} s"
-        ]
+        omega, damping = float(clock["swing_square"]) ** 0.5, float(clock["swing_damping"])
+        limit = 2.0 / (hypot(omega, 0.5 * damping) + 0.5 * damping)
+        step, name = 0.5 * swing * limit, self.model.bodies[node]
+        if damping > 2.0 * omega:
+            found = (
+                f"body '{name}': dampers, friction or contacts stop it within {1.0 / damping:.2g} "
+                f"s, unless joints hold it; steps of {step:.4g} s turn its velocity round instead"
+            )
+        else:
+            found = (
+                f"body '{name}': springs and contacts swing it with {omega:.4g} rad/s, unless "
+                f"joints hold it; steps of {step:.4g} s amplify that, and from {limit:.4g} s on it "
+                "grows without bound"
+            )
+        return [f"{found}: take control.step below {0.5 * limit:.2g} s"]
 
     def _balance_warnings(self) -> list[str]:
         """Warning that the energy balance was above its limit, by more than a negligible energy."""

@@ -156,7 +156,8 @@ class _Reader:
         # keywords and names that cards name
         self.named: set[tuple[str, str]] = set()
         others = set_fields(self.items, overrides, self.tables, self.diagnostics)
-        self.parameters = Parameters(self.items["parameters"], others, self.diagnostics)
+        units = {table.file: table.get("units") for table in self.tables.values()}
+        self.parameters = Parameters(self.items["parameters"], others, self.diagnostics, units)
         self.contexts = {file: self.context(file, table) for file, table in self.tables.items()}
 
     def deck(self) -> Deck:

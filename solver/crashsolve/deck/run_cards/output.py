@@ -1,5 +1,6 @@
 """What a run writes, how often, and the figures of its report."""
 
+import math
 import re
 from itertools import pairwise
 from typing import Any, ClassVar, Literal
@@ -7,6 +8,7 @@ from typing import Any, ClassVar, Literal
 from pydantic import field_validator, model_validator
 
 from crashsolve.channels.series import Window
+from crashsolve.channels.units import UnitError, to_si
 from crashsolve.deck.card import Card, quantity, word
 from crashsolve.deck.run_cards.statistic import check_window, known_statistic
 
@@ -144,6 +146,13 @@ def _is_number(given: object) -> bool:
     return isinstance(given, int | float) and not isinstance(given, bool)
 
 
+def _is_length(text: str, above: float = -math.inf) -> bool:
+    try:
+        return above < to_si(text.strip(), "m") < math.inf
+    except UnitError:
+        return False
+
+
 class Scene(Card):
     """Pictures of the run side by side in the report, as `crashpost render` makes them."""
 
@@ -174,8 +183,24 @@ class Scene(Card):
     @field_validator("cut")
     @classmethod
     def _known_side(cls, given: str) -> str:
-        if given and not re.fullmatch(r"\s*[xyz]\s*[<>]\s*[-+.\deE]+\s*[a-z]*\s*", given):
+        found = re.fullmatch(r"\s*[xyz]\s*[<>]\s*([-+.\deE]+\s*[a-z]*)\s*", given)
+        if given and not (found and _is_length(found[1])):
             raise ValueError("write what is drawn, such as 'y<0' or 'x > 100 mm'")
+        return given
+
+    @field_validator("close_up")
+    @classmethod
+    def _known_window(cls, given: str) -> str:
+        _, colon, width = given.partition(":")
+        if colon and not _is_length(width, above=0.0):
+            raise ValueError("write NAME or NAME:WIDTH, such as 'buffers:1 m'")
+        return given
+
+    @field_validator("arrows")
+    @classmethod
+    def _known_arrows(cls, given: str) -> str:
+        if given not in ("", "velocity") and given.partition(".")[0] != "rcforc":
+            raise ValueError("write rcforc, rcforc.CONTACT or velocity")
         return given
 
     @field_validator("at", mode="before")

@@ -15,7 +15,6 @@ import numpy as np
 
 from crashsolve.contact.cells import CELL, WALLS
 from crashsolve.deck.building import Columns
-from crashsolve.elements.shells.layout import DiscretisedShell
 from crashsolve.foundation.point import LANES
 from crashsolve.foundation.record import Record
 from crashsolve.model.attachments import IMPLICIT
@@ -36,6 +35,7 @@ from crashsolve.model.partition import PIECES
 
 if TYPE_CHECKING:
     from crashsolve.deck.reading.items import Entry
+    from crashsolve.elements.shells.layout import DiscretisedShell
     from crashsolve.model.scene import Scene
 
 # lists of near faces: their margin over the mean radius of a face, and the faces of a probe that

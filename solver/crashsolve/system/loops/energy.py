@@ -26,7 +26,7 @@ from crashsolve.system.energy import (
     least_energy,
     unseen_distance,
 )
-from crashsolve.system.gain import gains
+from crashsolve.system.gain import gains, overstates
 from crashsolve.system.kinetics import kinetic_energy
 from crashsolve.system.placeholders import (
     ASSEMBLED,
@@ -162,7 +162,9 @@ def check_laws(clock, control, nodes, scene):
         for group in WATCHED:
             for i in range(group.output.shape[0]):
                 now, stored = group.history[clock.current, i], group.output[i].stored
-                if gains(now, stored, control.energy_limit, unseen):
+                limit = control.energy_limit
+                creates = gains(now, stored, limit, unseen)
+                if creates or overstates(now, stored, limit, unseen):
                     clock.status = LAW_GAIN
 
 
