@@ -38,8 +38,9 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
     if group.body_pairs is not None:
         for k in range(group.body_pairs.shape[0]):
             both = group.body_pairs[k]
-            if body_pairs.stay_apart(both, h, nodes):
-                touches.sum_losses(scene.cards[both.card], both)
+            card = scene.cards[both.card]
+            if body_pairs.stay_apart(both, h, card.depth, nodes):
+                touches.sum_losses(card, both)
                 continue
             # a sample changes no more than what the next step writes anew
             if h > 0.0:
