@@ -6,8 +6,10 @@
 g are the forces at rest that joints do not hold, delta_c closes the joints. tau grows as g falls
 (pseudo-transient continuation): small steps along the forces at first, so that what hangs above its
 springs settles on them, Newton's steps in the end. Directions in which nothing acts, as those in
-which a car rolls, keep their coordinate. Forces are those without motion: dampers, friction and
-slip of tyres rest, but for the carcass of wheels that stand (`standing.py`). Velocities of the deck
+which a car rolls, keep their coordinate; where a small force is left in such a direction, as by the
+aligning moments of wheels that lean, the run begins with it, and the log states it. Forces are
+those without motion: dampers, friction and slip of tyres rest, but for the carcass of wheels that
+stand (`standing.py`). Velocities of the deck
 stay, but for what joints of the new configuration do not allow. Consequence to test: loads sum to
 the weight and divide by their lever arms, and the motion that follows stays below 1 % of them.
 
@@ -38,6 +40,10 @@ PASSES = 300
 SEARCHES = 3
 # passes on end in which a tyre that stands slides all over, after which nothing will hold it
 SLIDES = 40
+# acceleration in directions that nothing holds, over that of the loads, with which a run begins all
+# the same: half of the transient that is allowed; tau [s] from which a search that is left with so
+# little stalls where it falls by less than a half, and the passes on end that show it
+DRIFT, STALLED, STALLS = 5e-3, 0.5, 2
 # a correction that is none, in the model's size or rad
 STILL = 1e-11
 # growth of a motion away from the equilibrium that is none of round-off [1/s]
@@ -98,6 +104,15 @@ class _Pass:
         return np.asarray((closing + free).reshape(-1, 6))
 
 
+def _held(matrix: np.ndarray, M: np.ndarray, tau: float) -> np.ndarray:
+    """Inverse of `matrix` but for motions that nothing holds, which keep their coordinates."""
+    half = np.linalg.inv(np.linalg.cholesky(0.5 * (M + M.T)))
+    U, values, V = np.linalg.svd(half @ matrix @ half.T)
+    kept = values > 1.0 / tau**2 + GROWTH**2
+    inverse = V[kept].T @ ((U[:, kept] / values[kept]).T)
+    return np.asarray(half.T @ inverse @ half)
+
+
 class _Settling:
     """Intermediate configurations, as nodes without velocities."""
 
@@ -116,6 +131,8 @@ class _Settling:
             )
             raise self._refusal(1, message, "leave out control.start")
         self.standing = Standing(self.model, nodes, int(engine.clock["current"]))
+        # whether the search is left with a motion that nothing holds
+        self.drifts = False
         self.nodes = nodes.copy()
         self.nodes["v"] = self.nodes["w"] = self.nodes["L"] = 0.0
 
@@ -128,14 +145,18 @@ class _Settling:
         does("preparing the first step")
         self._refuse_unstable(here)
         self._take_over(here.D)
-        return self._words(first, passes)
+        return self._words(first, passes, here)
 
     def _search(self, passes: int, does: Callable[[str], None]) -> tuple["_Rest", int]:
         """Passes from the present configuration to an equilibrium; what acts there, all passes."""
-        here, tau, slides = self._at_rest(self.nodes), FIRST, 0
+        here, tau, slides, stalls = self._at_rest(self.nodes), FIRST, 0, 0
         self.standing.accept(self.nodes)
+        self.drifts, before = False, np.inf
         while True:
             does(f"searching the equilibrium, after {passes} of at most {PASSES} iterations")
+            is_small = self._is_small(here)
+            stalls = stalls + 1 if tau >= STALLED and here.worst > 0.5 * before else 0
+            self.drifts, before = is_small and (self.drifts or stalls >= STALLS), here.worst
             pass_ = self._pass(here, tau)
             is_still = pass_.size <= STILL and (tau == LONGEST or here.worst == 0.0)
             if is_still and np.abs(here.phi).max(initial=0.0) <= self._closed():
@@ -157,6 +178,13 @@ class _Settling:
             if growth <= 1.0 or pass_.size <= STILL:
                 tau = min(2.0 * tau / max(growth, 0.1), LONGEST)
             self._look_again()
+
+    def _is_small(self, here: "_Rest") -> bool:
+        """Whether what is left is no more than a run may begin with."""
+        nodes = self.engine.nodes
+        pulled = float(np.linalg.norm(nodes["external"][0, :3]))
+        mass = float((1.0 / nodes["mass_inv"][self.free]).sum())
+        return here.worst * mass <= DRIFT * pulled
 
     def _at_rest(self, nodes: np.ndarray) -> "_Rest":
         """What acts in a configuration without velocities."""
@@ -200,8 +228,10 @@ class _Settling:
     def _pass(self, here: "_Rest", tau: float) -> "_Pass":
         """The correction of one pass."""
         Z, G = here.motions, self._tangent(here.g)
-        matrix = Z.T @ (self._mass() / tau**2 - G) @ Z
-        found = _Pass(here.D, Z, G, np.linalg.pinv(matrix, rcond=1e-15), np.zeros((0, 6)), 0.0)
+        M = Z.T @ self._mass() @ Z
+        matrix = M / tau**2 - Z.T @ G @ Z
+        inverse = _held(matrix, M, tau) if self.drifts else np.linalg.pinv(matrix, rcond=1e-15)
+        found = _Pass(here.D, Z, G, inverse, np.zeros((0, 6)), 0.0)
         change = found.again(here)
         found.size = self._size(change)
         far = np.abs(change[:, :3]).max(initial=0.0) / (FAR * self.model.size)
@@ -269,23 +299,32 @@ class _Settling:
         A, J = (nodes[name][self.free].reshape(-1, 3, 3) for name in ("A", "J"))
         nodes["L"][self.free] = np.einsum("nij,njk,nlk,nl->ni", A, J, A, w)
 
-    def _words(self, first: np.ndarray, passes: int) -> str:
+    def _words(self, first: np.ndarray, passes: int, here: "_Rest") -> str:
         """What was moved, for the log."""
         moved = np.linalg.norm(self.nodes["r"] - first["r"], axis=1)
         node = int(moved.argmax())
         far = f"by up to {moved[node]:.4g} m ({self._name(node)})"
-        return f"equilibrium found in {passes} iterations: mass centres were moved {far}"
+        found = f"equilibrium found in {passes} iterations: mass centres were moved {far}"
+        if not self.drifts:
+            return found
+        node, rate = self._worst(here)
+        return f"{found}; nothing holds {self._name(node)}, which accelerates by {rate}"
 
-    def _no_equilibrium(self, here: "_Rest", passes: int) -> SolverError:
+    def _worst(self, here: "_Rest") -> tuple[int, str]:
+        """The node with the largest acceleration, and that in words."""
         k, axis = divmod(int(np.abs(here.rates).argmax()), 6)
         rate = abs(here.rates[k, axis]) / (self.model.size if axis > 2 else 1.0)
         unit = "rad/s^2 about" if axis > 2 else "m/s^2 along"
+        return int(self.free[k]), f"{rate:.4g} {unit} {'xyz'[axis % 3]}"
+
+    def _no_equilibrium(self, here: "_Rest", passes: int) -> SolverError:
+        node, rate = self._worst(here)
         sliding = self.standing.sliding()
         slides = f"; these tyres slide and hold no more: {sliding}" if sliding else ""
         return self._refusal(
-            int(self.free[k]),
+            node,
             f"there is no equilibrium: after {passes} iterations its acceleration is still "
-            f"{rate:.4g} {unit} {'xyz'[axis % 3]}{slides}",
+            f"{rate}{slides}",
         )
 
     def _refusal(self, node: int, cause: str, advice: str = SUPPORT) -> SolverError:
