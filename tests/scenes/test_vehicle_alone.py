@@ -51,12 +51,13 @@ def test_on_a_tilt_table_rigid_wheels_lift_at_half_the_track_over_the_height(
 ) -> None:
     static = (SPRUNG + 4 * UNSPRUNG) * G / 2
     lift = TRACK / 2 / centre_of_mass()
-    for share in (0.5, 0.95):
-        result = run(tmp_path / f"{share}", slope=share * lift, **RIGID)
-        names = ("front_right", "rear_right")
-        high = sum(result.series(f"tyrout.tyre_{name}.normal").values for name in names)
-        # springs of 1e7 N/m give by 1 mm of 0.6 m
-        assert high == pytest.approx(np.full(len(high), static * (1 - share)), abs=3e-3 * static)
+    result = run(tmp_path / "out", slope=0.5 * lift, **RIGID)
+    names = ("front_right", "rear_right")
+    high = sum(result.series(f"tyrout.tyre_{name}.normal").values for name in names)
+    # what is left of the load falls in proportion to the slope; springs of 1e7 N/m give by 1 mm of
+    # 0.6 m
+    found = 0.5 * lift / (1 - high / static)
+    assert found == pytest.approx(np.full(len(high), lift), rel=2e-3)
 
 
 def test_a_steeper_table_is_refused(tmp_path: Path) -> None:
@@ -119,5 +120,5 @@ def test_it_rolls_freely_as_its_linear_equations_say(tmp_path: Path) -> None:
     start[6] = -rate
     expected = [-(expm(A * t) @ start)[1] for t in roll.time]
     assert np.ptp(expected) > 1e-3
-    # slips and depths of 1e-3 m are linear to 1e-2; spins of wheels and pitch are left out
-    assert np.abs(roll.values - expected).max() < 0.01 * np.abs(expected).max()
+    # of 1e-3 rad, whose square counts; spins of wheels and pitch are left out
+    assert np.abs(roll.values - expected).max() < 1e-3 * np.abs(expected).max()
