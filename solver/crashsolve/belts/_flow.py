@@ -27,7 +27,7 @@ PATIENCE = 100
 CLOSE = 1e-15
 # the same after so many passes, where round-off of tight segments keeps flows moving
 NEARLY, MANY = 1e-13, 40
-# a flow too small to affect any result, over the length of the belt
+# too small to affect any result: a flow over the length of the belt, a force over its stiffness
 SETTLED = 1e-10
 # of a segment, that one pass may take from it
 MOST_TAKEN = 0.8
@@ -54,11 +54,35 @@ def solve_flow(p, old, new, out, t, curves):
             if largest <= (CLOSE if k < MANY else NEARLY) * p.total:
                 new.passes = k + 1
                 break
-        if largest <= SETTLED * p.total:
-            # a matter of round-off, which needs no warning
-            new.passes = min(new.passes, PASSES - 1)
+        if new.passes == PASSES and (
+            largest <= SETTLED * p.total or imbalance(p, old, new, out, curves) <= SETTLED * p.k
+        ):
+            # a matter of round-off, or of slack that has no place of its own: it needs no warning
+            new.passes = PASSES - 1
     for j in range(p.segments + 1):
         new.slip[j] = old.slip[j] + new.flow[j]
+
+
+@kernel
+def imbalance(p, old, new, out, curves):
+    """By how much a force is beyond friction or the spool, or within it where webbing flows [N]."""
+    worst = 0.0
+    if p.spool == 1:
+        over = out.force[0] - spool_force(p, old, new.mode, new.flow[0], curves)[0]
+        q = new.flow[0]
+        if new.mode == LOCKED and q <= 0.0:
+            over = max(over, 0.0)
+        elif new.mode == PULLING and q >= 0.0:
+            over = min(over, 0.0)
+        worst = abs(over)
+    for j in range(1, p.segments):
+        T_a, T_b, c, q = out.force[j - 1], out.force[j], new.grip[j], new.flow[j]
+        onwards, back = T_b - c * T_a, T_a - c * T_b
+        if abs(q) <= SETTLED * p.total:
+            worst = max(worst, onwards, back)
+        else:
+            worst = max(worst, abs(onwards if q > 0.0 else back))
+    return worst
 
 
 @kernel

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from crashsolve.foundation.orientation import quaternion_of
 from crashsolve.foundation.rows import as_rows
 from crashsolve.model.model import Group, Model
 
@@ -83,10 +84,16 @@ class StandingTyres:
             now["q_x"][row, road], now["q_y"][row, road] = q[0] - x @ s, q[1] - y @ s
 
     def _moved(self, node: int, point: np.ndarray, nodes: np.ndarray) -> np.ndarray:
-        """Position of a point of a body that was at `point` when it was accepted (3,) [m]."""
-        before = self.nodes[node]
-        A, B = before["A"].reshape(3, 3), nodes[node]["A"].reshape(3, 3)
-        return np.asarray(nodes[node]["r"] + B @ (A.T @ (point - before["r"])))
+        """Displacement of a point of a body since it was accepted, to first order (3,) [m].
+
+        A wheel that rolls by any angle so moves it not at all: r theta is what its centre goes.
+        """
+        before, now = self.nodes[node], nodes[node]
+        q = quaternion_of(now["A"].reshape(3, 3) @ before["A"].reshape(3, 3).T)
+        sine = float(np.linalg.norm(q[1:]))
+        angle = 2.0 * np.arctan2(sine, abs(q[0]))
+        rotation = np.copysign(1.0, q[0]) * q[1:] * (angle / sine if sine > 0.0 else 2.0)
+        return np.asarray(now["r"] - before["r"] + np.cross(rotation, point - before["r"]))
 
     def commit(self) -> None:
         """Begin the run with the deflections of the last sample. Writes: histories."""

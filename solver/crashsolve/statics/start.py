@@ -6,11 +6,12 @@
 g are the forces at rest that joints do not hold, delta_c closes the joints. tau grows as g falls
 (pseudo-transient continuation): small steps along the forces at first, so that what hangs above its
 springs settles on them, Newton's steps in the end. Directions in which nothing acts, as those in
-which a car rolls, keep their coordinate. Forces are those without motion: dampers, friction and
-slip of tyres are zero, but for the carcass of standing wheels (`standing_tyres.py`). Velocities of
-the deck stay, but for what joints of the new configuration do not allow. Consequence to test: loads
-sum to the weight and divide by their lever arms, and the motion that follows stays below 1 % of
-them.
+which a car rolls, keep their coordinate; where a small force is left in such a direction, as by the
+aligning moments of leaning wheels, the run begins with it, and the log states it. Forces are those
+without motion: dampers, friction and slip of tyres are zero, but for the carcass of standing wheels
+(`standing_tyres.py`). Velocities of the deck stay, but for what joints of the new configuration do
+not allow. Consequence to test: loads sum to the weight and divide by their lever arms, and the
+motion that follows stays below 1 % of them.
 
 Reference: Kelley and Keyes (1998), Convergence analysis of pseudo-transient continuation, SIAM
 Journal on Numerical Analysis 35, 508-523.
@@ -39,6 +40,10 @@ MOST_ITERATIONS = 300
 SEARCHES = 3
 # successive iterations in which a standing tyre slides all over, after which nothing holds it
 SLIDES = 40
+# acceleration in directions that nothing holds, over that of the loads, with which a run begins all
+# the same: half of the transient that is allowed; tau [s] from which a search that is left with so
+# little stalls where it falls by less than a half, and the successive iterations that show it
+DRIFT, STALLED, STALLS = 5e-3, 0.5, 2
 # a correction that counts as zero, in the model's size or rad
 SMALLEST = 1e-11
 # growth of a motion away from the equilibrium beyond that of round-off [1/s]
@@ -100,6 +105,15 @@ class _Correction:
         return np.asarray((closing + free).reshape(-1, 6))
 
 
+def _held_inverse(matrix: np.ndarray, M: np.ndarray, tau: float) -> np.ndarray:
+    """Inverse of `matrix` but for motions that nothing holds, which keep their coordinates."""
+    half = np.linalg.inv(np.linalg.cholesky(0.5 * (M + M.T)))
+    U, values, V = np.linalg.svd(half @ matrix @ half.T)
+    kept = values > 1.0 / tau**2 + GROWTH**2
+    inverse = V[kept].T @ ((U[:, kept] / values[kept]).T)
+    return np.asarray(half.T @ inverse @ half)
+
+
 class _EquilibriumSearch:
     """Intermediate configurations, as nodes without velocities."""
 
@@ -118,6 +132,8 @@ class _EquilibriumSearch:
             )
             raise self._refusal(1, message, "leave out control.start")
         self.standing_tyres = StandingTyres(self.model, nodes, int(engine.clock["current"]))
+        # whether the search is left with a motion that nothing holds
+        self.drifts = False
         self.nodes = nodes.copy()
         self.nodes["v"] = self.nodes["w"] = self.nodes["L"] = 0.0
 
@@ -130,17 +146,21 @@ class _EquilibriumSearch:
         report("preparing the first step")
         self._refuse_unstable(state)
         self._accept(state.D)
-        return self._words(first, iterations)
+        return self._words(first, iterations, state)
 
     def _search(self, iterations: int, report: Callable[[str], None]) -> tuple["_RestState", int]:
         """Iterate from the present configuration to an equilibrium; its state, and the number of
         all iterations.
         """
-        state, tau, slides = self._at_rest(self.nodes), FIRST, 0
+        state, tau, slides, stalls = self._at_rest(self.nodes), FIRST, 0, 0
         self.standing_tyres.accept(self.nodes)
+        self.drifts, before = False, np.inf
         while True:
             count = f"{iterations} of at most {MOST_ITERATIONS} iterations"
             report(f"searching the equilibrium, after {count}")
+            stalls = stalls + 1 if tau >= STALLED and self._has_stalled(state, before) else 0
+            self.drifts = self._is_allowed(state) and (self.drifts or stalls >= STALLS)
+            before = state.largest_acceleration
             correction = self._correction(state, tau)
             is_small = correction.size <= SMALLEST and (
                 tau == LONGEST or state.largest_acceleration == 0.0
@@ -164,6 +184,17 @@ class _EquilibriumSearch:
             if growth <= 1.0 or correction.size <= SMALLEST:
                 tau = min(2.0 * tau / max(growth, 0.1), LONGEST)
             self._find_near_pairs()
+
+    def _has_stalled(self, state: "_RestState", before: float) -> bool:
+        """Whether accelerations have fallen by less than a half since `before`."""
+        return state.largest_acceleration > 0.5 * before
+
+    def _is_allowed(self, state: "_RestState") -> bool:
+        """Whether what is left is no more than a run may begin with."""
+        nodes = self.engine.nodes
+        load = float(np.linalg.norm(nodes["external"][0, :3]))
+        mass = float((1.0 / nodes["mass_inv"][self.free]).sum())
+        return state.largest_acceleration * mass <= DRIFT * load
 
     def _at_rest(self, nodes: np.ndarray) -> "_RestState":
         """The state of rest in a configuration."""
@@ -207,10 +238,13 @@ class _EquilibriumSearch:
     def _correction(self, state: "_RestState", tau: float) -> "_Correction":
         """The correction (n, 6) of one iteration with a pseudo time step `tau` [s]."""
         Z, G = state.motions, self._tangent(state.g)
-        matrix = Z.T @ (self._mass() / tau**2 - G) @ Z
-        found = _Correction(
-            state.D, Z, G, np.linalg.pinv(matrix, rcond=1e-15), np.zeros((0, 6)), 0.0
-        )
+        mass = self._mass()
+        matrix = Z.T @ (mass / tau**2 - G) @ Z
+        if self.drifts:
+            inverse = _held_inverse(matrix, Z.T @ mass @ Z, tau)
+        else:
+            inverse = np.linalg.pinv(matrix, rcond=1e-15)
+        found = _Correction(state.D, Z, G, inverse, np.zeros((0, 6)), 0.0)
         change = found.for_state(state)
         found.size = self._size(change)
         displacement = np.abs(change[:, :3]).max(initial=0.0) / (
@@ -280,25 +314,34 @@ class _EquilibriumSearch:
         A, J = (nodes[name][self.free].reshape(-1, 3, 3) for name in ("A", "J"))
         nodes["L"][self.free] = np.einsum("nij,njk,nlk,nl->ni", A, J, A, w)
 
-    def _words(self, first: np.ndarray, iterations: int) -> str:
+    def _words(self, first: np.ndarray, iterations: int, state: "_RestState") -> str:
         """Displacement of the bodies in words, for the log."""
         moved = np.linalg.norm(self.nodes["r"] - first["r"], axis=1)
         node = int(moved.argmax())
         displacement = f"by up to {moved[node]:.4g} m ({self._name(node)})"
-        return (
+        found = (
             f"equilibrium found in {iterations} iterations: mass centres were moved {displacement}"
         )
+        if not self.drifts:
+            return found
+        node, rate = self._fastest(state)
+        return f"{found}; nothing holds {self._name(node)}, which accelerates by {rate}"
 
-    def _no_equilibrium(self, state: "_RestState", iterations: int) -> SolverError:
+    def _fastest(self, state: "_RestState") -> tuple[int, str]:
+        """The node with the largest acceleration, and that in words."""
         k, axis = divmod(int(np.abs(state.rates).argmax()), 6)
         rate = abs(state.rates[k, axis]) / (self.model.size if axis > 2 else 1.0)
         unit = "rad/s^2 about" if axis > 2 else "m/s^2 along"
+        return int(self.free[k]), f"{rate:.4g} {unit} {'xyz'[axis % 3]}"
+
+    def _no_equilibrium(self, state: "_RestState", iterations: int) -> SolverError:
+        node, rate = self._fastest(state)
         sliding = self.standing_tyres.sliding()
         slides = f"; these tyres slide and hold no more: {sliding}" if sliding else ""
         return self._refusal(
-            int(self.free[k]),
+            node,
             f"there is no equilibrium: after {iterations} iterations its acceleration is still "
-            f"{rate:.4g} {unit} {'xyz'[axis % 3]}{slides}",
+            f"{rate}{slides}",
         )
 
     def _refusal(self, node: int, cause: str, advice: str = SUPPORT) -> SolverError:
