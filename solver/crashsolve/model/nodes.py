@@ -81,7 +81,6 @@ ESTIMATE = Record("""
 ROW = Record("""
     phi         m or 1               Phi(q, t)
     D           1 or m           12  Jacobian; columns v_a, w_a, v_b, w_b
-    X           1/kg             12  D M^-1
     nu          m/s                  -Phi_t: D v = nu
     gamma       m/s^2                -D_dot v - Phi_tt: D v_dot = gamma
     right       m, m/s or m/s^2      Phi, D v - nu or gamma - D M^-1 g: what lambda must answer for
@@ -93,6 +92,7 @@ ROW = Record("""
     scale       m or 1               scale of phi: model length, or 1 for angles
     node_a      index                first node
     node_b      index                second node
+    X           1/kg             12  D M^-1
 """)
 
 COMPLIANT = Record("""
