@@ -85,7 +85,7 @@ ROW = Record("""
     gamma       m/s^2                -D_dot v - Phi_tt: D v_dot = gamma
     right       m, m/s or m/s^2      Phi, D v - nu or gamma - D M^-1 g: what lambda must answer for
     multiplier  N or N m             lambda of the last drift
-    before      N or N m             lambda of the drift before it
+    before      N or N m             lambda of the closing kick before that drift
     trial       N or N m             lambda of the drift being tried
     delta       N or N m             its correction
     reaction    N or N m             lambda of the last closing kick, or of the sample

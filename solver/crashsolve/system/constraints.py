@@ -171,10 +171,15 @@ def worst_residual(rows):
 
 @kernel
 def extrapolate_trial(rows, ratio):
-    """First guess of lambda, on the line through the last two. Writes: rows.trial."""
+    """First guess of lambda, `ratio` the new step over the last. Writes: rows.trial.
+
+    A drift closes positions at its end, so that its lambda differs from that of the kick at its
+    start by a term in proportion to the step, and by what the drift before had left open. The kick
+    has neither; the line through the last two drifts would have twice of the latter.
+    """
     for k in range(rows.shape[0]):
         row = rows[k]
-        row.trial = row.multiplier + ratio * (row.multiplier - row.before)
+        row.trial = row.reaction + ratio * (row.multiplier - row.before)
 
 
 @kernel
@@ -186,7 +191,7 @@ def keep_trial(rows):
     power = 0.0
     for k in range(rows.shape[0]):
         row = rows[k]
-        row.before = row.multiplier
+        row.before = row.reaction
         row.multiplier = row.trial
         power += row.trial * row.nu
     return power
