@@ -201,10 +201,7 @@ class Engine:
         self._go_by_corners(until, until)
 
     def reach(self, until: float) -> None:
-        """Step to `until` [s], or beyond it where a sample may lie within a step.
-
-        Raises SolverError at a numerical stop.
-        """
+        """Step to `until` [s], beyond it where samples may lie in a step. Raises SolverError."""
         end = float(self.model.control[0]["end"])
         self._go_by_corners(until, max(until, end) if self.is_dense else until)
 
@@ -274,9 +271,8 @@ class Engine:
         return bool(steps.min(initial=inf) >= (float(control["fixed_step"]) or inf))
 
     def _next_curve_step(self, goal: float) -> float:
-        """Time [s] until which one bound by curves of time holds. Writes: control, clock.
-
-        Where no step to `goal` could be as long as the bounds before it, it is `goal`.
+        """Time [s] until which one bound by curves of time holds; `goal` where no step is shorter.
+        Writes: control, clock.
         """
         control, clock, starts = self.model.control[0], self.state.clock[0], self._curve_starts
         if self._is_free_of_curves():
@@ -301,9 +297,7 @@ class Engine:
         return change if change - now > ROUND_OFF * abs(goal) else inf
 
     def _rotate_corner(self) -> None:
-        """Renew forces at the end of a step that ends at a corner in time, for methods that reuse
-        them.
-        """
+        """Renew forces after a step that ends at a corner, for methods that reuse them."""
         if self.has_stages:
             self._renew_forces()
         self.state.clock[0]["kinked"] = 1
@@ -335,10 +329,7 @@ class Engine:
         return int(clock["status"])
 
     def sample(self, time: float | None = None) -> None:
-        """Outputs, reactions and energies at present, or at a time [s] within the last step.
-
-        Raises SolverError, after a few steps already where energy is created.
-        """
+        """Outputs and energies now, or at a time [s] in the last step. Raises SolverError."""
         for now, copy in self.copied:
             copy[:] = now
         clock = self.sample_clock[0]
