@@ -41,6 +41,8 @@ STAGNATION_TOLERANCE = 1e-9
 NOWHERE, NOTHING = 1e-15, 1e-12
 # of the largest mobility of the rows of joints: lets redundant ones share
 SHARED = 1e-10
+# of the energy that a load step moves
+EXCHANGED = (*energy.MECHANICAL, energy.EXTERNAL_WORK, energy.DRIVER_WORK)
 # a load step is halved so often where no equilibrium is found
 HALVINGS = 7
 # of the largest force, and of the change over a load step: where `control.tolerance` says nothing
@@ -151,7 +153,7 @@ class StaticEngine(Engine):
     def _goes(self, target: float) -> Problem | None:
         """Go to the equilibrium of a moment, or to a corner before it; why it cannot be had."""
         clock, start = self.clock, self.state.nodes.copy()
-        begun, before = float(clock.time), self._missing_energy()
+        begun, before, had = float(clock.time), self._missing_energy(), self.ledger.copy()
         self.work.begin()
         reached = self._reaches(target)
         if reached is None:
@@ -163,9 +165,12 @@ class StaticEngine(Engine):
         location = self._unstable()
         if location:
             return Problem("unstable mode", target, location)
-        if self.sees_jumps and passes_limit_point(self, start, begun, target):
+        missing = abs(self._missing_energy() - before)
+        exchanged = float(np.abs(self.ledger - had)[list(EXCHANGED)].max())
+        share = missing / max(exchanged, NOTHING * self.forces.energy(), 1e-300)
+        if self.sees_jumps and passes_limit_point(self, start, begun, target, share):
             return Problem("jump", target)
-        if self._is_off(abs(self._missing_energy() - before)):
+        if self._is_off(missing):
             return Problem("balance", target)
         return Problem("end of curve", target) if is_beyond else None
 
