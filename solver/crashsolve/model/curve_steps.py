@@ -3,7 +3,9 @@
     h <= 2 pi / 40 / omega,   omega = max |f'''| / max |f''|   near the time
 
 omega is the circular frequency of a sine, and for a smooth pulse of width s about 2 / s; straight
-pieces have none, and steps end at their corners (corners.py). A curve may change as fast as it
+pieces have none, and steps end at their corners (corners.py). Methods of order 2 are
+not exact on a slope, so that those of a lone pulse are cut: of a curve of FEW_LINES pieces or fewer
+each into LINE steps, and the runs of an estimate differ in them. A curve may change as fast as it
 likes where that is below NOTHING of its range in a step, and no piece is cut into more than four.
 Time is halved until a part has no more than some steps; parts of like bounds are one.
 Consequence to test: a pulse between two samples gives its impulse, wherever it lies; a load of the
@@ -22,6 +24,10 @@ from crashsolve.model.model import Model
 PER_PERIOD, NOTHING = 40, 1e-8
 # a stated step of so many times the longest hardly sees a curve, or misses it
 HARDLY, MISSED = 4.0, 16.0
+# steps in a sloped piece of a curve of no more straight pieces than that: the work of a load in one
+# step of unequal neighbours is wrong by 1 / LINE^2, which is to be below control.energy_limit; two
+# companions of twice and four times the step take 4 and 2
+LINE, FEW_LINES = 8, 16
 # a part is halved down to so many of its steps, over a period, and this share of the curve
 FEW, SHORTEST = 100, 1.0 / 4096
 
@@ -35,9 +41,12 @@ class _Pieces(NamedTuple):
     range: float
 
 
-def steps_by_curves(model: Model) -> tuple[np.ndarray, np.ndarray]:
-    """Times [s] (n,) from which a step [s] (n,) is the longest that sees all curves of time."""
-    found = [_steps(model.curves, first) for first in sorted(curves_of_time(model))]
+def steps_by_curves(model: Model, parts: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+    """Times [s] (n,) from which a step [s] (n,) is the longest that sees all curves of time.
+
+    Slopes of lone pulses are cut into `parts`, if any.
+    """
+    found = [_steps(model.curves, first, parts) for first in sorted(curves_of_time(model))]
     found = [(x, h) for x, h in found if np.isfinite(h).any()]
     if not found:
         return np.zeros(0), np.zeros(0)
@@ -71,11 +80,13 @@ def warn_of_unseen(model: Model) -> list[str]:
     ]
 
 
-def _steps(curves: np.ndarray, first: int) -> tuple[np.ndarray, np.ndarray]:
+def _steps(curves: np.ndarray, first: int, parts: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
     """The same of the curve that begins with point `first`."""
     points = curves[first : curves[first]["last"] + 1]
     x, c = points["x"].copy(), points["c"][:-1]
     length = np.diff(x)
+    if parts and len(c) <= FEW_LINES and not c[:, 2:].any():
+        return x, np.r_[np.where(c[:, 1] != 0.0, length / parts, np.inf), np.inf]
     ends = np.abs([2 * c[:, 2], 2 * c[:, 2] + 6 * length * c[:, 3]])
     values = points["c"][:-1, 0]
     last = c[-1] @ length[-1] ** np.arange(4)
