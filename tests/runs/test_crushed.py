@@ -35,7 +35,7 @@ def engine(*stretches: float) -> Any:
     [
         ((-0.5, 0.1), ()),
         ((-0.5, -FOLDED - 0.01), ("'post_2' is 74 % shorter", "solid")),
-        ((-1.2, -0.9), ("'post_1' is 120 % shorter", "(1 others", "inside out")),
+        ((-1.2, -0.9), ("'post_1' is 120 % shorter", "(1 more", "inside out")),
     ],
 )
 def test_what_is_crushed_beyond_its_folds_is_named(

@@ -211,12 +211,12 @@ def crushed(engine: Engine) -> list[str]:
     if not over:
         return []
     share, name = over[0]
-    others = f" ({len(over) - 1} others are beyond that too)" if len(over) > 1 else ""
+    others = f" ({len(over) - 1} more beyond that)" if len(over) > 1 else ""
     how = "it is turned inside out" if share >= 1.0 else "its folds are solid"
     return [
         f"element '{name}' is {100.0 * share:.3g} % shorter than at the start{others}: a tube "
-        f"folds to some {100.0 * (1.0 - FOLDED):.0f} % of its length and then bears any force, which "
-        f"segments and beams do not know; {how}, and the run too soft from there on; take "
+        f"folds to some {100.0 * (1.0 - FOLDED):.0f} % of its length and then bears any force, "
+        f"which segments and beams do not know; {how}, and the run too soft from there on; take "
         "deformation: shells with self_contact, a longer member, or less energy"
     ]
 
