@@ -36,7 +36,9 @@ class Law(NamedTuple):
 
 
 class Made(NamedTuple):
-    """A card that is made, and the path in the other of what it is made of."""
+    """A card that an expansion has made, and the path in the expanded card from which it is
+    made.
+    """
 
     keyword: str
     name: str
@@ -45,7 +47,7 @@ class Made(NamedTuple):
 
 
 class Problem(ValueError):
-    """Why a card cannot be written out, at a path of it."""
+    """An error at a path of a card that cannot be written out."""
 
     def __init__(self, path: Steps, message: str, advice: str = "") -> None:
         super().__init__(message)

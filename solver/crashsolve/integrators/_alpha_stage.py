@@ -145,7 +145,7 @@ def visit_end(h, clock, nodes, rows, scene):
 
 @kernel
 def end_factor(scene):
-    """Where the factor of the step's matrix stands."""
+    """The factor of the step's matrix."""
     pairs = scene.compliant_pairs
     return Saddle(scene.columns_0, scene.blocks_0, scene.compliant_updates, pairs)
 
@@ -163,7 +163,7 @@ def arrive(h, clock, nodes, rows, saddle, scene):
 
 @stage
 def estimate(h, clock, nodes, scene, size, speed):
-    """Estimated error of the step; what is stiff is damped as the method damps it.
+    """Estimated error of the step; stiff components are damped as by the method.
 
     Writes: scene.stages.right_*.
     """

@@ -132,13 +132,13 @@ def correct_stages(h, speed, nodes, rows, scene):
 
 @kernel
 def stage_tables(scene):
-    """Where the rows of springs and joints at each stage stand."""
+    """The rows of springs and joints at each stage."""
     return (scene.compliant_0, scene.compliant_1, scene.compliant_2)
 
 
 @kernel
 def stage_factors(scene):
-    """Where the factors of the stages' matrices stand."""
+    """The factors of the stages' matrices."""
     updates, pairs = scene.compliant_updates, scene.compliant_pairs
     return (
         Saddle(scene.columns_0, scene.blocks_0, updates, pairs),
@@ -161,7 +161,7 @@ def arrive(h, clock, nodes, rows, saddle, scene):
 
 @kernel
 def estimate(h, clock, nodes, scene, size, speed):
-    """Estimated error of the step; what is stiff is damped as the method damps it.
+    """Estimated error of the step; stiff components are damped as by the method.
 
     Writes: scene.stages.right_* of the last stage.
     """
@@ -175,7 +175,7 @@ def estimate(h, clock, nodes, scene, size, speed):
 
 @stage
 def weigh_pass(h, i, clock, scene):
-    """Weights of stage i in what is summed over the step. Writes: clock."""
+    """Set the weights of stage i in sums over the step. Writes: clock."""
     end = STAGES * (STAGES - 1)
     clock.opens = 1 if i == 1 else 0
     clock.closes = 0

@@ -164,7 +164,8 @@ def at_section(p: Parameters, strained):
 
 @kernel
 def yielding(p: Parameters, old: History, curves, strained, material):
-    """What fibres have besides K: N, M_y, M_z, and derivatives by e, theta_y, theta_z (6 each).
+    """Differences of fibres from the elastic K: N, M_y, M_z, and derivatives by e, theta_y, theta_z
+    (6 each).
 
     Those by the rates of these follow.
     """
@@ -186,7 +187,7 @@ def bend(p: Parameters, state: History, nodes, curves, slot, blocks, material):
 
 @kernel
 def tangent(p: Parameters, state: History, nodes, curves, rows, first, material):
-    """By the velocities; by the positions see bend. Writes: rows."""
+    """Derivatives of the forces by velocities; for those by positions see bend. Writes: rows."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame(a, b)
     element.yield_rows(p, a, b, R, v, w, rows, first)

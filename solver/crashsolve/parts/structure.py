@@ -48,7 +48,7 @@ Deformation: Any = Literal[DESCRIPTIONS]
 
 
 class Point(Card):
-    """Where members meet or end: a rigid body called S_name in structure S."""
+    """A point where members meet or end: a rigid body called S_name in structure S."""
 
     name: NewName = word("name; the body is called S_name in structure S")
     at: Vec3 = quantity("m", "position")
@@ -91,7 +91,7 @@ class Structure(Card):
 
     points: tuple[Point, ...] = word("where members meet or end: bodies S_name of structure S")
     members: tuple[Member, ...] = word("straight members between points")
-    deformation: Deformation = word("how members deform, unless they give their own")
+    deformation: Deformation = word("description of deformation of the members")
     section: SectionName | None = word("cross section, unless a member names its own", default=None)
     material: MaterialName | None = word("material, unless a member names its own", default=None)
     side: Vec3 | None = word(

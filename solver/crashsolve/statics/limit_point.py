@@ -26,37 +26,37 @@ ELSEWHERE = 0.1
 
 
 def passes_limit_point(
-    engine: Any, start: np.ndarray, begun: float, target: float, missing: float
+    engine: Any, start: np.ndarray, start_time: float, target: float, missing: float
 ) -> bool:
     """Whether the equilibria at both moments [s] are no neighbours; `start` are the nodes at first,
     `missing` the share of the energy exchanged between both that is not accounted for.
 
     Of laws that yield nothing is said: a tangent that loads is not one that unloads.
     """
-    if engine.yielding.groups or engine.plastic_flow.groups or begun < engine.loading.start:
+    if engine.yielding.groups or engine.plastic_flow.groups or start_time < engine.loading.start:
         return False
     change, forward = engine.size_of(engine.change_from(start)), engine.first
-    if forward > APART * change + NOWHERE and target - begun > 2.0 * engine.least:
-        # near a limit point the tangent of the lower equilibrium says more than there is
+    if forward > APART * change + NOWHERE and target - start_time > 2.0 * engine.least:
+        # near a limit point the tangent of the lower equilibrium overestimates the change
         return True
     if change <= FAR * forward + NOWHERE:
-        return missing > WHOLE and _leads_elsewhere(engine, start, begun, target, change)
+        return missing > WHOLE and _leads_elsewhere(engine, start, start_time, target, change)
     tangent = engine.tangent
-    backward = engine.size_of(engine.correction(begun))
+    backward = engine.size_of(engine.correction(start_time))
     # as it was: loads of the target, and its tangent
     engine.imbalance(target)
     engine.tangent = tangent
     if change > FAR * max(forward, backward):
         return True
-    return missing > WHOLE and _leads_elsewhere(engine, start, begun, target, change)
+    return missing > WHOLE and _leads_elsewhere(engine, start, start_time, target, change)
 
 
 def _leads_elsewhere(
-    engine: Any, start: np.ndarray, begun: float, target: float, change: float
+    engine: Any, start: np.ndarray, start_time: float, target: float, change: float
 ) -> bool:
     """Whether the way back from an equilibrium ends far from the nodes where it began."""
     here, tangent, first = engine.state.nodes.copy(), engine.tangent, engine.first
-    is_found = bool(engine.finds(begun))
+    is_found = bool(engine.iterate(start_time))
     rest = engine.size_of(engine.change_from(start))
     engine.state.nodes[:] = here
     engine.imbalance(target)

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.deck.keywords import SECTIONS
+from crashsolve.model.contact.body_pairs import body_pairs_of
 from crashsolve.model.contact.pieces import tables_of
 from crashsolve.model.ledger import ENTRIES
 from crashsolve.system.diagnosis import chooses_step, limiter
@@ -40,7 +41,9 @@ class Actor:
 
 
 class StepBound:
-    """What sets the step of a run; searched again after a second, or for another body."""
+    """The entity that limits the step of a run; searched again after a second, or for another
+    body.
+    """
 
     def __init__(self, interval: float, longest: float | None) -> None:
         """`interval` [s] of samples, `longest` [s] the deck's own bound."""
@@ -48,12 +51,12 @@ class StepBound:
         self._culprit, self._at, self._found = "", 0, -np.inf
 
     def report(self, engine: Engine) -> str:
-        """What sets the present step, and why."""
+        """The entity that limits the present step, and why."""
         control, step = engine.model.control[0], float(engine.clock["step"])
         if step == 0.0:
             return "-"
-        if (asked := float(control["fixed_step"])) > 0.0:
-            is_cut = asked > self._interval and step < 0.999 * asked
+        if (requested := float(control["fixed_step"])) > 0.0:
+            is_cut = requested > self._interval and step < 0.999 * requested
             return "samples" if is_cut else "control.step"
         if self._longest is not None and step > 0.999 * self._longest:
             return "control.step_max"
@@ -185,6 +188,8 @@ def _only(group: Any, rows: np.ndarray) -> dict[str, np.ndarray]:
     }
     if getattr(group, "in_pieces", False):
         tables |= tables_of(group, tables["parameters"])
+    if getattr(group, "body_pairs", None) is not None:
+        tables["body_pairs"] = body_pairs_of(group, tables["parameters"])
     return {f"{group.word}_{name}": table for name, table in tables.items()}
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from importlib import import_module
-from math import inf, nextafter
+from math import hypot, inf, nextafter
 from time import monotonic
 from typing import Any
 
@@ -20,7 +20,7 @@ from crashsolve.model.clock import (
     STOPS_AT_SAMPLE,
     TOUCHED,
 )
-from crashsolve.model.contact.node_to_surface import give_room
+from crashsolve.model.contact.node_to_surface import make_room
 from crashsolve.model.contact.pairs import renew
 from crashsolve.model.corners import corners_in_time
 from crashsolve.model.curve_steps import LINE, steps_by_curves
@@ -32,7 +32,7 @@ from crashsolve.system.contact.effective_mass import EffectiveMasses
 from crashsolve.system.contact.initial_penetration import find_impact_speeds
 from crashsolve.system.diagnosis import diagnose, passed_through, velocity_error
 from crashsolve.system.placeholders import group_arrays, is_shared, samples_within_steps
-from crashsolve.threads.sharing import own_arrays
+from crashsolve.threads.sharing import arrays_of_threads
 
 # an assembly error above this share of the model's size is an error in the deck, not round-off
 ASSEMBLY = 1e-6
@@ -96,11 +96,11 @@ class Engine:
         self.masses = EffectiveMasses(self.model)
         # of how the run begins, for the log
         self.notes: list[str] = []
-        # asked now and then between two samples; may raise
+        # called from time to time between two samples; may raise
         self.on_pause: Callable[[], None] = lambda: None
-        # what the log is to say of the run
+        # messages for the log
         self.on_message: Callable[[str], None] = lambda text: None
-        # what goes into a dump beside the State
+        # arrays of a dump beside the State
         self.aside: dict[str, np.ndarray] = {}
         self._steps_per_call = 1 if runs_plain() else FIRST_CALL
         # steps from one look to the next, of an interval that is run once more
@@ -108,7 +108,7 @@ class Engine:
 
     @property
     def addresses(self) -> tuple[int, int, int] | None:
-        """Where the compiled step is, its tables at present, and those of a sample.
+        """Addresses of the compiled step, of its present tables, and of those of a sample.
 
         None where it is no function of one thread that code without checks may call.
         """
@@ -119,11 +119,11 @@ class Engine:
 
     def has_no_bend(self, until: float) -> bool:
         """Whether no curve of time has a corner or another bound on steps by `until` [s]."""
-        is_free = not len(self._curve_starts) or float(self.model.control[0]["fixed_step"]) > 0.0
+        is_free = self._is_free_of_curves()
         return is_free and self.clock["kinked"] != CORNER and self._next_corner(until) > until
 
     def _in_bytes(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """What a sample copies, from and to: in bytes, as numpy takes columns one by one."""
+        """Copies of a sample, from and to, in bytes, as numpy copies columns one by one."""
         s = self.state
         pairs = [(s.nodes, self.nodes), (s.rows, self.rows), (s.clock, self.sample_clock)]
         pairs += [(s.ledger, self.ledger), *self._histories.values()]
@@ -146,9 +146,9 @@ class Engine:
         copied = (self.sample_clock, self.nodes, self.rows, self.ledger)
         copies = dict(zip(state, copied, strict=True))
         copies |= {name: copy for name, (_, copy) in self._histories.items()}
-        # that of the first thread, which others are reported by this name
+        # the clock of the first thread, which the others know by this name
         leaders = [{"leader": own["clock"]} if is_shared(m) else {} for own in (state, copies)]
-        own = own_arrays(m)
+        own = arrays_of_threads(m)
         self._present, self._sampled = (
             self._tables(shared | step | leader, own)
             for step, leader in zip((state, copies), leaders, strict=True)
@@ -244,7 +244,7 @@ class Engine:
             self.answer(status)
 
     def answer(self, status: int) -> None:
-        """What the loop gave control back for, other than its goal. Raises SolverError."""
+        """Handle a return of the loop before its goal. Raises SolverError."""
         s = self.state
         if status == PAUSED:
             self.on_pause()
@@ -254,7 +254,7 @@ class Engine:
         elif status == REBUILD:
             self._refuse_passing()
             renew(self.model.contact_groups, s)
-            give_room(self.model.nodal_groups)
+            make_room(self.model.nodal_groups)
             self.bind()
         else:
             raise diagnose(self.model, s, self.clock, s.ledger)
@@ -272,17 +272,27 @@ class Engine:
         # one that a sample lies on to the last digits is met with it
         return until if abs(corner - until) <= near else corner
 
+    def _is_free_of_curves(self) -> bool:
+        """Whether no curve of time bounds steps: a stated one, where it is short enough for all."""
+        control = self.model.control[0]
+        steps = self._curve_steps * float(control["curve_share"])
+        return bool(steps.min(initial=inf) >= (float(control["fixed_step"]) or inf))
+
     def _next_curve_step(self, goal: float) -> float:
         """Time [s] until which one bound by curves of time holds. Writes: control, clock.
 
         Where no step to `goal` could be as long as the bounds before it, it is `goal`.
         """
         control, clock, starts = self.model.control[0], self.state.clock[0], self._curve_starts
-        if not len(starts) or control["fixed_step"] > 0.0:
+        if self._is_free_of_curves():
             return inf
         now = float(clock["time"])
         steps = self._curve_steps * (float(control["curve_share"]) * self._stages_see)
         at = max(int(np.searchsorted(starts, now, side="right")) - 1, 0)
+        if control["fixed_step"] > 0.0:
+            # what is left but for round-off is one step
+            is_cut = steps[at] < min(control["fixed_step"], (1.0 - STAGNATION_RATIO) * (goal - now))
+            return now + float(steps[at]) if is_cut else inf
         last = int(np.searchsorted(starts, goal, side="left"))
         if steps[at:last].min(initial=inf) >= goal - now:
             control["curve_step"] = inf
@@ -296,7 +306,9 @@ class Engine:
         return change if change - now > ROUND_OFF * abs(goal) else inf
 
     def _rotate_corner(self) -> None:
-        """What methods keep of the end of a step, as it is after the corner there."""
+        """Renew forces at the end of a step that ends at a corner in time, for methods that reuse
+        them.
+        """
         if self.has_stages:
             self._renew_forces()
         self.state.clock[0]["kinked"] = 1
@@ -346,7 +358,7 @@ class Engine:
         self._refuse_passing()
         is_stopped = clock["status"] in STOPS_AT_SAMPLE
         is_judged = clock["cycle"] >= FIRST_JUDGED
-        if is_stopped or (is_judged and energy.is_out_of_nothing(self.ledger, self._limit)):
+        if is_stopped or (is_judged and energy.is_spurious_energy(self.ledger, self._limit)):
             raise diagnose(self.model, self.state, clock, self.ledger)
         self.state.ledger[energy.LARGEST] = self.ledger[energy.LARGEST]
         for name in MISSING:
@@ -376,7 +388,7 @@ class Engine:
             raise passed
 
     def step_warnings(self) -> list[str]:
-        """Signs that the step is too long for the forces of joints, which state no stiffness."""
+        """Signs that the step is too long for the forces of joints, which have no stiffness."""
         found = self._balance_warnings() + self._vibration_warnings()
         cycles = int(self.clock["cycle"])
         iterations = int(self.clock["iterations"]) / max(cycles, 1)
@@ -389,23 +401,30 @@ class Engine:
         ]
 
     def _vibration_warnings(self) -> list[str]:
-        """Warning that springs swing a body faster than a stated step can follow.
+        """Warning that springs or dampers move a body faster than a stated step can follow.
 
         The work of a spring does not show it: that of a linear one is what it holds in any step.
+        A bounded force that turns a velocity round in every step does none.
         """
-        control, step = self.model.control[0], float(self.clock["step"])
-        square = self.nodes["stiffness"][1:]
-        if self.model.integrator != "rattle" or not control["fixed_step"] or not len(square):
+        clock = self.clock
+        node, swing = int(clock["swing_node"]), float(clock["swing"])
+        if swing < FASTEST_SWING or node >= len(self.model.bodies):
             return []
-        node, omega = 1 + int(square.argmax()), float(square.max()) ** 0.5
-        if node >= len(self.model.bodies) or omega * step < FASTEST_SWING:
-            return []
-        return [
-            f"body '{self.model.bodies[node]}': springs and contacts swing it with {omega:.4g} "
-            f"rad/s, unless joints hold it; steps of {step:.4g} s amplify that, and from "
-            f"{2.0 / omega:.4g} s on it grows without bound: take control.step below "
-            f"{1.0 / omega:.2g} s"
-        ]
+        omega, damping = float(clock["swing_square"]) ** 0.5, float(clock["swing_damping"])
+        limit = 2.0 / (hypot(omega, 0.5 * damping) + 0.5 * damping)
+        step, name = 0.5 * swing * limit, self.model.bodies[node]
+        if damping > 2.0 * omega:
+            found = (
+                f"body '{name}': dampers, friction or contacts stop it within {1.0 / damping:.2g} "
+                f"s, unless joints hold it; steps of {step:.4g} s turn its velocity round instead"
+            )
+        else:
+            found = (
+                f"body '{name}': springs and contacts swing it with {omega:.4g} rad/s, unless "
+                f"joints hold it; steps of {step:.4g} s amplify that, and from {limit:.4g} s on it "
+                "grows without bound"
+            )
+        return [f"{found}: take control.step below {0.5 * limit:.2g} s"]
 
     def _balance_warnings(self) -> list[str]:
         """Warning that the energy balance was above its limit, by more than a negligible energy."""

@@ -25,6 +25,7 @@ QUARTER, MOST_ROTATION = 0.5 * pi, 1.0
 def wanted_step(clock, control, nodes):
     """Next step [s]. Writes: clock.limit_node."""
     if control.fixed_step > 0.0:
+        note_swing(clock, nodes)
         return control.fixed_step
     fastest, at = 0.0, 0
     for i in range(1, nodes.shape[0]):
@@ -44,6 +45,23 @@ def wanted_step(clock, control, nodes):
     if rotation * h > control.rotation:
         h = control.rotation / rotation
     return h
+
+
+@kernel
+def note_swing(clock, nodes):
+    """The body that springs and dampers move fastest for the step just taken. Writes: clock.
+
+    (sqrt(omega^2 + (gamma/2)^2) + gamma/2) h reaches 2 where one spring and one damper on a body
+    become unstable.
+    """
+    for i in range(1, nodes.shape[0]):
+        body = nodes[i]
+        if body.stiffness > 0.0 or body.damping > 0.0:
+            half = 0.5 * body.damping
+            swing = clock.step * (sqrt(body.stiffness + half * half) + half)
+            if swing > clock.swing:
+                clock.swing, clock.swing_node = swing, i
+                clock.swing_square, clock.swing_damping = body.stiffness, body.damping
 
 
 @kernel

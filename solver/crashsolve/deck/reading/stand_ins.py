@@ -39,9 +39,10 @@ class StandIns:
     def put(self, contact: Item) -> None:
         """Put surfaces in place of the names of entries. Writes: items, the contact's value."""
         value = contact.value
-        given = [value.get(side) if isinstance(value, Mapping) else None for side in "ab"]
-        sides = [names for names in given if isinstance(names, Rows)]
-        if len(sides) < 2:
+        sides: list[Any] = [
+            value.get(side) if isinstance(value, Mapping) else None for side in "ab"
+        ]
+        if not all(isinstance(names, Rows) for names in sides):
             return
         on_both = [name for name in sides[0] if self._is_one(name) and name in sides[1]]
         if on_both:
@@ -60,7 +61,7 @@ class StandIns:
         """Whether a name in a contact is that of an entry, and of no surface."""
         return isinstance(name, str) and name in self.entries and name not in self.items["surfaces"]
 
-    def _side(self, contact: Item, k: int, sides: list[Rows]) -> Rows:
+    def _side(self, contact: Item, k: int, sides: list[Any]) -> Rows:
         """The names of a side with those of surfaces in place of entries."""
         names, others = sides[k], sides[1 - k]
         found = Rows(names.file)

@@ -34,7 +34,7 @@ NONE = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 def fit(table: np.ndarray, section: Columns) -> np.ndarray:
-    """Fibres (y, z, A) moved a little and resized, to have area and second moments of a section."""
+    """Fibres (y, z, A) corrected to the area and second moments of a section."""
     y, z, A = table.T
     A = A * section["area"] / A.sum()
     I_y, I_z = section["second"]
@@ -66,7 +66,7 @@ def resultants(p, old, new, h, curves, strain, rate, material):
 
 @kernel
 def stiffening(p, old, curves, strain, rate, material):
-    """By how much of E the stiffest fibre of a law of its own is stiffer than E; 0 at least."""
+    """Relative excess over E of the tangent modulus of the stiffest fibre; at least 0."""
     most = 0.0
     for i in range(p.count):
         y, z = p.y[i], p.z[i]
@@ -112,14 +112,14 @@ def may_flow(m, old, i, size, curves, material):
 
 @inlined
 def fibre_factor(m, old, i, rate, material):
-    """By which the yield stress is higher at a rate of strain, and lower where it is hot."""
+    """Factor [1] on the yield stress by strain rate and temperature."""
     temperature = old.temperature[i] if material.HEATS else 0.0
     return factor_of(m, rate, temperature, material)
 
 
 @kernel
 def growth(m, size, hardening, factor, curves, material):
-    """Plastic strain of a step in which the trial stress has this size.
+    """Plastic strain increment [1] of a step with a trial stress of this magnitude.
 
     Newton's method, and halves of what holds the root where its step leaves that: the slope of a
     power is infinite at no strain.
@@ -141,7 +141,7 @@ def growth(m, size, hardening, factor, curves, material):
 
 @kernel
 def moduli(p, old, curves, strain, rate, material):
-    """What N, M_y, M_z at the end of a step have besides E times area and second moments.
+    """Differences of N, M_y, M_z at the end of a step from the elastic ones.
 
     Their values (3), and their derivatives by `strain` and by `rate` (upper halves, 6 each).
     """
@@ -161,8 +161,9 @@ def moduli(p, old, curves, strain, rate, material):
 
 @kernel
 def flow_tangent(m, old, i, eps, speed, curves, material):
-    """Of a fibre that yields by von Mises' stress: strain less stress / E; E less the slope of its
-    stress; the slope by the rate of strain.
+    """Tangent of a fibre that yields by von Mises' stress: strain less stress / E;
+
+    E less the slope of its stress; slope by the strain rate.
     """
     xi = m.young * (eps - old.plastic[i]) - m.kinematic * old.plastic[i]
     factor = fibre_factor(m, old, i, abs(speed), material)

@@ -48,15 +48,15 @@ EROSION = rows_of(
 )
 # of a layer beyond its yield stress, in its slot of WORK
 _SLOT = Record("""
-    trial   Pa         3  xi = sigma - alpha if nothing yields
-    s1      Pa^2          of the sum of its normal parts
-    s2      Pa^2          of the deviator, with transverse shear and hourglass
-    g       1/Pa          plastic multiplier
-    flow    Pa            yield stress
-    slope   Pa            its slope by the plastic strain
-    factor  1             of rate and temperature on it
-    gap     Pa^2 or 1     what is beyond yield
-    lost    J/m^3         plastic work of the step
+    trial     Pa         3  xi = sigma - alpha if nothing yields
+    s1        Pa^2          of the sum of its normal parts
+    s2        Pa^2          of the deviator, with transverse shear and hourglass
+    g         1/Pa          plastic multiplier
+    flow      Pa            yield stress
+    slope     Pa            its slope by the plastic strain
+    factor    1             of rate and temperature on it
+    residual  Pa^2 or 1     what is beyond yield
+    lost      J/m^3         plastic work of the step
 """)
 _STEP = Record("""
     position   m                   12  of the four corners
@@ -75,7 +75,7 @@ _STEP = Record("""
     modes      m                    4  motion of the step beyond a linear field: of the plane, of
                                        the turns
     diagonals  m                    4  of the element in its axes, in the middle of the step
-    held       Pa                   3  transverse shear and drilling before the step
+    old_shear  Pa                   3  transverse shear and drilling before the step
     thinning   1                       strain across the thickness
     lost       J/m^2                   plastic work of the step
     dropped    J                       energy of the layers that fail
@@ -85,8 +85,8 @@ _SHEAR_RETURN = Record("""
     shear_square  Pa^2      three times the square of the trial transverse shear
     amplitude     N      4  a_x and a_y of the hourglass at all heights, and over the height
     mode_square   1/m^4  2  1 / (t r)^2
-    taken         1      3  sums over the layers of k, k z and k z^2
-    weak          1         share of the shear stiffness that there is
+    relaxed       1      3  sums over the layers of k, k z and k z^2
+    shear_factor  1         factor on the shear stiffness
     trial_shear   Pa     2  transverse shear if nothing yields
     yielding      index     numbers of the layers that yield, side by side
 """)
@@ -97,7 +97,7 @@ _POINTS = Record("""
     mean_thinning  1          of the points
     mean_lost      J/m^2      of the points
     mean_dropped   J          of the points
-    mean_taken     1          of the points
+    mean_relaxed   1          of the points
 """)
 _BEFORE = _STEP + _SHEAR_RETURN
 SLOT = rows_of(_SLOT, rows_of(_BEFORE).SIZE)
@@ -114,7 +114,7 @@ class Layer(NamedTuple):
 
 
 class Law(NamedTuple):
-    """What layers are made of."""
+    """Material of layers."""
 
     m: Row  # columns `material` of a part
     curves: np.ndarray  # those of the deck

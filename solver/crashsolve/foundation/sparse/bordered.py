@@ -128,7 +128,7 @@ def assemble(matrix, rows, joint_rows, position, velocity):
 
 @kernel
 def resist_own(block, k, f, moment):
-    """Less the force and moment on a node by its own motion k. Writes: block."""
+    """Subtract the force and moment on a node by its own motion k. Writes: block."""
     for i in range(3):
         block.stiff[6 * i + k] -= f[i]
         block.stiff[18 + 6 * i + k] -= moment[i]
@@ -136,7 +136,8 @@ def resist_own(block, k, f, moment):
 
 @kernel
 def resist_far(block, k, is_column, f, moment):
-    """The same by motion k of another node, whose column of the block it is, or row.
+    """Subtract the force and moment on a node by motion k of another, in a column or row of the
+    block.
 
     Rows of a block of nodes a and b are those of a, or of b where it flips. Writes: block.
     """
@@ -160,7 +161,7 @@ def add_mass(c, x):
 
 @inlined
 def line_of(matrix, slot, k):
-    """Which row of its joint row k is."""
+    """Number of row k among those of its joint."""
     block = slot.a if slot.a >= 0 else slot.b
     if block < 0:
         return 0

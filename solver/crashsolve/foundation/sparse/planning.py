@@ -112,7 +112,7 @@ def updates_of(
     below: dict[int, set[int]],
     address: dict[tuple[int, int], int],
 ) -> list[tuple[int, int, int]]:
-    """What each column subtracts from the later ones: blocks (a, b, target), target -= a b^T.
+    """Updates of later columns by each column: blocks (a, b, target), target -= a b^T.
 
     In the order of elimination. Writes: update and update_end of the columns.
     """

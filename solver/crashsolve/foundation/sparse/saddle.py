@@ -98,7 +98,7 @@ def factorise(saddle, rows, nodes):
 
 @inlined
 def put_mass(x, body):
-    """Less the lower triangle of the mass matrix of a hub, world axes. Writes: x."""
+    """Subtract the lower triangle of the mass matrix of a hub, world axes. Writes: x."""
     W = body.W
     m = 1.0 / body.mass_inv
     x[0] = x[7] = x[14] = -m
@@ -309,7 +309,7 @@ def solve_up(c, columns, blocks, m):
 
 @inlined
 def hand_down(c, columns, blocks, m):
-    """What the m solved values of a block take from the blocks below. Writes: columns.work."""
+    """Subtract the m solved values of a block from the blocks below. Writes: columns.work."""
     w = c.work
     for e in range(c.block + 1, c.block_end):
         b, below = blocks[e].x, columns[blocks[e].column]
@@ -322,7 +322,7 @@ def hand_down(c, columns, blocks, m):
 
 @inlined
 def take_up(b, below, w, m):
-    """What the values of a block below take from the m of its column. Writes: w."""
+    """Subtract the values of a block below from the m of its column. Writes: w."""
     for i in range(below.rows):
         y = below.work[i]
         for k in range(m):
