@@ -47,6 +47,7 @@ class Judged:
     number: str
     estimate: Estimate
     true: float
+    near: float
     floor: float
     price: float
 
@@ -57,8 +58,11 @@ class Judged:
 
     @property
     def ratio(self) -> float:
-        """Estimated over true error."""
-        return (self.estimate.error or 0.0) / self.true
+        """Estimated over true error; over the largest near the moment if it exceeds that."""
+        error = self.estimate.error or 0.0
+        if error < self.true:
+            return error / self.true
+        return max(1.0, error / max(self.true, self.near))
 
     @property
     def holds(self) -> bool:
@@ -92,7 +96,8 @@ def judge(scene: Scene, folder: Path) -> Iterator[list[Judged]]:
         yield [
             Judged(
                 *(scene.name, method, words, f"{k.channel} {s}", e),
-                *(true_error(k, s, e, main), max(ROUND_OFF, k.floor), price),
+                *(true_error(k, s, e, main), near_error(k, s, main)),
+                *(max(ROUND_OFF, k.floor), price),
             )
             for (k, s), e in zip(numbers, estimates, strict=True)
         ]
@@ -132,6 +137,15 @@ def true_error(known: Known, statistic: str, found: Estimate, main: Samples) -> 
     else:
         truth = refined(Series(fine, known.truth(fine)), statistic)
     return abs((found.value or 0.0) - truth)
+
+
+def near_error(known: Known, statistic: str, main: Samples) -> float:
+    """Largest error of a final number near the end; 0 where that of the moment alone counts."""
+    if not (known.near and callable(known.truth) and statistic == "final"):
+        return 0.0
+    last = main.time >= main.time[-1] - known.near * (main.time[-1] - main.time[0])
+    errors = main.series(known.channel).values - known.truth(main.time)
+    return float(np.max(np.abs(errors[last])))
 
 
 def run_all(words: Sequence[str] = ()) -> list[list[Judged]]:

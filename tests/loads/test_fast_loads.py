@@ -141,6 +141,34 @@ def test_steps_are_short_where_the_curve_is_fast_alone(tmp_path: Path) -> None:
     assert abs(fast - 0.4).max() < 12 * width
 
 
+# rise and fall of a lone pulse [s]: shorter than the step that nothing bounds, and unlike, so that
+# position and work depend on each; two companions had as many steps in the last
+PULSES = [(1.8e-5, 1.3e-5), (1.4e-4, 2.5e-5), (1.2e-3, 1.5e-6)]
+
+
+@pytest.mark.parametrize("method", ["rattle", "generalized_alpha"])
+def test_a_lone_pulse_of_unlike_slopes_moves_a_body(method: str, tmp_path: Path) -> None:
+    for k, (rise, fall) in enumerate(PULSES):
+        out = f"output: {{history: {{interval: {(0.01, 4e-4, 0.05)[k]}}}}}"
+        path = deck(tmp_path, ["0*x"], 0.1, f", integrator: {method}", out)
+        start, top = 0.03, 0.03 + rise
+        points = [[0, 0], [start, 0], [top, 1000], [top + fall, 0], [1, 0]]
+        text = path.read_text().replace(
+            "{type: formula, expression: '0*x', from: 0, to: 0.1}", f"{{points: {points}}}"
+        )
+        path.write_text(f"{text[:-2]}, {{channel: rbdout.m.position.x, statistic: final}}]\n")
+        impulse = 500.0 * (rise + fall)
+        # of the triangle: a third of the way from its top to the middle of its base
+        centre = start + (2.0 * rise + fall) / 3.0
+        _, found, _ = estimate_in_memory(read_deck(path))
+        for estimate, true in zip(found, (impulse, impulse * (0.1 - centre)), strict=True):
+            assert estimate.value is not None and estimate.error is not None
+            off = abs(estimate.value - true)
+            # 8 steps of order 2 in each slope
+            assert off <= 2e-3 * true
+            assert off <= 10.0 * estimate.error + CUBICS * true
+
+
 def test_a_load_of_infinite_slope_takes_short_steps_there_alone(tmp_path: Path) -> None:
     path = deck(tmp_path, ["sqrt(x)"], 2)
     model, _ = build(read_deck(path))

@@ -40,7 +40,9 @@ def ended(folder: Path, load: float, steps: int) -> tuple[int, str]:
     return done.returncode, done.stderr
 
 
-@pytest.mark.parametrize(("load", "steps"), first_quick([(60.0, 4), (60.0, 20), (200.0, 10)]))
+@pytest.mark.parametrize(
+    ("load", "steps"), first_quick([(60.0, 2), (60.0, 4), (60.0, 20), (200.0, 10)])
+)
 def test_it_stops_at_the_limit_load(tmp_path: Path, load: float, steps: int) -> None:
     code, message = ended(tmp_path, load, steps)
     assert code == 4

@@ -187,6 +187,8 @@ class Judge:
             return None
         coarse = [o for o in others if o.cycles > 0 and not is_as_fine(o.cycles, main.cycles)]
         fine = [o for o in others if not is_as_fine(main.cycles, o.cycles)]
+        # of two that corners and samples cut into as many steps one says all
+        coarse = list({o.cycles: o for o in coarse}.values())
         used = [*sorted(coarse, key=_cycles)[-2:], main] if coarse else [main, *fine[:1]]
         if len(used) < 2:
             return None

@@ -6,7 +6,8 @@ omega is the circular frequency of a sine, and for a smooth pulse of width s abo
 may change as fast as it likes where that is below NOTHING of its range in a step, and no piece is
 cut into more than four. Straight pieces have no frequency, and steps end at their corners
 (corners.py): those that rise or fall are cut into four, or every run beside this one would take the
-same step over them, and estimate no error of what moves within it.
+same step over them, and estimate no error of what moves within it. Methods of order 2 miss work on
+slopes of unequal steps: a lone pulse, of FEW_LINES pieces or fewer, is cut into LINE steps each.
 Time is halved until a part has no more than some steps; parts of like bounds are one.
 Consequence to test: a pulse between two samples gives its impulse, wherever it lies; a load of the
 frequency of the samples as well.
@@ -24,6 +25,9 @@ from crashsolve.model.model import Model
 PER_PERIOD, NOTHING = 40, 1e-8
 # a stated step of so many times the longest hardly sees a curve, or misses it
 HARDLY, MISSED = 4.0, 16.0
+# steps in a slope of a curve of so few straight pieces: the work of a load over slopes of unlike
+# steps is wrong by up to 1 / LINE^2, which must be below control.energy_limit
+LINE, FEW_LINES = 8, 16
 # a part is halved down to so many of its steps, over a period, and this share of the curve; further
 # only where that parts steps by this factor, as towards an end with infinite slope, to round-off
 FEW, SHORTEST, UNLIKE, ROUND_OFF = 100, 1.0 / 4096, 1.5, 1e-15
@@ -41,16 +45,19 @@ class _Pieces(NamedTuple):
     range: float
 
 
-def steps_by_curves(model: Model) -> tuple[np.ndarray, np.ndarray]:
+def steps_by_curves(model: Model, parts: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
     """Times [s] (n,) from which a step [s] (n,) is the longest that sees all curves of time.
 
-    A stated step is cut within straight pieces alone.
+    A stated step is cut within straight pieces alone; slopes of lone pulses into `parts`, if any.
     """
     control = model.control[0]
     is_stated = float(control["fixed_step"]) > 0.0
     shortest = NO_TIME * float(control["end"] - control["start"])
-    of = _of_straight if is_stated else _steps
-    found = [of(model.curves, first) for first in sorted(curves_of_time(model))]
+    curves, firsts = model.curves, sorted(curves_of_time(model))
+    if is_stated:
+        found = [_of_straight(curves, first) for first in firsts]
+    else:
+        found = [_lone(curves, first, parts) or _steps(curves, first) for first in firsts]
     found = [(x, h) for x, h in found if np.isfinite(h).any()]
     if not found:
         return np.zeros(0), np.zeros(0)
@@ -90,6 +97,16 @@ def _of_straight(curves: np.ndarray, first: int) -> tuple[np.ndarray, np.ndarray
     x, c = points["x"].copy(), points["c"][:-1]
     is_cut = (c[:, 1] != 0.0) & (c[:, 2] == 0.0) & (c[:, 3] == 0.0)
     return _merged(x, np.r_[np.where(is_cut, 0.25 * np.diff(x), np.inf), np.inf])
+
+
+def _lone(curves: np.ndarray, first: int, parts: float) -> tuple[np.ndarray, np.ndarray] | None:
+    """The same of the few slopes of a lone pulse; None for other curves."""
+    points = curves[first : curves[first]["last"] + 1]
+    c = points["c"][:-1]
+    if not parts or len(c) > FEW_LINES or c[:, 2:].any():
+        return None
+    each = np.where(c[:, 1] != 0.0, np.diff(points["x"]) / parts, np.inf)
+    return points["x"].copy(), np.r_[each, np.inf]
 
 
 def _steps(

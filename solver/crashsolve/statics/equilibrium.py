@@ -41,6 +41,8 @@ STAGNATION_TOLERANCE = 1e-9
 NOWHERE, NOTHING = 1e-15, 1e-12
 # of the largest mobility of the rows of joints: lets redundant ones share
 SHARED = 1e-10
+# of the energy that a load step moves
+EXCHANGED = (*energy.MECHANICAL, energy.EXTERNAL_WORK, energy.DRIVER_WORK)
 # a load step is halved so often where no equilibrium is found
 HALVINGS = 7
 # of the largest force, and of the change over a load step: where `control.tolerance` says nothing
@@ -153,6 +155,7 @@ class StaticEngine(Engine):
         """Move to the equilibrium at a time, or at a corner before it; returns why that failed."""
         clock, start = self.clock, self.state.nodes.copy()
         start_time, before = float(clock.time), self._missing_energy()
+        energies = self.ledger.copy()
         self.work.begin()
         reached = self._solve_at(target)
         if reached is None:
@@ -164,9 +167,12 @@ class StaticEngine(Engine):
         location = self._unstable()
         if location:
             return Problem("unstable mode", target, location)
-        if self.checks_limit_points and passes_limit_point(self, start, start_time, target):
+        missing = abs(self._missing_energy() - before)
+        exchanged = float(np.abs(self.ledger - energies)[list(EXCHANGED)].max())
+        share = missing / max(exchanged, NOTHING * self.forces.energy(), 1e-300)
+        if self.checks_limit_points and passes_limit_point(self, start, start_time, target, share):
             return Problem("jump", target)
-        if self._is_out_of_balance(abs(self._missing_energy() - before)):
+        if self._is_out_of_balance(missing):
             return Problem("balance", target)
         return Problem("end of curve", target) if is_beyond else None
 

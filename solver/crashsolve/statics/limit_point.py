@@ -2,8 +2,9 @@
 
 Along a path of equilibria the change of configuration lies between what the tangents at both ends
 give for the change of the load, in steps that are short enough. An equilibrium beyond a limit point
-is farther away than both say. Consequence to test: Williams' toggle stops at its limit load, with
-any number of load steps.
+is farther away than both say, or the way back leads elsewhere: under the load of the start, from
+the equilibrium found, to another one than the start. Consequence to test: Williams' toggle stops at
+its limit load, with any number of load steps.
 
 Reference: Crisfield (1991), Non-linear Finite Element Analysis of Solids and Structures 1, ch. 9.
 """
@@ -17,10 +18,18 @@ import numpy as np
 FAR, APART = 1.1, 1.5
 # a change that is nothing but round-off, in the model's size or rad
 NOWHERE = 1e-12
+# a load step that misses less energy than this share of what it exchanges has not jumped by more
+# than a few percent of its displacement: no way back is looked for, which costs as much again
+WHOLE = 1e-3
+# distance from where the way back ends to the start, over the change, of two equilibria
+ELSEWHERE = 0.1
 
 
-def passes_limit_point(engine: Any, start: np.ndarray, start_time: float, target: float) -> bool:
-    """Whether the equilibria at both moments [s] are no neighbours; `start` are the nodes at first.
+def passes_limit_point(
+    engine: Any, start: np.ndarray, start_time: float, target: float, missing: float
+) -> bool:
+    """Whether the equilibria at both moments [s] are no neighbours; `start` are the nodes at first,
+    `missing` the share of the energy exchanged between both that is not accounted for.
 
     Of laws that yield nothing is said: a tangent that loads is not one that unloads.
     """
@@ -31,10 +40,25 @@ def passes_limit_point(engine: Any, start: np.ndarray, start_time: float, target
         # near a limit point the tangent of the lower equilibrium overestimates the change
         return True
     if change <= FAR * forward + NOWHERE:
-        return False
+        return missing > WHOLE and _leads_elsewhere(engine, start, start_time, target, change)
     tangent = engine.tangent
     backward = engine.size_of(engine.correction(start_time))
     # as it was: loads of the target, and its tangent
     engine.imbalance(target)
     engine.tangent = tangent
-    return bool(change > FAR * max(forward, backward))
+    if change > FAR * max(forward, backward):
+        return True
+    return missing > WHOLE and _leads_elsewhere(engine, start, start_time, target, change)
+
+
+def _leads_elsewhere(
+    engine: Any, start: np.ndarray, start_time: float, target: float, change: float
+) -> bool:
+    """Whether the way back from an equilibrium ends far from the nodes where it began."""
+    here, tangent, first = engine.state.nodes.copy(), engine.tangent, engine.first
+    is_found = bool(engine.iterate(start_time))
+    rest = engine.size_of(engine.change_from(start))
+    engine.state.nodes[:] = here
+    engine.imbalance(target)
+    engine.tangent, engine.first = tangent, first
+    return is_found and rest > ELSEWHERE * change + NOWHERE

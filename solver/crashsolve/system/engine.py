@@ -23,7 +23,7 @@ from crashsolve.model.clock import (
 from crashsolve.model.contact.node_to_surface import make_room
 from crashsolve.model.contact.pairs import renew
 from crashsolve.model.corners import corners_in_time
-from crashsolve.model.curve_steps import steps_by_curves
+from crashsolve.model.curve_steps import LINE, steps_by_curves
 from crashsolve.model.implicit.compliance import compliance
 from crashsolve.model.model import Model, State
 from crashsolve.model.nodes import ESTIMATE
@@ -69,11 +69,15 @@ class Engine:
         self.ledger, self.sample_clock = state.ledger.copy(), state.clock.copy()
         self._limit = float(model.control[0]["energy_limit"])
         self._corners = corners_in_time(model)
-        self._curve_starts, self._curve_steps = steps_by_curves(model)
+        # [s] of pieces between corners, however long the steps before them
+        self._least_piece = float(np.diff(self._corners).min(initial=inf))
         # of motion: an equilibrium has none
         self.has_stages = len(state.stages) > 0
         # stages lie within the step, and its error is judged
         self._stages_see = WITHIN if self.has_stages else 1.0
+        method = import_module(f"crashsolve.integrators.{model.integrator}")
+        parts = LINE * self._stages_see if method.ORDER == 2 else 0.0
+        self._curve_starts, self._curve_steps = steps_by_curves(model, parts)
         self.is_dense = samples_within_steps(model)
         self.tableau = self._tableau()
         # rates at the stages of the last step
@@ -254,7 +258,8 @@ class Engine:
         """Time of the next corner of a curve of time [s]; infinite where there is none."""
         if not len(self._corners):
             return inf
-        near = max(STAGNATION_RATIO * float(self.clock.next_step), ROUND_OFF * abs(until))
+        step = min(float(self.clock.next_step), self._least_piece)
+        near = max(STAGNATION_RATIO * step, ROUND_OFF * abs(until))
         at = int(np.searchsorted(self._corners, float(self.clock.time) + near, side="right"))
         if at == len(self._corners):
             return inf
