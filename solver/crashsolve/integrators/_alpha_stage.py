@@ -9,7 +9,8 @@ Reference: Bruels, Cardona and Arnold (2012), Mechanism and Machine Theory 48, 1
 """
 
 from crashsolve.foundation.kernels import kernel, stage
-from crashsolve.foundation.sparse.saddle import Saddle
+from crashsolve.foundation.sparse.bordered import Bordered
+from crashsolve.foundation.sparse.saddle import compliant_saddle
 from crashsolve.integrators._positions import begin_contacts, evaluate, project
 from crashsolve.integrators.generalized_alpha import ESTIMATE, ORDER
 from crashsolve.model.clock import UNSOLVED
@@ -146,8 +147,10 @@ def visit_end(h, clock, nodes, rows, scene):
 @kernel
 def end_factor(scene):
     """The factor of the step's matrix."""
-    pairs = scene.compliant_pairs
-    return Saddle(scene.columns_0, scene.blocks_0, scene.compliant_updates, pairs)
+    updates = scene.compliant_updates
+    if ASSEMBLED:
+        return Bordered(scene.columns_0, scene.blocks_0, updates, scene.compliant_slots)
+    return compliant_saddle(scene, scene.columns_0, scene.blocks_0)
 
 
 @stage

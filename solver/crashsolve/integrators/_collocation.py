@@ -10,7 +10,8 @@ Reference: Hairer and Wanner (1996), Solving Ordinary Differential Equations II,
 """
 
 from crashsolve.foundation.kernels import kernel, stage
-from crashsolve.foundation.sparse.saddle import Saddle
+from crashsolve.foundation.sparse.bordered import Bordered
+from crashsolve.foundation.sparse.saddle import compliant_saddle
 from crashsolve.integrators._positions import begin_contacts, evaluate, project
 from crashsolve.integrators.radau_iia_5 import ESTIMATE, ORDER, STAGES
 from crashsolve.model.clock import UNSOLVED
@@ -139,11 +140,18 @@ def stage_tables(scene):
 @kernel
 def stage_factors(scene):
     """The factors of the stages' matrices."""
-    updates, pairs = scene.compliant_updates, scene.compliant_pairs
+    updates = scene.compliant_updates
+    if ASSEMBLED:
+        slots = scene.compliant_slots
+        return (
+            Bordered(scene.columns_0, scene.blocks_0, updates, slots),
+            Bordered(scene.columns_1, scene.blocks_1, updates, slots),
+            Bordered(scene.columns_2, scene.blocks_2, updates, slots),
+        )
     return (
-        Saddle(scene.columns_0, scene.blocks_0, updates, pairs),
-        Saddle(scene.columns_1, scene.blocks_1, updates, pairs),
-        Saddle(scene.columns_2, scene.blocks_2, updates, pairs),
+        compliant_saddle(scene, scene.columns_0, scene.blocks_0),
+        compliant_saddle(scene, scene.columns_1, scene.blocks_1),
+        compliant_saddle(scene, scene.columns_2, scene.blocks_2),
     )
 
 

@@ -145,7 +145,7 @@ def set_positions(h, clock, nodes, rows, saddle, scene):
         if not worst < 1e3 or iteration == POSITION_ITERATIONS - 1:
             clock.status, clock.index, clock.value = POSITION, row, worst
             break
-        # with hardly any inertia the line through old lambdas misses wildly: begin from zero
+        # with hardly any inertia the guess misses wildly: begin from zero
         if iteration == 0 and worst > POOR_GUESS:
             clear_trial(rows, nodes)
             continue

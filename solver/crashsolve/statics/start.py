@@ -86,9 +86,9 @@ class _RestState:
 
 @dataclass
 class _Correction:
-    """A correction (n, 6), its size before it is limited, and the matrices it follows from."""
+    """A correction (n, 6), its size before it is limited, and the state it is for with matrices."""
 
-    D: np.ndarray
+    state: _RestState
     Z: np.ndarray
     G: np.ndarray
     inverse: np.ndarray
@@ -97,10 +97,8 @@ class _Correction:
 
     def for_state(self, state: "_RestState") -> np.ndarray:
         """The correction (n, 6) of another configuration by the same matrices."""
-        n = state.g.size
-        closing = (
-            np.linalg.lstsq(self.D, -state.phi, rcond=1e-12)[0] if len(self.D) else np.zeros(n)
-        )
+        D, n = self.state.D, state.g.size
+        closing = np.linalg.lstsq(D, -state.phi, rcond=1e-12)[0] if len(D) else np.zeros(n)
         free = self.Z @ (self.inverse @ (self.Z.T @ (state.g + self.G @ closing)))
         return np.asarray((closing + free).reshape(-1, 6))
 
@@ -142,15 +140,15 @@ class _EquilibriumSearch:
         first, iterations = self.nodes.copy(), 0
         for _ in range(SEARCHES if self.standing_tyres.patches else 1):
             self.standing_tyres.release(self.nodes)
-            state, iterations = self._search(iterations, report)
+            correction, iterations = self._search(iterations, report)
         report("preparing the first step")
-        self._refuse_unstable(state)
-        self._accept(state.D)
-        return self._words(first, iterations, state)
+        self._refuse_unstable(correction)
+        self._accept(correction.state.D)
+        return self._words(first, iterations, correction.state)
 
-    def _search(self, iterations: int, report: Callable[[str], None]) -> tuple["_RestState", int]:
-        """Iterate from the present configuration to an equilibrium; its state, and the number of
-        all iterations.
+    def _search(self, iterations: int, report: Callable[[str], None]) -> tuple["_Correction", int]:
+        """Iterate from the present configuration to an equilibrium; the correction there, which is
+        none, and the number of all iterations.
         """
         state, tau, slides, stalls = self._at_rest(self.nodes), FIRST, 0, 0
         self.standing_tyres.accept(self.nodes)
@@ -166,7 +164,7 @@ class _EquilibriumSearch:
                 tau == LONGEST or state.largest_acceleration == 0.0
             )
             if is_small and np.abs(state.phi).max(initial=0.0) <= self._gap_tolerance():
-                return state, iterations
+                return correction, iterations
             slides = slides + 1 if self.standing_tyres.sliding() else 0
             if iterations == MOST_ITERATIONS or slides == SLIDES:
                 raise self._no_equilibrium(state, iterations)
@@ -196,22 +194,27 @@ class _EquilibriumSearch:
         mass = float((1.0 / nodes["mass_inv"][self.free]).sum())
         return state.largest_acceleration * mass <= DRIFT * load
 
-    def _at_rest(self, nodes: np.ndarray) -> "_RestState":
-        """The state of rest in a configuration."""
-        engine = self.engine
+    def _forces(self, nodes: np.ndarray) -> np.ndarray:
+        """g (6 n,) of a configuration without velocities; the engine keeps its sample."""
         self.standing_tyres.follow(nodes)
-        engine.sample_of(nodes)
-        found = engine.nodes[self.free]
+        self.engine.sample_of(nodes)
+        found = self.engine.nodes[self.free]
         g = np.empty((len(self.free), 6))
         g[:, :3] = found["v_dot"] / found["mass_inv"][:, None]
         A, J = (found[name].reshape(-1, 3, 3) for name in ("A", "J"))
         own = np.einsum("nji,nj->ni", A, found["w_dot"])
         g[:, 3:] = np.einsum("nij,njk,nk->ni", A, J, own)
+        return g.ravel()
+
+    def _at_rest(self, nodes: np.ndarray) -> "_RestState":
+        """The state of rest in a configuration."""
+        g, engine = self._forces(nodes), self.engine
+        found = engine.nodes[self.free]
         D = jacobian(self.model.joints, engine.rows, len(nodes))[:, self.free]
         phi = engine.rows["phi"][whole_rows(self.model.joints)].copy()
         # rotations count by the model's size
         rates = np.hstack([found["v_dot"], found["w_dot"] * self.model.size])
-        return _RestState(g.ravel(), D.reshape(len(D), g.size), phi, rates)
+        return _RestState(g, D.reshape(len(D), g.size), phi, rates)
 
     def _mass(self) -> np.ndarray:
         """M (6 n, 6 n) of the present configuration."""
@@ -231,7 +234,7 @@ class _EquilibriumSearch:
             i, size = self.free[k // 6], STEP * (self.model.size if k % 6 < 3 else 1.0)
             saved = nodes[i].copy()
             perturb(nodes[i], k % 6, size)
-            columns[:, k] = (self._at_rest(nodes).g - g) / size
+            columns[:, k] = (self._forces(nodes) - g) / size
             nodes[i] = saved
         return columns
 
@@ -244,7 +247,7 @@ class _EquilibriumSearch:
             inverse = _held_inverse(matrix, Z.T @ mass @ Z, tau)
         else:
             inverse = np.linalg.pinv(matrix, rcond=1e-15)
-        found = _Correction(state.D, Z, G, inverse, np.zeros((0, 6)), 0.0)
+        found = _Correction(state, Z, G, inverse, np.zeros((0, 6)), 0.0)
         change = found.for_state(state)
         found.size = self._size(change)
         displacement = np.abs(change[:, :3]).max(initial=0.0) / (
@@ -276,12 +279,12 @@ class _EquilibriumSearch:
             renew(self.model.contact_groups, state)
             self.engine.bind()
 
-    def _refuse_unstable(self, state: "_RestState") -> None:
+    def _refuse_unstable(self, correction: "_Correction") -> None:
         """Raises SolverError for an unstable equilibrium."""
-        Z = state.motions
+        Z = correction.Z
         if not Z.shape[1]:
             return
-        K, M = -Z.T @ self._tangent(state.g) @ Z, Z.T @ self._mass() @ Z
+        K, M = -Z.T @ correction.G @ Z, Z.T @ self._mass() @ Z
         half = np.linalg.inv(np.linalg.cholesky(0.5 * (M + M.T)))
         values, modes = np.linalg.eigh(half @ (0.5 * (K + K.T)) @ half.T)
         # differences err by a share of the stiffest mode

@@ -136,11 +136,15 @@ def stiffest(engine: Engine, at: int) -> str:
 
 
 def _copies(engine: Engine) -> dict[str, np.ndarray]:
-    """All tables of the step, of which a sample may write what it likes."""
+    """All tables of the step, of which a sample may write what it likes; nothing acts in them."""
     m, s = engine.model, engine.state
     arrays = group_arrays(m, s) | m.saddle._asdict()
     arrays |= {"control": m.control, "curves": m.curves} | engine.tableau | engine.stages
     arrays |= {"clock": s.clock, "nodes": s.nodes, "rows": s.rows, "ledger": np.zeros(len(ENTRIES))}
+    nobody = np.zeros(0, int)
+    for group in (*m.force_groups(), *m.contact_groups):
+        if not getattr(group, "is_unilateral", False):
+            arrays |= _only(group, nobody)
     return {name: array.copy() for name, array in arrays.items()}
 
 
@@ -197,15 +201,10 @@ def _alone(
     engine: Engine, actor: Actor, arrays: dict[str, np.ndarray], at: int, rotations: bool = True
 ) -> tuple[float, bool]:
     """Bound [rad/s] of a body by one law, perhaps without rotations; whether it is a damper."""
-    nobody = np.zeros(0, int)
-    given = dict(arrays)
-    for group in (*engine.model.force_groups(), *engine.model.contact_groups):
-        if not getattr(group, "is_unilateral", False):
-            given |= _only(group, nobody)
     nodes, rows, clock = (arrays[name].copy() for name in ("nodes", "rows", "clock"))
     if not rotations:
         nodes["W"][at] = nodes["J_inv"][at] = 0.0
-    engine.probe(given | actor.arrays | {"nodes": nodes, "rows": rows, "clock": clock})
+    engine.probe(arrays | actor.arrays | {"nodes": nodes, "rows": rows, "clock": clock})
     return float(_speeds(nodes)[at]), float(nodes["damping"][at]) ** 2 > 2.0 * float(
         nodes["stiffness"][at]
     )

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from importlib import import_module
-from math import hypot, inf, nextafter
+from math import inf, nextafter
 from time import monotonic
 from typing import Any
 
@@ -32,6 +32,7 @@ from crashsolve.system.contact.effective_mass import EffectiveMasses
 from crashsolve.system.contact.initial_penetration import find_impact_speeds
 from crashsolve.system.diagnosis import diagnose, passed_through, velocity_error
 from crashsolve.system.placeholders import group_arrays, is_shared, samples_within_steps
+from crashsolve.system.swings import swing_warnings
 from crashsolve.threads.sharing import arrays_of_threads
 
 # an assembly error above this share of the model's size is an error in the deck, not round-off
@@ -39,9 +40,6 @@ ASSEMBLY = 1e-6
 # iterations to close the joints, per step on average, beyond which the step is suspect: 1 to 2 are
 # common, 8 are taken where the tension of a chain swings its rods at 2.4 times the stable frequency
 MANY_PASSES = 4.0
-# frequency times step, from which a swing is said to be too fast for it: by kick, drift, kick it is
-# 1 / sqrt(1 - (omega h / 2)^2) too wide, three times here, and grows from 2 on
-FASTEST_SWING = 1.9
 # steps of the first call of the compiled loop, and seconds that a call may take: no request waits
 # longer for an answer to a signal
 FIRST_CALL, LONGEST_CALL = 16, 0.2
@@ -201,10 +199,7 @@ class Engine:
         self._go_by_corners(until, until)
 
     def reach(self, until: float) -> None:
-        """Step to `until` [s], or beyond it where a sample may lie within a step.
-
-        Raises SolverError at a numerical stop.
-        """
+        """Step to `until` [s], beyond it where samples may lie in a step. Raises SolverError."""
         end = float(self.model.control[0]["end"])
         self._go_by_corners(until, max(until, end) if self.is_dense else until)
 
@@ -274,9 +269,8 @@ class Engine:
         return bool(steps.min(initial=inf) >= (float(control["fixed_step"]) or inf))
 
     def _next_curve_step(self, goal: float) -> float:
-        """Time [s] until which one bound by curves of time holds. Writes: control, clock.
-
-        Where no step to `goal` could be as long as the bounds before it, it is `goal`.
+        """Time [s] until which one bound by curves of time holds; `goal` where no step is shorter.
+        Writes: control, clock.
         """
         control, clock, starts = self.model.control[0], self.state.clock[0], self._curve_starts
         if self._is_free_of_curves():
@@ -301,9 +295,7 @@ class Engine:
         return change if change - now > ROUND_OFF * abs(goal) else inf
 
     def _rotate_corner(self) -> None:
-        """Renew forces at the end of a step that ends at a corner in time, for methods that reuse
-        them.
-        """
+        """Renew forces after a step that ends at a corner, for methods that reuse them."""
         if self.has_stages:
             self._renew_forces()
         self.state.clock[0]["kinked"] = 1
@@ -335,10 +327,7 @@ class Engine:
         return int(clock["status"])
 
     def sample(self, time: float | None = None) -> None:
-        """Outputs, reactions and energies at present, or at a time [s] within the last step.
-
-        Raises SolverError, after a few steps already where energy is created.
-        """
+        """Outputs and energies now, or at a time [s] in the last step. Raises SolverError."""
         for now, copy in self.copied:
             copy[:] = now
         clock = self.sample_clock[0]
@@ -384,7 +373,7 @@ class Engine:
 
     def step_warnings(self) -> list[str]:
         """Signs that the step is too long for the forces of joints, which have no stiffness."""
-        found = self._balance_warnings() + self._vibration_warnings()
+        found = self._balance_warnings() + swing_warnings(self.clock, self.model.bodies)
         cycles = int(self.clock["cycle"])
         iterations = int(self.clock["iterations"]) / max(cycles, 1)
         if self.model.integrator != "rattle" or iterations <= MANY_PASSES:
@@ -394,32 +383,6 @@ class Engine:
             f"the joints took {iterations:.1f} iterations per step: the step may be too long for "
             "their forces; halve control.step or control.step_max, and compare the results",
         ]
-
-    def _vibration_warnings(self) -> list[str]:
-        """Warning that springs or dampers move a body faster than a stated step can follow.
-
-        The work of a spring does not show it: that of a linear one is what it holds in any step.
-        A bounded force that turns a velocity round in every step does none.
-        """
-        clock = self.clock
-        node, swing = int(clock["swing_node"]), float(clock["swing"])
-        if swing < FASTEST_SWING or node >= len(self.model.bodies):
-            return []
-        omega, damping = float(clock["swing_square"]) ** 0.5, float(clock["swing_damping"])
-        limit = 2.0 / (hypot(omega, 0.5 * damping) + 0.5 * damping)
-        step, name = 0.5 * swing * limit, self.model.bodies[node]
-        if damping > 2.0 * omega:
-            found = (
-                f"body '{name}': dampers, friction or contacts stop it within {1.0 / damping:.2g} "
-                f"s, unless joints hold it; steps of {step:.4g} s turn its velocity round instead"
-            )
-        else:
-            found = (
-                f"body '{name}': springs and contacts swing it with {omega:.4g} rad/s, unless "
-                f"joints hold it; steps of {step:.4g} s amplify that, and from {limit:.4g} s on it "
-                "grows without bound"
-            )
-        return [f"{found}: take control.step below {0.5 * limit:.2g} s"]
 
     def _balance_warnings(self) -> list[str]:
         """Warning that the energy balance was above its limit, by more than a negligible energy."""

@@ -19,6 +19,8 @@ from crashsolve.system.kinetics import fastest_rotation
 # rotation of a body in a step, beyond which angles between two are not counted; and what is left of
 # it to a step chosen by its error, as bodies may spin up in it [rad]
 QUARTER, MOST_ROTATION = 0.5 * pi, 1.0
+# frequency times a stated step that is resolved well
+SLOW = 1.0
 
 
 @kernel
@@ -52,16 +54,17 @@ def note_swing(clock, nodes):
     """The body that springs and dampers move fastest for the step just taken. Writes: clock.
 
     (sqrt(omega^2 + (gamma/2)^2) + gamma/2) h reaches 2 where one spring and one damper on a body
-    become unstable.
+    become unstable; below SLOW nothing is recorded. It is above r h where omega^2 > r (r - gamma),
+    which needs no root.
     """
-    for i in range(1, nodes.shape[0]):
-        body = nodes[i]
-        if body.stiffness > 0.0 or body.damping > 0.0:
-            half = 0.5 * body.damping
-            swing = clock.step * (sqrt(body.stiffness + half * half) + half)
-            if swing > clock.swing:
-                clock.swing, clock.swing_node = swing, i
+    if clock.step > 0.0:
+        for i in range(1, nodes.shape[0]):
+            body, rate = nodes[i], max(clock.swing, SLOW) / clock.step
+            if body.stiffness > rate * (rate - body.damping):
+                half = 0.5 * body.damping
+                clock.swing = clock.step * (sqrt(body.stiffness + half * half) + half)
                 clock.swing_square, clock.swing_damping = body.stiffness, body.damping
+                clock.swing_node = i
 
 
 @kernel

@@ -70,7 +70,7 @@ def assembled(model: Any, state: Any, laws: list[Any], factors: int) -> dict[str
     matrix, found = plan(list(range(1, len(state.nodes))), near, joints, ends)
     rows = np.zeros(len(ends), COMPLIANT.dtype)
     rows["node_a"], rows["node_b"] = np.array(ends, int).reshape(-1, 2).T
-    tables = {"compliant_updates": matrix.updates, "compliant_pairs": matrix.pairs}
+    tables = {"compliant_updates": matrix.updates, "compliant_slots": matrix.slots}
     for k in range(factors):
         tables |= {f"columns_{k}": matrix.columns.copy(), f"blocks_{k}": matrix.blocks.copy()}
         tables[f"compliant_{k}"] = rows.copy()

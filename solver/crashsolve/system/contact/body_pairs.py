@@ -13,12 +13,18 @@ from crashsolve.system.contact import resting
 
 
 @kernel
-def stay_apart(both, h, nodes):
-    """Whether none of the pairs of two bodies can have met in this step. Writes: both.gone."""
-    if both.rests == 0 or h == 0.0:
+def stay_apart(both, h, deepest, nodes):
+    """Whether nothing is asked of the pairs of two bodies in this step, none of which can have met.
+
+    Of a sample nothing is asked of those below the `deepest` of their card [m]. Writes: both.gone.
+    """
+    if both.rests == 0:
         return False
-    approach = resting.largest_approach(both, nodes[both.node_a], nodes[both.node_b])
-    if both.depth + both.gone + (1.0 + resting.AHEAD) * approach > 0.0:
+    approach = 0.0
+    if h > 0.0:
+        approach = resting.largest_approach(both, nodes[both.node_a], nodes[both.node_b])
+    ahead = both.depth + both.gone + (1.0 + resting.AHEAD) * approach
+    if ahead > resting.unasked_depth(h, deepest):
         return False
     both.gone += approach
     return True

@@ -59,14 +59,14 @@ def lean(row, velocity, position):
 @kernel
 def factor_compliant(saddle, compliant, joint_rows, position, velocity):
     """Factor of D M^-1 D^T + 1 / sigma, sigma = position k + velocity c. Writes: saddle."""
-    assemble(saddle.pairs, saddle.blocks, compliant)
+    assemble(saddle, compliant)
     columns, blocks = saddle.columns, saddle.blocks
     for p in range(columns.shape[0]):
         c = columns[p]
         if c.entry >= joint_rows:
-            x = blocks[c.block].x
             for i in range(c.rows):
-                x[7 * i] += give(compliant[c.entry + i], position, velocity)
+                at = c.first + (c.rows + 1) * i
+                blocks[at] += give(compliant[c.entry + i], position, velocity)
     eliminate(saddle)
 
 

@@ -156,7 +156,7 @@ def solve_stage(nodes, stages, i, compliant, matrix, joint_rows, t):
         row.right = along_row(row.D, 0, a.right_v, a.right_w)
         row.right += along_row(row.D, 6, b.right_v, b.right_w)
     for k in range(joint_rows, compliant.shape[0]):
-        resist_row(nodes, stages, i, compliant[k], matrix.pairs[k], matrix)
+        resist_row(nodes, stages, i, compliant[k], matrix.slots[k], matrix)
     solve_with(matrix, compliant, joint_rows)
     for p in range(columns.shape[0]):
         c = columns[p]

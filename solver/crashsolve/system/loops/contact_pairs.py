@@ -38,14 +38,17 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
     if group.body_pairs is not None:
         for k in range(group.body_pairs.shape[0]):
             both = group.body_pairs[k]
-            if body_pairs.stay_apart(both, h, nodes):
-                touches.sum_losses(scene.cards[both.card], both)
+            card = scene.cards[both.card]
+            if body_pairs.stay_apart(both, h, card.depth, nodes):
+                touches.sum_losses(card, both)
                 continue
             # a sample changes no more than what the next step writes anew
             if h > 0.0:
                 body_pairs.end_rest(both, group.history)
-            asked = some_pairs(group, piece, both.first, both.end, clock, h, nodes, curves, scene)
-            if h > 0.0 and asked == 0:
+            evaluated = some_pairs(
+                group, piece, both.first, both.end, clock, h, nodes, curves, scene
+            )
+            if h > 0.0 and evaluated == 0:
                 body_pairs.begin_rest(both, clock.current, group.history)
     else:
         first, end = ends_of(group, piece, group.parameters.shape[0], scene)
@@ -54,12 +57,12 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
 
 @apart
 def some_pairs(group, piece, first, end, clock, h, nodes, curves, scene):
-    """The same of pairs that follow each other; returns how many gaps were asked for.
+    """The same of pairs that follow each other; returns how many gaps were evaluated.
 
     Writes: totals, outputs, new histories.
     """
     params, history, output = group.parameters, group.history, group.output
-    asked = 0
+    evaluated = 0
     for i in range(first, end):
         p, out = params[i], output[i]
         old, new = history[clock.current, i], history[1 - clock.current, i]
@@ -73,7 +76,7 @@ def some_pairs(group, piece, first, end, clock, h, nodes, curves, scene):
             new.depth = old.depth + displacement
             touches.sum_losses(card, new)
             continue
-        asked += 1
+        evaluated += 1
         depth, n, x = gap(group, h, card, Ends(p, old, new, a, b), displacement, nodes, scene)
         held, stored = False, out.stored
         if group.keeps_faces:
@@ -102,7 +105,7 @@ def some_pairs(group, piece, first, end, clock, h, nodes, curves, scene):
                 pass_through.released_energy(clock, h, old, n, stored) - out.stored, 0.0
             )
         touches.sum_losses(card, new)
-    return asked
+    return evaluated
 
 
 @stage
