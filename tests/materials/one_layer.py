@@ -102,18 +102,18 @@ class Layers:
 
     def tangent(self, d: np.ndarray, h: float = 1.0) -> np.ndarray:
         """Derivatives (lanes, 4, 3) of the stress and of the strain across, by d; not a step."""
-        blocks_before, seen = self.blocks.copy(), np.zeros(POINT_ROWS * LANES)
+        blocks_before, base = self.blocks.copy(), np.zeros(POINT_ROWS * LANES)
         self.strained(d)
         scene = SimpleNamespace(
             lanes=self.blocks,
             lanes_before=blocks_before,
             work=self.work,
-            seen=seen,
+            base=base,
             curves=self.curves,
         )
         layers_and_tangent(self.first, 0, h, self.p, scene, self.law)
         self.blocks[:] = blocks_before
-        table = seen.reshape(SIDE, SIDE, LANES).transpose(2, 0, 1)
+        table = base.reshape(SIDE, SIDE, LANES).transpose(2, 0, 1)
         return table[:, [0, 1, 2, ACROSS_OUT], :3]
 
     def differences(self, d: np.ndarray, h: float, size: float) -> np.ndarray:

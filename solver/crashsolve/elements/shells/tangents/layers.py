@@ -52,7 +52,7 @@ def clear_tangent(base, at):
 def layers_of_one_point(first, h, p, scene, material):
     """Stresses and tangent of the layers of elements with one point in their plane.
 
-    Writes: scene.lanes, work, seen.
+    Writes: scene.lanes, work, base.
     """
     clear_resultants(scene.work)
     layers_and_tangent(first + LANES * BLOCK.SIZE, LANES * BASE.points, h, p, scene, material)
@@ -62,8 +62,8 @@ def layers_of_one_point(first, h, p, scene, material):
 def layers_and_tangent(first, at, h, p, scene, material):
     """Stresses of the layers at a point of the plane, their resultants, the tangent of these.
 
-    `first`: where its layers begin in scene.lanes; `at`: where its tangent does in scene.seen.
-    Writes: scene.lanes, work, seen.
+    `first`: where its layers begin in scene.lanes; `at`: where its tangent does in scene.base.
+    Writes: scene.lanes, work, base.
     """
     blocks, work, base = scene.lanes, scene.work, scene.base
     law = Law(p.material, scene.curves, material)
