@@ -100,8 +100,11 @@ class VonMisesLaw(MaterialLaw, Protocol):
     def rate_factor(self, m, rate):
         """By which Y is higher at a rate of strain [1/s], at least 1; asked where m.rated is 1."""
 
-    def rate_slope(self, m, rate, factor):
-        """Its slope by the rate [s], times what else is in `factor`."""
+    def rate_slopes(self, m, rate, factor):
+        """Its slope by a rate above 0 [s], where it is `factor`, and the slope of that [s^2]."""
+
+    def rate_of(self, m, factor):
+        """Rate at which it is `factor`, above 1; any above that where it is nowhere so much."""
 
     def heat_factor(self, m, temperature):
         """By which Y is lower at a temperature; asked where m.heating is above 0."""

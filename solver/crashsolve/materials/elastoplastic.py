@@ -116,9 +116,15 @@ def rate_factor(m, rate):
 
 
 @inlined
-def rate_slope(m, rate, factor):
-    # at no rate at all the law is vertical where q is above 1
-    return (factor - 1.0) / (m.rate_q * rate + 1e-300)
+def rate_slopes(m, rate, factor):
+    over = 1.0 / (m.rate_q * rate)
+    slope = (factor - 1.0) * over
+    return slope, slope * over * (1.0 - m.rate_q)
+
+
+@inlined
+def rate_of(m, factor):
+    return m.rate_D * (factor - 1.0) ** m.rate_q
 
 
 @inlined

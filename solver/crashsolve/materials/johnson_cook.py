@@ -13,7 +13,7 @@ Reference: Johnson and Cook (1983), A constitutive model and data for metals sub
 strains, high strain rates and high temperatures, 7th Int. Symposium on Ballistics, 541-547.
 """
 
-from math import log
+from math import exp, log
 
 import numpy as np
 
@@ -104,10 +104,15 @@ def rate_factor(m, rate):
 
 
 @inlined
-def rate_slope(m, rate, factor):
-    # below the rate of reference there is no factor of rate
-    logs = log(max(rate / m.rate_0, 1.0))
-    return factor / (1.0 + m.rate_C * logs) * m.rate_C / rate if logs > 0.0 else 0.0
+def rate_slopes(m, rate, factor):
+    slope = m.rate_C / rate if rate > m.rate_0 else 0.0
+    return slope, -slope / rate
+
+
+@inlined
+def rate_of(m, factor):
+    # any rate beyond numbers is beyond the bound of a step as well
+    return m.rate_0 * exp(min((factor - 1.0) / m.rate_C, 600.0))
 
 
 @inlined
