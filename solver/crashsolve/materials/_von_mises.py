@@ -54,6 +54,8 @@ NEAR, NEAR_BENT = 1e-5, 1e-7
 # before the first step of a point, or where it keeps no such record: rate, and size of the stress
 UNKNOWN = (0.0, 0.0)
 INFINITE = 1e300
+# rate [1/s] below which no slope is asked for, which may be beyond numbers there
+SLOWEST = 1e-60
 HEATED_FIBRE = FIBRE + Record("temperature  1  from 0 at the start to 1 at melting")
 
 
@@ -78,12 +80,6 @@ def plastic_strain(card: Card, layer: np.ndarray) -> np.ndarray:
     """Equivalent plastic strain [1] of layers (..., rows)."""
     found: np.ndarray = layer[..., LAYER.plastic_strain]
     return found
-
-
-@inlined
-def has_factor(m):
-    """Whether there is a factor on the yield stress."""
-    return m.rated == 1 or m.heating > 0.0
 
 
 @inlined
@@ -176,7 +172,7 @@ def resistance(m, e, r, heat, h, factor, curves, material):
     """
     Y, slope = material.flow(m, e + h * r, curves)
     slope *= h
-    if m.rated == 0 or r == 0.0:
+    if m.rated == 0 or r < SLOWEST:
         return heat * factor * Y, heat * factor * slope, 0.0
     faster, bend = material.rate_slopes(m, r, factor)
     return (

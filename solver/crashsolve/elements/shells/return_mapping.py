@@ -12,9 +12,9 @@ Int. J. Num. Meth. Eng. 22, 649-670.
 from math import sqrt
 
 from crashsolve.elements.shells.records import SLOT
-from crashsolve.foundation.kernels import blockwise, inlined
+from crashsolve.foundation.kernels import blockwise, inlined, kernel
 from crashsolve.foundation.point import LANES
-from crashsolve.materials._von_mises import LAYER, has_factor
+from crashsolve.materials._von_mises import LAYER, resistance
 
 PASSES = 50
 # of the yield stress: some units of round-off
@@ -23,22 +23,38 @@ CLOSE = 1e-14
 NEAR = 2e-4
 
 
+@inlined
+def bends(m, material):
+    """Whether the yield stress is followed by tangents: its curve or its factor of rate bends."""
+    return material.SMOOTH or m.rated == 1
+
+
 @blockwise
-def follow_tangents(blocks, at, slots, to, m, curves, material):
+def follow_tangents(blocks, at, slots, to, h, m, curves, material):
     """Tangent of the yield stress at the present strain, what is beyond it. Writes: slots."""
     c1, c2 = softening(m)
-    scaled = has_factor(m)
+    scaled, rated = m.heating > 0.0, m.rated == 1
     for e in range(LANES):
-        factor = slots[to + LANES * SLOT.factor + e] if scaled else 1.0
+        heat = slots[to + LANES * SLOT.factor + e] if scaled else 1.0
         grown, size = growth(slots, to, e, c1, c2)
-        strain = blocks[at + LAYER.plastic_strain * LANES + e] + grown
-        flow, slope = material.flow(m, strain, curves)
-        slots[to + LANES * SLOT.factor + e], slots[to + LANES * SLOT.slope + e] = (
-            factor,
-            factor * slope,
-        )
-        slots[to + LANES * SLOT.flow + e] = factor * (flow - slope * grown)
-        slots[to + LANES * SLOT.gap + e] = size / (factor * flow) - 1.0
+        old = blocks[at + LAYER.plastic_strain * LANES + e]
+        if rated and grown > 0.0:
+            flow, slope = at_rate(m, old, grown, heat, h, curves, material)
+        else:
+            Y, rises = material.flow(m, old + grown, curves)
+            flow, slope = heat * Y, heat * rises
+        slots[to + LANES * SLOT.factor + e], slots[to + LANES * SLOT.slope + e] = (heat, slope)
+        slots[to + LANES * SLOT.flow + e] = flow - slope * grown
+        slots[to + LANES * SLOT.gap + e] = size / flow - 1.0
+
+
+@kernel
+def at_rate(m, e, grown, heat, h, curves, material):
+    """Yield stress after a growth of the plastic strain in a step of h, and its slope by that."""
+    rate = grown / h
+    factor = material.rate_factor(m, rate)
+    held = resistance(m, e, rate, heat, h, factor, curves, material)
+    return held[0], held[1] / h
 
 
 @inlined
@@ -77,8 +93,8 @@ def softening(m):
 
 
 @blockwise
-def begin(slots, to, m, material):
-    """A first g where the yield stress bends, below the root. Writes: slots."""
+def begin(slots, to, h, m, material):
+    """A first g where the yield stress bends, 0 within it. Writes: slots."""
     c1, c2 = softening(m)
     for e in range(LANES):
         a, b, factor = (
@@ -86,24 +102,29 @@ def begin(slots, to, m, material):
             slots[to + LANES * SLOT.s2 + e],
             slots[to + LANES * SLOT.factor + e],
         )
-        size = sqrt(a + b) + 1e-300
-        # half of what is beyond yield: the stress falls at most as at first, and the yield stress
-        # grows at most as from no strain
-        half = 0.5 * max(size - size / (1.0 + slots[to + LANES * SLOT.gap + e]), 0.0)
-        falls = half * size / (a * c1 + b * c2 + 1e-300)
-        grows = 1.5 / size * material.strain_of_rise(m, half / factor)
-        slots[to + LANES * SLOT.g + e] = min(falls, grows)
+        size, gap = sqrt(a + b) + 1e-300, slots[to + LANES * SLOT.gap + e]
+        beyond = max(size - size / (1.0 + gap), 0.0)
+        g = beyond * size / (a * c1 + b * c2 + 1e-300)
+        if material.SMOOTH:
+            # below the root: the stress falls at most as at first, and the yield stress grows at
+            # most as from no strain; each takes half of what is beyond yield
+            rise = material.strain_of_rise(m, 0.5 * beyond / factor)
+            g = min(0.5 * g, 1.5 / size * rise)
+        if m.rated == 1 and beyond > 0.0:
+            slowed = 1.5 / size * h * material.rate_of(m, 1.0 + gap)
+            g /= 1.0 + g / (slowed + 1e-300)
+        slots[to + LANES * SLOT.g + e] = g
 
 
 @blockwise
-def return_to_tangents(blocks, at, slots, to, m, curves, material):
+def return_to_tangents(blocks, at, slots, to, h, m, curves, material):
     """g of a layer whose yield stress bends; of lanes within yield it is 0. Writes: slots."""
     before = 1e300
-    begin(slots, to, m, material)
-    follow_tangents(blocks, at, slots, to, m, curves, material)
+    begin(slots, to, h, m, material)
+    follow_tangents(blocks, at, slots, to, h, m, curves, material)
     for _ in range(PASSES):
         close_gaps(slots, to, 1, m)
-        follow_tangents(blocks, at, slots, to, m, curves, material)
+        follow_tangents(blocks, at, slots, to, h, m, curves, material)
         worst = worst_gap(slots, to)
         if is_closed(worst, before):
             return
@@ -226,10 +247,9 @@ def renew_lines(blocks, at, slots, to, m, curves, material):
         x = end if end > old else old + grown
         base, rise, end = material.line(m, x, curves)
         blocks[entry], blocks[entry + LANES], blocks[entry + 2 * LANES] = base, rise, end
-        factor = slots[to + LANES * SLOT.factor + e]
         slots[to + LANES * SLOT.flow + e], slots[to + LANES * SLOT.slope + e] = (
-            factor * (base + rise * old),
-            factor * rise,
+            base + rise * old,
+            rise,
         )
-        worst = max(worst, abs(size / (factor * (base + rise * (old + grown))) - 1.0))
+        worst = max(worst, abs(size / (base + rise * (old + grown)) - 1.0))
     return worst
