@@ -24,6 +24,7 @@ from crashsolve.elements.shells.tangents.layers import layers_and_tangent
 from crashsolve.elements.shells.tangents.records import ACROSS_OUT, POINT_ROWS, SIDE
 from crashsolve.foundation.point import LANES
 from crashsolve.foundation.rows import as_rows
+from crashsolve.materials._von_mises import LAYER
 from crashsolve.model.build import build
 
 Example = dict[str, Any]
@@ -132,6 +133,10 @@ class Layers:
     def lost(self) -> np.ndarray:
         """Energy lost in the step per volume (lanes,)."""
         return self.get(WORK.lost)
+
+    def plastic_strain(self) -> float:
+        """Of the first lane."""
+        return float(self.blocks[self.first + LANES * LAYER.plastic_strain])
 
     def pull(self, strain: float, h: float = 1.0) -> float:
         """Stress after a step of strain along x with none across it, in all lanes alike."""

@@ -57,6 +57,8 @@ _SLOT = Record("""
     factor  1             of rate and temperature on it
     gap     Pa^2 or 1     what is beyond yield
     lost    J/m^3         plastic work of the step
+    least   1/Pa          below the g of a yield stress that bends
+    most    1/Pa          above it
 """)
 _STEP = Record("""
     position   m                   12  of the four corners

@@ -19,6 +19,8 @@ from crashsolve.materials._von_mises import LAYER, resistance
 PASSES = 50
 # of the yield stress: some units of round-off
 CLOSE = 1e-14
+# what may be left where it falls no further, by round-off of large slopes
+STILL = 1e-10
 # step of Householder's method over 1 / c2 + g whose fourth power is below round-off
 NEAR = 2e-4
 
@@ -79,10 +81,11 @@ def count_beyond(slots, to):
 
 @blockwise
 def worst_gap(slots, to):
-    """Largest of what is beyond yield."""
+    """Largest of what is beyond yield, or was returned too far."""
     worst = -1.0
     for e in range(LANES):
-        worst = max(worst, slots[to + LANES * SLOT.gap + e])
+        gap = slots[to + LANES * SLOT.gap + e]
+        worst = max(worst, abs(gap) if slots[to + LANES * SLOT.g + e] > 0.0 else gap)
     return worst
 
 
@@ -103,7 +106,7 @@ def begin(slots, to, h, m, material):
             slots[to + LANES * SLOT.factor + e],
         )
         size, gap = sqrt(a + b) + 1e-300, slots[to + LANES * SLOT.gap + e]
-        beyond = max(size - size / (1.0 + gap), 0.0)
+        beyond = size - size / (1.0 + gap) if gap > 0.0 else 0.0
         g = beyond * size / (a * c1 + b * c2 + 1e-300)
         if material.SMOOTH:
             # below the root: the stress falls at most as at first, and the yield stress grows at
@@ -114,6 +117,7 @@ def begin(slots, to, h, m, material):
             slowed = 1.5 / size * h * material.rate_of(m, 1.0 + gap)
             g /= 1.0 + g / (slowed + 1e-300)
         slots[to + LANES * SLOT.g + e] = g
+        slots[to + LANES * SLOT.least + e], slots[to + LANES * SLOT.most + e] = (0.0, 1e300)
 
 
 @blockwise
@@ -123,12 +127,37 @@ def return_to_tangents(blocks, at, slots, to, h, m, curves, material):
     begin(slots, to, h, m, material)
     follow_tangents(blocks, at, slots, to, h, m, curves, material)
     for _ in range(PASSES):
+        note_sides(slots, to)
         close_gaps(slots, to, 1, m)
+        stay_between(slots, to)
         follow_tangents(blocks, at, slots, to, h, m, curves, material)
         worst = worst_gap(slots, to)
         if is_closed(worst, before):
             return
         before = worst
+
+
+@blockwise
+def note_sides(slots, to):
+    """On which side of the root g is. Writes: slots."""
+    for e in range(LANES):
+        g, gap = slots[to + LANES * SLOT.g + e], slots[to + LANES * SLOT.gap + e]
+        least, most = slots[to + LANES * SLOT.least + e], slots[to + LANES * SLOT.most + e]
+        slots[to + LANES * SLOT.least + e] = g if gap > 0.0 else least
+        slots[to + LANES * SLOT.most + e] = most if gap > 0.0 else g
+
+
+@blockwise
+def stay_between(slots, to):
+    """Half way between what holds the root where a tangent leads beyond, as at a corner of a law.
+
+    Writes: slots.
+    """
+    for e in range(LANES):
+        g, is_far = slots[to + LANES * SLOT.g + e], abs(slots[to + LANES * SLOT.gap + e]) > STILL
+        least, most = slots[to + LANES * SLOT.least + e], slots[to + LANES * SLOT.most + e]
+        is_beyond = is_far and (g <= least or g >= most)
+        slots[to + LANES * SLOT.g + e] = 0.5 * (least + most) if is_beyond else g
 
 
 @blockwise
@@ -149,7 +178,7 @@ def follow_lines(blocks, at, slots, to, m, curves, material):
 @inlined
 def is_closed(worst, before):
     """Whether the gap is as small as round-off lets it be."""
-    return worst <= CLOSE or (worst < 1e-10 and worst >= before)
+    return worst <= CLOSE or (worst < STILL and worst >= before)
 
 
 @blockwise
