@@ -111,7 +111,10 @@ def test_tangents_hold_down_to_rates_where_the_law_is_steep(
     assert tangent_error(layers, d, 2e-3 / rate, 1e-9) < 1e-6
 
 
-RATED = {name: EXAMPLES[name] for name in ("rate", "power and rate")}
+RATED = {
+    "rate": EXAMPLES["rate"],
+    "logarithm": COOK | {"hardening": 2e3, "exponent": 1.0, "rate": 0.1, "reference_rate": 1.0},
+}
 # strain of a fibre: to 1 % at a rate that rises and falls, then back to compression
 PERIOD, MOST = 2e-3, 1e-2
 
@@ -122,11 +125,12 @@ def moving(t: float) -> float:
 
 def overstress(example: Example, stress: float, e: float) -> float:
     """Rate of the plastic strain at a stress, from the formula of the card solved for the rate."""
-    if example["type"] == "elastoplastic":
-        over = abs(stress) / (200.0 + 2e3 * e) - 1.0
-        return float(np.copysign(40.0 * max(over, 0.0) ** 5, stress))
-    over = (abs(stress) / (200.0 + 500.0 * e**0.3) - 1.0) / 0.02
-    return float(np.copysign(1e-3 * np.exp(over), stress)) if over > 0.0 else 0.0
+    over = abs(stress) / (200.0 + 2e3 * e) - 1.0
+    if over <= 0.0:
+        return 0.0
+    # trial steps of the integration may lead beyond numbers
+    rate = 40.0 * over**5 if "rate_D" in example else np.exp(min(over / 0.1, 40.0))
+    return float(np.copysign(rate, stress))
 
 
 @pytest.mark.parametrize("name", RATED)
@@ -141,6 +145,7 @@ def test_steps_approach_the_viscoplastic_law_with_order_1(name: str, tmp_path: P
     exact = solve_ivp(
         rates, (0.0, 0.7 * PERIOD), [0.0, 0.0], "Radau", rtol=1e-9, atol=1e-13, max_step=1e-5
     )
+    assert exact.success
     wanted = 2e5 * (moving(0.7 * PERIOD) - exact.y[0, -1])
     errors = []
     for steps in (140, 280, 560):
@@ -170,9 +175,9 @@ def test_at_no_rate_it_is_the_static_curve_and_unloads_elastically(
     fast = Fibre(tmp_path, RATED[name])
     top = fast.step(8e-3, 0.0, 1e-5)[0]
     fast.accept()
-    assert top > 1.05 * static.step(8e-3, 0.0, 1.0)[0]
-    # back by less than twice the yield stress
-    assert fast.step(7.5e-3, 0.0, 1e-5)[0] == pytest.approx(top - 2e5 * 5e-4, rel=1e-13)
+    assert top > 1.03 * Fibre(tmp_path, still).step(8e-3, 0.0, 1.0)[0]
+    # to within the static yield stress: until then it flows on, ever more slowly
+    assert fast.step(6e-3, 0.0, 1e-5)[0] == pytest.approx(top - 2e5 * 2e-3, rel=1e-12)
     assert fast.new.rate[0] == 0.0
 
 
