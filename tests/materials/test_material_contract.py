@@ -95,7 +95,7 @@ def test_tangents_hold_on_both_sides_of_the_corner_of_a_logarithm_of_the_rate(
 def test_tangents_hold_down_to_rates_where_the_law_is_steep(
     rate: float, direction: float, tmp_path: Path
 ) -> None:
-    """Cowper and Symonds: vertical at no rate. E - E^2 / (E + H f + Y f' / h), f' = r^(1/q) / q r."""
+    """Cowper and Symonds, vertical at no rate: E - E^2 / (E + H f + Y f' / h)."""
     fibre, h = Fibre(tmp_path, EXAMPLES["rate"]), 5e-3 / rate
     sigma, slope, _ = fibre.tangent(direction * 5e-3, 0.0, h)
     ends = [fibre.step(direction * 5e-3 + size, 0.0, h)[0] for size in (1e-9, -1e-9)]

@@ -2,8 +2,9 @@
 
     (N / A)^2 + (M_y / Z_y)^2 + (M_z / Z_z)^2 <= Y(e)^2 (1 + (rate / D)^(1/q))^2
 
-rate is that of the plastic strain e over the step. The return to it is one step of backward Euler; what is lost in a step is the mean of the forces
-over the plastic displacement, because bodies receive the mean of the forces before and after it.
+rate is that of the plastic strain e over the step. The return to it is one step of backward Euler;
+what is lost in a step is the mean of the forces over the plastic displacement, because bodies
+receive the mean of the forces before and after it.
 
 References: Powell and Chen (1986), ASCE J. Eng. Mech. 112, 627-641; Simo and Hughes (1998),
 Computational Inelasticity, 3.

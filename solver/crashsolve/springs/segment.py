@@ -13,7 +13,8 @@ yields limits tension and both moments together,
     (N / A)^2 + (M_y / Z_y)^2 + (M_z / Z_z)^2 <= Y(e)^2 (1 + (rate / D)^(1/q))^2
 
 with plastic flow at right angles to this surface and e the mean plastic strain, plastic work over
-Y A l, which grows at this rate. Z are the plastic moduli; shear and torsion stay elastic. A hinge forms in the middle of l.
+Y A l, which grows at this rate. Z are the plastic moduli; shear and torsion stay elastic. A hinge
+forms in the middle of l.
 The ellipse stands for sections of any shape: that of a rectangle is |M| / M_p + (N / N_p)^2 = 1.
 Consequence to test: forces are the gradient of the energy in any configuration; a spring that is
 bent alone flows at Z Y.

@@ -23,12 +23,10 @@ Reference: Simo and Taylor (1986), A return mapping algorithm for plane stress e
 Int. J. Num. Meth. Eng. 22, 649-670.
 """
 
-
 from crashsolve.elements.shells.forces.corners import four, three
 from crashsolve.elements.shells.records import SLOT, WORK, layer_of
 from crashsolve.elements.shells.resultants import add_resultants, layer_strain, put_three
 from crashsolve.elements.shells.return_mapping import (
-    bends,
     close_gaps,
     count_beyond,
     follow_lines,
@@ -58,13 +56,13 @@ def plastic_layers(blocks, first, work, slots, h, p, span, law):
         else:
             slots[LANES * WORK.yielding + count] = k
             count += 1
-    if not bends(m, material) and open_gaps(slots, count, m) > 0.0:
+    if not (material.SMOOTH or m.rated == 1) and open_gaps(slots, count, m) > 0.0:
         close_gaps(slots, 0, count, m)
     for slot in range(count):
         k, to = int(slots[LANES * WORK.yielding + slot]), LANES * SLOT.SIZE * slot
         layer = layer_of(p, first, k)
         at = layer.at
-        if bends(m, material):
+        if material.SMOOTH or m.rated == 1:
             return_to_tangents(blocks, at, slots, to, h, m, curves, material)
         elif m.curve > 0:
             follow_lines(blocks, at, slots, to, m, curves, material)
@@ -83,7 +81,7 @@ def try_layer(blocks, layer, work, slots, to, h, law):
     if m.heating > 0.0:
         find_factors(blocks, layer, slots, to, m, material)
     find_trial(blocks, layer, work, slots, to, m)
-    if bends(m, material):
+    if material.SMOOTH or m.rated == 1:
         follow_tangents(blocks, at, slots, to, h, m, curves, material)
         count = count_beyond(slots, to)
     else:

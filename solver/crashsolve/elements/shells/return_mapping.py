@@ -25,12 +25,6 @@ STILL = 1e-10
 NEAR = 2e-4
 
 
-@inlined
-def bends(m, material):
-    """Whether the yield stress is followed by tangents: its curve or its factor of rate bends."""
-    return material.SMOOTH or m.rated == 1
-
-
 @blockwise
 def follow_tangents(blocks, at, slots, to, h, m, curves, material):
     """Tangent of the yield stress at the present strain, what is beyond it. Writes: slots."""
