@@ -3,8 +3,8 @@
     sqrt(3/2) |dev(sigma - alpha)| <= Y(e) f(rate) g(T),   alpha_dot = 2/3 H_k eps_p_dot
     T_dot = heating w_p_dot
 
-e is the equivalent plastic strain, w_p the plastic work per volume. A law says Y, f and g; elements
-return stresses to the yield surface (elements/shells/plasticity.py, elements/beams/fibres.py).
+e is the equivalent plastic strain, rate that of e over a step, w_p the plastic work per volume. A
+law says Y, f and g; elements return stresses to the yield surface (elements/shells/plasticity.py, elements/beams/fibres.py).
 """
 
 from math import sqrt

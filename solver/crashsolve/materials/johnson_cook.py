@@ -3,7 +3,7 @@
     Y = (A + B e^n) (1 + C ln(rate / rate_0)) (1 - T^m)
     T_dot = chi w_p_dot / (rho q),   q = c (T_melt - T_room)
 
-e is the equivalent plastic strain, rate that of the total strain, T the temperature from 0 in the
+e is the equivalent plastic strain, rate that of e, T the temperature from 0 in the
 room, where everything starts, to 1 where it melts; w_p is the plastic work per volume. Below
 rate_0 the second factor is 1. Every layer keeps its own temperature: heat stays where it is made,
 as it does within milliseconds. Without q nothing softens; a molten layer keeps a millionth of

@@ -4,13 +4,12 @@
     N = sum sigma A,   M_y = sum sigma z A,   M_z = -sum sigma y A
 
 The material says its stress, or if it yields by von Mises' stress Y, f and g. Beyond yield, with xi
-the trial stress less H_k eps_p, the plastic strain grows by g in the direction of xi, where |xi| -
-(E + H_k) g = Y(e + g) f g; Newton's method finds it, in one step where hardening is linear. Plastic
-work of a step is the mean stress times the plastic strain, because nodes receive the mean of the
-forces before and after it. The algorithmic tangent of a fibre that flows in a step is that of this
-very equation,
+the trial stress less H_k eps_p, the plastic strain grows by x in the direction of xi in a step of h,
+where |xi| - (E + H_k) x = Y(e + x) f(x / h) g (materials/_von_mises.py). Plastic work of a step is
+the mean stress times the plastic strain, because nodes receive the mean of the forces before and
+after it. The algorithmic tangent of a fibre that flows in a step is that of this very equation,
 
-    d sigma = (E - E^2 / D) d eps + (E / D) Y d(f g) sign(xi),   D = E + H_k + Y' f g
+    d sigma = (E - E^2 / D) d eps,   D = E + H_k + (Y' f + Y f' / h) g
 
 Consequence to test: a fibre pulled beyond yield follows the slope E H / (E + H), and yields
 backwards after 2 Y_0 where beta is 1; moduli are the derivatives of resultants.
