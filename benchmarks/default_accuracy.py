@@ -25,7 +25,7 @@ import numpy as np
 
 from crashsolve.deck.reading.deck import Deck, read_deck
 from crashsolve.deck.run_cards.control import Control
-from crashsolve.estimate.companion import TooDear
+from crashsolve.estimate.companion import BudgetExceeded
 from crashsolve.estimate.estimator import Estimator
 from crashsolve.foundation.errors import CrashsolveError
 from crashsolve.model.build import build
@@ -187,7 +187,7 @@ def runs(paths: list[Path], words: dict[str, str]) -> Iterator[tuple[str, Run | 
         for name, run in tries:
             try:
                 found = run()
-            except TooDear:
+            except BudgetExceeded:
                 yield name, f"more than {LIMIT:g} s of CPU"
             except (CrashsolveError, ValueError) as error:
                 yield name, str(error).splitlines()[0]

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.cli import give_back_memory
+from crashsolve.cli import release_memory
 from crashsolve.compiler.machine import machine_code
 from crashsolve.compiler.table import Tables
 from crashsolve.deck.reading.deck import read_deck
@@ -181,12 +181,12 @@ def whole(folder: Path, n: int, element: str, material: str) -> tuple[float, flo
     script = (
         "import sys, time\n"
         "from pathlib import Path\n"
-        "from crashsolve.cli import give_back_memory\n"
+        "from crashsolve.cli import release_memory\n"
         "from crashsolve.compiler.machine import forget_linker\n"
         "from crashsolve.deck.reading.deck import read_deck\n"
         "from crashsolve.model.build import build\n"
         "from crashsolve.system.engine import Engine\n"
-        "give_back_memory()\n"
+        "release_memory()\n"
         "forget_linker()\n"
         "begun = time.process_time()\n"
         "e = Engine(*build(read_deck(Path(sys.argv[1]))))\n"
@@ -257,5 +257,5 @@ def main(n: int) -> None:
 
 if __name__ == "__main__":
     # as in a run
-    give_back_memory()
+    release_memory()
     main(int(sys.argv[1]) if len(sys.argv) > 1 else 64)

@@ -27,7 +27,7 @@ from threading import Event, Thread
 import numpy as np
 import spheres
 
-from crashsolve.cli import give_back_memory
+from crashsolve.cli import release_memory
 from crashsolve.deck.reading.deck import Deck, read_deck
 from crashsolve.model.build import build
 from crashsolve.system.engine import Engine
@@ -208,5 +208,5 @@ def main(words: list[str]) -> None:
 
 if __name__ == "__main__":
     # as in a run
-    give_back_memory()
+    release_memory()
     main(sys.argv[1:])

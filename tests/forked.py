@@ -103,10 +103,10 @@ class Compiler:
     """
 
     def __init__(self) -> None:
-        self._asked, there = multiprocessing.Pipe()
+        self._requested, there = multiprocessing.Pipe()
         self._process = os.fork()
         if self._process == 0:
-            self._asked.close()
+            self._requested.close()
             # until the run has closed its end, or died
             with suppress(EOFError):
                 while True:
@@ -123,12 +123,12 @@ class Compiler:
         lock: int | None = None,
     ) -> bytes:
         """Machine code at `path`; what goes wrong is reported by machine._compile_apart, anew."""
-        self._asked.send((source, path, list(names), tables.slots))
-        code = read_sealed(path) if self._asked.recv() == 0 else None
+        self._requested.send((source, path, list(names), tables.slots))
+        code = read_sealed(path) if self._requested.recv() == 0 else None
         return _apart(source, names, tables, path, lock) if code is None else code
 
     def end(self) -> None:
-        self._asked.close()
+        self._requested.close()
         os.waitpid(self._process, 0)
 
 

@@ -42,10 +42,17 @@ class Measure(NamedTuple):
     def row(self) -> str:
         """A row of the table of the page."""
         verdict = "within" if self.low <= self.found <= self.high else "**outside**"
-        asked = (
+        requested = (
             f"{self.low:.4g} to {self.high:.4g}" if self.low > -np.inf else f"<= {self.high:.4g}"
         )
-        cells = (self.test, self.what, f"{self.found:.4g} {self.unit}", asked, verdict, self.source)
+        cells = (
+            self.test,
+            self.what,
+            f"{self.found:.4g} {self.unit}",
+            requested,
+            verdict,
+            self.source,
+        )
         return f"| {' | '.join(cells)} |"
 
 

@@ -164,8 +164,8 @@ def draw_motion(runs: Runs, plt: Any) -> None:
     """Time and position of all cars, and their speeds, at 55 km/h."""
     result = runs(55)
     figure, (left, right) = plt.subplots(1, 2, figsize=(12, 5), layout="constrained")
-    shades = plt.get_cmap("viridis")(np.linspace(0.0, 0.92, 16))
-    for i, shade in zip(CARS, shades, strict=True):
+    colour_scale = plt.get_cmap("viridis")(np.linspace(0.0, 0.92, 16))
+    for i, shade in zip(CARS, colour_scale, strict=True):
         left.plot(values(result, f"rbdout.car_{i}.position.x"), result.time, color=shade)
         speed = 3.6 * values(result, f"rbdout.car_{i}.velocity.x")
         right.plot(result.time, speed, color=shade, lw=1, label=f"car {i}")

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 # exit code of a request that cannot be met
 REFUSED = 2
-# commands whose answers do not show by themselves that a run is not finished
+# commands whose output does not show that a run has not finished
 REPORTING = {"value", "values", "plot", "compare", "export", "render", "film"}
 CHANNELS = "name, pattern such as 'rcforc.*.force.x', or arithmetic such as '-a.b.c / 2'"
 STATISTIC = "as under expect in a deck: max, mean, at:T with T in seconds, ..."
@@ -42,14 +42,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(printable(f"crashpost: error: {error}"), file=sys.stderr)
         return REFUSED
     except BrokenPipeError:
-        # the reader, such as `head`, has seen enough
-        _give_up_output()
+        # the reader, such as `head`, has closed the pipe
+        _discard_output()
         return 0
     except OSError as error:
-        # files are answered for where they are opened: what is left is standard output
+        # errors of files are handled where they are opened: this one is of standard output
         if error.filename is not None:
             raise
-        _give_up_output()
+        _discard_output()
         print(f"crashpost: error: standard output: {error.strerror}", file=sys.stderr)
         return REFUSED
     except KeyboardInterrupt:
@@ -57,7 +57,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return REFUSED
 
 
-def _give_up_output() -> None:
+def _discard_output() -> None:
     """Send what is left to flush nowhere: no error at exit."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 

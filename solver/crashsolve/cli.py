@@ -28,7 +28,12 @@ from crashsolve.foundation.errors import (
     ExitCode,
     out_of_memory,
 )
-from crashsolve.foundation.streams import give_up, open_standard_streams, printable, report_error
+from crashsolve.foundation.streams import (
+    discard_output,
+    open_standard_streams,
+    printable,
+    report_error,
+)
 
 COMMANDS: tuple[str, ...] = ("run", "check", "explain", "study", "sweep", "posture", "example")
 COMMANDS += ("manual", "schema", "keywords", "equations", "completion")
@@ -43,7 +48,7 @@ def main(arguments: list[str] | None = None) -> int:
     gc.set_threshold(100_000)
     # nor are the packages of the system searched for extensions of how decks are read
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
-    give_back_memory()
+    release_memory()
     open_standard_streams()
     given = protected(sys.argv[1:] if arguments is None else arguments)
     # `crashsolve deck.yaml` is short for `crashsolve run deck.yaml`
@@ -64,26 +69,26 @@ def main(arguments: list[str] | None = None) -> int:
         report_error("interrupted")
         return int(ExitCode.STOPPED)
     except BrokenPipeError:
-        # the reader, such as `head`, has seen enough
-        give_up(sys.stdout)
+        # the reader, such as `head`, has closed the pipe
+        discard_output(sys.stdout)
         return int(ExitCode.NORMAL)
     except OSError as error:
-        # files are answered for where they are opened: what is left is standard output
+        # errors of files are handled where they are opened: this one is of standard output
         if error.filename is not None:
             raise
-        give_up(sys.stdout)
+        discard_output(sys.stdout)
         report_error(f"standard output: {error.strerror}")
         return int(ExitCode.OUTPUT)
 
 
-def give_back_memory() -> None:
-    """Let the C library return what large arrays leave behind, instead of growing to keep it."""
+def release_memory() -> None:
+    """Make the C library return the memory of large arrays at once, instead of keeping it."""
     with suppress(AttributeError, OSError):
         # M_MMAP_THRESHOLD of glibc; set, it stays where it is
         ctypes.CDLL(None).mallopt(-3, 1 << 18)
 
 
-def _parser(asked: Sequence[str]) -> argparse.ArgumentParser:
+def _parser(requested: Sequence[str]) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="crashsolve",
         description="Solves the impact of multibody systems from an input deck.",
@@ -118,7 +123,7 @@ def _parser(asked: Sequence[str]) -> argparse.ArgumentParser:
         commands.add_parser("study", help=STUDY[0].lower() + STUDY[1:], description=STUDY)
     )
     sweep = commands.add_parser("sweep", help=SWEEP[0].lower() + SWEEP[1:], description=SWEEP)
-    if list(asked[:1]) != ["run"]:
+    if list(requested[:1]) != ["run"]:
         # a run does not pay for the words of others
         from crashsolve.sweep.command import add_arguments
 
@@ -262,6 +267,7 @@ def _check(options: argparse.Namespace) -> int:
     from crashsolve.deck.reading.deck import read_deck
     from crashsolve.model.build import build
     from crashsolve.recording.histories import families_of
+    from crashsolve.recording.pictured import look_up_pictured
     from crashsolve.recording.questions import look_up
     from crashsolve.simulation.expected_size import expected_size
     from crashsolve.simulation.freedom import freedom
@@ -270,6 +276,7 @@ def _check(options: argparse.Namespace) -> int:
     model, state = build(deck)
     families = families_of(model, state)
     look_up(deck, families)
+    look_up_pictured(deck, model)
     size = expected_size(deck, families, (), Path(options.deck.stem + ".results"))
     for text in (*deck.unread, *model.warnings):
         print(printable(f"warning: {text}"))

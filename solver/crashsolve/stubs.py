@@ -6,15 +6,23 @@ records as attributes. No run reads them: a law imports them under TYPE_CHECKING
 
 import ast
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 
 from crashsolve.deck.family import families
+from crashsolve.foundation.angles import FULL_TURN
 from crashsolve.foundation.record import Column, Record
+from crashsolve.hinges import _joint as hinge
+from crashsolve.hinges import _law as hinge_law
+from crashsolve.joints import _card as joint
+from crashsolve.loads._on_body import BODY_LOAD
 from crashsolve.model.contact import records as contact
 from crashsolve.model.force_columns import FORCE_HISTORY, FORCE_OUTPUT, ROW_PARAMETERS
+from crashsolve.parts import beam
+from crashsolve.springs import _between, _bristle, _joint, _range, _resistance, linear
+from crashsolve.tyres import _road, _tyre
 
 PACKAGE = Path(__file__).resolve().parent
 SHARED_PATH = PACKAGE / "_shared_rows.pyi"
@@ -28,10 +36,35 @@ SHARED = {
     "ContactHistory": contact.HISTORY,
     "ContactOutput": contact.OUTPUT,
 }
+# records that laws add to their own, the larger of two with common columns first
+PARTS = {
+    "HingeLaw": hinge_law.LAW,
+    "HingePath": hinge_law.PATH,
+    "HingeOutput": hinge.COMMON,
+    "JointFrame": joint.FRAME,
+    "JointPoints": joint.POINTS,
+    "BodyLoad": BODY_LOAD,
+    "RangeMoment": _range.MOMENT,
+    "Resistance": _resistance.RESISTANCE,
+    "Slider": _range.SLIDER,
+    "Stops": _joint.STOPS,
+    "Bristle": _bristle.BRISTLE,
+    "JointPressure": _bristle.PRESSING,
+    "SpringPoints": _between.POINTS,
+    "JointSlide": _between.SLIDE,
+    "SpringOutput": linear.OUTPUT,
+    "FullTurn": FULL_TURN,
+    "BeamElement": beam.PARAMETERS,
+    "BeamOutput": beam.OUTPUT,
+    "Tyre": _tyre.TYRE,
+    "TyreDeflection": _tyre.DEFLECTED,
+    "TyreForces": _tyre.FORCES_OF_TYRE,
+    "Roads": _road.ROADS,
+}
 # where the names are that a stub imports
 HOMES = {
     "typing": {"Protocol"},
-    "crashsolve._shared_rows": {*SHARED},
+    "crashsolve._shared_rows": {*SHARED, *PARTS},
     "crashsolve.foundation.rows": {"Numbers", "Row"},
 }
 
@@ -72,20 +105,28 @@ def stub(law: ModuleType) -> str:
     for name, word in RECORDS.items():
         record = getattr(law, word, Record())
         if record.columns or name in own:
-            classes.append(_class(name, record, own.get(name, "")))
+            classes.append(_class(name, *_divided(record, own.get(name, ""))))
     return _file(classes)
+
+
+def _divided(record: Record, base: str) -> tuple[list[Column], str]:
+    """Columns of a record that are in none of PARTS, and its bases: `base`, and those of PARTS."""
+    columns, found = [*record.columns], [base] if base else []
+    for name, part in PARTS.items() if "Protocol" not in base else ():
+        if {*part.columns} <= {*columns}:
+            columns = [column for column in columns if column not in part.columns]
+            found.append(name)
+    return columns, ", ".join(found)
 
 
 def shared_stub() -> str:
     """Text of the stub of the columns that many laws have beside their own."""
-    return _file([_class(name, record, "") for name, record in SHARED.items()])
+    return _file([_class(name, r.columns, "") for name, r in {**SHARED, **PARTS}.items()])
 
 
-def _class(name: str, record: Record, base: str) -> str:
+def _class(name: str, columns: Sequence[Column], base: str) -> str:
     head = f"class {name}({base}):" if base else f"class {name}:"
-    return "\n".join(
-        [head, *map(_attribute, record.columns)] if record.columns else [f"{head} ..."]
-    )
+    return "\n".join([head, *map(_attribute, columns)] if columns else [f"{head} ..."])
 
 
 def _file(classes: list[str]) -> str:

@@ -49,9 +49,9 @@ def test_a_new_method_has_the_order_that_the_page_says(tmp_path: Path) -> None:
 
 
 def test_the_page_walks_through_every_kind() -> None:
-    asked = ("law", "joint", "spring with state", "pair of shapes", "statistic", "family")
-    asked += ("law among several bodies", "mesh that parts share", "phase")
-    for word in (*asked, "method of integration", "law of contact"):
+    requested = ("law", "joint", "spring with state", "pair of shapes", "statistic", "family")
+    requested += ("law among several bodies", "mesh that parts share", "phase")
+    for word in (*requested, "method of integration", "law of contact"):
         assert re.search(rf"^## \d+\. A {word}$", GUIDE.read_text("utf-8"), re.MULTILINE), word
 
 
@@ -61,14 +61,14 @@ NO_LAW = {"_fields", "_is_protocol", "compiled_as", "lineno", "dtype", "tolist"}
 
 def test_the_page_names_every_hook() -> None:
     """What the package asks of a law by name, and what the roles of laws have."""
-    page, asked = GUIDE.read_text("utf-8"), set[str]()
+    page, requested = GUIDE.read_text("utf-8"), set[str]()
     of_laws = r"(?:module|law|narrow|normal|friction|own|home|method\(model\))"
     pattern = re.compile(rf'(?:has|get)attr\((?:\w+\.)*{of_laws}, "(\w+)"')
     for path in PACKAGE.rglob("*.py"):
-        asked |= set(pattern.findall(path.read_text("utf-8")))
+        requested |= set(pattern.findall(path.read_text("utf-8")))
     for role in vars(roles).values():
         if getattr(role, "__module__", "") == roles.__name__:
-            asked |= {n for n in (*vars(role), *role.__annotations__) if not n.startswith("_")}
-    assert len(asked) > 40
-    missing = sorted(n for n in asked - NO_LAW if not re.search(rf"\b{n}\b", page))
+            requested |= {n for n in (*vars(role), *role.__annotations__) if not n.startswith("_")}
+    assert len(requested) > 40
+    missing = sorted(n for n in requested - NO_LAW if not re.search(rf"\b{n}\b", page))
     assert not missing, missing

@@ -22,7 +22,7 @@ from crashsolve.foundation.record import Record
 from crashsolve.integrators import dormand_prince_5
 from crashsolve.materials import elastic
 from crashsolve.model.checks.methods import refuse_incomplete_method
-from crashsolve.model.materials import refuse_incomplete, refuse_unlike
+from crashsolve.model.materials import refuse_different, refuse_incomplete
 from crashsolve.springs import linear
 
 
@@ -218,9 +218,9 @@ COLUMNS = Record("""
 )
 def test_a_row_that_does_not_fit_its_columns_is_refused(values: Any, reported: str) -> None:
     later = ("first_member",)
-    refuse_unlike(linear, COLUMNS, {"k": 1.0, "u": np.ones(3)}, later)
+    refuse_different(linear, COLUMNS, {"k": 1.0, "u": np.ones(3)}, later)
     with pytest.raises(FamilyError, match=f"springs.linear: build .*{reported}"):
-        refuse_unlike(linear, COLUMNS, values, later)
+        refuse_different(linear, COLUMNS, values, later)
 
 
 def test_a_field_that_is_not_declared_is_refused() -> None:

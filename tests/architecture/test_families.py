@@ -115,9 +115,9 @@ def test_the_contract_tests_ask_about_it(home: Path) -> None:
     folders = (home / "solver", ROOT / "postproc", tests)
     given = environment(PYTHONPATH=os.pathsep.join(map(str, folders)), CRASHSOLVE_PLAIN="1")
     words = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-rA", str(tests)]
-    asked = "tethers or (imports_only and down) or has_its_layer"
+    requested = "tethers or (imports_only and down) or has_its_layer"
     done = subprocess.run(
-        [*words, "-k", asked], env=given, capture_output=True, text=True, cwd=home, check=False
+        [*words, "-k", requested], env=given, capture_output=True, text=True, cwd=home, check=False
     )
     assert done.returncode == 0, done.stdout
     for claim in (
@@ -163,7 +163,7 @@ def test_the_contract_tests_ask_about_it(home: Path) -> None:
             ' | {"stiffness": card.stiffness}',
             "crashsolve.tethers.rope: build returns nothing for 'length' of PARAMETERS",
         ),
-        ("rope", "def force(", "def pull(", "must provide force (Forces on bodies, what is"),
+        ("rope", "def force(", "def pull(", "must provide force (Forces on bodies, stored energy"),
     ],
 )
 def test_what_is_forgotten_is_one_error_in_words(

@@ -71,8 +71,8 @@ def imported(*folders: str) -> set[str]:
 
 def test_what_is_listed_is_imported_and_what_is_imported_is_listed() -> None:
     extras, code = PROJECT["optional-dependencies"], imported("solver", "postproc") - OURS
-    needed, asked = names(PROJECT["dependencies"]), names(sum(map(extras.get, ASKED), []))
-    assert needed | asked == code
+    needed, requested = names(PROJECT["dependencies"]), names(sum(map(extras.get, ASKED), []))
+    assert needed | requested == code
     others = imported("tests", "benchmarks", "decks")
     for extra in extras.values():
         assert names(extra) <= others | code
@@ -123,8 +123,8 @@ def test_a_missing_matplotlib_is_one_line_with_the_name_of_the_extra(tmp_path: P
         "from crashpost.cli import main; sys.exit(main(sys.argv[1:]))"
     )
     for command in (["report", str(tmp_path)], ["plot", str(tmp_path), "rbdout.ball.position.z"]):
-        asked = [sys.executable, "-c", code, *command]
-        done = subprocess.run(asked, capture_output=True, text=True, env=environment())
+        requested = [sys.executable, "-c", code, *command]
+        done = subprocess.run(requested, capture_output=True, text=True, env=environment())
         assert done.returncode == 2
         (line,) = done.stderr.splitlines()
         assert "matplotlib" in line and "pip install 'crashsolve[plot]'" in line

@@ -33,6 +33,9 @@ def test_a_rigid_run_imports_nothing_foreign(tmp_path: Path) -> None:
     # what a family states of itself is known to every run, its laws to those that use them
     laws = ("crashsolve.springs.", "crashsolve.joints.", "crashsolve.sensors.")
     assert not [name for name in modules if name.startswith(laws)]
+    # nor what shells are made of, or settings of studies
+    others = {"crashsolve.elements.shells.layout", "crashsolve.study.settings"}
+    assert not modules & others
 
 
 def test_a_run_without_estimates_imports_nothing_for_them(tmp_path: Path) -> None:

@@ -315,7 +315,7 @@ def test_a_chosen_folder_that_keeps_nothing_is_refused(
 
 def test_another_compiler_has_another_folder(monkeypatch: pytest.MonkeyPatch) -> None:
     here = cache.cache_folder()
-    monkeypatch.setattr(cache, "version", lambda name: f"another {name}")
+    monkeypatch.setattr(cache.llvmlite, "__version__", "another")
     cache.cache_folder.cache_clear()
     try:
         assert cache.cache_folder().name != here.name

@@ -10,7 +10,7 @@ import pytest
 from command import crashsolve
 
 from crashpost import cli
-from crashpost.renders import studio
+from crashpost.renders import painting
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "postproc"))
 from damage import damages
@@ -39,7 +39,7 @@ def test_damaged_results_are_drawn_or_refused(
     whole: Path, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # the plain painter, in this process
-    monkeypatch.setattr(studio, "_in_child", lambda *_: "in this process")
+    monkeypatch.setattr(painting, "_in_child", lambda *_: "in this process")
     every = list(damages(whole / name))
     assert len(every) > 3 * EACH
     questions = tmp_path / "questions.json"
@@ -62,7 +62,7 @@ def test_damaged_results_are_drawn_or_refused(
 def test_damaged_results_are_reported_or_refused(
     whole: Path, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(studio, "_in_child", lambda *_: "in this process")
+    monkeypatch.setattr(painting, "_in_child", lambda *_: "in this process")
     every = list(damages(whole / name))
     for k, (word, deed) in enumerate(every[:: len(every) // EACH]):
         folder = tmp_path / f"{k}.results"

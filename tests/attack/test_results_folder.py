@@ -16,13 +16,13 @@ from command import arguments, crashsolve, environment, start
 
 from crashpost.results.status import read_status
 from crashsolve.deck.reading.deck import read_deck
-from crashsolve.foundation.streams import lost, say
+from crashsolve.foundation.streams import lost, print_line
 from crashsolve.output.errors import OutputError
 from crashsolve.output.lock import Lock
 from crashsolve.output.log import STOPPED, Log
 from crashsolve.simulation import progress
-from crashsolve.simulation.heartbeat import Pulse
-from crashsolve.simulation.requests import SIGNALS, Requests, stop_as_by_keyboard
+from crashsolve.simulation.heartbeat import Heartbeat
+from crashsolve.simulation.requests import SIGNALS, Requests, interrupt_as_keyboard
 
 OSCILLATOR = Path(__file__).parents[1] / "runs" / "oscillator.yaml"
 # as plain Python: nothing is to be compiled, and a run of a million steps lasts; 0.5 GB would come
@@ -133,7 +133,7 @@ def test_an_old_status_does_not_speak_for_a_new_run(tmp_path: Path) -> None:
 
 
 def test_the_status_is_that_of_a_run_from_its_preparation_on(tmp_path: Path) -> None:
-    deck, pulse = read_deck(OSCILLATOR), Pulse("a test", print)
+    deck, pulse = read_deck(OSCILLATOR), Heartbeat("a test", print)
     (tmp_path / "status.json").write_text('{"state": "finished"}')
     with progress.preparing(deck, tmp_path, pulse, append=False):
         status = json.loads((tmp_path / "status.json").read_text("utf-8"))
@@ -179,7 +179,7 @@ def test_standard_output_that_is_full_before_there_is_a_log_is_said_in_it(
     """On a busy machine the first words come before the log: that the deck is being read."""
     with open("/dev/full", "w") as full:
         monkeypatch.setattr(sys, "stdout", full)
-        say("reading the deck")
+        print_line("reading the deck")
         Log(tmp_path / "log.txt").line("goes on")
     assert "warning: standard output: No space left" in (tmp_path / "log.txt").read_text("utf-8")
     assert not lost
@@ -238,7 +238,7 @@ def test_an_interrupt_that_python_drops_is_not_lost(tmp_path: Path) -> None:
     known = {number: signal.getsignal(number) for number in SIGNALS}
     requests = Requests(tmp_path, Log(tmp_path / "log.txt"), end=lambda: None)
     try:
-        stop_as_by_keyboard()
+        interrupt_as_keyboard()
         with catch_unraisable() as dropped:
             del (disposed := [Disposed()])[0]
             assert not disposed
@@ -246,7 +246,7 @@ def test_an_interrupt_that_python_drops_is_not_lost(tmp_path: Path) -> None:
         with pytest.raises(KeyboardInterrupt):
             requests.catch()
         # of a run that begins anew nothing has been asked
-        stop_as_by_keyboard()
+        interrupt_as_keyboard()
         requests.catch()
     finally:
         for number, handler in known.items():
@@ -277,7 +277,7 @@ def test_an_interrupt_while_the_log_is_being_opened_is_in_it(
         return log
 
     monkeypatch.setattr(progress, "Log", interrupted)
-    deck, pulse = read_deck(OSCILLATOR), Pulse("reading", print)
+    deck, pulse = read_deck(OSCILLATOR), Heartbeat("reading", print)
     with pytest.raises(KeyboardInterrupt), progress.preparing(deck, tmp_path, pulse, False):
         pytest.fail("nothing runs after an interrupt")
     lines = (tmp_path / "log.txt").read_text().splitlines()

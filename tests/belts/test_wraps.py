@@ -76,9 +76,11 @@ def test_the_geodesic_is_the_shortest_line_around_an_ellipsoid(seed: int) -> Non
     assert _shortest(np.array(A), np.array(B), np.array(SEMI)) == pytest.approx(found, rel=1e-5)
 
 
-def _shortest(A: np.ndarray, B: np.ndarray, semi: np.ndarray, chords: int = 200) -> float:
+def _shortest(
+    A: np.ndarray, B: np.ndarray, semi: np.ndarray, approximate_length: int = 200
+) -> float:
     """Shortest line of chords over an ellipsoid that passes through it nowhere."""
-    a, b, x = A / semi, B / semi, np.linspace(-1.0, 1.0, chords)
+    a, b, x = A / semi, B / semi, np.linspace(-1.0, 1.0, approximate_length)
     e = a / np.linalg.norm(a)
     f = b - e * (e @ b)
     f /= np.linalg.norm(f)
@@ -230,4 +232,4 @@ def test_a_ball_that_rolls_along_under_its_belt_has_not_slipped(tmp_path: Path) 
         law.force(1e-3)
         law.accept()
     # the belt is not quite in the plane of the rotation: some slip, and not the six radians
-    assert abs(law.new.aside[1]) < 0.6 and law.new.crossed == 0
+    assert abs(law.new.lateral[1]) < 0.6 and law.new.crossed == 0

@@ -45,10 +45,10 @@ def test_questions_that_make_no_sense_are_refused_before_the_run(flight: Path) -
 def test_a_value_in_a_unit_that_its_statistic_cannot_have_is_refused(flight: Path) -> None:
     """Of a maximum the unit is that of the channel, of an integral that times seconds."""
     said = "because: exact, source: none, tolerance: 1 %"
-    asked = [("max", "5 m"), ("max", "5 s"), ("integral", "5 m s"), ("integral", "5 m")]
+    requested = [("max", "5 m"), ("max", "5 s"), ("integral", "5 m s"), ("integral", "5 m")]
     entries = [
         f"{{channel: rbdout.ball.position.x, statistic: {word}, value: {value}, {said}}}"
-        for word, value in asked
+        for word, value in requested
     ]
     flight.write_text(f"{FLIGHT}expect: [{', '.join(entries)}]\n")
     done = crashsolve("check", flight)

@@ -16,7 +16,7 @@ from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.foundation.rows import as_rows
 from crashsolve.model.build import build
-from crashsolve.model.contact.near_faces import faces_beside, spare
+from crashsolve.model.contact.near_faces import excluded_faces, faces_beside
 from crashsolve.system.contact import node_contact, normals, projection
 
 DECK = Path(__file__).resolve().parents[2] / "decks/verification/contact/faces.yaml"
@@ -350,7 +350,7 @@ def test_faces_across_sides_and_rings_about_nodes() -> None:
 
     around = faces_around(quads, n * n)
     for ring in range(3):
-        first, spared = spare(quads, around, ring)
+        first, spared = excluded_faces(quads, around, ring)
         i, j = 3, 2
         found = spared[first[n * i + j] : first[n * i + j + 1]]
         rows, columns = np.divmod(found, n - 1)

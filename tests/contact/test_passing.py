@@ -49,6 +49,16 @@ THROUGH = {
         "type: ellipsoid, semi_axes: [0.05, 0.05, 2e-3]",
         None,
     ),
+    "an egg, an open mesh": (
+        "type: ellipsoid, body: ball, semi_axes: [3e-3, 3e-3, 2e-3]",
+        f"type: mesh, {SQUARE}, faces: [[0, 1, 2], [0, 2, 3]], thickness: 2e-3",
+        None,
+    ),
+    "an egg, a closed mesh": (
+        "type: ellipsoid, body: ball, semi_axes: [3e-3, 3e-3, 2e-3]",
+        f"type: mesh, vertices: {PLATE.tolist()}, faces: {FACES}",
+        None,
+    ),
     "a block, a plate": (
         "type: box, body: ball, size: [3e-3, 3e-3, 2e-3]",
         "type: box, size: [0.1, 0.1, 2e-3]",
@@ -68,10 +78,11 @@ def test_what_flies_through_something_stops_the_run(case: str, tmp_path: Path) -
     assert "E r r o r    t e r m i n a t i o n" in done.stdout
 
 
-def test_what_comes_from_behind_an_open_mesh_stops_the_run(tmp_path: Path) -> None:
+@pytest.mark.parametrize("case", ["a ball, an open mesh", "an egg, an open mesh"])
+def test_what_comes_from_behind_an_open_mesh_stops_the_run(case: str, tmp_path: Path) -> None:
     """It would meet its whole depth at once, and gain that energy."""
-    _, struck, _ = THROUGH["a ball, an open mesh"]
-    done = fly(tmp_path, BALL, struck, height=-8e-3, speed=300.0, step=None)
+    striker, struck, _ = THROUGH[case]
+    done = fly(tmp_path, striker, struck, height=-8e-3, speed=300.0, step=None)
     assert done.returncode == 4
     assert "'ball' has passed the middle of what it strikes" in done.stdout
 

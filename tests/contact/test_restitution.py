@@ -33,8 +33,8 @@ EXACT = {0.1: 9.9981593975, 0.3: 3.0870819811, 0.5: 1.4327505333, 0.9: 0.1664819
 
 @pytest.mark.parametrize("law", RETURNED)
 def test_a_law_returns_the_restitution_of_the_exact_relation(tmp_path: Path, law: str) -> None:
-    for asked, digits in zip(ASKED, RETURNED[law].split(), strict=True):
-        contact = Contact(tmp_path, f"{{type: {law}, stiffness: 1e9, restitution: {asked}}}")
+    for requested, digits in zip(ASKED, RETURNED[law].split(), strict=True):
+        contact = Contact(tmp_path, f"{{type: {law}, stiffness: 1e9, restitution: {requested}}}")
         # half a unit of the last digit quoted
         assert returned(float(contact.p.chi)) == pytest.approx(float(f"0.{digits}"), abs=5.1e-5)
 

@@ -121,9 +121,9 @@ def test_one_of_several_runs_is_given_what_it_uses(tmp_path: Path) -> None:
     several, path = Several(), tmp_path / "deck.yaml"
     given = {"parts.frame.across": "3", "gap": "1", "half": "8"}
     _, beams = several.read(path, given)
-    assert (beams, {*(several.idle or ())}) == ({"half": "8"}, {"parts.frame.across", "gap"})
+    assert (beams, {*(several.ineffective or ())}) == ({"half": "8"}, {"parts.frame.across", "gap"})
     choice = {"parts.frame.deformation": "shells", "parts.frame.members.2.deformation": "beams"}
     deck, shells = several.read(path, given | choice)
     assert shells == {"parts.frame.across": "3", "half": "8"} | choice
-    assert {*(several.idle or ())} == {"gap"}
+    assert {*(several.ineffective or ())} == {"gap"}
     assert deck.text == read_deck(path, shells).text

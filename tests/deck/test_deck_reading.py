@@ -236,23 +236,24 @@ def test_an_override_may_be_an_expression(tmp_path: Path) -> None:
 def test_units_of_a_file_are_those_of_its_bare_numbers_alone(tmp_path: Path) -> None:
     (tmp_path / "rear.yaml").write_text(
         "units: {length: mm, mass: t, angle: deg}\n"
+        "parameters: {own: 3}\n"
         "bodies:\n"
         "  rear:\n"
         "    mass: 30\n"
         "    inertia: [1, 1, 1]\n"
-        '    position: [1000, "${gap}", "${count}"]\n'
+        '    position: [1000, "${gap}", "${own}"]\n'
         "    angular_velocity: [180, 0, 0]\n"
     )
     deck = deck_of(
         tmp_path,
-        "include: [rear.yaml]\ncontrol: {end_time: 1}\nparameters: {gap: 2 m, count: 3}\n"
+        "include: [rear.yaml]\ncontrol: {end_time: 1}\nparameters: {gap: 2 m}\n"
         "bodies:\n  front: {mass: 30, inertia: [1, 1, 1]}\n",
     )
     rear = deck.entries["bodies"]["rear"].card
     assert deck.entries["bodies"]["front"].card.mass == 30.0
     assert rear.mass == 30e3
     assert rear.inertia == pytest.approx((1e-3, 1e-3, 1e-3))
-    # a parameter with a unit is in SI, one without is a bare number
+    # a parameter with a unit is in SI, one without is a bare number of its file
     assert rear.position == pytest.approx((1.0, 2.0, 0.003))
     assert rear.angular_velocity == pytest.approx((3.141592653589793, 0.0, 0.0))
 

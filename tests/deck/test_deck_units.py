@@ -174,3 +174,48 @@ def test_functions_give_radians_whatever_the_units(
         return
     found = read_deck(deck).entries["bodies"]["a"].card.rotation.angle
     assert found == pytest.approx(radians, rel=1e-14)
+
+
+MAIN = """include: [part.yaml]
+control: {end_time: 1}
+parameters: {n: 2, gap: 3, depth: "20 mm", pure: "4 1"}
+"""
+PART = """units: {length: mm}
+parameters: {own: 5, doubled: "${2*gap}"}
+bodies: {a: {mass: "${n}", inertia: [1, 1, 1], position: ["EXPRESSION", 0, 0]}}
+"""
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize(
+    ("expression", "metres"),
+    [
+        # which of both files has millimetres makes no difference to what is refused
+        ("gap", None),
+        ("doubled", None),
+        ("gap*sin(1)", None),
+        ("gap + depth", None),
+        ("own*n", None),
+        # pure where units fit, or where it is stated
+        ("n*depth", 0.04),
+        ("depth/gap", 0.02 / 3),
+        ("own*pure", 0.02),
+        ("0*gap", 0.0),
+    ],
+)
+def test_a_bare_parameter_of_a_file_with_other_units_is_pure_or_refused(
+    expression: str, metres: float | None, turned: bool, tmp_path: Path
+) -> None:
+    units, part = "units: {length: mm}\n", PART.replace("EXPRESSION", f"${{{expression}}}")
+    deck, file = tmp_path / "deck.yaml", tmp_path / "part.yaml"
+    deck.write_text(units * turned + MAIN, "utf-8")
+    file.write_text(part.removeprefix(units) if turned else part, "utf-8")
+    if metres is None:
+        with pytest.raises(DeckErrors, match="which are not those of this file; give its unit"):
+            read_deck(deck)
+        return
+    card = read_deck(deck).entries["bodies"]["a"].card
+    own = 1000.0 if turned and "own" in expression else 1.0
+    assert card.position[0] == pytest.approx(own * metres, rel=1e-14)
+    # a mass is in kg in both
+    assert card.mass == 2.0

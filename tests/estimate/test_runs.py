@@ -15,7 +15,7 @@ from crashpost.results.result import Result
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.estimate.companion import Abandoned
 from crashsolve.estimate.error import Estimate
-from crashsolve.estimate.estimator import DEAR, Estimator
+from crashsolve.estimate.estimator import OVER_BUDGET, Estimator
 from crashsolve.estimate.runner import Estimating
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.build import build
@@ -125,7 +125,7 @@ def test_companions_cost_no_more_than_is_left_for_them(tmp_path: Path) -> None:
     spent = time.process_time() - begun
     # it ends at the first sample of the first companion, which takes seconds in all
     assert spent < 2.0
-    assert problems == [DEAR]
+    assert problems == [OVER_BUDGET]
     # a method that would be compared with a finer run is compared with a coarser one
     given = estimator(tmp_path, integrator="dormand_prince_5")
     cycles = given.companions.run(1.0).cycles
@@ -134,7 +134,7 @@ def test_companions_cost_no_more_than_is_left_for_them(tmp_path: Path) -> None:
     # and that of a cheap run ends where it gets stuck
     problems.clear()
     assert given.companion_runs(1.0, cycles, problems, limit=0.0) == []
-    assert problems == [DEAR]
+    assert problems == [OVER_BUDGET]
 
 
 BEAM = """

@@ -7,7 +7,7 @@ import numpy as np
 from crashsolve.compiler.machine import machine_code
 from crashsolve.compiler.table import Tables
 from crashsolve.foundation.kernels import entry
-from crashsolve.foundation.lanes import add_forces, take_motion
+from crashsolve.foundation.lanes import add_forces, gather_motion
 from crashsolve.foundation.point import LANES, POINT
 
 
@@ -17,7 +17,7 @@ def there_and_back(number, flag, scene):
     for c in range(4):
         for e in range(0, 16, 8):
             at = LANES * 3 * c + e
-            take_motion(scene.points, scene.corners, LANES * c + e, scene.lanes, at)
+            gather_motion(scene.points, scene.corners, LANES * c + e, scene.lanes, at)
     for c in range(4):
         for e in range(0, 16, 8):
             at = LANES * 3 * c + e

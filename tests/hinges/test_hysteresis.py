@@ -368,7 +368,7 @@ class Turned:
 
     def go(self, x: float, y: float) -> np.ndarray:
         law = self.law
-        _joint.keep_old(law.old, law.new)
+        _joint.copy_history(law.old, law.new)
         found = _pair.advance_pair(law.p, law.old, law.new, x, y, 1.0, law.bench.curves)
         self.moment, self.stored = np.array(found[:2], float), float(found[2])
         self.lost += float(found[3])
@@ -421,8 +421,8 @@ def test_the_tangent_on_the_ellipse_is_the_derivative(
     for share in np.linspace(0.0, 1.0, 41):
         start = hinge.go(0.05 * share, 0.03 * share)
     law, direction = hinge.law, np.array(onward)
-    seen = _pair.Motions(0.05, 0.03, *onward, speed=0.0, sizes=(0.0, 0.0))
-    rows = _pair.tangent(law.p, law.old, seen, law.bench.curves)
+    deformation = _pair.Motions(0.05, 0.03, *onward, speed=0.0, sizes=(0.0, 0.0))
+    rows = _pair.tangent(law.p, law.old, deformation, law.bench.curves)
     K = sum(row[2] * np.outer(row[:2], row[:2]) for row in rows)
     change = (hinge.go(0.05 + 1e-7 * direction[0], 0.03 + 1e-7 * direction[1]) - start) / 1e-7
     # second derivatives, k over the elastic range, times the step

@@ -139,3 +139,33 @@ def test_steps_are_short_where_the_curve_is_fast_alone(tmp_path: Path) -> None:
     fast = starts[steps < width]
     # exp(-100) and less is nothing
     assert abs(fast - 0.4).max() < 12 * width
+
+
+def test_a_load_of_infinite_slope_takes_short_steps_there_alone(tmp_path: Path) -> None:
+    path = deck(tmp_path, ["sqrt(x)"], 2)
+    model, _ = build(read_deck(path))
+    starts, steps = steps_by_curves(model)
+    lengths = np.diff(np.r_[starts, 2.0])
+    # by octaves towards 0, which take some ten steps each
+    assert np.ceil(lengths / steps)[np.isfinite(steps)].sum() < 600
+    _, (found,), _ = estimate_in_memory(read_deck(path))
+    assert found.value is not None and found.error is not None
+    assert abs(found.value - 2.0**2.5 / 3.0) <= 2.0 * found.error + CUBICS
+
+
+@pytest.mark.parametrize("step", ["auto", "1e-3"])
+def test_a_run_that_ends_on_a_short_ramp_estimates_what_moves_on_it(
+    step: str, tmp_path: Path
+) -> None:
+    ramp = 1e-4
+    path = deck(tmp_path, ["0*x"], 1, f", step: {step}", out="output: {history: {interval: 0.01}}")
+    points = [[0, 0], [1 - ramp, 0], [1, 1], [2, 1]]
+    text = path.read_text().replace(
+        "{type: formula, expression: '0*x', from: 0, to: 1}", f"{{points: {points}}}"
+    )
+    path.write_text(text.replace("velocity.x", "position.x"))
+    _, (found,), _ = estimate_in_memory(read_deck(path))
+    assert found.value is not None and found.error is not None
+    off = abs(found.value - ramp**2 / 6.0)
+    # of order 2, with four steps over the ramp
+    assert off < 0.07 * found.value and off <= 2.0 * found.error

@@ -17,7 +17,7 @@ import yaml
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.elements.beams import fibres
-from crashsolve.elements.shells.layers import clear_growth, through_thickness
+from crashsolve.elements.shells.layers import reset_growth, through_thickness
 from crashsolve.elements.shells.records import BLOCK, WORK
 from crashsolve.elements.shells.resultants import clear_resultants
 from crashsolve.elements.shells.tangents.layers import layers_and_tangent
@@ -79,7 +79,7 @@ class Layers:
         self.first = int(self.p.first) + LANES * BLOCK.SIZE
         self.put(WORK.depth, np.ones(LANES))
         self.put(WORK.area, np.ones(LANES))
-        self.put(WORK.weak, np.ones(LANES))
+        self.put(WORK.shear_factor, np.ones(LANES))
 
     def put(self, row: int, values: np.ndarray) -> None:
         self.work[LANES * row : LANES * (row + 1)] = values
@@ -92,7 +92,7 @@ class Layers:
     def strained(self, d: np.ndarray) -> None:
         for k in range(3):
             self.put(WORK.membrane + k, d[:, k])
-        clear_growth(self.work)
+        reset_growth(self.work)
         clear_resultants(self.work)
 
     def step(self, d: np.ndarray, h: float = 1.0) -> np.ndarray:
@@ -103,25 +103,29 @@ class Layers:
 
     def tangent(self, d: np.ndarray, h: float = 1.0) -> np.ndarray:
         """Derivatives (lanes, 4, 3) of the stress and of the strain across, by d; not a step."""
-        kept, seen = self.blocks.copy(), np.zeros(POINT_ROWS * LANES)
+        blocks_before, seen = self.blocks.copy(), np.zeros(POINT_ROWS * LANES)
         self.strained(d)
         scene = SimpleNamespace(
-            lanes=self.blocks, lanes_before=kept, work=self.work, seen=seen, curves=self.curves
+            lanes=self.blocks,
+            lanes_before=blocks_before,
+            work=self.work,
+            base=seen,
+            curves=self.curves,
         )
         layers_and_tangent(self.first, 0, h, self.p, scene, self.law)
-        self.blocks[:] = kept
+        self.blocks[:] = blocks_before
         table = seen.reshape(SIDE, SIDE, LANES).transpose(2, 0, 1)
         return table[:, [0, 1, 2, ACROSS_OUT], :3]
 
     def differences(self, d: np.ndarray, h: float, size: float) -> np.ndarray:
         """The same by central differences."""
-        found, kept = np.zeros((LANES, 4, 3)), self.blocks.copy()
+        found, blocks_before = np.zeros((LANES, 4, 3)), self.blocks.copy()
         for k in range(3):
             ends = []
             for direction in (size, -size):
                 stress = self.step(d + direction * np.eye(3)[k], h)
                 ends.append(np.column_stack([stress, self.get(WORK.thinning)]))
-                self.blocks[:] = kept
+                self.blocks[:] = blocks_before
             found[:, :, k] = (ends[0] - ends[1]) / (2.0 * size)
         return found
 
@@ -140,14 +144,14 @@ class Layers:
 
     def pull(self, strain: float, h: float = 1.0) -> float:
         """Stress after a step of strain along x with none across it, in all lanes alike."""
-        across, kept = -self.m.poisson * strain, self.blocks.copy()
+        across, blocks_before = -self.m.poisson * strain, self.blocks.copy()
         for _ in range(50):
             d = np.tile([strain, across, 0.0], (LANES, 1))
             slope = self.tangent(d, h)[0, 1, 1]
             stress = self.step(d, h)[0]
             if abs(stress[1]) <= 1e-12 * self.m.young:
                 break
-            self.blocks[:] = kept
+            self.blocks[:] = blocks_before
             across -= stress[1] / slope
         return float(stress[0])
 

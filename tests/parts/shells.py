@@ -60,7 +60,7 @@ class Elements:
         self.points: Any = as_rows(self.state.points)
         e = model.elements
         assert e is not None
-        self.taps, self.cuts = e.taps, e.cuts
+        self.element_cuts, self.cuts = e.element_cuts, e.cuts
         self.scene = SimpleNamespace(
             points=self.points,
             corners=e.corners,

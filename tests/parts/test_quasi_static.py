@@ -17,7 +17,7 @@ from crashsolve.model.build import build
 from crashsolve.recording.engines import engine_of
 from crashsolve.statics import equilibrium
 from crashsolve.statics.balance import EQUAL, ROUND, Forces
-from crashsolve.statics.pseudo_transient import turning
+from crashsolve.statics.pseudo_transient import warning_of_rotating_loads
 from crashsolve.statics.stability import unstable_mode
 
 DECK = """
@@ -220,14 +220,14 @@ def test_what_stability_of_shells_leaves_out_is_reported_by_name(tmp_path: Path)
     path = tmp_path / "deck.yaml"
     path.write_text(FOLLOWED, "utf-8")
     model, _ = build(read_deck(path))
-    reported = turning(model.groups)
+    reported = warning_of_rotating_loads(model.groups)
     assert reported is not None
     assert "load 'along'" in reported
     assert "load 'blown'" in reported
     assert "'fixed'" not in reported
     assert "buckling or flutter may be missed" in reported
     assert "solution: transient" in reported
-    assert turning([g for g in model.groups if g.keyword != "loads"]) is None
+    assert warning_of_rotating_loads([g for g in model.groups if g.keyword != "loads"]) is None
 
 
 @pytest.mark.long
@@ -323,7 +323,7 @@ def test_loads_without_a_curve_act_from_the_start_and_do_half_their_way(tmp_path
 
 def test_equilibrium_is_a_matter_of_forces() -> None:
     forces = Forces(size=2.0, tolerance=1e-6)
-    forces._grow(100.0, 0.0)
+    forces._raise_largest(100.0, 0.0)
     g = np.zeros(12)
     for force, moment, stiffness, reported in (
         (0.9e-4, 1.9e-4, 0.0, EQUAL),

@@ -39,16 +39,16 @@ def test_a_section_hands_on_all_force_and_moment(kind: str, tmp_path: Path) -> N
 def measured(shell: Elements) -> np.ndarray:
     """The sections, as a sample computes them."""
     scene, before = shell.scene, -1
-    scene.taps, scene.cuts = as_rows(shell.taps), as_rows(shell.cuts)
+    scene.element_cuts, scene.cuts = as_rows(shell.element_cuts), as_rows(shell.cuts)
     modules = dict(zip(shell.module.KINDS.values(), range(3), strict=True))
     kinds = {modules[kind.__name__.rpartition(".")[2]]: kind for kind in shell.kinds}
     section_cut.open_cuts(scene)
-    for tap in scene.taps:
-        if tap.first != before:
-            position = (tap.first, tap.corner, scene, shell.material)
-            blocks.respond(kinds[int(tap.kind)], shell.p, 0.0, *position)
-        before = tap.first
-        section_cut.add_tap(tap, scene)
+    for element_cut in scene.element_cuts:
+        if element_cut.first != before:
+            position = (element_cut.first, element_cut.corner, scene, shell.material)
+            blocks.respond(kinds[int(element_cut.kind)], shell.p, 0.0, *position)
+        before = element_cut.first
+        section_cut.add_cut_element(element_cut, scene)
     section_cut.close_cuts(scene)
     return shell.cuts
 

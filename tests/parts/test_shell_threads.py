@@ -171,30 +171,30 @@ def test_a_step_too_long_stops_any_number_of_threads_alike(
 def test_every_piece_is_taken_once_whoever_comes_when() -> None:
     rng, next_piece = random.Random(1), worker.next_piece
     for threads, pieces in ((1, 1), (2, 8), (3, 2), (8, 33)):
-        rotations = np.zeros(worker.QUEUES + worker.LINE * threads, np.int64)
+        queues = np.zeros(worker.QUEUES + worker.LINE * threads, np.int64)
         for _ in range(3):
-            called = worker.call(pieces, threads, rotations)
-            taken = []
-            while (k := next_piece(rng.randrange(threads), called, threads, rotations)) >= 0:
-                taken.append(k)
-                worker.finish(rotations)
-            assert sorted(taken) == list(range(pieces))
-            worker.wait_for_all(pieces, rotations)
+            called = worker.call(pieces, threads, queues)
+            claim = []
+            while (k := next_piece(rng.randrange(threads), called, threads, queues)) >= 0:
+                claim.append(k)
+                worker.finish(queues)
+            assert sorted(claim) == list(range(pieces))
+            worker.wait_for_all(pieces, queues)
         # one that comes late to a round finds nothing of the next
-        worker.call(pieces, threads, rotations)
-        assert next_piece(0, called, threads, rotations) == -1
+        worker.call(pieces, threads, queues)
+        assert next_piece(0, called, threads, queues) == -1
 
 
 def test_who_waits_long_sleeps(monkeypatch: pytest.MonkeyPatch) -> None:
     naps: list[int] = []
     offers: list[int] = []
-    patient = worker.be_patient
+    patient = worker.back_off
     monkeypatch.setitem(patient.__globals__, "sleep", naps.append)
-    monkeypatch.setitem(patient.__globals__, "give_way", lambda: offers.append(1))
-    looks = 0
-    for _ in range(worker.PATIENCE + worker.OFFERS + 11):
-        looks = patient(looks)
-    assert (len(offers), naps) == (worker.OFFERS, [worker.NAP] * 10)
+    monkeypatch.setitem(patient.__globals__, "offer_processor", lambda: offers.append(1))
+    polls = 0
+    for _ in range(worker.SPINS + worker.YIELDS + 11):
+        polls = patient(polls)
+    assert (len(offers), naps) == (worker.YIELDS, [worker.SLEEP_TIME] * 10)
 
 
 def mixed(rng: np.random.Generator) -> tuple[Any, list[list[int]]]:
@@ -235,8 +235,8 @@ def test_pieces_of_a_part_push_its_points_as_the_whole(
         points=points,
         corners=elements.corners.base,
         pieces=pieces.pieces.view(np.recarray),
-        loans=pieces.loans.view(np.recarray),
-        lent=pieces.lent.view(np.recarray),
+        originals=pieces.originals.view(np.recarray),
+        replicas=pieces.replicas.view(np.recarray),
     )
     rows = pieces.rows[one.model.element_groups()[0].word].view(np.recarray)
     # a block is the least
@@ -249,9 +249,9 @@ def test_pieces_of_a_part_push_its_points_as_the_whole(
             blocks.deform(kind, rows[k], one.clock, 1.0, scene, one.material)
         scene.pieces[k].rate = one.clock.element_rate
         scene.pieces[k].element = one.clock.limit_element
-    assert len(pieces.loans) > 50
+    assert len(pieces.originals) > 50
     for k in rng.permutation(len(rows)):
-        jobs.take_back(scene.pieces[k], scene)
+        jobs.collect_replicas(scene.pieces[k], scene)
     jobs.note_rates(one.clock, 0, scene)
     found = np.hstack([own.force, own.torque])
     assert found.tobytes() == forces.tobytes()

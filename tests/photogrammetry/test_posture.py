@@ -38,9 +38,9 @@ def example(tmp_path: Path) -> Path:
 
 
 def found(request: Path) -> tuple[Any, list[Fit]]:
-    asked = read_request(request)
-    chain, _ = chain_of(asked)
-    return chain, fitted(asked, chain, measured(asked))
+    requested = read_request(request)
+    chain, _ = chain_of(requested)
+    return chain, fitted(requested, chain, measured(requested))
 
 
 def errors_of(chain: Any, fit: Fit, time: float) -> np.ndarray:

@@ -64,7 +64,7 @@ def test_values_answers_many_questions_at_once(
     cars: Path, crashpost: Command, tmp_path: Path
 ) -> None:
     speed = "rbdout.A.velocity.x"
-    asked = [
+    requested = [
         {"channel": speed, "statistic": "at:0", "unit": "km/h"},
         {"channel": speed, "statistic": "argmax", "during": [0.02, 0.05]},
         {"channel": "rbdout.A.velocty.x", "statistic": "max"},
@@ -72,7 +72,7 @@ def test_values_answers_many_questions_at_once(
         {"statistic": "max"},
     ]
     path = tmp_path / "questions.json"
-    path.write_text(json.dumps(asked), "utf-8")
+    path.write_text(json.dumps(requested), "utf-8")
     code, out, err = crashpost("values", cars, path)
     first, window, wrong, whole, broken = json.loads(out)
     assert (code, err) == (0, "")
@@ -304,9 +304,9 @@ def test_a_time_without_a_sample_is_reported(
     assert 0.5 < abs(float(out) - exact) / stated < 2.0
     assert "A deck that watches at:" in err
     assert crashpost("value", cars, f"{SPEED_A}:at:{sampled!r}")[2] == ""
-    asked = [{"channel": SPEED_A, "statistic": f"at:{between!r}"}]
+    requested = [{"channel": SPEED_A, "statistic": f"at:{between!r}"}]
     path = tmp_path / "questions.json"
-    path.write_text(json.dumps(asked), "utf-8")
+    path.write_text(json.dumps(requested), "utf-8")
     (answer,) = json.loads(crashpost("values", cars, path)[1])
     assert "no sample at" in answer["remark"]
 

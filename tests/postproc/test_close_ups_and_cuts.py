@@ -8,12 +8,12 @@ from test_odd_scenes import drawn_run
 
 from crashpost.errors import PostError
 from crashpost.renders import close_up as close_ups
-from crashpost.renders import sheet, studio
+from crashpost.renders import painting, sheet
+from crashpost.renders.appearance import Appearance
 from crashpost.renders.camera import camera, fitted
 from crashpost.renders.cutting import clamped, cut, half_space
 from crashpost.renders.drawing import Scene
 from crashpost.renders.groups import labels
-from crashpost.renders.look import Look
 from crashpost.renders.paint_plain import Painter
 from crashpost.renders.section_lines import Section, lines, weights
 from crashpost.renders.shapes import Dots, Drawing, Lines, Surface
@@ -31,7 +31,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_a_window_lies_where_the_contact_acts(run: Path) -> None:
-    scene = Scene(States(run), Look())
+    scene = Scene(States(run), Appearance())
     seen = fitted(camera("side", np.array([0.0, 0, 1]), *np.eye(3)[:2]), scene.extent(0), 0.4, 9)
     found = close_ups.close_up(scene, "hit:20 mm", [0.0, 1.0, 2.0], [seen] * 3)
     assert found.width == pytest.approx(0.02)
@@ -59,7 +59,7 @@ def test_close_ups_add_a_row_to_the_strip(run: Path, tmp_path: Path) -> None:
     heights = []
     for words in ({}, {"close_up": "hit"}):
         task = strip_task(Result(run), tmp_path / "x.png", ["0", "0.1", "0.2"], "", **words)
-        studio.shoot(States(run), task, Painter, lambda done, total: None)
+        painting.render_task(States(run), task, Painter, lambda done, total: None)
         from PIL import Image
 
         with Image.open(task.output) as image:
@@ -112,7 +112,7 @@ def test_a_section_crosses_its_elements_and_moves_with_them(run: Path) -> None:
     assert sorted(found[0, :, 0]) == pytest.approx([0.0, 0.1])
     # twice as far apart, the nodes have the section at twice the height
     assert lines(2 * block.points, edges, shares) == pytest.approx(2 * found)
-    scene = Scene(States(run), Look(sections=(level,)))
+    scene = Scene(States(run), Appearance(sections=(level,)))
     assert ("section cut", "#000000") in scene.legend()
     drawn = [one.ends for one in scene.at(1).lines]
     # this state lies 10 mm further in all directions

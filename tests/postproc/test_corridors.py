@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from small_results import Command, write_result
 
-from crashpost.compare.corridors import stay
+from crashpost.compare.corridors import compare_with_corridor
 from crashpost.compare.references import comparisons
 from crashpost.errors import PostError
 from crashpost.results.result import Result
@@ -22,7 +22,7 @@ def border(level: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def test_a_sine_between_levels() -> None:
-    found = stay(SINE, border(-0.5), border(2.0))
+    found = compare_with_corridor(SINE, border(-0.5), border(2.0))
     # sin < -1/2 for a third of the period; lines between samples err by (pi h)^2 / 2 = 1.2e-6
     assert found.inside == pytest.approx(2.0 / 3.0, abs=2e-6)
     assert found.excess == pytest.approx(0.5, abs=2e-6)
@@ -30,9 +30,9 @@ def test_a_sine_between_levels() -> None:
 
 
 def test_one_that_never_leaves_and_one_that_is_never_inside() -> None:
-    assert stay(SINE, border(-1.0), border(1.0)).inside == 1.0
-    assert stay(SINE, border(-1.0), border(1.0)).excess == 0.0
-    outside = stay(SINE, border(3.0), border(4.0))
+    assert compare_with_corridor(SINE, border(-1.0), border(1.0)).inside == 1.0
+    assert compare_with_corridor(SINE, border(-1.0), border(1.0)).excess == 0.0
+    outside = compare_with_corridor(SINE, border(3.0), border(4.0))
     assert (outside.inside, outside.excess) == (0.0, pytest.approx(4.0))
 
 
@@ -40,17 +40,19 @@ def test_corners_of_borders_count_where_there_are_no_samples() -> None:
     peak = np.array([0.0, 0.25, 1.0]), np.array([0.0, 2.0, 0.0])
     flat = np.array([0.0, 1.0]), np.array([1.0, 1.0])
     # the lower border is above 1 from 1/8 to 5/8
-    found = stay(flat, peak, border(9.0))
+    found = compare_with_corridor(flat, peak, border(9.0))
     assert (found.inside, found.excess, found.at) == (0.5, 1.0, 0.25)
 
 
 def test_only_the_time_that_both_cover_counts() -> None:
     early = np.array([-5.0, 0.75]), np.array([-0.5, -0.5])
     # of 0 to 3/4, sin is below -1/2 from 7/12 on
-    assert stay(SINE, early, border(2.0)).inside == pytest.approx(7.0 / 9.0, abs=2e-6)
-    assert stay(SINE, border(-0.5), border(2.0), (0.0, 0.5)).inside == 1.0
+    assert compare_with_corridor(SINE, early, border(2.0)).inside == pytest.approx(
+        7.0 / 9.0, abs=2e-6
+    )
+    assert compare_with_corridor(SINE, border(-0.5), border(2.0), (0.0, 0.5)).inside == 1.0
     with pytest.raises(PostError, match="no time in common"):
-        stay(SINE, (np.array([2.0, 3.0]), np.zeros(2)), border(2.0))
+        compare_with_corridor(SINE, (np.array([2.0, 3.0]), np.zeros(2)), border(2.0))
 
 
 def sine_result(folder: Path) -> Path:

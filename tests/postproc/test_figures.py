@@ -12,8 +12,8 @@ from small_results import SPEED, TIME, Command, two_cars, write_result, write_st
 from crashpost.errors import PostError
 from crashpost.figures import draw, gallery
 from crashpost.figures.overlay import names
-from crashpost.figures.panels import Wish, panels, profile
-from crashpost.figures.style import COLOURS, DASHES, MOST_LINES, line_look
+from crashpost.figures.panels import PlotRequest, panels, profile
+from crashpost.figures.style import COLOURS, DASHES, MOST_LINES, line_style
 from crashpost.results.result import Result
 from crashpost.values import events, injury, pulse, words
 from crashpost.values.figure import Curve, Figure, figures_of
@@ -98,7 +98,7 @@ def test_colours_differ_to_all_eyes_and_stand_out_from_paper(eyes: str) -> None:
 
 
 def test_lines_of_a_figure_differ_and_neighbours_in_dashes() -> None:
-    looks = [line_look(n) for n in range(MOST_LINES)]
+    looks = [line_style(n) for n in range(MOST_LINES)]
     assert len(set(looks)) == MOST_LINES == len(COLOURS) * len(DASHES)
     assert all(a[1] != b[1] for a, b in itertools.pairwise(looks))
 
@@ -138,13 +138,13 @@ def test_legends_state_what_differs(tmp_path: Path) -> None:
 
 def test_a_channel_has_a_curve_for_every_result(tmp_path: Path) -> None:
     runs = [run(tmp_path / f"{k}", k, parameters=f'{{"k": {k}.0}}') for k in (1, 2)]
-    (figure,) = panels(runs, names(runs), Wish([FORCE]))
+    (figure,) = panels(runs, names(runs), PlotRequest([FORCE]))
     assert [(curve.run, curve.label) for curve in figure.y] == [(0, "k 1"), (1, "k 2")]
     canvas = Canvas().subplots()
     draw._draw(canvas, runs, figure)
     first, second = (line.get_ydata() for line in canvas.lines[:2])
     np.testing.assert_allclose(second, 2 * first)
-    (both,) = panels(runs, names(runs), Wish(["rbdout.*.velocity.x"]))
+    (both,) = panels(runs, names(runs), PlotRequest(["rbdout.*.velocity.x"]))
     assert [curve.label for curve in both.y] == ["A, k 1", "A, k 2", "car-b, k 1", "car-b, k 2"]
 
 
@@ -154,8 +154,8 @@ def test_a_name_must_be_in_every_result(tmp_path: Path) -> None:
     write_result(tmp_path / "b", other)
     runs = [run(tmp_path / "a"), Result(tmp_path / "b")]
     with pytest.raises(PostError, match=r"/b: .*deforc"):
-        panels(runs, ["a", "b"], Wish([FORCE]))
-    (figure,) = panels(runs, ["a", "b"], Wish(["deforc.*.force"]))
+        panels(runs, ["a", "b"], PlotRequest([FORCE]))
+    (figure,) = panels(runs, ["a", "b"], PlotRequest(["deforc.*.force"]))
     assert [curve.run for curve in figure.y] == [0]
 
 
@@ -188,8 +188,10 @@ def test_measured_curves_and_corridors_are_drawn_in_the_units_shown(tmp_path: Pa
     path = tmp_path / "pole_test.csv"
     path.write_text(TEST)
     result = run(tmp_path / "r")
-    wish = Wish([FORCE, "rbdout.A.velocity.x"], units=Units.read(["MN"]), tests=[read_test(path)])
-    force, velocity = panels([result], ["r"], wish)
+    request = PlotRequest(
+        [FORCE, "rbdout.A.velocity.x"], units=Units.read(["MN"]), tests=[read_test(path)]
+    )
+    force, velocity = panels([result], ["r"], request)
     curve, corridor = force.reference
     assert not velocity.reference
     assert (curve.label, curve.kind) == ("pole test: measured", "curve")
@@ -202,7 +204,7 @@ def test_measured_curves_and_corridors_are_drawn_in_the_units_shown(tmp_path: Pa
     text, keys = draw.svg(result, force, "f")
     assert [key.mark for key in keys] == ["line", "dots", "band"]
     with pytest.raises(PostError, match="fits no figure drawn"):
-        panels([result], ["r"], Wish(["rbdout.A.velocity.x"], tests=[read_test(path)]))
+        panels([result], ["r"], PlotRequest(["rbdout.A.velocity.x"], tests=[read_test(path)]))
 
 
 @pytest.mark.parametrize(
@@ -247,7 +249,9 @@ def test_limits_and_logarithms(cars: Path, tmp_path: Path, crashpost: Command) -
 
 def test_limits_show_what_lies_between_them(tmp_path: Path) -> None:
     result = run(tmp_path)
-    (figure,) = panels([result], ["r"], Wish([FORCE], units=Units.read(["N"]), x_range=(0.0, 10.0)))
+    (figure,) = panels(
+        [result], ["r"], PlotRequest([FORCE], units=Units.read(["N"]), x_range=(0.0, 10.0))
+    )
     canvas = Canvas().subplots()
     draw._draw(canvas, result, figure)
     least = min(result.series(FORCE).values[TIME <= 0.01])
@@ -269,7 +273,7 @@ def beam(folder: Path) -> Result:
 def test_a_gap_along_an_interface(tmp_path: Path) -> None:
     result = beam(tmp_path)
     gap, along = "rbdout.tube_*.position.z - '50 mm'", "rbdout.tube_*.position.x"
-    figure = profile(result, gap, along, [0.0, 0.75], Wish(units=Units.read(["mm"])))
+    figure = profile(result, gap, along, [0.0, 0.75], PlotRequest(units=Units.read(["mm"])))
     assert (figure.x_unit, figure.y_unit) == ("mm", "mm")
     first, second = figure.y
     assert (first.label, second.label) == ("0 s", "0.75 s")
@@ -277,9 +281,9 @@ def test_a_gap_along_an_interface(tmp_path: Path) -> None:
     np.testing.assert_allclose(np.array(second.points), np.c_[1e3 * np.arange(5), expected])
     draw.svg(result, figure, "f")
     with pytest.raises(PostError, match="has no pattern"):
-        profile(result, "rbdout.tube_1.position.z", along, [], Wish())
+        profile(result, "rbdout.tube_1.position.z", along, [], PlotRequest())
     with pytest.raises(PostError, match="no channel fits"):
-        profile(result, "rbdout.rail_*.position.z", along, [], Wish())
+        profile(result, "rbdout.rail_*.position.z", along, [], PlotRequest())
 
 
 def head(folder: Path) -> Result:
@@ -390,7 +394,7 @@ def test_too_many_curves_are_refused(tmp_path: Path) -> None:
         tmp_path, {"rbdout": (ids, {"velocity/x": ("m/s", "", values)})}, np.array([0.0, 1])
     )
     result = Result(tmp_path)
-    (figure,) = panels([result], ["r"], Wish(["rbdout.*"]))
+    (figure,) = panels([result], ["r"], PlotRequest(["rbdout.*"]))
     with pytest.raises(PostError, match="can be distinguished"):
         draw.svg(result, figure, "f")
 

@@ -10,12 +10,11 @@ import pytest
 from small_results import two_cars, write_result, write_status
 
 from crashpost.errors import PostError
-from crashpost.renders import model_page, sheet
-from crashpost.renders import studio as studios
+from crashpost.renders import model_page, painting, sheet
 from crashpost.renders.borders import are_edge_on, borders
 from crashpost.renders.camera import camera
+from crashpost.renders.colour_scale import ColourScale
 from crashpost.renders.paint_plain import Painter
-from crashpost.renders.shades import Shades
 from crashpost.renders.sheet import Key
 from crashpost.renders.tasks import film_task, strip_task
 from crashpost.results.result import Result
@@ -90,22 +89,22 @@ def test_tall_and_flat_scenes_are_drawn_with_colours_and_arrows(
     tmp_path: Path, size: tuple[float, float]
 ) -> None:
     folder = drawn_run(tmp_path / "x.results", None, size)
-    result, look = Result(folder), {"color": "plastic_strain", "arrows": "rcforc"}
-    strip = strip_task(result, tmp_path / "x.png", [], result.title, **look)
-    film = film_task(result, tmp_path / "x.gif", result.title, slow=5.0, fps=5.0, **look)
+    result, appearance = Result(folder), {"color": "plastic_strain", "arrows": "rcforc"}
+    strip = strip_task(result, tmp_path / "x.png", [], result.title, **appearance)
+    film = film_task(result, tmp_path / "x.gif", result.title, slow=5.0, fps=5.0, **appearance)
     for task in (strip, film):
-        studios.shoot(States(folder), task, Painter, lambda done, total: None)
+        painting.render_task(States(folder), task, Painter, lambda done, total: None)
         assert Path(task.output).stat().st_size > 0
-    small = film_task(result, tmp_path / "y.gif", "", size=(480, 270), **look)
+    small = film_task(result, tmp_path / "y.gif", "", size=(480, 270), **appearance)
     with pytest.raises(PostError, match="720 pixels wide"):
-        studios.shoot(States(folder), small, Painter, lambda done, total: None)
+        painting.render_task(States(folder), small, Painter, lambda done, total: None)
 
 
 def test_the_arrow_of_the_legend_is_as_long_as_one_of_the_picture() -> None:
     up = np.array([0.0, 0, 1])
     seen = camera("side", up, np.zeros(3), np.ones(3))
     for arrow, size in ((1e-3, 120.0), (2e-6, 3.3e5), (0.4, 0.7)):
-        key = Key(seen, Shades(), arrow=arrow, arrow_unit="N", arrow_size=size)
+        key = Key(seen, ColourScale(), arrow=arrow, arrow_unit="N", arrow_size=size)
         length, label = key.arrow_bar(2.0)
         value, unit = label.split()
         newtons = float(value) * {"N": 1.0, "kN": 1e3, "mN": 1e-3, "MN": 1e6}[unit]
@@ -132,7 +131,7 @@ def test_many_names_take_more_lines_and_no_room_of_the_picture() -> None:
     lines, columns = sheet.name_grid(names, 3.0)
     assert lines * columns >= 16 and columns * 0.8 <= 3.0
     seen = camera("side", np.array([0.0, 0, 1]), np.zeros(3), np.ones(3))
-    few, many = Key(seen, Shades(), names[:3]), Key(seen, Shades(), names)
+    few, many = Key(seen, ColourScale(), names[:3]), Key(seen, ColourScale(), names)
     assert many.footer(4.8, 4.0) > few.footer(4.8, 4.0) == sheet.FOOTER
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from crashpost.reports.views import look, scenes_of
+from crashpost.reports.views import appearance, scenes_of
 from crashpost.results.result import Result
 from crashpost.values.figure import figures_of
 
@@ -58,7 +58,7 @@ def test_a_scene_of_a_deck_is_understood() -> None:
     stored = json.loads(json.dumps(dump.as_data(card)))
     (scene,) = scenes_of(stored)
     assert scene["at"] == ["0", "50 ms", "max:rcforc.left.normal"]
-    assert look(scene) == {"show": ("A", "C"), "view": "1,-1,0.5"}
+    assert appearance(scene) == {"show": ("A", "C"), "view": "1,-1,0.5"}
     # without figures of its own a report keeps the default ones
     assert not stored["figures"]
 

@@ -11,12 +11,12 @@ from small_results import Command
 
 from crashpost.errors import PostError
 from crashpost.renders import camera as cameras
+from crashpost.renders.appearance import Appearance
 from crashpost.renders.beams import rotated
+from crashpost.renders.colour_scale import ColourScale
 from crashpost.renders.drawing import Scene
-from crashpost.renders.look import Look
-from crashpost.renders.shades import Shades
+from crashpost.renders.painting import clock
 from crashpost.renders.sheet import Key
-from crashpost.renders.studio import clock
 from crashpost.renders.tasks import film_task, strip_task
 from crashpost.results.moments import moment, split
 from crashpost.results.result import Result
@@ -117,7 +117,7 @@ def test_a_film_takes_as_long_as_asked(run: Path) -> None:
 
 
 def test_what_moves_is_where_it_was_between_states_half_way(run: Path) -> None:
-    scene = Scene(States(run), Look())
+    scene = Scene(States(run), Appearance())
     assert scene.positions(2, "bodies")[:, 0].max() == pytest.approx(1.2)
     assert scene.positions(1.5, "bodies")[:, 0].max() == pytest.approx(1.15)
 
@@ -129,22 +129,22 @@ def test_magnified_displacements_are_so_many_times_as_large_and_said(
     states = States(run)
     for number in (0, 1.5, 3):
         # the cube moves by 0.1 m from state to state
-        plain = Scene(states, Look()).positions(number, "bodies")
-        large = Scene(states, Look(magnify=5.0)).positions(number, "bodies")
+        plain = Scene(states, Appearance()).positions(number, "bodies")
+        large = Scene(states, Appearance(magnify=5.0)).positions(number, "bodies")
         np.testing.assert_allclose(
             plain - CUBE, np.outer(np.ones(8), [0.1 * number, 0, 0]), atol=1e-7
         )
         np.testing.assert_allclose(
             large - CUBE, np.outer(np.ones(8), [0.5 * number, 0, 0]), atol=1e-7
         )
-    assert Look(magnify=5.0).note == "displacements x 5"
-    assert Look().note == ""
+    assert Appearance(magnify=5.0).note == "displacements x 5"
+    assert Appearance().note == ""
     picture = tmp_path / "strip.svg"
     code, _, _ = crashpost("render", run, "--magnify", "5", "-o", picture)
     assert code == 0
     # forces act where bodies are, and have no position beside magnified ones
     with pytest.raises(PostError, match="magnified"):
-        Scene(states, Look(arrows="rcforc", magnify=5.0))
+        Scene(states, Appearance(arrows="rcforc", magnify=5.0))
     for wrong in ("0", "-2", "nan", "inf"):
         code, _, words = crashpost("render", run, f"--magnify={wrong}", "-o", picture)
         assert (code, "magnify must be a positive number" in words) == (2, True), wrong
@@ -154,13 +154,13 @@ def test_what_turns_far_between_states_is_not_shrunk_on_the_way(run: Path) -> No
     with h5py.File(run / "states" / "000001.h5", "r+") as file:
         # turned half round about its corner: halfway the cube would be flat
         file["bodies/displacement"][...] = CUBE @ np.diag([-1.0, -1, 1]) - CUBE
-    scene = Scene(States(run), Look())
+    scene = Scene(States(run), Appearance())
     np.testing.assert_allclose(scene.positions(0.4, "bodies"), CUBE)
     np.testing.assert_allclose(scene.positions(0.6, "bodies"), CUBE @ np.diag([-1.0, -1, 1]))
 
 
 def test_deleted_elements_are_gone_and_do_not_count_in_the_colours(run: Path) -> None:
-    scene = Scene(States(run), Look(color="von_mises"))
+    scene = Scene(States(run), Appearance(color="von_mises"))
     sheets = [s for k in (2, 3) for s in scene.at(k).surfaces if s.corners.shape[1] == 4]
     assert [len(sheet.corners) for sheet in sheets] == [2, 1]
     assert scene.range(2)[1] == pytest.approx(0.2 * 2e8)
@@ -173,13 +173,13 @@ def test_a_part_that_is_gone_changes_nothing_of_the_others(run: Path, crashpost:
     for path in (run / "states").glob("*.h5"):
         with h5py.File(path, "r+") as file:
             file["part_sheet/vtkGhostType"][...] = 32 * (path.stem != "000000")
-    scene = Scene(States(run), Look())
+    scene = Scene(States(run), Appearance())
     first, last = scene.at(0).surfaces, scene.at(3).surfaces
     assert len(first) == len(last)
     for before, after in zip(first, last, strict=True):
         assert len(before.points) == len(after.points)
     # and where nothing else is shown, empty pictures follow
-    alone = Scene(States(run), Look(show=("sheet",)))
+    alone = Scene(States(run), Appearance(show=("sheet",)))
     assert len(alone.extent(0)) > 0
     assert len(alone.extent(3)) == 0
     for words in (["render"], ["render", "--show", "sheet"], ["render", "--color", "von_mises"]):
@@ -198,28 +198,28 @@ def test_states_that_hold_no_numbers_are_refused(run: Path, crashpost: Command) 
 
 
 def test_only_what_is_named_is_shown(run: Path) -> None:
-    scene = Scene(States(run), Look(show=("sh*",)))
+    scene = Scene(States(run), Appearance(show=("sh*",)))
     drawn = [s for s in scene.at(0).surfaces if len(s.points) != len(FLOOR)]
     assert [len(s.points) for s in drawn] == [len(SHEET)]
     assert scene.legend() == [("sheet", scene._part_colour(0))]
 
 
 @pytest.mark.parametrize(
-    ("look", "words"),
+    ("appearance", "words"),
     [
-        (Look(show=("lorry",)), "unknown body or part 'lorry'"),
-        (Look(color="plastic"), "unknown colour 'plastic'"),
-        (Look(arrows="rcforc.wall"), r"unknown arrows 'rcforc.wall'.*rcforc.hit"),
-        (Look(arrows="deforc"), "unknown arrows 'deforc'"),
+        (Appearance(show=("lorry",)), "unknown body or part 'lorry'"),
+        (Appearance(color="plastic"), "unknown colour 'plastic'"),
+        (Appearance(arrows="rcforc.wall"), r"unknown arrows 'rcforc.wall'.*rcforc.hit"),
+        (Appearance(arrows="deforc"), "unknown arrows 'deforc'"),
     ],
 )
-def test_words_that_name_nothing_are_refused(run: Path, look: Look, words: str) -> None:
+def test_words_that_name_nothing_are_refused(run: Path, appearance: Appearance, words: str) -> None:
     with pytest.raises(PostError, match=words):
-        Scene(States(run), look)
+        Scene(States(run), appearance)
 
 
 def test_arrows_are_the_contact_forces_where_they_act(run: Path) -> None:
-    scene = Scene(States(run), Look(arrows="rcforc.h*"))
+    scene = Scene(States(run), Appearance(arrows="rcforc.h*"))
     ((starts, vectors),) = scene.at(2).arrows
     np.testing.assert_allclose(starts, [[1.2, 0.5, 0.5]], rtol=1e-6)
     np.testing.assert_allclose(vectors, [[-1000.0, 0, 0]])
@@ -257,7 +257,7 @@ def test_everything_is_within_the_picture_and_the_scale_bar_is_true() -> None:
     flat = seen.flat(points)
     assert np.all(abs(flat[:, 1]) < seen.half_height)
     assert np.all(abs(flat[:, 0]) < 0.5 * seen.width)
-    length, label = Key(seen, Shades()).scale_bar
+    length, label = Key(seen, ColourScale()).scale_bar
     assert (0.1 * seen.width < length < 0.34 * seen.width, label) == (True, f"{length:g} m")
 
 
@@ -307,13 +307,13 @@ def test_what_is_shown_alone_fills_the_picture_with_the_forces_on_it(run: Path) 
     """The ground and what is hidden do not widen it; a force 1.5 m beside the cube is left out."""
     with h5py.File(run / "mesh.h5", "r+") as file:
         file["ground/points"][...] = 100.0 * FLOOR + [0, 0, 5.0]
-    alone = Scene(States(run), Look(show=("car",), arrows="rcforc"))
+    alone = Scene(States(run), Appearance(show=("car",), arrows="rcforc"))
     assert np.ptp(alone.extent(0), axis=0).max() == 1.0
     assert len(alone.forces(2)[0]) == 1
     with h5py.File(run / "states" / "000002.h5", "r+") as file:
         file["contacts/points"][...] = [[2.7, 0.5, 0.5]]
     assert len(alone.forces(2)[0]) == 0
-    assert len(Scene(States(run), Look(arrows="rcforc")).forces(2)[0]) == 1
+    assert len(Scene(States(run), Appearance(arrows="rcforc")).forces(2)[0]) == 1
 
 
 def test_a_film_is_as_high_as_its_scene_asks() -> None:
@@ -367,11 +367,11 @@ def test_a_result_larger_than_memory_is_read_state_by_state(tmp_path: Path, run:
     code = (
         "import resource, sys\n"
         "from crashpost.renders.drawing import Scene\n"
-        "from crashpost.renders.look import Look\n"
+        "from crashpost.renders.appearance import Appearance\n"
         "from crashpost.results.states import States\n"
         "states = States(sys.argv[1])\n"
         "states.blocks = {k: v for k, v in states.blocks.items() if k == 'part_sheet'}\n"
-        "scene = Scene(states, Look(color='velocity'))\n"
+        "scene = Scene(states, Appearance(color='velocity'))\n"
         "size = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024\n"
         "scene.range(0); scene.extent(0); before = size()\n"
         "for k in range(40): scene.range(k); scene.extent(k)\n"

@@ -19,9 +19,9 @@ def test_the_script_submits_itself_until_the_run_is_done(tmp_path: Path) -> None
     control = "control: {estimate: 'off', step: 1.0e-8, "
     (tmp_path / "long.yaml").write_text(text.replace("control: {", control), "utf-8")
     # qsub that only notes what it is given
-    tools, asked = tmp_path / "tools", tmp_path / "asked.txt"
+    tools, requested = tmp_path / "tools", tmp_path / "asked.txt"
     tools.mkdir()
-    (tools / "qsub").write_text(f'#!/bin/sh\necho "$@" >> {asked}\n', "utf-8")
+    (tools / "qsub").write_text(f'#!/bin/sh\necho "$@" >> {requested}\n', "utf-8")
     (tools / "qsub").chmod(0o755)
     given = environment(
         PATH=f"{tools}:{environment()['PATH']}",
@@ -34,7 +34,7 @@ def test_the_script_submits_itself_until_the_run_is_done(tmp_path: Path) -> None
         given["LIMIT"] = str(4 * attempt)
         done = subprocess.run(["bash", "pbs.sh"], cwd=tmp_path, env=given, capture_output=True)
         assert done.returncode == 0, done.stderr
-        submitted = asked.read_text("utf-8").splitlines() if asked.exists() else []
+        submitted = requested.read_text("utf-8").splitlines() if requested.exists() else []
         if len(submitted) < attempt:
             break
         assert submitted[-1].endswith("pbs.sh")

@@ -43,7 +43,7 @@ def slurm() -> Iterator[Path]:
         shutil.rmtree(folder, ignore_errors=True)
 
 
-def asked(*words: object, cwd: Path | None = None) -> str:
+def requested(*words: object, cwd: Path | None = None) -> str:
     """What a command of Slurm answers."""
     done = subprocess.run(
         [str(word) for word in words],
@@ -58,14 +58,14 @@ def asked(*words: object, cwd: Path | None = None) -> str:
 
 def shown(job: str) -> dict[str, str]:
     """What Slurm knows of a job."""
-    words = asked("scontrol", "show", "job", job).split()
+    words = requested("scontrol", "show", "job", job).split()
     return dict(word.split("=", 1) for word in words if "=" in word)
 
 
 def wait_for_end(job: str, seconds: float = 1500.0) -> None:
     until = time.monotonic() + seconds
-    while asked("squeue", "--noheader", "--job", job).strip():
-        assert time.monotonic() < until, asked("squeue")
+    while requested("squeue", "--noheader", "--job", job).strip():
+        assert time.monotonic() < until, requested("squeue")
         time.sleep(1.0)
 
 
@@ -101,7 +101,9 @@ def test_an_array_of_eight_runs_a_sweep(slurm: Path) -> None:
     assert done.returncode == 0, done.stderr
     job = done.stdout.split("Submitted batch job ")[1].split()[0]
     most, begun = 0, time.monotonic()
-    while lines := asked("squeue", "--noheader", "--array", "--job", job, "--format=%t").split():
+    while lines := requested(
+        "squeue", "--noheader", "--array", "--job", job, "--format=%t"
+    ).split():
         most = max(most, lines.count("R"))
         time.sleep(0.2)
     assert 1 <= most <= 3
@@ -119,7 +121,7 @@ def test_a_time_limit_is_outlived_by_going_back_to_the_queue(slurm: Path) -> Non
     out, whole = slurm / "limit", slurm / "whole"
     script = ROOT / "decks" / "queue" / "slurm.sh"
     words = ("--parsable", "--time=1", "--signal=B:USR1@30", "--mem=0")
-    job = asked("sbatch", *words, script, deck, out, cwd=slurm).strip()
+    job = requested("sbatch", *words, script, deck, out, cwd=slurm).strip()
     wait_for_end(job)
     end = shown(job)
     assert (end["JobState"], end["ExitCode"]) == ("COMPLETED", "0:0")
@@ -137,13 +139,13 @@ def test_a_time_limit_is_outlived_by_going_back_to_the_queue(slurm: Path) -> Non
 def test_a_cancelled_job_leaves_a_dump_and_does_not_come_back(slurm: Path) -> None:
     deck, out = deck_of(slurm, long_step(slurm)), slurm / "cancelled"
     script = ROOT / "decks" / "queue" / "slurm.sh"
-    job = asked("sbatch", "--parsable", "--time=30", "--mem=0", script, deck, out, cwd=slurm)
+    job = requested("sbatch", "--parsable", "--time=30", "--mem=0", script, deck, out, cwd=slurm)
     job = job.strip()
     until = time.monotonic() + 120.0
     while not (out / "restart_0.h5").exists():
-        assert time.monotonic() < until, asked("squeue")
+        assert time.monotonic() < until, requested("squeue")
         time.sleep(0.5)
-    asked("scancel", job)
+    requested("scancel", job)
     wait_for_end(job, 60.0)
     assert shown(job)["JobState"] == "CANCELLED"
     status = json.loads((out / "status.json").read_text("utf-8"))

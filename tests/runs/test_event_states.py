@@ -42,9 +42,12 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     deck = folder / "deck.yaml"
     deck.write_text(DECK, "utf-8")
     found = {}
-    for name, asked in {"events": (), "plain": ("--set", "output.states.interval=0.004")}.items():
+    for name, requested in {
+        "events": (),
+        "plain": ("--set", "output.states.interval=0.004"),
+    }.items():
         found[name] = folder / name
-        done = crashsolve(deck, "-o", found[name], *asked)
+        done = crashsolve(deck, "-o", found[name], *requested)
         assert done.returncode == 0, done.stderr
     return found
 

@@ -42,8 +42,8 @@ def test_bodies_and_forces_are_drawn_as_the_histories_say(
         position = [channel(folder, f"rbdout.{body}.position.{axis}", time) for axis in "xyz"]
         np.testing.assert_allclose(centres[k], position, atol=1e-6)
     force = state["contacts/force"].sum(axis=0)
-    asked = [channel(folder, f"rcforc.blow.force.{axis}", time) for axis in "xyz"]
-    np.testing.assert_allclose(force, asked, rtol=1e-6, atol=1e-3)
+    requested = [channel(folder, f"rcforc.blow.force.{axis}", time) for axis in "xyz"]
+    np.testing.assert_allclose(force, requested, rtol=1e-6, atol=1e-3)
     assert (np.linalg.norm(force) > 1.0) == (time == 0.25)
     tension = channel(folder, "deforc.stay.force", time)
     np.testing.assert_allclose(state["springs/tension"], [tension], rtol=1e-6, atol=1e-6)
@@ -74,9 +74,9 @@ def test_forces_on_nodes_of_shells_are_drawn_where_they_act(tmp_path: Path) -> N
     for card, name in enumerate(("thrown", "ball", "rests")):
         own = (state["contacts/contact"] == card) & (state["contacts/vtkGhostType"] == 0)
         drawn = state["contacts/force"][own]
-        asked = [channel(folder, f"rcforc.{name}.force.{axis}", 2.5e-3) for axis in "xyz"]
+        requested = [channel(folder, f"rcforc.{name}.force.{axis}", 2.5e-3) for axis in "xyz"]
         # single precision
-        np.testing.assert_allclose(drawn.sum(axis=0), asked, rtol=1e-6, atol=1e-7)
+        np.testing.assert_allclose(drawn.sum(axis=0), requested, rtol=1e-6, atol=1e-7)
         assert len(drawn) == channel(folder, f"rcforc.{name}.touching", 2.5e-3) == (4, 1, 4)[card]
         # on the skin, half a thickness of 10 mm from the nodes; what bends under its load is deeper
         positions = state["contacts/points"][own]
@@ -270,8 +270,10 @@ def test_paraview_itself_reads_and_shows_what_was_written(
         positions = np.array(centres["points"]) + np.array(centres["displacement"])
         for row, body in zip(positions, names["bodies"][1:], strict=True):
             if body in Result(folder).families["rbdout"].ids:
-                asked = [channel(folder, f"rbdout.{body}.position.{axis}", time) for axis in "xyz"]
-                np.testing.assert_allclose(row, asked, atol=2e-6, err_msg=f"{body} at {time}")
+                requested = [
+                    channel(folder, f"rbdout.{body}.position.{axis}", time) for axis in "xyz"
+                ]
+                np.testing.assert_allclose(row, requested, atol=2e-6, err_msg=f"{body} at {time}")
     # the script sees the model, whole: the first view is neither empty nor cut
     picture = tmp_path / "view.png"
     command = ["xvfb-run", "-a", "-s", "-screen 0 1280x1024x24 -noreset", "pvpython"]

@@ -146,7 +146,7 @@ def test_a_pause_within_a_block_finds_all_samples_recorded(tmp_path: Path) -> No
         account=SimpleNamespace(keep_alive=lambda: None),
         schedule=SimpleNamespace(end=1.0),
         write=lambda now, force: None,
-        obey=lambda: None,
+        handle_requests=lambda: None,
     )
     # the balls fall freely until 0.024 s
     schedule = np.arange(1, 21) * 1e-3

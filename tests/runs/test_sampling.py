@@ -37,7 +37,7 @@ DEPTH = SPEED / OMEGA * sin(OMEGA * (T - FIRST))
 QUOTIENT = "rcforc.hit.normal / rcforc.hit.touching"
 
 
-def asked(channel: str, at: str, value: float, **words: Any) -> dict[str, Any]:
+def requested(channel: str, at: str, value: float, **words: Any) -> dict[str, Any]:
     card = {"channel": channel, "statistic": at, "value": value, "because": "exact"}
     return card | {"tolerance": 1.0, "source": "half a vibration"} | words
 
@@ -45,9 +45,9 @@ def asked(channel: str, at: str, value: float, **words: Any) -> dict[str, Any]:
 def solved(folder: Path, method: str, step: float | str = "auto") -> Result:
     control = {"end_time": 0.1, "integrator": method, "step": step, "tolerance": 1e-9}
     expect = [
-        asked("rcforc.hit.depth", f"at:{T}", DEPTH),
-        asked(QUOTIENT, f"at:{T}", STIFFNESS * DEPTH),
-        asked("rcforc.hit.depth", "integral", 0.0, during=WINDOW),
+        requested("rcforc.hit.depth", f"at:{T}", DEPTH),
+        requested(QUOTIENT, f"at:{T}", STIFFNESS * DEPTH),
+        requested("rcforc.hit.depth", "integral", 0.0, during=WINDOW),
     ]
     deck = folder / "deck.yaml"
     deck.write_text(yaml.safe_dump({"control": control, "expect": expect} | SCENE))

@@ -14,7 +14,7 @@ from command import crashsolve, differences, environment
 
 from crashsolve.model.checks.gyration import inconsistency
 from crashsolve.simulation import heartbeat
-from crashsolve.simulation.heartbeat import Pulse
+from crashsolve.simulation.heartbeat import Heartbeat
 from crashsolve.simulation.remarks import STEPS, StepWatch
 
 pytestmark = pytest.mark.xdist_group("runs")
@@ -112,7 +112,9 @@ def test_what_lasts_long_is_reported_from_the_first_second_on(
     monkeypatch.setattr(heartbeat, "LOOK", 0.01)
     reported: list[tuple[float, str]] = []
     begun = time.monotonic()
-    with Pulse("reading", lambda text: reported.append((time.monotonic() - begun, text))) as beat:
+    with Heartbeat(
+        "reading", lambda text: reported.append((time.monotonic() - begun, text))
+    ) as beat:
         time.sleep(0.3)
         beat.does("compiling")
         time.sleep(0.3)

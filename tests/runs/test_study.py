@@ -11,7 +11,7 @@ from command import crashsolve
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.integrators.rattle import ORDER
-from crashsolve.study.convergence import examine, order_of_errors, parting_time
+from crashsolve.study.convergence import analyse, divergence_time, order_of_errors
 from crashsolve.study.findings import cheapest, find
 from crashsolve.study.settings import Series, Setting, settings, suited
 from crashsolve.study.trials import Trial
@@ -170,7 +170,7 @@ def test_default_settings_are_multiples_of_the_steps_of_the_deck(tmp_path: Path)
 
 def test_three_steps_of_any_ratio_give_order_and_limit() -> None:
     steps = [0.4, 0.25, 0.1]
-    found = examine(steps, [np.array([1.0 + h**2]) for h in steps], 2.0)
+    found = analyse(steps, [np.array([1.0 + h**2]) for h in steps], 2.0)
     assert found.order == pytest.approx(2.0)
     assert found.value[0] == pytest.approx(1.0)
     assert found.error == pytest.approx(0.01)
@@ -183,17 +183,17 @@ def test_differences_that_do_not_shrink_are_reported() -> None:
     # smooth until 0.6 s, then another branch with every run
     late = np.where(time > 0.605, 1.0, 0.0)
     paths = [np.sin(time) * (1 + h**2) + late * (-1) ** k for k, h in enumerate(steps)]
-    found = examine(steps, paths, 2.0)
+    found = analyse(steps, paths, 2.0)
     assert (found.stalls, found.diverges) == (1, True)
     assert found.error == pytest.approx(2.0, rel=0.02)
-    assert parting_time(time, paths) == pytest.approx(0.61)
-    assert examine(steps, [np.sin(time) * (1 + h**2) for h in steps], 2.0).stalls is None
+    assert divergence_time(time, paths) == pytest.approx(0.61)
+    assert analyse(steps, [np.sin(time) * (1 + h**2) for h in steps], 2.0).stalls is None
 
 
 def test_differences_that_stay_small_are_a_floor() -> None:
     steps = [0.1 / 2**k for k in range(10)]
     values = [np.array([1.0 + h**2 + 1e-6 * (-1) ** k]) for k, h in enumerate(steps)]
-    found = examine(steps, values, 2.0)
+    found = analyse(steps, values, 2.0)
     assert (found.diverges, found.has_floor) == (False, True)
     assert found.error == pytest.approx(2e-6, rel=0.3)
 
@@ -218,7 +218,7 @@ def test_errors_that_grow_as_steps_shrink_are_reported_and_not_extrapolated() ->
     # long steps that agreed by luck do not spoil what follows in order
     lucky = [1.0, 1.0 + 1e-6, *(1.0 + h**2 for h in (0.2, 0.1, 0.05, 0.025))]
     steps = [0.8 / 2**k for k in range(6)]
-    assert examine(steps, [np.array([x]) for x in lucky], 2.0).value[0] == pytest.approx(1.0)
+    assert analyse(steps, [np.array([x]) for x in lucky], 2.0).value[0] == pytest.approx(1.0)
 
 
 def trial(mesh: int, h: float, value: float) -> Trial:

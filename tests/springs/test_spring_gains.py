@@ -104,3 +104,42 @@ def test_no_run_that_chooses_its_steps_pays_for_it(tmp_path: Path) -> None:
     path.write_text(DECK.format(step="auto", z=0.0, fast=0.0), "utf-8")
     model, _ = build(read_deck(path))
     assert not any(g.is_watched for g in model.force_groups())
+
+
+# 1 kg at 1 m/s: 1 kN stops it within a millisecond, and in steps of 5 ms turns it round in each
+BOUNDED = """
+control: {end_time: 0.5, step: 5e-3, integrator: rattle}
+bodies:
+  sledge: {mass: 1, inertia: [1, 1, 1], velocity: [1, 0, 0]}
+  heavy: {mass: 1e5, inertia: [1, 1, 1], position: [0, 50, 0], velocity: [0, 0, 1e4]}
+joints: {rail: {type: prismatic, b: sledge, at: [0, 0, 0], axis: [1, 0, 0]}}
+curves: {force: {points: [[-9, -1e3], [-1e-3, -1e3], [0, 0], [1e-3, 1e3], [9, 1e3]]}}
+springs:
+  s: SPRING
+"""
+DAMPER = "{type: damper, b: sledge, at_a: [-1, 0, 0], curve: force}"
+BRAKE = "{type: translation_friction, joint: rail, force: 1e3, stiffness: 1e5, damping: 1e4}"
+
+
+def bounded(folder: Path, spring: str) -> Engine:
+    path = folder / "deck.yaml"
+    path.write_text(BOUNDED.replace("SPRING", spring), "utf-8")
+    deck = read_deck(path)
+    engine = engine_of(deck, *build(deck))
+    engine.start()
+    for k in range(1, 6):
+        engine.reach(0.1 * k)
+        engine.sample()
+    return engine
+
+
+def test_a_damper_that_turns_a_velocity_round_in_every_step_stops_the_run(tmp_path: Path) -> None:
+    # each sample shows the velocity of the start, and other energy hides what it states to lose
+    with pytest.raises(SolverError, match=r"spring 's': its force turns a velocity round"):
+        bounded(tmp_path, DAMPER)
+
+
+def test_friction_that_turns_a_velocity_round_in_every_step_is_said(tmp_path: Path) -> None:
+    # it does no work at all in a step: nothing shows in any balance
+    found = bounded(tmp_path, BRAKE).step_warnings()
+    assert len(found) == 1 and "body 'sledge': dampers, friction or contacts stop it" in found[0]

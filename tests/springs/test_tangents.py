@@ -67,9 +67,9 @@ def turning(law: Law) -> np.ndarray:
     """D of the law's own forces; what yields together has mixtures of them for rows."""
     if "yields" not in law.p.dtype.names:
         return rows(law).D.copy()
-    kept, law.p.yields = int(law.p.yields), 0
+    unloading_work, law.p.yields = int(law.p.yields), 0
     D = rows(law).D.copy()
-    law.p.yields = kept
+    law.p.yields = unloading_work
     return D
 
 

@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tests")]
 
 from extreme_cases import MATRIX  # noqa: E402
-from sweeps import EITHER, ENDS, Outcome, Sweep, asked, run  # noqa: E402
+from sweeps import EITHER, ENDS, Outcome, Sweep, requested, run  # noqa: E402
 
 PAGE = ROOT / "solver" / "STABILITY.md"
 HEAD = """# Stability
@@ -76,7 +76,7 @@ def _range(sweep: Sweep) -> str:
 def _method(sweep: Sweep, methods: tuple[str, ...]) -> str:
     if len(methods) > 1:
         return "every"
-    given = {k.removeprefix("control."): v for k, v in asked(sweep, methods[0]).items()}
+    given = {k.removeprefix("control."): v for k, v in requested(sweep, methods[0]).items()}
     return ", ".join([methods[0], *(f"{k} {v}" for k, v in given.items() if "$" not in v)])
 
 

@@ -107,7 +107,7 @@ class Outcome:
         ]
 
 
-def asked(sweep: Sweep, integrator: str) -> dict[str, str]:
+def requested(sweep: Sweep, integrator: str) -> dict[str, str]:
     """Settings beside the one that is swept."""
     closely = {"control.tolerance": TOLERANCES[integrator]} if integrator in TOLERANCES else {}
     settings = closely | sweep.also
@@ -119,7 +119,7 @@ def asked(sweep: Sweep, integrator: str) -> dict[str, str]:
 def run(sweep: Sweep, value: float, integrator: str, folder: Path, plain: bool) -> Outcome:
     """One run of a sweep."""
     settings = {
-        **asked(sweep, integrator),
+        **requested(sweep, integrator),
         sweep.setting: f"{value!r}",
         "control.integrator": integrator,
     }

@@ -142,7 +142,7 @@ def test_the_mark_of_a_run_covers_the_files_that_its_deck_reads(tmp_path: Path) 
     assert (other.deck, other.version) == (first.deck, first.version)
     assert other.files != first.files
     reported = {"deck": first.deck, "files": first.files, "version": "0.0.9-abc"}
-    assert other.differs_in(reported) == (
+    assert other.difference_from(reported) == (
         "other files that the deck reads, another version of crashsolve"
     )
 

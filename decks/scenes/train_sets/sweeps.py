@@ -16,7 +16,7 @@ SHARED = Path(__file__).resolve().parents[1] / "shared"
 DECK = SHARED.parent / "train_sets.yaml"
 DRAWS = 16
 # these play no part in the plane
-IDLE = {"k_side", "c_side", "spread", "k_yaw", "c_yaw", "end_inertia", "anchor", "run_in"}
+INEFFECTIVE = {"k_side", "c_side", "spread", "k_yaw", "c_yaw", "end_inertia", "anchor", "run_in"}
 INTERFACES = [f"{i}_{i + 1}" for i in range(1, 16)]
 _LINE = re.compile(
     r'^  (?P<name>\w+): "?(?P<value>[^\s"]+)(?: t)?"? +# (?P<kind>assumed|shaped)\b.*?: '
@@ -56,7 +56,7 @@ def assumptions() -> list[Assumption]:
     for file in ("rail_trains.yaml", "rail_numbers.yaml"):
         for line in (SHARED / file).read_text("utf-8").splitlines():
             match = _LINE.match(line)
-            if match and match["name"] not in IDLE:
+            if match and match["name"] not in INEFFECTIVE:
                 unit = match["tonnes"] or ""
                 ends = (match["low"] + unit, match["high"] + unit)
                 found.append(Assumption(match["name"], match["kind"], *ends))

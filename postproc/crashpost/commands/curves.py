@@ -100,11 +100,11 @@ def _plot(options: argparse.Namespace) -> int:
     results, words = _results(options)
     from crashpost.figures.draw import save
     from crashpost.figures.overlay import names
-    from crashpost.figures.panels import Wish, panels, profile
+    from crashpost.figures.panels import PlotRequest, panels, profile
     from crashpost.values.measured import read_test
     from crashpost.values.units import Units
 
-    wish = Wish(
+    request = PlotRequest(
         channels=words,
         against=options.against.strip(),
         units=Units.read(options.unit),
@@ -120,11 +120,11 @@ def _plot(options: argparse.Namespace) -> int:
         if len(words) > 1 or len(results) > 1 or options.test:
             raise PostError("--along draws one pattern of one result")
         moments = [_moment(text) for text in options.at.split(",") if text.strip()]
-        figures = [profile(results[0], words[0].strip(), options.along.strip(), moments, wish)]
+        figures = [profile(results[0], words[0].strip(), options.along.strip(), moments, request)]
     else:
         if options.at:
             raise PostError("--at goes with --along")
-        figures = panels(results, names(results), wish)
+        figures = panels(results, names(results), request)
     output = options.output or results[0].folder / "plot.png"
     save(results, figures, output)
     print(printable_lines(str(output)))
@@ -148,20 +148,20 @@ def _compare(options: argparse.Namespace) -> int:
     during = _ends(options.during, "--during")
     named = names(results)
     rated = rating_rows(results, named, words, options.test, during)
-    stays, leaves = corridor_rows(results, named, words, options.test, during)
+    in_corridors, exceeds = corridor_rows(results, named, words, options.test, during)
     # one result alone may be rated against a test
     is_alone = len(results) == 1 and bool(options.test)
     found = Compared([], []) if is_alone else compare(results, words)
     parts = [differences_text(found, named, tolerance, everything=options.all), ratings_text(rated)]
-    parts.append(text_table(HEADER, stays) if stays else "")
+    parts.append(text_table(HEADER, in_corridors) if in_corridors else "")
     print(printable_lines("\n\n".join(part for part in parts if part)))
     if options.output:
-        write_page(results, named, found, tolerance, rated, stays, options)
+        write_page(results, named, found, tolerance, rated, in_corridors, options)
         print(printable_lines(str(options.output)))
-    return 1 if is_apart(found, tolerance) or leaves else 0
+    return 1 if differ(found, tolerance) or exceeds else 0
 
 
-def is_apart(found: "Compared", tolerance: float) -> bool:
+def differ(found: "Compared", tolerance: float) -> bool:
     """Whether results differ: a channel beyond the tolerance, or in one of them only."""
     return bool(found.remarks) or any(one.is_beyond(tolerance) for one in found.differences)
 

@@ -1,4 +1,4 @@
-"""The commands `render`, `film` and `pack`: words turned into tasks for the studio."""
+"""The commands `render`, `film` and `pack`: words turned into tasks for the painting."""
 
 import argparse
 import sys
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 BAR = 40
 
-# the look of who says nothing of it
-UNSAID = {
+# the default appearance
+DEFAULTS = {
     "view": "auto",
     "show": (),
     "color": "",
@@ -49,7 +49,7 @@ def add_commands(add: Add) -> None:
         help="a second row of pictures, close to a contact, body or part: 'buffers:1 m'",
     )
     sub.add_argument("-o", "--output", type=Path, help="png, pdf or svg; default RESULT/strip.png")
-    _add_look(sub)
+    _add_appearance(sub)
     sub = add(
         "film", _film, "film the run (mp4, gif), or write it as an interactive 3-D page (html)"
     )
@@ -62,7 +62,7 @@ def add_commands(add: Add) -> None:
         "--size", metavar="WxH", help="of a frame, even numbers; 960 wide, or fitted, when absent"
     )
     sub.add_argument("-o", "--output", type=Path, help="mp4, gif or html; default RESULT/film.mp4")
-    _add_look(sub)
+    _add_appearance(sub)
     _add_pack(add)
 
 
@@ -83,7 +83,7 @@ def _pack(options: argparse.Namespace) -> int:
     return 0
 
 
-def _add_look(sub: argparse.ArgumentParser) -> None:
+def _add_appearance(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--view",
         default="auto",
@@ -111,7 +111,7 @@ def _add_look(sub: argparse.ArgumentParser) -> None:
 
 
 def _render(options: argparse.Namespace) -> int:
-    from crashpost.renders.studio import make
+    from crashpost.renders.painting import make
     from crashpost.renders.tasks import strip_task
     from crashpost.results.moments import split
     from crashpost.results.result import Result
@@ -119,10 +119,10 @@ def _render(options: argparse.Namespace) -> int:
     result = Result(options.result)
     output = options.output or result.folder / "strip.png"
     _known_ending(output, (".png", ".pdf", ".svg", ".jpg"))
-    at, look = split(options.at), _look(options)
-    if not at and look == UNSAID | {"ghost": look["ghost"]}:
-        at, look = _scene(result, look)
-    task = strip_task(result, output, at, _title(result, options), **look)
+    at, appearance = split(options.at), _look(options)
+    if not at and appearance == DEFAULTS | {"ghost": appearance["ghost"]}:
+        at, appearance = _scene(result, appearance)
+    task = strip_task(result, output, at, _title(result, options), **appearance)
     make(result.folder, [task], _bar(output.name), _report)
     print(printable(str(output)))
     return 0
@@ -132,25 +132,25 @@ def _film(options: argparse.Namespace) -> int:
     from crashpost.results.result import Result
 
     result = Result(options.result)
-    look = _look(options)
-    is_unsaid = look == UNSAID | {"ghost": look["ghost"]}
-    if is_unsaid:
-        _, look = _scene(result, look)
-    look.pop("close_up")
+    appearance = _look(options)
+    is_default = appearance == DEFAULTS | {"ghost": appearance["ghost"]}
+    if is_default:
+        _, appearance = _scene(result, appearance)
+    appearance.pop("close_up")
     output = options.output or result.folder / "film.mp4"
     _known_ending(output, (".mp4", ".gif", ".html"))
     if output.suffix == ".html":
-        if is_unsaid:
+        if is_default:
             # to be turned by hand: seen from a corner, however the pictures look at it
-            look |= {"view": "auto", "cut": ""}
-        elif look["cut"]:
+            appearance |= {"view": "auto", "cut": ""}
+        elif appearance["cut"]:
             raise PostError("--cut is for pictures and films; a page is turned to look inside")
         from crashpost.renders.model_page import write_page
 
-        print(printable(write_page(result, output, **look)))
+        print(printable(write_page(result, output, **appearance)))
         return 0
     from crashpost.renders.film_file import can_write_mp4
-    from crashpost.renders.studio import make
+    from crashpost.renders.painting import make
     from crashpost.renders.tasks import film_task
 
     if output.suffix == ".mp4" and not can_write_mp4():
@@ -169,21 +169,21 @@ def _film(options: argparse.Namespace) -> int:
         slow=options.slow,
         span=(options.start, options.end),
         size=_size(options.size),
-        **look,
+        **appearance,
     )
     make(result.folder, [task], _bar(output.name), _report)
     print(printable(str(output)))
     return 0
 
 
-def _scene(result: "Result", look: Json) -> tuple[list[str], Json]:
+def _scene(result: "Result", appearance: Json) -> tuple[list[str], Json]:
     """Moments and look of the deck's first scene, or of the default one."""
     from crashpost.reports import views
     from crashpost.results.states import States
 
-    asked = views.scenes_of(result.stored_json("report", dict))
-    scene = asked[0] if asked else views.default_scene(result, States(result.folder))
-    return [str(word) for word in scene.get("at", [])], look | views.look(scene)
+    requested = views.scenes_of(result.stored_json("report", dict))
+    scene = requested[0] if requested else views.default_scene(result, States(result.folder))
+    return [str(word) for word in scene.get("at", [])], appearance | views.appearance(scene)
 
 
 def _look(options: argparse.Namespace) -> Json:

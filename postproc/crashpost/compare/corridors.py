@@ -25,7 +25,7 @@ HEADER = ("result", "channel", "test", "time inside", "largest excess", "unit", 
 
 
 @dataclass(frozen=True)
-class Stay:
+class CorridorResult:
     """Share of the time inside, and the largest excess, 0 for one that never leaves, with when."""
 
     inside: float
@@ -33,8 +33,12 @@ class Stay:
     at: float
 
 
-def stay(history: Course, lower: Course, upper: Course, during: Window | None = None) -> Stay:
-    """How a history (x, y) keeps within borders (x, y); raises PostError without common time."""
+def compare_with_corridor(
+    history: Course, lower: Course, upper: Course, during: Window | None = None
+) -> CorridorResult:
+    """Share of time and excess of a history (x, y) with borders (x, y); raises PostError without
+    common time.
+    """
     courses = history, lower, upper
     first, last = during or (-np.inf, np.inf)
     first = max(first, *(float(x[0]) for x, _ in courses))
@@ -50,7 +54,7 @@ def stay(history: Course, lower: Course, upper: Course, during: Window | None = 
     crosses = (below < 0.0) & (above > 0.0)
     share = np.where(crosses, -below / np.where(crosses, above - below, 1.0), above <= 0.0)
     worst = int(np.argmax(excess))
-    return Stay(
+    return CorridorResult(
         float(np.sum(share * steps) / (last - first)),
         max(float(excess[worst]), 0.0),
         float(time[worst]),
@@ -65,7 +69,7 @@ def corridor_rows(
     during: Window | None,
 ) -> tuple[list[list[str]], bool]:
     """A row for every channel beside every corridor of its kind; whether one leaves it."""
-    found, leaves = [], False
+    found, exceeds = [], False
     for test in map(read_test, tests):
         if test.corridor is None or not is_convertible(test.abscissa.unit, "s"):
             continue
@@ -78,8 +82,8 @@ def corridor_rows(
                     continue
                 history = series.time, series.values * factor(series.unit, unit)
                 lower, upper = ((time, border.values) for border in test.corridor)
-                rated = stay(history, lower, upper, during)
-                leaves = leaves or rated.excess > 0.0
+                rated = compare_with_corridor(history, lower, upper, during)
+                exceeds = exceeds or rated.excess > 0.0
                 sizes = [f"{100 * rated.inside:.4g} %", number(rated.excess), unit or "-"]
                 found.append([name, choice.channel, test.name, *sizes, number(rated.at)])
-    return found, leaves
+    return found, exceeds

@@ -19,7 +19,7 @@ from crashsolve.channels.series import Series
 
 # of the largest value of its dimension in the results, and in SI: less is round-off
 FLOOR, NOTHING = 1e-6, 1e-12
-# what describes the computation, not of what was computed
+# channels of the computation, not of the model
 NUMERICS = (
     *("glstat.model.step", "glstat.model.cycle", "glstat.model.residual", "glstat.model.balance"),
     *("glstat.model.energy.imbalance", "glstat.model.momentum_error"),
@@ -52,13 +52,13 @@ class Compared:
     remarks: list[str]
 
 
-def compare(results: Sequence[Result], asked: Sequence[str] = ()) -> Compared:
+def compare(results: Sequence[Result], requested: Sequence[str] = ()) -> Compared:
     """Every result against the first; raises PostError for fewer than two, or nothing in common."""
     if len(results) < 2:
         raise PostError("compare takes two results or more")
     found, remarks = list[Difference](), list[str]()
     for run, other in enumerate(results[1:], start=1):
-        shared, alone = _names(results[0], other, asked)
+        shared, alone = _names(results[0], other, requested)
         if not shared:
             raise PostError(f"{other.folder} and {results[0].folder} share no channel")
         remarks += alone + _times(results[0], other)
@@ -67,10 +67,10 @@ def compare(results: Sequence[Result], asked: Sequence[str] = ()) -> Compared:
     return Compared(sorted(found, key=lambda one: -one.largest), remarks)
 
 
-def _names(first: Result, other: Result, asked: Sequence[str]) -> tuple[list[str], list[str]]:
+def _names(first: Result, other: Result, requested: Sequence[str]) -> tuple[list[str], list[str]]:
     """Channels of both, and a remark for those of one; raises PostError."""
-    if asked:
-        both = [[choice.channel for choice in choices(r, asked)] for r in (first, other)]
+    if requested:
+        both = [[choice.channel for choice in choices(r, requested)] for r in (first, other)]
     else:
         both = [[c.name for c in r.channels() if c.name not in NUMERICS] for r in (first, other)]
     known = [set(names) for names in both]
@@ -99,7 +99,7 @@ def _times(first: Result, other: Result) -> list[str]:
 
 
 def _floors(first: Result, other: Result, names: Sequence[str]) -> dict[object, float]:
-    """Of each dimension the size below which differences are round-off."""
+    """For each dimension the size below which differences are round-off."""
     floors: dict[object, float] = {}
     for series in (result.series(name) for name in names for result in (first, other)):
         kind, size = _dimension(series.unit)
@@ -109,7 +109,7 @@ def _floors(first: Result, other: Result, names: Sequence[str]) -> dict[object, 
 
 
 def _dimension(unit: str) -> tuple[object, float]:
-    """What a unit measures, and its size in SI; of an unknown one itself."""
+    """Dimension of a unit, and its size in SI; an unknown unit itself."""
     try:
         size = Product.parse(unit).size()
     except PostError:

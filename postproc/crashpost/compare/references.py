@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crashpost.compare.corridors import stay
+from crashpost.compare.corridors import compare_with_corridor
 from crashpost.results.result import Result
 from crashpost.values.figure import Figure, Reference
 from crashsolve.channels.display import factor
@@ -77,7 +77,7 @@ def _compare(result: Result, figure: Figure, reference: Reference) -> Comparison
 
 
 def _beside_corridor(series: Series, figure: Figure, reference: Reference) -> Comparison:
-    """How far a history leaves a corridor over time, and for how long."""
+    """Largest distance of a history from a corridor over time, and its duration."""
     unit, x_unit = figure.y_unit or series.unit, figure.x_unit or "s"
     time = series.time * factor("s", x_unit) + figure.x_offset
     values = series.values * factor(series.unit, unit) + figure.y_offset
@@ -86,7 +86,9 @@ def _beside_corridor(series: Series, figure: Figure, reference: Reference) -> Co
     if during is not None:
         first, last = (end * factor("s", x_unit) + figure.x_offset for end in during)
         during = first, last
-    found = stay((time, values), (lower[0], lower[1]), (upper[0], upper[1]), during)
+    found = compare_with_corridor(
+        (time, values), (lower[0], lower[1]), (upper[0], upper[1]), during
+    )
     label = f"{reference.label}: largest excess, inside for {100 * found.inside:.4g} % of the time"
     known = reference.tolerance or 0.0
     return Comparison(label, reference.source, found.excess, 0.0, 0.0, unit, known)

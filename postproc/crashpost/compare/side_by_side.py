@@ -8,7 +8,7 @@ from crashpost.compare.corridors import HEADER
 from crashpost.compare.difference import Compared, Difference
 from crashpost.compare.rating import rating
 from crashpost.errors import PostError
-from crashpost.figures.panels import Wish, panels
+from crashpost.figures.panels import PlotRequest, panels
 from crashpost.results.choice import choices
 from crashpost.results.result import Result
 from crashpost.results.table import number, text_table
@@ -51,7 +51,7 @@ def header(named: Sequence[str]) -> tuple[str, ...]:
 def differences_text(
     found: Compared, named: Sequence[str], tolerance: float, *, everything: bool
 ) -> str:
-    """What differs, or all channels, as text; "" where nothing was compared."""
+    """Channels that differ, or all, as text; "" where nothing was compared."""
     if not found.differences and not found.remarks:
         return ""
     beyond = [one for one in found.differences if one.is_beyond(tolerance)]
@@ -65,7 +65,7 @@ def differences_text(
 
 
 def summary(found: Compared, tolerance: float) -> str:
-    """How many channels differ."""
+    """Number of channels that differ, in words."""
     beyond = sum(one.is_beyond(tolerance) for one in found.differences)
     return (
         f"{beyond} of {len(found.differences)} channels differ by more than "
@@ -114,7 +114,7 @@ def write_page(
     found: Compared,
     tolerance: float,
     rated: Sequence[Sequence[str]],
-    stays: Sequence[Sequence[str]],
+    in_corridors: Sequence[Sequence[str]],
     options: argparse.Namespace,
 ) -> None:
     """The page of a comparison: what differs most as figures, then tables. Raises PostError."""
@@ -124,8 +124,8 @@ def write_page(
     heading = " and ".join(named) if len(named) < 3 else f"{len(named)} results"
     units = Units.read(options.unit)
     shown = list(dict.fromkeys(one.channel for one in beyond or found.differences))[:MOST_FIGURES]
-    shown = shown or list(dict.fromkeys(row[1] for row in (*rated, *stays)))
-    looks = ("", "name", "", "unit", "num", "num", "num", "num", "num")
+    shown = shown or list(dict.fromkeys(row[1] for row in (*rated, *in_corridors)))
+    classes = ("", "name", "", "unit", "num", "num", "num", "num", "num")
     listed = found.differences if options.all else beyond
     remarks = "".join(f'<p class="problem">{escape(remark)}</p>' for remark in found.remarks)
     facts = [
@@ -136,12 +136,12 @@ def write_page(
         '<header><div class="eyebrow">crashsolve results compared</div>'
         f"<h1>{escape(results[0].title)}: {escape(heading)}</h1>{tiles(facts)}{remarks}</header>",
         block("ratings", "Rating, ISO/TS 18571", table(RATINGS, rated, ("",) * len(RATINGS))),
-        block("corridors", "Corridors", table(HEADER, stays, ("",) * len(HEADER))),
+        block("corridors", "Corridors", table(HEADER, in_corridors, ("",) * len(HEADER))),
         block("curves", "Curves", _figures(results, named, shown, options.test, units)),
         block(
             "differences",
             "Differences",
-            table(header(named), rows(listed, named, tolerance), looks),
+            table(header(named), rows(listed, named, tolerance), classes),
             f'<p class="note">{MEASURE[0].upper()}{MEASURE[1:]}.</p>' * bool(listed),
         ),
     ]
@@ -174,8 +174,8 @@ def _figures(
             if test.fits("s", results[0].series(channel).unit)
         ]
         general = Units(of_all=units.of_all)
-        wish = Wish([channel], title=title([channel]), units=general, tests=fitting)
-        for one in panels(results, named, wish):
+        request = PlotRequest([channel], title=title([channel]), units=general, tests=fitting)
+        for one in panels(results, named, request):
             drawing, keys = draw.svg(results, one, f"c{at}")
             parts.append(figure(one.title, drawing, keys, ""))
     return f'<div class="figures">{"".join(parts)}</div>' if parts else ""

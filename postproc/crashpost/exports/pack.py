@@ -125,7 +125,7 @@ class _Packing:
             self.root[name] = np.full(count, number, "i8")
 
     def _steps(self, count: int, fields: list[tuple[str, str]]) -> None:
-        """Where the numbers of each time begin."""
+        """Write the offsets of the numbers of each time."""
         steps = self.root.create_group("Steps")
         steps.attrs["NSteps"] = count
         steps["Values"] = self.states.times

@@ -32,7 +32,7 @@ from crashpost.figures.style import (
     MOST_LINES,
     MUTED,
     REFERENCE_COLOURS,
-    line_look,
+    line_style,
 )
 from crashpost.results.result import Result
 from crashpost.values.figure import Curve, Figure, Pair, Reference, axis_unit
@@ -118,7 +118,7 @@ def _legend_lines(figure: Figure) -> int:
     return 1 + (entries + 1) // 2 + figure.title.count("\n") + len(figure.title) // LINE
 
 
-def says_the_title(labels: Sequence[str], title: str) -> bool:
+def repeats_title(labels: Sequence[str], title: str) -> bool:
     """Whether a legend would only repeat words of the title."""
     return len(labels) == 1 and labels[0].lower() in title.lower()
 
@@ -126,7 +126,7 @@ def says_the_title(labels: Sequence[str], title: str) -> bool:
 def _add_legend(panel: Axes, title: str) -> None:
     """The title with the legend below it, above a panel; no legend of a single line."""
     handles, names = panel.get_legend_handles_labels()
-    if says_the_title(names, title):
+    if repeats_title(names, title):
         handles, names = [], []
     columns = 2 if all(len(name) <= HALF_LINE for name in names) else 1
     legend = panel.legend(
@@ -165,7 +165,7 @@ def _draw(axes: Axes, results: Runs, figure: Figure) -> list[Key]:
     scaled = _scaled(_runs(results), figure)
     keys = []
     for number, line in enumerate(scaled.lines):
-        colour, dashes = line_look(number)
+        colour, dashes = line_style(number)
         style = (0, dashes) if dashes else "-"
         # a single sample has no line
         mark = "o" if len(line.x) == 1 else ""
@@ -218,14 +218,14 @@ def _draw_reference(axes: Axes, reference: Reference, colour: str, figure: Figur
 
 
 def _between(values: np.ndarray, ends: Pair | None) -> np.ndarray:
-    """Which values lie between the ends of an axis; all when it has none."""
+    """Mask of the values between the ends of an axis; all when it has none."""
     low, high = (min(ends), max(ends)) if ends else (-np.inf, np.inf)
     return (values >= low) & (values <= high)
 
 
 def _finish_axes(axes: Axes, figure: Figure, scaled: _Scaled) -> None:
     for set_scale, scale in ((axes.set_xscale, figure.x_scale), (axes.set_yscale, figure.y_scale)):
-        # what has no logarithm is not shown, rather than at the edge as if it were small
+        # values without a logarithm are left out, not drawn at the edge as if they were small
         set_scale(scale, **({"nonpositive": "mask"} if scale == "log" else {}))
     for axis, scale in ((axes.xaxis, figure.x_scale), (axes.yaxis, figure.y_scale)):
         if scale == "linear":
@@ -259,7 +259,7 @@ def _finish_axes(axes: Axes, figure: Figure, scaled: _Scaled) -> None:
 
 
 def _fit_y(axes: Axes, x_range: Pair, lines: Sequence[_Line]) -> None:
-    """Let the ordinate span what is seen of the lines, where a part of the abscissa is shown."""
+    """Set the range of the ordinate to that of the lines within the abscissa shown."""
     seen = [line.y[_between(line.x, x_range)] for line in lines]
     values = np.concatenate([part[np.isfinite(part)] for part in seen])
     if not len(values):
@@ -316,17 +316,17 @@ def _thinned(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         return x, y
     curves = [y] if np.all(np.diff(x) >= 0) else [x, y]
     starts = np.linspace(0, len(y), MOST_POINTS // (2 * len(curves)) + 1).astype(int)
-    kept = {0, len(y) - 1}
+    selected = {0, len(y) - 1}
     for start, stop in pairwise(starts):
         for curve in curves:
             part = curve[start:stop]
-            kept |= {start + int(np.argmin(part)), start + int(np.argmax(part))}
-    chosen = sorted(kept)
+            selected |= {start + int(np.argmin(part)), start + int(np.argmax(part))}
+    chosen = sorted(selected)
     return x[chosen], y[chosen]
 
 
 def _axis_words(channels: Sequence[str]) -> str:
-    """What an axis shows, in words."""
+    """Label of an axis."""
     distinct = list(dict.fromkeys(channels))
     if distinct == ["time"]:
         return "time"

@@ -38,8 +38,8 @@ CRUSHES = (
     ("deforc", "angle", "moment"),
     ("hinge", "angle", "moment"),
 )
-# what is worth a look, by the first word of the channels; where it rests, what moves
-WORTH = {
+# quantities shown, by the first word of the channels; where they are constant, those that change
+IMPORTANCE = {
     "rbdout": ("velocity",),
     "nodout": ("acceleration",),
     "disbout": ("distance", "angle"),
@@ -220,14 +220,14 @@ def _families(result: Result, word: str) -> list[Family]:
 
 
 def _largest(result: Result, names: Sequence[str]) -> list[str]:
-    """Those that reach the largest sizes, in their order; none that is zero throughout."""
+    """The channels with the largest magnitudes, in their order; none that is zero throughout."""
     sizes = {name: max(map(abs, result.span(name))) for name in names}
     most = sorted((n for n in sizes if sizes[n] > 0), key=lambda n: -sizes[n])[:MOST_CURVES]
     return [name for name in names if name in most]
 
 
 def _moving(result: Result, names: Sequence[str]) -> list[str]:
-    """Those that move most, in their order; none that rests."""
+    """The channels with the largest ranges, in their order; none that is constant."""
     ranges = {name: _range(result, name) for name in names}
     most = sorted((n for n in ranges if ranges[n] > 0), key=lambda n: -ranges[n])[:MOST_CURVES]
     return [name for name in names if name in most]
@@ -268,8 +268,10 @@ def _family_figure(result: Result, family: Family) -> Figure | None:
     if not len(result.time):
         return None
     quantities = dict.fromkeys(column.path.split("/")[0] for column in family.columns)
-    worth = WORTH.get(family.word, FORCES)
-    for quantity in sorted(quantities, key=lambda q: worth.index(q) if q in worth else len(worth)):
+    importance = IMPORTANCE.get(family.word, FORCES)
+    for quantity in sorted(
+        quantities, key=lambda q: importance.index(q) if q in importance else len(importance)
+    ):
         columns = [c for c in family.columns if c.path.split("/")[0] == quantity]
         columns = [c for c in columns if c.unit == columns[0].unit]
         ranges = _ranges(result, family, columns)

@@ -16,7 +16,7 @@ from crashpost.results.text import printable
 # of a legend: more differences are shown by folders
 MOST_DIFFERENCES = 3
 # of the decks, what changes no physics
-IDLE = ("title", "output", "expect", "watch", "parameters")
+INEFFECTIVE = ("title", "output", "expect", "watch", "parameters")
 
 
 def names(results: Sequence[Result]) -> list[str]:
@@ -26,7 +26,7 @@ def names(results: Sequence[Result]) -> list[str]:
     stated = [_stated(result) for result in results]
     for values in (stated, [_parameters(result) for result in results], _decks(results)):
         differing = _differing(values)
-        found = [_said(own, differing, values) for own in values]
+        found = [_description(own, differing, values) for own in values]
         if 0 < len(differing) <= MOST_DIFFERENCES and len(set(found)) == len(found):
             return found
     folders = [_folder(result) for result in results]
@@ -62,7 +62,9 @@ def _decks(results: Sequence[Result]) -> list[Json]:
             raise PostError(f"{result.file}: the stored deck cannot be read ({error})") from error
         leaves: Json = {}
         if isinstance(tree, dict):
-            _collect({key: part for key, part in tree.items() if key not in IDLE}, "", leaves)
+            _collect(
+                {key: part for key, part in tree.items() if key not in INEFFECTIVE}, "", leaves
+            )
         found.append(leaves)
     return found
 
@@ -83,7 +85,7 @@ def _differing(values: Sequence[Json]) -> list[str]:
     return [p for p in positions if any(own.get(p) != values[0].get(p) for own in values)]
 
 
-def _said(own: Json, positions: Sequence[str], values: Sequence[Json]) -> str:
+def _description(own: Json, positions: Sequence[str], values: Sequence[Json]) -> str:
     return ", ".join(
         f"{printable(path)} {_shown(own.get(path), [other.get(path) for other in values])}"
         for path in positions

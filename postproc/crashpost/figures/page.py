@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from html import escape
 
-from crashpost.figures.draw import Key, says_the_title
+from crashpost.figures.draw import Key, repeats_title
 from crashpost.figures.style import CSS
 
 # words of verdicts
@@ -13,7 +13,7 @@ GOOD, BAD = frozenset({"pass", "met", "within"}), frozenset({"FAIL", "missed", "
 EXPECTED, MISSED_PUBLISHED = "expectations met, the others missed", "published numbers missed"
 BAD_FACTS = frozenset({EXPECTED, MISSED_PUBLISHED})
 
-__all__ = ["block", "escape", "figure", "fold", "page", "table", "tiles"]
+__all__ = ["block", "escape", "figure", "details", "page", "table", "tiles"]
 
 
 def page(title: str, body: Sequence[str]) -> str:
@@ -35,15 +35,17 @@ def block(anchor: str, title: str, *parts: str) -> str:
     )
 
 
-def table(header: Sequence[str], rows: Sequence[Sequence[str]], looks: Sequence[str]) -> str:
-    """Rows of cells; `looks` gives each column's class: "", "num", "unit" or "name"."""
+def table(header: Sequence[str], rows: Sequence[Sequence[str]], classes: Sequence[str]) -> str:
+    """Rows of cells; `classes` has the CSS class of each column: "", "num", "unit" or "name"."""
     if not rows:
         return ""
     heads = [
-        f'<th class="num">{escape(words)}</th>' if look == "num" else f"<th>{escape(words)}</th>"
-        for words, look in zip(header, looks, strict=True)
+        f'<th class="num">{escape(words)}</th>'
+        if css_class == "num"
+        else f"<th>{escape(words)}</th>"
+        for words, css_class in zip(header, classes, strict=True)
     ]
-    lines = ["".join(map(_cell, row, looks)) for row in rows]
+    lines = ["".join(map(_cell, row, classes)) for row in rows]
     # a row that reports a miss is coloured as one
     body = "\n".join(
         f'<tr class="missed">{line}</tr>' if BAD & set(row) else f"<tr>{line}</tr>"
@@ -65,8 +67,8 @@ def tiles(facts: Sequence[tuple[str, str]]) -> str:
     return f'<div class="tiles">{"".join(cells)}</div>' if cells else ""
 
 
-def fold(title: str, content: str, *, unfolded: bool = False) -> str:
-    """Something long that opens on demand."""
+def details(title: str, content: str, *, unfolded: bool = False) -> str:
+    """A section with a title that unfolds on demand."""
     state = " open" if unfolded else ""
     return (
         f"<details{state}><summary>{escape(title)}</summary>{content}</details>" if content else ""
@@ -75,18 +77,18 @@ def fold(title: str, content: str, *, unfolded: bool = False) -> str:
 
 def figure(title: str, drawing: str, keys: Sequence[Key], below: str) -> str:
     """A drawing with its title and legend above and its comparison below."""
-    keys = [] if says_the_title([key.label for key in keys], title) else keys
+    keys = [] if repeats_title([key.label for key in keys], title) else keys
     items = "".join(f"<li>{_swatch(key)}{escape(key.label)}</li>" for key in keys)
     legend = f'<ul class="legend">{items}</ul>' if items else ""
     above = f"<figcaption><h3>{escape(title)}</h3>{legend}</figcaption>"
     return f"<figure>{above}{drawing}{below}</figure>"
 
 
-def _cell(text: str, look: str) -> str:
-    look = "fail" if text in BAD else "pass" if text in GOOD else look
+def _cell(text: str, css_class: str) -> str:
+    css_class = "fail" if text in BAD else "pass" if text in GOOD else css_class
     # a long channel name may be broken after its dots, and only there
-    shown = escape(text).replace(".", ".<wbr>") if look == "name" else escape(text)
-    return f'<td class="{look}">{shown}</td>' if look else f"<td>{shown}</td>"
+    shown = escape(text).replace(".", ".<wbr>") if css_class == "name" else escape(text)
+    return f'<td class="{css_class}">{shown}</td>' if css_class else f"<td>{shown}</td>"
 
 
 def _swatch(key: Key) -> str:

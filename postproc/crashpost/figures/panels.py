@@ -19,12 +19,12 @@ from crashpost.values.measured import Measurement
 from crashpost.values.units import Units, on_page, page_time_unit
 from crashsolve.channels.display import factor, is_convertible
 from crashsolve.channels.series import Series
-from crashsolve.channels.statistic import is_a_time, is_of_a_moment, moment_asked
+from crashsolve.channels.statistic import is_a_time, is_of_a_moment, requested_moment
 
 
 @dataclass(frozen=True)
-class Wish:
-    """What is to be drawn, and how."""
+class PlotRequest:
+    """Request for figures: channels, axes and units."""
 
     channels: Sequence[str] = ()
     against: str = "time"
@@ -36,7 +36,7 @@ class Wish:
     tests: Sequence[Measurement] = ()
 
 
-def panels(results: Sequence[Result], names: Sequence[str], wish: Wish) -> list[Figure]:
+def panels(results: Sequence[Result], names: Sequence[str], request: PlotRequest) -> list[Figure]:
     """The figures; `names` are those of the results in legends. Raises PostError.
 
     Where several results are drawn a channel has a curve for each that has it.
@@ -44,32 +44,32 @@ def panels(results: Sequence[Result], names: Sequence[str], wish: Wish) -> list[
     for result in results:
         if not len(result.time):
             raise PostError(f"{result.folder} holds no samples")
-    kinds = [word for word in wish.channels if word in gallery.KINDS]
-    chosen = _chosen(results, [word for word in wish.channels if word not in gallery.KINDS])
+    kinds = [word for word in request.channels if word in gallery.KINDS]
+    chosen = _chosen(results, [word for word in request.channels if word not in gallery.KINDS])
     figures = [f for kind in kinds for f in _kind(results, names, kind)]
     if chosen:
-        figures += _by_unit(results, names, chosen, wish)
+        figures += _by_unit(results, names, chosen, request)
     if not figures:
         raise PostError(f"nothing to draw: no {', '.join(kinds) or 'figure'} in this result")
-    unit = page_time_unit(_longest(results), figures, wish.units)
+    unit = page_time_unit(_longest(results), figures, request.units)
     drawn = [c for f in figures for c in (f.x, *(curve.channel for curve in f.y))]
-    wish.units.check_used([*drawn, *(curve.x for f in figures for curve in f.y if curve.x)])
-    figures = [on_page(results[figure.y[0].run], figure, wish.units, unit) for figure in figures]
-    if wish.y_range and len(figures) > 1:
+    request.units.check_used([*drawn, *(curve.x for f in figures for curve in f.y if curve.x)])
+    figures = [on_page(results[figure.y[0].run], figure, request.units, unit) for figure in figures]
+    if request.y_range and len(figures) > 1:
         raise PostError(f"--y-range is for one panel, and {len(figures)} are drawn")
-    figures = [_limited(figure, wish) for figure in figures]
-    return _with_tests(results, figures, wish.tests)
+    figures = [_limited(figure, request) for figure in figures]
+    return _with_tests(results, figures, request.tests)
 
 
 def _longest(results: Sequence[Result]) -> Result:
     return max(results, key=lambda r: float(np.max(np.abs(r.time), initial=0.0)))
 
 
-def _chosen(results: Sequence[Result], asked: Sequence[str]) -> dict[Choice, list[int]]:
+def _chosen(results: Sequence[Result], requested: Sequence[str]) -> dict[Choice, list[int]]:
     """The channels, each with the numbers of the results that have it; raises PostError."""
     found: dict[Choice, list[int]] = {}
     problems: list[PostError] = []
-    for word in asked:
+    for word in requested:
         fitting = 0
         for run, result in enumerate(results):
             try:
@@ -112,7 +112,10 @@ def _curve_label(curve: Curve) -> str:
 
 
 def _by_unit(
-    results: Sequence[Result], names: Sequence[str], chosen: dict[Choice, list[int]], wish: Wish
+    results: Sequence[Result],
+    names: Sequence[str],
+    chosen: dict[Choice, list[int]],
+    request: PlotRequest,
 ) -> list[Figure]:
     """A figure for the channels of each unit."""
     groups: dict[str, dict[str, list[int]]] = {}
@@ -122,9 +125,9 @@ def _by_unit(
             other = results[run].series(choice.channel).unit
             if not is_convertible(own, other):
                 raise PostError(f"'{choice.channel}' is in '{own}' and in '{other}'")
-        group = groups.setdefault(wish.units.wanted(choice.channel, own) or own, {})
+        group = groups.setdefault(request.units.wanted(choice.channel, own) or own, {})
         group.setdefault(choice.channel, runs)
-    return [_panel(results, names, unit, group, chosen, wish) for unit, group in groups.items()]
+    return [_panel(results, names, unit, group, chosen, request) for unit, group in groups.items()]
 
 
 def _panel(
@@ -133,35 +136,35 @@ def _panel(
     unit: str,
     group: dict[str, list[int]],
     chosen: dict[Choice, list[int]],
-    wish: Wish,
+    request: PlotRequest,
 ) -> Figure:
     """The figure of the channels of one unit."""
     first = results[next(iter(group.values()))[0]]
-    shown = any(wish.units.wanted(channel, unit) for channel in group)
+    shown = any(request.units.wanted(channel, unit) for channel in group)
     y_unit = unit if shown else AUTO
-    x_unit = wish.units.wanted(wish.against, first.series(wish.against).unit) or AUTO
-    if wish.against == "time":
-        x_unit = page_time_unit(_longest(results), [], wish.units)
-    asked = [choice for choice in chosen if choice.statistic and choice.channel in group]
+    x_unit = request.units.wanted(request.against, first.series(request.against).unit) or AUTO
+    if request.against == "time":
+        x_unit = page_time_unit(_longest(results), [], request.units)
+    requested = [choice for choice in chosen if choice.statistic and choice.channel in group]
     marks = list[Reference]()
-    if asked:
+    if requested:
         # marks are in the units of the axes, which must be known
         y_unit = axis_unit(
             [results[r].series(c) for c, runs in group.items() for r in runs], y_unit
         )
-        x_unit = axis_unit([result.series(wish.against) for result in results], x_unit)
-        for choice in asked:
+        x_unit = axis_unit([result.series(request.against) for result in results], x_unit)
+        for choice in requested:
             for run in chosen[choice]:
                 name = names[run] if len(results) > 1 else ""
-                marks.append(_mark(results[run], choice, wish.against, (x_unit, y_unit), name))
+                marks.append(_mark(results[run], choice, request.against, (x_unit, y_unit), name))
     legend = words.legend(list(group))
     curves = [
         Curve(channel, _overlaid(label, names[run], len(results), len(group)), run=run)
         for label, (channel, runs) in zip(legend, group.items(), strict=True)
         for run in runs
     ]
-    title = wish.title or words.title(list(group))
-    figure = Figure(title, tuple(curves), x=wish.against, x_unit=x_unit, y_unit=y_unit)
+    title = request.title or words.title(list(group))
+    figure = Figure(title, tuple(curves), x=request.against, x_unit=x_unit, y_unit=y_unit)
     return replace(figure, reference=tuple(marks))
 
 
@@ -186,23 +189,23 @@ def _mark(
     message = f"{word} {found.value:.5g} {found.unit}".rstrip() + (f", {name}" if name else "")
     if is_value and not is_of_a_moment(word):
         return Reference(message, value=found.value)
-    moment = result.value(channel, word) if is_a_time(word) else moment_asked(word)
+    moment = result.value(channel, word) if is_a_time(word) else requested_moment(word)
     moment = float(series.time[-1]) if moment is None else moment
     at = f"at:{moment!r}"
     x, y = answer(result, against, at, None, units[0]), answer(result, channel, at, None, units[1])
     return Reference(message, "point", points=((x.value, y.value),))
 
 
-def _limited(figure: Figure, wish: Wish) -> Figure:
+def _limited(figure: Figure, request: PlotRequest) -> Figure:
     """The figure with the axes asked for."""
-    for axis in wish.log:
+    for axis in request.log:
         is_x = axis == "x"
         figure = replace(figure, x_scale="log") if is_x else replace(figure, y_scale="log")
-    if wish.x_range:
-        figure = replace(figure, x_range=wish.x_range)
-    if wish.y_range:
-        figure = replace(figure, y_range=wish.y_range)
-    return replace(figure, title=wish.title) if wish.title else figure
+    if request.x_range:
+        figure = replace(figure, x_range=request.x_range)
+    if request.y_range:
+        figure = replace(figure, y_range=request.y_range)
+    return replace(figure, title=request.title) if request.title else figure
 
 
 def _with_tests(
@@ -243,7 +246,9 @@ def _measured(test: Measurement, x_unit: str, y_unit: str) -> list[Reference]:
     return found
 
 
-def profile(result: Result, word: str, along: str, moments: Sequence[float], wish: Wish) -> Figure:
+def profile(
+    result: Result, word: str, along: str, moments: Sequence[float], request: PlotRequest
+) -> Figure:
     """Values along an interface: a curve for each moment [s], a point for each entity.
 
     `word` and `along` are patterns, or expressions with one, such as
@@ -262,13 +267,13 @@ def profile(result: Result, word: str, along: str, moments: Sequence[float], wis
     x_unit, y_unit = (
         axis_unit([Series(np.arange(found.size), found.ravel(), own)], wanted or AUTO)
         for found, own, wanted in (
-            (x_all, x_own, wish.units.wanted(along, x_own)),
-            (y_all, y_own, wish.units.wanted(word, y_own)),
+            (x_all, x_own, request.units.wanted(along, x_own)),
+            (y_all, y_own, request.units.wanted(word, y_own)),
         )
     )
     x_all, y_all = x_all * factor(x_own, x_unit), y_all * factor(y_own, y_unit)
     order = np.argsort(x_all[0])
-    time_unit = page_time_unit(result, [], wish.units)
+    time_unit = page_time_unit(result, [], request.units)
     x_words, y_words = (
         words.quantity_of_all(list(one.values())) or given
         for one, given in ((xs, along), (ys, word))
@@ -282,7 +287,7 @@ def profile(result: Result, word: str, along: str, moments: Sequence[float], wis
         for t, x, y in zip(moments, x_all, y_all, strict=True)
     )
     return Figure(
-        wish.title or f"{words.capital(y_words)} over {x_words}",
+        request.title or f"{words.capital(y_words)} over {x_words}",
         lines,
         x=along,
         x_unit=x_unit,

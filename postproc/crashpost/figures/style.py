@@ -49,7 +49,7 @@ MATPLOTLIB: dict[Any, Any] = {
 }
 
 
-def line_look(number: int) -> tuple[str, tuple[float, ...]]:
+def line_style(number: int) -> tuple[str, tuple[float, ...]]:
     """Colour and dashes of a figure's line, counted from 0; MOST_LINES of them differ."""
     return COLOURS[number % len(COLOURS)], DASHES[number % len(DASHES)]
 

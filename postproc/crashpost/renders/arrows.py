@@ -11,20 +11,30 @@ UPWARDS, SIDEWAYS, HEIGHTS = 0.28, 0.25, 4.0
 WIDTH, WIDE = 0.022, 3.0
 
 
-def unit_length(vectors: np.ndarray, seen: Camera) -> float:
+def unit_length(vectors: np.ndarray, fitted_camera: Camera) -> float:
     """Length of an arrow for each unit [m], so that none of the vectors (n, 3) is too long."""
-    height = 2.0 * seen.half_height
-    limits = SIDEWAYS * min(seen.width, HEIGHTS * height), UPWARDS * height, UPWARDS * height
-    axes = np.array([seen.right, seen.up, seen.towards])
+    height = 2.0 * fitted_camera.half_height
+    limits = (
+        SIDEWAYS * min(fitted_camera.width, HEIGHTS * height),
+        UPWARDS * height,
+        UPWARDS * height,
+    )
+    axes = np.array([fitted_camera.right, fitted_camera.up, fitted_camera.towards])
     largest = np.abs(vectors @ axes.T).max(axis=0)
     return float(min(limit / part for limit, part in zip(limits, largest, strict=True) if part))
 
 
-def arrows_of(drawing: Drawing, seen: Camera, arrow: float, thickness: float = 1.0) -> Drawing:
+def arrows_of(
+    drawing: Drawing, fitted_camera: Camera, arrow: float, thickness: float = 1.0
+) -> Drawing:
     """Only the arrows of a drawing, `arrow` [m] long for each unit, so many times as thick."""
     found = Drawing()
     for starts, vectors in drawing.arrows:
-        width = WIDTH * max(min(seen.aspect, 1.0), seen.aspect / WIDE) * seen.half_height
+        width = (
+            WIDTH
+            * max(min(fitted_camera.aspect, 1.0), fitted_camera.aspect / WIDE)
+            * fitted_camera.half_height
+        )
         width *= thickness
         points, quads, triangles = arrow_polygons(starts, vectors, arrow, width)
         for corners in (quads, triangles):
@@ -42,9 +52,9 @@ def arrow_polygons(
     All are `width` [m] thick; those shorter than their head are left out.
     """
     lengths = unit_length * np.linalg.norm(vectors, axis=1)
-    kept = lengths > 2.0 * width
-    starts, lengths = starts[kept], lengths[kept]
-    along = vectors[kept] / np.linalg.norm(vectors[kept], axis=1)[:, None]
+    selected = lengths > 2.0 * width
+    starts, lengths = starts[selected], lengths[selected]
+    along = vectors[selected] / np.linalg.norm(vectors[selected], axis=1)[:, None]
     helper = np.eye(3)[np.argmin(np.abs(along), axis=1)]
     side = np.cross(along, helper)
     side /= np.linalg.norm(side, axis=1)[:, None]

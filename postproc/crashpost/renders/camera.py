@@ -41,7 +41,7 @@ class Camera:
 
     @property
     def width(self) -> float:
-        """Of what is seen [m]."""
+        """Width of the picture [m]."""
         return 2.0 * self.half_height * self.aspect
 
 
@@ -68,16 +68,18 @@ def camera(view: str, world_up: np.ndarray, low: np.ndarray, high: np.ndarray) -
     return Camera(right, np.cross(towards, right), towards, 0.5 * (low + high))
 
 
-def fitted(seen: Camera, points: np.ndarray, narrow: float, wide: float) -> Camera:
+def fitted(fitted_camera: Camera, points: np.ndarray, narrow: float, wide: float) -> Camera:
     """The camera with all points (n, 3) in its picture, as wide as they ask within limits."""
-    flat = seen.flat(points)
+    flat = fitted_camera.flat(points)
     low, high = flat.min(axis=0), flat.max(axis=0)
     size = np.maximum((high - low)[:2], LEAST)
     width, height = (1.0 + 2.0 * MARGIN) * size + MARGIN * float(size.max())
     aspect = float(np.clip(width / height, narrow, wide))
-    middle = seen.middle + np.array([seen.right, seen.up, seen.towards]).T @ (0.5 * (low + high))
+    middle = fitted_camera.middle + np.array(
+        [fitted_camera.right, fitted_camera.up, fitted_camera.towards]
+    ).T @ (0.5 * (low + high))
     half = 0.5 * max(height, width / aspect)
-    return replace(seen, middle=middle, half_height=float(half), aspect=aspect)
+    return replace(fitted_camera, middle=middle, half_height=float(half), aspect=aspect)
 
 
 def _thinnest(depths: np.ndarray) -> str:

@@ -29,7 +29,7 @@ class CloseUp:
 
     @property
     def width(self) -> float:
-        """Of a window [m]."""
+        """Width of a window [m]."""
         return self.cameras[0].width
 
     def frame(self, picture: int) -> tuple[float, float, float, float]:
@@ -43,7 +43,7 @@ class CloseUp:
 
 
 def read(text: str) -> tuple[str, float]:
-    """What is seen closely, and the width of the window [m], 0 for a fitting one; or PostError."""
+    """Object of a close-up, and the width of its window [m], 0 for a fitting one; or PostError."""
     name, colon, width = text.partition(":")
     if not colon:
         return name.strip(), 0.0
@@ -62,9 +62,9 @@ def close_up(
 ) -> CloseUp:
     """The windows at some states; raises PostError for what is not there."""
     name, width = read(text)
-    seen = around[0]
-    height = float(np.ptp(seen.flat(scene.extent(numbers[0]))[:, 1]))
-    width = width or min(OF_HEIGHT * height or np.inf, OF_WIDTH * seen.width)
+    fitted_camera = around[0]
+    height = float(np.ptp(fitted_camera.flat(scene.extent(numbers[0]))[:, 1]))
+    width = width or min(OF_HEIGHT * height or np.inf, OF_WIDTH * fitted_camera.width)
     middles = _positions(scene, name, numbers)
     half = 0.5 * width / ASPECT
     own = [
@@ -75,7 +75,7 @@ def close_up(
 
 
 def _positions(scene: Scene, name: str, numbers: Sequence[float]) -> list[np.ndarray]:
-    """Where a contact acts at states, or a body or part is; raises PostError."""
+    """Positions of a contact, body or part at states; raises PostError."""
     states = scene.states
     contacts = states.names["contacts"]
     if name not in contacts:
@@ -98,7 +98,9 @@ def _positions(scene: Scene, name: str, numbers: Sequence[float]) -> list[np.nda
 
 
 def _moved(scene: Scene, point: np.ndarray, between: tuple[float, float]) -> np.ndarray:
-    """How far the mass centre nearest to a point at the first state has moved at the second [m]."""
+    """Displacement of the mass centre nearest to a point, from the first state to the second
+    [m].
+    """
     if "mass_centres" not in scene.states.blocks:
         return np.zeros(3)
     before, after = (scene.positions(number, "mass_centres") for number in between)

@@ -16,7 +16,7 @@ Half = tuple[np.ndarray, float]
 
 
 def half_space(text: str) -> Half:
-    """What a sectional view keeps, from words; raises PostError."""
+    """Half space that a sectional view keeps, from words; raises PostError."""
     found = _WORDS.fullmatch(text)
     try:
         if found is None:
@@ -40,7 +40,7 @@ def clamped(points: np.ndarray, half: Half) -> np.ndarray:
 
 
 def cut(drawing: Drawing, half: Half) -> Drawing:
-    """What is left of a drawing."""
+    """The part of a drawing within a half space."""
     normal, offset = half
     found = Drawing([s for one in drawing.surfaces for s in _surfaces(one, half)])
     for lines in drawing.lines:
@@ -59,8 +59,8 @@ def cut(drawing: Drawing, half: Half) -> Drawing:
     for dots in drawing.dots:
         found.dots.append(replace(dots, points=dots.points[dots.points @ normal <= offset]))
     for starts, vectors in drawing.arrows:
-        kept = starts @ normal <= offset
-        found.arrows.append((starts[kept], vectors[kept]))
+        selected = starts @ normal <= offset
+        found.arrows.append((starts[selected], vectors[selected]))
     return found
 
 
@@ -92,15 +92,15 @@ def _surfaces(surface: Surface, half: Half) -> list[Surface]:
     found = []
     for count in sorted({surface.corners.shape[1] if surface.edges else 3, *map(len, polygons)}):
         own = [k for k, polygon in enumerate(polygons) if len(polygon) == count]
-        kept = np.array([rows[k] for k in own], int)
+        selected = np.array([rows[k] for k in own], int)
         found.append(
             replace(
                 surface,
                 points=points,
                 corners=np.array([polygons[k] for k in own], int).reshape(-1, count),
-                which=surface.which[kept],
-                rows=surface.rows[kept],
-                values=None if surface.values is None else surface.values[kept],
+                which=surface.which[selected],
+                rows=surface.rows[selected],
+                values=None if surface.values is None else surface.values[selected],
             )
         )
     return found

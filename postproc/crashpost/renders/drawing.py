@@ -10,6 +10,7 @@ from fnmatch import fnmatchcase
 import numpy as np
 
 from crashpost.errors import unknown
+from crashpost.renders.appearance import Appearance
 from crashpost.renders.beams import Outline, outlines, prisms
 from crashpost.renders.borders import are_edge_on, borders
 from crashpost.renders.camera import outermost
@@ -17,7 +18,6 @@ from crashpost.renders.cutting import clamped, half_space
 from crashpost.renders.cutting import cut as cut_off
 from crashpost.renders.forces import contacts_with_arrows, forces_of
 from crashpost.renders.groups import groups, is_node, labels
-from crashpost.renders.look import Look
 from crashpost.renders.planes import cut, footprints, planes
 from crashpost.renders.section_lines import lines as section_lines
 from crashpost.renders.section_lines import weights
@@ -45,8 +45,8 @@ LEAST_SHARE, MOST_SHRUNK = 1e-6, 0.97
 class Scene:
     """Draws the states of a run by a look; raises PostError for a word that names nothing."""
 
-    def __init__(self, states: States, look: Look) -> None:
-        self.states, self.look = states, look
+    def __init__(self, states: States, appearance: Appearance) -> None:
+        self.states, self.appearance = states, appearance
         names = states.names["bodies"]
         self.groups = groups(names)
         # bodies but for the nodes of parts, which are drawn by their elements
@@ -59,25 +59,25 @@ class Scene:
         self.hues = {label: k for k, label in enumerate(dict.fromkeys(self.labels))}
         self.bodies, self.parts = self._shown()
         # balls in hinges stand for a colour alone
-        hidden = {"contacts"} if look.color.startswith("plastic_") else {"contacts", "hinges"}
+        hidden = {"contacts"} if appearance.color.startswith("plastic_") else {"contacts", "hinges"}
         self.drawn = [name for name in states.blocks if name not in hidden]
         self.color_unit = ""
-        if look.color:
+        if appearance.color:
             self._check_color()
-        self.contacts = contacts_with_arrows(states, look)
+        self.contacts = contacts_with_arrows(states, appearance)
         self.planes = planes(states)
         # points that infinite planes are drawn below; as the run cut them when absent
         self.reach: np.ndarray | None = None
         self._free_edges: dict[str, tuple[np.ndarray, np.ndarray]] = {}
-        self.half = half_space(look.cut) if look.cut else None
+        self.half = half_space(appearance.cut) if appearance.cut else None
         self.sections = [
             (f"part_{one.part}", weights(states.blocks[f"part_{one.part}"], one))
-            for one in look.sections
+            for one in appearance.sections
             if one.part in self.parts and f"part_{one.part}" in states.blocks
         ]
 
     def at(self, number: float, *, is_ghost: bool = False) -> Drawing:
-        """What is seen at a state."""
+        """Drawing of a state."""
         drawing = Drawing()
         for name in self.drawn:
             points = self.positions(number, name)
@@ -95,7 +95,7 @@ class Scene:
             drawing.lines.append(
                 Lines(section_lines(self.positions(number, block), *at), SECTION, 2.4)
             )
-        if self.look.arrows and not is_ghost:
+        if self.appearance.arrows and not is_ghost:
             drawing.arrows.append(self.forces(number))
         return cut_off(drawing, self.half) if self.half else drawing
 
@@ -121,8 +121,8 @@ class Scene:
             points = self.positions(number, name)
             used = self._used_points(name, number)
             if name == "ground":
-                # the ground may reach beyond what alone is to be seen
-                used = used[:0] if self.look.show else np.setdiff1d(used, self.planes)
+                # the ground may extend beyond the parts that are shown
+                used = used[:0] if self.appearance.show else np.setdiff1d(used, self.planes)
             found.append(points[used])
             if name == "beams" and len(used):
                 found += [ring.reshape(-1, 3) for _, _, ring in self._outlines(number, points)]
@@ -132,7 +132,7 @@ class Scene:
         return outermost(points) if len(points) else points
 
     def footprints(self, near: np.ndarray) -> np.ndarray:
-        """Where planes lie close below points (n, 3): these belong in the picture as well."""
+        """Points of planes close below points (n, 3), which belong in the picture as well."""
         return footprints(self._plane_corners(), near)
 
     def _plane_corners(self) -> list[np.ndarray]:
@@ -151,7 +151,7 @@ class Scene:
         return points
 
     def position(self, number: float, name: str) -> np.ndarray:
-        """Where a body or part is at a state: its mass centre, or the mean of its points."""
+        """Position (3,) of a body or part at a state: mass centre, or mean of its points."""
         states = self.states
         if name in states.names["bodies"][1:]:
             row = states.names["bodies"].index(name) - 1
@@ -169,10 +169,10 @@ class Scene:
     def positions(self, number: float, name: str) -> np.ndarray:
         """Points (n, 3) of a block as they are drawn, with displacements magnified."""
         found = self._between(number, name)
-        if self.look.magnify == 1.0 or name == "contacts":
+        if self.appearance.magnify == 1.0 or name == "contacts":
             return found
         start = self.states.blocks[name].points
-        magnified: np.ndarray = start + self.look.magnify * (found - start)
+        magnified: np.ndarray = start + self.appearance.magnify * (found - start)
         return magnified
 
     def _between(self, number: float, name: str) -> np.ndarray:
@@ -196,9 +196,9 @@ class Scene:
 
     def values(self, number: float, block: str) -> np.ndarray | None:
         """The colour's field on the cells (m,) of a block; None without it."""
-        if not self.look.color or block not in self.states.blocks:
+        if not self.appearance.color or block not in self.states.blocks:
             return None
-        name, mesh = self.look.color, self.states.blocks[block]
+        name, mesh = self.appearance.color, self.states.blocks[block]
         names = [n for n in self.states.fields(block) if n == name or n.startswith(f"{name}_")]
         if name in names:
             names = [name]
@@ -234,14 +234,14 @@ class Scene:
     @property
     def arrow_unit(self) -> str:
         """Unit of the arrows."""
-        return "m/s" if self.look.arrows == "velocity" else "N"
+        return "m/s" if self.appearance.arrows == "velocity" else "N"
 
     def legend(self) -> list[tuple[str, str]]:
         """Names of what is drawn in colours of its own, with the colours; none by a field.
 
         None either where colours come again: they only distinguish neighbours then.
         """
-        if self.look.color:
+        if self.appearance.color:
             return []
         names, found = self.states.names, dict[str, str]()
         for name in ("bodies", "links"):
@@ -262,22 +262,22 @@ class Scene:
     def _shown(self) -> tuple[set[int], set[str]]:
         """Numbers of the bodies and names of the parts that the look shows."""
         bodies, parts = self.states.names["bodies"], self.states.names["parts"]
-        if not self.look.show:
+        if not self.appearance.show:
             return set(range(1, len(bodies))), set(parts)
-        shown, kept = set[int](), set[str]()
-        for word in self.look.show:
+        shown, selected = set[int](), set[str]()
+        for word in self.appearance.show:
             met = {k for k, name in enumerate(bodies) if k and fnmatchcase(name, word)}
-            # what belongs to a body by its name goes with it
+            # bodies whose names begin with that of another are shown with it
             met |= {k for k in range(1, len(bodies)) if self.groups[k] in met}
             own = {name for name in parts if fnmatchcase(name, word)}
             if not met and not own:
                 raise unknown("body or part", word, [*bodies[1:], *parts])
             shown |= met
-            kept |= own
-        return shown, kept
+            selected |= own
+        return shown, selected
 
     def _check_color(self) -> None:
-        word = self.look.color
+        word = self.appearance.color
         blocks = [name for name in self.drawn if name not in ("ground", "links", "mass_centres")]
         known = {f for name in blocks for f in self.states.fields(name)}
         known -= {"points", "vtkGhostType", "side", "rotation", "section"}
@@ -285,7 +285,7 @@ class Scene:
             raise unknown("colour", word, sorted(known))
 
     def forces(self, number: float) -> tuple[np.ndarray, np.ndarray]:
-        """Where arrows start, and what they show."""
+        """Starting points of arrows (n, 3), and the vectors they show."""
         return forces_of(self, number, self.contacts)
 
     def _used_points(self, name: str, number: float) -> np.ndarray:
@@ -298,7 +298,7 @@ class Scene:
         return np.unique(np.concatenate(used)) if used else np.empty(0, int)
 
     def _cells_shown(self, name: str) -> np.ndarray:
-        """Which cells (m,) of a block the look shows."""
+        """Mask of the cells (m,) of a block that are shown."""
         block = self.states.blocks[name]
         everything = np.ones(block.n_cells, bool)
         if name in WHOLE and "body" in block.fixed:
@@ -308,7 +308,7 @@ class Scene:
         if name == "beams" and "part" in block.fixed:
             own = [self.states.names["parts"].index(part) for part in self.parts]
             return np.isin(block.fixed["part"].astype(int), own)
-        return everything & (not self.look.show or name == "ground")
+        return everything & (not self.appearance.show or name == "ground")
 
     def _body_colour(self, body: int) -> str:
         whole = self.groups[body]
@@ -316,7 +316,7 @@ class Scene:
         return COLOURS[position % len(COLOURS)]
 
     def _label(self, body: int) -> str:
-        """What stands for a body in legends."""
+        """Label of a body in legends."""
         return self.labels[self.wholes.index(self.groups[body])]
 
     def _part_colour(self, number: int) -> str:
@@ -328,8 +328,8 @@ class Scene:
         block = self.states.blocks[name]
         if name == "ground":
             points = self._spread(points)
-        asked = self._cells_shown(name)
-        shown = asked & self.states.visible(int(number), name)
+        requested = self._cells_shown(name)
+        shown = requested & self.states.visible(int(number), name)
         values = None if name == "ground" else self.values(number, name)
         palette, which = [GREY], np.zeros(block.n_cells, int)
         if name == "ground":
@@ -339,32 +339,32 @@ class Scene:
                 round_ = points[self.planes]
                 ends = np.stack([round_, np.roll(round_, -1, axis=1)], axis=2).reshape(-1, 2, 3)
                 drawing.lines.append(Lines(ends, GREY, 0.8))
-        elif name == "bodies" and not self.look.color and "body" in block.fixed:
+        elif name == "bodies" and not self.appearance.color and "body" in block.fixed:
             bodies = block.fixed["body"].astype(int)
             palette = [self._body_colour(k) if k else GREY for k in range(len(self.groups))]
             which = bodies
-        elif name.startswith("part_") and not self.look.color:
+        elif name.startswith("part_") and not self.appearance.color:
             part = name.removeprefix("part_")
             palette = [self._part_colour(self.states.names["parts"].index(part))]
         if name.startswith("part_"):
             edges, rows = self._borders(name)
             # as many lines at each state: those of deleted elements have no length
             ends = points[np.where(shown[rows][:, None], edges, edges[:, :1])]
-            if asked[rows].any():
+            if requested[rows].any():
                 drawing.lines.append(Lines(ends, LINE, 1.0))
         for rows, corners in block.cells:
-            kept = shown[rows]
+            selected = shown[rows]
             # as many surfaces at each state, also where one has lost all of its elements
-            if asked[rows].any() and corners.shape[1] in (3, 4):
-                own = None if values is None else values[rows][kept]
+            if requested[rows].any() and corners.shape[1] in (3, 4):
+                own = None if values is None else values[rows][selected]
                 is_fine = name.startswith("part_")
                 drawing.surfaces.append(
                     Surface(
                         points,
-                        corners[kept],
+                        corners[selected],
                         palette,
-                        which[rows][kept],
-                        rows[kept],
+                        which[rows][selected],
+                        rows[selected],
                         own,
                         edges=is_fine,
                         is_flat=name == "ground",
@@ -380,13 +380,13 @@ class Scene:
             return
         part = block.fixed["part"].astype(int)
         palette = [GREY]
-        if not self.look.color:
+        if not self.appearance.color:
             palette = [self._part_colour(k) for k in range(len(self.states.names["parts"]))]
         for own, corners, ring in self._outlines(number, points):
             cloud, (sides, caps) = ring.reshape(-1, 3), prisms(len(own), corners)
             for polygons, repeat in ((sides, corners), (caps, 2)):
                 which = np.zeros(len(polygons), int)
-                if not self.look.color:
+                if not self.appearance.color:
                     which = np.repeat(part[own], repeat)
                 colour = None if values is None else np.repeat(values[own], repeat)
                 drawing.surfaces.append(
@@ -395,10 +395,10 @@ class Scene:
 
     def _outlines(self, number: float, points: np.ndarray) -> Iterator[Outline]:
         shown = self._cells_shown("beams")
-        return outlines(self.states, int(number), points, shown, self.look.magnify)
+        return outlines(self.states, int(number), points, shown, self.appearance.magnify)
 
     def _lines(self, drawing: Drawing, number: float, name: str, points: np.ndarray) -> None:
-        if self.look.show:
+        if self.appearance.show:
             return
         values = self.values(number, name)
         drawing.lines.append(Lines(points.reshape(-1, 2, 3), LINE, THICKNESS[name], values))

@@ -1,4 +1,4 @@
-"""Which forces or velocities arrows show at a state, and where they act."""
+"""Forces or velocities that arrows show at a state, and their points of application."""
 
 from fnmatch import fnmatchcase
 from typing import Protocol
@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 
 from crashpost.errors import PostError, unknown
-from crashpost.renders.look import Look
+from crashpost.renders.appearance import Appearance
 from crashpost.results.states import States
 
 # contact forces this far from what is shown, of its size, act on it
@@ -14,19 +14,19 @@ BESIDE = 0.02
 
 
 class Shown(Protocol):
-    """What arrows ask of a scene: its states and look, numbers of the bodies that are shown."""
+    """Attributes of a scene that arrows need: states, appearance, numbers of the bodies shown."""
 
     states: States
-    look: Look
+    appearance: Appearance
     bodies: set[int]
 
     def positions(self, number: float, name: str) -> np.ndarray: ...
     def extent(self, number: float) -> np.ndarray: ...
 
 
-def contacts_with_arrows(states: States, look: Look) -> set[int]:
+def contacts_with_arrows(states: States, appearance: Appearance) -> set[int]:
     """Numbers of the contacts whose forces are shown; raises PostError for an unknown word."""
-    word = look.arrows
+    word = appearance.arrows
     if not word or word == "velocity":
         return set()
     names = states.names["contacts"]
@@ -35,15 +35,15 @@ def contacts_with_arrows(states: States, look: Look) -> set[int]:
     if family != "rcforc" or (card and not met):
         known = ["velocity", "rcforc", *(f"rcforc.{name}" for name in names)]
         raise unknown("arrows", word, known)
-    if look.magnify != 1.0:
+    if appearance.magnify != 1.0:
         raise PostError(f"arrows {word}: forces do not act where magnified displacements lead")
     return met
 
 
 def forces_of(scene: Shown, number: float, contacts: set[int]) -> tuple[np.ndarray, np.ndarray]:
-    """Where arrows start (n, 3), and what they show (n, 3) [N or m/s]."""
+    """Starting points of arrows (n, 3), and the vectors they show (n, 3) [N or m/s]."""
     states, empty = scene.states, np.empty((0, 3))
-    if scene.look.arrows == "velocity":
+    if scene.appearance.arrows == "velocity":
         if "mass_centres" not in states.blocks:
             return empty, empty
         rows = np.array(sorted(scene.bodies), int) - 1
@@ -56,13 +56,13 @@ def forces_of(scene: Shown, number: float, contacts: set[int]) -> tuple[np.ndarr
     cards = found.get("contact", np.zeros(len(forces))).astype(int)
     starts = states.positions(int(number), "contacts")
     chosen = np.isin(cards, list(contacts)) & np.any(forces, axis=1)
-    if scene.look.show:
+    if scene.appearance.show:
         chosen &= _near(scene, starts, number)
     return starts[chosen], forces[chosen]
 
 
 def _near(scene: Shown, points: np.ndarray, number: float) -> np.ndarray:
-    """Which points (n,) lie in the box around what is shown at a state."""
+    """Mask of the points (n,) in the box around what is shown at a state."""
     shown = scene.extent(number)
     if not len(shown):
         return np.zeros(len(points), bool)

@@ -20,7 +20,7 @@ def groups(names: list[str]) -> list[int]:
 
 
 def labels(names: list[str], most: int) -> list[str]:
-    """What stands for each name where only so many can: the name, or what a group of them shares.
+    """Label of each name where only `most` are possible: the name, or the common words of a group.
 
     wheel_left and wheel_right become wheel. The names stay where no first words make so few groups.
     """

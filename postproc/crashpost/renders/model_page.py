@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 
 from crashpost.errors import PostError
+from crashpost.renders.appearance import Appearance
 from crashpost.renders.camera import Camera
+from crashpost.renders.colour_scale import ColourScale
 from crashpost.renders.drawing import Scene
-from crashpost.renders.look import Look
-from crashpost.renders.shades import Shades
+from crashpost.renders.painting import Task, View, clock
 from crashpost.renders.shapes import ARROW, Drawing, Surface
-from crashpost.renders.studio import Task, View, clock
 from crashpost.results.result import Result
 from crashpost.results.states import States
 
@@ -90,9 +90,9 @@ NEAR = 1.7
 WIDTH, COLOURS = 0.004, 16
 
 
-def write_page(result: Result, path: Path, **look: Any) -> str:
+def write_page(result: Result, path: Path, **appearance: Any) -> str:
     """Write the page and state what is on it; raises PostError."""
-    text, words = page(result, **look)
+    text, words = page(result, **appearance)
     try:
         path.write_text(text, "utf-8")
     except OSError as error:
@@ -100,7 +100,7 @@ def write_page(result: Result, path: Path, **look: Any) -> str:
     return f"{path}: {words}, {len(text) / 1e6:.1f} MB"
 
 
-def page(result: Result, **look: Any) -> tuple[str, str]:
+def page(result: Result, **appearance: Any) -> tuple[str, str]:
     """The page, and in words what is on it; raises PostError."""
     try:
         import k3d
@@ -110,18 +110,18 @@ def page(result: Result, **look: Any) -> tuple[str, str]:
             "pip install 'crashsolve[render]'"
         ) from None
     states = States(result.folder)
-    if look.get("view", "auto") == "auto":
-        # who may turn it sees at once that it is more than flat
-        look["view"] = "iso"
-    task = Task("", "", (), **look)
+    if appearance.get("view", "auto") == "auto":
+        # a model that can be rotated is shown obliquely
+        appearance["view"] = "iso"
+    task = Task("", "", (), **appearance)
     scene = Scene(
-        states, Look(task.show, task.color, task.arrows, ghost=False, magnify=task.magnify)
+        states, Appearance(task.show, task.color, task.arrows, ghost=False, magnify=task.magnify)
     )
     numbers = _thinned(scene, len(states.times))
     no_shift = [np.zeros(3)] * len(numbers)
     view = View(scene, task, [float(n) for n in numbers], no_shift)
-    seen, arrow = view.camera((1.6, 1.6))
-    shades = _shades(scene, numbers)
+    fitted_camera, arrow = view.camera((1.6, 1.6))
+    colour_scale = _colour_scale(scene, numbers)
     first, last = float(states.times[numbers[0]]), float(states.times[numbers[-1]])
     # k3d plays seconds: a run of milliseconds is slowed, one of minutes quickened
     stretch = SECONDS / ((last - first) or 1.0)
@@ -135,12 +135,12 @@ def page(result: Result, **look: Any) -> tuple[str, str]:
         fps=24,
         time_speed=1.0,
     )
-    _put(k3d, shown, frames, shades, arrow, seen)
+    _put(k3d, shown, frames, colour_scale, arrow, fitted_camera)
     points = np.concatenate([scene.extent(number) for number in numbers])
     points = points if len(points) else view.points
     # a picture of 60 degrees holds a ball at twice its radius, and what is long somewhat nearer
     far = NEAR * 0.5 * float(np.linalg.norm(np.ptp(points, axis=0)))
-    eye = seen.middle + far * seen.towards
+    eye = fitted_camera.middle + far * fitted_camera.towards
     script = PLAYER.replace(
         "@FACTS@",
         json.dumps(
@@ -148,28 +148,34 @@ def page(result: Result, **look: Any) -> tuple[str, str]:
                 "seconds": SECONDS,
                 "times": [clock(float(states.times[n]), last) for n in numbers],
                 "shares": [float(key) / SECONDS for key in frames],
-                "key": _key(shades, scene),
-                "camera": [*map(float, eye), *map(float, seen.middle), *map(float, seen.up)],
+                "key": _key(colour_scale, scene),
+                "camera": [
+                    *map(float, eye),
+                    *map(float, fitted_camera.middle),
+                    *map(float, fitted_camera.up),
+                ],
             }
         ).replace("<", "\\u003c"),
     )
     text = shown.get_snapshot(9, additional_js_code=script)
     words = f"{len(numbers)} of {len(states.times)} states"
-    return _titled(text, result.title), ", ".join(filter(None, [words, scene.look.note]))
+    return _titled(text, result.title), ", ".join(filter(None, [words, scene.appearance.note]))
 
 
-def _key(shades: Shades, scene: Scene) -> list[tuple[str, str]]:
+def _key(colour_scale: ColourScale, scene: Scene) -> list[tuple[str, str]]:
     """Colours of the picture and what they stand for."""
-    note = [("", scene.look.note)] if scene.look.note else []
-    if not shades.name:
+    note = [("", scene.appearance.note)] if scene.appearance.note else []
+    if not colour_scale.name:
         return note + [(colour, name) for name, colour in scene.legend()[:MOST_NAMES]]
-    unit = f" {shades.shown_unit}" if shades.shown_unit not in ("", "1") else ""
+    unit = f" {colour_scale.shown_unit}" if colour_scale.shown_unit not in ("", "1") else ""
     found = []
     for share in (0.0, 0.25, 0.5, 0.75, 1.0):
-        red, green, blue = shades.table[int(255 * share)].astype(int)
-        value = (shades.low + share * (shades.high - shades.low)) * shades.scale
+        red, green, blue = colour_scale.table[int(255 * share)].astype(int)
+        value = (
+            colour_scale.low + share * (colour_scale.high - colour_scale.low)
+        ) * colour_scale.scale
         found.append((f"#{red:02x}{green:02x}{blue:02x}", f"{value:.3g}{unit}"))
-    return [*note, ("", shades.name.replace("_", " ")), *found]
+    return [*note, ("", colour_scale.name.replace("_", " ")), *found]
 
 
 def _thinned(scene: Scene, count: int) -> list[int]:
@@ -180,7 +186,7 @@ def _thinned(scene: Scene, count: int) -> list[int]:
 
 
 def _numbers(surface: Surface) -> int:
-    """How many a surface puts on the page at each state."""
+    """Count of numbers of a surface on the page at each state."""
     if surface.values is None:
         return 3 * len(surface.points)
     if len(surface.corners) > FINE:
@@ -188,31 +194,36 @@ def _numbers(surface: Surface) -> int:
     return 12 * (surface.corners.shape[1] - 2) * len(surface.corners)
 
 
-def _shades(scene: Scene, numbers: list[int]) -> Shades:
-    if not scene.look.color:
-        return Shades()
+def _colour_scale(scene: Scene, numbers: list[int]) -> ColourScale:
+    if not scene.appearance.color:
+        return ColourScale()
     ranges = [scene.range(number) for number in numbers]
     low, high = min(r[0] for r in ranges), max(r[1] for r in ranges)
-    return Shades.of(scene.look.color, scene.color_unit, low, high)
+    return ColourScale.of(scene.appearance.color, scene.color_unit, low, high)
 
 
 def _put(
-    k3d: Any, shown: Any, frames: dict[str, Drawing], shades: Shades, arrow: float, seen: Camera
+    k3d: Any,
+    shown: Any,
+    frames: dict[str, Drawing],
+    colour_scale: ColourScale,
+    arrow: float,
+    fitted_camera: Camera,
 ) -> None:
     """Surfaces of one colour each, or of a field; lines, dots and arrows beside them."""
     first = next(iter(frames.values()))
-    width = WIDTH * seen.half_height
+    width = WIDTH * fitted_camera.half_height
     for number, surface in enumerate(first.surfaces):
         same = {key: drawing.surfaces[number] for key, drawing in frames.items()}
         if not len(surface.corners):
             continue
         if surface.values is not None:
-            shown += _field_mesh(k3d, surface, same, shades)
+            shown += _field_mesh(k3d, surface, same, colour_scale)
             continue
         for kind in np.unique(surface.which):
             shown += _plain_mesh(k3d, surface, same, int(kind))
     for number, lines in enumerate(first.lines):
-        # a browser draws nothing more once it was given what has no points
+        # k3d stops drawing after an object without points
         if not len(lines.ends):
             continue
         ends = {key: drawing.lines[number].ends for key, drawing in frames.items()}
@@ -221,14 +232,14 @@ def _put(
         if not len(dots.points):
             continue
         positions = {key: one.dots[number].points.astype(np.float32) for key, one in frames.items()}
-        size = 2.0 * seen.dot
+        size = 2.0 * fitted_camera.dot
         shown += k3d.points(positions, point_size=size, shader="mesh", color=_code(dots.colour))
     if arrow:
         shown += _segments(k3d, _arrow_ends(frames, arrow), ARROW, 2.0 * width)
 
 
 def _plain_mesh(k3d: Any, first: Surface, same: dict[str, Surface], kind: int) -> Any:
-    """What has one colour of a surface's palette."""
+    """Mesh of the polygons with one colour of a surface's palette."""
     of = first.which == kind
     still = all(np.array_equal(s.points, first.points) for s in same.values())
     cells = _fan(first.corners[of])
@@ -237,7 +248,7 @@ def _plain_mesh(k3d: Any, first: Surface, same: dict[str, Surface], kind: int) -
         vertices = {key: s.points[used].astype(np.float32) for key, s in same.items()}
         indices = numbers.reshape(-1, 3).astype(np.uint32)
     else:
-        vertices = {key: _torn(first, s, of) for key, s in same.items()}
+        vertices = {key: _separate_triangles(first, s, of) for key, s in same.items()}
         indices = np.arange(3 * len(cells), dtype=np.uint32).reshape(-1, 3)
     return k3d.mesh(
         next(iter(vertices.values())) if still else vertices,
@@ -248,8 +259,10 @@ def _plain_mesh(k3d: Any, first: Surface, same: dict[str, Surface], kind: int) -
     )
 
 
-def _field_mesh(k3d: Any, first: Surface, same: dict[str, Surface], shades: Shades) -> Any:
-    """What is coloured by a field, of each polygon."""
+def _field_mesh(
+    k3d: Any, first: Surface, same: dict[str, Surface], colour_scale: ColourScale
+) -> Any:
+    """Mesh coloured by a field, polygon by polygon."""
     per_cell = first.corners.shape[1] - 2
     vertices, values = {}, {}
     is_whole = all(len(surface.corners) == len(first.corners) for surface in same.values())
@@ -262,18 +275,18 @@ def _field_mesh(k3d: Any, first: Surface, same: dict[str, Surface], shades: Shad
         everything = np.ones(len(first.corners), bool)
         indices = np.arange(3 * per_cell * len(first.corners), dtype=np.uint32).reshape(-1, 3)
         for key, surface in same.items():
-            vertices[key] = _torn(first, surface, everything)
+            vertices[key] = _separate_triangles(first, surface, everything)
             whole = np.zeros(len(first.corners))
             whole[_positions(first, surface)] = surface.values
             values[key] = np.repeat(whole, 3 * per_cell).astype(np.float32)
-    table = shades.table[:: len(shades.table) // COLOURS] / 255.0
+    table = colour_scale.table[:: len(colour_scale.table) // COLOURS] / 255.0
     shares = np.linspace(0.0, 1.0, len(table))
     return k3d.mesh(
         vertices,
         indices,
         attribute=values,
         color_map=np.column_stack([shares, table]).ravel().astype(np.float32),
-        color_range=[shades.low, shades.high],
+        color_range=[colour_scale.low, colour_scale.high],
         side="double",
         flat_shading=True,
     )
@@ -288,7 +301,7 @@ def _at_vertices(values: Any, corners: np.ndarray, count: int) -> np.ndarray:
     return found
 
 
-def _torn(first: Surface, surface: Surface, of: np.ndarray) -> np.ndarray:
+def _separate_triangles(first: Surface, surface: Surface, of: np.ndarray) -> np.ndarray:
     """Vertices (n, 3) of triangles that share none; of those deleted since, all in one point."""
     positions = _positions(first, surface)
     corners = first.corners.copy()
@@ -300,7 +313,7 @@ def _torn(first: Surface, surface: Surface, of: np.ndarray) -> np.ndarray:
 
 
 def _positions(first: Surface, surface: Surface) -> np.ndarray:
-    """Where the polygons of a surface are among those of the first."""
+    """Indices of the polygons of a surface among those of the first."""
     return np.searchsorted(first.rows, surface.rows)
 
 

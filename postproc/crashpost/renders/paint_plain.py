@@ -12,7 +12,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 
 from crashpost.renders.camera import Camera
-from crashpost.renders.shades import Shades, rgb
+from crashpost.renders.colour_scale import ColourScale, rgb
 from crashpost.renders.shapes import Drawing, Surface
 
 DPI = 100
@@ -28,7 +28,9 @@ class Painter:
     def __init__(self, width: int, height: int) -> None:
         self.size = width, height
 
-    def paint(self, layers: Sequence[Drawing], camera: Camera, shades: Shades) -> np.ndarray:
+    def paint(
+        self, layers: Sequence[Drawing], camera: Camera, colour_scale: ColourScale
+    ) -> np.ndarray:
         """The picture (height, width, 3) of drawings, each before the one it follows."""
         figure = Figure(figsize=(self.size[0] / DPI, self.size[1] / DPI), dpi=DPI)
         axes = figure.add_axes((0, 0, 1, 1))
@@ -37,19 +39,23 @@ class Painter:
         axes.set_xlim(-half * camera.aspect, half * camera.aspect)
         axes.set_ylim(-half, half)
         for order, drawing in enumerate(layers):
-            self._add(axes, drawing, camera, shades, order)
+            self._add(axes, drawing, camera, colour_scale, order)
         canvas = FigureCanvasAgg(figure)
         canvas.draw()
         return np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
 
     def _add(
-        self, axes: Axes, drawing: Drawing, camera: Camera, shades: Shades, order: int
+        self, axes: Axes, drawing: Drawing, camera: Camera, colour_scale: ColourScale, order: int
     ) -> None:
         """Put a drawing before those of lower order."""
-        _add_polygons(axes, [self._polygons(s, camera, shades) for s in drawing.surfaces], order)
+        _add_polygons(
+            axes, [self._polygons(s, camera, colour_scale) for s in drawing.surfaces], order
+        )
         for lines in drawing.lines:
             flat = camera.flat(lines.ends.reshape(-1, 3))[:, :2].reshape(-1, 2, 2)
-            colour = lines.colour if lines.values is None else shades.colours(lines.values) / 255
+            colour = (
+                lines.colour if lines.values is None else colour_scale.colours(lines.values) / 255
+            )
             widths = lines.width
             axes.add_collection(
                 LineCollection(list(flat), colors=colour, linewidths=widths, zorder=order + 0.5)
@@ -64,12 +70,12 @@ class Painter:
     def close(self) -> None:
         """Nothing is kept open."""
 
-    def _polygons(self, surface: Surface, camera: Camera, shades: Shades) -> Polygons:
+    def _polygons(self, surface: Surface, camera: Camera, colour_scale: ColourScale) -> Polygons:
         flat = camera.flat(surface.points)[surface.corners]
         palette = np.array([rgb(colour) for colour in surface.colours])
         colours = palette[surface.which]
         if surface.values is not None:
-            colours = shades.colours(surface.values)
+            colours = colour_scale.colours(surface.values)
         one, other = flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0]
         normal = np.cross(one, other)
         normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]

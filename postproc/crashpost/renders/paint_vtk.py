@@ -1,4 +1,4 @@
-"""Paints drawings with VTK, off-screen. Only a child process imports this: see studio.py."""
+"""Paints drawings with VTK, off-screen. Only a child process imports this: see painting.py."""
 
 from collections.abc import Sequence
 
@@ -19,7 +19,7 @@ from vtkmodules.vtkRenderingCore import (
 )
 
 from crashpost.renders.camera import Camera
-from crashpost.renders.shades import Shades, rgb
+from crashpost.renders.colour_scale import ColourScale, rgb
 from crashpost.renders.shapes import Drawing, Surface
 
 EDGE = "#3a424a"
@@ -52,12 +52,14 @@ class Painter:
             self.window.AddRenderer(renderer)
             self.renderers.append(renderer)
 
-    def paint(self, layers: Sequence[Drawing], camera: Camera, shades: Shades) -> np.ndarray:
+    def paint(
+        self, layers: Sequence[Drawing], camera: Camera, colour_scale: ColourScale
+    ) -> np.ndarray:
         """The picture (height, width, 3) of drawings, each before the one it follows."""
         for k, renderer in enumerate(self.renderers):
             renderer.RemoveAllViewProps()
             if k < len(layers):
-                self._fill(renderer, layers[k], camera, shades)
+                self._fill(renderer, layers[k], camera, colour_scale)
             self._look(renderer, camera)
         self.window.Render()
         grab = vtkWindowToImageFilter()
@@ -74,12 +76,12 @@ class Painter:
         self.window.Finalize()
 
     def _fill(
-        self, renderer: vtkRenderer, drawing: Drawing, camera: Camera, shades: Shades
+        self, renderer: vtkRenderer, drawing: Drawing, camera: Camera, colour_scale: ColourScale
     ) -> None:
         for surface in (s for s in drawing.surfaces if len(s.corners)):
-            self._surface(renderer, surface, shades)
+            self._surface(renderer, surface, colour_scale)
         for lines in drawing.lines:
-            colours = None if lines.values is None else shades.colours(lines.values)
+            colours = None if lines.values is None else colour_scale.colours(lines.values)
             if len(lines.ends):
                 mesh = segments(lines.ends)
                 _add(renderer, mesh, colours, lines.colour, width=2.0 * lines.width)
@@ -88,12 +90,12 @@ class Painter:
             balls = pyvista.PolyData(dots.points).glyph(geom=ball, scale=False, orient=False)
             _add(renderer, balls, None, dots.colour, is_lit=True)
 
-    def _surface(self, renderer: vtkRenderer, surface: Surface, shades: Shades) -> None:
+    def _surface(self, renderer: vtkRenderer, surface: Surface, colour_scale: ColourScale) -> None:
         mesh = polygons(surface.points, surface.corners)
         palette = np.array([rgb(colour) for colour in surface.colours])
         colours = palette[surface.which]
         if surface.values is not None:
-            colours = shades.colours(surface.values)
+            colours = colour_scale.colours(surface.values)
         mesh.cell_data["colour"] = colours.astype(np.uint8)
         if surface.is_flat:
             _add(renderer, mesh, colours, "")
@@ -148,14 +150,14 @@ def _add(
     mapper.SetInputData(mesh)
     actor = vtkActor()
     actor.SetMapper(mapper)
-    look = actor.GetProperty()
+    appearance = actor.GetProperty()
     if colours is None:
-        look.SetColor(*(rgb(colour) / 255.0))
-    look.SetLineWidth(width)
-    look.SetOpacity(opacity)
-    look.SetLighting(is_lit)
-    look.SetAmbient(0.28)
-    look.SetDiffuse(0.75)
+        appearance.SetColor(*(rgb(colour) / 255.0))
+    appearance.SetLineWidth(width)
+    appearance.SetOpacity(opacity)
+    appearance.SetLighting(is_lit)
+    appearance.SetAmbient(0.28)
+    appearance.SetDiffuse(0.75)
     renderer.AddActor(actor)
     return actor
 

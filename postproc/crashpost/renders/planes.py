@@ -41,7 +41,7 @@ def cut(corners: np.ndarray, near: np.ndarray) -> np.ndarray:
 
 
 def footprints(rectangles: list[np.ndarray], near: np.ndarray) -> np.ndarray:
-    """Where planes lie close below points (n, 3): these belong in the picture as well."""
+    """Points of planes close below points (n, 3), which belong in the picture as well."""
     found = [np.empty((0, 3))]
     size = float(np.ptp(near, axis=0).max())
     for corners in rectangles:

@@ -29,7 +29,7 @@ def sections(result: Result) -> tuple[Section, ...]:
 
 
 def weights(block: Block, section: Section) -> tuple[np.ndarray, np.ndarray]:
-    """Where a section crosses edges of shells at the start.
+    """Points at which a section crosses edges of shells at the start.
 
     For both ends of each segment (n, 2): the edge's nodes (n, 2, 2), and the share of the way.
     """

@@ -21,7 +21,7 @@ from matplotlib.patches import Polygon
 from crashpost.figures.draw import tick
 from crashpost.figures.style import INK, MATPLOTLIB, MUTED
 from crashpost.renders.camera import Camera, round_length
-from crashpost.renders.shades import Shades
+from crashpost.renders.colour_scale import ColourScale
 from crashpost.renders.shapes import ARROW
 from crashsolve.channels.display import factor, readable
 
@@ -58,19 +58,19 @@ def scale_bar(width: float) -> tuple[float, str]:
 
 @dataclass(frozen=True)
 class Key:
-    """What colours, lengths and arrows mean."""
+    """Meaning of colours, lengths and arrows."""
 
     camera: Camera
-    shades: Shades
+    colour_scale: ColourScale
     names: Sequence[tuple[str, str]] = ()
     arrow: float = 0.0  # metres for each unit
     arrow_unit: str = ""
     arrow_size: float = 0.0  # the largest, in its unit
-    note: str = ""  # what is not as long as it was
+    note: str = ""  # lengths that are magnified
 
     @property
     def scale_bar(self) -> tuple[float, str]:
-        """Its length [m] and label."""
+        """Length [m] and label of the scale bar."""
         return scale_bar(self.camera.width)
 
     def arrow_bar(self, panel: float) -> tuple[float, str]:
@@ -93,14 +93,14 @@ class Key:
 
     def footer(self, width: float, panel: float) -> float:
         """Height of the legend below pictures on a sheet of this width [inches]."""
-        if self.shades.name or not self.names:
+        if self.colour_scale.name or not self.names:
             return FOOTER
         start, stop = self.between(width, panel)
         lines, _ = name_grid(self.names, stop - start)
         return FOOTER + NAME_LINE * max(lines - NAME_LINES, 0)
 
     def between(self, width: float, panel: float) -> tuple[float, float]:
-        """Where colours or names begin and end, right of the scale bar, left of arrows."""
+        """Left and right end of colours or names, between scale bar and arrows."""
         bar = self.scale_bar[0] / self.camera.width * panel
         start = max(PAD + 0.02 + bar, 1.7 if self.note else 1.2) + 0.3
         return start, width - (ARROWS_ROOM if self.arrow_size else 0.1)
@@ -138,12 +138,12 @@ class Layout:
 
     @property
     def pixels(self) -> tuple[int, int]:
-        """Of one picture."""
+        """Width and height of one picture [pixels]."""
         return round(self.panel[0] * DPI), round(self.panel[1] * DPI)
 
     @property
     def closer_pixels(self) -> tuple[int, int]:
-        """Of one close-up."""
+        """Width and height of one close-up [pixels]."""
         return round(self.closer[0] * DPI), round(self.closer[1] * DPI)
 
 
@@ -153,7 +153,7 @@ def wrapped(title: str, width: float) -> list[str]:
 
 
 def layout(captions: Sequence[str], aspect: float, title: str, width: float = WIDTH) -> Layout:
-    """How many pictures side by side, and how large."""
+    """Number of pictures side by side, and their size."""
     count = len(captions)
     most = 1 if aspect >= WIDE else 2 if aspect >= HALF_WIDE else MOST_COLUMNS
     rows = -(-count // most)
@@ -183,18 +183,18 @@ def draw_scale_bar(axes: Any, ends: tuple[float, float], height: float) -> None:
 
 
 @dataclass(frozen=True)
-class Place:
+class Margins:
     """Room below the picture of a film, and below the legend in it [inches]."""
 
     below: float
-    lift: float
+    bottom_margin: float
 
 
 class Sheet:
     """The sheet of a film (height, width, 3): a window for the picture, a line for the time."""
 
     def __init__(
-        self, title: str, key: Key, size: tuple[int, int], speed: str, position: "Place"
+        self, title: str, key: Key, size: tuple[int, int], speed: str, position: "Margins"
     ) -> None:
         width, height = size
         self.window = film_window(size, position.below)
@@ -214,7 +214,13 @@ class Sheet:
                 fontsize=7,
                 color=MUTED,
             )
-            footer(figure, key, width / DPI, position.below - position.lift, position.lift)
+            footer(
+                figure,
+                key,
+                width / DPI,
+                position.below - position.bottom_margin,
+                position.bottom_margin,
+            )
             canvas = FigureCanvasAgg(figure)
             canvas.draw()
             self.blank = np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
@@ -294,25 +300,25 @@ def panel(
     axes.grid(False)
     for spine in axes.spines.values():
         spine.set(visible=True, color="#d5d9dd", linewidth=0.6)
-    time, _, why = caption.partition("\n")
+    time, _, reason = caption.partition("\n")
     low = (bottom + h + 0.035) / height
     # what a moment was chosen for stands below its time, in the words of the command
     most = max(int(w * 17), 10)
-    shown = why if len(why) <= most else why[: most - 1] + "\N{HORIZONTAL ELLIPSIS}"
+    shown = reason if len(reason) <= most else reason[: most - 1] + "\N{HORIZONTAL ELLIPSIS}"
     figure.text(left / width, low, shown, fontsize=7, va="bottom", color=MUTED)
-    raised = low + (0.14 / height if is_tall and why else 0.0)
+    raised = low + (0.14 / height if is_tall and reason else 0.0)
     figure.text(left / width, raised, time, fontsize=8.5, va="bottom")
     return axes
 
 
-def footer(figure: Figure, key: Key, panel: float, tall: float, lift: float = 0.0) -> None:
+def footer(figure: Figure, key: Key, panel: float, tall: float, bottom_margin: float = 0.0) -> None:
     """Scale bar on the left, colours or names in the middle, arrows on the right [inches]."""
     width, height = figure.get_size_inches()
     length, label = key.scale_bar
     bar = length / key.camera.width * panel
     # written from the top of the legend downwards: more names take more lines
     low = FOOTER - tall
-    axes = figure.add_axes((0, lift / height, 1, tall / height))
+    axes = figure.add_axes((0, bottom_margin / height, 1, tall / height))
     axes.set_axis_off()
     axes.set_xlim(0, width)
     axes.set_ylim(low, FOOTER)
@@ -321,8 +327,8 @@ def footer(figure: Figure, key: Key, panel: float, tall: float, lift: float = 0.
     axes.text(left, 0.24, label, fontsize=8, va="top", color=INK)
     axes.text(left, 0.11, key.note, fontsize=8, va="top", color=ARROW)
     start, stop = key.between(width, panel)
-    if key.shades.name:
-        _colour_bar(figure, key.shades, (start, stop), lift - low)
+    if key.colour_scale.name:
+        _colour_bar(figure, key.colour_scale, (start, stop), bottom_margin - low)
     elif key.names:
         _names(axes, key.names, start, stop)
     if key.arrow_size:
@@ -340,21 +346,32 @@ def _arrow(axes: Axes, key: Key, left: float, panel: float) -> None:
     axes.text(left, 0.24, key.arrow_label, fontsize=8, va="top", color=INK)
 
 
-def _colour_bar(figure: Figure, shades: Shades, ends: tuple[float, float], lift: float) -> None:
+def _colour_bar(
+    figure: Figure, colour_scale: ColourScale, ends: tuple[float, float], bottom_margin: float
+) -> None:
     width, height = figure.get_size_inches()
     start, stop = ends[0], min(max(ends[1] - 0.25, ends[0] + LEAST_BAR), ends[0] + 3.2)
-    position = (start / width, (lift + 0.34) / height, (stop - start) / width, 0.11 / height)
+    position = (
+        start / width,
+        (bottom_margin + 0.34) / height,
+        (stop - start) / width,
+        0.11 / height,
+    )
     axes = figure.add_axes(position)
-    scale = shades.scale
-    norm = Normalize(shades.low * scale, shades.high * scale)
-    bar = figure.colorbar(ScalarMappable(norm, shades.cmap), cax=axes, orientation="horizontal")
+    scale = colour_scale.scale
+    norm = Normalize(colour_scale.low * scale, colour_scale.high * scale)
+    bar = figure.colorbar(
+        ScalarMappable(norm, colour_scale.cmap), cax=axes, orientation="horizontal"
+    )
     ticks = np.linspace(norm.vmin or 0.0, norm.vmax or 0.0, 3)
     bar.set_ticks([float(v) for v in ticks], labels=[tick(float(f"{v:.3g}")) for v in ticks])
     axes.tick_params(labelsize=7.5, length=2)
     axes.grid(False)
-    unit = shades.shown_unit if shades.shown_unit not in ("", "1") else ""
-    words = ", ".join(part for part in (shades.name.replace("_", " "), unit) if part)
-    figure.text(start / width, (lift + 0.49) / height, words, fontsize=8, va="bottom", color=INK)
+    unit = colour_scale.shown_unit if colour_scale.shown_unit not in ("", "1") else ""
+    words = ", ".join(part for part in (colour_scale.name.replace("_", " "), unit) if part)
+    figure.text(
+        start / width, (bottom_margin + 0.49) / height, words, fontsize=8, va="bottom", color=INK
+    )
 
 
 def shown_names(names: Sequence[tuple[str, str]]) -> list[tuple[str, str]]:
@@ -375,7 +392,7 @@ def name_grid(names: Sequence[tuple[str, str]], room: float) -> tuple[int, int]:
     """Lines and columns of a legend of names in some inches; long names are cut, not lost."""
     count = len(shown_names(names))
     few = -(-count // NAME_LINES) if count > 3 else count
-    # a column is at least 0.8 inches wide, eight letters of a name, and at most 2: lines are cheap
+    # a column is 0.8 inches wide, eight letters of a name, to 2 inches
     columns = max(min(few, int(room / min(name_width(shown_names(names)), 2.0))), 1)
     return -(-count // columns), columns
 

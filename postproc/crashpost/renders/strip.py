@@ -34,7 +34,7 @@ WIDEST = 2.6
 
 @dataclass(frozen=True)
 class Content:
-    """What stands on a strip: pictures with their captions, and close-ups at the same moments."""
+    """Content of a strip: pictures with their captions, and close-ups at the same times."""
 
     title: str
     captions: Sequence[str]

@@ -1,4 +1,4 @@
-"""Words of `render` and `film` turned into tasks for the studio."""
+"""Words of `render` and `film` turned into tasks for the painting."""
 
 import math
 from pathlib import Path
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from crashpost.errors import PostError
 
 if TYPE_CHECKING:
-    from crashpost.renders.studio import Task
+    from crashpost.renders.painting import Task
     from crashpost.results.result import Result
     from crashpost.results.states import States
 
@@ -18,10 +18,12 @@ FPS = 25.0
 MOST_FRAMES = 20_000
 
 
-def strip_task(result: "Result", output: Path, at: list[str], title: str, **look: Any) -> "Task":
+def strip_task(
+    result: "Result", output: Path, at: list[str], title: str, **appearance: Any
+) -> "Task":
     """Pictures at moments in words, each of the nearest state; raises PostError."""
+    from crashpost.renders.painting import Task, clock
     from crashpost.renders.section_lines import sections
-    from crashpost.renders.studio import Task, clock
     from crashpost.results.moments import moment
     from crashpost.results.states import States
 
@@ -35,9 +37,9 @@ def strip_task(result: "Result", output: Path, at: list[str], title: str, **look
         caption = clock(float(states.times[number]), last)
         # the state that shows a peak may lie beside it
         is_beside = caption != clock(wanted.time, last)
-        why = f"nearest to {wanted.why}" if is_beside else wanted.why
-        frames.append((float(number), f"{caption}\n{why}" if wanted.why else caption))
-    return Task(str(output), title, tuple(frames), sections=sections(result), **look)
+        reason = f"nearest to {wanted.reason}" if is_beside else wanted.reason
+        frames.append((float(number), f"{caption}\n{reason}" if wanted.reason else caption))
+    return Task(str(output), title, tuple(frames), sections=sections(result), **appearance)
 
 
 def film_task(
@@ -49,11 +51,11 @@ def film_task(
     slow: float | None = None,
     span: tuple[str, str] = ("start", "end"),
     size: tuple[int, int] = (960, 0),
-    **look: Any,
+    **appearance: Any,
 ) -> "Task":
     """Frames over a span in words; raises PostError."""
+    from crashpost.renders.painting import Task, clock
     from crashpost.renders.section_lines import sections
-    from crashpost.renders.studio import Task, clock
     from crashpost.results.moments import moment
     from crashpost.results.states import States
 
@@ -86,7 +88,7 @@ def film_task(
     pace = f"{slow:g} times slower" if slow > 1 else f"{1 / slow:g} times faster"
     speed = "as fast as it was" if slow == 1 else f"{pace} than it was"
     film: dict[str, Any] = {"is_film": True, "fps": fps, "speed": speed, "size": size}
-    return Task(str(output), title, tuple(frames), sections=sections(result), **film, **look)
+    return Task(str(output), title, tuple(frames), sections=sections(result), **film, **appearance)
 
 
 def _state_near(states: "States", time: float, word: str) -> int:

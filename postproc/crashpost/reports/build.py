@@ -14,9 +14,9 @@ from crashpost.figures.page import (
     EXPECTED,
     MISSED_PUBLISHED,
     block,
+    details,
     escape,
     figure,
-    fold,
     page,
     table,
     tiles,
@@ -53,9 +53,9 @@ class _Report:
     def __init__(self, result: Result, pictures: str, units: Units) -> None:
         self.result, self.pictures, self.units = result, pictures, units
         self.described = result.stored_json("report", dict)
-        asked = figures_of(self.described) if (self.described or {}).get("figures") else []
-        self.chosen = asked or gallery.default_figures(result)
-        self.time_unit = page_time_unit(result, asked, units)
+        requested = figures_of(self.described) if (self.described or {}).get("figures") else []
+        self.chosen = requested or gallery.default_figures(result)
+        self.time_unit = page_time_unit(result, requested, units)
         self.energy = gallery.energy_figures(result)
         self.momentum = gallery.momentum_figures(result)
         shown = [*self.chosen, *self.energy, *self.momentum]
@@ -97,7 +97,7 @@ class _Report:
 
     def heading(self, sections: Sequence[str]) -> str:
         state = str(self.result.status.get("state", "unknown"))
-        look = "good" if state in GOOD else "bad" if state in BAD else ""
+        css_class = "good" if state in GOOD else "bad" if state in BAD else ""
         line = status_line(self.result).removeprefix(state).lstrip(", ")
         message = self.result.status.get("message")
         names = [s.split('"')[1] for s in sections if s]
@@ -105,7 +105,8 @@ class _Report:
         return (
             '<header><div class="eyebrow">crashsolve result</div>'
             f"<h1>{escape(self.result.title)}</h1>"
-            f'<p class="facts"><span class="state {look}">{escape(state)}</span>{escape(line)}</p>'
+            f'<p class="facts"><span class="state {css_class}">{escape(state)}</span>'
+            f"{escape(line)}</p>"
             + (f'<p class="problem">{escape(str(message))}</p>' if message else "")
             + tiles(_facts(self.result, self.verdicts, self.missed))
             + f"<nav>{links}</nav></header>"
@@ -178,9 +179,9 @@ def _verdicts(verdicts: list[Verdict], page_units: PageUnits) -> str:
         found = "-" if verdict.found is None else f"{verdict.found:.7g}"
         deviation = "-" if verdict.deviation is None else f"{verdict.deviation or 0:.2g}"
         numbers = [found, f"{expected.value:.7g}", expected.tolerance_text, deviation, verdict.unit]
-        why = verdict.problem or f"{expected.because}: {expected.source}"
+        reason = verdict.problem or f"{expected.because}: {expected.source}"
         outcome = "pass" if one.passed else "FAIL"
-        rows.append([outcome, expected.channel, expected.statistic_text, *numbers, why])
+        rows.append([outcome, expected.channel, expected.statistic_text, *numbers, reason])
     header = (
         "",
         "channel",
@@ -244,14 +245,14 @@ def _peaks(result: Result, page_units: PageUnits) -> str:
     rows = [_peak_row(peak, page_units) for peak in islice(peaks(result), MOST_PEAKS + 1)]
     time_unit = page_units.unit("s")
     header = ("channel", "unit", "least", f"at, {time_unit}", "greatest", f"at, {time_unit}")
-    looks = ("name", "", "num", "num", "num", "num")
+    classes = ("name", "", "num", "num", "num", "num")
     if len(rows) <= OPEN_PEAKS:
-        return table(header, rows, looks)
+        return table(header, rows, classes)
     more = len(rows) > MOST_PEAKS
     title = (
         f"The first {MOST_PEAKS} channels; peaks.txt has all" if more else f"{len(rows)} channels"
     )
-    return fold(title, table(header, rows[:MOST_PEAKS], looks))
+    return details(title, table(header, rows[:MOST_PEAKS], classes))
 
 
 def _peak_row(peak: Peak, page_units: PageUnits) -> list[str]:
@@ -273,7 +274,7 @@ def _model(result: Result) -> str:
     ]
     families = table(("family", "entities", "names", "holds"), rows, ("name", "num", "", ""))
     log = logbook.model_summary(result.log)
-    return families + (fold("Log of the start", f"<pre>{escape(log)}</pre>") if log else "")
+    return families + (details("Log of the start", f"<pre>{escape(log)}</pre>") if log else "")
 
 
 def _some(names: Sequence[str]) -> str:
@@ -288,7 +289,7 @@ def _sources(result: Result) -> str:
 
 def _deck(result: Result) -> str:
     text = result.deck_text
-    return fold("Includes and parameters resolved", f"<pre>{escape(text)}</pre>") if text else ""
+    return details("Includes and parameters resolved", f"<pre>{escape(text)}</pre>") if text else ""
 
 
 def _footer(result: Result) -> str:

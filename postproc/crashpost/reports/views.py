@@ -13,7 +13,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from crashpost.errors import PostError, unknown
-from crashpost.figures.page import escape, fold
+from crashpost.figures.page import details, escape
 from crashpost.results.result import Result
 from crashpost.results.states import States
 from crashpost.results.status import Json
@@ -37,7 +37,7 @@ def views(result: Result, described: object, choice: str = "all") -> str:
     scenes = scenes_of(described) or [default_scene(result, states)]
     with TemporaryDirectory() as folder:
         tasks = _tasks(result, Path(folder), scenes, with_film=choice == "all" and _moves(states))
-        from crashpost.renders.studio import make
+        from crashpost.renders.painting import make
 
         make(result.folder, tasks, lambda done, total: None, _report)
         parts = [_embedded(Path(task.output), task.title) for task in tasks]
@@ -114,16 +114,18 @@ def _tasks(result: Result, folder: Path, scenes: Sequence[Json], *, with_film: b
     for k, scene in enumerate(scenes):
         at = [str(word) for word in scene.get("at", [])]
         title = scene.get("title", "")
-        tasks.append(strip_task(result, folder / f"{k}.png", at, title, **look(scene)))
+        tasks.append(strip_task(result, folder / f"{k}.png", at, title, **appearance(scene)))
     if with_film:
         name = "film.mp4" if can_write_mp4() else "film.gif"
-        seen = {word: value for word, value in look(scenes[0]).items() if word != "close_up"}
-        tasks.append(film_task(result, folder / name, "", size=SIZE, **seen))
+        fitted_camera = {
+            word: value for word, value in appearance(scenes[0]).items() if word != "close_up"
+        }
+        tasks.append(film_task(result, folder / name, "", size=SIZE, **fitted_camera))
     return tasks
 
 
-def look(scene: Json) -> Json:
-    """What of a scene is a matter of the camera and of colours."""
+def appearance(scene: Json) -> Json:
+    """Fields of a scene for the camera and colours."""
     words = {name: scene[name] for name in WORDS if scene.get(name)}
     if scene.get("magnify", 1.0) != 1.0:
         words["magnify"] = float(scene["magnify"])
@@ -166,10 +168,12 @@ def _rotated(result: Result, states: States, scene: Json) -> str:
 
     # to be turned by hand: seen from a corner, however the pictures look at it
     fixed = ("follow", "close_up", "cut")
-    seen = {k: v for k, v in look(scene).items() if k not in fixed} | {"view": "auto"}
-    text, words = page(result, **seen)
+    fitted_camera = {k: v for k, v in appearance(scene).items() if k not in fixed} | {
+        "view": "auto"
+    }
+    text, words = page(result, **fitted_camera)
     frame = f'<iframe class="turn" loading="lazy" title="3-D" srcdoc="{escape(text)}"></iframe>'
-    return fold(f"Rotate it in 3-D ({words})", frame)
+    return details(f"Rotate it in 3-D ({words})", frame)
 
 
 def _report(text: str) -> None:

@@ -29,7 +29,9 @@ class Choice(NamedTuple):
 
 
 def choices(result: History, words: Sequence[str]) -> list[Choice]:
-    """What the words name, each once and in their order; raises PostError for an idle one."""
+    """The channels and statistics that words name, each once and in order; raises PostError for a
+    word that names none.
+    """
     found: dict[Choice, None] = {}
     for word in words:
         channel, _, statistic = word.strip().partition(":")
@@ -40,7 +42,7 @@ def choices(result: History, words: Sequence[str]) -> list[Choice]:
 
 
 def channels(result: History, words: Sequence[str]) -> list[str]:
-    """The same where a statistic has no meaning; raises PostError for one."""
+    """The channels that words name, where statistics have no meaning; raises PostError for one."""
     found = choices(result, words)
     for choice in found:
         if choice.statistic:

@@ -13,7 +13,7 @@ Slab = tuple[int, np.ndarray]  # number of its first sample, values (n_time, n_i
 
 @dataclass(frozen=True)
 class Extremes:
-    """Of each entity (n_id,): extreme values over all samples, and the first sample of each."""
+    """Extreme values of each entity (n_id,) over all samples, and the first sample of each."""
 
     least: np.ndarray
     least_row: np.ndarray
@@ -28,12 +28,12 @@ class Extremes:
 
 
 def rows_of_a_slab(width: int) -> int:
-    """How many samples of so many entities fill a slab."""
+    """Number of samples of so many entities in a slab."""
     return max(1, SLAB // (8 * max(width, 1)))
 
 
 def extremes(slabs: Iterable[Slab], width: int) -> Extremes:
-    """Of slabs in the order of time; of none, NaN."""
+    """Extremes of slabs in the order of time; NaN without any."""
     least, greatest = np.full(width, np.nan), np.full(width, np.nan)
     rows = np.zeros((2, width), int)
     for first, values in slabs:

@@ -72,7 +72,7 @@ class Channel:
 
 
 class History:
-    """What the files of one run hold; raises PostError when they cannot be read."""
+    """Content of the files of one run; raises PostError when they cannot be read."""
 
     def __init__(self, path: Path | str) -> None:
         """Open `path`, a results folder or the history.h5 in one."""
@@ -125,7 +125,7 @@ class History:
             yield first, self._read(f"{family.name}/{column.path}", slice(None), rows)
 
     def last(self, family: Family, column: Column) -> np.ndarray:
-        """The same (n_id,) at the last sample."""
+        """One quantity of all entities of a family (n_id,) at the last sample."""
         rows = slice(len(self.time) - 1, len(self.time))
         return self._read(f"{family.name}/{column.path}", slice(None), rows)[0]
 
@@ -152,7 +152,7 @@ class History:
 
     @cached_property
     def status(self) -> Json:
-        """What status.json says, see `read_status`."""
+        """Content of status.json, see `read_status`."""
         return read_status(self.folder / "status.json")
 
     @property
@@ -177,7 +177,7 @@ class History:
         return printable(title if isinstance(title, str) and title else self.folder.resolve().name)
 
     def stored_json(self, attribute: str, kind: type = object) -> Any:
-        """What a root attribute holds as JSON, None when absent; raises PostError when broken."""
+        """Value of a root attribute in JSON, None when absent; raises PostError when broken."""
         text = self.attributes.get(attribute)
         try:
             found = None if text is None else json.loads(text)
@@ -249,7 +249,7 @@ class History:
         return Series(self.time, self._read(f"{family.name}/{column.path}", at), column.unit)
 
     def _position(self, name: str) -> tuple[Family, int, Column]:
-        """Where a channel stands: family, number of the entity, column. Raises PostError."""
+        """Position of a channel: family, number of the entity, column. Raises PostError."""
         word, entity, path = _words(name)
         for family in self.families.values():
             if family.word == word and entity in family.ids:

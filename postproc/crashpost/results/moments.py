@@ -18,7 +18,7 @@ class Moment(NamedTuple):
     """A time [s], and in words why it was chosen; nothing for a plain time."""
 
     time: float
-    why: str
+    reason: str
 
 
 def split(text: str) -> list[str]:
@@ -36,7 +36,7 @@ def split(text: str) -> list[str]:
 
 
 def moment(result: Result, text: str, end: float) -> Moment:
-    """What a word says; `end` is the last time that can be shown. Raises PostError."""
+    """Time that a word means; `end` is the last time that can be shown. Raises PostError."""
     word, colon, expression = text.strip().partition(":")
     if colon and word in PEAKS:
         series = result.series(f"abs({expression})" if word == "abs_max" else expression)

@@ -16,7 +16,7 @@ LARGEST = 1e100
 
 
 class Damaged(ValueError):
-    """What a file of states holds is not as it must be."""
+    """A file of states is damaged."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ def check_corners(cells: list[tuple[np.ndarray, np.ndarray]], count: int) -> Non
 
 
 def field_of(block: Block, name: str, item: Any) -> np.ndarray:
-    """What a block carries at its points or cells."""
+    """Values of a field at the points or cells of a block."""
     values = numbers_of(item)
     if values.ndim not in (1, 2) or len(values) not in (len(block.points), block.n_cells):
         raise Damaged(

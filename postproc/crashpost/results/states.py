@@ -38,7 +38,7 @@ NOT_FIELDS = ("points", "cells")
 
 
 class States:
-    """What a results folder holds for pictures; raises PostError when it cannot be read."""
+    """States of a results folder, for pictures; raises PostError when it cannot be read."""
 
     def __init__(self, folder: Path | str) -> None:
         self.folder = Path(folder)
@@ -58,7 +58,7 @@ class States:
             self.sections = sections_of(json.loads(file.attrs.get("sections", "[]")))
             self.up = vertical_of(json.loads(file.attrs.get("up", "[0, 0, 1]")))
             self.blocks = {name: self._block(name, file[name]) for name in file}
-            self._name_what_is_without()
+            self._name_blocks()
             check_numbers(self.blocks, self.names, len(self.sections))
         self.times = np.array([self._time(path) for path in self.files])
 
@@ -95,12 +95,14 @@ class States:
         return self.blocks[block].points + found.get("displacement", 0.0)
 
     def visible(self, number: int, block: str) -> np.ndarray:
-        """Which cells (m,) are drawn: deleted elements and contacts that are apart are not."""
+        """Mask of the cells (m,) that are drawn: not deleted elements, nor contacts that are
+        apart.
+        """
         ghost = self.read(number, block, GHOST).get(GHOST)
         count = self.blocks[block].n_cells
         return np.ones(count, bool) if ghost is None else (ghost.astype(int) & HIDDEN) == 0
 
-    def _name_what_is_without(self) -> None:
+    def _name_blocks(self) -> None:
         """Version 2 knows no names: bodies are numbers there, parts those of the blocks."""
         centres, names = self.blocks.get("mass_centres"), self.names
         if centres is not None and not names["bodies"]:
@@ -120,7 +122,7 @@ class States:
 
     def _block(self, name: str, group: Any) -> Block:
         points, cells = points_of(group["points"]), corners_of(group["cells"])
-        kinds = [(np.arange(len(cells)), cells)] if cells.ndim == 2 else _unmixed(cells)
+        kinds = [(np.arange(len(cells)), cells)] if cells.ndim == 2 else _by_kind(cells)
         check_corners(kinds, len(points))
         bare = Block(name, points, kinds)
         fixed = {key: field_of(bare, key, group[key]) for key in group if key not in NOT_FIELDS}
@@ -136,7 +138,7 @@ class States:
             return time
 
 
-def _unmixed(flat: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+def _by_kind(flat: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     """Cells of one kind each, from the list in which each begins with its number."""
     runs: list[tuple[int, list[int], list[int]]] = []
     index = row = 0

@@ -37,7 +37,7 @@ def read_status(path: Path) -> Json:
 
 
 def unfinished(status: Json) -> str:
-    """What is said beside numbers and pictures of a run that did not end; "" of one that did."""
+    """Remark beside numbers and pictures of a run that did not end; "" of one that did."""
     state = status["state"]
     if state in ("finished", "unknown"):
         return ""

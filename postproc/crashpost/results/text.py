@@ -25,14 +25,14 @@ def plain_text(path: Path) -> str | None:
 
 
 def printable(text: str) -> str:
-    """One line of a text: what would move the cursor, colour it or begin a line is spelt out."""
-    return _UNPRINTABLE.sub(_spelt, text)
+    """A text as one line: control characters are escaped."""
+    return _UNPRINTABLE.sub(_escaped, text)
 
 
-def _spelt(met: re.Match[str]) -> str:
+def _escaped(met: re.Match[str]) -> str:
     return repr(met[0])[1:-1] if ord(met[0]) < 0xA0 else f"\\u{ord(met[0]):04x}"
 
 
 def printable_lines(text: str) -> str:
-    """The same of several lines."""
+    """Several lines of a text, each made printable."""
     return "\n".join(map(printable, text.split("\n")))

@@ -61,7 +61,7 @@ def write_tables(sweep: Sweep, folder: Path) -> list[str]:
 
     Raises PostError.
     """
-    said = []
+    texts = []
     tables = (
         (EFFECTS, EFFECTS_HEADER, effects_rows(sweep)),
         (INDICES, INDICES_HEADER, indices_rows(sweep)),
@@ -74,11 +74,11 @@ def write_tables(sweep: Sweep, folder: Path) -> list[str]:
             path.unlink(missing_ok=True)
             if rows:
                 path.write_text(_csv(header, rows), encoding="utf-8")
-                said.append(str(path))
-                said += [text_table(header, rows)] if len(rows) <= MOST_ROWS else []
+                texts.append(str(path))
+                texts += [text_table(header, rows)] if len(rows) <= MOST_ROWS else []
     except OSError as error:
         raise PostError(f"{folder}: {error.strerror}") from error
-    return said
+    return texts
 
 
 def _error(error: float) -> str:

@@ -49,7 +49,7 @@ def draw(sweep: Sweep, folder: Path) -> tuple[list[Path], list[str]]:
     except OSError as error:
         raise PostError(f"{folder}: {error.strerror}") from error
     pairs = zip(sweep.measures, found, strict=True)
-    return paths, [f"{m.name}: {why}" for m, why in pairs if isinstance(why, str)]
+    return paths, [f"{m.name}: {reason}" for m, reason in pairs if isinstance(reason, str)]
 
 
 def _panels(sweep: Sweep, panel: Panel, note: str, path: Path) -> None:

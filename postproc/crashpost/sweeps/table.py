@@ -43,13 +43,15 @@ class Axis:
 
     @property
     def heading(self) -> str:
-        """With its unit."""
+        """Name with the unit."""
         return f"{self.name} [{self.unit}]" if self.unit else self.name
 
 
 @dataclass
 class Measure:
-    """What is asked of every run; a unit that the plan does not name is known from an answer."""
+    """A number that is asked of every run; a unit that the plan does not name is known from an
+    answer.
+    """
 
     name: str
     question: Json
@@ -57,7 +59,7 @@ class Measure:
 
     @property
     def heading(self) -> str:
-        """With its unit."""
+        """Name with the unit."""
         return f"{self.name} [{self.unit}]" if self.unit not in ("", "1") else self.name
 
 
@@ -135,7 +137,7 @@ def _number(text: str) -> float:
 
 
 def _state(folder: Path, mark: dict[str, str]) -> tuple[str, str]:
-    """What has become of a run, and why."""
+    """State of a run, and why."""
     note, status = _table(folder / "run.json"), read_status(folder / "status.json")
     state, message = str(status["state"]), str(status.get("message", ""))
     if not note:
@@ -149,7 +151,7 @@ def _state(folder: Path, mark: dict[str, str]) -> tuple[str, str]:
         is_known = note.get("state") in ("failed", "stopped", "killed")
         return (str(note["state"]) if is_known else "new"), str(note.get("message", ""))
     if state == "killed" and note.get("state") in ("stopped", "killed"):
-        # the process that conducted the sweep knows more
+        # the process that ran the sweep has the reason
         return str(note["state"]), str(note.get("message", ""))
     return state, message
 
@@ -168,17 +170,19 @@ def _measure(row: Row, folder: Path, measures: list[Measure]) -> None:
         return
     remarks = []
     for at, measure in enumerate(measures):
-        asked = measure.question
-        channel, word = str(asked["channel"]), str(asked["statistic"])
-        during = (asked["during"][0], asked["during"][1]) if asked.get("during") else None
+        requested = measure.question
+        channel, word = str(requested["channel"]), str(requested["statistic"])
+        during = (
+            (requested["during"][0], requested["during"][1]) if requested.get("during") else None
+        )
         try:
             found = answer(result, channel, word, during)
-            size = factor(found.unit, asked.get("unit") or found.unit)
+            size = factor(found.unit, requested.get("unit") or found.unit)
         except (PostError, ValueError, LookupError, OverflowError) as error:
             remarks.append(f"{measure.name}: {error}")
             continue
         remarks += [f"{measure.name}: {found.remark}"] if found.remark else []
-        measure.unit = str(asked.get("unit") or found.unit)
+        measure.unit = str(requested.get("unit") or found.unit)
         row.measured[at] = found.value * size
         estimate = error_of(result, channel, word, during)
         row.errors[at] = nan if estimate is None else estimate * size
@@ -187,8 +191,8 @@ def _measure(row: Row, folder: Path, measures: list[Measure]) -> None:
 
 def _text_mark(text: str, is_auto: bool) -> str:
     """Hash of the text of a deck, without the method where the run has chosen it."""
-    kept = _METHOD.sub("", text) if is_auto else text
-    return is_auto * AUTO + hashlib.sha256(kept.encode()).hexdigest()[:16]
+    selected = _METHOD.sub("", text) if is_auto else text
+    return is_auto * AUTO + hashlib.sha256(selected.encode()).hexdigest()[:16]
 
 
 def _table(path: Path) -> Json:
@@ -260,7 +264,7 @@ def unanswered(sweep: Sweep) -> list[str]:
 
 
 def summary(sweep: Sweep, paths: list[Path]) -> str:
-    """What the table holds, in a few lines: states, and each problem of a measure once."""
+    """Summary of the table in a few lines: states, and each problem of a measure once."""
     counts = Counter(row.state for row in sweep.rows)
     states = ", ".join(f"{n} {state}" for state, n in sorted(counts.items()))
     lines = [f"{', '.join(map(str, paths))}: {len(sweep.rows)} runs, {states}"]

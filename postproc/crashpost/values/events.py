@@ -91,7 +91,7 @@ def _of_contacts(result: Result, family: Family, units: Mapping[str, str]) -> It
 def _peaks(
     result: Result, family: Family, columns: dict[str, Column], time_unit: str
 ) -> list[tuple[float, float, str]] | None:
-    """Of each contact its largest force of all steps [N], when that was [s], and how closely known.
+    """Largest force of each contact over all steps [N], its time [s], and the accuracy of that [s].
 
     Between two samples it is known to their interval, and has the time of the later one.
     """
@@ -131,13 +131,13 @@ def _force_ends(result: Result, family: Family, column: Column | None) -> np.nda
 
 def _starts(result: Result, family: Family, column: Column) -> Iterator[Event]:
     largest = result.extremes(family, column).largest
-    begun = np.full(len(family.ids), -1)
+    started = np.full(len(family.ids), -1)
     for first, values in result.slabs(family, column):
         moved = np.abs(values) > LEAST * largest
-        new = (begun < 0) & moved.any(axis=0)
-        begun[new] = first + moved.argmax(axis=0)[new]
-    for entity, row in zip(family.ids, begun, strict=True):
-        # what has been so from the start has not happened
+        new = (started < 0) & moved.any(axis=0)
+        started[new] = first + moved.argmax(axis=0)[new]
+    for entity, row in zip(family.ids, started, strict=True):
+        # a condition that holds from the start is no event
         if row > 0:
             yield Event(float(result.time[row]), f"{_name(entity)} {STARTS[column.name]}")
 

@@ -51,7 +51,7 @@ class Expectation:
         return f"{self.statistic}, {self.during[0]:g} to {self.during[1]:g} s"
 
     def in_unit(self, unit: str) -> "Expectation":
-        """The same in another unit; raises PostError when that measures something else."""
+        """The expectation in another unit; raises PostError where that measures something else."""
         size = factor(self.unit, unit) if self.unit else 1.0
         tolerance = self.tolerance * (1.0 if self.relative else size)
         return replace(self, value=self.value * size, tolerance=tolerance, unit=unit)
@@ -73,7 +73,7 @@ class Verdict:
         return None if self.found is None else self.found - self.expected.value
 
     def in_unit(self, unit: str, size: float) -> "Verdict":
-        """The same with its numbers multiplied by `size`, which makes them those of a unit."""
+        """The verdict with its numbers multiplied by `size`, for another unit."""
         expected, is_relative = self.expected, self.expected.relative
         tolerance = expected.tolerance * (1.0 if is_relative else size)
         expected = replace(expected, value=expected.value * size, tolerance=tolerance)

@@ -40,7 +40,7 @@ HEADER = ("", "measure", "value", "limit", "", "when")
 
 
 @dataclass(frozen=True)
-class Place:
+class SensorPosition:
     """An accelerometer with a role, and its resultant acceleration."""
 
     name: str
@@ -53,11 +53,11 @@ class Place:
 
     @property
     def filter(self) -> str:
-        """How its acceleration was filtered, in words."""
+        """Filter of its acceleration, in words."""
         return "" if self.plain_because else f"CFC {CLASSES[self.role]}"
 
 
-def positions(result: Result) -> list[Place]:
+def positions(result: Result) -> list[SensorPosition]:
     """All accelerometers to which the deck gives a role."""
     known = {
         entity
@@ -99,7 +99,7 @@ def injury_figures(result: Result) -> list[Figure]:
     return figures
 
 
-def _measures(result: Result, position: Place) -> list[tuple[str, str, str]]:
+def _measures(result: Result, position: SensorPosition) -> list[tuple[str, str, str]]:
     """Measure, value and when."""
     message = partial(_reported, result)
     rows = [("largest acceleration", *_peak(result, position.channel))]
@@ -112,7 +112,7 @@ def _measures(result: Result, position: Place) -> list[tuple[str, str, str]]:
     return rows
 
 
-def _judged(position: Place, measure: str, value: str, when: str) -> list[str]:
+def _judged(position: SensorPosition, measure: str, value: str, when: str) -> list[str]:
     """The row of a measure with its limit; what was not filtered is not judged."""
     limit = LIMITS.get(position.role, {}).get(measure)
     if limit is None or value == "-":
@@ -124,7 +124,7 @@ def _judged(position: Place, measure: str, value: str, when: str) -> list[str]:
     return [position.name, measure, value, f"{limit:g}{unit}", verdict, when]
 
 
-def _marks(result: Result, position: Place, peak: float) -> tuple[Reference, ...]:
+def _marks(result: Result, position: SensorPosition, peak: float) -> tuple[Reference, ...]:
     marks = []
     try:
         if position.role == "head":
@@ -168,7 +168,7 @@ def _reported(result: Result, channel: str, statistic: str, unit: str = "") -> t
     return f"{number(found.value)} {unit}".rstrip(), ""
 
 
-def _position(result: Result, sensor: str, role: str, *, has_gravity: bool) -> Place:
+def _position(result: Result, sensor: str, role: str, *, has_gravity: bool) -> SensorPosition:
     """A position, filtered where that can be."""
     name = capital(sensor.replace("_", " "))
     axes = [plain(f"nodout.{sensor}.acceleration.{axis}") for axis in "xyz"]
@@ -177,8 +177,8 @@ def _position(result: Result, sensor: str, role: str, *, has_gravity: bool) -> P
         result.value(filtered, "max")
     except PostError as reason:
         channel = f"resultant({', '.join(axes)})"
-        return Place(name, role, channel, sensor, str(reason), has_gravity)
-    return Place(name, role, filtered, sensor, has_gravity=has_gravity)
+        return SensorPosition(name, role, channel, sensor, str(reason), has_gravity)
+    return SensorPosition(name, role, filtered, sensor, has_gravity=has_gravity)
 
 
 def sensors(result: Result) -> dict[str, Json]:

@@ -67,7 +67,7 @@ def rows(result: Result) -> list[Row]:
         "chest_deflection": _chest,
         "femur_left": _femur,
         "femur_right": _femur,
-        "head": _brain,
+        "head": _head_rotation,
     }
     found = []
     for name, card in cards.items():
@@ -151,7 +151,7 @@ def _femur(result: Result, name: str, card: Json) -> list[Row]:
     ]
 
 
-def _brain(result: Result, name: str, card: Json) -> list[Row]:
+def _head_rotation(result: Result, name: str, card: Json) -> list[Row]:
     spins = [_history(result, plain(f"nodout.{name}.angular_velocity.{a}"), 60) for a in "xyz"]
     message = next((w.plain_because for w in spins if w.plain_because), "")
     return [_row(name, "BrIC", bric([w.values for w in spins]), "", message)]
@@ -197,7 +197,7 @@ def _title(name: str) -> str:
 
 
 def _missing(cards: dict[str, Json]) -> list[Row]:
-    """Which measures of an occupant the sensors of the deck do not serve."""
+    """Measures of an occupant for which the deck has no sensors."""
     roles = {card.get("role") for card in cards.values()}
     if not roles & set(OF_OCCUPANTS):
         return []

@@ -25,31 +25,33 @@ PATH = "path"
 def answers(result: Result, questions: Path) -> list[Json]:
     """The answers to the questions in a file; raises PostError when the file is none."""
     try:
-        asked = json.loads(questions.read_text(encoding="utf-8"))
+        requested = json.loads(questions.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError) as error:
         raise PostError(f"{questions}: {error}") from error
-    if not isinstance(asked, list) or not all(isinstance(entry, dict) for entry in asked):
+    if not isinstance(requested, list) or not all(isinstance(entry, dict) for entry in requested):
         raise PostError(f"{questions}: must be a list of tables")
-    return [_answer(result, entry) for entry in asked]
+    return [_answer(result, entry) for entry in requested]
 
 
-def _unit(asked: Json) -> str:
+def _unit(requested: Json) -> str:
     """The unit that is asked for; "" for that of the channel. Raises PostError."""
-    unit = asked.get("unit") or ""
+    unit = requested.get("unit") or ""
     if not isinstance(unit, str):
         raise PostError(f"unit must be a text such as 'mm', not {json.dumps(unit)}")
     return unit
 
 
-def _answer(result: Result, asked: Json) -> Json:
+def _answer(result: Result, requested: Json) -> Json:
     try:
-        channel, word = str(asked["channel"]), str(asked["statistic"])
+        channel, word = str(requested["channel"]), str(requested["statistic"])
         during = (
-            (float(asked["during"][0]), float(asked["during"][1])) if asked.get("during") else None
+            (float(requested["during"][0]), float(requested["during"][1]))
+            if requested.get("during")
+            else None
         )
         if word == PATH:
             time, values, unit = covered(result.series(channel), during)
-            wanted = _unit(asked) or unit
+            wanted = _unit(requested) or unit
             if not np.isfinite(values).all():
                 raise PostError("division by zero at some of its samples")
             return {
@@ -57,7 +59,7 @@ def _answer(result: Result, asked: Json) -> Json:
                 "value": (values * factor(unit, wanted)).tolist(),
                 "unit": wanted,
             }
-        found = answer(result, channel, word, during, _unit(asked))
+        found = answer(result, channel, word, during, _unit(requested))
         remark = {"remark": found.remark} if found.remark else {}
         return {"value": found.value, "unit": found.unit, **remark}
     except KeyError as error:

@@ -37,13 +37,13 @@ class Units:
             Product.parse(unit)
         return cls(named, tuple(general))
 
-    def asked(self, channel: str) -> str:
+    def requested(self, channel: str) -> str:
         """The unit asked for a channel by name or pattern; "" where none is."""
         return next((unit for name, unit in self.of_channel.items() if fits(name, channel)), "")
 
     def wanted(self, channel: str, unit: str) -> str:
         """The unit in which to show a channel that has `unit`; "" where any will do."""
-        return self.asked(channel) or next(
+        return self.requested(channel) or next(
             (u for u in self.of_all if unit not in ("", "1") and is_convertible(unit, u)), ""
         )
 
@@ -61,10 +61,10 @@ def fits(name: str, channel: str) -> bool:
 
 def page_time_unit(result: Result, figures: Sequence[Figure], units: Units) -> str:
     """The page's unit of time: the reader's, else that of its first figure, else a fitting one."""
-    asked = units.wanted("time", "s")
+    requested = units.wanted("time", "s")
     stated = [f.x_unit for f in figures if f.x == "time" and f.x_unit not in ("", AUTO)]
     longest = float(np.max(np.abs(result.time), initial=0.0))
-    return asked or (stated[0] if stated else readable("s", longest))
+    return requested or (stated[0] if stated else readable("s", longest))
 
 
 class PageUnits:
@@ -86,7 +86,7 @@ class PageUnits:
                     unit = units.wanted(channels[0], series[0].unit) or axis_unit(series, stated)
                     factor(series[0].unit, unit)
                 except PostError:
-                    # where the figure is drawn this is said
+                    # the figure itself reports this
                     continue
                 if series[0].unit not in ("", "1"):
                     self.of.setdefault(series[0].unit, unit)
@@ -96,7 +96,7 @@ class PageUnits:
         return self.of.get(own, own)
 
     def size(self, own: str) -> float:
-        """What numbers in this unit are multiplied with."""
+        """Factor on numbers in this unit."""
         return factor(own, self.of[own]) if own in self.of else 1.0
 
 
@@ -128,7 +128,7 @@ def on_page(
 
 
 def _ratio(present: str, own: str, wanted: str) -> float:
-    """What numbers of an axis are multiplied with; those in an automatic unit are in its own."""
+    """Factor on numbers of an axis; those in an automatic unit are in its own."""
     return factor(own if present in ("", AUTO) else present, wanted)
 
 

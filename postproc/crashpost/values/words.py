@@ -49,7 +49,7 @@ def is_name(channel: str) -> bool:
 
 
 def quantity(channel: str) -> str:
-    """What a channel measures, in words: contact force along x."""
+    """Quantity of a channel in words: contact force along x."""
     family, _, column = channel.split(".", 2)
     first, _, component = column.partition(".")
     if family == "glstat" and first == "energy":
@@ -59,7 +59,7 @@ def quantity(channel: str) -> str:
 
 
 def _energy(word: str) -> str:
-    """Of energies by their position: spring_stored is the energy stored in springs."""
+    """Energies in words: spring_stored is the energy stored in springs."""
     prefix, _, kind = word.rpartition("_")
     if kind in ENERGIES and prefix:
         return f"{ENERGIES[kind]} {prefix.replace('_', ' ')}s".replace("frictions", "friction")
@@ -177,7 +177,7 @@ def labels(channels: Sequence[str]) -> list[str]:
 
 
 def legend(channels: Sequence[str]) -> list[str]:
-    """The same for people: a lone channel and expressions in words."""
+    """Labels for legends: a single channel and expressions in words."""
     short = labels(channels)
     return [
         _one(channel) if name == channel else name

@@ -7,7 +7,7 @@ from crashsolve.deck.roles import Built, Force
 
 
 class BeltLaw(Built, Force, Protocol):
-    """What the file of a belt provides beside its card."""
+    """Attributes and functions of a belt's file, beside its card."""
 
 
 FAMILY = Family(

@@ -16,7 +16,7 @@ Reference: OpenRadioss theory manual, slip ring elements.
 from math import exp
 
 from crashsolve.belts._spool import FREE, LOCKED, PULLING, choose_mode, spool_force
-from crashsolve.belts._webbing import respond
+from crashsolve.belts._webbing import segment_force
 from crashsolve.foundation.kernels import kernel
 
 # passes in all, those of Newton's method at first, and every which one is of it later
@@ -27,7 +27,7 @@ PATIENCE = 100
 CLOSE = 1e-15
 # the same after so many passes, where round-off of tight segments keeps flows moving
 NEARLY, MANY = 1e-13, 40
-# what no result of a belt shows, over its length
+# too small to affect any result: a flow over the length of the belt, a force over its stiffness
 SETTLED = 1e-10
 # of a segment, that one pass may take from it
 MOST_TAKEN = 0.8
@@ -36,7 +36,7 @@ HALVINGS = 60
 
 
 @kernel
-def settle(p, old, new, out, t, curves):
+def solve_flow(p, old, new, out, t, curves):
     """Flows, lengths and forces. Writes: new, out."""
     choose_mode(p, old, new, t)
     for j in range(p.segments + 1):
@@ -50,19 +50,43 @@ def settle(p, old, new, out, t, curves):
                 largest = correct(p, old, new, out, curves)
                 fill(p, old, new, out, curves)
             else:
-                largest = sweep(p, old, new, out, curves)
+                largest = relax_rings(p, old, new, out, curves)
             if largest <= (CLOSE if k < MANY else NEARLY) * p.total:
                 new.passes = k + 1
                 break
-        if largest <= SETTLED * p.total:
-            # a matter of round-off, which needs no warning
-            new.passes = min(new.passes, PASSES - 1)
+        if new.passes == PASSES and (
+            largest <= SETTLED * p.total or imbalance(p, old, new, out, curves) <= SETTLED * p.k
+        ):
+            # a matter of round-off, or of slack that has no place of its own: it needs no warning
+            new.passes = PASSES - 1
     for j in range(p.segments + 1):
         new.slip[j] = old.slip[j] + new.flow[j]
 
 
 @kernel
-def carried(p, old, j, q):
+def imbalance(p, old, new, out, curves):
+    """By how much a force is beyond friction or the spool, or within it where webbing flows [N]."""
+    worst = 0.0
+    if p.spool == 1:
+        over = out.force[0] - spool_force(p, old, new.mode, new.flow[0], curves)[0]
+        q = new.flow[0]
+        if new.mode == LOCKED and q <= 0.0:
+            over = max(over, 0.0)
+        elif new.mode == PULLING and q >= 0.0:
+            over = min(over, 0.0)
+        worst = abs(over)
+    for j in range(1, p.segments):
+        T_a, T_b, c, q = out.force[j - 1], out.force[j], new.grip[j], new.flow[j]
+        onwards, back = T_b - c * T_a, T_a - c * T_b
+        if abs(q) <= SETTLED * p.total:
+            worst = max(worst, onwards, back)
+        else:
+            worst = max(worst, abs(onwards if q > 0.0 else back))
+    return worst
+
+
+@kernel
+def residual_elongation(p, old, j, q):
     """Residual elongation that passes fitting j with the webbing q [m]."""
     if j == 0 or j == p.segments:
         return 0.0
@@ -79,18 +103,22 @@ def fill(p, old, new, out, curves):
 
 @kernel
 def fill_one(p, i, old, new, out, curves):
-    """The same of segment i. Writes: new, out."""
+    """Webbing, residual elongation and force of segment i. Writes: new, out."""
     q_in, q_out = new.flow[i], new.flow[i + 1]
     L = old.webbing[i] + q_in - q_out
-    S = old.residual[i] + carried(p, old, i, q_in) - carried(p, old, i + 1, q_out)
+    S = (
+        old.residual[i]
+        + residual_elongation(p, old, i, q_in)
+        - residual_elongation(p, old, i + 1, q_out)
+    )
     length = max(out.length[i], p.shortest)
-    T, softens, moved = respond(p, length, L, S, curves)
+    T, softens, moved = segment_force(p, length, L, S, curves)
     new.webbing[i], new.residual[i], new.moved[i] = L, S + moved, moved
     new.softens[i], out.force[i] = softens, T
 
 
 @kernel
-def sweep(p, old, new, out, curves):
+def relax_rings(p, old, new, out, curves):
     """Settles each ring between its neighbours as they are; the largest change of a flow [m].
 
     Slow and robust: the force of a segment falls with its own webbing alone. Writes: new, out.
@@ -98,12 +126,12 @@ def sweep(p, old, new, out, curves):
     largest = 0.0
     if p.spool == 1:
         before = new.flow[0]
-        settle_spool(p, old, new, out, curves)
+        solve_spool(p, old, new, out, curves)
         largest = abs(new.flow[0] - before)
     for k in range(2 * p.segments - 2):
         j = k + 1 if k < p.segments - 1 else 2 * p.segments - 2 - k
         before = new.flow[j]
-        settle_ring(p, j, old, new, out, curves)
+        solve_ring(p, j, old, new, out, curves)
         largest = max(largest, abs(new.flow[j] - before))
     return largest
 
@@ -117,7 +145,7 @@ def pass_through(p, j, q, old, new, out, curves):
 
 
 @kernel
-def settle_ring(p, j, old, new, out, curves):
+def solve_ring(p, j, old, new, out, curves):
     """The flow through ring j at which it holds, or slips on the edge. Writes: new, out."""
     c, start = new.grip[j], new.flow[j]
     # all that either side can give
@@ -154,7 +182,7 @@ def settle_ring(p, j, old, new, out, curves):
 
 
 @kernel
-def give_out(p, q, old, new, out, curves):
+def pay_out(p, q, old, new, out, curves):
     """Lets q out: how far the force is over that of the spool [N]. Writes: new, out."""
     new.flow[0] = q
     fill_one(p, 0, old, new, out, curves)
@@ -162,22 +190,22 @@ def give_out(p, q, old, new, out, curves):
 
 
 @kernel
-def settle_spool(p, old, new, out, curves):
+def solve_spool(p, old, new, out, curves):
     """The flow from the spool between its first ring and itself. Writes: new, out."""
     q = new.flow[0]
     low, high = q - 0.99 * new.webbing[0], q + p.total
     if new.mode == PULLING:
         high = 0.0
-        if low > 0.0 or give_out(p, 0.0, old, new, out, curves) >= 0.0:
-            give_out(p, 0.0, old, new, out, curves)
+        if low > 0.0 or pay_out(p, 0.0, old, new, out, curves) >= 0.0:
+            pay_out(p, 0.0, old, new, out, curves)
             return
     if new.mode == LOCKED:
         low = 0.0
-        if give_out(p, 0.0, old, new, out, curves) <= 0.0:
+        if pay_out(p, 0.0, old, new, out, curves) <= 0.0:
             return
     for _ in range(HALVINGS):
         q = 0.5 * (low + high)
-        if give_out(p, q, old, new, out, curves) > 0.0:
+        if pay_out(p, q, old, new, out, curves) > 0.0:
             low = q
         else:
             high = q
@@ -185,7 +213,7 @@ def settle_spool(p, old, new, out, curves):
 
 @kernel
 def spool_direction(new, out, F):
-    """That of the spool, whose edge is the force F."""
+    """Direction of the flow at the spool, whose locking edge bears the force F."""
     T, q = out.force[0], new.flow[0]
     if new.mode == FREE:
         return 2
@@ -222,8 +250,10 @@ def direction_of(new, out, j):
 
 
 @kernel
-def slack_beside(p, new, out, j, direction):
-    """What a slack segment gives through ring j until it is taut, of the sign of the flow [m]."""
+def slack_of_segment(p, new, out, j, direction):
+    """Length that a slack segment passes through ring j until it is taut, of the sign of the flow
+    [m].
+    """
     if direction == 0 or out.force[j] == out.force[j - 1]:
         return 0.0
     sign = 1.0 if out.force[j] > out.force[j - 1] else -1.0
@@ -258,8 +288,8 @@ def correct(p, old, new, out, curves):
             new.above[j] = upper / pivot
             new.change[j] = (right - lower * new.change[j - 1]) / pivot
         else:
-            # a spool draws in what is slack; where friction holds it stays
-            new.above[j], new.change[j] = 0.0, slack_beside(p, new, out, j, direction)
+            # a spool draws in slack webbing; friction may hold it
+            new.above[j], new.change[j] = 0.0, slack_of_segment(p, new, out, j, direction)
     new.above[n] = new.change[n] = 0.0
     share = 1.0
     for back in range(1, n + 1):

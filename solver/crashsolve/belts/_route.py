@@ -116,7 +116,7 @@ LAID = Record(f"""
     begun     m      {3 * MOST}  where the belt comes to an ellipsoid, its axes
     touches   flag   {MOST}  1 where the belt lies on a surface, -2 where it has slipped off
     slipped   flag           the belt has slipped off a surface
-    aside     rad    {MOST}  by which it slid across its direction, over a ball or an ellipsoid
+    lateral   rad    {MOST}  by which it slid across its direction, over a ball or an ellipsoid
     crossed   flag           it slid so by more than a right angle
     inside    flag           a fitting was within a surface
     beyond    flag           the belt lay on a cylinder beyond its ends
@@ -276,7 +276,7 @@ def arc_on(p, j, old, y_a, y_b):
 
 
 @kernel
-def lie(p, j, old, new, nodes):
+def wrap_surface(p, j, old, new, nodes):
     """The belt on surface j, from the fitting before it to that behind it. Writes: new."""
     body, axes = nodes[p.node[j]], axes_of(p, j)
     centre = position_of(p, j, nodes)
@@ -292,10 +292,10 @@ def lie(p, j, old, new, nodes):
     put_triple(new.leave, j, add(centre, matvec(body.A, matvec(axes, arc.last))))
     middle = add(triple(p.point, j), matvec(axes, arc.middle))
     lies = matvec(axes, arc.along)
-    new.aside[j] = 0.0
+    new.lateral[j] = 0.0
     if p.surface[j] != CYLINDER and arc.touches == 1 and old.touches[j] == 1:
-        new.aside[j] = old.aside[j] + slid_aside(p, j, old, middle)
-        if abs(new.aside[j]) > 0.5 * pi:
+        new.lateral[j] = old.lateral[j] + lateral_slip(p, j, old, middle)
+        if abs(new.lateral[j]) > 0.5 * pi:
             new.crossed = 1
     put_triple(new.middle, j, middle)
     put_triple(new.lies, j, lies)
@@ -314,7 +314,7 @@ def lie(p, j, old, new, nodes):
 
 
 @kernel
-def slid_aside(p, j, old, middle):
+def lateral_slip(p, j, old, middle):
     """Angle [rad] by which a belt slid across its direction over a round surface in the step."""
     before, after = sub(triple(old.middle, j), triple(p.point, j)), sub(middle, triple(p.point, j))
     across = cross(before, triple(old.lies, j))
@@ -322,19 +322,19 @@ def slid_aside(p, j, old, middle):
 
 
 @kernel
-def lay(p, old, new, out, nodes):
+def update_route(p, old, new, out, nodes):
     """Lengths and directions of the segments, and angles at the fittings. Writes: new, out."""
     new.inside, new.beyond = old.inside, old.beyond
     new.slipped, new.crossed = old.slipped, old.crossed
     for j in range(p.segments + 1):
         out.angle[j] = 0.0
         if p.surface[j] > 0:
-            out.angle[j] = lie(p, j, old, new, nodes)
+            out.angle[j] = wrap_surface(p, j, old, new, nodes)
         else:
             at = position_of(p, j, nodes)
             put_triple(new.arrive, j, at)
             put_triple(new.leave, j, at)
-            leave_alone(new, j)
+            clear_surface(new, j)
     before = (0.0, 0.0, 0.0)
     for i in range(p.segments):
         leg = sub(triple(new.arrive, i + 1), triple(new.leave, i))
@@ -349,9 +349,9 @@ def lay(p, old, new, out, nodes):
 
 
 @kernel
-def leave_alone(new, j):
+def clear_surface(new, j):
     """Columns of surfaces, for a fitting that is none. Writes: new."""
-    new.half[j] = new.split[j] = new.wrapped[j] = new.aside[j] = 0.0
+    new.half[j] = new.split[j] = new.wrapped[j] = new.lateral[j] = 0.0
     put_triple(new.begun, j, (0.0, 0.0, 0.0))
     put_triple(new.middle, j, (0.0, 0.0, 0.0))
     put_triple(new.lies, j, (0.0, 0.0, 0.0))

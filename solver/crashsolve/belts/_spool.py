@@ -31,7 +31,7 @@ class Pretensioner(Card):
 
     time: float = quantity("s", "time at which it fires", ge=0)
     curve: CurveName = word("force over the webbing wound in; it stops at the end of the curve")
-    duration: float = quantity("s", "time for which it winds", default=0.02, gt=0)
+    duration: float = quantity("s", "duration of winding", default=0.02, gt=0)
 
 
 class Retractor(Card):
@@ -123,7 +123,7 @@ def _force_curve(name: str, field: str, scene: Scene) -> int:
 
 @kernel
 def choose_mode(p, old, new, t):
-    """What the spool does in this step. Writes: new."""
+    """Choose the mode of the spool for this step. Writes: new."""
     new.mode, new.locked = NONE, old.locked
     if p.spool == 0:
         return
@@ -160,8 +160,8 @@ def spool_force(p, old, mode, q, curves):
 
 
 @kernel
-def wind(p, old, new, nodes, q, h, curves):
-    """What the spool remembers of a step with the flow q. Writes: new, curves."""
+def update_spool(p, old, new, nodes, q, h, curves):
+    """Update the history of the spool by a step with the flow q. Writes: new, curves."""
     new.wound_in = old.wound_in + max(-q, 0.0) if new.mode == PULLING else old.wound_in
     new.paid_out = old.paid_out + max(q, 0.0) if new.mode == LOCKED else old.paid_out
     if new.mode == LOCKED and p.limiter > 0:

@@ -80,14 +80,14 @@ def force_at(columns: Columns, strain: float, scene: Scene) -> float:
 
 
 @kernel
-def refuse_torn(p, strain, curves):
+def read_beyond_end(p, strain, curves):
     """Reads the curve beyond its end, where the webbing of a segment is. Writes: curves."""
     if p.curve > 0 and strain > curves[curves[p.curve].last].x:
         curve_value(curves, p.curve, strain)
 
 
 @kernel
-def respond(p, length, L, S, curves):
+def segment_force(p, length, L, S, curves):
     """Force [N], its fall over webbing that flows in [N/m], and growth of S [m]."""
     T = p.k * (length - L - S) / L
     if T <= 0.0:

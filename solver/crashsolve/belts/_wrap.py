@@ -27,7 +27,7 @@ CLOSE, FAR, STEP = 1e-11, 1e-7, 1e-6
 
 
 class Arc(NamedTuple):
-    """Where a belt lies on a body."""
+    """The part of a belt that lies on a body."""
 
     # 1, or 0 where it passes by; -1 where a point is within the shape, -2 where no geodesic is left
     touches: int
@@ -139,11 +139,11 @@ def over_ellipsoid(semi, A, B, begun, arc):
     e = scale(1.0 / size, towards)
     f = scale(1.0 / sqrt(aa), cross(a, e))
     psi = 0.0
-    s = arc if arc > 0.0 else chords(semi, a, b, e)
+    s = arc if arc > 0.0 else approximate_length(semi, a, b, e)
     largest = 1.0
     for _ in range(SHOTS):
-        gap, tip = shoot(semi, A, B, a, e, f, psi, s)
-        other, _ = shoot(semi, A, B, a, e, f, psi + STEP, s)
+        gap, tip = shoot_geodesic(semi, A, B, a, e, f, psi, s)
+        other, _ = shoot_geodesic(semi, A, B, a, e, f, psi + STEP, s)
         d_n, d_b = (other[0] - gap[0]) / STEP, (other[1] - gap[1]) / STEP
         determinant = d_n * gap[3] - d_b * gap[2]
         if determinant == 0.0:
@@ -182,7 +182,7 @@ def tangent_point(semi, a, e, f, psi):
 
 
 @kernel
-def chords(semi, a, b, e):
+def approximate_length(semi, a, b, e):
     """About how long the arc is: of the ellipse in the plane of A, B and the centre [m]."""
     size_a, size_b = norm(a), norm(b)
     on = acos(1.0 / size_a)
@@ -236,8 +236,10 @@ def travel(semi, x, t, s):
 
 
 @kernel
-def shoot(semi, A, B, a, e, f, psi, s):
-    """How far a geodesic misses B: along normal and binormal of its end, and both over s; end."""
+def shoot_geodesic(semi, A, B, a, e, f, psi, s):
+    """Distances of the end of a geodesic from B along its normal and binormal, their derivatives by
+    s, and the end.
+    """
     first = tangent_point(semi, a, e, f, psi)
     arrival = sub(first, A)
     t = scale(1.0 / norm(arrival), arrival)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from pydantic import model_validator
 
-from crashsolve.belts._flow import PASSES, settle
+from crashsolve.belts._flow import PASSES, solve_flow
 from crashsolve.belts._route import (
     LAID,
     MOST,
@@ -23,15 +23,15 @@ from crashsolve.belts._route import (
     SHORT,
     Fitting,
     check_route,
-    lay,
-    leave_alone,
+    clear_surface,
     pull_segments,
     put_triple,
     refuse_route,
     route_columns,
+    update_route,
 )
-from crashsolve.belts._spool import SPOOL, WOUND, spool_columns, wind
-from crashsolve.belts._webbing import WEBBING, Webbing, force_at, refuse_torn, webbing_columns
+from crashsolve.belts._spool import SPOOL, WOUND, spool_columns, update_spool
+from crashsolve.belts._webbing import WEBBING, Webbing, force_at, read_beyond_end, webbing_columns
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, quantity, word
 from crashsolve.foundation.curve import REFUSE
@@ -164,17 +164,17 @@ def laid_at_start(columns: Columns, scene: Scene) -> tuple[Any, np.ndarray]:
     for name, values in scene.placed_nodes().items():
         nodes[name] = values
     old["wrapped"] = columns["turned"]
-    lay(p, old, new, out, nodes)
+    update_route(p, old, new, out, nodes)
     return new, np.array(out["length"][: columns["segments"]])
 
 
 def initial_history(card: Belt, p: np.void, scene: Scene) -> Columns:
-    laid, lengths = laid_at_start(ROUTE.taken_from(p), scene)
+    laid, lengths = laid_at_start(ROUTE.columns_of(p), scene)
     used, n = np.arange(SEGMENTS) < p["segments"], len(lengths)
     residual, straight = np.zeros(SEGMENTS), np.zeros(SEGMENTS)
     straight[:n] = lengths
     if p["curve"]:
-        # what is pretensioned has reached its curve
+        # a pretensioned belt has reached its curve
         L = p["start"][:n]
         residual[:n] = np.maximum(lengths - L - L * p["first"] / p["k"], 0.0)
     own: Columns = {
@@ -189,18 +189,18 @@ def initial_history(card: Belt, p: np.void, scene: Scene) -> Columns:
 @kernel
 def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
-    clear(p, old, new, out)
-    lay(p, old, new, out, nodes)
-    settle(p, old, new, out, t, curves)
+    clear_unused(p, old, new, out)
+    update_route(p, old, new, out, nodes)
+    solve_flow(p, old, new, out, t, curves)
     pull_segments(p, new, out, nodes)
-    wind(p, old, new, nodes, new.flow[0], h, curves)
-    account(p, old, new, out, h)
+    update_spool(p, old, new, nodes, new.flow[0], h, curves)
+    update_energies(p, old, new, out, h)
     for i in range(p.segments):
-        refuse_torn(p, out.strain[i], curves)
+        read_beyond_end(p, out.strain[i], curves)
 
 
 @kernel
-def clear(p: Parameters, old: History, new: History, out: Output):
+def clear_unused(p: Parameters, old: History, new: History, out: Output):
     """Columns of fittings and segments that there are not. Writes: new, out."""
     for i in range(p.segments, SEGMENTS):
         new.webbing[i] = new.residual[i] = new.tension[i] = new.straight[i] = 0.0
@@ -210,7 +210,7 @@ def clear(p: Parameters, old: History, new: History, out: Output):
     for j in range(p.segments, MOST):
         put_triple(new.arrive, j, (0.0, 0.0, 0.0))
         put_triple(new.leave, j, (0.0, 0.0, 0.0))
-        leave_alone(new, j)
+        clear_surface(new, j)
         new.slip[j] = new.flow[j] = new.above[j] = new.change[j] = 0.0
         new.grip[j], new.direction[j] = 1.0, 0
         out.slip[j] = out.angle[j] = 0.0
@@ -222,8 +222,8 @@ def clear(p: Parameters, old: History, new: History, out: Output):
 
 
 @kernel
-def account(p: Parameters, old: History, new: History, out: Output, h):
-    """What is stored and lost, and what is shown. Writes: new, out."""
+def update_energies(p: Parameters, old: History, new: History, out: Output, h):
+    """Update stored and dissipated energies, and outputs. Writes: new, out."""
     out.stored = out.power = friction = drawn = slack = 0.0
     for i in range(p.segments):
         T_0, T_1 = old.tension[i], out.force[i]
@@ -237,7 +237,7 @@ def account(p: Parameters, old: History, new: History, out: Output, h):
             slack += mean * (before - max(L + new.residual[i] - out.length[i], 0.0))
         out.stored += 0.5 * T_1 * T_1 * L / p.k
         if new.slipped > old.slipped:
-            # a length that goes at once does no work on the bodies
+            # a length that vanishes at once does no work on the bodies
             friction -= mean * (out.length[i] - old.straight[i])
         new.tension[i], out.webbing[i], new.straight[i] = T_1, L, out.length[i]
         out.strain[i] = out.length[i] / L - 1.0

@@ -7,7 +7,7 @@ from crashsolve.deck.roles import Built
 
 
 class BodyLaw(Built, Protocol):
-    """What the file of a body provides beside its card."""
+    """Attributes and functions of a body's file, beside its card."""
 
 
 FAMILY = Family(

@@ -85,7 +85,7 @@ class Rigid(Card):
         default=None,
     )
     drawn: tuple[Bar, ...] = word(
-        "lengths of sections that it is drawn by, beside its surfaces", default=()
+        "sections by which the body is drawn, beside its surfaces", default=()
     )
 
     @model_validator(mode="after")

@@ -149,7 +149,7 @@ class _Evaluation:
         with np.errstate(all="ignore"):
             term = self.term(tree)
         values = np.array(term.over(self.time))
-        # who asks for a moment that has no value is reported (statistic.py)
+        # a statistic of a moment without a value is refused where it is asked for (statistic.py)
         values[~np.isfinite(values)] = np.nan
         return Series(self.time, values, str(term.product))
 

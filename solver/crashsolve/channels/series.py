@@ -30,7 +30,10 @@ def within(series: Series, window: Window | None) -> Series:
 
 
 def covered(series: Series, window: Window | None) -> Series:
-    """The same of a window that samples cover. Raises ChannelError for one that leaves the run."""
+    """The samples of a closed time window [s] that they cover.
+
+    Raises ChannelError for one that leaves the run.
+    """
     if window is not None and len(series.time):
         first, last = series.time[0], series.time[-1]
         if not (first <= window[0] and window[1] <= last):

@@ -79,21 +79,21 @@ def refined(series: Series, text: str) -> float:
 
 
 def unresolved(series: Series, text: str) -> float:
-    """What the samples cannot say of the number, in its unit; 0 where they can."""
+    """Uncertainty of the number by sampling, in its unit; 0 without any."""
     module, arguments = _read(text)
     found = getattr(module, "unresolved", None)
     return float(found(series, *arguments)) if found else 0.0
 
 
 def scale(series: Series, text: str, size: float) -> float:
-    """What errors of the number are compared with; `size` is the history's largest magnitude."""
+    """Scale of relative errors of the number; `size` is the history's largest magnitude."""
     module, _ = _read(text)
     found = getattr(module, "scale", None)
     return float(found(series, size)) if found else size
 
 
 def remark(series: Series, text: str) -> str:
-    """What is to be said where the number is shown; "" for most."""
+    """Remark to show beside the number; "" for most."""
     module, arguments = _read(text)
     found = getattr(module, "remark", None)
     return str(found(series, *arguments)) if found else ""
@@ -115,7 +115,7 @@ def is_a_time(text: str) -> bool:
     return bool(getattr(_read(text)[0], "IS_A_TIME", False))
 
 
-def moment_asked(text: str) -> float | None:
+def requested_moment(text: str) -> float | None:
     """The time [s] that a statistic such as at:0.25 names; None of others."""
     module, arguments = _read(text)
     return arguments[0] if arguments and is_of_a_moment(text) else None

@@ -22,7 +22,7 @@ class Term(NamedTuple):
 
     @property
     def product(self) -> Product:
-        """Its unit, that of a bare number being 1."""
+        """The unit of the term; that of a bare number is 1."""
         return Product() if self.unit is None else self.unit
 
 

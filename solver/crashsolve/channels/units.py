@@ -27,7 +27,7 @@ class UnitError(ChannelError):
 
 @dataclass(frozen=True)
 class Unit:
-    """How many SI units one of this unit is, and the exponents of BASES."""
+    """A unit: its size in SI units, and its exponents of BASES."""
 
     factor: float
     exponents: tuple[Fraction, ...] = (Fraction(0),) * 4
@@ -91,7 +91,7 @@ _TOKEN = re.compile(r"\s*(?:(\*\*|[*/^()·])|(-?[0-9]+(?:\.[0-9]+)?)|([^\W\d][\w
 
 
 class Factor(Protocol):
-    """What products of units are made of."""
+    """A factor of a product of units."""
 
     def __mul__(self, other: Self) -> Self: ...
 
@@ -108,7 +108,7 @@ def parse_unit(text: str) -> Unit:
 
 
 def read_product(text: str, symbol: Callable[[str], F]) -> F:
-    """What a text such as "kN/mm" comes to when each symbol stands for `symbol(word)`.
+    """Value of a text such as "kN/mm", in which each symbol stands for `symbol(word)`.
 
     Raises UnitError.
     """
@@ -226,7 +226,7 @@ def _with_power(symbol: str, power: Fraction) -> str:
 
 
 def default_factor(unit: Unit, bases: Mapping[str, Unit]) -> float:
-    """How many SI units a bare number of this dimension counts, with these units of BASES."""
+    """Size in SI units of a bare number of this dimension, with these units of BASES."""
     if bases is SI:
         return 1.0
     factors = (

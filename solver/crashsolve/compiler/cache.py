@@ -19,8 +19,9 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
-from importlib.metadata import version
 from pathlib import Path
+
+import llvmlite
 
 from crashsolve.foundation.errors import CrashsolveError, ExitCode
 
@@ -40,7 +41,7 @@ class CacheError(CrashsolveError):
 def cache_folder() -> Path:
     """Folder for composed steps and compiled code of exactly these sources. Raises CacheError."""
     # another compiler makes other code of the same sources
-    digest, root = hashlib.sha256(version("llvmlite").encode()), str(PACKAGE)
+    digest, root = hashlib.sha256(llvmlite.__version__.encode()), str(PACKAGE)
     # pathlib would take twice the time for all
     files = (os.path.join(folder, name) for folder, _, names in os.walk(root) for name in names)
     for path in sorted(path for path in files if path.endswith(".py")):
@@ -83,7 +84,7 @@ def find_folder(name: str) -> Path:
 
 
 def _unfit(root: Path, reason: str) -> CacheError:
-    """That the folder which the user has chosen keeps nothing."""
+    """The error for a cache folder, chosen by the user, that cannot be used."""
     advice = "name a folder of your own that can be written, or unset it"
     return CacheError(f"{CHOSEN}={root}: compiled code cannot be there: {reason}; {advice}")
 
@@ -220,7 +221,7 @@ def locked(path: Path) -> Iterator[int | None]:
         yield held
     finally:
         if held is not None:
-            # those who wait see that it is gone, and make another
+            # waiting processes find that it is gone, and make another
             lock.unlink(missing_ok=True)
             os.close(held)
 

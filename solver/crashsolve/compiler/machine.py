@@ -22,7 +22,7 @@ from types import ModuleType
 from typing import Any
 
 from crashsolve.compiler.cache import CacheError, cache_folder, locked, read_sealed
-from crashsolve.compiler.pages import give_back_pages
+from crashsolve.compiler.pages import release_pages
 from crashsolve.compiler.table import Tables
 from crashsolve.foundation.errors import CrashsolveError, ExitCode
 
@@ -39,7 +39,7 @@ Function = Callable[[float, bool, Tables], None]
 
 
 class Failure(ctypes.Structure):
-    """What code that checks bounds reports: where, the number that was wrong, and its limit."""
+    """Failure of a check of bounds: location, index, and its limit."""
 
     _fields_ = (
         ("site", ctypes.c_char_p),
@@ -101,7 +101,7 @@ def runs_checked() -> bool:
 
 
 def plain(source: Path, name: str) -> Function:
-    """The same function as plain Python, for debugging and coverage."""
+    """A function of composed source as plain Python, for debugging and coverage."""
     function: Function = getattr(import_file(source), name)
     return function
 
@@ -173,7 +173,7 @@ def _link(names: tuple[str, ...], code: bytes) -> tuple[Function, ...]:
 
 def forget_linker() -> None:
     """Give back what LLVM has touched: its start alone 35 MB, of which loading a step needs 6."""
-    give_back_pages("libllvmlite")
+    release_pages("libllvmlite")
 
 
 def _function(engine: Any, name: str) -> Function:
@@ -191,7 +191,7 @@ def _function(engine: Any, name: str) -> Function:
 
 
 def _checked(function: Function, engine: Any) -> Function:
-    """The same, which raises BoundsError after the first access out of bounds."""
+    """A compiled function that raises BoundsError after the first access out of bounds."""
     address = ctypes.CFUNCTYPE(ctypes.c_void_p)(engine.get_function_address("first_failure"))()
     failure = Failure.from_address(address)
 

@@ -10,7 +10,7 @@ from contextlib import suppress
 MAPPING = re.compile(r"^([0-9a-f]+)-([0-9a-f]+) (\S{4}) \S+ \S+ \S+ *(.*)$")
 
 
-def give_back_pages(library: str) -> None:
+def release_pages(library: str) -> None:
     """Drop the pages of a library that hold what its file holds; the system reads them again.
 
     Where the system has no list of pages, nothing happens.
@@ -23,7 +23,7 @@ def give_back_pages(library: str) -> None:
 
 
 def _unchanged(library: str) -> Iterator[tuple[int, int]]:
-    """Where a library lies that nothing has written to: not where addresses were put in."""
+    """Address ranges of a library's pages that have not been written to."""
     begin = end = changed = 0
     with open("/proc/self/smaps", encoding="utf-8") as file:
         for line in file:

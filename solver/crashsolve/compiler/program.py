@@ -43,9 +43,9 @@ class Program:
         self._meanings: dict[str, tuple[Any, ...]] = {}
         self._imports: dict[str, tuple[str, str]] = {}
         self._parts: list[str] = []
-        # objects whose copies have been made must live on, for theirs is the number
+        # copied objects must stay alive, because their identity is the key
         self._bound: list[Any] = []
-        # copies of which nothing is left
+        # copies that are empty
         self.empty: set[str] = set()
 
     def text(self) -> str:
@@ -66,7 +66,7 @@ class Program:
             original = source.functions[name]
             function = Copy(self, source, original, bound).function
             function.name = word
-            if all(map(_is_idle, function.body)):
+            if all(map(_is_ineffective, function.body)):
                 self.empty.add(word)
             else:
                 self._resolve(source, function)
@@ -158,7 +158,7 @@ def read_source(module: str) -> Source:
     return source
 
 
-def _is_idle(node: ast.stmt) -> bool:
+def _is_ineffective(node: ast.stmt) -> bool:
     """Whether a statement does nothing."""
     return isinstance(node, ast.Pass) or (
         isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)

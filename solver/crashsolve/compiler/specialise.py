@@ -20,7 +20,7 @@ from dataclasses import dataclass, field
 from types import ModuleType
 from typing import Any
 
-# what may be called with placeholders
+# functions that may be called with placeholders
 BUILTINS: dict[str, Callable[..., Any]] = {
     f.__name__: f for f in (all, any, bool, enumerate, getattr, hasattr, len, range, zip)
 }
@@ -223,7 +223,7 @@ class Copy(ast.NodeTransformer):
         return ast.Constant(test) if isinstance(test, bool) else test
 
     def _condition(self, node: ast.expr) -> ast.expr | bool:
-        """What is left of a condition, or what it comes to."""
+        """The unknown part of a condition, or its value."""
         is_known, value = self.known_value(node)
         if is_known:
             return bool(value)

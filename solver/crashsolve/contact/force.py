@@ -13,7 +13,9 @@ from crashsolve.deck.card import Card, Law, SurfaceName, quantity, word
 class Force(Card):
     """Continuous-force contact between the surfaces of side a and those of side b."""
 
-    a: tuple[SurfaceName, ...] = word("surfaces of one side")
+    a: tuple[SurfaceName, ...] = word(
+        "surfaces of one side; the name of a structure stands for all its members"
+    )
     b: tuple[SurfaceName, ...] = word("surfaces of the other side; the normal points out of them")
     normal: Card = Law("contact/normal", "law of the normal force")
     friction: Card | None = Law("friction", "law of friction; none when absent", default=None)

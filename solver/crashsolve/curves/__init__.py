@@ -7,7 +7,7 @@ from crashsolve.deck.roles import Built
 
 
 class CurveLaw(Built, Protocol):
-    """What the file of a curve provides beside its card: points and cubics."""
+    """Functions of a curve's file, beside its card: points and cubics."""
 
 
 FAMILY = Family(

@@ -16,7 +16,7 @@ Points = tuple[tuple[float, float], ...]
 
 
 class CurveCard(Card):
-    """What a curve does outside its points."""
+    """Fields of all curves: the extrapolation outside their points."""
 
     extrapolate: Literal["refuse", "hold", "linear"] = word(
         "outside its range: refuse stops the run, hold keeps the end value, linear the end slope",
@@ -25,7 +25,7 @@ class CurveCard(Card):
 
 
 class PointsCard(CurveCard):
-    """How a curve goes through its points, and their units."""
+    """Interpolation of a curve through its points, and their units."""
 
     x_unit: str | None = word("unit of x; when absent that of the file, by the curve's use", None)
     y_unit: str | None = word("unit of y; when absent that of the file, by the curve's use", None)

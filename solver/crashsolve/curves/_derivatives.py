@@ -50,13 +50,15 @@ def with_derivative(formula: Expression, x: Array) -> Jet:
     with np.errstate(all="ignore"):
         found = _jet(formula.root, x)
     for at in x[~np.isfinite(found.y)][:1]:
-        # the plain evaluation says what is wrong there
+        # the plain evaluation raises the error there
         formula.value({"x": float(at)})
     return found
 
 
 def _jet(node: ast.AST, x: Array) -> Jet:
-    """The same of one node of a formula that has been evaluated before, so that its words exist."""
+    """Value and slope of one node of a formula that has been evaluated before, so that its words
+    exist.
+    """
     match node:
         case ast.Constant(value=int() | float() as number):
             return Jet(np.full_like(x, number), np.zeros_like(x))

@@ -82,7 +82,7 @@ def sample(card: Formula) -> tuple[Array, Array, Array, float]:
 def _sample(
     expression: str, start: float, end: float, segments: int
 ) -> tuple[Array, Array, Array, float]:
-    """The same, once for the check of the card and its build."""
+    """The samples of a formula, computed once for the check of the card and its build."""
     formula = Expression(expression)
     # what cannot be evaluated at all is reported by the plain evaluation
     formula.value({"x": start})
@@ -108,7 +108,8 @@ def _sample(
         scale = np.maximum(here, FLOOR * largest)
         # round-off of x itself shows in a steep formula
         steepest = np.maximum(np.abs(a.slope), np.abs(b.slope))
-        error -= ROUND_OFF * (largest + np.maximum(np.abs(left), np.abs(right)) * steepest)
+        with np.errstate(over="ignore"):
+            error -= ROUND_OFF * (largest + np.maximum(np.abs(left), np.abs(right)) * steepest)
         is_rough = (error > tolerance * scale) & (right - left > least)
         while count + is_rough.sum() > MOST:
             tolerance *= 10.0

@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationInfo, model_validator
 
-from crashsolve.channels.units import Unit, describe
+from crashsolve.channels.units import PURE, Unit, UnitError, describe
 from crashsolve.curves._card import EXTRAPOLATE, Points, PointsCard, check_axis, check_order
 from crashsolve.curves._piecewise import Array, coefficients
 from crashsolve.deck.building import Scene
 from crashsolve.deck.card import word
 from crashsolve.deck.diagnostics import refuse
-from crashsolve.deck.numbers import Context, SiFloat, number_in, unit_named
+from crashsolve.deck.numbers import Context, SiFloat, number_in, refuse_foreign, unit_named
 
 
 class Table(PointsCard):
@@ -67,12 +67,22 @@ def _column(
     for i, value in enumerate(values):
         is_bare = by_use and isinstance(value, int | float) and not isinstance(value, SiFloat)
         given = unit_named(by_use, ()) if is_bare else named
+        if is_bare:
+            _refuse_foreign(value, given, ("points", i, j))
         number, own = number_in(value, given, context, ("points", i, j))
         unit = unit or own
         if unit and own and own.exponents != unit.exponents:
             refuse(f"this is in {describe(own)}, not in {describe(unit)}", within=("points", i, j))
         column.append(number)
     return column, unit
+
+
+def _refuse_foreign(value: float, unit: Unit | None, within: tuple[str | int, ...]) -> None:
+    """Refuse a bare number that counts in the units of another file."""
+    try:
+        refuse_foreign(value, unit or PURE)
+    except UnitError as error:
+        refuse("must be a number, alone or with a unit", str(error), within=within)
 
 
 def build(card: Table, scene: Scene) -> tuple[Array, Array, int]:

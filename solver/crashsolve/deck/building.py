@@ -16,7 +16,7 @@ Columns = dict[str, Any]
 
 
 class Pair(Protocol):
-    """What a normal law may ask about the contact and the two surfaces between which it acts."""
+    """The contact and its two surfaces, for the build of a normal law."""
 
     contact: str
     radius_a: float | None  # [m]; infinite for a plane, None where the surface has none
@@ -54,6 +54,8 @@ class Scene(Protocol):
     curves: dict[str, int]
     curve_points: np.ndarray  # all curves, as kernels read them
     warnings: list[str]
+    errors: list[Any]  # DeckErrors found so far
+    tied_mass: float  # of tied nodes, whose faces have it besides [kg]
     stepwise: list[str]  # laws that count in whole steps
     methods: list[str]  # integrators of all families; empty for any
 
@@ -75,7 +77,7 @@ class Scene(Protocol):
         """Module and card of an entry that another card names."""
 
     def built(self, card: Any) -> Any:
-        """What a law within a card makes of it."""
+        """Columns that a law within a card builds."""
 
     def curve(self, name: str) -> int:
         """Number of a curve of the deck."""
@@ -135,10 +137,13 @@ class Scene(Protocol):
         """The mesh of a part, refused where its elements do not hang together."""
 
     def own_share(self) -> Any:
-        """What the part that is being built has of a mesh of the deck."""
+        """Elements and points of a shared mesh that the part being built has."""
 
     def meshed(self, part: str) -> Any:
         """A part with points in place."""
+
+    def on_mesh_of(self, meshed: Any) -> list[Any]:
+        """All parts in place that share the mesh of one."""
 
     def has_points(self, part: str) -> bool:
         """Whether the nodes of a part are points."""

@@ -128,7 +128,8 @@ SetName = Annotated[str, BeforeValidator(number_as_name)]
 
 
 class Card(BaseModel):
-    """What a user may write in one location of a deck. A trailing "_" of a field is not written.
+    """The fields that a user may write in one location of a deck. A trailing "_" of a field is not
+    written.
 
     A bare text stands for the field named by `shorthand`, if any. `curve_axes` has the units of x
     and y of the curves that fields name.
@@ -178,7 +179,9 @@ class Card(BaseModel):
 
     @model_validator(mode="wrap")
     @classmethod
-    def _in_plain_english(cls, value: object, handler: ModelWrapValidatorHandler["Card"]) -> "Card":
+    def _with_plain_messages(
+        cls, value: object, handler: ModelWrapValidatorHandler["Card"]
+    ) -> "Card":
         if cls.shorthand and isinstance(value, str):
             value = {cls.shorthand: value}
         try:
@@ -223,7 +226,7 @@ def _open_law(value: object, folder: str, context: Context) -> Any:
 def _further_diagnostics(
     folder: str, near: str, fields: Mapping[str, Any], context: Context
 ) -> list[Diagnostic]:
-    """What is wrong beside a mistyped type, if the one most like it is meant."""
+    """Further errors of a card with a mistyped type, if the one most like it is meant."""
     if not near:
         return []
     law = law_class(folder, near)

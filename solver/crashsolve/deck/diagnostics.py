@@ -30,7 +30,7 @@ EXPECTED = {
 
 
 class Diagnostic(NamedTuple):
-    """What is wrong at a path within a card; `key` when it is the name there, not its value."""
+    """An error at a path within a card; `key` when it is in the name there, not in its value."""
 
     path: Path
     message: str
@@ -50,7 +50,7 @@ def refuse(message: str, advice: str = "", within: Path = (), key: bool = False)
 
 
 def already_reported() -> NoReturn:
-    """Give up a value whose error is already reported of."""
+    """Skip a value whose error has been reported already."""
     raise PydanticCustomError("reported", "already reported")
 
 
@@ -78,7 +78,7 @@ def diagnostics_of(card: type[BaseModel], error: ValidationError) -> list[Diagno
 
 
 def explained(card: type[BaseModel], error: ValidationError) -> ValidationError:
-    """The same error with its errors in words."""
+    """The error of a card with the messages of its parts in words."""
     return reported(diagnostics_of(card, error), card.__name__)
 
 

@@ -19,7 +19,7 @@ class Written(Protocol):
 
 
 class Dumped(Protocol):
-    """What a deck is written from."""
+    """The entries from which a deck is written."""
 
     @property
     def title(self) -> str: ...

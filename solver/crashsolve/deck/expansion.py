@@ -2,7 +2,8 @@
 
 The module of such a type has `expand(name, card, laws, control)`: a pure function from the card,
 the sections and materials of the deck and the words of its control to other cards. Positions
-and errors of these are those of the card that they are made of; their numbers are in SI.
+and errors of these are those of the card that they are made of; their numbers are in SI. It may
+have `surfaces(name, card, laws, control, faces_balls)`: those that its name means in a contact.
 """
 
 from collections.abc import Callable, Mapping
@@ -35,7 +36,9 @@ class Law(NamedTuple):
 
 
 class Made(NamedTuple):
-    """A card that is made, and the path in the other of what it is made of."""
+    """A card that an expansion has made, and the path in the expanded card from which it is
+    made.
+    """
 
     keyword: str
     name: str
@@ -44,7 +47,7 @@ class Made(NamedTuple):
 
 
 class Problem(ValueError):
-    """Why a card cannot be written out, at a path of it."""
+    """An error at a path of a card that cannot be written out."""
 
     def __init__(self, path: Steps, message: str, advice: str = "") -> None:
         super().__init__(message)
@@ -71,19 +74,33 @@ def expand(
 
     `laws` are the entries of sections and materials. What is wrong goes to `refuse`. Writes: items.
     """
-    known = {
+    words = control if isinstance(control, Mapping) else {}
+    try:
+        made = import_module(entry.module_name).expand(entry.name, entry.card, known(laws), words)
+    except Problem as problem:
+        refuse(entry.item, Diagnostic(problem.path, problem.message, problem.advice))
+        return False
+    return add(entry, made, items, refuse)
+
+
+def known(laws: Mapping[str, Mapping[str, Any]]) -> dict[str, dict[str, Law]]:
+    """Entries of sections and materials as those who write cards out see them."""
+    return {
         keyword: {
             name: Law(name, law.type, import_module(law.module_name), law.card)
             for name, law in entries.items()
         }
         for keyword, entries in laws.items()
     }
-    words = control if isinstance(control, Mapping) else {}
-    try:
-        made = import_module(entry.module_name).expand(entry.name, entry.card, known, words)
-    except Problem as problem:
-        refuse(entry.item, Diagnostic(problem.path, problem.message, problem.advice))
-        return False
+
+
+def add(
+    entry: Any, made: list[Made], items: Items, refuse: Callable[[Item, Diagnostic], None]
+) -> bool:
+    """Add cards that an entry is written out in; returns whether none has a name of another.
+
+    Writes: items.
+    """
     is_well, owner = True, entry.item.title
     for card in made:
         where = locate(entry.where, entry.item.value, card.path, False)

@@ -32,16 +32,16 @@ FIRST = ""  # follows no section
 
 
 class FamilyError(CrashsolveError):
-    """A family, or a law of it, does not state all that is asked of it."""
+    """A family, or a law of it, lacks an attribute or function that it must have."""
 
 
 class _Missing:
-    """Stands for what is not declared."""
+    """Default of a declaration that is missing."""
 
 
 @dataclass(frozen=True)
 class Family:
-    """What a folder of laws states of itself. Raises FamilyError naming all that is missing."""
+    """Declaration of a folder of laws. Raises FamilyError naming all that is missing."""
 
     # which question each declaration answers, as the error asks it
     entry: Any = _Missing  # what is one entry of its section called? None for laws within cards
@@ -79,7 +79,7 @@ class Family:
             raise FamilyError("a family whose laws act must name the first word of its channels")
 
     def _kinds(self) -> tuple[tuple[str, bool, str], ...]:
-        """For each declaration whether it is of its kind, and what it must be."""
+        """Check of each declaration, and the kind that it must be."""
         channels = self.channels or {}
         texts = list(channels.values()) if isinstance(channels, dict) else [None]
         return (
@@ -142,7 +142,7 @@ def _are_words(values: Any) -> bool:
 
 
 def _are_paths(values: Any) -> bool:
-    """The same, of words that may be folders within folders (contact/normal)."""
+    """Whether these are words, or paths of words such as contact/normal, none of them twice."""
     is_tuple = isinstance(values, tuple) and all(isinstance(word, str) for word in values)
     return is_tuple and _are_words(tuple(word.replace("/", "_") for word in values))
 
@@ -198,13 +198,13 @@ def check_arguments(module: Any, wanted: dict[str, Any]) -> None:
     for name, function in wanted.items():
         if not isinstance(getattr(module, name), FunctionType):
             raise FamilyError(f"{module.__name__}: {name} must be a function")
-        asked, given = _arguments(function)[1:], _arguments(getattr(module, name))
-        least = len(asked) - len(function.__defaults__ or ())
+        requested, given = _arguments(function)[1:], _arguments(getattr(module, name))
+        least = len(requested) - len(function.__defaults__ or ())
         # a name that begins with _ is one that the law has no use for
-        if not least <= len(given) <= len(asked) or any(
-            g != a and g[0] != "_" for g, a in zip(given, asked, strict=False)
+        if not least <= len(given) <= len(requested) or any(
+            g != a and g[0] != "_" for g, a in zip(given, requested, strict=False)
         ):
-            message = f"{name}({', '.join(asked)}), not {name}({', '.join(given)})"
+            message = f"{name}({', '.join(requested)}), not {name}({', '.join(given)})"
             raise FamilyError(f"{module.__name__} must provide {message}")
 
 
@@ -300,14 +300,14 @@ def imported(name: str, path: Path) -> Any:
     except CrashsolveError:
         raise
     except Exception as error:
-        raise FamilyError(_what_python_says(error, location, path)) from error
+        raise FamilyError(_import_message(error, location, path)) from error
 
 
-def _what_python_says(error: Exception, location: str, path: Path) -> str:
+def _import_message(error: Exception, location: str, path: Path) -> str:
     """File, line and reason of an error of an import, in one line."""
     trace = traceback.extract_tb(error.__traceback__)
     lines = [step.lineno for step in trace if step.filename == str(path)]
-    # pydantic states behind its first line where to read of it
+    # what follows the first line of pydantic's message is a link to its manual
     reason = str(error).partition("\n")[0]
     if isinstance(error, SyntaxError) and error.filename == str(path):
         lines, reason = [error.lineno], error.msg
@@ -316,7 +316,7 @@ def _what_python_says(error: Exception, location: str, path: Path) -> str:
 
 
 def _refuse_clashes(found: list[Family]) -> None:
-    """Raises FamilyError for names that two families have, and for those that nothing has."""
+    """Raises FamilyError for names that two families have, and for names of no family."""
     owners: dict[tuple[str, str], str] = {("channels", "glstat"): "the whole model"}
     for family in found:
         location = f"{PACKAGE}/{family.folder}/__init__.py"

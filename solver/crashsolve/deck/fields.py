@@ -68,7 +68,7 @@ def _noted(default: object, bounds: Mapping[str, float | None], **notes: str) ->
 
 @dataclass(frozen=True)
 class Declared:
-    """What the declaration of a field says, in the form messages and manuals need."""
+    """Declaration of a field, in the form that messages and manuals need."""
 
     info: FieldInfo
     unit: str = ""
@@ -122,5 +122,5 @@ def deck_words(card: type[BaseModel]) -> dict[str, str]:
 
 
 def in_unit(unit: str) -> str:
-    """ " in N/m" for messages; nothing for a pure number."""
+    """ " in N/m" for messages; "" for a pure number."""
     return "" if unit in ("", "1", "any") or "{" in unit else f" in {unit}"

@@ -58,7 +58,7 @@ def law_module(folder: str, word: object) -> ModuleType:
         advice = choices(word, types, "types")
         if isinstance(word, str) and word.isidentifier() and word[0] != "_":
             file = Path(folder) / f"{word}.py"
-            # asked of the system, a name longer than it allows would be an error
+            # a name longer than the file system allows would raise an error
             if isfile(package_folder() / file):
                 location = f"{PACKAGE}/{file.as_posix()}"
                 advice = f"{location} has no `class {class_name(word)}(...)`, its card"

@@ -24,7 +24,7 @@ class Expanded(Protocol):
         """Entries by keyword and name, as a deck has them."""
 
     def unused(self, card: Any) -> Any:
-        """Why paths of the card change nothing beside its other words, by path."""
+        """Reasons why fields of the card have no effect beside the others, by path."""
 
 
 class BasicConstraint(Protocol):
@@ -70,7 +70,10 @@ class Releasing(Protocol):
     """A constraint that comes apart."""
 
     def release_rows(self, p, old, rows, count):
-        """Rows that hold nothing, where it has. Writes: rows.phi, D, nu, gamma."""
+        """Clear the constraint rows of a joint that has been released.
+
+        Writes: rows.phi, D, nu, gamma.
+        """
 
 
 class Force(Protocol):
@@ -82,11 +85,14 @@ class Force(Protocol):
     """
 
     def force(self, p, old, new, out, t, h, nodes, rows, curves):
-        """Forces on bodies, what is stored, the power and the loss. Writes: nodes, out, new."""
+        """Forces on bodies, stored energy, power and loss.
+
+        Writes: nodes, out, new.
+        """
 
 
 class Reading(Protocol):
-    """What is read at samples and acts on nothing."""
+    """A law that is evaluated at samples and acts on nothing."""
 
     def measure(self, p, out, t, nodes, rows, curves):
         """Readings at a sample. Writes: out."""
@@ -96,11 +102,11 @@ class Following(Protocol):
     """A sensor that must look at every step."""
 
     def follow(self, p, old, new, out, nodes):
-        """What it keeps of a step. Writes: new, out."""
+        """Update its history by a step. Writes: new, out."""
 
 
 class Tangent(Protocol):
-    """A law of force that states implicit methods its slopes, in TANGENTS rows an entry."""
+    """A law of force whose slopes implicit methods use, in TANGENTS rows for each entry."""
 
     TANGENTS: int
 
@@ -119,14 +125,14 @@ class Branches(Protocol):
     """A law of force with corners, at which Runge-Kutta steps end."""
 
     def event(self, p, old, h, nodes, curves):
-        """How far it is past the branch on which the step of h began, 0 at the corner."""
+        """Distance beyond the branch on which the step of h began, 0 at the corner."""
 
 
 class NormalLaw(Protocol):
     """A law of the normal force of contact."""
 
     def build(self, card: Any, scene: Scene, pair: Pair) -> Any:
-        """Words into symbols; `pair` states the radii of both surfaces."""
+        """The row of PARAMETERS of a card; `pair` has the radii of both surfaces."""
 
     def normal_force(self, p, old, new, h, depth, rate, mass, curves):
         """Force >= 0 [N], stored [J], power [W], loss [J], stiffness, damping. Writes: new.
@@ -169,7 +175,7 @@ class FrictionBranches(Protocol):
     """Friction with corners, at which Runge-Kutta steps end."""
 
     def regime_left(self, p, old, slip):
-        """How far the slip is past the regime in which the step began [m/s]."""
+        """Difference of the slip from the regime in which the step began [m/s]."""
 
 
 class GapRoutine(Protocol):
@@ -220,14 +226,17 @@ class ElementEnergies(Protocol):
     """Parts that keep their elements in blocks."""
 
     def energies(self, p, new, out, scene):
-        """What the part has stored and lost. Writes: new, out."""
+        """Stored and dissipated energies of the part. Writes: new, out."""
 
 
 class FibreLaw(Protocol):
     """Elements of fibres, which call the law of their material."""
 
     def force(self, p, old, new, out, t, h, nodes, rows, curves, material):
-        """Forces on bodies, what is stored, the power and the loss. Writes: nodes, out, new."""
+        """Forces on bodies, stored energy, power and loss.
+
+        Writes: nodes, out, new.
+        """
 
     def tangent(self, p, state, nodes, curves, rows, first, material):
         """Compliant rows from row `first` on. Writes: rows."""

@@ -91,7 +91,7 @@ class _Definitions:
         words = list(types_in(folder))
         if not words:
             return {"not": {}}
-        # one branch is looked at, so that an error is reported the field it is in
+        # one branch alone is checked, so that an error names the field it is in
         branches = []
         for word in words:
             is_it: Schema = {"properties": {"type": {"const": word}}}
@@ -191,6 +191,8 @@ def _manual() -> Iterator[str]:
         "Where a file has `units`, an expression of parameters with units may hold bare numbers",
         "if these are pure, as in `${length/2}`, or if the units of the others cancel, as in",
         "`${gap*sin(tilt)}`.",
+        "A parameter without a unit counts in the units of the file that defines it: a file with",
+        "other units may read it only where it is pure; `'4 1'` states that it is.",
         "`title` is text, `include` a list of files, `parameters` a table of names and numbers.",
         "A file may be included many times with other words: with",
         "`{file: car.yaml, with: {car: c1}}` every `<car>` in its names and texts becomes `c1`.",
@@ -226,7 +228,7 @@ def _family(folder: str, nested: dict[type[Card], None]) -> Iterator[str]:
 
 
 def _pairs_of_shapes() -> Iterator[str]:
-    """Which shapes can meet, and in how many points: the files of contact/narrow say so."""
+    """Shapes that can meet, and their number of points, by the files of contact/narrow."""
     files = sorted((package_folder() / "contact" / "narrow").glob("[!_]*.py"))
     shells = ", ".join(f"`{shape}`" for shape in ("nodes", "sphere", "point_set", "ellipsoid"))
     yield from (
@@ -247,7 +249,9 @@ def _pairs_of_shapes() -> Iterator[str]:
 
 
 def _points_of_pair(pair: str) -> str:
-    """POINTS of the pair's file or of the file of its kernel, else what the first line says."""
+    """POINTS of the pair's file or of the file of its kernel, else the first line of its
+    docstring.
+    """
     module = import_module(f"{PACKAGE}.contact.narrow.{pair}")
     home = import_module(module.gap.__module__)
     stated = getattr(module, "POINTS", getattr(home, "POINTS", ""))
@@ -315,7 +319,7 @@ def _cards_in(annotation: object) -> list[type[Card]]:
 
 
 def _kind_of(field: Declared) -> str:
-    """What a user may write for a field, in words."""
+    """Values that a user may write for a field, in words."""
     return _marked(field.info.metadata) or _kind(field.info.annotation)
 
 
@@ -325,7 +329,7 @@ def _is_set_name(marks: Iterable[Any]) -> bool:
 
 
 def _marked(marks: Iterable[Any]) -> str:
-    """What the marks of an annotation make of a text: a name, or a file."""
+    """Meaning of a text by the marks of its annotation: a name, or a file."""
     if _is_set_name(marks):
         return "text or whole number"
     functions = [mark.func for mark in marks if isinstance(mark, AfterValidator)]

@@ -30,7 +30,7 @@ _WORDS |= {"true": True, "True": True, "TRUE": True, "false": False, "False": Fa
 
 
 _CORE_TYPES: dict[str, Any] = {"int": int, "float": int | float, "bool": bool, "null": NoneType}
-# what YAML calls printable
+# printable characters of YAML
 _FORBIDDEN = re.compile(r"[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
@@ -38,7 +38,7 @@ _FORBIDDEN = re.compile(r"[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U0001000
 _CONTROL = re.compile("[\x00-\x08\x0b-\x1f\ud800-\udfff]")
 
 
-# what entries are called: part of channels and of files
+# names of entries: parts of channels and of files
 NAME = re.compile(r"[^\W\d][\w-]*")
 NAME_ADVICE = "begin with a letter, continue with letters, digits, _ and -"
 
@@ -76,11 +76,11 @@ class Table(dict[str, Any]):
         self.values_at[key] = at
 
     def key_location(self, key: str) -> Position:
-        """Where a key stands."""
+        """Line and column of a key."""
         return Position(self.file, *self.keys_at[key])
 
     def value_location(self, key: str) -> Position:
-        """Where the value of a key stands; that of the key for a table or list below it."""
+        """Line and column of the value of a key; of the key for a table or list below it."""
         is_block = isinstance(self[key], Table | Rows)
         return self.key_location(key) if is_block else Position(self.file, *self.values_at[key])
 
@@ -96,7 +96,7 @@ class Rows(list[Any]):
         self.values_at: list[tuple[int, int]] = []
 
     def location(self, i: int) -> Position:
-        """Where a value stands."""
+        """Line and column of a value."""
         return Position(self.file, *self.values_at[i])
 
 

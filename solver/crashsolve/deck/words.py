@@ -60,7 +60,7 @@ def nearest(word: object, known: Iterable[str]) -> str:
 
 
 def nearest_field(word: object, known: Iterable[str]) -> str:
-    """The same for a field of a card, which may be known by its symbol."""
+    """Question about a wrong field of a card: the right one most like it, also by its symbol."""
     names, text = list(known), str(word)
     for meant in (*SYMBOLS.get(text, ()), text.lower()):
         if meant in names:

@@ -43,14 +43,14 @@ class MassScaling(Card):
 
 
 class Damped(Card):
-    """What the cards of all parts can say of damping and added mass; nothing of it by default."""
+    """Fields of damping and added mass of the cards of all parts; none by default."""
 
     damping: float = quantity("s", "beta, damping over stiffness", default=0.0, ge=0)
     drag: float = quantity("1/s", "alpha, damping force over momentum", default=0.0, ge=0)
     viscosity: Viscosity | None = word(
         "resists fast stretching; only for explicit integrators", default=None
     )
-    mass_scaling: MassScaling | None = word("adds mass; the log says how much", default=None)
+    mass_scaling: MassScaling | None = word("added mass, reported in the log", default=None)
 
 
 def coefficients(card: Damped, scene: Scene) -> tuple[float, float]:
@@ -64,7 +64,7 @@ def coefficients(card: Damped, scene: Scene) -> tuple[float, float]:
     return card.viscosity.linear, card.viscosity.quadratic**2
 
 
-def heavier(card: Damped, squares: Any, scene: Scene) -> Any:
+def mass_factors(card: Damped, squares: Any, scene: Scene) -> Any:
     """Factors of the mass of elements with these squares of their highest frequency [1/s^2]."""
     if card.mass_scaling is None:
         return 0.0 * squares + 1.0
@@ -72,7 +72,7 @@ def heavier(card: Damped, squares: Any, scene: Scene) -> Any:
     return (squares / wanted).clip(min=1.0)
 
 
-def report_added(card: Damped, mass: np.ndarray, factor: np.ndarray, scene: Scene) -> None:
+def report_added_mass(card: Damped, mass: np.ndarray, factor: np.ndarray, scene: Scene) -> None:
     """Report to the user how much mass has been added, or refuse it. `mass` is that of the
     elements.
     """
@@ -92,7 +92,7 @@ def report_added(card: Damped, mass: np.ndarray, factor: np.ndarray, scene: Scen
 
 
 @kernel
-def brake(nodes, node, rate):
+def apply_drag(nodes, node, rate):
     """Drag on a node; returns the power lost. Writes: nodes."""
     b, zero = nodes[node], (0.0, 0.0, 0.0)
     f = scale(-rate / b.mass_inv, vec(b.v))

@@ -4,7 +4,7 @@
     integral of it:                                                + |impulse - integral|
     acceleration of a body that it strikes:                        + (peak - shown) / m
 
-A force in a joint, spring or section may lack as much as the contact does. Of HIC, filters and the
+A force in a joint, spring or section may miss as much as the contact does. Of HIC, filters and the
 like of such a body, of sensors and of stored energies nothing can be said. Consequence to test: no
 extreme or integral across a touch that lies between two samples has an error below its own size.
 """
@@ -24,12 +24,20 @@ MOVED = re.compile(r"\brbdout\.([\w-]+)\.acceleration\b")
 SENSED = re.compile(r"\b(nodout\.|glstat\.model\.energy\.\w+_stored)")
 
 
-def widened(found: Sequence[Estimate], missed: Sequence[Any], mass: dict[str, float]) -> list[Any]:
-    """Estimates with what the samples miss of contacts; masses [kg] of bodies by name."""
-    return [_widened(estimate, missed, mass) for estimate in found] if missed else list(found)
+def with_missed_contacts(
+    found: Sequence[Estimate], missed: Sequence[Any], mass: dict[str, float]
+) -> list[Any]:
+    """Estimates plus what samples miss of contacts `missed`; `mass` [kg] of bodies by name."""
+    return (
+        [_with_missed_contacts(estimate, missed, mass) for estimate in found]
+        if missed
+        else list(found)
+    )
 
 
-def _widened(estimate: Estimate, missed: Sequence[Any], mass: dict[str, float]) -> Estimate:
+def _with_missed_contacts(
+    estimate: Estimate, missed: Sequence[Any], mass: dict[str, float]
+) -> Estimate:
     text, statistic = " ".join(estimate.watch.channels), estimate.watch.statistic
     is_course = bool(COURSES.search(text))
     if estimate.error is None or (statistic not in OF_SAMPLES and not is_course):
@@ -38,35 +46,37 @@ def _widened(estimate: Estimate, missed: Sequence[Any], mass: dict[str, float]) 
     if own is not None and "impulse" not in text and "peak_" not in text:
         return _of_contact(estimate, own, text, statistic)
     if FORCES.search(text) and not is_course:
-        worst = max(missed, key=lambda m: float(m.lack))
-        return _more(estimate, worst.lack, worst)
+        worst = max(missed, key=lambda m: float(m.shortfall))
+        return _with_shortfall(estimate, worst.shortfall, worst)
     struck = {name for name in MOVED.findall(text) for m in missed if name in m.bodies}
     if struck and not is_course and statistic in ("max", "min", "abs_max"):
-        lack = max(m.lack / mass[name] for name in struck for m in missed if name in m.bodies)
-        return _more(estimate, lack, max(missed, key=lambda m: float(m.lack)))
+        shortfall = max(
+            m.shortfall / mass[name] for name in struck for m in missed if name in m.bodies
+        )
+        return _with_shortfall(estimate, shortfall, max(missed, key=lambda m: float(m.shortfall)))
     if struck or SENSED.search(text) or (is_course and MOVED.search(text) is None):
-        worst = max(missed, key=lambda m: float(m.lack))
+        worst = max(missed, key=lambda m: float(m.shortfall))
         how = f"not estimated: contact '{worst.name}' peaked at {worst.peak:.3g} N between samples"
         return replace(estimate, error=None, how=how)
     return estimate
 
 
 def _of_contact(estimate: Estimate, own: Any, text: str, statistic: str) -> Estimate:
-    """Of the force of a contact that was missed itself."""
+    """The estimate of a number of the very contact whose peak lies between samples."""
     if statistic == "integral" and estimate.value is not None:
         component = re.search(r"\.force\.([xyz])", text)
         if component:
             true = float(own.impulse["xyz".index(component.group(1))])
         else:
             true = float((own.impulse**2).sum() ** 0.5)
-        return _more(estimate, abs(true - estimate.value), own)
+        return _with_shortfall(estimate, abs(true - estimate.value), own)
     if re.search(r"\.(normal|tangential|force)\b", text) and statistic in ("max", "min", "abs_max"):
-        return _more(estimate, own.lack, own)
+        return _with_shortfall(estimate, own.shortfall, own)
     how = f"not estimated: it peaked at {own.peak:.3g} N between samples"
     return replace(estimate, error=None, how=how)
 
 
-def _more(estimate: Estimate, lack: float, own: Any) -> Estimate:
-    missed = f"{lack:.2g} {estimate.unit}".rstrip()
+def _with_shortfall(estimate: Estimate, shortfall: float, own: Any) -> Estimate:
+    missed = f"{shortfall:.2g} {estimate.unit}".rstrip()
     how = f"{estimate.how}; contact '{own.name}' between samples {missed}"
-    return replace(estimate, error=(estimate.error or 0.0) + lack, how=how)
+    return replace(estimate, error=(estimate.error or 0.0) + shortfall, how=how)

@@ -24,7 +24,7 @@ from crashsolve.recording.histories import Histories
 from crashsolve.recording.marching import MOST
 from crashsolve.recording.samples import Channel, Samples, gather
 from crashsolve.recording.sampling import Schedule
-from crashsolve.study.settings import order_of
+from crashsolve.study.methods import order_of
 from crashsolve.system.engine import Engine
 
 # where the error of a step is of higher order the step falls by a factor between 1.5 and 2
@@ -35,8 +35,8 @@ class Abandoned(Exception):
     """The run has been asked to stop."""
 
 
-class TooDear(Exception):
-    """A companion costs more than is left for it."""
+class BudgetExceeded(Exception):
+    """A companion has used up the CPU time that is left for it."""
 
 
 def coarsen(control: np.ndarray, coarseness: float, interval: float, order: float | None) -> None:
@@ -49,19 +49,19 @@ def coarsen(control: np.ndarray, coarseness: float, interval: float, order: floa
         return
     power = min((order or HIGHEST_POWER) + 1, HIGHEST_POWER)
     c["tolerance"] = min(c["tolerance"] * coarseness**power, 0.5)
+    c["curve_share"] *= coarseness
     if c["fixed_step"] > 0.0:
         c["fixed_step"] *= coarseness
         return
     # samples do not cut the steps of the default method that chooses them
     longest = c["step_max"] if c["resolves"] == 1 else min(c["step_max"], interval)
     c["step_max"] = longest * coarseness
-    c["curve_share"] *= coarseness
     c["safety"] *= coarseness
     c["rotation"] *= coarseness
 
 
 class Companions:
-    """Runs of one deck in memory; `stopped` asks whether to give up."""
+    """Runs of one deck in memory; `stopped` returns whether the user wants the run to stop."""
 
     def __init__(
         self, deck: Deck, channels: Sequence[Channel], stopped: Callable[[], bool], program: str
@@ -75,39 +75,39 @@ class Companions:
         self.budget, self._until = inf, inf
 
     def run(self, coarseness: float) -> Samples:
-        """Samples of the channels. Raises SolverError, Abandoned, TooDear."""
-        begun = clock.process_time()
-        self._until = begun + self.budget
+        """Samples of the channels. Raises SolverError, Abandoned, BudgetExceeded."""
+        start_time = clock.process_time()
+        self._until = start_time + self.budget
         try:
-            return self._run(coarseness, begun)
+            return self._run(coarseness, start_time)
         finally:
-            self.budget -= clock.process_time() - begun
+            self.budget -= clock.process_time() - start_time
 
-    def _run(self, coarseness: float, begun: float) -> Samples:
+    def _run(self, coarseness: float, start_time: float) -> Samples:
         schedule = Schedule.of(self.deck)
         model, state = build(self.deck)
         if not is_static(self.deck):
             coarsen(model.control, coarseness, schedule.interval, self.order)
         engine = engine_of(self.deck, model, state, self.program)
         self.program = engine.program
-        engine.on_pause = self._abandon_on_request
-        kept = _Kept(engine, Histories(engine, self.names))
-        between = Between(engine, not is_static(self.deck), kept.take)
+        engine.on_pause = self._check_limits
+        recorded = _RecordedSamples(engine, Histories(engine, self.names))
+        between = Between(engine, not is_static(self.deck), recorded.take)
         engine.start()
         if not is_static(self.deck) and coarseness >= 2.0:
-            # where samples bound its steps it passes some of them
+            # where samples bound its steps it leaves some of them out
             between.march.job.longest = _longest(schedule)
-        k = self._sample(0, kept, between, schedule)
+        k = self._sample(0, recorded, between, schedule)
         while not schedule.is_end(k):
-            self._abandon_on_request()
+            self._check_limits()
             if is_static(self.deck):
-                self._load_finer(engine, schedule.time(k), schedule.time(k + 1), coarseness)
-                k = self._sample(k + 1, kept, between, schedule)
+                self._take_load_steps(engine, schedule.time(k), schedule.time(k + 1), coarseness)
+                k = self._sample(k + 1, recorded, between, schedule)
                 continue
             times = schedule.times(k + 1, MOST)
-            if between.march.may_go(float(times[-1]), kept.histories.kept):
-                count, _, left = between.march.go(times, kept.histories.kept)
-                kept.taken(times[:count].tolist())
+            if between.march.may_go(float(times[-1]), recorded.histories.kept):
+                count, _, left = between.march.go(times, recorded.histories.kept)
+                recorded.add(times[:count].tolist())
                 if left is not None:
                     engine.answer(left)
                 k += count
@@ -116,35 +116,39 @@ class Companions:
             k = self._next(k, float(engine.clock["next_step"]), coarseness, schedule)
             engine.reach(schedule.time(k))
             between.fill(schedule.time(k))
-            self._sample(k, kept, between, schedule)
-        kept.close()
-        samples = gather(kept.times, kept.blocks, self.channels)
-        spent = clock.process_time() - begun
-        return replace(samples, cycles=int(engine.clock["cycle"]), cpu=spent)
+            self._sample(k, recorded, between, schedule)
+        recorded.close()
+        samples = gather(recorded.times, recorded.blocks, self.channels)
+        cpu_time = clock.process_time() - start_time
+        return replace(samples, cycles=int(engine.clock["cycle"]), cpu=cpu_time)
 
-    def _sample(self, k: int, kept: "_Kept", between: Between, schedule: Schedule) -> int:
+    def _sample(
+        self, k: int, recorded: "_RecordedSamples", between: Between, schedule: Schedule
+    ) -> int:
         """Take sample k, with which an interval begins; returns k. Raises SolverError."""
-        kept.engine.sample(schedule.time(k))
+        recorded.engine.sample(schedule.time(k))
         between.mark()
-        kept.take(schedule.time(k))
+        recorded.take(schedule.time(k))
         return k
 
-    def _abandon_on_request(self) -> None:
+    def _check_limits(self) -> None:
         if self.stopped():
             raise Abandoned
         if clock.process_time() > self._until:
-            raise TooDear
+            raise BudgetExceeded
 
-    def _load_finer(self, engine: Engine, begun: float, end: float, coarseness: float) -> None:
-        """From one sample to the next in so many load steps as are finer."""
+    def _take_load_steps(
+        self, engine: Engine, start_time: float, end: float, coarseness: float
+    ) -> None:
+        """Go from one sample to the next in 1 / coarseness load steps."""
         count = max(round(1.0 / coarseness), 1)
         for i in range(1, count + 1):
-            engine.reach(end if i == count else begun + (end - begun) * i / count)
+            engine.reach(end if i == count else start_time + (end - start_time) * i / count)
 
     def _next(self, k: int, step: float, coarseness: float, schedule: Schedule) -> int:
-        """The sample to go to: where a step would pass the next one, the next of every m-th.
+        """Number of the next sample: where a step would pass the next one, that of every m-th.
 
-        None that was asked for is left out.
+        No sample at a time that was asked for is left out.
         """
         stride, plain = 1, schedule.plain_number(k)
         is_bound = plain is not None and step > _longest(schedule)
@@ -163,7 +167,7 @@ def _longest(schedule: Schedule) -> float:
     return schedule.interval * (1.0 + 1e-9)
 
 
-class _Kept:
+class _RecordedSamples:
     """Times and blocks of the samples of a companion."""
 
     def __init__(self, engine: Engine, histories: Histories) -> None:
@@ -177,14 +181,14 @@ class _Kept:
         if self.histories.take():
             self.close()
 
-    def taken(self, times: list[float]) -> None:
-        """Samples at times [s] have been kept already. Raises SolverError."""
+    def add(self, times: list[float]) -> None:
+        """Add the times [s] of samples that the engine has recorded itself. Raises SolverError."""
         self.times += times
         if self.histories.kept.is_full:
             self.close()
 
     def close(self) -> None:
-        """Make the values of what has been taken. Raises SolverError."""
+        """Compute the channels of the samples recorded so far. Raises SolverError."""
         block = self.histories.values()
         if not all(np.isfinite(values).all() for values in block.values()):
             raise _not_finite(self.engine)

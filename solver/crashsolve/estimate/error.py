@@ -33,7 +33,7 @@ from crashsolve.channels.statistic import (
 from crashsolve.channels.statistics._top import plateau
 from crashsolve.deck.run_cards.statistic import PATH
 from crashsolve.recording.samples import Channel, Samples
-from crashsolve.study.convergence import NEAR, Convergence, distance, examine
+from crashsolve.study.convergence import NEAR, Convergence, analyse, distance
 from crashsolve.study.watch import Watch
 
 # a run with fewer steps than this many times those of another is as fine as that
@@ -52,7 +52,7 @@ EXTREMES = ("argmax", "argmin")
 LATCHED = ("final", "max", "abs_max")
 # a step that stands this little out of the samples is one of them
 SAME_POSITION = 1e-9
-# a sum that is smaller than this share of its parts is nothing
+# a sum below this share of its parts counts as zero
 CANCELS = 1e-6
 # numbers below this share of their scale are round-off
 DIGITS = 1e-13
@@ -72,7 +72,7 @@ class Estimate:
     scale: float
     how: str
     steps: float = 0.0  # the part of the error that the steps make
-    gap: float = 0.0  # and that of the gaps between samples
+    sampling_error: float = 0.0  # and that of the gaps between samples
     is_wanted: bool = True  # False for what measures the run's own errors
     mesh: float | None = None  # the part of the mesh; infinite where meshes state none
 
@@ -105,9 +105,9 @@ class Judge:
         return replace(self._estimate(resolved, main, rest), watch=watch)
 
     def numbers(self, watch: Watch, runs: Sequence[Samples]) -> list[np.ndarray]:
-        """What runs are compared in, each (n,): a number, or a history at their common times.
+        """The value (n,) of each run by which runs are compared: a number, or a common history.
 
-        Raises ValueError for samples that do not serve.
+        Raises ValueError for samples from which it cannot be computed.
         """
         resolved = self._resolved(watch, runs[0])
         units = {c.name: c.unit for found in self.channels.values() for c in found}
@@ -118,10 +118,10 @@ class Judge:
         return [_value(resolved, replace(run, units=units).at(times, has_steps)) for run in runs]
 
     def _resolved(self, watch: Watch, main: Samples) -> Watch:
-        """What states a largest value of any step: the course where a sample has caught it.
+        """The watch from which a largest value of any step is refined.
 
-        Otherwise the last sample, for the greatest of its samples has no gaps beside it. Other
-        numbers are what they are.
+        That is the history where a sample has met the largest value, otherwise the last sample:
+        a largest value over all steps misses nothing between samples. Other numbers are unchanged.
         """
         (channel, *others) = self.channels[watch.channels[0]]
         course = channel.course
@@ -147,7 +147,7 @@ class Judge:
             how = "not estimated: it is a measure of the run's errors itself"
             return Estimate(watch, value, unit, None, size, how, is_wanted=False)
         try:
-            gap = _gap(watch, series, main)
+            sampling_error = _sampling_error(watch, series, main)
             found = self._of_steps(watch, main, others)
         except ValueError as problem:
             # such as a filter that needs all samples
@@ -156,16 +156,16 @@ class Judge:
         if found is None:
             how = "not estimated: no further run took different steps"
             return Estimate(watch, value, unit, None, size, how)
-        error, how = _sum(found, gap) + DIGITS * abs(value), found.how
-        if abs(gap) > 0.1 * error:
-            how += f"; gaps between samples {abs(gap):.2g} {unit}".rstrip()
+        error, how = _sum(found, sampling_error) + DIGITS * abs(value), found.how
+        if abs(sampling_error) > 0.1 * error:
+            how += f"; gaps between samples {abs(sampling_error):.2g} {unit}".rstrip()
         if watch.statistic in EXTREMES:
-            other = self._rival(watch, series, main, others)
+            other = self._ambiguity_of_time(watch, series, main, others)
             if other > error:
                 error, how = other, "another peak is as large within its error"
-        return Estimate(watch, value, unit, error, size, how, found.size, abs(gap))
+        return Estimate(watch, value, unit, error, size, how, found.size, abs(sampling_error))
 
-    def _rival(
+    def _ambiguity_of_time(
         self, watch: Watch, series: Series, main: Samples, others: Sequence[Samples]
     ) -> float:
         """Time from an extreme to the farthest sample that may be the extreme as well."""
@@ -173,13 +173,15 @@ class Judge:
         error = self.estimate(height, main, others).error or 0.0
         signed = series.values if watch.statistic == "argmax" else -series.values
         at = int(np.argmax(signed))
-        able = signed >= signed[at] - error
-        # where it stays it has come but once
-        able[at : plateau(signed, at) + 1] = False
-        return float(np.max(np.abs(series.time[able] - series.time[at]), initial=0.0))
+        candidates = signed >= signed[at] - error
+        # samples beside it that are as large belong to the same extreme
+        candidates[at : plateau(signed, at) + 1] = False
+        return float(np.max(np.abs(series.time[candidates] - series.time[at]), initial=0.0))
 
     def _of_steps(self, watch: Watch, main: Samples, others: Sequence[Samples]) -> _Steps | None:
-        """Error by the length of the steps. Raises ValueError for samples that do not serve."""
+        """Error by the length of the steps; None without another run. Raises ValueError for samples
+        from which the number cannot be computed.
+        """
         if not main.cycles:
             # a run that ends where it begins has no error of steps
             return None
@@ -194,43 +196,43 @@ class Judge:
         has_steps = watch.statistic != PATH
         values = [_value(watch, samples.at(times, has_steps)) for samples in used]
         steps = [1.0 / samples.cycles for samples in used]
-        apart = distance(*values[-2:])
+        differences = distance(*values[-2:])
         if not coarse:
-            size = apart / (1.0 - (steps[1] / steps[0]) ** min(self.order or 1.0, 2.0))
+            size = differences / (1.0 - (steps[1] / steps[0]) ** min(self.order or 1.0, 2.0))
             return _Steps(size, None, f"a finer run of {used[1].cycles} steps")
         if len(used) == 2:
-            size = apart / ((steps[0] / steps[1]) ** (self.order or 1.0) - 1.0)
+            size = differences / ((steps[0] / steps[1]) ** (self.order or 1.0) - 1.0)
             return _Steps(size, None, f"a coarser run of {used[0].cycles} steps")
         if any(channel.course for channel in self.channels[watch.channels[0]]):
             return _of_largest(steps, values)
         return self._of_three(steps, values)
 
     def _of_three(self, steps: Sequence[float], values: Sequence[np.ndarray]) -> _Steps:
-        found = examine(steps, values, self.order)
-        # an order near nothing makes an error of any size: no more than runs have differed
-        apart = [distance(a, b) for a, b in pairwise(values)]
-        size, how = min(found.error, max(apart)), _reported(found, self.order)
+        found = analyse(steps, values, self.order)
+        # an order near zero gives an error of any size: at most the largest difference of the runs
+        differences = [distance(a, b) for a, b in pairwise(values)]
+        size, how = min(found.error, max(differences)), _reported(found, self.order)
         signed = float((values[-1] - found.value)[0]) if len(values[-1]) == 1 else None
         if found.stalls is None and self.order:
             a, b, c = (step**self.order for step in steps)
-            least = _margin(found, self.order) * apart[0] * c / (a - b)
+            least = _margin(found, self.order) * differences[0] * c / (a - b)
             if least > size:
                 size, signed = least, None
         return _Steps(size, signed if found.is_extrapolated else None, how)
 
 
 def _margin(found: Convergence, order: float) -> float:
-    """Share of what the difference before the last says that an error has at least."""
+    """Factor [1] on the error by the difference before the last, below which no error is given."""
     if found.order <= order + NEAR:
         return CHANCE_MARGIN
-    # where the last difference is round-off, the one before states no chance
+    # where the last difference is round-off, the one before says nothing about chance
     if found.has_floor or not np.isfinite(found.order):
         return 1.0
     return float(min(2.0 ** (found.order - order), IMPOSSIBLE))
 
 
 def _of_largest(steps: Sequence[float], values: Sequence[np.ndarray]) -> _Steps:
-    """Error of a largest value of any step: by chance up to a part that falls with h^2."""
+    """Error of a largest value over all steps: random, within a bound that falls with h^2."""
     *coarse, last = zip(steps, values, strict=True)
     sizes = [distance(last[1], v) / ((h / last[0]) ** 2 - 1.0) for h, v in coarse]
     return _Steps(max(sizes), None, "2 coarser runs, whose steps meet the peak at other moments")
@@ -255,26 +257,26 @@ def _number(watch: Watch, series: Series) -> float:
     return value
 
 
-def _gap(watch: Watch, series: Series, main: Samples) -> float:
-    """By how much the number differs from that of the history behind the samples."""
+def _sampling_error(watch: Watch, series: Series, main: Samples) -> float:
+    """Difference of the number from that of the continuous history."""
     if watch.statistic == PATH:
-        return _gap_inside(watch, main)
+        return _sampling_error_inside(watch, main)
     missed = unresolved(series, watch.statistic)
     if missed:
         return missed
     found = plain(series, watch.statistic) - refined(series, watch.statistic)
-    return found + _gap_inside(watch, main)
+    return found + _sampling_error_inside(watch, main)
 
 
-def _sum(found: _Steps, gap: float) -> float:
+def _sum(found: _Steps, sampling_error: float) -> float:
     """Both errors together: where the signs are known they may take from each other."""
     if found.signed is None:
-        return found.size + abs(gap)
-    return abs(found.signed + gap) + REST * (abs(found.signed) + abs(gap))
+        return found.size + abs(sampling_error)
+    return abs(found.signed + sampling_error) + REST * (abs(found.signed) + abs(sampling_error))
 
 
 def _reported(found: Convergence, order: float | None) -> str:
-    """How the error was found, in words."""
+    """Method of the error estimate, in words."""
     if found.stalls is not None:
         return "2 coarser runs: differences do not shrink, the larger one is taken"
     if found.is_extrapolated:
@@ -297,7 +299,7 @@ def series_of(watch: Watch, samples: Samples) -> Series:
 
 
 def _value(watch: Watch, samples: Samples) -> np.ndarray:
-    """What runs are compared in: the refined number, or the history."""
+    """The value by which runs are compared: the refined number, or the history."""
     if not len(samples.time):
         raise ValueError("no samples")
     series = series_of(watch, samples)
@@ -306,7 +308,7 @@ def _value(watch: Watch, samples: Samples) -> np.ndarray:
     return np.array([refined(series, watch.statistic)])
 
 
-def _gap_inside(watch: Watch, main: Samples) -> float:
+def _sampling_error_inside(watch: Watch, main: Samples) -> float:
     """Error by samples of an expression that integrates or differentiates; 0 for others."""
     if not is_sampled(watch.channels[0]):
         return 0.0
@@ -325,7 +327,7 @@ def _gap_inside(watch: Watch, main: Samples) -> float:
 
 
 def _scale(watch: Watch, channels: list[Channel], main: Samples, series: Series) -> float:
-    """What errors are compared with: the largest magnitude of the history, or of its vector.
+    """Scale of relative errors: the largest magnitude of the history, or of its vector.
 
     A sum counts by itself, unless its parts cancel.
     """

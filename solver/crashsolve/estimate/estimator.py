@@ -18,7 +18,7 @@ from math import inf, isfinite
 import numpy as np
 
 from crashsolve.deck.reading.deck import Deck
-from crashsolve.estimate.companion import HIGHEST_POWER, Companions, TooDear
+from crashsolve.estimate.companion import HIGHEST_POWER, BudgetExceeded, Companions
 from crashsolve.estimate.error import Estimate, Judge, is_as_fine
 from crashsolve.estimate.mesh import LEAST, SHARE, Meshes, coarse_runs, with_mesh
 from crashsolve.foundation.errors import SolverError
@@ -32,12 +32,12 @@ from crashsolve.recording.questions import look_up
 from crashsolve.recording.samples import Channel, Samples
 from crashsolve.recording.sampling import Schedule
 from crashsolve.study.meshes import has_mesh
-from crashsolve.study.settings import chooses_its_step, order_of
+from crashsolve.study.methods import chooses_its_step, order_of
 from crashsolve.study.watch import Watch, named
 
 COARSER = (4.0, 2.0)
 MESH = "the mesh"
-DEAR = "further runs would cost more than this one; control.estimate: full makes them"
+OVER_BUDGET = "further runs would cost more than this one; control.estimate: full makes them"
 # the second where the first does not shorten the steps
 FINER = (0.5, 0.25)
 # of the longest step that sees a load
@@ -79,7 +79,7 @@ class Estimator:
 
     @property
     def compares_with_coarser(self) -> bool:
-        """Whether coarser runs state the error."""
+        """Whether the error follows from coarser runs, rather than from a finer one."""
         return not is_static(self.deck) and not chooses_its_step(self.deck.control.integrator)
 
     def companion_runs(
@@ -106,14 +106,14 @@ class Estimator:
         except SolverError as error:
             problems.append(f"a coarser run stopped: {error.cause}")
             runs.clear()
-        except TooDear:
-            problems.append(DEAR)
+        except BudgetExceeded:
+            problems.append(OVER_BUDGET)
             return runs
         if runs:
             return runs
         if isfinite(budget) and finer == FINER:
             # a finer one would cost more than the run
-            problems.append(DEAR)
+            problems.append(OVER_BUDGET)
             return []
         try:
             for factor in finer:
@@ -121,8 +121,8 @@ class Estimator:
                     runs.append(self.companions.run(factor * coarseness))
         except SolverError as error:
             problems.append(f"a finer run stopped: {error.cause}")
-        except TooDear:
-            problems.append(DEAR)
+        except BudgetExceeded:
+            problems.append(OVER_BUDGET)
         return runs
 
     def _finer(self, coarseness: float) -> tuple[float, ...]:
@@ -135,10 +135,10 @@ class Estimator:
         # no whole part of the step, which would meet some of the same points
         return (min(FINER[0], APART / (coarseness * max(shares))),)
 
-    def mesh_runs(self, coarseness: float, spent: float) -> Meshes:
-        """Runs on coarser meshes of a run that took `spent` [s] of CPU. Raises Abandoned."""
+    def mesh_runs(self, coarseness: float, cpu_time: float) -> Meshes:
+        """Runs on coarser meshes of a run that took `cpu_time` [s] of CPU. Raises Abandoned."""
         is_asked = self.deck.control.estimate in ("mesh", "full")
-        budget = inf if is_asked else max(SHARE * spent, LEAST)
+        budget = inf if is_asked else max(SHARE * cpu_time, LEAST)
         return coarse_runs(self.deck, self._companions_of, coarseness, budget)
 
     def _companions_of(self, deck: Deck) -> Companions:
@@ -174,7 +174,7 @@ class Estimator:
 
 
 def left_out(deck: Deck) -> list[str]:
-    """What laws of the contacts approximate, and no run of the deck changes: their LEFT_OUT."""
+    """Approximations of contact laws that no run of the deck shows: their LEFT_OUT."""
     cards = [contact.card for contact in deck.entries["contacts"].values()]
     laws = [getattr(card, word, None) for card in cards for word in ("normal", "friction")]
     modules = [import_module(type(law).__module__) for law in laws if law is not None]
@@ -197,5 +197,5 @@ def estimate_in_memory(deck: Deck) -> tuple[Samples, list[Estimate], float]:
     main = estimator.companions.run(1.0)
     others = estimator.companion_runs(1.0, main.cycles, [])
     meshes = estimator.mesh_runs(1.0, inf).runs
-    spent = sum(run.cpu for run in (*others, *meshes))
-    return main, estimator.judge(main, others, meshes), spent / main.cpu
+    cpu_time = sum(run.cpu for run in (*others, *meshes))
+    return main, estimator.judge(main, others, meshes), cpu_time / main.cpu

@@ -4,10 +4,10 @@
     three meshes        error = d1 / (2^p - 1), at least d2 / (2^q (2^q - 1))
     two meshes          error = d1, that of order 1: whatever touches or yields has no more
 
-The meshes state no error where x1 and x2 are farther apart than half the scale of the number, or
-where d1 is no smaller than d2, or goes back on it, and is more than a twentieth of the scale: so
-folding, softening and perforation are said in place of a number. Consequence to test: x = 1 + l^q
-gives the error l^q.
+No error follows from the meshes where x1 and x2 differ by more than half the scale of the number,
+or where d1 is no smaller than d2, or of the other sign, and more than a twentieth of the scale: the
+message then names folding, softening and perforation. Consequence to test: x = 1 + l^q gives the
+error l^q.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,20 +17,19 @@ from math import inf, log2
 import numpy as np
 
 from crashsolve.deck.reading.deck import Deck, read_deck
-from crashsolve.estimate.companion import Companions, TooDear
+from crashsolve.estimate.companion import BudgetExceeded, Companions
 from crashsolve.estimate.error import Estimate
 from crashsolve.foundation.errors import CrashsolveError, SolverError
 from crashsolve.recording.samples import Samples
 from crashsolve.study.convergence import NEAR, SHRINKS, distance
 from crashsolve.study.meshes import coarser, has_mesh
-from crashsolve.study.settings import order_of_mesh
 
 FACTORS = (2, 4)
 # shares of the scale
 TOO_FAR, NOTABLE = 0.5, 0.05
 # share of the cost of the run, and CPU time [s], that its coarser meshes may cost unasked
 SHARE, LEAST = 0.25, 0.3
-DEAR = (
+OVER_BUDGET = (
     "the error estimates leave the mesh out: a run on elements twice as long would cost more than "
     "a quarter of this one; control.estimate: mesh makes it all the same"
 )
@@ -60,8 +59,8 @@ def coarse_runs(
             companions.budget = budget
             found.runs.append(companions.run(coarseness))
             budget = companions.budget
-        except TooDear:
-            problem = DEAR
+        except BudgetExceeded:
+            problem = OVER_BUDGET
         except ValueError as why:
             problem = f"the error estimates leave the mesh out: {why}"
         except SolverError as error:
@@ -83,7 +82,7 @@ def coarse_runs(
 def _coarse(deck: Deck, factor: int) -> Deck:
     """The deck on a coarser mesh, with the control and output that it has by now."""
     given = deck.given | coarser(deck, factor)
-    made = read_deck(deck.path, given, refuses_idle=False)
+    made = read_deck(deck.path, given, refuses_ineffective=False)
     if made.written != deck.written:
         raise ValueError("the files of the deck have changed since the run began")
     return replace(
@@ -101,6 +100,9 @@ def with_mesh(estimate: Estimate, numbers: Sequence[np.ndarray], deck: Deck) -> 
     """An estimate with the error by the mesh in it; `numbers` of this mesh and coarser ones."""
     if estimate.error is None:
         return estimate
+    # a run without a mesh needs no settings of studies
+    from crashsolve.study.settings import order_of_mesh
+
     size, how = mesh_error(numbers, estimate.scale, order_of_mesh(deck) or 1.0)
     if size is None:
         is_one = len(numbers[1]) == 1
@@ -121,7 +123,7 @@ def mesh_error(
 ) -> tuple[float | None, str]:
     """The error of the first of numbers on ever coarser meshes, and how it was found.
 
-    None where the meshes do not state it. `numbers` (n,) and `scale` in their unit.
+    None where it does not follow from the meshes. `numbers` (n,) and `scale` in their unit.
     """
     one = distance(numbers[0], numbers[1])
     if one > TOO_FAR * scale:
@@ -142,5 +144,5 @@ def mesh_error(
     power = log2(two / one)
     least = two / (2.0**order * (2.0**order - 1.0)) if power > order + NEAR else 0.0
     size = max(one / (2.0 ** min(power, order) - 1.0), least)
-    # an order near nothing makes an error of any size
+    # an order near zero gives an error of any size
     return min(size, max(one, two) * 2.0), f"2 coarser meshes, order {power:.2f}"

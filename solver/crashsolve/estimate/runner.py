@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.deck.reading.deck import Deck
-from crashsolve.estimate.between import widened
+from crashsolve.estimate.between import with_missed_contacts
 from crashsolve.estimate.companion import Abandoned, coarsen
 from crashsolve.estimate.error import Estimate
 from crashsolve.estimate.estimator import COARSER, Estimator
@@ -56,7 +56,7 @@ class Estimating:
         program: str = "",
     ) -> None:
         self.estimator = Estimator(deck, families, stopped, program)
-        _refuse_hollow(deck, self.estimator.channels)
+        _refuse_unmeasured_accuracy(deck, self.estimator.channels)
         self.accuracy, self.log = deck.control.accuracy, log
         self.is_full = deck.control.estimate == "full"
         self.interval = Schedule.of(deck).interval
@@ -70,7 +70,7 @@ class Estimating:
 
         Raises SolverError when no step will do, RunStopped.
         """
-        begun = clock.process_time()
+        start_time = clock.process_time()
         if coarseness is not None:
             self.coarseness = coarseness
         elif self.accuracy is not None:
@@ -79,7 +79,7 @@ class Estimating:
             except Abandoned:
                 raise RunStopped("stopped on request before the run began") from None
         self.set_control(control)
-        self.cpu += clock.process_time() - begun
+        self.cpu += clock.process_time() - start_time
 
     def set_control(self, control: np.ndarray) -> None:
         """Writes: control."""
@@ -89,40 +89,40 @@ class Estimating:
         self,
         history: Path,
         cycles: int,
-        spent: float,
+        cpu_time: float,
         missed: Sequence[Any] = (),
         mass: dict[str, float] | None = None,
     ) -> bool:
         """Estimate the errors of a finished run; whether it must be run again with other steps.
 
-        `cycles` are its steps and `spent` [s] its CPU time; `missed` the contacts whose peaks no
+        `cycles` are its steps and `cpu_time` [s] its CPU time; `missed` the contacts whose peaks no
         sample shows (simulation/missed.py) and `mass` [kg] those of the bodies.
         """
-        begun = clock.process_time()
+        start_time = clock.process_time()
         main = read(history, self.estimator.all_channels)
         main.cycles = cycles
         self.problems = []
         try:
             if not self._companions or not self.estimator.compares_with_coarser:
                 is_free = self.accuracy is not None or self.is_full
-                budget = inf if is_free or spent < SHORT else spent
+                budget = inf if is_free or cpu_time < SHORT else cpu_time
                 limit = inf if is_free else MOST_OF_SHORT
                 self._companions = self.estimator.companion_runs(
                     self.coarseness, cycles, self.problems, budget, limit
                 )
         except Abandoned:
             self.problems.append("asked to stop")
-        found = self.estimator.judge(main, self._companions, self._meshes(spent))
-        self.found = widened(found, missed, mass or {})
+        found = self.estimator.judge(main, self._companions, self._meshes(cpu_time))
+        self.found = with_missed_contacts(found, missed, mass or {})
         self._companions.append(main)
-        self.cpu += clock.process_time() - begun
-        self._report(spent)
-        return self._misses()
+        self.cpu += clock.process_time() - start_time
+        self._report(cpu_time)
+        return self._needs_rerun()
 
-    def _meshes(self, spent: float) -> list[Samples]:
-        """Runs on coarser meshes. Writes: why there are none."""
+    def _meshes(self, cpu_time: float) -> list[Samples]:
+        """Samples of runs on coarser meshes. Writes: problems, why there are none."""
         try:
-            meshes = self.estimator.mesh_runs(self.coarseness, spent)
+            meshes = self.estimator.mesh_runs(self.coarseness, cpu_time)
         except Abandoned:
             self.problems.append("asked to stop")
             return []
@@ -175,17 +175,22 @@ class Estimating:
             m *= min(max(0.9 * wanted, 1.0 / STRIDE), 0.7)
         raise _unreachable(accuracy, message)
 
-    def _misses(self) -> bool:
-        """Whether the accuracy is missed by the steps, and another run may mend it."""
+    def _needs_rerun(self) -> bool:
+        """Whether the steps are too long for the accuracy, and another run may reach it.
+
+        Writes: the coarseness of that run.
+        """
         if self.accuracy is None or not self.found or "asked to stop" in self.problems:
             return False
         worst = max(self.found, key=_of_steps)
         error = _of_steps(worst)
         if error <= self.accuracy:
-            gap = max((e.gap / e.scale for e in self.found if e.scale and e.error), default=0.0)
-            if gap > self.accuracy:
+            sampling_error = max(
+                (e.sampling_error / e.scale for e in self.found if e.scale and e.error), default=0.0
+            )
+            if sampling_error > self.accuracy:
                 self.log.warning(
-                    f"accuracy {self.accuracy:g} missed by {gap:.2g} between samples; "
+                    f"accuracy {self.accuracy:g} missed by {sampling_error:.2g} between samples; "
                     "give a shorter output.history.interval"
                 )
             return False
@@ -199,8 +204,8 @@ class Estimating:
         self.log.line(f"accuracy {self.accuracy:g} missed by {worst.watch.name}: running again")
         return True
 
-    def _report(self, spent: float) -> None:
-        """One line per watched number, and the price of knowing."""
+    def _report(self, cpu_time: float) -> None:
+        """Write a line per watched number, and the cost of the estimates `cpu_time` [s] of CPU."""
         lines = [_line(estimate) for estimate in self.found]
         self.log.section("watched channels", lines)
         for e in self.found:
@@ -215,7 +220,7 @@ class Estimating:
                 )
         for problem in self.problems:
             self.log.line(f"  {problem}")
-        share = 100.0 * self.cpu / spent if spent > 0.0 else 0.0
+        share = 100.0 * self.cpu / cpu_time if cpu_time > 0.0 else 0.0
         pilots = ", with pilot runs and earlier ones," if self.accuracy else ""
         self.log.line(
             "  cost of the error estimates"
@@ -223,7 +228,7 @@ class Estimating:
         )
 
 
-def _refuse_hollow(deck: Deck, channels: dict[str, list[Channel]]) -> None:
+def _refuse_unmeasured_accuracy(deck: Deck, channels: dict[str, list[Channel]]) -> None:
     """Raises DeckErrors for an accuracy where no watched number has an error of its own."""
     of_run = [any(channel.is_of_the_run for channel in found) for found in channels.values()]
     if deck.control.accuracy is not None and all(of_run):

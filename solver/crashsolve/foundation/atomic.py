@@ -30,8 +30,8 @@ def replaced(words, k, old, new):
     return True
 
 
-def give_way():
-    """Let another thread have this core, if any waits for it."""
+def offer_processor():
+    """Let another waiting thread run on this core."""
 
 
 def sleep(microseconds):

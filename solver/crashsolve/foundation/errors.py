@@ -9,7 +9,7 @@ from crashsolve.foundation.streams import printable
 
 
 class ExitCode(IntEnum):
-    """What the command line reports to the shell and to a queue."""
+    """Exit codes of the commands, for the shell and for queues."""
 
     NORMAL = 0
     INTERNAL = 1
@@ -110,7 +110,7 @@ class RunStopped(CrashsolveError):
 
 
 def out_of_memory() -> str:
-    """That memory was refused, and by what."""
+    """The message that memory was refused, with the limit that refused it."""
     limit, _ = getrlimit(RLIMIT_AS)
     whose = "of this machine is used up"
     if limit != RLIM_INFINITY:

@@ -16,7 +16,7 @@ def kernel(function: F) -> F:
 
 
 def apart(function: F) -> F:
-    """A kernel that several threads may share: it never becomes part of what calls it.
+    """A kernel that several threads may share: it is never inlined.
 
     So it has the same code, and bits, for every caller.
     """

@@ -13,7 +13,7 @@ from crashsolve.foundation.point import LANES
 EIGHT, NEXT = 8, 12
 
 
-def take_motion(points, corners, first, work, at):
+def gather_motion(points, corners, first, work, at):
     """Positions, velocities and spins of eight points to rows of `work`. Writes: work."""
     for e in range(EIGHT):
         b = points[corners[first + e]]

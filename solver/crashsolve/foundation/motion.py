@@ -203,12 +203,12 @@ def act_from_outside(ground, f, moment):
 
 
 @kernel
-def load_point(b, load, spin_load, slows):
+def load_point(b, load, spin_load, is_damped):
     """Add the stiffness of an element to that of its corner; with damping, keep the largest.
 
     Writes: b.
     """
-    if slows == 1:
+    if is_damped == 1:
         b.load, b.spin_load = max(b.load, load), max(b.spin_load, spin_load)
     else:
         b.load += load

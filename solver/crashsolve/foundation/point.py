@@ -67,7 +67,7 @@ BLOCKS = Record("""
 
 
 def blocks_of(p: Any) -> Any:
-    """How many blocks that are, of a row of these columns or of all rows of a table."""
+    """Number of blocks of a row of these columns, or of all rows of a table."""
     return (p["quads"] + LANES - 1) // LANES + (p["triangles"] + LANES - 1) // LANES
 
 

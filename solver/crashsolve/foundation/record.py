@@ -58,7 +58,7 @@ class Record:
         """Both sets of columns; a name used twice is a programming error."""
         return Record(columns=self.columns + other.columns)
 
-    def taken_from(self, values: Any) -> dict[str, Any]:
+    def columns_of(self, values: Any) -> dict[str, Any]:
         """The values of these columns out of a row that has them and others."""
         return {column.name: values[column.name] for column in self.columns}
 
@@ -83,7 +83,7 @@ def _column(line: str) -> Column:
 
 
 def rows_of(record: Record, first: int = 0) -> Any:
-    """Where each column begins among rows of lanes that lie one after the other from `first` on.
+    """First row of each column among rows of lanes, counted from `first` on.
 
     Kernels read `ROWS.name`; SIZE is that of all columns, RECORD what they mean.
     """

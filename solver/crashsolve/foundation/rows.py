@@ -48,13 +48,13 @@ class Rows(np.ndarray):
 
 
 def as_rows(table: np.ndarray) -> Any:
-    """The same numbers as Rows; an array without columns as it is."""
+    """A view of a table as Rows; an array without columns as it is."""
     return table.view(_layout(table.dtype), Rows) if table.dtype.names else table
 
 
 @cache
 def _layout(layout: np.dtype) -> np.dtype:
-    """The same layout with rows, and rows within them, of a class that has their columns."""
+    """The layout of a table with rows, and rows within them, of a class that has their columns."""
     if layout.subdtype is not None:
         inner, shape = layout.subdtype
         return np.dtype((_layout(inner), shape))

@@ -16,11 +16,11 @@ lost: list[str] = []
 
 
 def printable(text: str) -> str:
-    """One line of a text: what would move the cursor, colour it or begin a line is spelt out."""
-    return _UNPRINTABLE.sub(_spelt, text)
+    """A text as one line: control characters are escaped."""
+    return _UNPRINTABLE.sub(_escaped, text)
 
 
-def _spelt(met: re.Match[str]) -> str:
+def _escaped(met: re.Match[str]) -> str:
     return repr(met[0])[1:-1] if ord(met[0]) < 0xA0 else f"\\u{ord(met[0]):04x}"
 
 
@@ -42,7 +42,7 @@ def open_standard_streams() -> None:
         sys.stdout.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
 
 
-def give_up(stream: TextIO) -> None:
+def discard_output(stream: TextIO) -> None:
     """Send what is left to flush, and all to come, to the null device: no error at exit."""
     with suppress(OSError, ValueError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
@@ -53,17 +53,17 @@ def report_error(text: str) -> None:
     try:
         print(text, file=sys.stderr, flush=True)
     except OSError:
-        give_up(sys.stderr)
+        discard_output(sys.stderr)
 
 
-def say(text: str = "") -> None:
+def print_line(text: str = "") -> None:
     """Write to standard output if it is open: for work that continues in any case."""
     try:
         # in one piece: several threads may report
         sys.stdout.write(f"{text}\n")
         sys.stdout.flush()
     except OSError as error:
-        give_up(sys.stdout)
+        discard_output(sys.stdout)
         # a reader such as `head` has seen enough
         if not isinstance(error, BrokenPipeError):
             lost.append(error.strerror or str(error))

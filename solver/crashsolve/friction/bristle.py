@@ -37,7 +37,7 @@ class Bristle(Card):
         "1", "c over critical, with the effective mass of both sides", 0.5, ge=0
     )
     static: float = quantity("1", "mu_s", ge=0)
-    dynamic: float = quantity("1", "mu_d", ge=0)
+    dynamic: float = quantity("1", "mu_d, dynamic coefficient", ge=0)
     stribeck_speed: float = quantity(
         "m/s", "v_s, sliding speed over which static falls to dynamic", 1e-2, gt=0
     )

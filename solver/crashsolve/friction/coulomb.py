@@ -33,7 +33,7 @@ LEFT_OUT = "the speeds over which friction sets in"
 class Coulomb(Card):
     """Coulomb friction that vanishes at low sliding speed: a body on a slope creeps."""
 
-    coefficient: float = quantity("1", "mu", ge=0)
+    coefficient: float = quantity("1", "mu, coefficient of friction", ge=0)
     none_below: float = quantity("m/s", "sliding speed v_0 below which there is no friction", ge=0)
     full_above: float = quantity("m/s", "sliding speed v_1 above which friction is full", gt=0)
 
@@ -70,7 +70,7 @@ def friction_force(p: Parameters, old: History, new: History, slide, curves):
 
 @kernel
 def regime_left(p: Parameters, old: History, slip):
-    """How far the sliding speed has left the regime of the start of the step [m/s]."""
+    """Difference of the sliding speed from the regime of the start of the step [m/s]."""
     v = speed(slip)
     if old.friction_regime == 0:
         return v - p.friction_none_below

@@ -37,10 +37,10 @@ class Stribeck(Card):
     """Smooth friction with static peak, dynamic level and viscous part: bodies creep on a slope."""
 
     static: float = quantity("1", "mu_s", ge=0)
-    dynamic: float = quantity("1", "mu_d", ge=0)
-    stribeck_speed: float = quantity("m/s", "v_s, over which static falls to dynamic", gt=0)
+    dynamic: float = quantity("1", "mu_d, dynamic coefficient", ge=0)
+    stribeck_speed: float = quantity("m/s", "v_s, speed over which mu_s falls to mu_d", gt=0)
     viscous: float = quantity("s/m", "k_v, growth of the coefficient with speed", 0.0, ge=0)
-    smoothing_speed: float = quantity("m/s", "v_t, over which friction sets in", gt=0)
+    smoothing_speed: float = quantity("m/s", "v_t, speed over which friction grows from zero", gt=0)
 
     @model_validator(mode="after")
     def _in_order(self) -> Stribeck:

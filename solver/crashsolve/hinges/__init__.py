@@ -7,7 +7,7 @@ from crashsolve.deck.roles import Built, Constraint, Force
 
 
 class HingeLaw(Built, Constraint, Force, Protocol):
-    """What the file of a hinge provides: a joint, and what resists its motion."""
+    """Functions of a hinge's file: those of a joint, and the resistance to its motion."""
 
 
 FAMILY = Family(

@@ -78,7 +78,7 @@ def backbone(points: Pieces, stiffness: float | None, word: str, scene: Scene) -
 def _plastic(
     angle: np.ndarray, moment: np.ndarray, k: float, beyond: int, word: str, scene: Scene
 ) -> Backbone:
-    """The same over the plastic angle."""
+    """The backbone over the plastic angle."""
     slopes = np.diff(moment) / np.diff(angle)
     yields = np.flatnonzero(slopes < k * (1.0 - SAME))
     if not len(yields):
@@ -97,7 +97,7 @@ def _plastic(
     return Backbone(k, x, moment, beyond, limit=float(moment[0]))
 
 
-def over_work(found: Backbone, word: str, scene: Scene) -> Backbone:
+def over_plastic_work(found: Backbone, word: str, scene: Scene) -> Backbone:
     """Squares of the yield moments over plastic work W: dW = y dx, so that y^2 stays straight."""
     least = float(found.y.min() / found.y.max())
     if least < LEAST:

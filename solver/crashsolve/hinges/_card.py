@@ -7,7 +7,7 @@ from pydantic import model_validator
 
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, CurveName, MaterialName, SectionName, quantity, word
-from crashsolve.hinges._backbone import Backbone, backbone, over_work, refuse_kinematic
+from crashsolve.hinges._backbone import Backbone, backbone, over_plastic_work, refuse_kinematic
 from crashsolve.hinges._law import ISOTROPIC, KINEMATIC, PEAK_ORIENTED
 from crashsolve.hinges._sections import axial_curve, bending_curve
 from crashsolve.joints._card import AxisJointCard
@@ -147,7 +147,7 @@ class RateFactor(Card):
 
 
 class HingeCard(AxisJointCard):
-    """What every hinge has: two bodies, a position, an axis, and how it behaves in cycles."""
+    """Fields of all hinges: two bodies, position, axis, and behaviour in cycles."""
 
     cyclic: Literal["isotropic", "kinematic", "peak_oriented"] = word(
         "isotropic: yield in both directions follows the curve along the plastic displacement; "
@@ -162,7 +162,7 @@ class HingeCard(AxisJointCard):
     )
 
     @property
-    def may_open(self) -> bool:
+    def can_release(self) -> bool:
         """Whether failure may free the whole joint."""
         limits = [name for name in type(self).model_fields if name.startswith("failure_")]
         fails = any(getattr(self, name) is not None for name in limits)
@@ -226,7 +226,9 @@ def backbones(
 
 
 def pair_backbones(motions: tuple[Motion, ...], card: Any, built: Columns, scene: Scene) -> Columns:
-    """The same of two motions; on one ellipse, squares of the yield moments over plastic work."""
+    """Yield moments of two motions over plastic angles; on one ellipse, their squares over plastic
+    work.
+    """
     if card.interaction == "uncoupled":
         return backbones(motions, card, built, scene)
     if card.cyclic != "isotropic":
@@ -238,7 +240,7 @@ def pair_backbones(motions: tuple[Motion, ...], card: Any, built: Columns, scene
                 motion.negative,
             )
     return {
-        field: over_work(found, field, scene)
+        field: over_plastic_work(found, field, scene)
         for field, found in backbones(motions, card, built, scene).items()
     }
 
@@ -326,6 +328,6 @@ def _refuse_start(
         raise scene.fail("the hinge would have failed at the start", field)
 
 
-def tip(card: Any) -> float:
+def rate_arm(card: Any) -> float:
     """Arm of the speed in the rate factor [m/rad]; 1 where that speed is in rad/s."""
     return float(card.rate.arm) if card.rate and card.rate.arm else 1.0

@@ -44,7 +44,7 @@ def motion_of(scene: Scene, p: np.void) -> tuple[np.ndarray, np.ndarray]:
 
 
 @kernel
-def is_open(p, old):
+def is_released(p, old):
     """Whether failure has freed the joint."""
     return old.failed == 1 and p.is_apart == 1
 
@@ -52,7 +52,7 @@ def is_open(p, old):
 @kernel
 def release_rows(p, old, rows, count):
     """Rows that hold nothing, where failure has freed the joint. Writes: rows.phi, D, nu, gamma."""
-    if not is_open(p, old):
+    if not is_released(p, old):
         return
     for k in range(p.first_row, p.first_row + count):
         rows[k].phi = rows[k].nu = rows[k].gamma = 0.0
@@ -67,7 +67,7 @@ def fails(p, old, x, y):
 
 
 @kernel
-def keep_old(old, new):
+def copy_history(old, new):
     """History of a hinge that has failed. Writes: new."""
     for c in range(2):
         new.x[c], new.plastic[c], new.flow[c] = old.x[c], old.plastic[c], old.flow[c]
@@ -78,8 +78,8 @@ def keep_old(old, new):
 
 
 @kernel
-def close_outputs(p, old, new, out, stored, loss):
-    """What all hinges state; one that has failed releases what it stored. Writes: out, new."""
+def write_energies(p, old, new, out, stored, loss):
+    """Energies of a hinge; one that has failed releases what it stored. Writes: out, new."""
     out.failed, out.rate_factor = new.failed, new.factor
     out.stored, out.power, out.loss = stored, 0.0, loss
     if new.failed == 1:

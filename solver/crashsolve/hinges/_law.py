@@ -217,7 +217,7 @@ def advance_motion(p, old, new, c, x, phi, curves):
 
 @kernel
 def added_loss(p, old, flow, static, phi, curves):
-    """What the factor adds to the work on the slider, with its mean over the step [J]."""
+    """Additional work [J] on the slider by the rate factor, with its mean over the step."""
     c, side, displacement, origin = flow
     mean = 0.5 * (phi + old.factor) if old.plastic_flow[c] == int(side) else phi
     if p.cyclic != KINEMATIC:
@@ -283,7 +283,7 @@ def at_yield(p, state, c, x, rate, phi, curves):
 
 @kernel
 def beyond_motion(p, old, h, c, x, rate, phi, curves):
-    """How far a motion has left the branch of the law on which the step began [rad or m].
+    """Distance of a motion beyond the branch of the law on which the step began [rad or m].
 
     A load step (h = 0) has no rates: one that turns back does so from its start on.
     """
@@ -303,7 +303,7 @@ def beyond_motion(p, old, h, c, x, rate, phi, curves):
 
 @kernel
 def beyond_yield(p, old, c, side, x, phi, curves):
-    """How far a motion is past the elastic line in one direction [rad or m]."""
+    """Distance of a motion beyond the elastic line in one direction [rad or m]."""
     R, _ = resistance(p, old, c, side, 0.0, line_origin(p, old, c, side), curves)
     # without resistance there is nothing to meet, but the line to a peak where M turns
     is_rising = p.cyclic == PEAK_ORIENTED and side * (old.x[c] - old.plastic[c]) < 0.0
@@ -331,7 +331,9 @@ def growth_bound(p, speed):
 
 @kernel
 def growth_slope(p, speed):
-    """Its slope [s/m or s/rad]; near rest, where a power below 1 is vertical, that close by."""
+    """Slope of the rate factor [s/m or s/rad]; near rest, where a power below 1 is vertical, that
+    at a small rate.
+    """
     if p.rate_coefficient == 0.0 or p.latched == 1:
         return 0.0
     b = p.rate_exponent

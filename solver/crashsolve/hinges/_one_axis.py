@@ -21,7 +21,7 @@ from crashsolve.foundation.motion import rotation_tangent, twist
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, sub, vec
 from crashsolve.hinges import _single
-from crashsolve.hinges._card import Motion, backbones, law, tip
+from crashsolve.hinges._card import Motion, backbones, law, rate_arm
 from crashsolve.hinges._joint import COMMON, LEDGER, at_start, motion_of, release_rows
 from crashsolve.hinges._law import LAW, PATH, growth_bound
 from crashsolve.joints import revolute
@@ -50,7 +50,7 @@ TANGENTS = 1
 COUNTS_ROTATIONS = True
 MOTIONS = (Motion("curve", "curve_negative", "stiffness", "initial_angle", "failure_angle"),)
 curves = partial(backbones, MOTIONS)
-PARAMETERS = FRAME + LAW + Record("tip  m or 1  speed of the factor over the rate")
+PARAMETERS = FRAME + LAW + Record("rate_arm  m or 1  speed of the factor over the rate")
 HISTORY = PATH
 OUTPUT = COMMON + Record("""
     moment          N m    positive rotates b back
@@ -62,12 +62,12 @@ OUTPUT = COMMON + Record("""
 
 
 def build(card: Any, scene: Scene) -> Columns:
-    return dict(scene.joint_frame(card)) | law(card, MOTIONS, scene) | {"tip": tip(card)}
+    return dict(scene.joint_frame(card)) | law(card, MOTIONS, scene) | {"rate_arm": rate_arm(card)}
 
 
 def initial_history(card: Card, p: np.void, scene: Scene) -> Columns:
     axis = scene.matrix(p["node_a"]) @ p["axis_a"]
-    return at_start(p, p["tip"] * float(np.dot(axis, motion_of(scene, p)[1])))
+    return at_start(p, p["rate_arm"] * float(np.dot(axis, motion_of(scene, p)[1])))
 
 
 @kernel
@@ -83,11 +83,11 @@ def rotated(p, before, nodes):
 def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     angle, rate, g = rotated(p, old.x[0], nodes)
-    moment, phi = _single.resist(p, old, new, out, angle, p.tip * abs(rate), curves)
+    moment, phi = _single.response(p, old, new, out, angle, p.rate_arm * abs(rate), curves)
     out.moment, out.angle, out.rate = moment, angle, rate
     out.plastic_angle, out.residual_angle = new.flow[0], new.plastic[0]
     if new.failed == 0:
-        drag = p.tip * growth_bound(p, new.speed) * abs(moment) / phi
+        drag = p.rate_arm * growth_bound(p, new.speed) * abs(moment) / phi
         twist(p, nodes, moment, g, p.stiffness[0], drag)
 
 
@@ -95,13 +95,13 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
 def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
     angle, rate, g = rotated(p, state.x[0], nodes)
-    stiffness, damping = _single.slopes(p, state, angle, rate, p.tip * abs(rate), curves)
+    stiffness, damping = _single.slopes(p, state, angle, rate, p.rate_arm * abs(rate), curves)
     a, b = nodes[p.node_a], nodes[p.node_b]
-    rotation_tangent(rows[first], a, b, g, stiffness, p.tip * damping)
+    rotation_tangent(rows[first], a, b, g, stiffness, p.rate_arm * damping)
 
 
 @kernel
 def event(p: Parameters, old: History, h, nodes, curves):
-    """How far this has left the branch of the law on which the step began [rad]."""
+    """Distance beyond the branch of the law on which the step began [rad]."""
     angle, rate, _ = rotated(p, old.x[0], nodes)
-    return _single.beyond(p, old, h, angle, rate, p.tip * abs(rate), curves)
+    return _single.beyond(p, old, h, angle, rate, p.rate_arm * abs(rate), curves)

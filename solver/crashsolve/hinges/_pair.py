@@ -55,20 +55,22 @@ class Motions(NamedTuple):
 
 
 @kernel
-def resist(p, old, new, out, seen, curves):
+def response(p, old, new, out, deformation, curves):
     """Both moments or forces [N m or N], 0 after failure, and phi [1]. Writes: new, out."""
-    _joint.keep_old(old, new)
+    _joint.copy_history(old, new)
     new.flow_work = old.flow_work
-    share = overshoot_pair(p, old, seen.x, seen.y, curves) if p.latched == 1 else 2.0
-    phi = factor(p, old, new, seen.speed, share)
-    new.failed = 1 if _joint.fails(p, old, seen.sizes[0], seen.sizes[1]) else 0
+    share = overshoot_pair(p, old, deformation.x, deformation.y, curves) if p.latched == 1 else 2.0
+    phi = factor(p, old, new, deformation.speed, share)
+    new.failed = 1 if _joint.fails(p, old, deformation.sizes[0], deformation.sizes[1]) else 0
     first, second, stored, loss = 0.0, 0.0, 0.0, 0.0
     if old.failed == 0:
-        first, second, stored, loss = advance_pair(p, old, new, seen.x, seen.y, phi, curves)
+        first, second, stored, loss = advance_pair(
+            p, old, new, deformation.x, deformation.y, phi, curves
+        )
     if new.failed == 1:
         first, second = 0.0, 0.0
-    new.x[0], new.x[1] = seen.x, seen.y
-    _joint.close_outputs(p, old, new, out, stored, loss)
+    new.x[0], new.x[1] = deformation.x, deformation.y
+    _joint.write_energies(p, old, new, out, stored, loss)
     return first, second, phi
 
 
@@ -93,7 +95,7 @@ def limits(p, work, phi, curves):
 
 @kernel
 def advance_ellipse(p, old, new, x, y, phi, curves):
-    """The same on one ellipse. Writes: new."""
+    """Advance both motions on one ellipse. Writes: new."""
     k, j = p.stiffness[0], p.stiffness[1]
     u, v, work = old.plastic[0], old.plastic[1], old.flow_work
     a, b, _, _ = limits(p, work, phi, curves)
@@ -170,14 +172,16 @@ def scaled_flow(p, f, g, work, done, phi, curves):
 
 @kernel
 def excess(p, f, g, work, done, phi, curves):
-    """How far the moments are outside of the ellipse [1] after plastic work that is done [J]."""
+    """Relative distance of the moments outside of the ellipse [1] after plastic work that is
+    done [J].
+    """
     flow, a, b = scaled_flow(p, f, g, work, done, phi, curves)
     c, d = a + flow * p.stiffness[0], b + flow * p.stiffness[1]
     return f * f * a / (c * c) + g * g * b / (d * d) - 1.0
 
 
 @kernel
-def tangent(p, state, seen, curves):
+def tangent(p, state, deformation, curves):
     """Rows of the tangent: shares of both motions, stiffness and damping of each row.
 
     Of the ellipse: K^(1/2) (1 - z z^T / (1 + H / n K n)) K^(1/2), z along K^(1/2) n, n the normal
@@ -185,7 +189,7 @@ def tangent(p, state, seen, curves):
     """
     if state.failed == 1:
         return (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
-    x, y, rate, across, speed, _ = seen
+    x, y, rate, across, speed, _ = deformation
     phi, slope = step_factor(p, state, speed), growth_slope(p, speed)
     if p.is_elliptic == 0:
         k, _, _ = motion_tangent(p, state, 0, x, rate, phi, slope, curves)
@@ -212,18 +216,18 @@ def tangent(p, state, seen, curves):
 
 
 @kernel
-def beyond(p, old, h, seen, curves):
-    """How far this has left the branch of the law on which the step began [rad or m]."""
+def beyond(p, old, h, deformation, curves):
+    """Distance beyond the branch of the law on which the step began [rad or m]."""
     if old.failed == 1:
         return -1e300
-    failing = max(seen.sizes[0] - p.failure[0], seen.sizes[1] - p.failure[1])
-    return max(beyond_yield(p, old, h, seen, curves), failing)
+    failing = max(deformation.sizes[0] - p.failure[0], deformation.sizes[1] - p.failure[1])
+    return max(beyond_yield(p, old, h, deformation, curves), failing)
 
 
 @kernel
-def beyond_yield(p, old, h, seen, curves):
-    """The same, but for failure [rad or m]."""
-    x, y, rate, across, speed, _ = seen
+def beyond_yield(p, old, h, deformation, curves):
+    """Distance beyond the branch of the law on which the step began, without failure [rad or m]."""
+    x, y, rate, across, speed, _ = deformation
     phi = step_factor(p, old, speed)
     if p.is_elliptic == 0:
         first = beyond_motion(p, old, h, 0, x, rate, phi, curves)

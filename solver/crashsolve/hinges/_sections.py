@@ -49,7 +49,7 @@ def squash_load(card: Any, scene: Scene) -> float:
 
 
 def plastic_curve(start: float, limit: float, until: float | None, field: str, scene: Scene) -> Any:
-    """From 0 to the limit at `start`, and level to `until`, 1 when absent; level beyond."""
+    """The points of a curve from 0 to the limit at `start`, and constant beyond."""
     until = until or 1.0
     if not until > start:
         raise scene.fail(f"ends at {until:.4g}, before it yields at {start:.4g}", field)

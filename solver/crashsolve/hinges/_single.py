@@ -9,9 +9,9 @@ from crashsolve.hinges import _joint, _law
 
 
 @kernel
-def resist(p, old, new, out, x, speed, curves):
+def response(p, old, new, out, x, speed, curves):
     """Moment or force [N m or N], 0 after failure, and phi. Writes: new, out."""
-    _joint.keep_old(old, new)
+    _joint.copy_history(old, new)
     share = _law.overshoot(p, old, 0, x, curves) if p.latched == 1 else 2.0
     phi = _law.factor(p, old, new, speed, share)
     new.failed = 1 if _joint.fails(p, old, x, 0.0) else 0
@@ -21,7 +21,7 @@ def resist(p, old, new, out, x, speed, curves):
     if new.failed == 1:
         moment = 0.0
     new.x[0] = x
-    _joint.close_outputs(p, old, new, out, stored, loss)
+    _joint.write_energies(p, old, new, out, stored, loss)
     return moment, phi
 
 
@@ -37,7 +37,7 @@ def slopes(p, state, x, rate, speed, curves):
 
 @kernel
 def beyond(p, old, h, x, rate, speed, curves):
-    """How far it has left the branch of the law on which the step began [rad or m]."""
+    """Distance beyond the branch of the law on which the step began [rad or m]."""
     if old.failed == 1:
         return -1e300
     phi = _law.step_factor(p, old, speed)

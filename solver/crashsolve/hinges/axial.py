@@ -97,7 +97,7 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
     """Writes: nodes, new, out."""
     length_change, rate, u, d_a, d_b = stroke_along(p, nodes, p.axis_a)
     x = length_change - p.initial[0]
-    pulled, phi = _single.resist(p, old, new, out, x, abs(rate), curves)
+    pulled, phi = _single.response(p, old, new, out, x, abs(rate), curves)
     out.force, out.stroke, out.rate = pulled, x, rate
     out.plastic_stroke, out.residual_stroke = new.flow[0], new.plastic[0]
     if new.failed == 0:
@@ -116,6 +116,6 @@ def tangent(p: Parameters, state: History, nodes, curves, rows, first):
 
 @kernel
 def event(p: Parameters, old: History, h, nodes, curves):
-    """How far this has left the branch of the law on which the step began [m]."""
+    """Distance beyond the branch of the law on which the step began [m]."""
     length_change, rate, _, _, _ = stroke_along(p, nodes, p.axis_a)
     return _single.beyond(p, old, h, length_change - p.initial[0], rate, abs(rate), curves)

@@ -90,7 +90,7 @@ PARAMETERS = (
     + Record("""
         beam_a    1  3  direction of the beam, axes of a
         across_a  1  3  axis x beam, axes of a
-        tip       m     arm of the angle in the speed of the factor
+        rate_arm  m     arm of the angle in the speed of the factor
     """)
 )
 HISTORY = PATH + WORK
@@ -121,7 +121,7 @@ def build(card: AxialBending, scene: Scene) -> Columns:
             "is_elliptic": card.interaction == "elliptic",
             "beam_a": scene.rotation_to_body(a, beam),
             "across_a": scene.rotation_to_body(a, np.cross(axis, beam)),
-            "tip": card.rate.arm if card.rate else 1.0,
+            "rate_arm": card.rate.arm if card.rate else 1.0,
         }
     )
 
@@ -129,7 +129,7 @@ def build(card: AxialBending, scene: Scene) -> Columns:
 def initial_history(card: AxialBending, p: np.void, scene: Scene) -> Columns:
     v, w = motion_of(scene, p)
     A = scene.matrix(p["node_a"])
-    speed = np.hypot(v @ (A @ p["beam_a"]), p["tip"] * (w @ (A @ p["axis_a"])))
+    speed = np.hypot(v @ (A @ p["beam_a"]), p["rate_arm"] * (w @ (A @ p["axis_a"])))
     return at_start(p, float(speed))
 
 
@@ -161,35 +161,35 @@ def convective(p: Parameters, old: History, t, nodes, rows, curves):
 
 
 @kernel
-def seen_by(p: Parameters, state: History, nodes):
+def deformation_of(p: Parameters, state: History, nodes):
     """Both motions, the gradient of the angle, the axis and the arms of the force [m]."""
     angle, rate, g = rotated(p, state.x[0], nodes)
     length_change, along, u, d_a, d_b = stroke_along(p, nodes, p.beam_a)
-    stroke, speed = length_change - p.initial[1], sqrt(along * along + (p.tip * rate) ** 2)
-    seen = Motions(angle, stroke, rate, along, speed, (abs(angle), abs(stroke)))
-    return seen, g, u, d_a, d_b
+    stroke, speed = length_change - p.initial[1], sqrt(along * along + (p.rate_arm * rate) ** 2)
+    deformation = Motions(angle, stroke, rate, along, speed, (abs(angle), abs(stroke)))
+    return deformation, g, u, d_a, d_b
 
 
 @kernel
 def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
-    seen, g, u, d_a, d_b = seen_by(p, old, nodes)
-    moment, pulled, phi = _pair.resist(p, old, new, out, seen, curves)
-    out.moment, out.force, out.angle, out.stroke = moment, pulled, seen.x, seen.y
-    out.rate, out.stroke_rate = seen.rate, seen.across
+    deformation, g, u, d_a, d_b = deformation_of(p, old, nodes)
+    moment, pulled, phi = _pair.response(p, old, new, out, deformation, curves)
+    out.moment, out.force, out.angle, out.stroke = moment, pulled, deformation.x, deformation.y
+    out.rate, out.stroke_rate = deformation.rate, deformation.across
     out.plastic_angle, out.residual_angle = new.flow[0], new.plastic[0]
     out.plastic_stroke, out.residual_stroke = new.flow[1], new.plastic[1]
     bound = growth_bound(p, new.speed) / phi if new.failed == 0 else 0.0
     k, j = (p.stiffness[0], p.stiffness[1]) if new.failed == 0 else (0.0, 0.0)
-    pull(p, nodes, pulled, u, d_a, d_b, j, bound * (abs(pulled) + abs(moment) / p.tip))
-    twist(p, nodes, moment, g, k, bound * p.tip * (abs(moment) + p.tip * abs(pulled)))
+    pull(p, nodes, pulled, u, d_a, d_b, j, bound * (abs(pulled) + abs(moment) / p.rate_arm))
+    twist(p, nodes, moment, g, k, bound * p.rate_arm * (abs(moment) + p.rate_arm * abs(pulled)))
 
 
 @kernel
 def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
-    seen, g, u, d_a, d_b = seen_by(p, state, nodes)
-    one, other = _pair.tangent(p, state, seen, curves)
+    deformation, g, u, d_a, d_b = deformation_of(p, state, nodes)
+    one, other = _pair.tangent(p, state, deformation, curves)
     a, b = nodes[p.node_a], nodes[p.node_b]
     rotation_tangent(rows[first], a, b, g, one[2], 0.0)
     axis_tangent(rows[first + 1], a, b, u, d_a, d_b, other[2], 0.0)
@@ -204,5 +204,5 @@ def tangent(p: Parameters, state: History, nodes, curves, rows, first):
 
 @kernel
 def event(p: Parameters, old: History, h, nodes, curves):
-    """How far this has left the branch of the law on which the step began [rad]."""
-    return _pair.beyond(p, old, h, seen_by(p, old, nodes)[0], curves)
+    """Distance beyond the branch of the law on which the step began [rad]."""
+    return _pair.beyond(p, old, h, deformation_of(p, old, nodes)[0], curves)

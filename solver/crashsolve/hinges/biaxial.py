@@ -39,7 +39,7 @@ from crashsolve.foundation.orientation import relative
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add_scaled, dot, norm, scale, sub, vec
 from crashsolve.hinges import _pair
-from crashsolve.hinges._card import MomentCurve, Motion, PairCard, law, pair_backbones, tip
+from crashsolve.hinges._card import MomentCurve, Motion, PairCard, law, pair_backbones, rate_arm
 from crashsolve.hinges._joint import COMMON, LEDGER, across, at_start, motion_of, release_rows
 from crashsolve.hinges._law import LAW, PATH, growth_bound
 from crashsolve.hinges._pair import PAIR, WORK, Motions
@@ -100,7 +100,7 @@ PARAMETERS = (
     + PAIR
     + Record("""
         reference    1       4  q_a^-1 q_b at the start
-        tip          m or 1     speed of the factor over the rate
+        rate_arm     m or 1     speed of the factor over the rate
         axial_yield  N          N_p of the section, which the joint exceeds; infinite if unknown
         buckling     N          compression to warn of; infinite if there is none
     """)
@@ -136,7 +136,7 @@ def build(card: Biaxial, scene: Scene) -> Columns:
         | {
             "is_elliptic": card.interaction == "elliptic",
             "reference": relative(scene.q[frame["node_a"]], scene.q[frame["node_b"]]),
-            "tip": tip(card),
+            "rate_arm": rate_arm(card),
             "axial_yield": squash_load(card.curve, scene),
             "buckling": card.buckling_load or np.inf,
         }
@@ -146,7 +146,7 @@ def build(card: Biaxial, scene: Scene) -> Columns:
 def initial_history(card: Biaxial, p: np.void, scene: Scene) -> Columns:
     spin, A = motion_of(scene, p)[1], scene.matrix(p["node_a"])
     across = np.hypot(spin @ (A @ p["side_a"]), spin @ (A @ p["third_a"]))
-    return at_start(p, float(p["tip"] * across))
+    return at_start(p, float(p["rate_arm"] * across))
 
 
 @kernel
@@ -176,7 +176,7 @@ def convective(p: Parameters, old: History, t, nodes, rows, curves):
 
 
 @kernel
-def seen_by(p: Parameters, nodes):
+def deformation_of(p: Parameters, nodes):
     """Both angles, the world directions of their torques, |theta| [rad] and |T|^2."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     theta = rotation_vector(a, b, p.reference)
@@ -187,22 +187,22 @@ def seen_by(p: Parameters, nodes):
     spin = matvec_t(a.A, sub(vec(b.w), vec(a.w)))
     x, y = dot(first, theta) - p.initial[0], dot(second, theta) - p.initial[1]
     rate, across = dot(g, spin), dot(q, spin)
-    speed = p.tip * sqrt(rate * rate + across * across)
-    seen = Motions(x, y, rate, across, speed, (sqrt(x * x + y * y), 0.0))
+    speed = p.rate_arm * sqrt(rate * rate + across * across)
+    deformation = Motions(x, y, rate, across, speed, (sqrt(x * x + y * y), 0.0))
     stretch = (1.0 - c * size * size) ** 2 + 0.25 * size * size
-    return seen, arm(a, g), arm(a, q), size, stretch
+    return deformation, arm(a, g), arm(a, q), size, stretch
 
 
 @kernel
 def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
-    seen, g, q, size, stretch = seen_by(p, nodes)
+    deformation, g, q, size, stretch = deformation_of(p, nodes)
     if size > FOLDED:
         curves[0].fault, curves[0].x = p.backbone[0], size
-    first, second, phi = _pair.resist(p, old, new, out, seen, curves)
+    first, second, phi = _pair.response(p, old, new, out, deformation, curves)
     out.moment[0], out.moment[1] = first, second
-    out.angle[0], out.angle[1] = seen.x, seen.y
-    out.rate[0], out.rate[1] = seen.rate, seen.across
+    out.angle[0], out.angle[1] = deformation.x, deformation.y
+    out.rate[0], out.rate[1] = deformation.rate, deformation.across
     for c in range(2):
         out.plastic_angle[c], out.residual_angle[c] = new.flow[c], new.plastic[c]
     a, b = nodes[p.node_a], nodes[p.node_b]
@@ -215,7 +215,7 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
     apply_torque(b, scale(-1.0, torque))
     if new.failed == 0:
         moment = sqrt(first * first + second * second)
-        drag = stretch * p.tip * growth_bound(p, new.speed) * moment / phi
+        drag = stretch * p.rate_arm * growth_bound(p, new.speed) * moment / phi
         for c in range(2):
             u = arm(a, vec(p.side_a if c == 0 else p.third_a))
             add_stiffness_bound(a, spin_mobility(a, u), stretch * p.stiffness[c], drag)
@@ -233,8 +233,8 @@ def axial_force(p: Parameters, a, rows):
 @kernel
 def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
-    seen, g, q, _, _ = seen_by(p, nodes)
-    one, other = _pair.tangent(p, state, seen, curves)
+    deformation, g, q, _, _ = deformation_of(p, nodes)
+    one, other = _pair.tangent(p, state, deformation, curves)
     a, b = nodes[p.node_a], nodes[p.node_b]
     rotation_tangent(rows[first], a, b, add_scaled(scale(one[0], g), one[1], q), one[2], 0.0)
     rotation_tangent(
@@ -244,5 +244,5 @@ def tangent(p: Parameters, state: History, nodes, curves, rows, first):
 
 @kernel
 def event(p: Parameters, old: History, h, nodes, curves):
-    """How far this has left the branch of the law on which the step began [rad]."""
-    return _pair.beyond(p, old, h, seen_by(p, nodes)[0], curves)
+    """Distance beyond the branch of the law on which the step began [rad]."""
+    return _pair.beyond(p, old, h, deformation_of(p, nodes)[0], curves)

@@ -5,7 +5,7 @@ The same for every method; what a step and a sample are is said by its stepper (
 """
 
 from crashsolve.foundation.kernels import entry
-from crashsolve.foundation.sparse.saddle import Saddle
+from crashsolve.foundation.sparse.saddle import saddle_of
 from crashsolve.integrators.rattle import finish, prepare_sample, take_step
 from crashsolve.model.clock import CURVE_END, PAUSED, REACHED, REBUILD, RUNNING, TOUCHED
 from crashsolve.system.contact.effective_mass import has_unweighed
@@ -31,7 +31,7 @@ def advance(until, sampling, scene):
     """
     clock, control, ledger = scene.clock[0], scene.control[0], scene.ledger
     nodes, rows, curves = scene.nodes, scene.rows, scene.curves
-    saddle = Saddle(scene.columns, scene.blocks, scene.updates, scene.pairs)
+    saddle = saddle_of(scene)
     clock.status = RUNNING
     while clock.status == RUNNING and (sampling or clock.time < until):
         h = 0.0

@@ -9,7 +9,8 @@ Reference: Bruels, Cardona and Arnold (2012), Mechanism and Machine Theory 48, 1
 """
 
 from crashsolve.foundation.kernels import kernel, stage
-from crashsolve.foundation.sparse.saddle import Saddle
+from crashsolve.foundation.sparse.bordered import Bordered
+from crashsolve.foundation.sparse.saddle import compliant_saddle
 from crashsolve.integrators._positions import begin_contacts, evaluate, project
 from crashsolve.integrators.generalized_alpha import ESTIMATE, ORDER
 from crashsolve.model.clock import UNSOLVED
@@ -145,9 +146,11 @@ def visit_end(h, clock, nodes, rows, scene):
 
 @kernel
 def end_factor(scene):
-    """Where the factor of the step's matrix stands."""
-    pairs = scene.compliant_pairs
-    return Saddle(scene.columns_0, scene.blocks_0, scene.compliant_updates, pairs)
+    """The factor of the step's matrix."""
+    updates = scene.compliant_updates
+    if ASSEMBLED:
+        return Bordered(scene.columns_0, scene.blocks_0, updates, scene.compliant_slots)
+    return compliant_saddle(scene, scene.columns_0, scene.blocks_0)
 
 
 @stage
@@ -163,7 +166,7 @@ def arrive(h, clock, nodes, rows, saddle, scene):
 
 @stage
 def estimate(h, clock, nodes, scene, size, speed):
-    """Estimated error of the step; what is stiff is damped as the method damps it.
+    """Estimated error of the step; stiff components are damped as by the method.
 
     Writes: scene.stages.right_*.
     """

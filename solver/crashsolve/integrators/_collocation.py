@@ -10,7 +10,8 @@ Reference: Hairer and Wanner (1996), Solving Ordinary Differential Equations II,
 """
 
 from crashsolve.foundation.kernels import kernel, stage
-from crashsolve.foundation.sparse.saddle import Saddle
+from crashsolve.foundation.sparse.bordered import Bordered
+from crashsolve.foundation.sparse.saddle import compliant_saddle
 from crashsolve.integrators._positions import begin_contacts, evaluate, project
 from crashsolve.integrators.radau_iia_5 import ESTIMATE, ORDER, STAGES
 from crashsolve.model.clock import UNSOLVED
@@ -132,18 +133,25 @@ def correct_stages(h, speed, nodes, rows, scene):
 
 @kernel
 def stage_tables(scene):
-    """Where the rows of springs and joints at each stage stand."""
+    """The rows of springs and joints at each stage."""
     return (scene.compliant_0, scene.compliant_1, scene.compliant_2)
 
 
 @kernel
 def stage_factors(scene):
-    """Where the factors of the stages' matrices stand."""
-    updates, pairs = scene.compliant_updates, scene.compliant_pairs
+    """The factors of the stages' matrices."""
+    updates = scene.compliant_updates
+    if ASSEMBLED:
+        slots = scene.compliant_slots
+        return (
+            Bordered(scene.columns_0, scene.blocks_0, updates, slots),
+            Bordered(scene.columns_1, scene.blocks_1, updates, slots),
+            Bordered(scene.columns_2, scene.blocks_2, updates, slots),
+        )
     return (
-        Saddle(scene.columns_0, scene.blocks_0, updates, pairs),
-        Saddle(scene.columns_1, scene.blocks_1, updates, pairs),
-        Saddle(scene.columns_2, scene.blocks_2, updates, pairs),
+        compliant_saddle(scene, scene.columns_0, scene.blocks_0),
+        compliant_saddle(scene, scene.columns_1, scene.blocks_1),
+        compliant_saddle(scene, scene.columns_2, scene.blocks_2),
     )
 
 
@@ -161,7 +169,7 @@ def arrive(h, clock, nodes, rows, saddle, scene):
 
 @kernel
 def estimate(h, clock, nodes, scene, size, speed):
-    """Estimated error of the step; what is stiff is damped as the method damps it.
+    """Estimated error of the step; stiff components are damped as by the method.
 
     Writes: scene.stages.right_* of the last stage.
     """
@@ -175,7 +183,7 @@ def estimate(h, clock, nodes, scene, size, speed):
 
 @stage
 def weigh_pass(h, i, clock, scene):
-    """Weights of stage i in what is summed over the step. Writes: clock."""
+    """Set the weights of stage i in sums over the step. Writes: clock."""
     end = STAGES * (STAGES - 1)
     clock.opens = 1 if i == 1 else 0
     clock.closes = 0

@@ -142,7 +142,7 @@ def serves(h, clock):
 
 @kernel
 def gap_before(clock, nodes, scene):
-    """Largest depth of what begins, at the start of the step [m or rad]."""
+    """Largest depth of the events that may begin, at the start of the step [m or rad]."""
     gap = -1e300
     if CONTACTS:
         gap = approach_before(clock, scene)

@@ -55,7 +55,9 @@ def begin(clock, control, nodes):
 
 @kernel
 def onset_gap(h, clock, nodes, scene):
-    """Largest depth of what begins in a step of h: a contact, its end, or a branch of a law."""
+    """Largest depth of the events in a step of h: onset or end of a contact, or a branch of a
+    law.
+    """
     gap = -1e300
     if CONTACTS:
         gap = approach(clock, nodes, scene, -1e300)

@@ -132,7 +132,7 @@ def search(begun, h, tt, clock, nodes, rows, scene):
 
 @kernel
 def power_of(nodes, stages):
-    """What is out of balance along the last correction, over a time [N m/s^2].
+    """Residual force along the last correction, over a time [N m/s^2].
 
     The forces are those of where the nodes stand.
     """
@@ -149,7 +149,7 @@ def power_of(nodes, stages):
 
 @kernel
 def add_correction(stages, share):
-    """A share of the last correction, which may be less than nothing. Writes: stages."""
+    """Add a share, which may be negative, of the last correction. Writes: stages."""
     for n in range(1, stages.shape[1]):
         end = stages[1, n]
         add_to(end.rate_v, scale(share, vec(end.right_v)))
@@ -196,7 +196,7 @@ def visit_end(h, tt, clock, nodes, rows, scene):
 
 @kernel
 def stand_at_rest(nodes, stages, tt):
-    """Put all bodies where the iteration has come to, at rest. Writes: nodes."""
+    """Set all bodies to the positions of the iteration, at rest. Writes: nodes."""
     zero = (0.0, 0.0, 0.0)
     for n in range(1, nodes.shape[0]):
         b, end = nodes[n], stages[1, n]

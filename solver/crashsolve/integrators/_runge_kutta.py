@@ -75,7 +75,7 @@ def prepare_sample(until, clock, nodes, rows, saddle, scene):
     """
     time, part = clock.time, 0.0
     if DENSE and until < time:
-        part = go_back(until, clock, nodes, rows, saddle, scene)
+        part = restore_at(until, clock, nodes, rows, saddle, scene)
         time = until
     elif JOINTS:
         residual(clock.current, time, nodes, rows, scene.curves, scene)
@@ -112,8 +112,8 @@ def finish(time, h, sampling, clock, nodes, rows, saddle, scene):
 
 
 @stage
-def go_back(time, clock, nodes, rows, saddle, scene):
-    """Copies to a time within the last step, by dense output; what is summed as well.
+def restore_at(time, clock, nodes, rows, saddle, scene):
+    """Move the copies to a time within the last step by dense output, including sums over the step.
 
     Returns the time since the start of the step [s]. Writes: clock, nodes, rows, scene.stages, A.
     """
@@ -196,8 +196,8 @@ def open_search(h):
 def cut(h, search, clock, nodes, rows, saddle, scene):
     """The step to try next, that ends where something begins; h itself when it does so already.
 
-    Where is reported by the dense output of a step that went too far; the shorter that is, the
-    better. Returns the step and the search. Writes: nodes, scene.*.
+    Where it begins is found from the dense output of a step that went beyond; the shorter that
+    step, the better. Returns the step and the search. Writes: nodes, scene.*.
     """
     early, late, before, allowed, tries = search
     gap = onset_gap(h, clock, nodes, scene)
@@ -218,7 +218,7 @@ def cut(h, search, clock, nodes, rows, saddle, scene):
 
 @stage
 def locate(h, gap, clock, nodes, rows, saddle, scene):
-    """Where in the step just tried something begins, by its dense output.
+    """Locate the first event in the step just tried, by its dense output.
 
     Returns the step that ends there, and by how much it may be passed. Writes: nodes, scene.*.
     """
@@ -241,7 +241,10 @@ def locate(h, gap, clock, nodes, rows, saddle, scene):
 
 @stage
 def gap_before(h, clock, nodes, scene):
-    """The same at the start of the step. Writes: nodes, which the next trial moves again."""
+    """The smallest gap at the start of the step.
+
+    Writes: nodes, which the next trial moves again.
+    """
     gap = -1e300
     if CONTACTS:
         gap = approach_before(clock, scene)
@@ -325,7 +328,7 @@ def pass_stages(h, clock, nodes, rows, saddle, scene):
 
 @kernel
 def weigh_pass(h, i, clock, scene):
-    """Weights of stage i in what is summed over the step. Writes: clock."""
+    """Set the weights of stage i in sums over the step. Writes: clock."""
     end = (SAMPLE + 1) * (STAGES - 1)
     clock.stage = i
     clock.opens = 1 if i == 1 else 0

@@ -68,7 +68,7 @@ POOR_GUESS = 1e-4  # first residual, in model sizes, above which lambda is guess
 
 @stage
 def prepare_sample(until, clock, nodes, rows, saddle, scene):
-    """What a sample needs before its forces; returns its time [s]. Writes: rows.phi."""
+    """Prepare a sample before its forces; returns its time [s]. Writes: rows.phi."""
     if JOINTS:
         residual(clock.current, clock.time, nodes, rows, scene.curves, scene)
     return clock.time
@@ -145,7 +145,7 @@ def set_positions(h, clock, nodes, rows, saddle, scene):
         if not worst < 1e3 or iteration == POSITION_ITERATIONS - 1:
             clock.status, clock.index, clock.value = POSITION, row, worst
             break
-        # with hardly any inertia the line through old lambdas misses wildly: begin from zero
+        # with hardly any inertia the guess misses wildly: begin from zero
         if iteration == 0 and worst > POOR_GUESS:
             clear_trial(rows, nodes)
             continue
@@ -185,7 +185,7 @@ def kick_and_drift(again, h, clock, control, nodes, scene):
 
 @stage
 def is_closed(worst, previous, control):
-    """Whether joints are: a decimal better than asked, or as asked and stalled at round-off."""
+    """Whether joints are closed: to a tenth of the tolerance, or to the tolerance at round-off."""
     tolerance = control.constraint_tolerance
     return worst <= 0.1 * tolerance or (worst <= tolerance and worst > 0.5 * previous)
 

@@ -7,7 +7,7 @@ from crashsolve.deck.roles import Built, Constraint
 
 
 class JointLaw(Built, Constraint, Protocol):
-    """What the file of a joint provides beside its card."""
+    """Attributes and functions of a joint's file, beside its card."""
 
 
 FAMILY = Family(

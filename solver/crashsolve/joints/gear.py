@@ -58,7 +58,7 @@ def build(card: Gear, scene: Scene) -> Columns:
         raise scene.fail("must not be 0", "ratio")
     one = named_frame(scene, "first", card.first, "angle")
     two = named_frame(scene, "second", card.second, "angle")
-    columns = FULL_TURN.taken_from(one)
+    columns = FULL_TURN.columns_of(one)
     columns |= {"node_c": two["node_a"], "node_d": two["node_b"], "axis_c": two["axis_a"]}
     return columns | {"side_c": two["side_a"], "side_d": two["side_b"], "ratio": card.ratio}
 

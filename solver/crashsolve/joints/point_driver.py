@@ -78,7 +78,7 @@ def build(card: PointDriver, scene: Scene) -> Columns:
 
 
 def _point(card: PointDriver, scene: Scene, node: int) -> np.ndarray:
-    """Where the point is at the start, in the world [m]."""
+    """Position of the point at the start, world axes [m]."""
     if card.at is None:
         found: np.ndarray = scene.world_point(node, (0.0, 0.0, 0.0))
     elif card.frame == "world":

@@ -58,7 +58,7 @@ def build(card: Rack, scene: Scene) -> Columns:
         raise scene.fail("must not be 0", "radius")
     one = named_frame(scene, "pinion", card.pinion, "angle")
     two = named_frame(scene, "rack", card.rack, "travel")
-    columns = FULL_TURN.taken_from(one)
+    columns = FULL_TURN.columns_of(one)
     columns |= {"node_c": two["node_a"], "node_d": two["node_b"], "axis_c": two["axis_a"]}
     columns |= {"point_c": two["point_a"], "point_d": two["point_b"], "radius": card.radius}
     return columns

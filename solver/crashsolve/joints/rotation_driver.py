@@ -57,7 +57,7 @@ def build(card: RotationDriver, scene: Scene) -> Columns:
     columns = frame | motion(
         card, scene, 0.0, turn_rate(frame, scene), scene.deck.control.constraint_tolerance
     )
-    return PARAMETERS.taken_from(columns)
+    return PARAMETERS.columns_of(columns)
 
 
 def turn_rate(frame: dict[str, Any], scene: Scene) -> float:

@@ -52,7 +52,7 @@ def build(card: TranslationDriver, scene: Scene) -> Columns:
     frame = named_frame(scene, "joint", card.joint, "travel")
     tolerance = scene.deck.control.constraint_tolerance * scene.size
     columns = frame | motion(card, scene, 0.0, slide_rate(frame, scene), tolerance)
-    return PARAMETERS.taken_from(columns)
+    return PARAMETERS.columns_of(columns)
 
 
 def slide_rate(frame: dict[str, Any], scene: Scene) -> float:

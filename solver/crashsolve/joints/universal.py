@@ -50,7 +50,7 @@ def build(card: Universal, scene: Scene) -> Columns:
         )
     second = scene.unit(second - cosine * first, "second_axis")
     frame["axis_b"] = scene.rotation_to_body(frame["node_b"], second)
-    return PARAMETERS.taken_from(frame)
+    return PARAMETERS.columns_of(frame)
 
 
 @kernel

@@ -7,7 +7,7 @@ from crashsolve.deck.roles import Built, Force
 
 
 class LoadLaw(Built, Force, Protocol):
-    """What the file of a load provides beside its card."""
+    """Attributes and functions of a load's file, beside its card."""
 
     # the column of PARAMETERS that its force is proportional to
     AMPLITUDE: str

@@ -12,7 +12,7 @@ from crashsolve.foundation.vec3 import scale, vec
 
 
 class BodyLoadCard(Card):
-    """What is loaded, in which axes, and how the load changes with time."""
+    """Fields of loads on a body: body, axes and factor over time."""
 
     curve_axes: ClassVar = {"curve": ("s", "1")}
 

@@ -65,7 +65,10 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
 def force_on_points(
     p: Parameters, old: History, new: History, out: Output, t, h, nodes, curves, scene
 ):
-    """The same of points that ride on no body. Writes: scene.points, nodes, out."""
+    """Apply the weight of points that are not attached to a body.
+
+    Writes: scene.points, nodes, out.
+    """
     g, points = vec(p.acceleration), scene.points
     mass, position = 0.0, (0.0, 0.0, 0.0)
     for i in range(points.shape[0]):

@@ -35,7 +35,7 @@ class NodalForce(Card):
     part: PartName = word("shell part")
     nodes: SetName = word("set of nodes of its mesh")
     force: Vec3 = quantity("N", "F, on all of them together; world axes; times curve")
-    share: Literal["mass", "equal"] = word("how the nodes share it", default="mass")
+    share: Literal["mass", "equal"] = word("division among the nodes", default="mass")
     curve: CurveName | None = word("factor over time; 1 when absent", default=None)
 
 

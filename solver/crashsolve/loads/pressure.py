@@ -15,7 +15,7 @@ from crashsolve.deck.card import Card, CurveName, PartName, quantity, word
 from crashsolve.foundation.columns import add_to
 from crashsolve.foundation.curve import curve_value
 from crashsolve.foundation.kernels import apart, blockwise, inlined, kernel
-from crashsolve.foundation.lanes import EIGHT, NEXT, add_forces, take_motion
+from crashsolve.foundation.lanes import EIGHT, NEXT, add_forces, gather_motion
 from crashsolve.foundation.motion import act_from_outside
 from crashsolve.foundation.point import BLOCKS, LANES
 from crashsolve.foundation.record import Record
@@ -106,7 +106,7 @@ def load_elements(p: Parameters, old: History, out: Output, h, scene):
 
 @kernel
 def add_up(p: Parameters, out: Output, h, nodes, block_sums):
-    """What all blocks come to, one after the other. Writes: nodes, out."""
+    """Sum the values of all blocks in order. Writes: nodes, out."""
     total = moment = (0.0, 0.0, 0.0)
     work = 0.0
     blocks = (p.quads + LANES - 1) // LANES + (p.triangles + LANES - 1) // LANES
@@ -131,7 +131,7 @@ def press(elements, aside, now, before, h, scene):
         corner, live = first + 4 * done, min(LANES, count - done)
         for c in range(4):
             for e in range(0, LANES, EIGHT):
-                take_motion(points, corners, corner + LANES * c + e, work, LANES * 3 * c + e)
+                gather_motion(points, corners, corner + LANES * c + e, work, LANES * 3 * c + e)
         press_block(work, live, sides, h, share * now, share * before)
         for c in range(sides):
             for e in range(0, LANES, EIGHT):

@@ -20,7 +20,7 @@ from crashsolve.foundation.record import Record
 
 
 class MaterialLaw(Protocol):
-    """What the file of every material provides beside its card."""
+    """Attributes and functions of every material's file, beside its card."""
 
     PARAMETERS: Record  # with the columns of elastic.py: young, poisson, shear, density, ...
     LAYER: Any  # rows of a layer, from rows_of()
@@ -67,12 +67,12 @@ class MaterialLaw(Protocol):
 
 
 class GeneralLaw(MaterialLaw, Protocol):
-    """What a law of its own provides besides."""
+    """Further functions of a material with a stress update of its own."""
 
-    def tangent(self, m, kept, blocks, at, d, direction, h, curves):
+    def tangent(self, m, blocks_before, blocks, at, d, direction, h, curves):
         """Changes of the stress (3) and of the strain across for a change `direction` of d.
 
-        `kept` holds the layer before the step, blocks the layer after it.
+        `blocks_before` holds the layer before the step, blocks the layer after it.
         """
 
     def fibre(self, m, old, new, i, strain, rate, h, curves):
@@ -83,7 +83,7 @@ class GeneralLaw(MaterialLaw, Protocol):
 
 
 class VonMisesLaw(MaterialLaw, Protocol):
-    """What a law of a metal provides besides."""
+    """Further functions of a metal that yields by the von Mises criterion."""
 
     HEATS: bool  # whether FIBRE has a temperature
     SMOOTH: bool  # whether Y bends, and is followed by its tangents; or goes from line to line
@@ -98,7 +98,7 @@ class VonMisesLaw(MaterialLaw, Protocol):
         """Line of Y at e: value at no strain, slope, where it ends; where not SMOOTH."""
 
     def rate_factor(self, m, rate):
-        """By which Y is higher at a rate of strain [1/s], at least 1; asked where m.rated is 1."""
+        """Factor on Y at a rate of strain [1/s], at least 1; called where m.rated is 1."""
 
     def rate_slopes(self, m, rate, factor):
         """Its slope by a rate above 0 [s], where it is `factor`, and the slope of that [s^2]."""
@@ -107,7 +107,7 @@ class VonMisesLaw(MaterialLaw, Protocol):
         """Rate at which it is `factor`, above 1; any above that where it is nowhere so much."""
 
     def heat_factor(self, m, temperature):
-        """By which Y is lower at a temperature; asked where m.heating is above 0."""
+        """Factor on Y at a temperature, at most 1; called where m.heating is above 0."""
 
 
 FAMILY = Family(

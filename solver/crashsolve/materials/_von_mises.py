@@ -4,7 +4,8 @@
     T_dot = heating w_p_dot
 
 e is the equivalent plastic strain, rate that of e over a step, w_p the plastic work per volume. A
-law says Y, f and g; elements return stresses to the yield surface (elements/shells/plasticity.py, elements/beams/fibres.py).
+law says Y, f and g; elements return stresses to the yield surface (elements/shells/plasticity.py,
+elements/beams/fibres.py).
 """
 
 from math import sqrt

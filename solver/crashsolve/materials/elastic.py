@@ -68,7 +68,7 @@ def plastic_strain(card: Elastic, layer: np.ndarray) -> np.ndarray:
 
 @inlined
 def update(m, blocks, at, d, h, curves):
-    """Of any layer within its yield stress."""
+    """Update of a layer within its yield stress."""
     x, y, xy = d
     s_x = blocks[at] + m.plane * (x + m.poisson * y)
     s_y = blocks[at + LANES] + m.plane * (y + m.poisson * x)
@@ -77,7 +77,7 @@ def update(m, blocks, at, d, h, curves):
 
 
 @inlined
-def tangent(m, kept, blocks, at, d, direction, h, curves):
+def tangent(m, blocks_before, blocks, at, d, direction, h, curves):
     both = m.young / (1.0 - m.poisson) * (direction[0] + direction[1])
     apart = 2.0 * m.shear * (direction[0] - direction[1])
     stress = (0.5 * (both + apart), 0.5 * (both - apart), m.shear * direction[2])
@@ -103,7 +103,7 @@ def solid(m, old, new, d, h, curves, material):
 
 @inlined
 def solid_energy(m, new):
-    """By its stress."""
+    """Stored energy from the stress [J/m^3]."""
     s = new.stress
     trace = s[0] + s[1] + s[2]
     squares = s[0] * s[0] + s[1] * s[1] + s[2] * s[2]
@@ -113,7 +113,7 @@ def solid_energy(m, new):
 
 @inlined
 def energy(m, blocks, at):
-    """By its stress."""
+    """Stored energy from the stress [J/m^3]."""
     x, y, s = blocks[at], blocks[at + LANES], blocks[at + 2 * LANES]
     density = x * x + y * y - 2.0 * m.poisson * x * y + 2.0 * (1.0 + m.poisson) * s * s
     return 0.5 * density / m.young

@@ -117,9 +117,9 @@ def square_of(a, b, c):
 
 
 @inlined
-def tangent(m, kept, blocks, at, d, direction, h, curves):
+def tangent(m, blocks_before, blocks, at, d, direction, h, curves):
     row = at + LANES * LAYER.metric
-    old = (kept[row], kept[row + LANES], kept[row + 2 * LANES])
+    old = (blocks_before[row], blocks_before[row + LANES], blocks_before[row + 2 * LANES])
     new = (blocks[row], blocks[row + LANES], blocks[row + 2 * LANES])
     across, more = (
         blocks[at + LANES * LAYER.across],
@@ -242,7 +242,7 @@ def volume_of(c):
 
 @inlined
 def solid(m, old, new, d, h, curves, material):
-    """As a layer, with all six strains: C grows by U exp(2 d) U."""
+    """Update of a point as of a layer, with all six strains: C becomes U exp(2 d) U."""
     c = old.metric
     root = root_of((1.0 + c[0], 1.0 + c[1], 1.0 + c[2], c[3], c[4], c[5]))
     grown = between(root, doubled(d))

@@ -10,7 +10,7 @@ from crashsolve.deck.roles import Built
 
 
 class MeshLaw(Built, Protocol):
-    """What the file of a mesh provides beside its card."""
+    """Functions of a mesh's file, beside its card."""
 
 
 FAMILY = Family(

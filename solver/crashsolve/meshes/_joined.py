@@ -2,8 +2,8 @@
 
 Each element of a mesh whose elements were divided by 2 has one corner that was there before, the
 opposite one in the middle of four elements, and two in the middle of sides. One corner of one
-element states all others, from neighbour to neighbour; of the four choices that one is taken which
-holds all over. Consequence to test: a mesh that is divided by 2 and joined is itself again.
+element determines all others, from neighbour to neighbour; of the four choices the one is taken
+that holds all over. Consequence to test: a mesh that is divided by 2 and joined is itself again.
 """
 
 from collections import defaultdict
@@ -26,7 +26,7 @@ def joined(mesh: Mesh, factor: int) -> Mesh:
     return mesh
 
 
-def made_coarser(mesh: Mesh, card: Any, scene: Scene) -> Mesh:
+def coarsened(mesh: Mesh, card: Any, scene: Scene) -> Mesh:
     """The mesh of a card as its `joined` asks for; an error of the deck where it cannot be."""
     try:
         return joined(mesh, card.joined)
@@ -41,15 +41,15 @@ def _half(mesh: Mesh) -> Mesh:
     kinds = _kinds(quads)
     blocks = _blocks(quads, kinds)
     coarse = np.array([_around(quads[own], kinds) for own in blocks])
-    kept = np.unique(coarse)
+    remaining = np.unique(coarse)
     index = np.full(len(mesh.points), -1)
-    index[kept] = np.arange(len(kept))
+    index[remaining] = np.arange(len(remaining))
     sets = {}
     for name, own in mesh.sets.items():
         sets[name] = index[own][index[own] >= 0]
         if len(own) and not len(sets[name]):
             raise ValueError(f"no node of set '{name}' is a corner of joined elements")
-    return Mesh(mesh.points[kept], index[coarse], sets, _sets_of(blocks, mesh.element_sets))
+    return Mesh(mesh.points[remaining], index[coarse], sets, _sets_of(blocks, mesh.element_sets))
 
 
 def _sets_of(blocks: list[np.ndarray], fine: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -64,7 +64,7 @@ def _sets_of(blocks: list[np.ndarray], fine: dict[str, np.ndarray]) -> dict[str,
 
 
 def _kinds(quads: np.ndarray) -> np.ndarray:
-    """What every node was, of all patches of elements that hang together."""
+    """Kind of every node before the division, of all connected patches of elements."""
     beside = defaultdict(list)
     for element, quad in enumerate(quads.tolist()):
         for k in range(4):
@@ -114,7 +114,7 @@ def _spread(
 
 
 def _corner_of(quad: list[int], kinds: np.ndarray, pair: tuple[int, int]) -> int:
-    """Which node of an element was a corner, from the kinds of two that it shares."""
+    """Node of an element that was a corner, from the kinds of two that it shares."""
     at = {int(kinds[node]): quad.index(node) for node in pair}
     return at[CORNER] if CORNER in at else (at[MIDDLE] + 2) % 4
 

@@ -19,7 +19,7 @@ from crashsolve.foundation.mesh_files.reading import (
     MeshFileError,
     read_mesh_file,
 )
-from crashsolve.meshes._joined import made_coarser
+from crashsolve.meshes._joined import coarsened
 from crashsolve.meshes._mesh import Mesh
 
 
@@ -30,7 +30,7 @@ class File(Card):
     groups of gmsh by name or number.
     """
 
-    file: FileName = word("beside the deck")
+    file: FileName = word("mesh file, beside the deck that names it")
     unit: float = quantity("m", "length that the file's unit stands for", default=1.0, gt=0)
     elements: SetName = word(
         "element set, property or physical group; all elements of the file if empty", default=""
@@ -63,7 +63,7 @@ def build(card: File, scene: Scene) -> Mesh:
     elements = {name: at[own][at[own] >= 0] for name, own in found.element_sets.items()}
     points = found.points[used] * card.unit
     mesh = Mesh(points, numbers.reshape(corners.shape), sets, elements)
-    return made_coarser(mesh, card, scene)
+    return coarsened(mesh, card, scene)
 
 
 def _wanted(found: MeshFile, card: File, scene: Scene) -> np.ndarray:

@@ -9,7 +9,7 @@ import numpy as np
 
 from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card, SetName, Vec3, quantity, word
-from crashsolve.meshes._joined import made_coarser
+from crashsolve.meshes._joined import coarsened
 from crashsolve.meshes._mesh import Mesh
 
 
@@ -51,4 +51,4 @@ def build(card: Listed, scene: Scene) -> Mesh:
         sets[own.name] = np.asarray(own.nodes, np.int64) - 1
         if sets[own.name].max(initial=-1) >= len(points):
             raise scene.fail(f"names a node beyond {len(points)}", f"mesh.sets.{k}.nodes")
-    return made_coarser(Mesh(points, quads, sets), card, scene)
+    return coarsened(Mesh(points, quads, sets), card, scene)

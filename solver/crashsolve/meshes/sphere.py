@@ -20,7 +20,7 @@ class Sphere(Card):
 
     centre: Vec3 = quantity("m", "centre of the sphere", default=(0.0, 0.0, 0.0))
     radius: float = quantity("m", "R", gt=0)
-    part: Literal["eighth", "half", "whole"] = word("how much of it", default="whole")
+    part: Literal["eighth", "half", "whole"] = word("part of the sphere", default="whole")
     elements: int = word("number along an eighth of a great circle", ge=1)
 
     @property

@@ -17,7 +17,7 @@ from crashsolve.meshes._mesh import Mesh, net
 
 
 class Dent(Card):
-    """Where the sides begin to fold."""
+    """Initial imperfection at which the sides begin to fold."""
 
     depth: float = quantity("m", "largest, in the middle of each side")
     from_: float = quantity("m", "height where it begins", ge=0)

@@ -43,7 +43,7 @@ def weld(entry: Any, scene: Scene) -> None:
         _refuse_apart(body, node, "welded", scene)
         scene.welded[node] = body
     if nodes:
-        lump(body, nodes, scene)
+        add_welded_mass(body, nodes, scene)
 
 
 def join(entry: Any, scene: Scene) -> None:
@@ -67,7 +67,7 @@ def join(entry: Any, scene: Scene) -> None:
     _refuse_apart(whole, body, "part_of", scene)
     own = [node for node, of in scene.welded.items() if of == body]
     scene.welded.update(dict.fromkeys([*own, body], whole))
-    lump(whole, [body], scene)
+    add_welded_mass(whole, [body], scene)
 
 
 def _refuse_implicit(word: str, given: bool, scene: Scene) -> None:
@@ -77,7 +77,7 @@ def _refuse_implicit(word: str, given: bool, scene: Scene) -> None:
 
 
 def _refuse_apart(body: int, node: int, word: str, scene: Scene) -> None:
-    """What becomes part of a body begins with its motion."""
+    """Refuse nodes that become part of a body without its motion."""
     apart = inconsistency(body, node, scene)
     if apart > SAME * (np.linalg.norm(scene.v[node]) + np.linalg.norm(scene.v[body])):
         message = f"'{scene.names[node]}' begins {apart:.3g} m/s faster than its position on "
@@ -85,7 +85,7 @@ def _refuse_apart(body: int, node: int, word: str, scene: Scene) -> None:
         raise scene.fail(f"{message}; give both the same motion", word)
 
 
-def lump(body: int, attached_nodes: list[int], scene: Scene) -> None:
+def add_welded_mass(body: int, attached_nodes: list[int], scene: Scene) -> None:
     """Add mass and inertia of welded nodes to their body. Writes: scene.mass, J, r, v, offset."""
     some = [body, *attached_nodes]
     mass = scene.mass[some]

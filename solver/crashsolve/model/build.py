@@ -22,6 +22,7 @@ from crashsolve.model.checks.statics import is_incremental, refuse_motion
 from crashsolve.model.citations import citations
 from crashsolve.model.clock import CLOCK, CONTROL
 from crashsolve.model.contact import records
+from crashsolve.model.contact.body_pairs import rest_together
 from crashsolve.model.contact.build import build_contacts
 from crashsolve.model.contact.node_to_surface import loads_of_points
 from crashsolve.model.contact.pieces import cut as cut_pairs
@@ -40,10 +41,10 @@ from crashsolve.model.force_columns import (
     history_of_force,
 )
 from crashsolve.model.hubs import plan_of
-from crashsolve.model.implicit.assembly import embody
+from crashsolve.model.implicit.assembly import add_nodes_of_points
 from crashsolve.model.integrator_selection import Choice, by_default, choose, resolve
 from crashsolve.model.ledger import ENTRIES
-from crashsolve.model.materials import fill, laws_of, refuse_unlike, with_constants, with_memory
+from crashsolve.model.materials import fill, laws_of, refuse_different, with_constants, with_memory
 from crashsolve.model.model import Group, Joint, Model, State
 from crashsolve.model.nodes import IMPLICIT_STAGE, NODE, ROW, STAGE
 from crashsolve.model.partition import cut
@@ -66,7 +67,7 @@ def build(deck: Deck) -> tuple[Model, State]:
     Raises: DeckErrors naming every card that cannot be built.
     """
     try:
-        # what becomes of them is looked at below, card by card
+        # they are checked below, card by card
         with np.errstate(all="ignore"):
             model, state = _build(deck)
             model.warnings.extend(warn_of_unseen(model))
@@ -80,7 +81,7 @@ def _build(deck: Deck) -> tuple[Model, State]:
     scene = Scene(deck)
     methods.refuse_methods(scene)
     curves = _build_curves(deck, scene)
-    # what follows stands on sound bodies and curves
+    # the rest needs bodies and curves without errors
     scene.raise_errors()
     groups: list[Group] = []
     joints = _build_joints(deck, scene, groups)
@@ -166,7 +167,7 @@ def _arrange(model: Model, state: State, scene: Scene) -> None:
     """Points as the method needs them. Writes: model, state."""
     assert model.elements is not None
     if hasattr(_method(model), "T"):
-        embody(model, state)
+        add_nodes_of_points(model, state)
     held = state.points["held"]
     model.elements.holds = np.flatnonzero((held > 0) & (held < ATTACHED)).astype(HOLD.dtype)
     blocks = max((int(blocks_of(g.parameters).max()) for g in model.element_loads()), default=0)
@@ -179,13 +180,13 @@ def _arrange(model: Model, state: State, scene: Scene) -> None:
 
 
 def _share_pairs(model: Model, scene: Scene) -> None:
-    """Many contact pairs in pieces, whether or not there are threads to share them.
-
-    Raises: DeckErrors for threads without a use. Writes: model.
-    """
+    """Arrange contact pairs. Raises: DeckErrors for threads without a use. Writes: model."""
+    # many are cut into pieces, whether or not there are threads to share them
     groups = [g for g in model.contact_groups if has_many(g)]
-    for group in groups if hasattr(_method(model), "KICK_DRIFT_KICK") else ():
-        cut_pairs(group)
+    if hasattr(_method(model), "KICK_DRIFT_KICK"):
+        for group in groups:
+            cut_pairs(group)
+        rest_together(model.contact_groups)
     if groups and scene.threads > 1:
         model.threads = scene.threads
     if not groups and not model.elements and (scene.deck.control.threads or 1) > 1:
@@ -302,7 +303,7 @@ def _build_group(keyword: str, entries: list[Entry], scene: Scene) -> Group:
         with scene.building(entry):
             scene.refuse_stepwise(module)
             built = module.build(entry.card, scene)
-            refuse_unlike(module, module.PARAMETERS, built, FILLED_LATER)
+            refuse_different(module, module.PARAMETERS, built, FILLED_LATER)
             fill(table[i], built)
             if hasattr(module, "initial_history"):
                 for side in (0, 1):
@@ -337,7 +338,7 @@ def _build_parts(entries: list[Entry], scene: Scene) -> Group:
             own = module.elements(entry.card, scene.part_nodes[entry.name], scene)
             if laws:
                 law, _ = scene.law("materials", entry.card.material)
-                refuse_unlike(law, law.PARAMETERS, own[0]["material"])
+                refuse_different(law, law.PARAMETERS, own[0]["material"])
                 own = [row | {"law": laws.index(law)} for row in own]
             names += entry.card.element_names(entry.name)
             rows += own

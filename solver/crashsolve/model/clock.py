@@ -75,6 +75,10 @@ CLOCK = Record("""
                                step
     element_rate     1/s^2     bound of the squared frequencies of the elements, then of the mesh
     limit_element    index     the element that has it
+    swing            1         largest frequency of a body times a stated step of rattle so far
+    swing_node       index     the body
+    swing_square     1/s^2     its stiffness over its mass then
+    swing_damping    1/s       and its damping
 """)
 
 CONTROL = Record("""

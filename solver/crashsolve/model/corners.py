@@ -21,7 +21,7 @@ BENT = 0.01
 def corners_in_time(model: Model) -> np.ndarray:
     """Times [s] of the corners of all curves of time, in order."""
     found = [corners(model.curves, first) for first in sorted(curves_of_time(model))]
-    return np.unique(np.concatenate([np.zeros(0), *found]))
+    return np.unique(np.concatenate(found)) if found else np.zeros(0)
 
 
 def curves_of_time(model: Model) -> set[int]:
@@ -36,7 +36,7 @@ def curves_of_time(model: Model) -> set[int]:
 
 
 def corners(curves: np.ndarray, first: int) -> np.ndarray:
-    """Where the curve that begins with point `first` has corners, its ends among them."""
+    """Abscissas of the corners of the curve that begins with point `first`, including its ends."""
     points = curves[first : curves[first]["last"] + 1]
     x, c, length = points["x"], points["c"][:-1], np.diff(points["x"])
     slopes = np.stack([c[:, 1], c[:, 1] + length * (2 * c[:, 2] + 3 * length * c[:, 3])])

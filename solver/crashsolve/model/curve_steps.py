@@ -2,9 +2,11 @@
 
     h <= 2 pi / 40 / omega,   omega = max |f'''| / max |f''|   near the time
 
-omega is the circular frequency of a sine, and for a smooth pulse of width s about 2 / s; straight
-pieces have none, and steps end at their corners (corners.py). A curve may change as fast as it
-likes where that is below NOTHING of its range in a step, and no piece is cut into more than four.
+omega is the circular frequency of a sine, and for a smooth pulse of width s about 2 / s. A curve
+may change as fast as it likes where that is below NOTHING of its range in a step, and no piece is
+cut into more than four. Straight pieces have no frequency, and steps end at their corners
+(corners.py): those that rise or fall are cut into four, or every run beside this one would take the
+same step over them, and estimate no error of what moves within it.
 Time is halved until a part has no more than some steps; parts of like bounds are one.
 Consequence to test: a pulse between two samples gives its impulse, wherever it lies; a load of the
 frequency of the samples as well.
@@ -22,28 +24,39 @@ from crashsolve.model.model import Model
 PER_PERIOD, NOTHING = 40, 1e-8
 # a stated step of so many times the longest hardly sees a curve, or misses it
 HARDLY, MISSED = 4.0, 16.0
-# a part is halved down to so many of its steps, over a period, and this share of the curve
-FEW, SHORTEST = 100, 1.0 / 4096
+# a part is halved down to so many of its steps, over a period, and this share of the curve; further
+# only where that parts steps by this factor, as towards an end with infinite slope, to round-off
+FEW, SHORTEST, UNLIKE, ROUND_OFF = 100, 1.0 / 4096, 1.5, 1e-15
+# share of the run in which no load does anything: ten times that below which a step has collapsed
+NO_TIME = 1e-11
 
 
 class _Pieces(NamedTuple):
-    """Cubics of a curve: where they end, and what states how fast they change."""
+    """Cubics of a curve: where they end, and the derivatives that bound steps within them."""
 
     x: np.ndarray  # (n + 1,) [s]
+    rise: np.ndarray  # (n,) change of f
     bend: np.ndarray  # (n,) largest |f''|
     third: np.ndarray  # (n,) |f'''|
     range: float
 
 
 def steps_by_curves(model: Model) -> tuple[np.ndarray, np.ndarray]:
-    """Times [s] (n,) from which a step [s] (n,) is the longest that sees all curves of time."""
-    found = [_steps(model.curves, first) for first in sorted(curves_of_time(model))]
+    """Times [s] (n,) from which a step [s] (n,) is the longest that sees all curves of time.
+
+    A stated step is cut within straight pieces alone.
+    """
+    control = model.control[0]
+    is_stated = float(control["fixed_step"]) > 0.0
+    shortest = NO_TIME * float(control["end"] - control["start"])
+    of = _of_straight if is_stated else _steps
+    found = [of(model.curves, first) for first in sorted(curves_of_time(model))]
     found = [(x, h) for x, h in found if np.isfinite(h).any()]
     if not found:
         return np.zeros(0), np.zeros(0)
     starts = np.unique(np.concatenate([x for x, _ in found]))
     each = [np.r_[np.inf, h][np.searchsorted(x, starts, side="right")] for x, h in found]
-    return _merged(starts, np.min(each, axis=0))
+    return _merged(starts, np.maximum(np.min(each, axis=0), shortest))
 
 
 def unseen(model: Model) -> dict[str, tuple[float, float]]:
@@ -51,7 +64,7 @@ def unseen(model: Model) -> dict[str, tuple[float, float]]:
     control, found = model.control[0], {}
     step, names = float(control["fixed_step"]), {k: name for name, k in model.curve_names.items()}
     for first in sorted(curves_of_time(model)) if step > 0.0 else ():
-        starts, steps = _steps(model.curves, first)
+        starts, steps = _steps(model.curves, first, cuts_straight=False)
         met = (starts < control["end"]) & (np.r_[starts[1:], np.inf] > control["start"])
         shares = np.where(met, step / steps, 0.0)
         at = int(shares.argmax())
@@ -71,15 +84,27 @@ def warn_of_unseen(model: Model) -> list[str]:
     ]
 
 
-def _steps(curves: np.ndarray, first: int) -> tuple[np.ndarray, np.ndarray]:
-    """The same of the curve that begins with point `first`."""
+def _of_straight(curves: np.ndarray, first: int) -> tuple[np.ndarray, np.ndarray]:
+    """The same of the straight pieces of a curve: from the start of each, and from its end."""
+    points = curves[first : curves[first]["last"] + 1]
+    x, c = points["x"].copy(), points["c"][:-1]
+    is_cut = (c[:, 1] != 0.0) & (c[:, 2] == 0.0) & (c[:, 3] == 0.0)
+    return _merged(x, np.r_[np.where(is_cut, 0.25 * np.diff(x), np.inf), np.inf])
+
+
+def _steps(
+    curves: np.ndarray, first: int, cuts_straight: bool = True
+) -> tuple[np.ndarray, np.ndarray]:
+    """The same of the curve that begins with point `first`; straight pieces are cut, or not."""
     points = curves[first : curves[first]["last"] + 1]
     x, c = points["x"].copy(), points["c"][:-1]
     length = np.diff(x)
     ends = np.abs([2 * c[:, 2], 2 * c[:, 2] + 6 * length * c[:, 3]])
     values = points["c"][:-1, 0]
     last = c[-1] @ length[-1] ** np.arange(4)
-    pieces = _Pieces(x, ends.max(axis=0), 6 * np.abs(c[:, 3]), float(np.ptp(np.r_[values, last])))
+    values = np.r_[values, last]
+    rise = np.abs(np.diff(values)) * cuts_straight
+    pieces = _Pieces(x, rise, ends.max(axis=0), 6 * np.abs(c[:, 3]), float(np.ptp(values)))
     starts, steps = [x[0]], [np.inf]
     if pieces.range > 0.0:
         starts, steps = _halved(pieces, float(x[0]), float(x[-1]), (x[-1] - x[0]) * SHORTEST)
@@ -92,22 +117,32 @@ def _halved(
 ) -> tuple[list[float], list[float]]:
     """Starts and steps of parts, each of a few steps or short."""
     step = _bound(pieces, begin, end)
-    if not np.isfinite(step) or end - begin <= max(FEW * step, least):
-        return [begin], [step]
     middle = 0.5 * (begin + end)
+    if not np.isfinite(step) or end - begin <= FEW * step:
+        return [begin], [step]
+    if end - begin <= least and not _has_unlike_halves(pieces, begin, middle, end):
+        return [begin], [step]
     halves = [_halved(pieces, *part, least) for part in ((begin, middle), (middle, end))]
     return halves[0][0] + halves[1][0], halves[0][1] + halves[1][1]
 
 
+def _has_unlike_halves(pieces: _Pieces, begin: float, middle: float, end: float) -> bool:
+    """Whether one half of a part takes much longer steps than the other."""
+    if end - begin <= ROUND_OFF * max(abs(begin), abs(end), pieces.x[-1] - pieces.x[0]):
+        return False
+    one, other = _bound(pieces, begin, middle), _bound(pieces, middle, end)
+    return max(one, other) > UNLIKE * min(one, other)
+
+
 def _bound(pieces: _Pieces, begin: float, end: float) -> float:
-    """Longest step [s] between two times; infinite where the curve goes straight."""
+    """Longest step [s] between two times; infinite where the curve has nothing to see."""
     first = int(np.searchsorted(pieces.x, begin, side="right")) - 1
     last = max(int(np.searchsorted(pieces.x, end, side="left")), first + 1)
     bend, third = pieces.bend[first:last].max(), pieces.third[first:last].max()
-    if bend == 0.0 or third == 0.0:
-        return np.inf
-    by_shape = 2.0 * pi / PER_PERIOD * bend / third
     by_piece = 0.25 * float(np.diff(pieces.x[first : last + 1]).min())
+    if bend == 0.0 or third == 0.0:
+        return by_piece if pieces.rise[first:last].max() > 0.0 else np.inf
+    by_shape = 2.0 * pi / PER_PERIOD * bend / third
     by_size = float(np.sqrt(12.0 * NOTHING * pieces.range / bend))
     return max(by_shape, by_piece, by_size)
 
@@ -116,5 +151,5 @@ def _merged(starts: np.ndarray, steps: np.ndarray) -> tuple[np.ndarray, np.ndarr
     """Neighbours of like steps as one, of the smaller: powers of two of a second."""
     coarse = np.exp2(np.floor(np.log2(steps)))
     is_first = np.r_[True, coarse[1:] != coarse[:-1]]
-    kept = np.flatnonzero(is_first)
-    return starts[kept], np.minimum.reduceat(steps, kept)
+    firsts = np.flatnonzero(is_first)
+    return starts[firsts], np.minimum.reduceat(steps, firsts)

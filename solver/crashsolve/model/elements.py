@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from crashsolve.elements.shells.layout import DiscretisedShell
-from crashsolve.elements.shells.section_cut import CUT, TAP
+from crashsolve.elements.shells.section_cut import CUT, CUT_ELEMENT
 from crashsolve.foundation.point import ATTACHED_POINT, LANES, MOTION, POINT
-from crashsolve.model.materials import fill, laws_of, refuse_unlike, with_constants
+from crashsolve.model.materials import fill, laws_of, refuse_different, with_constants
 from crashsolve.model.model import Elements, Group, Model
 
 if TYPE_CHECKING:
     from crashsolve.deck.reading.deck import Deck
     from crashsolve.deck.reading.items import Entry
+    from crashsolve.elements.shells.layout import DiscretisedShell
     from crashsolve.model.scene import Scene
 
 
@@ -32,7 +32,7 @@ def build_elements(entries: list[Entry], scene: Scene) -> Group:
             scene.refuse_stepwise(module)
             values = module.parameters(scene.meshed(entry.name), scene)
             law, _ = scene.law("materials", entry.card.material)
-            refuse_unlike(law, law.PARAMETERS, values["material"])
+            refuse_different(law, law.PARAMETERS, values["material"])
             fill(row, values)
             row["law"] = laws.index(law)
     names = [entry.name for entry in entries]
@@ -60,18 +60,26 @@ def tables_of_elements(groups: list[Group], scene: Scene) -> Elements | None:
             row["first_corner"], row["first_element"] = sum(len(own) for own in corners), count
             row["element_count"] = len(meshed.area)
             corners.append((meshed.corners() + meshed.first).astype(np.int32).ravel())
-            riding = _attached(meshed, scene.part_nodes[name], scene.attached[name], scene)
-            attached_points.append(riding)
-            mass += meshed.mass[own].sum() - meshed.mass[riding["point"] - meshed.first].sum()
+            tied = _attached(meshed, scene.part_nodes[name], scene.attached[name], scene)
+            attached_points.append(tied)
+            mass += meshed.mass[own].sum() - meshed.mass[tied["point"] - meshed.first].sum()
             first += meshed.size
             count += len(meshed.area)
     if not corners:
         return None
     rows = max(g.module.ROWS for g in groups if hasattr(g.module, "KINDS"))
     work = line_up(rows * LANES)
-    taps, cuts = _cuts(groups, parts)
+    element_cuts, cuts = _cuts(groups, parts)
     mass -= scene.tied_mass
-    tables = np.concatenate(corners), np.concatenate(attached_points), work, parts, mass, taps, cuts
+    tables = (
+        np.concatenate(corners),
+        np.concatenate(attached_points),
+        work,
+        parts,
+        mass,
+        element_cuts,
+        cuts,
+    )
     return Elements(*tables, motion=np.zeros(1, MOTION.dtype), ties=scene.ties)
 
 
@@ -87,8 +95,8 @@ def _cuts(groups: list[Group], parts: dict[str, Any]) -> tuple[np.ndarray, np.nd
                     at = (int(row["first"]) + block, int(row["first_corner"]) + corner)
                     found.append((i, kind, *at, lane, count, front[e]))
                 count += 1
-    found.sort(key=lambda tap: (tap[2], tap[4]))
-    return np.array(found, TAP.dtype), np.zeros(count, CUT.dtype)
+    found.sort(key=lambda element_cut: (element_cut[2], element_cut[4]))
+    return np.array(found, CUT_ELEMENT.dtype), np.zeros(count, CUT.dtype)
 
 
 def line_up(count: int) -> np.ndarray:
@@ -115,14 +123,14 @@ def initial_points(model: Model, scene: Scene) -> np.ndarray:
     parts = _meshed(model, scene)
     table = np.zeros(scene.point_count, POINT.dtype)
     for meshed in parts:
-        # in place: a copy of 10^5 elements is what memory peaks at
+        # in place: a copy of 10^5 elements would be the peak of memory
         first = meshed.first + meshed.own.start
         meshed.write_points(table[first : meshed.first + meshed.own.stop])
     return table
 
 
 def initial_blocks(model: Model, deck: Deck, scene: Scene) -> np.ndarray:
-    """What all elements keep, at the start."""
+    """Numbers of all blocks of elements at the start."""
     parts = _meshed(model, scene)
     names = [name for g in model.element_groups() for name in g.names]
     sizes = [meshed.size for meshed in parts]

@@ -36,7 +36,7 @@ WATCHED = Record("""
     force_b     N       3  on body b
     torque_b    N m     3  about its mass centre
 """)
-# families whose laws only hold and lose energy
+# families whose laws only store and dissipate energy
 PASSIVE = ("springs", "hinges", "tyres")
 
 

@@ -25,7 +25,7 @@ def plan_of(joints: Sequence[Joint], mass: np.ndarray) -> Saddle:
 
 
 def hubs_of(joints: Sequence[Joint], mass: np.ndarray) -> tuple[int, ...]:
-    """Nodes that are hubs, at most one of what joints hold together; `mass` (n,) of all nodes."""
+    """Nodes that are hubs, at most one of a group that joints connect; `mass` (n,) of all nodes."""
     found = []
     for group in _connected(joints):
         nodes = {node for joint in group for node in joint.nodes}

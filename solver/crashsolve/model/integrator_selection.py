@@ -45,7 +45,7 @@ class Choice(NamedTuple):
     reason: str
 
 
-def _of_rattle_alone(model: Model, stepwise: list[str]) -> Choice | None:
+def _only_for_rattle(model: Model, stepwise: list[str]) -> Choice | None:
     """The choice of rattle where no other method serves; None where one does."""
     if stepwise:
         return Choice("rattle", f"'{stepwise[0]}' counts in whole steps")
@@ -58,7 +58,7 @@ def _of_rattle_alone(model: Model, stepwise: list[str]) -> Choice | None:
 
 def choose(model: Model, state: State, stepwise: list[str], tolerance: float) -> Choice:
     """The integrator for a deck whose control says auto."""
-    if needs_rattle := _of_rattle_alone(model, stepwise):
+    if needs_rattle := _only_for_rattle(model, stepwise):
         return needs_rattle
     searched = [c.word for c in model.contact_groups if c.search is not None]
     if searched:
@@ -79,8 +79,8 @@ def choose(model: Model, state: State, stepwise: list[str], tolerance: float) ->
 
 
 def by_default(model: Model, stepwise: list[str]) -> Choice:
-    """The integrator for a deck that says nothing of it."""
-    if needs_rattle := _of_rattle_alone(model, stepwise):
+    """The integrator for a deck that names none."""
+    if needs_rattle := _only_for_rattle(model, stepwise):
         return needs_rattle
     if model.contacts:
         return Choice("rattle", "contacts begin and end")
@@ -125,7 +125,7 @@ def has_corners(model: Model) -> bool:
 
 
 def _has_branches(group: Group) -> bool:
-    """Whether a law goes over to another branch: at yield, at a stop, or where it turns back."""
+    """Whether a law may change its branch: at yield, at a stop, or at a reversal."""
     p = group.parameters
     # of a curve that is followed in both directions the corners are those of its points
     return "loose" not in (p.dtype.names or ()) or bool((p["loose"] != 0).any())

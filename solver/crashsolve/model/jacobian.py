@@ -8,7 +8,7 @@ from crashsolve.model.model import Joint
 
 
 def whole_rows(joints: Sequence[Joint]) -> np.ndarray:
-    """Rows of the table that stand for themselves: the first parts of the joints'."""
+    """Rows of the table that represent constraints: the first parts of the joints'."""
     return np.array([j.first_row + k for j in joints for k in range(j.rows)], dtype=int)
 
 
@@ -29,7 +29,7 @@ def jacobian(joints: Sequence[Joint], rows: np.ndarray, count: int) -> np.ndarra
 
 
 def null_space(D: np.ndarray) -> np.ndarray:
-    """Orthonormal columns (n, k) that D (m, n) takes to nothing; redundant rows count once."""
+    """Orthonormal basis (n, k) of the null space of D (m, n); redundant rows count once."""
     if not len(D):
         return np.eye(D.shape[1])
     _, values, rows = np.linalg.svd(D, full_matrices=True)

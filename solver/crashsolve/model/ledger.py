@@ -17,7 +17,7 @@ OTHERWISE: dict[str, tuple[str, str | None]] = {
     "potential": ("potential", None),
     "part": ("elastic", "part_damping"),
 }
-# words under which laws of families book what they store and lose, in the order of the ledger
+# entries of stored and dissipated energies of families, in the order of the ledger
 WORDS = tuple(
     dict.fromkeys(w for family in families().values() for w in family.energy if w not in OTHERWISE)
 )
@@ -57,7 +57,7 @@ MECHANICAL = (
     *(INDEX[f"{word}_stored"] for word in WORDS),
 )
 # a step far too long makes so many times the energy there should be, within a few steps
-OUT_OF_NOTHING = 10.0
+SPURIOUS = 10.0
 
 
 def entries_of(group: Any) -> tuple[int, int | None]:
@@ -76,12 +76,12 @@ def entries_of(group: Any) -> tuple[int, int | None]:
 
 @kernel
 def is_broken(ledger: np.ndarray, limit: float) -> bool:
-    """Whether the imbalance exceeds `limit` times the largest energy (0: never asked)."""
+    """Whether the imbalance exceeds `limit` times the largest energy (0: never)."""
     return limit > 0.0 and not abs(ledger[IMBALANCE]) <= limit * ledger[LARGEST]
 
 
 @kernel
-def is_out_of_nothing(ledger: np.ndarray, limit: float) -> bool:
+def is_spurious_energy(ledger: np.ndarray, limit: float) -> bool:
     """Whether motion and laws have many times the energy that was there or came in."""
     due = ledger[INITIAL] - ledger[POTENTIAL] + ledger[EXTERNAL_WORK] + ledger[DRIVER_WORK]
-    return is_broken(ledger, limit) and not ledger[IMBALANCE] <= OUT_OF_NOTHING * abs(due)
+    return is_broken(ledger, limit) and not ledger[IMBALANCE] <= SPURIOUS * abs(due)

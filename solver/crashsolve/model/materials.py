@@ -54,7 +54,7 @@ def with_constants(record: Record, laws: list[Any]) -> "np.dtype[Any]":
 
 
 def with_memory(record: Record, laws: list[Any], count: int) -> Record:
-    """Columns of a part of fibres, and what so many of them remember."""
+    """Columns of a part of fibres, and the history of so many of them."""
     columns = joined([law.FIBRE for law in laws]).columns
     return record + Record(columns=tuple(replace(column, size=count) for column in columns))
 
@@ -79,7 +79,7 @@ def fill(record: Any, values: Columns) -> None:
             record[name] = value
 
 
-def refuse_unlike(
+def refuse_different(
     module: ModuleType, record: Record, values: Columns, later: tuple[str, ...] = ()
 ) -> None:
     """Raises FamilyError unless what `build` of a law returned fits its PARAMETERS.

@@ -50,7 +50,7 @@ class Group:
         return f"{self.keyword}_{self.type}"
 
     def tables(self) -> dict[str, np.ndarray]:
-        """Its arrays in the composed step."""
+        """Arrays of the group in the composed step."""
         return present_tables(self)
 
     @property
@@ -74,13 +74,13 @@ class Group:
         return hasattr(self.module, "residual")
 
     @property
-    def comes_apart(self) -> bool:
+    def can_separate(self) -> bool:
         """Whether a joint may fail and release its bodies."""
         return hasattr(self.module, "release_rows")
 
     @property
     def fibre_law(self) -> FibreLaw:
-        """The same, where they call the laws of `materials`."""
+        """The module as one whose fibres call a law of `materials`."""
         law: FibreLaw = self.module
         return law
 
@@ -91,7 +91,7 @@ class Group:
 
     @property
     def numbered_kinds(self) -> tuple[tuple[int, Any], ...]:
-        """The same with their positions among all kinds."""
+        """Modules of the kinds of elements with their positions among all kinds."""
         return tuple(
             (number, self._within(f"{self.module.KERNELS}.{name}"))
             for number, (column, name) in enumerate(self.module.KINDS.items())
@@ -111,7 +111,7 @@ class Group:
 
     @property
     def slopes(self) -> Any:
-        """The same for their tangents."""
+        """Module that computes the tangents of elements of any kind block by block."""
         return self._within(f"{self.module.SLOPES}.blocks")
 
     def _within(self, name: str) -> Any:
@@ -137,7 +137,7 @@ class Group:
 
     @property
     def has_work(self) -> bool:
-        """Whether plastic work is distinguished from what else is lost."""
+        """Whether plastic work is distinguished from other losses."""
         return "work" in (self.history.dtype.names or ())
 
     @property
@@ -158,7 +158,7 @@ class Group:
 
 @dataclass
 class Joint:
-    """Where one joint's rows are and what they join; the point and axis in body axes."""
+    """Rows of one joint, and what they join; its point and axis in body axes."""
 
     name: str
     type: str
@@ -183,14 +183,16 @@ class Joint:
 
 @dataclass
 class Elements:
-    """Where the elements of parts with points are: corners, attached points, room between loops."""
+    """Tables of the elements of parts with points: corners, attached points, work space."""
 
     corners: np.ndarray
     attached_points: np.ndarray
     work: np.ndarray
     parts: dict[str, Any]  # in place, by name
     point_mass: float  # of the points that ride on no body of the deck
-    taps: np.ndarray  # elements of sections, block by block, see elements/shells/section_cut.py
+    element_cuts: (
+        np.ndarray
+    )  # elements of sections, block by block, see elements/shells/section_cut.py
     cuts: np.ndarray
     motion: np.ndarray  # momenta of the points at the last sample
     ties: np.ndarray  # points that ride on faces
@@ -198,7 +200,7 @@ class Elements:
     block_sums: Any = None  # of loads on elements
     pieces: Any = None  # for several threads, see model/partition.py
     # points with bodies behind those that have names, for implicit integrators
-    embodied: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
+    node_points: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
 
 
 @dataclass
@@ -246,7 +248,7 @@ class Model:
         return [c for c in self.contact_groups if hasattr(c.friction, "regime_left")]
 
     def total_mass(self) -> float:
-        """Of bodies and points [kg]."""
+        """Mass of all bodies and points [kg]."""
         return float(self.mass.sum()) + (self.elements.point_mass if self.elements else 0.0)
 
     def element_groups(self) -> list[Group]:
@@ -288,8 +290,8 @@ class Model:
     def part_at(self, index: int) -> str:
         """The part whose point a position behind those of the bodies is."""
         point = index - len(self.bodies)
-        if self.elements and len(self.elements.embodied):
-            point = int(self.elements.embodied[point])
+        if self.elements and len(self.elements.node_points):
+            point = int(self.elements.node_points[point])
         name, row = next(
             (name, row)
             for name, row in self._rows_of_parts()

@@ -81,18 +81,18 @@ ESTIMATE = Record("""
 ROW = Record("""
     phi         m or 1               Phi(q, t)
     D           1 or m           12  Jacobian; columns v_a, w_a, v_b, w_b
-    X           1/kg             12  D M^-1
     nu          m/s                  -Phi_t: D v = nu
     gamma       m/s^2                -D_dot v - Phi_tt: D v_dot = gamma
     right       m, m/s or m/s^2      Phi, D v - nu or gamma - D M^-1 g: what lambda must answer for
     multiplier  N or N m             lambda of the last drift
-    before      N or N m             lambda of the drift before it
+    before      N or N m             lambda of the closing kick before that drift
     trial       N or N m             lambda of the drift being tried
     delta       N or N m             its correction
     reaction    N or N m             lambda of the last closing kick, or of the sample
     scale       m or 1               scale of phi: model length, or 1 for angles
     node_a      index                first node
     node_b      index                second node
+    X           1/kg             12  D M^-1
 """)
 
 COMPLIANT = Record("""

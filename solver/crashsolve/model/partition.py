@@ -10,33 +10,35 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from crashsolve.elements.shells.layout import DiscretisedShell
 from crashsolve.foundation.point import LANES, POINT
 from crashsolve.foundation.record import Record
 from crashsolve.model.model import Model, State
 
+if TYPE_CHECKING:
+    from crashsolve.elements.shells.layout import DiscretisedShell
+
 PIECE = Record("""
-    first_loan   index  of those that it takes back
-    loan_count   count  of them
-    rate         1/s^2  bound of the squared frequencies found in it
-    element      index  that has it
-    first_point  index  of its points
-    speed        m/s    the largest of them
+    first_replica  index  of those that it collects
+    replica_count  count  of them
+    rate           1/s^2  bound of the squared frequencies found in it
+    element        index  that has it
+    first_point    index  of its points
+    speed          m/s    the largest of them
 """)
-LOAN = Record("""
-    point  index  that a point stands for
-    slows  flag   whether its element has damping
+ORIGINAL = Record("""
+    point  index  whose forces a replica collects
+    is_damped  flag   whether its element has damping
 """)
 SPAN = Record("""
-    first        index  of the rows of an entry's pieces
-    count        count  of them
-    first_piece  index  which these are among all pieces
-    first_taker  index  of the pieces that take back what it has given
-    taker_count  count  of them
+    first            index  of the rows of an entry's pieces
+    count            count  of them
+    first_piece      index  which these are among all pieces
+    first_collector  index  of the pieces that collect the forces of its replicas
+    collector_count  count  of them
 """)
 QUADS = ("one_point", "four_points")
 # of a thread: one that is held up leaves those to others that it has not begun
@@ -45,18 +47,18 @@ PIECES = 4
 
 @dataclass
 class Pieces:
-    """What several threads need beside the tables of one."""
+    """Tables that several threads need beside those of one."""
 
     rows: dict[str, np.ndarray]  # parameters of parts, and of loads on them, by word, a piece each
     spans: dict[str, np.ndarray]  # which of these are an entry's, of loads
     pieces: np.ndarray
-    points: np.ndarray  # all of them, those that stand for others behind
-    loans: np.ndarray  # for which
+    points: np.ndarray  # all of them, replicas at the end
+    originals: np.ndarray  # for which
 
     @property
-    def lent(self) -> np.ndarray:
-        """Points that stand for others."""
-        return self.points[len(self.points) - len(self.loans) :]
+    def replicas(self) -> np.ndarray:
+        """Points that collect forces for others."""
+        return self.points[len(self.points) - len(self.originals) :]
 
 
 def cut(model: Model, state: State, threads: int) -> Pieces:
@@ -92,7 +94,7 @@ def cut(model: Model, state: State, threads: int) -> Pieces:
     of_groups = [one for g in model.element_groups() for one in rows[g.word]]
     pieces["first_point"] = [one["first_point"] for one in of_groups]
     firsts = [elements.parts[name].first for _, name, _ in parts]
-    loans = _all_loans(
+    originals = _all_replicas(
         [row for *_, row in parts], firsts, bounds_of, corners[begin:], count, pieces
     )
     elements.corners = corners[:begin]
@@ -100,17 +102,17 @@ def cut(model: Model, state: State, threads: int) -> Pieces:
     for g in model.element_loads():
         rows[g.word], spans[g.word] = _loads(g.parameters, of_part)
         if len(set(firsts)) < len(firsts):
-            # pieces of other parts may keep what a load has given
-            spans[g.word]["first_taker"], spans[g.word]["taker_count"] = 0, len(pieces)
-    table = np.zeros(count + len(loans), POINT.dtype)
+            # replicas of other parts may have forces of a load
+            spans[g.word]["first_collector"], spans[g.word]["collector_count"] = 0, len(pieces)
+    table = np.zeros(count + len(originals), POINT.dtype)
     table[:count] = state.points
     state.points = table[:count]
     by_word = {word: np.array(found) for word, found in rows.items()}
-    return Pieces(by_word, spans, pieces, table, loans)
+    return Pieces(by_word, spans, pieces, table, originals)
 
 
 def _bounds(blocks: int, total: int, pieces: int) -> list[int]:
-    """Where pieces of a part begin and end, in blocks: its share of all pieces, one at least."""
+    """Bounds of the pieces of a part, in blocks: its share of all pieces, one at least."""
     own = min(blocks, max(1, round(pieces * blocks / total)))
     return [blocks * k // own for k in range(own + 1)]
 
@@ -138,7 +140,7 @@ def _piece(row: np.void, meshed: DiscretisedShell, begin: int, end: int, blocks:
     return one
 
 
-def _all_loans(
+def _all_replicas(
     rows: list[Any],
     firsts: list[int],
     bounds: list[list[int]],
@@ -146,29 +148,31 @@ def _all_loans(
     count: int,
     pieces: np.ndarray,
 ) -> np.ndarray:
-    """All rows of LOAN; parts whose points begin at the same of `firsts` share a mesh.
+    """All rows of ORIGINAL; parts whose points begin at the same of `firsts` share a mesh.
 
     Writes: corners, pieces.
     """
     begun = np.cumsum([0, *(len(own) - 1 for own in bounds)])
-    loans: list[np.ndarray] = []
+    originals: list[np.ndarray] = []
     for first in dict.fromkeys(firsts):
         same = [k for k, own in enumerate(firsts) if own == first]
-        lent = sum(map(len, loans))
-        own = _lend([rows[k] for k in same], [bounds[k] for k in same], corners, count, lent)
-        ends = lent + np.cumsum([0, *map(len, own)])
+        replicas = sum(map(len, originals))
+        own = _add_replicas(
+            [rows[k] for k in same], [bounds[k] for k in same], corners, count, replicas
+        )
+        ends = replicas + np.cumsum([0, *map(len, own)])
         at = np.concatenate([np.arange(begun[k], begun[k + 1]) for k in same])
-        pieces["first_loan"][at], pieces["loan_count"][at] = ends[:-1], np.diff(ends)
-        loans += own
-    return np.concatenate(loans)
+        pieces["first_replica"][at], pieces["replica_count"][at] = ends[:-1], np.diff(ends)
+        originals += own
+    return np.concatenate(originals)
 
 
-def _lend(
-    rows: list[Any], bounds: list[list[int]], corners: np.ndarray, count: int, lent: int
+def _add_replicas(
+    rows: list[Any], bounds: list[list[int]], corners: np.ndarray, count: int, replicas: int
 ) -> list[np.ndarray]:
-    """Rows of LOAN, point by point, in as many shares as the parts of a mesh have pieces.
+    """Rows of ORIGINAL, point by point, in as many shares as the parts of a mesh have pieces.
 
-    Points that stand for others begin at `count`; `lent` of them are given away. Writes: corners of
+    Replicas begin at `count`; `replicas` of them are in use already. Writes: corners of
     the parts.
     """
     own = [
@@ -187,17 +191,17 @@ def _lend(
     points = table[shared]
     order = np.argsort(points, kind="stable")
     index = np.empty_like(points)
-    index[order] = count + lent + np.arange(len(points))
+    index[order] = count + replicas + np.arange(len(points))
     table[shared] = index
     for some, part in zip(
         own, np.split(table.ravel(), np.cumsum([*map(len, own)])[:-1]), strict=True
     ):
         some[:] = part
-    loans = np.zeros(len(points), LOAN.dtype)
-    loans["point"], loans["slows"] = points[order], rows[0]["slows"]
-    cuts = len(loans) * np.arange(1, len(sizes)) // len(sizes)
+    originals = np.zeros(len(points), ORIGINAL.dtype)
+    originals["point"], originals["is_damped"] = points[order], rows[0]["is_damped"]
+    cuts = len(originals) * np.arange(1, len(sizes)) // len(sizes)
     # all of one point to one piece
-    return np.split(loans, np.searchsorted(loans["point"], loans["point"][cuts]))
+    return np.split(originals, np.searchsorted(originals["point"], originals["point"][cuts]))
 
 
 def _loads(rows: np.ndarray, of_part: dict[int, Any]) -> tuple[list[Any], np.ndarray]:
@@ -207,7 +211,7 @@ def _loads(rows: np.ndarray, of_part: dict[int, Any]) -> tuple[list[Any], np.nda
     for row, span in zip(rows, spans, strict=True):
         pieces = of_part[int(row["first_corner"])]
         span["first"], span["count"], span["first_piece"] = len(found), len(pieces), pieces[0][0]
-        span["first_taker"], span["taker_count"] = pieces[0][0], len(pieces)
+        span["first_collector"], span["collector_count"] = pieces[0][0], len(pieces)
         for _, first_block, one in pieces:
             own = row.copy()
             own["first_corner"], own["first_block"] = one["first_corner"], first_block
@@ -230,7 +234,7 @@ def _blocks_of(row: np.void) -> int:
 
 
 def _live(row: np.void) -> np.ndarray:
-    """Which lanes of the blocks of a part hold an element (blocks, lanes)."""
+    """Mask (blocks, lanes) of the lanes that hold an element of a part."""
     triangles = int(row["triangles"])
     counts = (int(row["element_count"]) - triangles, triangles)
     lanes = [np.arange(LANES * _blocks(n)) < n for n in counts]

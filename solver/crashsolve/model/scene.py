@@ -126,7 +126,7 @@ class Scene:
         return module.build(part.card, self)
 
     def own_share(self) -> Any:
-        """What the part that is being built has of a mesh of the deck."""
+        """Elements and points of a shared mesh that the part being built has."""
         return self._shares[self.under_way]
 
     def _set_body(self, i: int, body: Columns) -> None:
@@ -232,7 +232,7 @@ class Scene:
         """
         entry = self.joint_entry(name)
         if set(getattr(import_module(entry.module_name), "FREE", ())) & set(motions):
-            if getattr(entry.card, "may_open", False):
+            if getattr(entry.card, "can_release", False):
                 message = f"'{name}' comes apart when it fails, and this would still act"
                 raise self.fail(f"{message}; give it after_failure: loose", field)
             return
@@ -268,7 +268,7 @@ class Scene:
         return import_module(entry.module_name), entry.card
 
     def built(self, card: Any) -> Any:
-        """What a law within a card makes of it."""
+        """Columns that a law within a card builds."""
         return import_module(type(card).__module__).build(card, self)
 
     def mesh(self, card: Any) -> Any:
@@ -308,7 +308,7 @@ class Scene:
         raise self.fail(f"part '{part}' has no surface; name a shell", field)
 
     def first_number(self, part: str) -> int:
-        """Where the numbers of a part with points begin in blocks."""
+        """First number of a part with points in the blocks."""
         parts = self._with_points()
         return sum(parts[name].size for name in takewhile(lambda name: name != part, parts))
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card
 from crashsolve.foundation.point import ATTACHED
 from crashsolve.meshes.shared import Shared
@@ -28,8 +29,8 @@ SAME = 1e-9
 LISTED = 3
 
 
-def shared_meshes(scene: Any) -> dict[str, Any]:
-    """What every part has of a mesh under `meshes`, by the name of the part."""
+def shared_meshes(scene: Scene) -> dict[str, Any]:
+    """Shares of the meshes under `meshes`, by the name of the part."""
     found: dict[str, Any] = {}
     for name, entry in scene.deck.entries["meshes"].items():
         parts = parts_of(name, scene)
@@ -44,7 +45,7 @@ def shared_meshes(scene: Any) -> dict[str, Any]:
     return found
 
 
-def _whole(entry: Entry, scene: Any) -> Any:
+def _whole(entry: Entry, scene: Scene) -> Any:
     """The whole mesh, whose elements hang together."""
     try:
         whole = import_module(entry.module_name).build(entry.card, scene)
@@ -57,7 +58,7 @@ def _whole(entry: Entry, scene: Any) -> Any:
     return whole
 
 
-def parts_of(mesh: str, scene: Any) -> list[Entry]:
+def parts_of(mesh: str, scene: Scene) -> list[Entry]:
     """Parts with elements of a mesh, in the order of the deck."""
     parts = scene.deck.entries["parts"].values()
     return [part for part in parts if _name_of(part.card) == mesh]
@@ -68,7 +69,7 @@ def _name_of(card: Card) -> str:
     return mesh.mesh if isinstance(mesh, Shared) else ""
 
 
-def _shares(name: str, whole: Any, parts: list[Entry], scene: Any) -> dict[str, Any]:
+def _shares(name: str, whole: Any, parts: list[Entry], scene: Scene) -> dict[str, Any]:
     """The mesh as each of its parts has it."""
     owner = np.full(len(whole.quads), -1)
     for k, part in enumerate(parts):
@@ -87,7 +88,7 @@ def _shares(name: str, whole: Any, parts: list[Entry], scene: Any) -> dict[str, 
     return _numbered(whole, owner, parts)
 
 
-def _elements(card: Shared, whole: Any, scene: Any) -> np.ndarray:
+def _elements(card: Shared, whole: Any, scene: Scene) -> np.ndarray:
     """Numbers (n,) of the elements that a card names."""
     if card.elements:
         if card.elements not in whole.element_sets:
@@ -111,7 +112,7 @@ def _middles(whole: Any) -> np.ndarray:
     return middles
 
 
-def _report_unowned(name: str, owner: np.ndarray, scene: Any) -> None:
+def _report_unowned(name: str, owner: np.ndarray, scene: Scene) -> None:
     """Warn of elements that no part has: they are left out of the run."""
     missing = np.flatnonzero(owner < 0)
     if len(missing):
@@ -149,19 +150,22 @@ def _numbered(whole: Any, owner: np.ndarray, parts: list[Entry]) -> dict[str, An
     return found
 
 
-def join(scene: Any) -> None:
-    """Give the nodes of shared meshes what all their parts bring. Writes: the parts in place."""
+def join(scene: Scene) -> None:
+    """Sum masses and inertias of all parts at the nodes of shared meshes.
+
+    Writes: the parts in place.
+    """
     for name in scene.deck.entries["meshes"]:
         entries = parts_of(name, scene)
         if entries and not scene.errors:
             _join(entries, [scene.meshed(entry.name) for entry in entries], scene)
 
 
-def _join(entries: list[Entry], parts: list[Any], scene: Any) -> None:
+def _join(entries: list[Entry], parts: list[Any], scene: Scene) -> None:
     n = len(parts[0].mesh.points)
     corners, mass, inertia = (np.concatenate([p.lumps[k] for p in parts]) for k in range(3))
     mass, inertia = np.bincount(corners, mass, n), np.bincount(corners, inertia, n)
-    slows = any(part.slows for part in parts)
+    is_damped = any(part.is_damped for part in parts)
     momentum = sum(part.momentum for part in parts)
     held, by = np.zeros(n, np.uint8), np.full(n, -1)
     velocity, spin = np.zeros((n, 3)), np.zeros((n, 3))
@@ -177,11 +181,11 @@ def _join(entries: list[Entry], parts: list[Any], scene: Any) -> None:
         held[new] |= part.held[new]
         velocity[new], spin[new], by[new] = part.velocity[new], part.spin[new], k
     for part in parts:
-        part.mass, part.J, part.held, part.slows = mass, inertia, held, slows
+        part.mass, part.J, part.held, part.is_damped = mass, inertia, held, is_damped
         part.velocity, part.spin, part.momentum = velocity, spin, momentum
 
 
-def _refuse_held(part: Any, held: Any, entries: Any, by: Any, both: Any, scene: Any) -> None:
+def _refuse_held(part: Any, held: Any, entries: Any, by: Any, both: Any, scene: Scene) -> None:
     """A node that a body carries is held, welded or named in one part alone."""
     clash = (np.maximum(held[both], part.held[both]) >= ATTACHED) & (held[both] > 0)
     clash &= part.held[both] > 0
@@ -193,7 +197,7 @@ def _refuse_held(part: Any, held: Any, entries: Any, by: Any, both: Any, scene: 
         raise scene.fail(f"{message}; say so in one of them", field)
 
 
-def _refuse_apart(part: Any, motion: Any, entries: Any, by: Any, both: Any, scene: Any) -> None:
+def _refuse_apart(part: Any, motion: Any, entries: Any, by: Any, both: Any, scene: Scene) -> None:
     """A node begins with one velocity, whichever of its parts states it."""
     velocity, spin = motion
     apart = np.linalg.norm(part.velocity[both] - velocity[both], axis=1)
@@ -211,7 +215,7 @@ def _shown(x: np.ndarray) -> str:
 
 
 def number_points(parts: list[Any]) -> int:
-    """Where the points of each part's mesh begin among all; how many there are. Writes: parts."""
+    """First point of each part's mesh among all, and the number of points. Writes: parts."""
     first, begun = 0, {}
     for part in parts:
         mesh = part.mesh

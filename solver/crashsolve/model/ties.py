@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.deck.building import Scene
 from crashsolve.foundation.point import ATTACHED, TIE
 from crashsolve.ties._faces import normal_rate
 
@@ -14,7 +15,7 @@ from crashsolve.ties._faces import normal_rate
 SAME = 1e-9
 
 
-def tie_nodes(scene: Any) -> np.ndarray:
+def tie_nodes(scene: Scene) -> np.ndarray:
     """Rows of TIE of all ties. Writes: parts in place, whose nodes ride, or bear others."""
     table = [np.zeros(0, TIE.dtype)]
     entries = list(scene.deck.entries["ties"].values()) if not scene.errors else []
@@ -26,57 +27,57 @@ def tie_nodes(scene: Any) -> np.ndarray:
                 for name, value in row.items():
                     record[name] = value
             _check_motion(own, entry.card, scene)
-            _hand_over(own, entry.card, scene)
+            _transfer_mass(own, entry.card, scene)
             table.append(own)
     found = np.concatenate(table)
-    riding = set(found["point"].tolist())
+    tied = set(found["point"].tolist())
     for entry, own in zip(entries, table[1:], strict=False):
         with scene.building(entry):
-            _refuse_chain(own, riding, entry.card, scene)
+            _refuse_chain(own, tied, entry.card, scene)
     return found
 
 
-def _sides(card: Any, scene: Any) -> tuple[Any, Any]:
-    riding, _, _ = scene.skin(card.part, "part")
+def _sides(card: Any, scene: Scene) -> tuple[Any, Any]:
+    tied, _, _ = scene.skin(card.part, "part")
     bearing, _, _ = scene.skin(card.to, "to")
-    return riding, bearing
+    return tied, bearing
 
 
-def _check_motion(rows: np.ndarray, card: Any, scene: Any) -> None:
+def _check_motion(rows: np.ndarray, card: Any, scene: Scene) -> None:
     """Nodes begin with the motion of their positions on the faces."""
-    riding, bearing = _sides(card, scene)
+    tied, bearing = _sides(card, scene)
     for row in rows:
-        corners, node = row["corner"] - bearing.first, int(row["point"]) - riding.first
+        corners, node = row["corner"] - bearing.first, int(row["point"]) - tied.first
         N, v = row["weight"], bearing.velocity[corners]
         there = N @ v + row["height"] * normal_rate(bearing.mesh.points[corners], v)
-        apart = float(np.linalg.norm(riding.velocity[node] - there))
-        spin = float(np.linalg.norm(riding.spin[node] - N @ bearing.spin[corners]))
-        fast = 1.0 + float(np.linalg.norm(there)) + float(np.linalg.norm(riding.spin[node]))
+        apart = float(np.linalg.norm(tied.velocity[node] - there))
+        spin = float(np.linalg.norm(tied.spin[node] - N @ bearing.spin[corners]))
+        fast = 1.0 + float(np.linalg.norm(there)) + float(np.linalg.norm(tied.spin[node]))
         if apart > SAME * fast or spin > SAME * fast:
             message = f"nodes begin {apart:.3g} m/s and {spin:.3g} rad/s faster than their faces"
             raise scene.fail(f"{message}; give both parts the same motion", "nodes")
 
 
-def _hand_over(rows: np.ndarray, card: Any, scene: Any) -> None:
+def _transfer_mass(rows: np.ndarray, card: Any, scene: Scene) -> None:
     """Mass, inertia and momenta of impulses go to the corners. Writes: both parts in place."""
-    riding, bearing = _sides(card, scene)
+    tied, bearing = _sides(card, scene)
     for row in rows:
-        corners, node = row["corner"] - bearing.first, int(row["point"]) - riding.first
+        corners, node = row["corner"] - bearing.first, int(row["point"]) - tied.first
         for corner, N in zip(corners, row["weight"], strict=True):
-            bearing.mass[corner] += N * riding.mass[node]
-            bearing.J[corner] += N * riding.J[node]
-        if np.any(riding.momentum):
-            share = row["weight"][:, None] * riding.momentum[node]
+            bearing.mass[corner] += N * tied.mass[node]
+            bearing.J[corner] += N * tied.J[node]
+        if np.any(tied.momentum):
+            share = row["weight"][:, None] * tied.momentum[node]
             whole = np.array(np.broadcast_to(bearing.momentum, bearing.mesh.points.shape))
             np.add.at(whole, corners, share)
             for part in scene.on_mesh_of(bearing):
                 part.momentum = whole
-        riding.held[node] = ATTACHED
-        scene.tied_mass += float(riding.mass[node])
+        tied.held[node] = ATTACHED
+        scene.tied_mass += float(tied.mass[node])
 
 
-def _refuse_chain(rows: np.ndarray, riding: set[int], card: Any, scene: Any) -> None:
+def _refuse_chain(rows: np.ndarray, tied: set[int], card: Any, scene: Scene) -> None:
     """A face that bears nodes has no corner that rides itself."""
-    if riding.intersection(rows["corner"].ravel().tolist()):
+    if tied.intersection(rows["corner"].ravel().tolist()):
         message = f"a face of '{card.to}' to which nodes are tied has a corner that is tied itself"
         raise scene.fail(f"{message}; tie the nodes of the same side in all ties", "to")

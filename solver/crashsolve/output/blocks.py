@@ -96,12 +96,12 @@ class Block:
 
     @property
     def all_fields(self) -> tuple[FieldSpec, ...]:
-        """What every state has: points or displacement, then its own fields."""
+        """Fields of every state: points or displacement, then its own."""
         return (POINTS if self.is_placed else DISPLACEMENT, *self.fields)
 
     @property
     def fixed_fields(self) -> tuple[tuple[FieldSpec, np.ndarray], ...]:
-        """What mesh.h5 has once, (points or cells, ...); blocks warp by their displacement."""
+        """Fields of mesh.h5, (points or cells, ...); blocks warp by their displacement."""
         still = ((DISPLACEMENT, np.zeros_like(self.points)),) if self.is_placed else ()
         return (*still, *self.fixed)
 

@@ -38,7 +38,7 @@ def reported(path: Path) -> Iterator[None]:
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """Yield a temporary path; what is written there takes the name `path` in one instant."""
+    """Yield a temporary path; the file is renamed to `path` at the end, in one operation."""
     partial = path.with_name(path.name + ".partial")
     with reported(path):
         try:

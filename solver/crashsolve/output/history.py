@@ -139,7 +139,7 @@ class HistoryWriter:
         return count
 
     def _judge(self, times: np.ndarray, blocks: list[np.ndarray]) -> tuple[int, OutputError | None]:
-        """How many rows are sound, and what is wrong with the next: its time, or a number."""
+        """Number of sound rows, and the error of the next: its time, or a number."""
         before = np.concatenate([[self._last_time], times[:-1]])
         wrong = np.flatnonzero(~((before < times) & (times < np.inf)))
         sound, error = len(times), None
@@ -165,7 +165,7 @@ class HistoryWriter:
                 self._last_time = times[-1]
 
     def _make_room(self, rows: int) -> None:
-        """Reserve twice the rows, or those expected where these are no more: none is left over."""
+        """Reserve twice the rows, or those expected where these are no more: none remains."""
         if rows > self._capacity:
             is_near = rows <= self._expected_rows <= 2 * rows
             self._rebuild(self._expected_rows if is_near else 2 * rows)

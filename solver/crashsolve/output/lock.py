@@ -58,7 +58,7 @@ class Lock:
 
 
 def is_held(folder: Path) -> bool:
-    """Whether a run holds this folder, reported without waiting; only where none is about to
+    """Whether a run holds this folder, found without waiting; only where none is about to
     start.
     """
     try:

@@ -8,7 +8,7 @@ from collections import Counter
 from pathlib import Path
 from typing import TextIO
 
-from crashsolve.foundation.streams import give_up, lost, printable
+from crashsolve.foundation.streams import discard_output, lost, printable
 from crashsolve.output.files import reported
 
 NORMAL = "N o r m a l    t e r m i n a t i o n"
@@ -49,7 +49,7 @@ class Log:
         self._show(text + "\n")
 
     def last_words(self, text: str) -> None:
-        """Write a line from within any other, after which nothing follows. Raises OSError."""
+        """Write the last line of the log, also from within another one. Raises OSError."""
         with self.path.open("a", encoding="utf-8") as file:
             file.write(printable(text) + "\n")
 
@@ -158,8 +158,8 @@ class Log:
             except (OSError, ValueError) as error:
                 stream, self._stream = self._stream, None
                 reason = getattr(error, "strerror", None) or error
-                give_up(stream)
-                # a reader such as `head` has seen enough
+                discard_output(stream)
+                # a reader such as `head` has closed the pipe
                 if not isinstance(error, BrokenPipeError):
                     self._warn_of_loss(str(reason))
 

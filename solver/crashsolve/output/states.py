@@ -41,7 +41,7 @@ class StateWriter:
             raise ValueError("two blocks have the same name")
         with reported(self.folder):
             (self.folder / "states").mkdir(parents=True, exist_ok=True)
-        later = self._keep_until(-np.inf if resume_time is None else resume_time)
+        later = self._states_until(-np.inf if resume_time is None else resume_time)
         # the index drops a state before the state is deleted
         self._write_index()
         with reported(self.folder / "states"):
@@ -80,7 +80,7 @@ class StateWriter:
         """Bring the index up to date."""
         self._write_index()
 
-    def _keep_until(self, last_time: float) -> list[Path]:
+    def _states_until(self, last_time: float) -> list[Path]:
         """Take over the states up to `last_time`; returns the later ones."""
         import h5py
 

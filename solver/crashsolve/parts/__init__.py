@@ -7,7 +7,7 @@ from crashsolve.deck.roles import Built
 
 
 class PartLaw(Built, Protocol):
-    """What the file of a part provides beside its card."""
+    """Attributes and functions of a part's file, beside its card."""
 
 
 FAMILY = Family(
@@ -22,6 +22,6 @@ FAMILY = Family(
     picture=ELEMENTS,
     uses=("materials",),
     integrators=ANY,
-    # what they remember is asked of their modules
+    # their histories are those of their modules
     at_rest=True,
 )

@@ -42,7 +42,7 @@ from crashsolve.elements.beams.properties import (
     stiffness_row,
 )
 from crashsolve.elements.beams.tangent import bend_blocks
-from crashsolve.elements.damping import Damped, report_added
+from crashsolve.elements.damping import Damped, report_added_mass
 from crashsolve.foundation.angles import check_rotation_limit
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.orientation import quaternion_of
@@ -84,7 +84,7 @@ class Beam(Damped):
 
     mesh: Mesh = word("nodes: P_start, P_1, P_2, ..., P_end of a part P; elements: P_1, P_2, ...")
     section: SectionName = word("cross section")
-    material: MaterialName = word("what it is made of")
+    material: MaterialName = word("material of the beam")
     side: Vec3 | None = word(
         "direction near the section's y axis; needed where I_y and I_z differ", default=None
     )
@@ -147,7 +147,7 @@ def build(card: Beam, scene: Scene) -> list[Columns]:
     start, end, n = np.asarray(card.mesh.from_), np.asarray(card.mesh.to), card.mesh.count
     quaternion = quaternion_of(_triad(card, section, scene))
     mass, J = halves(card, section, material, length, scene)
-    report_added(card, *scaled(card, section, material, np.full(n, length), scene), scene)
+    report_added_mass(card, *scaled(card, section, material, np.full(n, length), scene), scene)
     nodes = []
     for k in range(n + 1):
         offset, ends = (end - start) * (k / n), 1 if k in (0, n) else 2
@@ -208,7 +208,7 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
 
 @kernel
 def tangent(p: Parameters, state: History, nodes, curves, rows, first):
-    """By the velocities; by the positions see bend. Writes: rows."""
+    """Derivatives of the forces by velocities; for those by positions see bend. Writes: rows."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame(a, b)
     yield_rows(p, a, b, R, v, w, rows, first)

@@ -186,7 +186,7 @@ def bend(p: Parameters, state: History, h, nodes, curves, slot, blocks, material
 
 @kernel
 def tangent(p: Parameters, state: History, nodes, curves, rows, first, material):
-    """By the velocities; by the positions see bend. Writes: rows."""
+    """Derivatives of the forces by velocities; for those by positions see bend. Writes: rows."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame(a, b)
     element.yield_rows(p, a, b, R, v, w, rows, first)

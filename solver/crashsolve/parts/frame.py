@@ -21,7 +21,7 @@ from crashsolve.deck.card import MaterialName, SectionName, Vec3, quantity, word
 from crashsolve.elements.beams import element, properties, releases, static_tangent
 from crashsolve.elements.beams.corotational import mean_frame_of
 from crashsolve.elements.beams.tangent import bend_blocks
-from crashsolve.elements.damping import Damped, report_added
+from crashsolve.elements.damping import Damped, report_added_mass
 from crashsolve.foundation.angles import axes_at, check_rotation_limit
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.orientation import products, quaternion_of
@@ -50,7 +50,7 @@ class Frame(Damped):
         "ends of bars that are hinged to their point, or offset from it", ()
     )
     section: SectionName = word("cross section")
-    material: MaterialName = word("what it is made of")
+    material: MaterialName = word("material of the bars")
     side: Vec3 | None = word(
         "direction near the section's y axis; needed where I_y and I_z differ", default=None
     )
@@ -92,7 +92,7 @@ def build(card: Frame, scene: Scene) -> list[Columns]:
             mass[node] += half
             J[node] += T @ inertia @ T.T
     scaled_mass = properties.scaled(card, section, material, np.array(lengths), scene)
-    report_added(card, *scaled_mass, scene)
+    report_added_mass(card, *scaled_mass, scene)
     return [
         {
             "mass": mass[i],
@@ -187,7 +187,7 @@ def bend(p: Parameters, state: History, nodes, curves, position, blocks):
 
 @kernel
 def tangent(p: Parameters, state: History, nodes, curves, rows, first):
-    """By the velocities. Writes: rows."""
+    """Derivatives of the forces by velocities. Writes: rows."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame_of(axes_at(a, p.rotation), axes_at(b, p.rotation))
     element.yield_rows(p, a, b, R, v, w, rows, first)

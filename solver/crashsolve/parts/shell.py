@@ -23,7 +23,7 @@ import numpy as np
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.elements.damping import coefficients
 from crashsolve.elements.shells.cards import ShellCard
-from crashsolve.elements.shells.energies import moving
+from crashsolve.elements.shells.energies import kinetic_energy
 from crashsolve.elements.shells.layout import DiscretisedShell
 from crashsolve.elements.shells.outputs import FIELDS as FIELDS
 from crashsolve.elements.shells.records import MOST_LAYERS, WORK
@@ -78,7 +78,7 @@ PARAMETERS = Record(f"""
     damping        s                      beta
     linear         1                      b_1
     quadratic      1                      b_2^2
-    slows          flag                   whether elements keep rows of damping and added mass
+    is_damped      flag                   whether elements keep rows of damping and added mass
     layer_rows     count                  numbers of a layer
     thins          flag                   whether the thickness follows the strain
 """)
@@ -97,7 +97,7 @@ OUTPUT = Record("""
     deleted         count  elements deleted
 """)
 
-# thickness over width of elements, from which it is reported that a shell is none
+# thickness over width of elements, from which a warning says that the part is no thin shell
 MANY = 4.0
 
 
@@ -155,7 +155,7 @@ def parameters(part: DiscretisedShell, scene: Scene) -> Columns:
         "damping": card.damping,
         "linear": coefficients(card, scene)[0],
         "quadratic": coefficients(card, scene)[1],
-        "slows": part.slows,
+        "is_damped": part.is_damped,
         **{name: material[name] for name in ("young", "shear", "poisson", "density", "plane")},
         "large_strain": law.LARGE_STRAIN,
         "dissipates": law.DISSIPATES,
@@ -168,7 +168,7 @@ def parameters(part: DiscretisedShell, scene: Scene) -> Columns:
 @kernel
 def energies(p: Parameters, new: History, out: Output, scene):
     """Energies of a part but for its elements. Writes: out."""
-    out.kinetic = moving(p, scene.points)
+    out.kinetic = kinetic_energy(p, scene.points)
     out.strain = out.hourglass = out.drilling = out.plastic = out.damping = 0.0
     out.eroded = out.eroded_kinetic = out.eroded_mass = 0.0
     out.deleted = 0

@@ -15,7 +15,8 @@ belongs to it, and what deforms begins behind. Where nothing else is said,
 
 h is the greatest depth of the sections that meet, alpha the least angle between two members: then
 tubes of shells touch at their inner edges, and do not cross. So joints are closed, and the members
-of all descriptions have the same ends. When the deck is read a structure is written out in ordinary
+of all descriptions have the same ends. A contact that names a structure means all its members
+(parts/structures/surfaces.py). When the deck is read a structure is written out in ordinary
 cards (parts/structures/), which `crashsolve explain DECK --expanded` prints. Consequence to test:
 mass, mass centre, inertia and elastic stiffness are those of the members in closed form, in all
 descriptions.
@@ -39,14 +40,15 @@ from crashsolve.deck.card import (
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import ZERO
 from crashsolve.parts.structures.cards import DESCRIPTIONS, expand, unused
+from crashsolve.parts.structures.surfaces import surfaces
 
-__all__ = ["expand", "unused"]
+__all__ = ["expand", "surfaces", "unused"]
 PARAMETERS = HISTORY = OUTPUT = Record()
 Deformation: Any = Literal[DESCRIPTIONS]
 
 
 class Point(Card):
-    """Where members meet or end: a rigid body called S_name in structure S."""
+    """A point where members meet or end: a rigid body called S_name in structure S."""
 
     name: NewName = word("name; the body is called S_name in structure S")
     at: Vec3 = quantity("m", "position")
@@ -89,7 +91,7 @@ class Structure(Card):
 
     points: tuple[Point, ...] = word("where members meet or end: bodies S_name of structure S")
     members: tuple[Member, ...] = word("straight members between points")
-    deformation: Deformation = word("how members deform, unless they give their own")
+    deformation: Deformation = word("description of deformation of the members")
     section: SectionName | None = word("cross section, unless a member names its own", default=None)
     material: MaterialName | None = word("material, unless a member names its own", default=None)
     side: Vec3 | None = word(

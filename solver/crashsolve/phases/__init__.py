@@ -10,7 +10,7 @@ from crashsolve.deck.roles import Built
 
 
 class PhasedEngine(Protocol):
-    """What a phase may ask of the engine that steps it (recording/phased.py)."""
+    """Functions of the engine that a phase may call (recording/phased.py)."""
 
     model: Any
     memory: Any  # row of MEMORY
@@ -40,9 +40,9 @@ class PhasedEngine(Protocol):
 
 
 class PhaseLaw(Built, Protocol):
-    """What the file of a phase provides: `build` returns what the others are given as `p`.
+    """Functions of a phase's file: `build` returns the parameters `p` of the others.
 
-    `look(p, engine)`, where there is one, is called after every step. `engine` is that of
+    `after_step(p, engine)`, where there is one, is called after every step. `engine` is that of
     recording/phased.py; all phases step the same State of the same Model.
     """
 

@@ -66,7 +66,7 @@ def begin(p: Columns, engine: PhasedEngine) -> None:
     engine.halt()
 
 
-def look(p: Columns, engine: PhasedEngine) -> None:
+def after_step(p: Columns, engine: PhasedEngine) -> None:
     """Halt the motion where its kinetic energy falls. Writes: the State."""
     kinetic, memory = engine.kinetic(), engine.memory
     if kinetic < memory["kinetic"]:

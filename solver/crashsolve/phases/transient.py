@@ -31,4 +31,4 @@ def begin(p: Columns, engine: PhasedEngine) -> None:
 
 
 def end(p: Columns, engine: PhasedEngine) -> None:
-    """It promises nothing."""
+    """No condition at the end of the phase."""

@@ -36,7 +36,9 @@ class FitError(Exception):
 
 @dataclass(frozen=True)
 class Chain:
-    """What is fitted: links in order from the root, landmarks, stops and spreads of joints."""
+    """The chain that is fitted: links in order from the root, landmarks, stops and spreads of
+    joints.
+    """
 
     root: int
     root_name: str
@@ -51,7 +53,7 @@ class Chain:
         return [3 if one.axis is None else 1 for one in self.links]
 
     def labels(self) -> list[str]:
-        """What each unknown belongs to."""
+        """Label of each unknown."""
         joints = zip(self.links, self.widths(), strict=True)
         return [self.root_name] * 6 + [one.joint for one, n in joints for _ in range(n)]
 
@@ -220,7 +222,9 @@ def _covariance(chain: Chain, J: Array, names: Sequence[str]) -> Array:
 
 
 def _turns(chain: Chain, q: Array) -> Array:
-    """From changes of q to small rotations about axes of a, of the root about the world's."""
+    """Matrices from changes of q to small rotations: about axes of a, of the root about the
+    world's.
+    """
     found = np.eye(len(q))
     found[3:6, 3:6] = _left_jacobian(q[3:6])
     first = 6
@@ -232,7 +236,10 @@ def _turns(chain: Chain, q: Array) -> Array:
 
 
 def _left_jacobian(vector: Array) -> Array:
-    """Of the rotation vector: Chirikjian (2012), Stochastic Models 2, chapter 10; from memory."""
+    """Left Jacobian (3, 3) of a rotation vector:
+
+    Chirikjian (2012), Stochastic Models 2, chapter 10.
+    """
     angle = float(np.linalg.norm(vector))
     if angle < 1e-8:
         return np.eye(3)

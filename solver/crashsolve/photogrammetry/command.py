@@ -39,29 +39,29 @@ def posture(path: Path, folder: Path) -> list[str]:
     from crashsolve.photogrammetry.request import read_request
     from crashsolve.photogrammetry.segments import fitted
 
-    asked = read_request(path)
-    chain, scene = chain_of(asked)
-    seen = measured(asked)
-    fits = fitted(asked, chain, seen)
-    at = _start(asked, seen)
-    moving = rates(chain, fits, at, asked.card.window)
+    requested = read_request(path)
+    chain, scene = chain_of(requested)
+    seen = measured(requested)
+    fits = fitted(requested, chain, seen)
+    at = _start(requested, seen)
+    moving = rates(chain, fits, at, requested.card.window)
     files = {
-        "posture.yaml": report.card(asked, chain, scene.offset[chain.root], fits[at], moving),
+        "posture.yaml": report.card(requested, chain, scene.offset[chain.root], fits[at], moving),
         "points.csv": report.points_table(seen),
         "joints.csv": report.joints_table(chain, fits),
     }
-    lines = report.summary(asked, chain, seen, fits, moving).splitlines()
+    lines = report.summary(requested, chain, seen, fits, moving).splitlines()
     return [*lines, "", *(str(written) for written in report.write(folder, files))]
 
 
-def _start(asked: Any, seen: Any) -> int:
-    """Which frame is the start. Raises DeckErrors."""
+def _start(requested: Any, seen: Any) -> int:
+    """The frame at the start. Raises DeckErrors."""
     times = [frame.time for frame in seen.frames]
-    if asked.card.start is None:
+    if requested.card.start is None:
         return 0
-    if asked.card.start not in times:
-        near = min(times, key=lambda time: abs(time - asked.card.start))
-        message = f"there is no frame at {asked.card.start:.6g} s"
+    if requested.card.start not in times:
+        near = min(times, key=lambda time: abs(time - requested.card.start))
+        message = f"there is no frame at {requested.card.start:.6g} s"
         advice = f"{len(times)} frames from {times[0]:.6g} to {times[-1]:.6g} s, next {near:.6g} s"
-        raise DeckErrors([asked.error(("start",), message, advice)])
-    return times.index(asked.card.start)
+        raise DeckErrors([requested.error(("start",), message, advice)])
+    return times.index(requested.card.start)

@@ -80,7 +80,9 @@ def reconstruct(L: Array, u: Array) -> Array:
 
 
 def sensitivities(L: Array, x: Array) -> tuple[Array, Array]:
-    """How a reconstructed point moves with its images (3, 2k), and with the L of these (3, 11k)."""
+    """Derivatives of a reconstructed point by its images (3, 2k), and by the L of these (3,
+    11k).
+    """
     u = np.array([image_of(one, x) for one in L])
     inverse = _pseudo_inverse(_equations(L, u)[0])
     return inverse * _factors(L, x), -inverse @ _by_cameras(x, u)
@@ -101,7 +103,7 @@ def _factors(L: Array, x: Array) -> Array:
 
 
 def _by_cameras(x: Array, u: Array) -> Array:
-    """How the equations of a point change with the L of its cameras (2k, 11k)."""
+    """Derivatives of the equations of a point by the L of its cameras (2k, 11k)."""
     k = len(u)
     found = np.zeros((2 * k, UNKNOWNS * k))
     for i in range(k):
@@ -111,7 +113,7 @@ def _by_cameras(x: Array, u: Array) -> Array:
 
 
 def _chi_squared(B: Array, misclosure: Array, S: Array) -> float:
-    """Of what is left of equations with the covariance S once their unknowns are found."""
+    """Chi-squared of the residuals of equations with the covariance S."""
     left = np.linalg.qr(B / np.linalg.norm(B, axis=0), mode="complete")[0][:, B.shape[1] :]
     z = left.T @ misclosure
     return float(z @ np.linalg.solve(left.T @ S @ left, z))

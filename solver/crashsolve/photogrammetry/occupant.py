@@ -12,42 +12,44 @@ from crashsolve.deck.words import choices
 from crashsolve.foundation.errors import DeckError, DeckErrors
 from crashsolve.model.scene import Scene
 from crashsolve.photogrammetry.chain_fit import Chain
-from crashsolve.photogrammetry.request import Asked
+from crashsolve.photogrammetry.request import Requested
 from crashsolve.photogrammetry.tables import LANDMARKS, read_table
 from crashsolve.postures._chain import Link, Motion, in_order, link
 
 WHO = "<who>"
 
 
-def chain_of(asked: Asked) -> tuple[Chain, Scene]:
+def chain_of(requested: Requested) -> tuple[Chain, Scene]:
     """The chain, and the scene that it is taken from. Raises DeckErrors."""
-    deck = read_deck(Path(asked.card.deck))
+    deck = read_deck(Path(requested.card.deck))
     # cards of bodies have the zero posture, whatever the deck makes of it
     deck.entries["postures"].clear()
     scene = Scene(deck)
     scene.raise_errors()
-    if asked.card.root not in deck.entries["bodies"]:
-        advice = choices(asked.card.root, list(deck.entries["bodies"]), "bodies")
-        raise DeckErrors([asked.error(("root",), f"unknown body '{asked.card.root}'", advice)])
-    root = scene.node(asked.card.root)
-    links = _links(asked, deck, scene, root)
+    if requested.card.root not in deck.entries["bodies"]:
+        advice = choices(requested.card.root, list(deck.entries["bodies"]), "bodies")
+        raise DeckErrors(
+            [requested.error(("root",), f"unknown body '{requested.card.root}'", advice)]
+        )
+    root = scene.node(requested.card.root)
+    links = _links(requested, deck, scene, root)
     reached = {root} | {node for one in links for node in (one.a, one.b)}
-    _check_spread(asked, links)
+    _check_spread(requested, links)
     at_rest = np.zeros(3)
     zero = Motion(scene.matrix(root), scene.r[root], at_rest, at_rest)
     chain = Chain(
         root,
-        asked.card.root,
+        requested.card.root,
         tuple(links),
-        _landmarks(asked, scene, reached),
+        _landmarks(requested, scene, reached),
         zero,
         _stops(deck, links),
-        asked.card.spread,
+        requested.card.spread,
     )
     return chain, scene
 
 
-def _links(asked: Asked, deck: Deck, scene: Scene, root: int) -> list[Link]:
+def _links(requested: Requested, deck: Deck, scene: Scene, root: int) -> list[Link]:
     """Joints that hang on the root, without those of the ground."""
     found, entries = [], {}
     for keyword, family in families().items():
@@ -67,22 +69,22 @@ def _links(asked: Asked, deck: Deck, scene: Scene, root: int) -> list[Link]:
             errors.append(deck.error(entries[one.joint], "type", message))
     for one in rest:
         if {one.a, one.b} <= known:
-            message = f"'{one.joint}' closes a loop of the chain of '{asked.card.root}'"
+            message = f"'{one.joint}' closes a loop of the chain of '{requested.card.root}'"
             errors.append(deck.error(entries[one.joint], None, message))
     if errors:
         raise DeckErrors(errors)
     return order
 
 
-def _landmarks(asked: Asked, scene: Scene, reached: set[int]) -> dict[str, tuple[int, Any]]:
-    path, found, errors = asked.card.landmarks, {}, []
+def _landmarks(requested: Requested, scene: Scene, reached: set[int]) -> dict[str, tuple[int, Any]]:
+    path, found, errors = requested.card.landmarks, {}, []
     for row in read_table(path, LANDMARKS):
-        name = row.names["body"].replace(WHO, asked.card.occupant)
+        name = row.names["body"].replace(WHO, requested.card.occupant)
         problem = ""
         if name not in scene.names:
             problem = f"unknown body '{name}'"
         elif scene.names.index(name) not in reached:
-            problem = f"'{name}' does not hang on '{asked.card.root}'"
+            problem = f"'{name}' does not hang on '{requested.card.root}'"
         if problem:
             errors.append(DeckError(path, row.line, None, row.names["point"], problem))
             continue
@@ -108,9 +110,9 @@ def _stops(deck: Deck, links: list[Link]) -> dict[str, tuple[float, float]]:
     return found
 
 
-def _check_spread(asked: Asked, links: list[Link]) -> None:
+def _check_spread(requested: Requested, links: list[Link]) -> None:
     known = [one.joint for one in links]
-    for name in asked.card.spread:
+    for name in requested.card.spread:
         if name not in known:
             advice = choices(name, known, "joints")
-            raise DeckErrors([asked.error(("spread", name), f"unknown joint '{name}'", advice)])
+            raise DeckErrors([requested.error(("spread", name), f"unknown joint '{name}'", advice)])

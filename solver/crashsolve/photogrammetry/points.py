@@ -13,7 +13,7 @@ import numpy as np
 
 from crashsolve.foundation.errors import DeckError, DeckErrors
 from crashsolve.photogrammetry import dlt
-from crashsolve.photogrammetry.request import Asked
+from crashsolve.photogrammetry.request import Requested
 from crashsolve.photogrammetry.tables import CALIBRATION, FRAMES, TARGETS, Row, read_table
 
 Array = np.ndarray
@@ -67,40 +67,40 @@ class Measured:
     freedom: int
 
 
-def measured(asked: Asked) -> Measured:
+def measured(requested: Requested) -> Measured:
     """All that the pictures say. Raises DeckErrors."""
-    cameras, closures = _cameras(asked)
+    cameras, closures = _cameras(requested)
     spread = _all_spreads(cameras)
     times: dict[float, dict[str, list[Row]]] = defaultdict(lambda: defaultdict(list))
-    for row in _rows_of_frames(asked, cameras):
+    for row in _rows_of_frames(requested, cameras):
         times[row.numbers["time"]][row.names["point"]].append(row)
-    volume = _extent(read_table(asked.card.targets, TARGETS))
+    volume = _extent(read_table(requested.card.targets, TARGETS))
     found = {
-        time: [_point(asked, name, rows, cameras, spread) for name, rows in points.items()]
+        time: [_point(requested, name, rows, cameras, spread) for name, rows in points.items()]
         for time, points in sorted(times.items())
     }
     closures += [(p.closure, p.freedom) for points in found.values() for p in points]
     freedom = sum(count for _, count in closures)
-    error = asked.card.image_error
+    error = requested.card.image_error
     if error is None:
         error = float(np.sqrt(sum(chi for chi, _ in closures) / freedom))
         if error < EXACT:
             message = "images without errors do not say how large their errors are"
-            raise DeckErrors([asked.error((), message, "give image_error")])
+            raise DeckErrors([requested.error((), message, "give image_error")])
     frames = tuple(_frame(t, tuple(points), spread, error) for t, points in found.items())
-    _check(asked, frames, error, volume)
+    _check(requested, frames, error, volume)
     return Measured(cameras, frames, error, freedom)
 
 
-def _cameras(asked: Asked) -> tuple[dict[str, dlt.Camera], list[tuple[float, int]]]:
+def _cameras(requested: Requested) -> tuple[dict[str, dlt.Camera], list[tuple[float, int]]]:
     """Calibrated cameras, and for each the chi-squared of its targets and their freedom."""
-    path = asked.card.calibration
-    targets = {row.names["target"]: row for row in read_table(asked.card.targets, TARGETS)}
+    path = requested.card.calibration
+    targets = {row.names["target"]: row for row in read_table(requested.card.targets, TARGETS)}
     seen: dict[str, list[Row]] = defaultdict(list)
     errors: list[DeckError] = []
     for row in read_table(path, CALIBRATION):
         if row.names["target"] not in targets:
-            message = f"there is no target '{row.names['target']}' in {asked.card.targets}"
+            message = f"there is no target '{row.names['target']}' in {requested.card.targets}"
             errors.append(DeckError(path, row.line, None, row.names["camera"], message))
         seen[row.names["camera"]].append(row)
     if errors:
@@ -110,7 +110,7 @@ def _cameras(asked: Asked) -> tuple[dict[str, dlt.Camera], list[tuple[float, int
         x = np.array([_numbers(targets[row.names["target"]], "xyz") for row in rows])
         u = np.array([_numbers(row, "uv") for row in rows])
         try:
-            cameras[name] = _calibrated(x, u, asked)
+            cameras[name] = _calibrated(x, u, requested)
             closures.append((cameras[name].closure, 2 * len(x) - dlt.UNKNOWNS))
         except np.linalg.LinAlgError as error:
             errors.append(DeckError(path, rows[0].line, None, f"camera '{name}'", str(error)))
@@ -119,7 +119,7 @@ def _cameras(asked: Asked) -> tuple[dict[str, dlt.Camera], list[tuple[float, int
     return cameras, closures
 
 
-def _calibrated(x: Array, u: Array, asked: Asked) -> dlt.Camera:
+def _calibrated(x: Array, u: Array, requested: Requested) -> dlt.Camera:
     if len(x) < dlt.FEWEST:
         message = f"sees {len(x)} targets; {dlt.FEWEST} that are not in one plane are needed"
         raise np.linalg.LinAlgError(message)
@@ -129,12 +129,12 @@ def _calibrated(x: Array, u: Array, asked: Asked) -> dlt.Camera:
             f"{dlt.FEWEST} that are not in one plane are needed"
         )
         raise np.linalg.LinAlgError(message)
-    return dlt.calibrate(x, u, asked.card.method)
+    return dlt.calibrate(x, u, requested.card.method)
 
 
-def _rows_of_frames(asked: Asked, cameras: dict[str, dlt.Camera]) -> list[Row]:
+def _rows_of_frames(requested: Requested, cameras: dict[str, dlt.Camera]) -> list[Row]:
     """Rows of the digitised points. Raises DeckErrors for unknown cameras and lonely points."""
-    path = asked.card.frames
+    path = requested.card.frames
     rows = read_table(path, FRAMES)
     seen: dict[tuple[float, str], list[Row]] = defaultdict(list)
     errors = []
@@ -156,7 +156,7 @@ def _rows_of_frames(asked: Asked, cameras: dict[str, dlt.Camera]) -> list[Row]:
 
 
 def _point(
-    asked: Asked, name: str, rows: list[Row], cameras: dict[str, dlt.Camera], spread: Array
+    requested: Requested, name: str, rows: list[Row], cameras: dict[str, dlt.Camera], spread: Array
 ) -> Point:
     order = list(cameras)
     at = [order.index(row.names["camera"]) for row in rows]
@@ -181,7 +181,7 @@ def _frame(time: float, points: tuple[Point, ...], spread: Array, error: float) 
     return Frame(time, points, error**2 * covariance)
 
 
-def _check(asked: Asked, frames: tuple[Frame, ...], error: float, volume: float) -> None:
+def _check(requested: Requested, frames: tuple[Frame, ...], error: float, volume: float) -> None:
     """Refuse points whose images do not belong together, or that hardly determine a position."""
     from scipy.stats import chi2
 
@@ -203,7 +203,9 @@ def _check(asked: Asked, frames: tuple[Frame, ...], error: float, volume: float)
                 advice = "two cameras must see it from different directions"
             if problem:
                 what = f"point '{point.name}' at {frame.time:.6g} s"
-                errors.append(DeckError(asked.card.frames, row.line, None, what, problem, advice))
+                errors.append(
+                    DeckError(requested.card.frames, row.line, None, what, problem, advice)
+                )
     if errors:
         raise DeckErrors(errors)
 

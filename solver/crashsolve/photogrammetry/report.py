@@ -10,21 +10,21 @@ from crashsolve.output.files import reported
 from crashsolve.photogrammetry.chain_fit import Chain, Fit, rotation
 from crashsolve.photogrammetry.motion import Rates
 from crashsolve.photogrammetry.points import Frame, Measured
-from crashsolve.photogrammetry.request import Asked
+from crashsolve.photogrammetry.request import Requested
 
 Array = np.ndarray
 COVARIANCE = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
 
-def card(asked: Asked, chain: Chain, offset: Array, fitted: Fit, moving: Rates) -> str:
+def card(requested: Requested, chain: Chain, offset: Array, fitted: Fit, moving: Rates) -> str:
     """The `postures` card of a fit; `offset` is the mass centre of the root in its axes."""
     A = rotation(fitted.q[3:6])
     v, w = moving.values[:3], moving.values[3:6]
     arm = A @ offset
     lines = [
-        f"# Posture at {fitted.time:.9g} s, by crashsolve posture {asked.path.name}",
+        f"# Posture at {fitted.time:.9g} s, by crashsolve posture {requested.path.name}",
         "postures:",
-        f"  {asked.card.name}:",
+        f"  {requested.card.name}:",
         f"    root: {chain.root_name}",
         f"    position: {_vector(fitted.q[:3] - arm)}",
         f"    rotation: {_rotation(fitted.q[3:6])}",
@@ -75,11 +75,15 @@ def joints_table(chain: Chain, fits: list[Fit]) -> str:
     return _csv(rows)
 
 
-def summary(asked: Asked, chain: Chain, measured: Measured, fits: list[Fit], moving: Rates) -> str:
-    """What is printed."""
-    given = "given" if asked.card.image_error else f"from {measured.freedom} equations left over"
+def summary(
+    requested: Requested, chain: Chain, measured: Measured, fits: list[Fit], moving: Rates
+) -> str:
+    """The text that is printed."""
+    given = (
+        "given" if requested.card.image_error else f"from {measured.freedom} equations left over"
+    )
     lines = [
-        asked.card.title or asked.path.name,
+        requested.card.title or requested.path.name,
         f"error of images {measured.image_error:.4g}, {given}",
     ]
     for name, camera in measured.cameras.items():
@@ -87,7 +91,7 @@ def summary(asked: Asked, chain: Chain, measured: Measured, fits: list[Fit], mov
         lines.append(f"camera {name}: {len(camera.residuals)} targets, residual {rms:.4g} rms")
     for frame, one in zip(measured.frames, fits, strict=True):
         lines.append(_frame(frame, one))
-    start = next(i for i, one in enumerate(fits) if one.time == _start(asked, measured))
+    start = next(i for i, one in enumerate(fits) if one.time == _start(requested, measured))
     lines += [
         "",
         f"at {fits[start].time:.6g} s, the start:",
@@ -109,8 +113,8 @@ def write(folder: Path, files: dict[str, str]) -> list[Path]:
     return paths
 
 
-def _start(asked: Asked, measured: Measured) -> float:
-    return measured.frames[0].time if asked.card.start is None else asked.card.start
+def _start(requested: Requested, measured: Measured) -> float:
+    return measured.frames[0].time if requested.card.start is None else requested.card.start
 
 
 def _frame(frame: Frame, one: Fit) -> str:

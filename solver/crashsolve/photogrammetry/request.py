@@ -23,7 +23,9 @@ from crashsolve.foundation.errors import DeckError, DeckErrors
 
 
 class World(Card):
-    """Where the axes in which targets are measured lie in the world of the deck."""
+    """Position and orientation, in the world of the deck, of the axes in which targets are
+    measured.
+    """
 
     position: Vec3 = quantity("m", "of their origin", (0.0, 0.0, 0.0))
     rotation: Rotation = word("of them, to the world", default_factory=Rotation)
@@ -74,7 +76,7 @@ class Request(Card):
 
 
 @dataclass(frozen=True)
-class Asked:
+class Requested:
     """A request without errors, and where its fields stand."""
 
     path: Path
@@ -87,7 +89,7 @@ class Asked:
         return DeckError(*where, ".".join(field), message, advice)
 
 
-def read_request(path: Path) -> Asked:
+def read_request(path: Path) -> Requested:
     """The request in a file. Raises DeckErrors with all its errors."""
     errors: list[DeckError] = []
     table = read_yaml(path, errors)
@@ -105,4 +107,4 @@ def read_request(path: Path) -> Asked:
         errors.append(DeckError(*where, words, one.message, one.advice))
     if errors:
         raise DeckErrors(sorted(errors, key=lambda one: one.line or 0))
-    return Asked(path, card, table)
+    return Requested(path, card, table)

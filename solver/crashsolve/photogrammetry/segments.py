@@ -8,22 +8,24 @@ from crashsolve.foundation.errors import DeckError, DeckErrors
 from crashsolve.foundation.orientation import matrix
 from crashsolve.photogrammetry.chain_fit import Chain, Fit, FitError, fit
 from crashsolve.photogrammetry.points import IMPROBABLE, Frame, Measured
-from crashsolve.photogrammetry.request import Asked, World
+from crashsolve.photogrammetry.request import Requested, World
 
 
-def fitted(asked: Asked, chain: Chain, seen: Measured) -> list[Fit]:
+def fitted(requested: Requested, chain: Chain, seen: Measured) -> list[Fit]:
     """One fit for each frame. Raises DeckErrors."""
-    path = asked.card.frames
+    path = requested.card.frames
     fits: list[Fit] = []
     for frame in seen.frames:
         for point in frame.points:
             if point.name not in chain.landmarks:
-                message = f"point '{point.name}' has no landmark in {asked.card.landmarks}"
+                message = f"point '{point.name}' has no landmark in {requested.card.landmarks}"
                 raise DeckErrors([DeckError(path, point.rows[0].line, None, "", message)])
         line = frame.points[0].rows[0].line
         before = fits[-1].q if fits else None
         try:
-            own = fit(chain, in_world(frame, asked.card.world), asked.card.landmark_error, before)
+            own = fit(
+                chain, in_world(frame, requested.card.world), requested.card.landmark_error, before
+            )
             _check(own, frame)
         except FitError as error:
             where = f"frame at {frame.time:.6g} s"

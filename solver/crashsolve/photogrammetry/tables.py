@@ -17,7 +17,7 @@ Key = tuple[str | float, ...]
 
 @dataclass(frozen=True)
 class Columns:
-    """What a table holds: columns of names, and of numbers with their units ("" for images)."""
+    """Columns of a table: of names, and of numbers with their units ("" for images)."""
 
     names: tuple[str, ...]
     numbers: dict[str, str]
@@ -33,7 +33,7 @@ class Row:
     numbers: dict[str, float]
 
     def key(self, columns: tuple[str, ...]) -> Key:
-        """What makes the row the only one of its kind."""
+        """Key that no two rows may share."""
         return tuple(self.names.get(name, self.numbers.get(name, 0.0)) for name in columns)
 
 

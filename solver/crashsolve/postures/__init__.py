@@ -7,7 +7,7 @@ from crashsolve.deck.roles import Built
 
 
 class PostureLaw(Built, Protocol):
-    """What the file of a posture provides beside its card: `build` positions the bodies."""
+    """Functions of a posture's file, beside its card: `build` positions the bodies."""
 
 
 FAMILY = Family(

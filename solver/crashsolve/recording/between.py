@@ -40,7 +40,7 @@ class Between:
         self.is_marked = False
 
     def memory(self) -> dict[str, np.ndarray]:
-        """What a restart must bring back."""
+        """Arrays that a restart must restore."""
         if not self.is_marked or self._begin is None:
             return {}
         kept: dict[str, np.ndarray] = {"spent": self.spent}

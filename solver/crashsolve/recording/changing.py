@@ -14,7 +14,7 @@ MOST_BYTES = 1 << 26
 
 def changing(engine: Engine) -> dict[str, np.ndarray]:
     """Everything that changes during a run, by name, as bytes where an array has columns."""
-    fixed = {name: _plain(array) for name, array in _kept_aside(engine).items()}
+    fixed = {name: _plain(array) for name, array in _constant_arrays(engine).items()}
     lists = [
         {f"pairs/{g.word}": g.parameters, f"history/{g.word}": g.history} for g in _lists(engine)
     ]
@@ -29,7 +29,7 @@ def restore(engine: Engine, arrays: dict[str, np.ndarray]) -> None:
 
     Raises KeyError, ValueError, TypeError or IndexError for arrays of another model.
     """
-    for name, array in _kept_aside(engine).items():
+    for name, array in _constant_arrays(engine).items():
         found = _columns(arrays[name], array.dtype)
         if found.shape != array.shape:
             raise ValueError(f"{name} has the shape {found.shape}, not {array.shape}")
@@ -43,7 +43,7 @@ def restore(engine: Engine, arrays: dict[str, np.ndarray]) -> None:
     engine.bind()
 
 
-def _kept_aside(engine: Engine) -> dict[str, np.ndarray]:
+def _constant_arrays(engine: Engine) -> dict[str, np.ndarray]:
     """Arrays whose size never changes."""
     state, model = engine.state, engine.model
     arrays = {name: getattr(state, name) for name in state.__dataclass_fields__}
@@ -52,6 +52,9 @@ def _kept_aside(engine: Engine) -> dict[str, np.ndarray]:
     for c in _lists(engine):
         seen = c.search.arrays() if c.search else {}
         arrays |= {f"{name}/{c.word}": array for name, array in seen.items()}
+    for c in model.contact_groups:
+        if c.body_pairs is not None:
+            arrays[f"body_pairs/{c.word}"] = c.body_pairs
     arrays |= model.nodal_loads
     # a sample may lie within the last step
     arrays |= engine.stages
@@ -97,7 +100,7 @@ class Snapshot:
         self.is_copied = not _nodal(engine) and all(a.flags.c_contiguous for a in arrays)
 
     def pieces(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """What is to be copied, from and to, in bytes, as numpy takes columns one by one."""
+        """Copies to be made, from and to, in bytes, as numpy copies columns one by one."""
         if self._bound != self.engine.bindings:
             now = {name: a for name, a in changing(self.engine).items() if a.size}
             self._arrays = {name: a.copy() for name, a in now.items()}
@@ -114,7 +117,7 @@ class Snapshot:
             kept[...] = now
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """What was kept, by name."""
+        """Copied arrays by name."""
         return self._arrays
 
     def recall(self, arrays: dict[str, np.ndarray]) -> None:

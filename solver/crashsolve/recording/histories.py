@@ -47,7 +47,7 @@ Part = tuple[Family, tuple[Source, ...], Callable[..., np.ndarray]]
 
 @dataclass(frozen=True)
 class Start:
-    """What an engine has before its step is compiled, as far as channels are made of it."""
+    """Attributes of an engine before its step is compiled, from which channels are made."""
 
     model: Model
     state: State
@@ -70,7 +70,7 @@ class Start:
 
 
 def families_of(model: Model, state: State) -> tuple[Family, ...]:
-    """What a run of a model will write, without compiling its step."""
+    """Families of channels that a run of a model will write, without compiling its step."""
     return Histories(Start(model, state)).families
 
 
@@ -103,7 +103,7 @@ class Histories:
 
     @property
     def memory(self) -> dict[str, np.ndarray]:
-        """What a restart must bring back, once the values of all samples taken are made."""
+        """Arrays that a restart must restore, once the values of all samples taken are computed."""
         return {"momenta/start": self._momenta.start, "momenta/largest": self._momenta.largest}
 
     @property
@@ -230,8 +230,8 @@ class Histories:
         def values(r: np.ndarray, v: np.ndarray) -> np.ndarray:
             return np.concatenate([r, r - start, v], axis=2)
 
-        asked = (lambda: points["r"][numbers], lambda: points["v"][numbers])
-        return [(Family("nodout-shell", tuple(names), tuple(columns)), asked, values)]
+        requested = (lambda: points["r"][numbers], lambda: points["v"][numbers])
+        return [(Family("nodout-shell", tuple(names), tuple(columns)), requested, values)]
 
     def _gauges(self) -> list[Part]:
         """Elements of shells whose history the deck asks for."""

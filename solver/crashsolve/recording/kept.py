@@ -14,7 +14,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Columns:
-    """Of a table, those columns that values are made of: few of many are cheaper to keep."""
+    """The columns of a table that values need: to copy these alone takes less time."""
 
     table: np.ndarray
     names: frozenset[str]
@@ -30,7 +30,7 @@ class Kept:
     """Copies of tables, each of which stays where it is; others are asked for at every sample."""
 
     def __init__(self, sources: list[Source]) -> None:
-        self._asked = [(i, s) for i, s in enumerate(sources) if callable(s)]
+        self._requested = [(i, s) for i, s in enumerate(sources) if callable(s)]
         tables = [_layout(source) for source in sources]
         size = sum(dtype.itemsize * int(np.prod(shape)) for shape, dtype in tables)
         self.most = min(max(MOST_BYTES // max(size, 1), 1), MOST_SAMPLES)
@@ -49,7 +49,7 @@ class Kept:
         k = self.count
         for piece, copies in self.pieces:
             copies[k] = piece
-        for i, source in self._asked:
+        for i, source in self._requested:
             self._tables[i][k] = source()
         self.count = k + 1
 
@@ -65,7 +65,7 @@ class Kept:
     @property
     def is_copied(self) -> bool:
         """Whether nothing is asked for at a sample."""
-        return not self._asked
+        return not self._requested
 
     def tables(self) -> list[np.ndarray]:
         """The tables (samples, ...) kept since the last call; the next sample overwrites them."""
@@ -85,7 +85,7 @@ def together(sources: Iterable[Source]) -> dict[int, Source]:
 
 
 def identity(source: Source) -> int:
-    """What distinguishes two sources."""
+    """Key that distinguishes two sources."""
     return id(source.table if isinstance(source, Columns) else source)
 
 

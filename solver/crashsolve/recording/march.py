@@ -16,12 +16,12 @@ from crashsolve.foundation.addresses import call_step, copy_bytes, number_at, ti
 from crashsolve.foundation.kernels import entry, kernel
 from crashsolve.foundation.record import Record
 from crashsolve.model.clock import REACHED, STOPS_AT_SAMPLE
-from crashsolve.model.ledger import LARGEST, is_out_of_nothing
+from crashsolve.model.ledger import LARGEST, is_spurious_energy
 from crashsolve.system.engine import FIRST_JUDGED
 
 SHOWN, PART = 0.9, 0.1
 # why `march` gave control back: all samples are done; the step did; the last interval hides
-# a touch; the last sample must be judged by who can report it; the next step is longer than wanted
+# a touch; the last sample must be checked by the caller; the next step is longer than wanted
 DONE, STEPPED, HIDDEN, SUSPECT, LONG = range(5)
 
 JOB = Record("""
@@ -154,7 +154,7 @@ def sample(until, job, clock, scene):
     for trouble in STOPS_AT_SAMPLE:
         if sampled.status == trouble:
             return False
-    if sampled.cycle >= FIRST_JUDGED and is_out_of_nothing(ledger, job.limit):
+    if sampled.cycle >= FIRST_JUDGED and is_spurious_energy(ledger, job.limit):
         return False
     if has_passed(scene.passed, job.passed, clock.current):
         return False

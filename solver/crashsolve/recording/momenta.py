@@ -56,7 +56,7 @@ def _dot(u: np.ndarray, v: np.ndarray) -> np.ndarray:
 
 
 def _lengths(u: np.ndarray) -> np.ndarray:
-    """Of vectors whose components are the first axis."""
+    """Lengths of vectors whose components are the first axis."""
     return np.sqrt(np.einsum("ikj,ikj->kj", u, u))
 
 

@@ -27,7 +27,7 @@ MEMORY = Record("""
     phase     index     number of the present phase
     begun     flag      whether it has been begun
     launched  flag      whether the velocities of the deck have been given
-    kinetic   J         kinetic energy at the last look, 0 after a halt
+    kinetic   J         kinetic energy after the last step, 0 after a halt
     share     1         of the loads without a curve that acts
     halts     count     how often the motion was halted in this phase
     taken     J         kinetic energy taken by that
@@ -62,7 +62,7 @@ class PhasedEngine(Engine):
         super().start()
 
     def bind(self) -> None:
-        """The same as of every engine; a dump does not bring the loads that act."""
+        """Bind the tables, as every engine does; a dump does not contain the loads that act."""
         super().bind()
         if hasattr(self, "memory"):
             self._set_loads()
@@ -102,14 +102,14 @@ class PhasedEngine(Engine):
             self._close()
 
     def _call(self, until: float) -> int:
-        """The same as of every engine, with a look of the phase after every step."""
-        look = getattr(self.phase.module, "look", None)
-        if look is None:
+        """Step until a time, as every engine does, with a call of the phase after every step."""
+        after_step = getattr(self.phase.module, "after_step", None)
+        if after_step is None:
             return super()._call(until)
         self._steps_per_call, cycle = 1, int(self.clock.cycle)
         status = super()._call(until)
         if self.clock.cycle > cycle:
-            look(self.phase.p, self)
+            after_step(self.phase.p, self)
         return status
 
     def kinetic(self) -> float:
@@ -135,7 +135,7 @@ class PhasedEngine(Engine):
                 self.set_velocities(self.given)
 
     def raise_loads(self, share: float) -> None:
-        """Let a share of the loads without a curve act. Writes: the Model, the State.
+        """Apply a share of the loads without a curve. Writes: the Model, the State.
 
         The ledger has the potential of the weight that acts: raising it is work from outside.
         """
@@ -192,7 +192,9 @@ class PhasedEngine(Engine):
         return np.linalg.norm(np.where(is_held, 0.0, points["force"]), axis=1)
 
     def _largest_force(self) -> float:
-        """Of all laws in the last sample [N]; moments over the model's size."""
+        """Largest force of all laws in the last sample [N], including moments over the model's
+        size.
+        """
         sizes = [0.0]
         for group in self.model.groups:
             for column in getattr(group.module, "OUTPUT", Record()).columns:

@@ -1,6 +1,6 @@
 """The channels that a deck asks about, looked up in those that its run will have.
 
-They are those of expect and watch, of the figures of its report, and of the moments of its scenes.
+They are those of expect and watch, of the figures of its report, and of the times of its scenes.
 Names, units and the samples that a function needs are looked at; a run may still be too short.
 """
 
@@ -13,7 +13,7 @@ import numpy as np
 from crashsolve.channels.display import is_convertible
 from crashsolve.channels.errors import TooShort
 from crashsolve.channels.series import Series
-from crashsolve.channels.statistic import moment_asked, unit_of
+from crashsolve.channels.statistic import requested_moment, unit_of
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.deck.run_cards.expect import Expect
 from crashsolve.deck.run_cards.statistic import PATH
@@ -60,9 +60,9 @@ def _of_report(deck: Deck) -> Iterator[tuple[str, str]]:
     if report is None:
         return
     for figure in report.figures:
-        asked = [figure.x, *(x for curve in figure.y for x in (curve.channel, curve.x))]
-        asked += [reference.channel for reference in figure.reference]
-        for channel in asked:
+        requested = [figure.x, *(x for curve in figure.y for x in (curve.channel, curve.x))]
+        requested += [reference.channel for reference in figure.reference]
+        for channel in requested:
             if channel not in ("", "time"):
                 yield f"figure '{figure.title}'", channel
     for scene in report.scenes:
@@ -85,7 +85,7 @@ def _problems_of(
     found: dict[str, list[Channel]],
     deck: Deck,
 ) -> Iterator[str]:
-    """What is wrong with a question, by its fields; adds the channels it asks for to `found`."""
+    """Errors of a question, by its fields; adds the channels it asks for to `found`."""
     start = deck.control.start_time
     try:
         found[card.channel] = find(card.channel, families)
@@ -96,7 +96,7 @@ def _problems_of(
                 yield f"value: is in {card.unit}, but '{card.statistic}' of the channel in {unit}"
     except ValueError as problem:
         yield f"channel: {problem}"
-    moment = None if card.statistic == PATH else moment_asked(card.statistic)
+    moment = None if card.statistic == PATH else requested_moment(card.statistic)
     if moment is not None and moment < start:
         yield f"statistic: '{card.statistic}' is before the run, from {start:g} s on"
 

@@ -17,27 +17,27 @@ class Recorder:
         """Take the present sample. Raises OutputError."""
         self._times.append(time)
         if self.histories.take() or self.history.is_due():
-            self._hand_over()
+            self._transfer_mass()
 
     def taken(self, times: list[float]) -> None:
         """Samples at times [s] have been kept already. Raises OutputError."""
         self._times += times
         if self.histories.kept.is_full or self.history.is_due():
-            self._hand_over()
+            self._transfer_mass()
 
     def flush(self) -> None:
         """Write all samples taken. Raises OutputError."""
-        self._hand_over()
+        self._transfer_mass()
         self.history.flush()
 
     def close(self) -> None:
-        """The same, and close the history."""
+        """Write all samples taken, and close the history."""
         try:
-            self._hand_over()
+            self._transfer_mass()
         finally:
             self.history.close()
 
-    def _hand_over(self) -> None:
+    def _transfer_mass(self) -> None:
         if self._times:
             times, self._times = np.array(self._times), []
             self.history.append(times, self.histories.values())

@@ -27,7 +27,7 @@ LARGEST_SO_FAR = "peak_"
 
 @dataclass(frozen=True)
 class Channel:
-    """Where a channel stands: family, number of the entity, and the columns of its vector."""
+    """Position of a channel: family, number of the entity, and the columns of its vector."""
 
     name: str
     family: Family
@@ -93,7 +93,7 @@ class Samples:
         return Series(self.time, self.values[name], self.units.get(name, ""))
 
     def at(self, times: np.ndarray, between: bool = False) -> "Samples":
-        """The same at some of the times (n,) [s], and at its own steps between them if asked."""
+        """These samples at some of the times (n,) [s], and at steps between them if asked."""
         kept = np.isin(self.time, times)
         if between:
             kept |= np.isin(self.time, self.between)
@@ -128,7 +128,7 @@ def gather(
 
 
 def read(path: Path, channels: Sequence[Channel]) -> Samples:
-    """The same from the history of a run."""
+    """Samples of channels from the history of a run."""
     import h5py
 
     with h5py.File(path, "r") as file:
@@ -161,7 +161,7 @@ def _channel(name: str, families: Sequence[Family]) -> Channel | None:
 
 
 def _unknown(name: str, families: Sequence[Family]) -> str:
-    """What is wrong with a channel that does not exist, from its first wrong word."""
+    """Message of a channel that does not exist, from its first wrong word."""
     word, _, rest = name.partition(".")
     entity, _, path = rest.partition(".")
     same = [family for family in families if family.word == word]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crashsolve.channels.statistic import moment_asked
+from crashsolve.channels.statistic import requested_moment
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.deck.run_cards.expect import Expect
 from crashsolve.deck.run_cards.statistic import PATH
@@ -20,12 +20,12 @@ SAME = 1e-9
 
 @dataclass(frozen=True)
 class Schedule:
-    """Times of the samples [s], the last one at the end; `asked` lie between the others."""
+    """Times of the samples [s], the last one at the end; `requested` lie between the others."""
 
     start: float
     end: float
     interval: float
-    asked: tuple[float, ...] = ()
+    requested: tuple[float, ...] = ()
     numbers: tuple[int, ...] = ()  # of these samples among all
 
     @classmethod
@@ -33,10 +33,10 @@ class Schedule:
         """The schedule a deck asks for."""
         start, end = deck.control.start_time, deck.control.last_time
         plain = cls(start, end, deck.sample_interval or 1.0)
-        return plain.with_times(_asked(deck) | _ends_of_phases(deck))
+        return plain.with_times(_requested(deck) | _ends_of_phases(deck))
 
     def with_times(self, times: set[float]) -> "Schedule":
-        """The same with further samples where none are."""
+        """This schedule with further samples at the given times [s]."""
         inside = sorted(t for t in times if self.start < t < self.end and not self._is_met(t))
         numbers = tuple(self._before(t) + j for j, t in enumerate(inside))
         return Schedule(self.start, self.end, self.interval, tuple(inside), numbers)
@@ -45,7 +45,7 @@ class Schedule:
         """Time of sample k [s]."""
         j = bisect_left(self.numbers, k)
         if j < len(self.numbers) and self.numbers[j] == k:
-            return self.asked[j]
+            return self.requested[j]
         return self._plain(k - j)
 
     def times(self, k: int, most: int) -> np.ndarray:
@@ -60,7 +60,7 @@ class Schedule:
 
     def number(self, time: float) -> int:
         """Number of the sample nearest to a time [s]."""
-        k = round((time - self.start) / self.interval) + bisect_left(self.asked, time)
+        k = round((time - self.start) / self.interval) + bisect_left(self.requested, time)
         near = range(max(k - 2, 0), k + 3)
         return min(near, key=lambda i: (abs(self.time(i) - time), i))
 
@@ -78,7 +78,7 @@ class Schedule:
         return self.time(k) >= self.end
 
     def plain_number(self, k: int) -> int | None:
-        """How many intervals from the start sample k lies; None of one that was asked for."""
+        """Number of intervals from the start to sample k; None of one that was asked for."""
         j = bisect_left(self.numbers, k)
         return None if k in self.numbers[j : j + 1] else k - j
 
@@ -87,7 +87,7 @@ class Schedule:
         return self.end if target > self.end - SAME * self.interval else target
 
     def _before(self, time: float) -> int:
-        """How many samples in intervals come before a time."""
+        """Number of regular samples before a time."""
         k = max(int((time - self.start) / self.interval) - 1, 0)
         while self._plain(k) < time:
             k += 1
@@ -104,12 +104,12 @@ def _ends_of_phases(deck: Deck) -> set[float]:
     return {time for time in times if time is not None}
 
 
-def _asked(deck: Deck) -> set[float]:
+def _requested(deck: Deck) -> set[float]:
     """Moments [s] that the deck's own questions are about."""
     found: set[float] = set()
     cards: list[Expect | Watch] = [*deck.expect, *deck.watch]
     for card in cards:
-        moment = None if card.statistic == PATH else moment_asked(card.statistic)
+        moment = None if card.statistic == PATH else requested_moment(card.statistic)
         if moment is not None:
             found.add(moment)
         found |= set(card.during or ())

@@ -6,7 +6,7 @@ from crashsolve.deck.family import ANY, Family
 
 
 class SectionLaw(Protocol):
-    """What the file of a cross section provides beside its card."""
+    """Functions of a cross section's file, beside its card."""
 
     def build(self, card: Any, poisson: float) -> Any:
         """Area, `second` (I_y, I_z), `torsion` and `shear` (kappa_y, kappa_z)."""

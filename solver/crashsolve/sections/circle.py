@@ -19,7 +19,7 @@ from crashsolve.sections.tube import ring, rings, round_section
 class Circle(Card):
     """Solid circular section."""
 
-    radius: float = quantity("m", "r", gt=1e-12, lt=1e6)
+    radius: float = quantity("m", "r, radius", gt=1e-12, lt=1e6)
 
 
 PARAMETERS = HISTORY = OUTPUT = Record()

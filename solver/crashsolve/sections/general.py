@@ -15,7 +15,7 @@ from crashsolve.foundation.record import Record
 class General(Card):
     """Section given by its numbers."""
 
-    area: float = quantity("m^2", "A", gt=0)
+    area: float = quantity("m^2", "A, area", gt=0)
     I_y: float = quantity("m^4", "second moment for bending about y", gt=0)
     I_z: float = quantity("m^4", "second moment for bending about z", gt=0)
     torsion: float = quantity("m^4", "J, torsion constant", gt=0)

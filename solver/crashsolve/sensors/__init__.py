@@ -7,7 +7,7 @@ from crashsolve.deck.roles import Built, Reading
 
 
 class SensorLaw(Built, Reading, Protocol):
-    """What the file of a sensor provides beside its card."""
+    """Functions of a sensor's file, beside its card."""
 
 
 FAMILY = Family(

@@ -50,7 +50,7 @@ class Accelerometer(Card):
 
     @field_validator("mme")
     @classmethod
-    def _is_a_place(cls, text: str | None) -> str | None:
+    def _is_location_code(cls, text: str | None) -> str | None:
         if text is not None and not MME.fullmatch(text):
             raise ValueError("must be 12 capital letters, digits or ?, such as 11HEAD000000")
         return text

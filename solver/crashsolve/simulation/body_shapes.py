@@ -21,7 +21,7 @@ from crashsolve.output import shapes
 # node, points from the mass centre in body axes, cells
 Piece = tuple[int, np.ndarray, np.ndarray]
 
-# a plane is infinite: what is drawn reaches so far beyond what is near, in widths of the model
+# a plane is infinite: it is drawn so far beyond the model, in widths of it
 PLANE_MARGIN = 0.15
 # points of a body to which lines are drawn, at most
 MOST_LINES = 100
@@ -140,7 +140,7 @@ def _acting_points(group: Group) -> list[tuple[int, np.ndarray]]:
 
 
 def planes(model: Model, pieces: list[Piece], nodes: np.ndarray, others: np.ndarray) -> list[Piece]:
-    """Planes, cut to what is near them at the start: their own body, or everything else.
+    """Planes, cut to the extent of near objects at the start: their own body, or all others.
 
     `others` are points (n, 3) of all that is drawn besides bodies, `nodes` those at the start.
     """

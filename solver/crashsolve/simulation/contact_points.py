@@ -28,14 +28,16 @@ class ContactPoints:
         self.count = sum(positions for _, positions in [*self._pairs, *self._nodal])
 
     def found(self) -> Points:
-        """Where contacts act at the present sample, with the forces on side a and their cards."""
+        """Points at which contacts act in the present sample, with forces on side a and cards."""
         points = [self._of_pairs(g, positions) for g, positions in self._pairs]
         points += [self._of_nodes(g, positions) for g, positions in self._nodal]
         position, force, card = map(np.concatenate, zip(*points, strict=True))
         return position, force, card
 
     def _of_pairs(self, g: ContactGroup, positions: int) -> Points:
-        """Of a group of pairs; a pair that is apart rests on its body, without a force."""
+        """Points of a group of pairs; the point of a pair that is apart lies on its body, without
+        force.
+        """
         strength = np.linalg.norm(g.output["force"], axis=1)
         shown = np.arange(len(strength))
         if g.search is not None:
@@ -47,7 +49,7 @@ class ContactPoints:
         )
 
     def _of_nodes(self, g: NodalGroup, positions: int) -> Points:
-        """Of nodes of shells, or of balls on the faces of shells."""
+        """Points of shell nodes, or of balls on the faces of shells."""
         p, states, slot_in_use = g.p[0], g.probe_states, g.slot_in_use
         slots = np.arange(len(slot_in_use))
         # two records take turns (system/contact/node_contact.py): the last step's, accepted, and
@@ -80,7 +82,7 @@ class ContactPoints:
     def _filled(
         self, position: np.ndarray, force: np.ndarray, card: np.ndarray, positions: int
     ) -> Points:
-        """As many points as the block has room for: unused ones lie at the first body."""
+        """Fill the points up to the size of the block: unused ones lie at the first body."""
         rest = positions - len(position)
         nodes = self.engine.nodes["r"]
         waiting = np.tile(nodes[min(1, len(nodes) - 1)], (rest, 1))

@@ -26,7 +26,7 @@ PLASTIC_OUTPUT = ("plastic", "plastic_angle", "plastic_strain", "set")
 
 
 class Abandoned(Exception):
-    """Something was asked of the run meanwhile."""
+    """A request has come in for the run."""
 
 
 class Reached(Exception):
@@ -46,27 +46,27 @@ class EventStates:
         self.engine, self._schedule, self._fields = engine, schedule, fields
         # phases hand on more than a State
         is_plain = type(engine) is Engine and is_cheap(engine)
-        self._watches, self._is_begun = wanted and is_plain, False
+        self._watches, self._is_started = wanted and is_plain, False
         self._before: Snapshot | None = None
         # of every event: the copy before it, and the times before and after it [s]
         self._found: dict[str, tuple[Snapshot, float, float]] = {}
 
     def begin(self) -> None:
         """Seek events from now on: of those before there is no copy."""
-        if self._watches and not self._is_begun:
-            self._is_begun, self._seen = True, self._look()
+        if self._watches and not self._is_started:
+            self._is_started, self._seen = True, self._look()
             self._mark()
 
     def state_written(self) -> None:
         """A state has been written at the present sample: whether an event lies before it."""
         if not self._watches:
             return
-        if not self._is_begun or self._before is None:
+        if not self._is_started or self._before is None:
             return self.begin()
         now, end = self._look(), float(self.engine.clock["sampled"])
         for name, value in now.items():
             if value > self._seen[name] and (name == FORCE or name not in self._found):
-                self._found[name] = self._before, self._begun, end
+                self._found[name] = self._before, self._started, end
         self._seen = now
         self._mark()
 
@@ -79,23 +79,26 @@ class EventStates:
         end.take()
         self.engine.on_pause = _stop(is_asked)
         try:
-            for name, (before, begun, _) in self._found.items():
+            for name, (before, started, _) in self._found.items():
                 if name in times and not states.has(times[name]):
                     before.put_back()
-                    self._go_to(times[name], begun)
+                    self._go_to(times[name], started)
                     self.engine.sample(times[name])
                     states.insert(times[name], self._fields())
         except (Abandoned, SolverError):
-            # the run itself was judged when it came by
+            # the checks of the run itself have been made there
             pass
         finally:
             self.engine.on_pause = pause
             end.put_back()
             self.engine.sample(target)
 
-    def _go_to(self, time: float, begun: float) -> None:
-        """By the steps of the run to a sample, which may be a step of it. Raises SolverError."""
-        k = self._schedule.last_until(begun) + 1
+    def _go_to(self, time: float, started: float) -> None:
+        """Advance by the steps of the run to a sample, which may be a step of it.
+
+        Raises SolverError.
+        """
+        k = self._schedule.last_until(started) + 1
         while self._schedule.time(k) < time:
             self.engine.reach(self._schedule.time(k))
             k += 1
@@ -114,10 +117,10 @@ class EventStates:
         if self._before is None or any(kept is self._before for kept, _, _ in self._found.values()):
             self._before = Snapshot(self.engine)
         self._before.take()
-        self._begun = float(self.engine.clock["sampled"])
+        self._started = float(self.engine.clock["sampled"])
 
     def _look(self) -> dict[str, float]:
-        """What grows when an event happens."""
+        """Quantities that grow when an event happens."""
         state, clock = self.engine.state, self.engine.state.clock[0]
         cards = state.card_history[int(clock["current"])]
         yielded = sum(
@@ -138,9 +141,9 @@ class EventStates:
 
         found = {}
         with h5py.File(history, "r") as file:
-            for name, (_, begun, end) in self._found.items():
+            for name, (_, started, end) in self._found.items():
                 time = file["glstat/time"][:]
-                rows = slice(*(np.searchsorted(time, (begun, end)) + (0, 1)))
+                rows = slice(*(np.searchsorted(time, (started, end)) + (0, 1)))
                 course = _course(file, name, rows)
                 at = int(np.argmax(course if name == FORCE else course > course[0]))
                 if at:
@@ -149,7 +152,7 @@ class EventStates:
 
 
 def _stop(is_asked: Callable[[], bool]) -> Callable[[], None]:
-    """What a pause does: raise Abandoned where something is asked of the run."""
+    """Callback at a pause: raises Abandoned where something is asked of the run."""
 
     def pause() -> None:
         if is_asked():
@@ -159,7 +162,7 @@ def _stop(is_asked: Callable[[], bool]) -> Callable[[], None]:
 
 
 def _course(file: Any, name: str, rows: slice) -> np.ndarray:
-    """What grows at an event, at rows of a history."""
+    """Quantities that grow at an event, at rows of a history."""
     if name == TOUCH:
         return np.count_nonzero(file["rcforc/onsets"][rows], axis=1)
     if name == FORCE:

@@ -14,7 +14,7 @@ from crashsolve.recording.marching import MOST
 from crashsolve.recording.recorder import Recorder
 from crashsolve.recording.sampling import Schedule
 from crashsolve.simulation.event_states import EventStates
-from crashsolve.simulation.heartbeat import Pulse
+from crashsolve.simulation.heartbeat import Heartbeat
 from crashsolve.simulation.phases import ContactPhases
 from crashsolve.simulation.progress import Account
 from crashsolve.simulation.requests import Requests
@@ -22,7 +22,7 @@ from crashsolve.system.engine import Engine
 
 
 class Run(Protocol):
-    """What marching asks of a run."""
+    """Attributes and functions of a run that the loop over samples needs."""
 
     deck: Deck
     engine: Engine
@@ -34,7 +34,7 @@ class Run(Protocol):
     events: EventStates
     states: StateWriter
     account: Account
-    pulse: Pulse
+    heartbeat: Heartbeat
     requests: Requests
     cpu: dict[str, float]
     sampled: float  # time of the last sample [s]
@@ -43,13 +43,13 @@ class Run(Protocol):
     restart_step: float | None
 
     def write(self, now: float, force: bool) -> None: ...
-    def obey(self) -> None: ...
+    def handle_requests(self) -> None: ...
 
 
 def march(run: Run) -> None:
     """Advance from sample to sample until the end."""
     end = run.schedule.end
-    run.pulse.does("one step")
+    run.heartbeat.does("one step")
     marching = run.between.march
     run.account.phases = ContactPhases(marching)
     run.sampled = float(run.engine.clock["sampled"])
@@ -72,10 +72,10 @@ def march(run: Run) -> None:
 
 def _write_events(run: Run) -> None:
     """States at events, which the run must meet once more."""
-    begun = time.process_time()
+    started = time.process_time()
     run.recorder.flush()
     run.events.write(run.states, run.folder / "history.h5", lambda: _is_asked(run))
-    run.cpu["output"] += time.process_time() - begun
+    run.cpu["output"] += time.process_time() - started
 
 
 def _is_asked(run: Run) -> bool:
@@ -85,8 +85,8 @@ def _is_asked(run: Run) -> bool:
 
 def _march_through(run: Run, times: np.ndarray) -> int:
     """Samples at times [s] in compiled code; how many are done. Raises SolverError."""
-    # no run has children while it marches: their times need not be asked for
-    begun = time.process_time()
+    # a run has no child processes between samples: their CPU times are not needed
+    started = time.process_time()
     count, stepping, left = run.between.march.go(times, run.histories.kept)
     if count:
         # before anything is asked for that writes a dump
@@ -97,7 +97,7 @@ def _march_through(run: Run, times: np.ndarray) -> int:
             _after(run, now)
         run.sampled = now
     run.cpu["steps"] += stepping
-    run.cpu["output"] += time.process_time() - begun - stepping
+    run.cpu["output"] += time.process_time() - started - stepping
     if left is not None:
         run.engine.answer(left)
     return count
@@ -105,12 +105,12 @@ def _march_through(run: Run, times: np.ndarray) -> int:
 
 def _go_to(run: Run, target: float) -> float:
     """Advance to one sample and take it; its time, which may be another of an equilibrium."""
-    begun = time.process_time()
+    started = time.process_time()
     try:
         run.engine.reach(target)
     finally:
         advanced = time.process_time()
-        run.cpu["steps"] += advanced - begun
+        run.cpu["steps"] += advanced - started
     if run.engine.is_complete:
         target = float(run.engine.clock["time"])
     run.between.fill(target)
@@ -124,18 +124,18 @@ def _go_to(run: Run, target: float) -> float:
 
 
 def _after(run: Run, now: float) -> None:
-    """What follows a sample, the last of those taken."""
+    """Actions after a sample, the last of those taken."""
     run.account.keep_alive()
     run.write(now, force=now == run.schedule.end or run.engine.is_complete)
     run.sampled = now
-    run.obey()
+    run.handle_requests()
 
 
 def _times_ahead(run: Run, k: int) -> np.ndarray:
     """Times [s] of the samples after sample k, up to the first at which more is due."""
     times = run.schedule.times(k + 1, MOST)
-    begun = run.deck.control.start_time
-    all_times = np.concatenate([[run.sampled], times]) - begun
+    started = run.deck.control.start_time
+    all_times = np.concatenate([[run.sampled], times]) - started
     is_due = times >= run.schedule.end
     for step in (run.state_step, run.log_step, run.restart_step):
         if step:

@@ -18,22 +18,22 @@ FIRST = 0.9
 LOOK = 0.2
 
 
-class Pulse:
-    """Reports what a run is doing, by `say(text)`, while nothing else is reported."""
+class Heartbeat:
+    """Reports what a run is doing, by `print_line(text)`, while nothing else is reported."""
 
-    def __init__(self, doing: str, say: Callable[[str], None]) -> None:
-        self.say = say
+    def __init__(self, doing: str, print_line: Callable[[str], None]) -> None:
+        self.print_line = print_line
         self._doing, self._since = doing, monotonic()
         self._reported, self._has_reported = self._since, False
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._watch, daemon=True)
 
     def does(self, doing: str) -> None:
-        """What the run does from now on."""
+        """Set the activity of the run from now on."""
         self._doing, self._since = doing, monotonic()
 
     def reported(self) -> None:
-        """Something has been reported."""
+        """Note that a line has just been written."""
         self._reported, self._has_reported = monotonic(), True
 
     def is_due(self) -> bool:
@@ -54,5 +54,5 @@ class Pulse:
             if now - self._reported > (AT_LATEST if self._has_reported else FIRST):
                 # a file that cannot be written stops the run where it writes itself
                 with suppress(Exception):
-                    self.say(f"{self._doing}: {now - self._since:.0f} s")
+                    self.print_line(f"{self._doing}: {now - self._since:.0f} s")
                 self.reported()

@@ -25,8 +25,8 @@ class Missed:
     bodies: frozenset[str]
 
     @property
-    def lack(self) -> float:
-        """What the samples do not show of the peak [N]."""
+    def shortfall(self) -> float:
+        """Part of the peak that the samples do not show [N]."""
         return self.peak - self.shown
 
     def words(self, interval: float) -> str:
@@ -46,23 +46,23 @@ def missed_contacts(engine: Any, history: Path) -> list[Missed]:
         return found
     import h5py
 
-    kept = engine.state.card_history[int(engine.clock["current"])]
+    saved = engine.state.card_history[int(engine.clock["current"])]
     with h5py.File(history) as file:
         shown = file["rcforc"]["normal"][:]
         names = list(file["rcforc"]["ids"].asstr())
     shown = np.nanmax(shown, axis=0, initial=0.0)
     bodies = _bodies(model)
     for k, name in enumerate(model.contacts):
-        peak, seen = float(kept["peak_normal"][k]), float(shown[names.index(name)])
+        peak, seen = float(saved["peak_normal"][k]), float(shown[names.index(name)])
         if seen < SHOWN * peak:
             found.append(
                 Missed(
                     name,
                     peak,
                     seen,
-                    kept["impulse"][k].copy(),
-                    float(kept["duration"][k]),
-                    int(kept["touches"][k]),
+                    saved["impulse"][k].copy(),
+                    float(saved["duration"][k]),
+                    int(saved["touches"][k]),
                     bodies.get(name, frozenset()),
                 )
             )

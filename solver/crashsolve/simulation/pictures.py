@@ -73,7 +73,7 @@ class Pictures:
         self.blocks = self._blocks()
 
     def description(self) -> Json:
-        """What numbers in the blocks stand for, sections of beams (y, z) [m], what is up."""
+        """Names of the numbers in the blocks, sections of beams (y, z) [m], vertical direction."""
         entries = self.deck.entries
         weights = [g.parameters for g in self.engine.model.groups if g.word == "loads_gravity"]
         pull = sum((w["acceleration"].sum(axis=0) for w in weights), np.zeros(3))
@@ -269,7 +269,7 @@ class Pictures:
         return BEAM | (YIELDING_BEAM if yields else {})
 
     def _beam_fields(self) -> dict[str, np.ndarray]:
-        """What the elements of beams bear and store; what is elastic has not yielded."""
+        """Forces and energies of beam elements; elastic ones have not yielded."""
         nodes, ends = self.engine.nodes, self._beam_ends()
         fields = {
             "displacement": nodes["r"][ends] - self._r0[ends],
@@ -289,7 +289,7 @@ class Pictures:
         return fields
 
     def _contact_fields(self) -> dict[str, np.ndarray]:
-        """Contact points with their forces; what is apart is hidden."""
+        """Contact points with their forces; pairs that are apart are hidden."""
         points, forces, cards = self._contact_points.found()
         hidden = DELETED * ~np.any(forces, axis=1)
         return {"points": points, "force": forces, "contact": cards, GHOST: hidden}
@@ -319,7 +319,7 @@ def _through(g: Group, nodes: np.ndarray) -> list[np.ndarray]:
 
 
 def _tension(g: Group) -> np.ndarray:
-    """Of every line of a group [N]."""
+    """Tension of every line of a group [N]."""
     force = g.output["force"]
     if g.joins_several and force.ndim == 1:
         return np.repeat(force, g.parameters["count"] - 1)
@@ -357,7 +357,7 @@ def _split(field: str, components: int) -> tuple[str, ...]:
 
 
 def _split_values(found: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """The same of values, (m, 3) for a tensor."""
+    """Components (m, 3) of the values of a tensor; the values themselves of other fields."""
     return {
         whole: values if values.ndim == 1 else values[:, k]
         for field, values in found.items()

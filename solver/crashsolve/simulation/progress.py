@@ -25,7 +25,7 @@ from crashsolve.output.log import ERROR, STOPPED, Log
 from crashsolve.output.status import State as RunState
 from crashsolve.output.status import Status, write_status
 from crashsolve.recording.sampling import Schedule
-from crashsolve.simulation.heartbeat import Pulse
+from crashsolve.simulation.heartbeat import Heartbeat
 from crashsolve.simulation.phases import ContactPhases
 from crashsolve.simulation.remarks import StepWatch
 from crashsolve.system.bounds import StepBound
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from crashsolve.estimate.runner import Estimating
 
 
-# CPU time of what is no other stage
+# CPU time of no other stage
 REST = "files and reports"
 
 
@@ -46,24 +46,24 @@ def cpu_time() -> float:
 
 
 @contextmanager
-def preparing(deck: Deck, folder: Path, pulse: Pulse, append: bool) -> Iterator[Log]:
+def preparing(deck: Deck, folder: Path, heartbeat: Heartbeat, append: bool) -> Iterator[Log]:
     """The log of a run; log and status.json report its preparation and how it ended.
 
     From here on status.json speaks of this run, and not of one before it. Raises OutputError.
     """
     start, end = deck.control.start_time, deck.control.last_time
     status = Status("running", start, 0, end, 0.0, 0.0, 0.0, 0.0, message="preparing")
-    path, begun = folder / "status.json", time.monotonic()
+    path, started = folder / "status.json", time.monotonic()
     write_status(path, status)
     log: Log | None = None
 
-    def say(text: str) -> None:
+    def print_line(text: str) -> None:
         if log is not None:
             log.line(text)
-        status.cpu, status.wall, status.message = cpu_time(), time.monotonic() - begun, text
+        status.cpu, status.wall, status.message = cpu_time(), time.monotonic() - started, text
         write_status(path, status)
 
-    pulse.say = say
+    heartbeat.print_line = print_line
     try:
         log = Log(folder / "log.txt", append=append)
         yield log
@@ -94,16 +94,16 @@ class Account:
         log: Log,
         cpu: dict[str, float],
         wall_begun: float,
-        pulse: Pulse,
+        heartbeat: Heartbeat,
     ) -> None:
         self.deck, self.engine, self.folder, self.log = deck, engine, folder, log
         self.cpu, self.wall_begun = cpu, wall_begun
-        self.pulse, self.pace, self.steps = pulse, Pace(), StepWatch()
-        # what never happened, and what was lost: known at the end
+        self.heartbeat, self.pace, self.steps = heartbeat, Pace(), StepWatch()
+        # remarks that are known at the end
         self.remarks: Json = {}
         self.bound = ""
         self._bounds = StepBound(Schedule.of(deck).interval, deck.control.step_max)
-        # a thread may report of the run as well
+        # a thread may write lines of the run as well
         self._writing = threading.RLock()
         self.phases: ContactPhases | None = None
         self.estimating: Estimating | None = None
@@ -141,7 +141,7 @@ class Account:
             self.pace.left,
             self.step_bound(),
         )
-        self.pulse.reported()
+        self.heartbeat.reported()
         self.status("running", None, "")
         span = self.deck.control.last_time - self.deck.control.start_time
         self.log.progress((clock["time"] - self.deck.control.start_time) / (span or 1.0))
@@ -153,17 +153,17 @@ class Account:
         fallen = self.steps.look(float(clock["time"]), int(clock["cycle"]))
         if fallen:
             self.log.warning(f"{fallen}; it is set by: {self.step_bound()}")
-        if self.pulse.is_due():
+        if self.heartbeat.is_due():
             self.progress()
 
-    def say(self, text: str) -> None:
-        """What the run has been doing for long, in the log and status.json. Raises OutputError."""
+    def print_line(self, text: str) -> None:
+        """Write the present long activity to the log and status.json. Raises OutputError."""
         clock = self.engine.clock
         self.log.line(f"{text}, at t = {float(clock['time']):.6g} s, cycle {int(clock['cycle'])}")
         self.status("running", None, text)
 
     def step_bound(self) -> str:
-        """What sets the step, and why."""
+        """The entity that limits the step, and why."""
         is_static = self.deck.control.solution == "quasi_static"
         self.bound = "load steps" if is_static else self._bounds.report(self.engine)
         return self.bound
@@ -196,21 +196,22 @@ class Account:
         )
 
     def close_stages(self) -> None:
-        """What no stage has counted: opening and closing of files, looks at the results."""
-        counted = sum(seconds for name, seconds in self.cpu.items() if name != REST)
-        self.cpu[REST] = max(cpu_time() - counted, 0.0)
+        """Count the time of no other stage: opening and closing of files, checks of results."""
+        # last of all stages, also where an earlier status was written without some of them
+        self.cpu.pop(REST, None)
+        self.cpu[REST] = max(cpu_time() - sum(self.cpu.values()), 0.0)
 
-    def spent(self) -> float:
+    def cpu_seconds(self) -> float:
         """CPU time of the run proper: steps and output [s]."""
         return self.cpu["steps"] + self.cpu["output"]
 
     def _results(self) -> Json:
-        """What status.json reports steps, constraints, CPU time and watched channels so far."""
+        """Steps, constraints, CPU time and watched channels so far, as status.json has them."""
         clock, found = self.engine.clock, Json()
         if self.phases is not None and self.phases.cycles():
             found |= {
                 "average_step": self.phases.averages(),
-                "real_time_factor": self.spent() / self.phases.simulated(),
+                "real_time_factor": self.cpu_seconds() / self.phases.simulated(),
             }
         if self.estimating is not None:
             self.cpu["estimates"] = self.estimating.cpu
@@ -260,7 +261,7 @@ def balance(engine: Engine) -> float:
 
 
 def provenance(deck: Deck, engine: Engine) -> Json:
-    """Where results come from, as their files keep it."""
+    """The provenance of results: deck, versions, host, as result files keep it."""
     report = deck.output.report
     return {
         "title": deck.title,

@@ -23,7 +23,7 @@ DEEP = 0.25
 HALFWAY = 0.5
 # share of internal energy in hourglass modes that is too much
 MUCH_HOURGLASS = 0.05
-# columns of beams that state strains, or strains over a length
+# columns of beams with strains, or strains over a length
 OF_BEAMS = ("strain", "curvature")
 # of so many steps the average counts, and by so much shorter is a collapse
 STEPS, COLLAPSED = 20, 1e-3
@@ -61,7 +61,7 @@ def settling(engine: Engine) -> list[str]:
 
 
 def pressed_deep(engine: Engine) -> list[str]:
-    """Contacts of round sides so deep that one can slip by the other: nothing else notices."""
+    """Contacts of round sides so deep that one can slip by the other: no other check finds this."""
     now = engine.state.card_history[int(engine.clock["current"])]
     return driven_deep(engine) + [
         f"contact '{name}': the penetration reached {100.0 * share:.0f} % of the half thicknesses "
@@ -90,23 +90,23 @@ def driven_deep(engine: Engine) -> list[str]:
     ]
 
 
-def met_by(engine: Engine) -> list[str]:
-    """Warnings of what the run met outside the range of its laws."""
-    found = (read_beyond, pressed_deep, hourglass_share, overloaded, compressed)
+def range_warnings(engine: Engine) -> list[str]:
+    """Warnings of laws outside their range of validity."""
+    found = (read_beyond, pressed_deep, hourglass_share, crushed_hinges, compressed)
     return [text for of in found for text in of(engine)]
 
 
 def remarks(engine: Engine, extremes: Extremes, history: Path) -> Json:
-    """What is worth a line at the end of a run, for status.json; empty where there is nothing."""
+    """Remarks at the end of a run, for status.json."""
     return {
-        "untouched": untouched(engine),
-        "below_floor": below_floor(engine),
+        "untouched": contacts_without_touch(engine),
+        "below_floor": contacts_below_speed_floor(engine),
         "undeformed": undeformed(engine, extremes),
         "deleted": deleted(engine, history),
     }
 
 
-def below_floor(engine: Engine) -> list[str]:
+def contacts_below_speed_floor(engine: Engine) -> list[str]:
     """Contacts with touches that were pressed on while slower than their speed floor."""
     cards = {card for card, _ in contact_flags(engine.model, engine.state, "REMARKS")}
     return [engine.model.contacts[card] for card in sorted(cards)]
@@ -132,7 +132,7 @@ def read_beyond(engine: Engine) -> list[str]:
 
 
 def hourglass_share(engine: Engine) -> list[str]:
-    """That modes without stiffness of their own hold more than a twentieth of internal energy."""
+    """Warning that hourglass modes have more than a twentieth of the internal energy."""
     at_most = float(engine.ledger[HOURGLASS])
     internal = float(engine.ledger[INTERNAL])
     if at_most <= MUCH_HOURGLASS * internal or internal <= STORED * float(engine.ledger[LARGEST]):
@@ -145,7 +145,7 @@ def hourglass_share(engine: Engine) -> list[str]:
     ]
 
 
-def overloaded(engine: Engine) -> list[str]:
+def crushed_hinges(engine: Engine) -> list[str]:
     """Hinges that bore more along their beam than its section does when it is crushed."""
     worst: tuple[float, str, float] = (1.0, "", 0.0)
     count = 0
@@ -192,11 +192,15 @@ def compressed(engine: Engine) -> list[str]:
     ]
 
 
-def untouched(engine: Engine) -> list[str]:
+def contacts_without_touch(engine: Engine) -> list[str]:
     """Contacts that never touched."""
     now = engine.state.card_history[int(engine.clock["current"])]
-    idle = (now["onsets"] == 0) & (now["peak_normal"] == 0.0)
-    return [name for name, is_idle in zip(engine.model.contacts, idle, strict=True) if is_idle]
+    ineffective = (now["onsets"] == 0) & (now["peak_normal"] == 0.0)
+    return [
+        name
+        for name, is_ineffective in zip(engine.model.contacts, ineffective, strict=True)
+        if is_ineffective
+    ]
 
 
 def undeformed(engine: Engine, extremes: Extremes) -> list[str]:
@@ -259,9 +263,7 @@ class StepWatch:
         self._has_fallen = False
 
     def look(self, time: float, cycle: int) -> str:
-        """What to warn of at this time [s] and cycle; empty where nothing is, or it was
-        reported.
-        """
+        """The warning at this time [s] and cycle; empty for none, or for one given before."""
         if self._from is None or cycle < self._from[1]:
             self._from = time, cycle
         steps = cycle - self._from[1]

@@ -28,8 +28,8 @@ SIGNALS |= {signal.SIGHUP: "stop"}
 _interrupts: list[int] = []
 
 
-def stop_as_by_keyboard() -> None:
-    """Until there is something to dump: stop as by the keyboard, and dump nothing."""
+def interrupt_as_keyboard() -> None:
+    """Until there is a state to dump, signals stop the run as the keyboard does, without a dump."""
     _interrupts.clear()
     for number in (signal.SIGTERM, signal.SIGHUP):
         if not _is_ignored(number):
@@ -48,7 +48,7 @@ def _is_ignored(number: int) -> bool:
 
 
 class Requests:
-    """What has been asked and not yet been done; `end` ends the process at once."""
+    """Requests that have not been met yet; `end` ends the process at once."""
 
     def __init__(self, folder: Path, log: Log, end: Callable[[], None]) -> None:
         self.words: set[str] = set()
@@ -78,7 +78,7 @@ class Requests:
         signal.signal(signal.SIGCONT, signal.SIG_IGN)
 
     def read(self) -> None:
-        """Take up the words of control.txt and remove it; what is no plain file is left alone.
+        """Read the requests in control.txt and remove it; only a plain file is read.
 
         So is an empty one: its writer may only have opened it yet.
         """

@@ -28,7 +28,7 @@ FREE = f"{', '.join(FREE_CARDS)} and of control {', '.join(FREE_CONTROL)}"
 
 
 def differing(old: str, new: str) -> list[tuple[str, bool]]:
-    """Where two decks (Deck.text) differ: name of a field, and whether the State is bound to it."""
+    """Fields in which two decks (Deck.text) differ, and whether the State depends on each."""
     if old == new:
         return []
     decks = [yaml.load(text, yaml.CSafeLoader) for text in (old, new)]
@@ -43,7 +43,7 @@ def _is_bound(path: tuple[str, ...]) -> bool:
 
 
 def _paths(old: object, new: object, at: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
-    """Paths to values that differ; parameters count by what they are used for."""
+    """Paths to values that differ; parameters count by their use."""
     if not (isinstance(old, dict) and isinstance(new, dict)):
         return [] if old == new else [at]
     words = [word for word in {**old, **new} if at or word != "parameters"]

@@ -22,7 +22,7 @@ from crashsolve.foundation.errors import (
     RunStopped,
     out_of_memory,
 )
-from crashsolve.foundation.streams import report_error, say
+from crashsolve.foundation.streams import print_line, report_error
 from crashsolve.model.build import build
 from crashsolve.model.integrator_selection import settled
 from crashsolve.output.errors import OutputError
@@ -43,14 +43,14 @@ from crashsolve.recording.sampling import Schedule
 from crashsolve.simulation.event_states import EventStates
 from crashsolve.simulation.expected_size import expected_size
 from crashsolve.simulation.forward import march
-from crashsolve.simulation.heartbeat import Pulse
+from crashsolve.simulation.heartbeat import Heartbeat
 from crashsolve.simulation.inconsistencies import refuse_inconsistencies
 from crashsolve.simulation.missed import missed_contacts
 from crashsolve.simulation.pictures import Pictures
 from crashsolve.simulation.progress import Account, cpu_time, preparing, provenance
 from crashsolve.simulation.redundant import arbitrary_reactions, undetermined
-from crashsolve.simulation.remarks import met_by, pressed_at_start, remarks, settling
-from crashsolve.simulation.requests import Requests, stop_as_by_keyboard
+from crashsolve.simulation.remarks import pressed_at_start, range_warnings, remarks, settling
+from crashsolve.simulation.requests import Requests, interrupt_as_keyboard
 from crashsolve.simulation.resume import FREE, OF_ERRORS, differing
 from crashsolve.simulation.totals import write_totals
 from crashsolve.system.contact.balance import contact_warnings
@@ -66,17 +66,17 @@ COARSENESS = "run/coarseness"
 
 def solve(deck_path: Path, folder: Path, overrides: Mapping[str, str], restart: bool) -> int:
     """Run a deck and write its results; returns the exit code. Raises CrashsolveError."""
-    stop_as_by_keyboard()
-    with Pulse(f"reading {deck_path.name}", say) as pulse:
-        return _solve(deck_path, folder, overrides, restart, pulse)
+    interrupt_as_keyboard()
+    with Heartbeat(f"reading {deck_path.name}", print_line) as heartbeat:
+        return _solve(deck_path, folder, overrides, restart, heartbeat)
 
 
 def _solve(
-    deck_path: Path, folder: Path, overrides: Mapping[str, str], restart: bool, pulse: Pulse
+    deck_path: Path, folder: Path, overrides: Mapping[str, str], restart: bool, heartbeat: Heartbeat
 ) -> int:
-    begun, wall_begun = cpu_time(), time.monotonic()
+    started, wall_begun = cpu_time(), time.monotonic()
     deck = read_deck(deck_path, overrides)
-    pulse.does("building the model")
+    heartbeat.does("building the model")
     was_read = cpu_time()
     model, state = build(deck)
     if not is_static(deck):
@@ -85,13 +85,17 @@ def _solve(
         folder.mkdir(parents=True, exist_ok=True)
     with Lock(folder) as lock:
         built = cpu_time()
-        pulse.does("compiling the step")
+        heartbeat.does("compiling the step")
         going_on = restart and any((folder / slot).exists() for slot in SLOTS)
-        with preparing(deck, folder, pulse, going_on) as log:
-            engine = engine_of(deck, model, state, does=pulse.does)
-            spent = {"start of Python": begun, "read": was_read - begun, "build": built - was_read}
-            spent |= {"compile or load": cpu_time() - built, "steps": 0.0, "output": 0.0}
-            run = Run(deck, engine, folder, spent, wall_begun, pulse, log)
+        with preparing(deck, folder, heartbeat, going_on) as log:
+            engine = engine_of(deck, model, state, does=heartbeat.does)
+            cpu_seconds = {
+                "start of Python": started,
+                "read": was_read - started,
+                "build": built - was_read,
+            }
+            cpu_seconds |= {"compile or load": cpu_time() - built, "steps": 0.0, "output": 0.0}
+            run = Run(deck, engine, folder, cpu_seconds, wall_begun, heartbeat, log)
             dump = run.prepare(restart)
         return run.execute(dump, [*filter(None, [lock.warning]), *cache_notes])
 
@@ -104,14 +108,14 @@ class Run:
         deck: Deck,
         engine: Engine,
         folder: Path,
-        spent: dict[str, float],
+        cpu_seconds: dict[str, float],
         wall_begun: float,
-        pulse: Pulse,
+        heartbeat: Heartbeat,
         log: Log,
     ) -> None:
-        self.deck, self.engine, self.folder, self.pulse = deck, engine, folder, pulse
+        self.deck, self.engine, self.folder, self.heartbeat = deck, engine, folder, heartbeat
         self.log = log
-        self.cpu, self.wall_begun = spent, wall_begun
+        self.cpu, self.wall_begun = cpu_seconds, wall_begun
         self.requests = Requests(folder, log, self._end_at_once)
         self.files = ExitStack()
         self.estimating: Estimating | None = None
@@ -132,19 +136,19 @@ class Run:
             self._clear_folder()
         elif dump is None:
             self.notes.append("no restart dump in the folder: the run begins anew")
-        asked = self.deck.output.states.interval
-        if asked is not None and asked < self.history_step:
+        requested = self.deck.output.states.interval
+        if requested is not None and requested < self.history_step:
             text = f"states are written with the samples, {self.history_step:.3g} s apart"
             self.notes.append(text)
         self.account = Account(
-            self.deck, self.engine, self.folder, self.log, self.cpu, self.wall_begun, self.pulse
+            self.deck, self.engine, self.folder, self.log, self.cpu, self.wall_begun, self.heartbeat
         )
         self.requests.catch()
         return dump
 
     def execute(self, dump: object, notes: list[str]) -> int:
         """The whole run. Raises SolverError, RunStopped, OutputError after flushing."""
-        self.pulse.say = self.account.say
+        self.heartbeat.print_line = self.account.print_line
         try:
             self.account.banner()
             for text in (*notes, *self.notes, *self.engine.model.warnings):
@@ -169,11 +173,11 @@ class Run:
             raise
 
     def _clear_folder(self) -> None:
-        """Remove what an earlier run left that this one could take for its own."""
+        """Remove files of an earlier run that could be mistaken for those of this one."""
         for name in (*SLOTS, "control.txt", "peaks.txt"):
             path = self.folder / name
-            # a folder of that name is no word to this run, and is reported when words are looked
-            # for
+            # a folder of that name is no request to this run, and is reported when requests are
+            # read
             if name != "control.txt" or not path.is_dir():
                 with reported(path):
                     path.unlink(missing_ok=True)
@@ -198,15 +202,19 @@ class Run:
     def _begin(self, dump: Any) -> None:
         """Take up the dump, if any; prepare the estimates; open the files."""
         # both measure from the start of the run, whatever a dump brings
-        self._take_up(self.engine)
+        self._use_engine(self.engine)
+        if self.deck.output.report:
+            from crashsolve.recording.pictured import look_up_pictured
+
+            look_up_pictured(self.deck, self.engine.model)
         resumed = None if dump is None else self._restore(*dump)
         self.estimating = self.account.estimating = self._prepare_estimates(dump)
         self._open(resumed)
 
-    def _take_up(self, engine: Engine) -> None:
-        """Make this engine the run's: what is reported, written and obeyed is of it."""
+    def _use_engine(self, engine: Engine) -> None:
+        """Make this the engine of the run, whose state is written and whose requests are met."""
         self.engine = self.account.engine = engine
-        engine.on_pause = self._obey_at_once
+        engine.on_pause = self._handle_requests_at_once
         engine.on_message = self.log.line
         self.histories = Histories(engine)
         self.between = Between(engine, not is_static(self.deck), lambda t: self.recorder.take(t))
@@ -261,7 +269,7 @@ class Run:
 
                 look_up(self.deck, self.histories.families)
             return None
-        # a deck that watches nothing does not pay for what this imports
+        # a deck that watches nothing does not import this
         from crashsolve.estimate.runner import Estimating
 
         families = self.histories.families
@@ -278,17 +286,17 @@ class Run:
             return False
         self.files.close()
         self.account.status("running", None, "estimating errors")
-        self.pulse.does("estimating errors")
+        self.heartbeat.does("estimating errors")
         cycles = int(self.engine.clock["cycle"])
         history, model = self.folder / "history.h5", self.engine.model
         mass = dict(zip(model.bodies, model.mass.tolist(), strict=False))
         missed = missed_contacts(self.engine, history)
-        return self.estimating.judge(history, cycles, self.account.spent(), missed, mass)
+        return self.estimating.judge(history, cycles, self.account.cpu_seconds(), missed, mass)
 
     def _start_anew(self) -> None:
-        """The same deck from its start, with the steps that the estimates ask for."""
+        """Run the deck again from its start, with the steps that the estimates ask for."""
         assert self.estimating is not None
-        self._take_up(engine_of(self.deck, *build(self.deck), self.engine.program))
+        self._use_engine(engine_of(self.deck, *build(self.deck), self.engine.program))
         self.account.phases = None
         self.estimating.set_control(self.engine.model.control)
         self.cpu |= {"steps": 0.0, "output": 0.0}
@@ -300,7 +308,7 @@ class Run:
         return "stop" in self.requests.words
 
     def write(self, now: float, force: bool) -> None:
-        """Whatever is due at this sample, beside what is kept of it."""
+        """Write the outputs that are due at this sample."""
         if force or self._due(now, self.state_step):
             self.states.write(now, self.pictures.fields())
             self.events.state_written()
@@ -311,9 +319,9 @@ class Run:
 
     def _due(self, now: float, step: float) -> bool:
         """Whether a multiple of `step` has come since the last sample."""
-        begun = now - self.deck.control.start_time
+        started = now - self.deck.control.start_time
         before = self.sampled - self.deck.control.start_time
-        return int(begun / step + 1e-9) > int(before / step + 1e-9)
+        return int(started / step + 1e-9) > int(before / step + 1e-9)
 
     def _end(self, state: RunState, code: ExitCode, message: str) -> None:
         """Close the files, and write status, totals and the last line."""
@@ -330,7 +338,7 @@ class Run:
         for text in (
             *self.overlapping,
             *law_warnings(engine.model, engine.state),
-            *met_by(engine),
+            *range_warnings(engine),
             *(c.words(self.schedule.interval) for c in found),
             *arbitrary_reactions(self.account.remarks["undetermined"], self.deck),
             *unbalanced,
@@ -395,12 +403,12 @@ class Run:
             lambda: self.account.status("stopped", ExitCode.STOPPED, text),
             lambda: report_error(text),
         ):
-            # whatever the interrupt came upon
+            # an interrupt at any place
             with suppress(Exception):
                 act()
         os._exit(ExitCode.STOPPED)
 
-    def obey(self) -> None:
+    def handle_requests(self) -> None:
         """Act on signals and on control.txt."""
         self.requests.read()
         if "states" in self.requests.words:
@@ -408,8 +416,8 @@ class Run:
             self.requests.words.discard("states")
         self._dump_or_stop()
 
-    def _obey_at_once(self) -> None:
-        """The same between two samples; pictures, and what was asked with them, wait for one."""
+    def _handle_requests_at_once(self) -> None:
+        """Act on requests between two samples; those for pictures wait for the next sample."""
         self.account.keep_alive()
         self.requests.read()
         if "states" not in self.requests.words:

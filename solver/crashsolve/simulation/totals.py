@@ -6,7 +6,7 @@ from crashsolve.system.engine import Engine
 
 
 def write_totals(account: Account) -> None:
-    """Report to the log what the run has come to. Raises OutputError."""
+    """Write the totals of the run to the log. Raises OutputError."""
     engine, log = account.engine, account.log
     log.line()
     log.facts(_steps(engine) | _constraints(engine) | _cost(account) | _remarks(account))
@@ -30,7 +30,7 @@ def _steps(engine: Engine) -> dict[str, str]:
 
 
 def _constraints(engine: Engine) -> dict[str, str]:
-    """Rows of the joints, and how well they were kept; nothing of a deck without any."""
+    """Rows of the joints and their errors; empty without joints."""
     clock, saddle = engine.clock, engine.model.saddle
     if not engine.model.joints:
         return {}
@@ -45,11 +45,11 @@ def _constraints(engine: Engine) -> dict[str, str]:
 
 
 def _cost(account: Account) -> dict[str, str]:
-    """Average steps and what they cost; nothing of a run that took none."""
+    """Average steps and their cost; empty for a run without steps."""
     phases, model = account.phases, account.engine.model
     if phases is None or not phases.cycles():
         return {}
-    factor = account.spent() / phases.simulated()
+    factor = account.cpu_seconds() / phases.simulated()
     # a step too short for the clock of the process has no rate
     stepping = max(account.cpu["steps"], 1e-6)
     elements = sum(int(g.parameters["element_count"].sum()) for g in model.element_groups())
@@ -62,7 +62,7 @@ def _cost(account: Account) -> dict[str, str]:
 
 
 def _remarks(account: Account) -> dict[str, str]:
-    """What never happened, what is not determined, and which elements were deleted."""
+    """Remarks: contacts that never touched, undetermined motions, deleted elements."""
     found, remarks = {}, account.remarks
     for name, what in (
         ("untouched", "contacts that never touched"),

@@ -7,7 +7,7 @@ from crashsolve.deck.roles import Built, Force
 
 
 class SpringLaw(Built, Force, Protocol):
-    """What the file of a spring provides beside its card."""
+    """Attributes and functions of a spring's file, beside its card."""
 
 
 FAMILY = Family(

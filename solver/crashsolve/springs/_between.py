@@ -87,7 +87,7 @@ def rotated(p, before, nodes):
 
 
 @kernel
-def seen_from_a(p, nodes):
+def relative_position(p, nodes):
     """Attachment of b from that of a [m] and its rate, axes of a; its arms in a and b [m]."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     d_a, d_b = arm(a, vec(p.point_a)), arm(b, vec(p.point_b))

@@ -56,7 +56,7 @@ def friction_limit(p, level, old, new, h, rows):
 
 
 @kernel
-def kept_share(stiffness, stretch, limit):
+def retained_share(stiffness, stretch, limit):
     """Share [1] of its stretch that a bristle keeps: 1 while it holds, less when it slides."""
     return 1.0 if stiffness * stretch <= limit else limit / (stiffness * stretch)
 

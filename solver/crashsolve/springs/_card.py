@@ -26,18 +26,18 @@ class CowperSymonds(Card):
     """Factor 1 + (|rate| / D)^(1/q) on the force while it grows."""
 
     reference_rate: float = quantity("any", "D, rate that doubles the force", gt=0)
-    exponent: float = quantity("1", "q", gt=0)
+    exponent: float = quantity("1", "q, exponent", gt=0)
 
 
 class PowerLaw(Card):
     """Factor 1 + a |rate|^b on the force while it grows, rate in m/s or rad/s."""
 
-    coefficient: float = quantity("1", "a", default=0.07, ge=0)
-    exponent: float = quantity("1", "b", default=0.82, gt=0)
+    coefficient: float = quantity("1", "a, coefficient of the power law", default=0.07, ge=0)
+    exponent: float = quantity("1", "b, exponent of the power law", default=0.82, gt=0)
 
 
 class ResistanceCard(Card):
-    """What a force given by a curve may do: unload on another path, grow with the rate."""
+    """Fields of a force given by a curve: unloading path, growth with the rate."""
 
     curve: CurveName = word("force over deformation while it grows; see also gap")
     unloading_curve: CurveName | None = word(

@@ -29,7 +29,10 @@ class End(NamedTuple):
 
 @kernel
 def add_geometric_stiffness(p, out, nodes, slot, blocks):
-    """Less the derivatives by every motion of both ends. Writes: blocks."""
+    """Subtract the derivatives of the force's direction by every motion of both ends.
+
+    Writes: blocks.
+    """
     u, length, _, d_a, d_b = line_of_action(p, nodes)
     if length < SHORTEST:
         return

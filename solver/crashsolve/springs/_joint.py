@@ -101,7 +101,9 @@ def stop_tangent(p, x, rate, curves):
 
 @kernel
 def stop_event(p, old, x):
-    """How far x has left where it began the step, between the stops or beyond one [m or rad]."""
+    """Distance of x from the range in which it began the step, between the stops or beyond one
+    [m or rad].
+    """
     if old.at == 0:
         return max(x - p.upper, p.lower - x)
     return p.upper - x if old.at > 0 else x - p.lower

@@ -20,9 +20,9 @@ from crashsolve.springs._resistance import (
     SLACK,
     SLIDER,
     branch_event,
-    resist,
-    resist_tangent,
     resistance,
+    resistance_force,
+    resistance_tangent,
 )
 
 # without a curve: on the parabola, and on the straight line
@@ -43,7 +43,7 @@ REACHED = SLIDER
 class RangeCard(Card):
     """A joint, and the moment past the end of its range."""
 
-    # what a curve of a spring may do besides, and a stop does not
+    # features of a spring's curve that a stop does not have
     gap: ClassVar[float] = 0.0
     rate_curve: ClassVar[None] = None
     cowper_symonds: ClassVar[None] = None
@@ -69,7 +69,7 @@ class RangeCard(Card):
     damping: float = quantity("N m s/rad", "c, past the limit", default=0.0, ge=0)
 
     @model_validator(mode="after")
-    def _one_moment(self) -> "RangeCard":
+    def _check_moment(self) -> "RangeCard":
         if (self.curve is None) == (self.stiffness is None):
             raise ValueError("needs one of stiffness and curve")
         if self.curve is None and (self.unloading_stiffness or self.unloading_curve):
@@ -113,7 +113,7 @@ def range_moment(p, old, new, out, h, past, rate, curves):
     side = 1.0 if past >= 0.0 else -1.0
     e = side * past
     if p.curve > 0:
-        elastic = side * resist(p, old, new, out, h, past, rate, curves)[0]
+        elastic = side * resistance_force(p, old, new, out, h, past, rate, curves)[0]
     else:
         elastic = smooth_stop(p, new, out, e)
     share = damping_share(e / p.transition)
@@ -126,7 +126,7 @@ def range_moment(p, old, new, out, h, past, rate, curves):
 def smooth_stop(p, new, out, e):
     """m(e) [N m], e >= 0. Writes: new, out.stored, loss."""
     for j in range(2):
-        new.set[j] = new.kept[j] = 0.0
+        new.set[j] = new.unloading_work[j] = 0.0
     new.side, new.segment = 1, 0
     new.branch = SLACK if e == 0.0 else (TRANSITION if e < p.transition else STRAIGHT)
     out.loss = 0.0
@@ -152,7 +152,7 @@ def range_tangent(p, state, past, rate, curves):
     if e <= 0.0:
         return 0.0, 0.0
     if p.curve > 0:
-        slope = resist_tangent(p, state, past, rate, curves)[0]
+        slope = resistance_tangent(p, state, past, rate, curves)[0]
     else:
         slope = p.stop_stiffness * min(x, 1.0)
     steeper = 6.0 * x * (1.0 - x) / p.transition if x < 1.0 else 0.0
@@ -161,7 +161,7 @@ def range_tangent(p, state, past, rate, curves):
 
 @kernel
 def range_event(p, old, h, past, rate, curves):
-    """How far an angle is beyond the branch of the moment on which the step began [rad].
+    """Angle beyond the branch of the moment on which the step began [rad].
 
     `past` is below zero within the range.
     """

@@ -47,11 +47,11 @@ RESISTANCE = Record("""
     stiffest             N/m or N m/rad      largest slope of the curves and k
 """)
 SLIDER = Record("""
-    set      m or rad  2  s in tension, in compression
-    kept     J         2  P of both
-    side     flag         1 or -1: direction of the deformation
-    branch   flag         SLACK, LINE, LOADING or LOWER
-    segment  index        of the curve that is read
+    set             m or rad  2  s in tension, in compression
+    unloading_work  J         2  P of both
+    side            flag         1 or -1: direction of the deformation
+    branch          flag         SLACK, LINE, LOADING or LOWER
+    segment         index        of the curve that is read
 """)
 
 
@@ -136,7 +136,7 @@ def _check_hysteresis(card: Any, scene: Scene, only: int, k: float, steepest_slo
 
 
 @kernel
-def resist(p, old, new, out, h, x, rate, curves):
+def resistance_force(p, old, new, out, h, x, rate, curves):
     """Force [N or N m] that opposes the deformation x [m or rad], stiffness and damping.
 
     Writes: new sliders, out.stored, power, loss.
@@ -147,7 +147,7 @@ def resist(p, old, new, out, h, x, rate, curves):
     for j in range(2):
         # between two curves the direction that is left goes back to its origin
         new.set[j] = old.set[j] if p.unloading == SET else 0.0
-        new.kept[j] = 0.0
+        new.unloading_work[j] = 0.0
     if p.only * side < 0.0:
         e, upper = 0.0, 0.0
         f, out.stored, loss = 0.0, 0.0, 0.0
@@ -194,7 +194,8 @@ def note_branch(p, new, side, e, f, upper, speed, curves):
 
 @kernel
 def branch_event(p, old, h, x, rate, curves):
-    """How far x is past the branch of the law on which the step began [m or rad]; below 0: on it.
+    """Distance of x beyond the branch of the law on which the step began [m or rad]; below 0: on
+    it.
 
     On y and u the branch ends where the motion reverses, by the displacement in h.
     """
@@ -241,7 +242,7 @@ def on_slider(p, old, new, side, e, upper, curves):
     """
     k = p.unloading_stiffness
     j = 0 if side > 0.0 else 1
-    s, kept, loss = old.set[j], old.kept[j], 0.0
+    s, unloading_work, loss = old.set[j], old.unloading_work[j], 0.0
     f = k * (e - s)
     lower = 0.0
     if p.unloading == BETWEEN:
@@ -252,24 +253,24 @@ def on_slider(p, old, new, side, e, upper, curves):
         begun = k * (start - s)
         f, s = upper, e - upper / k
         area = curve_area(curves, p.curve, side * e) - curve_area(curves, p.curve, side * start)
-        loss = area - 0.5 * (f * f - begun * begun) / k + kept
+        loss = area - 0.5 * (f * f - begun * begun) / k + unloading_work
         if p.unloading == BETWEEN:
-            kept = work(
+            unloading_work = work(
                 curves,
                 p.unloading_curve,
                 side,
                 k,
                 line_meets(curves, p.unloading_curve, side, k, s, e),
             )
-        loss -= kept
+        loss -= unloading_work
     elif f < lower and p.unloading == BETWEEN:
         f, s = lower, e - lower / k
-        kept = work(curves, p.unloading_curve, side, k, e)
+        unloading_work = work(curves, p.unloading_curve, side, k, e)
     elif f < 0.0:
         f = 0.0
     new.set[j] = s
-    new.kept[j] = kept
-    return f, 0.5 * f * f / k + kept, loss
+    new.unloading_work[j] = unloading_work
+    return f, 0.5 * f * f / k + unloading_work, loss
 
 
 @kernel
@@ -290,7 +291,7 @@ def growth(p, speed, curves):
 
 
 @kernel
-def resist_tangent(p, state, x, rate, curves):
+def resistance_tangent(p, state, x, rate, curves):
     """Rise of the force over the deformation x [N/m or N m/rad] and over its rate, from a state."""
     side = 1.0 if x >= 0.0 else -1.0
     e = max(side * x - p.gap, 0.0)

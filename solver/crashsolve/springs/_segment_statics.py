@@ -4,8 +4,8 @@
     dx_a = dr + w_a x d_a
 
 with f, m_a and their derivatives as of beam elements (elements/beams/static_tangent.py) between the
-points d_a and d_b of both bodies. By stretch and rotations N, M_y and M_z change as `softened`
-states while they flow. Consequence to test: central differences of the forces, elastic and flowing.
+points d_a and d_b of both bodies. By stretch and rotations N, M_y and M_z change while they flow
+by `softened`. Consequence to test: central differences of the forces, elastic and flowing.
 """
 
 import numpy as np
@@ -16,7 +16,7 @@ from crashsolve.foundation.rows import Row, Table, as_rows
 from crashsolve.materials import elastoplastic
 from crashsolve.springs._segment_yield import FROZEN, growth, scaled_back, softened
 
-# what yields together, among u and theta
+# components of u and theta that yield together
 YIELDING_AXES = np.array([0, 4, 5])
 # a load step leads so far beyond the first yield that it meets; square over that of yield of what
 # has begun
@@ -25,7 +25,7 @@ OVER, YIELDING = 0.05, 1.0 - 1e-6
 
 def forces_by_motions(p: Table, state: Table, nodes: Table, curves: np.ndarray) -> np.ndarray:
     """Derivatives (n, 12, 12) of the forces on both bodies of all segments at rest."""
-    R, q, d_a, d_b = _seen(p, nodes)
+    R, q, d_a, d_b = _deformations(p, nodes)
     k = np.hstack([p["stiffness"], p["rotational_stiffness"]])
     held, own = k * q, k[:, :, None] * np.eye(6)
     held[:, YIELDING_AXES] -= k[:, YIELDING_AXES] * state["plastic"]
@@ -51,8 +51,8 @@ def forces_by_motions(p: Table, state: Table, nodes: Table, curves: np.ndarray) 
 def predict(
     p: Table, state: Table, new: Table, nodes: Table, displacement: np.ndarray, curves: np.ndarray
 ) -> None:
-    """How segments flow over motions `displacement` (n, 6) of all nodes, to first order. Writes:
-    new.
+    """Predict the plastic flow of segments over motions `displacement` (n, 6) of all nodes, to
+    first order. Writes: new.
 
     Bodies that rotate stretch what is between them by the square of their rotations, which is no
     flow.
@@ -89,7 +89,7 @@ def _trials(
     p: Table, state: Table, nodes: Table, displacement: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """k, elastic N, M_y, M_z (n, 3), and how these change over motions, to first order."""
-    R, q, d_a, d_b = _seen(p, nodes)
+    R, q, d_a, d_b = _deformations(p, nodes)
     ends = np.hstack([displacement[p["node_a"]], displacement[p["node_b"]]])
     by_ends = slopes_of_strains(R, q[:, :3], q[:, 3:]) @ _from_mass_centres(d_a, d_b)
     k = np.hstack([p["stiffness"], p["rotational_stiffness"]])[:, YIELDING_AXES]
@@ -97,7 +97,7 @@ def _trials(
     return k, k * (q[:, YIELDING_AXES] - state["plastic"]), k * change
 
 
-def _seen(p: Table, nodes: Table) -> tuple[np.ndarray, ...]:
+def _deformations(p: Table, nodes: Table) -> tuple[np.ndarray, ...]:
     """R (n, 3, 3), u and theta (n, 6), and arms (n, 3) of both ends."""
     a, b = nodes[p["node_a"]], nodes[p["node_b"]]
     d_a = np.einsum("nij,nj->ni", matrices(a["q"]), p["point_a"])
@@ -108,7 +108,7 @@ def _seen(p: Table, nodes: Table) -> tuple[np.ndarray, ...]:
 
 
 def _flow(p: Row, state: Row, trial: np.ndarray, curves: np.ndarray) -> tuple[float, float]:
-    """What `growth` reports trial forces."""
+    """Plastic flow `growth` of the trial forces, and its factor."""
     k = (p.stiffness[0], p.rotational_stiffness[1], p.rotational_stiffness[2])
     flow, share = growth(p, k, trial, state.strain, 1.0, 0.0, curves)
     return float(flow), float(share)

@@ -75,7 +75,7 @@ def start_length(columns: Columns, scene: Scene) -> float:
 
 
 class Span(NamedTuple):
-    """From a point of the line to one of its neighbours."""
+    """The line from one point to one of its neighbours."""
 
     u: Vector  # unit vector there; nothing where both meet
     length: float  # [m]
@@ -103,7 +103,7 @@ def span(p, j, k, nodes):
 
 @kernel
 def length_and_rate(p, nodes):
-    """Of the whole line [m, m/s]."""
+    """Length of the whole line and its rate [m, m/s]."""
     length, rate = 0.0, 0.0
     for j in range(p.count - 1):
         piece = span(p, j, j + 1, nodes)
@@ -164,7 +164,7 @@ def tangent_along(p, nodes, rows, first, stiffness, damping):
 
 @kernel
 def add_span(row, c, p, j, k, nodes):
-    """What the span from point j to point k adds to the columns of j from c on. Writes: row."""
+    """Add the span from point j to point k to the columns of j from c on. Writes: row."""
     body, d, piece = nodes[p.node[j]], arm_of(p, j, nodes), span(p, j, k, nodes)
     u = piece.u
     per = 1.0 / piece.length if piece.length >= SHORTEST else 0.0

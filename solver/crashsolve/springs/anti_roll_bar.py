@@ -127,7 +127,7 @@ def _end(name: str, card: AntiRollBar, scene: Scene) -> End:
 
 
 class Reach(NamedTuple):
-    """How an arm stands for its link to be as long as it is."""
+    """Position of an arm at which its link has its length."""
 
     phi: float  # [rad]
     d: Vector  # end of the arm from the mass centre of the bar's body, world axes [m]
@@ -163,7 +163,7 @@ def reach(p: Parameters, i, nodes):
 
 
 @kernel
-def is_dead(p: Parameters, i, at):
+def is_at_dead_centre(p: Parameters, i, at):
     """Whether a link is at its dead centre, where the bar cannot turn its arm any further."""
     return not abs(at.m) > DEAD * arm_length(p, i)
 
@@ -202,9 +202,9 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
     out.stored = 0.5 * p.stiffness * out.twist * out.twist
     out.power = out.loss = 0.0
     out.force = out.right = 0.0
-    if is_dead(p, 0, left) or is_dead(p, 1, right):
+    if is_at_dead_centre(p, 0, left) or is_at_dead_centre(p, 1, right):
         # negative: a link, not an angle
-        curves[0].fault = -p.node[LEFT if is_dead(p, 0, left) else RIGHT]
+        curves[0].fault = -p.node[LEFT if is_at_dead_centre(p, 0, left) else RIGHT]
         curves[0].x = -1.0
         return
     out.force = draw(p, 0, nodes, out.torque, left)
@@ -221,7 +221,7 @@ def tangent(p: Parameters, state: History, nodes, curves, rows, first):
             row.D[c] = row.G[c] = 0.0
     for i in range(2):
         at = reach(p, i, nodes)
-        if is_dead(p, i, at):
+        if is_at_dead_centre(p, i, at):
             continue
         sign = 1.0 if i == 0 else -1.0
         # in the left part the link is the first body, in the right part the second

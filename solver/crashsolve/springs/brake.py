@@ -29,10 +29,10 @@ from crashsolve.springs._between import (
     POINTS,
     add_stiffness_bound_along,
     push,
-    seen_from_a,
+    relative_position,
     start_offset,
 )
-from crashsolve.springs._bristle import kept_share, lost
+from crashsolve.springs._bristle import lost, retained_share
 from crashsolve.springs._card import PointSpringCard
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ class Brake(PointSpringCard):
     )
     force: float = quantity("N", "level at which it slides; times force_curve", gt=0)
     force_curve: CurveName | None = word("factor on the level over time", default=None)
-    stiffness: float = quantity("N/m", "K, of the bristle that holds", gt=0)
+    stiffness: float = quantity("N/m", "K, stiffness of the bristle", gt=0)
     damping: float = quantity("N s/m", "c, of the bristle", default=0.0, ge=0)
 
 
@@ -100,10 +100,10 @@ def build(card: Brake, scene: Scene) -> Columns:
 @kernel
 def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
-    x, x_dot, d_a, d_b = seen_from_a(p, nodes)
+    x, x_dot, d_a, d_b = relative_position(p, nodes)
     trial = sub(braked(p, sub(x, vec(p.offset))), vec(old.slider))
     limit = level(p, t, curves)
-    share = kept_share(p.stiffness, norm(trial), limit)
+    share = retained_share(p.stiffness, norm(trial), limit)
     z = scale(share, trial)
     f = add_scaled(scale(p.stiffness, z), p.damping, braked(p, x_dot))
     if norm(f) > limit:
@@ -115,7 +115,7 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
     out.stored = 0.5 * p.stiffness * dot(z, z)
     out.power = 0.0
     displacement = sub(trial, vec(old.bristle))
-    # a sample repeats the last step: what it slides is round-off
+    # a sample repeats the last step: its slip is round-off
     out.loss = (
         lost(p.stiffness, vec(old.bristle), z, vec(old.force), f, displacement) if h > 0.0 else 0.0
     )

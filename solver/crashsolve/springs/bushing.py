@@ -44,7 +44,7 @@ from crashsolve.springs._between import (
     POINTS,
     add_stiffness_bound_along,
     push,
-    seen_from_a,
+    relative_position,
     start_offset,
 )
 from crashsolve.springs._card import PointSpringCard
@@ -100,7 +100,7 @@ def build(card: Bushing, scene: Scene) -> Columns:
 @kernel
 def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, out."""
-    x, x_dot, d_a, d_b = seen_from_a(p, nodes)
+    x, x_dot, d_a, d_b = relative_position(p, nodes)
     x = sub(x, vec(p.offset))
     a, b = nodes[p.node_a], nodes[p.node_b]
     theta = rotation_vector(a, b, p.reference)
@@ -133,7 +133,7 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
 @kernel
 def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
-    _, _, d_a, d_b = seen_from_a(p, nodes)
+    _, _, d_a, d_b = relative_position(p, nodes)
     a, b = nodes[p.node_a], nodes[p.node_b]
     theta = rotation_vector(a, b, p.reference)
     c = tangent_factor(sqrt(dot(theta, theta)))

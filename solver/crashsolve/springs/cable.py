@@ -88,7 +88,7 @@ def tangent(p: Parameters, state: History, nodes, curves, rows, first):
 
 @kernel
 def event(p: Parameters, old: History, h, nodes, curves):
-    """How far it is past the length at which it becomes taut or slack [m]."""
+    """Distance beyond the length at which it becomes taut or slack [m]."""
     length, _ = length_and_rate(p, nodes)
     x = length - p.length
     return -x if old.taut == 1 else x

@@ -71,7 +71,7 @@ class ConeStop(RangeCard):
     )
 
     @model_validator(mode="after")
-    def _a_cone(self) -> ConeStop:
+    def _check_cone(self) -> ConeStop:
         if (self.half_angles is None) == (self.table is None):
             raise ValueError("needs one of half_angles and table")
         if max(half for _, half in self.limits()) > LARGEST:
@@ -168,7 +168,7 @@ def _check_start(card: ConeStop, scene: Scene, p: Columns) -> None:
 
 
 class Swing(NamedTuple):
-    """Where the pointer is in the cone."""
+    """Direction of the pointer in the cone."""
 
     theta: float  # angle from the axis [rad]
     phi: float  # azimuth [rad]
@@ -243,7 +243,9 @@ def tangent(p: Parameters, state: History, nodes, curves, rows, first):
 
 @kernel
 def event(p: Parameters, old: History, h, nodes, curves):
-    """How far the swing has left where it began the step, within the cone or past it [rad]."""
+    """Distance of the swing from the range in which it began the step, within the cone or past
+    it [rad].
+    """
     at = swing_of(p, nodes)
     rate = dot(at.gradient, sub(vec(nodes[p.node_b].w), vec(nodes[p.node_a].w)))
     return range_event(p, old, h, at.past, rate, curves)

@@ -71,7 +71,7 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
     """Writes: nodes, new, out."""
     u, length, rate, d_a, d_b = line_of_action(p, nodes)
     x = length - p.length
-    tension, stiffness, damping = _resistance.resist(p, old, new, out, h, x, rate, curves)
+    tension, stiffness, damping = _resistance.resistance_force(p, old, new, out, h, x, rate, curves)
     out.force = tension
     out.length = length
     out.elongation = x
@@ -85,7 +85,7 @@ def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
     line = line_of_action(p, nodes)
     x, rate = line.length - p.length, line.rate
-    stiffness, damping = _resistance.resist_tangent(p, state, x, rate, curves)
+    stiffness, damping = _resistance.resistance_tangent(p, state, x, rate, curves)
     line_tangent(rows[first], nodes[p.node_a], nodes[p.node_b], line, stiffness, damping)
 
 
@@ -94,6 +94,6 @@ geometric_stiffness = add_geometric_stiffness
 
 @kernel
 def event(p: Parameters, old: History, h, nodes, curves):
-    """How far this is past the branch of the law on which the step began [m]."""
+    """Distance beyond the branch of the law on which the step began [m]."""
     _, length, rate, _, _ = line_of_action(p, nodes)
     return _resistance.branch_event(p, old, h, length - p.length, rate, curves)

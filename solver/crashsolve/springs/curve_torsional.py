@@ -68,7 +68,7 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
     angle, rate, g = rotated(p, old.angle, nodes)
     new.angle = angle
     x = angle - p.angle
-    torque, stiffness, damping = _resistance.resist(p, old, new, out, h, x, rate, curves)
+    torque, stiffness, damping = _resistance.resistance_force(p, old, new, out, h, x, rate, curves)
     out.torque = torque
     out.angle = angle
     out.rate = rate
@@ -80,12 +80,12 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
 def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
     angle, rate, g = rotated(p, state.angle, nodes)
-    stiffness, damping = _resistance.resist_tangent(p, state, angle - p.angle, rate, curves)
+    stiffness, damping = _resistance.resistance_tangent(p, state, angle - p.angle, rate, curves)
     rotation_tangent(rows[first], nodes[p.node_a], nodes[p.node_b], g, stiffness, damping)
 
 
 @kernel
 def event(p: Parameters, old: History, h, nodes, curves):
-    """How far this is past the branch of the law on which the step began [rad]."""
+    """Distance beyond the branch of the law on which the step began [rad]."""
     angle, rate, _ = rotated(p, old.angle, nodes)
     return _resistance.branch_event(p, old, h, angle - p.angle, rate, curves)

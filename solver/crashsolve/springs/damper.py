@@ -111,7 +111,7 @@ geometric_stiffness = add_geometric_stiffness
 
 @kernel
 def event(p: Parameters, old: History, h, nodes, curves):
-    """How far the rate is past the piece of the curve on which the step began, over h [m]."""
+    """Distance of the rate beyond the piece of the curve on which the step began, over h [m]."""
     _, _, rate, _, _ = line_of_action(p, nodes)
     first, last = old.segment, curves[p.curve].last
     low = curves[first].x if first > p.curve else -1e300

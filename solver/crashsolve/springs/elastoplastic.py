@@ -127,7 +127,7 @@ geometric_stiffness = add_geometric_stiffness
 
 @kernel
 def event(p: Parameters, old: History, h, nodes, curves):
-    """How far this is past yield, or past the rotation of the motion while it flows [m]."""
+    """Distance beyond yield, or beyond the reversal of the motion while it flows [m]."""
     _, length, rate, _, _ = line_of_action(p, nodes)
     if old.plastic_flow != 0:
         return -old.plastic_flow * rate * h

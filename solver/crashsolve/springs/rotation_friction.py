@@ -30,7 +30,7 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import add_stiffness_bound, apply_torque, arm, spin_mobility
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, add_scaled, dot, norm, put, scale, sub, vec
-from crashsolve.springs._bristle import BRISTLE, PRESSING, friction_limit, kept_share, lost
+from crashsolve.springs._bristle import BRISTLE, PRESSING, friction_limit, lost, retained_share
 from crashsolve.springs._joint import named_joint
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ class RotationFriction(Card):
     )
     coefficient: float = quantity("1", "mu, of the force that presses the joint", default=0.0, ge=0)
     radius: float | None = quantity("m", "R of pin or ball; with coefficient", default=None, gt=0)
-    stiffness: float = quantity("N m/rad", "K, of the bristle that holds", gt=0)
+    stiffness: float = quantity("N m/rad", "K, stiffness of the bristle", gt=0)
     damping: float = quantity("N m s/rad", "c, of the bristle", default=0.0, ge=0)
 
     @model_validator(mode="after")
@@ -125,13 +125,13 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
     rotation = rotation_between(before, now)
     trial = add(vec(old.bristle), rotation)
     limit = friction_limit(p, level(p, t, curves), old, new, h, rows)
-    share = kept_share(p.stiffness, norm(trial), limit)
+    share = retained_share(p.stiffness, norm(trial), limit)
     z = scale(share, trial)
     w = matvec_t(a.A, sub(vec(b.w), vec(a.w)))
     torque = add_scaled(scale(p.stiffness, z), p.damping, w)
     if norm(torque) > limit:
         torque = scale(limit / norm(torque), torque)
-    keep(new, now, z, torque, old.slid + (1.0 - share) * norm(trial))
+    store_state(new, now, z, torque, old.slid + (1.0 - share) * norm(trial))
     out.limit = limit
     out.slid = new.slid
     out.stored = 0.5 * p.stiffness * dot(z, z)
@@ -156,7 +156,7 @@ def level(p: Parameters, t, curves):
 
 
 @kernel
-def keep(new, configuration, z, torque, slid):
+def store_state(new, configuration, z, torque, slid):
     """Writes: new."""
     for k in range(4):
         new.configuration[k] = configuration[k]

@@ -32,8 +32,8 @@ class RotationStop(_joint.StopCard):
 
     lower: float | None = quantity("rad", "angle of the lower stop; none when absent", default=None)
     upper: float | None = quantity("rad", "angle of the upper stop; none when absent", default=None)
-    stiffness: float | None = quantity("N m/rad", "k", default=None, gt=0)
-    damping: float = quantity("N m s/rad", "c", default=0.0, ge=0)
+    stiffness: float | None = quantity("N m/rad", "k, stiffness", default=None, gt=0)
+    damping: float = quantity("N m s/rad", "c, damping", default=0.0, ge=0)
 
 
 COUNTS_ROTATIONS = True
@@ -50,7 +50,7 @@ OUTPUT = Record("""
 def build(card: RotationStop, scene: Scene) -> Columns:
     frame = _joint.named_joint(scene, card.joint, "angle").frame
     start = scene.angles_at_start.get(card.joint, 0.0)
-    columns = FULL_TURN.taken_from(frame) | _joint.stops(card, scene) | {"start": start}
+    columns = FULL_TURN.columns_of(frame) | _joint.stops(card, scene) | {"start": start}
     past = max(start - columns["upper"], columns["lower"] - start)
     if start != 0.0 and past > 0.0:
         raise scene.fail(
@@ -83,5 +83,7 @@ def tangent(p: Parameters, state: History, nodes, curves, rows, first):
 
 @kernel
 def event(p: Parameters, old: History, h, nodes, curves):
-    """How far the angle has left where it began the step, between the stops or beyond one [rad]."""
+    """Distance of the angle from the range in which it began the step, between the stops or
+    beyond one [rad].
+    """
     return _joint.stop_event(p, old, p.start + rotated(p, old.angle, nodes)[0])

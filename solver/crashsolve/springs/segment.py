@@ -99,7 +99,7 @@ class Segment(PointSpringCard):
     side: Vec3 = word("direction near the section's y axis, in the frame of a")
     length: float = quantity("m", "l, of the beam that the spring stands for", gt=0)
     section: SectionName = word("cross section of the beam")
-    material: MaterialName = word("what it is made of: elastic, or elastoplastic, which yields")
+    material: MaterialName = word("material: elastic, or elastoplastic, which yields")
     damping: float = quantity("s", "beta, damping over stiffness", default=0.0, ge=0)
     buckling_load: float | None = quantity(
         "N", "compression along the beam above which the run warns at its end", default=None, gt=0
@@ -219,8 +219,8 @@ def _triad(card: Segment, scene: Scene) -> np.ndarray:
     return np.column_stack([axis, side, np.cross(axis, side)])
 
 
-class Seen(NamedTuple):
-    """What a spring has been brought to, in axes of the beam but for R and the arms."""
+class Deformation(NamedTuple):
+    """Deformation of a spring, in axes of the beam but for R and the arms."""
 
     R: tuple[float, ...]  # mean triad, v and w of corotational.py
     v: Vector
@@ -234,7 +234,7 @@ class Seen(NamedTuple):
 
 
 @kernel
-def seen_by(p: Parameters, nodes):
+def deformation_of(p: Parameters, nodes):
     """Deformation of the spring and its rates."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame_of(axes_at(a, p.rotation_a), axes_at(b, p.rotation_b))
@@ -244,15 +244,20 @@ def seen_by(p: Parameters, nodes):
     mean = scale(0.5, matvec_t(R, add(vec(a.w), vec(b.w))))
     u = matvec_t(R, x)
     u_dot = sub(matvec_t(R, x_dot), cross(sub(mean, swing_of(v, w, spin)), u))
-    return Seen(R, v, w, d_a, d_b, u, scale(2.0 * eta, v), u_dot, rotated_rate(eta, v, spin))
+    return Deformation(R, v, w, d_a, d_b, u, scale(2.0 * eta, v), u_dot, rotated_rate(eta, v, spin))
 
 
 @kernel
 def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
-    seen = seen_by(p, nodes)
-    u, theta, u_dot, theta_dot = seen.u, seen.theta, seen.u_dot, seen.theta_dot
-    check_rotation_limit(curves, p.node_b, seen.w)
+    deformation = deformation_of(p, nodes)
+    u, theta, u_dot, theta_dot = (
+        deformation.u,
+        deformation.theta,
+        deformation.u_dot,
+        deformation.theta_dot,
+    )
+    check_rotation_limit(curves, p.node_b, deformation.w)
     k, k_r = vec(p.stiffness), vec(p.rotational_stiffness)
     q = (u[0], theta[1], theta[2])
     held, stored, lost = resisting(p, old, new, h, q, curves)
@@ -273,30 +278,33 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
     put(out.angle, theta)
     out.plastic_angle[0], out.plastic_angle[1] = new.plastic[1], new.plastic[2]
     out.plastic_strain, out.plastic_work = new.strain, new.work
-    act(p, nodes, seen, f, m)
-    report(p, nodes, seen)
+    act(p, nodes, deformation, f, m)
+    report(p, nodes, deformation)
 
 
 @kernel
-def act(p: Parameters, nodes, seen, f, m):
+def act(p: Parameters, nodes, deformation, f, m):
     """The force f and the moments m, which belong to u and theta, on both bodies. Writes: nodes."""
     a, b = nodes[p.node_a], nodes[p.node_b]
-    R, v, w, c = seen.R, seen.v, seen.w, cross(seen.u, f)
+    R, v, w, c = deformation.R, deformation.v, deformation.w, cross(deformation.u, f)
     m = sub(rotated_rate(half_angle_over_sine(v, w), v, m), swing_of(v, w, c))
     pull = matvec(R, f)
-    apply_force(a, pull, seen.d_a)
-    apply_force(b, scale(-1.0, pull), seen.d_b)
+    apply_force(a, pull, deformation.d_a)
+    apply_force(b, scale(-1.0, pull), deformation.d_b)
     apply_torque(a, matvec(R, add_scaled(m, 0.5, c)))
     apply_torque(b, matvec(R, add_scaled(scale(-1.0, m), 0.5, c)))
 
 
 @kernel
-def report(p: Parameters, nodes, seen):
+def report(p: Parameters, nodes, deformation):
     """Report all six directions to the step control. Writes: nodes."""
-    a, b, R = nodes[p.node_a], nodes[p.node_b], seen.R
+    a, b, R = nodes[p.node_a], nodes[p.node_b], deformation.R
     # rows of a bent spring are longer than those of a straight one, and end half-way between
-    growth, gap = half_angle_over_sine(seen.v, seen.w) ** 2, scale(0.5, matvec(R, seen.u))
-    at_a, at_b = add(seen.d_a, gap), sub(seen.d_b, gap)
+    growth, gap = (
+        half_angle_over_sine(deformation.v, deformation.w) ** 2,
+        scale(0.5, matvec(R, deformation.u)),
+    )
+    at_a, at_b = add(deformation.d_a, gap), sub(deformation.d_b, gap)
     for k in range(3):
         e = (R[k], R[3 + k], R[6 + k])
         stiffness, turning = p.stiffness[k], growth * p.rotational_stiffness[k]
@@ -308,11 +316,17 @@ def report(p: Parameters, nodes, seen):
 
 @kernel
 def tangent(p: Parameters, state: History, nodes, curves, rows, first):
-    """Of the forces by positions and velocities, but for the rotation of the forces. Writes:
-    rows.
+    """Tangent of the forces by positions and velocities, without the rotation of the forces.
+
+    Writes: rows.
     """
-    seen = seen_by(p, nodes)
-    u, theta, u_dot, theta_dot = seen.u, seen.theta, seen.u_dot, seen.theta_dot
+    deformation = deformation_of(p, nodes)
+    u, theta, u_dot, theta_dot = (
+        deformation.u,
+        deformation.theta,
+        deformation.u_dot,
+        deformation.theta_dot,
+    )
     k = (p.stiffness[0], p.rotational_stiffness[1], p.rotational_stiffness[2])
     trial = (
         k[0] * (u[0] - state.plastic[0]),
@@ -326,21 +340,21 @@ def tangent(p: Parameters, state: History, nodes, curves, rows, first):
         flow, share = growth(p, k, trial, state.strain, factor, 0.0, curves)
     for i in range(3):
         k_u, k_t = p.stiffness[i], p.rotational_stiffness[i]
-        shear_row(rows[first + i], seen, i)
-        rotation_row(rows[first + 3 + i], seen, i)
+        shear_row(rows[first + i], deformation, i)
+        rotation_row(rows[first + 3 + i], deformation, i)
         rows[first + i].stiffness, rows[first + 3 + i].stiffness = k_u, k_t
         rows[first + i].damping, rows[first + 3 + i].damping = p.damping * k_u, p.damping * k_t
     if flow > 0.0:
         # in place of N, M_y and M_z three mixtures of them; their damping is left to iteration
         left = softened(p, k, trial, flow, share, state.strain, factor, curves)
         weight, mixed = squares(left)
-        mix(rows, first, 1.0, mixed[0], mixed[1], rows[first], weight[0])
-        mix(rows, first, 0.0, 1.0, mixed[2], rows[first + 4], weight[1])
+        combined_row(rows, first, 1.0, mixed[0], mixed[1], rows[first], weight[0])
+        combined_row(rows, first, 0.0, 1.0, mixed[2], rows[first + 4], weight[1])
         rows[first + 5].stiffness, rows[first + 5].damping = weight[2], 0.0
 
 
 @kernel
-def mix(rows, first, stretch, about_y, about_z, own, stiffness):
+def combined_row(rows, first, stretch, about_y, about_z, own, stiffness):
     """Row of N, M_y and M_z in this proportion. Writes: own."""
     N, M_y, M_z = rows[first], rows[first + 4], rows[first + 5]
     for j in range(12):
@@ -349,24 +363,24 @@ def mix(rows, first, stretch, about_y, about_z, own, stiffness):
 
 
 @kernel
-def shear_row(row, seen, k):
+def shear_row(row, deformation, k):
     """Derivative of -u_k by the motions of both bodies. Writes: row."""
     e = unit(k)
-    c = cross(seen.u, e)
-    m = scale(-1.0, swing_of(seen.v, seen.w, c))
-    write(row, seen.R, e, add_scaled(m, 0.5, c), add_scaled(scale(-1.0, m), 0.5, c))
-    pull = matvec(seen.R, e)
-    rotation_a, rotation_b = cross(seen.d_a, pull), cross(seen.d_b, pull)
+    c = cross(deformation.u, e)
+    m = scale(-1.0, swing_of(deformation.v, deformation.w, c))
+    write(row, deformation.R, e, add_scaled(m, 0.5, c), add_scaled(scale(-1.0, m), 0.5, c))
+    pull = matvec(deformation.R, e)
+    rotation_a, rotation_b = cross(deformation.d_a, pull), cross(deformation.d_b, pull)
     for j in range(3):
         row.D[3 + j] += rotation_a[j]
         row.D[9 + j] -= rotation_b[j]
 
 
 @kernel
-def rotation_row(row, seen, k):
+def rotation_row(row, deformation, k):
     """Derivative of -theta_k by the rotations of both bodies. Writes: row."""
-    m = rotated_rate(half_angle_over_sine(seen.v, seen.w), seen.v, unit(k))
-    write(row, seen.R, ZERO, m, scale(-1.0, m))
+    m = rotated_rate(half_angle_over_sine(deformation.v, deformation.w), deformation.v, unit(k))
+    write(row, deformation.R, ZERO, m, scale(-1.0, m))
 
 
 @kernel

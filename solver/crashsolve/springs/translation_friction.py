@@ -23,8 +23,8 @@ from crashsolve.deck.card import Card, JointName, quantity, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, scale, vec
-from crashsolve.springs._between import SLIDE, add_stiffness_bound_along, push, seen_from_a
-from crashsolve.springs._bristle import BRISTLE, PRESSING, friction_limit, kept_share
+from crashsolve.springs._between import SLIDE, add_stiffness_bound_along, push, relative_position
+from crashsolve.springs._bristle import BRISTLE, PRESSING, friction_limit, retained_share
 from crashsolve.springs._joint import named_joint
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ class TranslationFriction(Card):
     joint: JointName = word("joint that has a travel: prismatic, cylindrical, ...")
     force: float = quantity("N", "constant part of the limit", default=0.0, ge=0)
     coefficient: float = quantity("1", "mu, of the force across the axis", default=0.0, ge=0)
-    stiffness: float = quantity("N/m", "K, of the bristle that holds", gt=0)
+    stiffness: float = quantity("N/m", "K, stiffness of the bristle", gt=0)
     damping: float = quantity("N s/m", "c, of the bristle", default=0.0, ge=0)
 
     @model_validator(mode="after")
@@ -67,7 +67,7 @@ OUTPUT = Record("""
 
 def build(card: TranslationFriction, scene: Scene) -> Columns:
     joint = named_joint(scene, card.joint, "travel")
-    return SLIDE.taken_from(joint.frame) | {
+    return SLIDE.columns_of(joint.frame) | {
         "level": card.force,
         "friction_coefficient": card.coefficient,
         "first_row": joint.first_row,
@@ -80,12 +80,12 @@ def build(card: TranslationFriction, scene: Scene) -> Columns:
 @kernel
 def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
-    x, x_dot, d_a, d_b = seen_from_a(p, nodes)
+    x, x_dot, d_a, d_b = relative_position(p, nodes)
     axis = vec(p.axis_a)
     travel, rate = dot(axis, x), dot(axis, x_dot)
     trial = travel - old.slider
     limit = friction_limit(p, p.level, old, new, h, rows)
-    z = trial * kept_share(p.stiffness, abs(trial), limit)
+    z = trial * retained_share(p.stiffness, abs(trial), limit)
     friction = min(max(p.stiffness * z + p.damping * rate, -limit), limit)
     new.travel = travel
     new.slider = travel - z

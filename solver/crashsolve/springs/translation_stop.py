@@ -17,7 +17,7 @@ from crashsolve.foundation.motion import arm, axis_tangent
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, scale, vec
 from crashsolve.springs import _joint
-from crashsolve.springs._between import SLIDE, add_stiffness_bound_along, push, seen_from_a
+from crashsolve.springs._between import SLIDE, add_stiffness_bound_along, push, relative_position
 
 if TYPE_CHECKING:
     from crashsolve.springs._rows.translation_stop import History, Output, Parameters
@@ -32,8 +32,8 @@ class TranslationStop(_joint.StopCard):
 
     lower: float | None = quantity("m", "travel of the lower stop; none when absent", default=None)
     upper: float | None = quantity("m", "travel of the upper stop; none when absent", default=None)
-    stiffness: float | None = quantity("N/m", "k", default=None, gt=0)
-    damping: float = quantity("N s/m", "c", default=0.0, ge=0)
+    stiffness: float | None = quantity("N/m", "k, stiffness", default=None, gt=0)
+    damping: float = quantity("N s/m", "c, damping", default=0.0, ge=0)
 
 
 PARAMETERS = SLIDE + _joint.STOPS
@@ -48,13 +48,13 @@ OUTPUT = Record("""
 
 def build(card: TranslationStop, scene: Scene) -> Columns:
     frame = _joint.named_joint(scene, card.joint, "travel").frame
-    return SLIDE.taken_from(frame) | _joint.stops(card, scene)
+    return SLIDE.columns_of(frame) | _joint.stops(card, scene)
 
 
 @kernel
 def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
-    x, x_dot, d_a, d_b = seen_from_a(p, nodes)
+    x, x_dot, d_a, d_b = relative_position(p, nodes)
     axis = vec(p.axis_a)
     out.travel = dot(axis, x)
     out.rate = dot(axis, x_dot)
@@ -67,7 +67,7 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
 @kernel
 def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
-    x, x_dot, d_a, d_b = seen_from_a(p, nodes)
+    x, x_dot, d_a, d_b = relative_position(p, nodes)
     axis = vec(p.axis_a)
     stiffness, damping = _joint.stop_tangent(p, dot(axis, x), dot(axis, x_dot), curves)
     a, b = nodes[p.node_a], nodes[p.node_b]
@@ -76,5 +76,7 @@ def tangent(p: Parameters, state: History, nodes, curves, rows, first):
 
 @kernel
 def event(p: Parameters, old: History, h, nodes, curves):
-    """How far the travel has left where it began the step, between the stops or beyond one [m]."""
-    return _joint.stop_event(p, old, dot(vec(p.axis_a), seen_from_a(p, nodes)[0]))
+    """Distance of the travel from the range in which it began the step, between the stops or
+    beyond one [m].
+    """
+    return _joint.stop_event(p, old, dot(vec(p.axis_a), relative_position(p, nodes)[0]))

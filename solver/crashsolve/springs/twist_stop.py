@@ -171,7 +171,9 @@ def tangent(p: Parameters, state: History, nodes, curves, rows, first):
 
 @kernel
 def event(p: Parameters, old: History, h, nodes, curves):
-    """How far the twist has left where it began the step, in its range or past it [rad]."""
+    """Distance of the twist from the range in which it began the step, in its range or past it
+    [rad].
+    """
     angle, g, _ = twist_of(p, nodes)
     rate = dot(g, sub(vec(nodes[p.node_b].w), vec(nodes[p.node_a].w)))
     upper = 2.0 * angle > p.upper + p.lower

@@ -1,4 +1,4 @@
-"""How an equilibrium is judged, by forces, and the work done up to it.
+"""Criterion of force balance, and the work of loads, drivers and gravity up to an equilibrium.
 
     |f| <= tolerance max(F, M / l)  and  |m| <= tolerance max(M, F l)
 
@@ -22,40 +22,40 @@ from crashsolve.statics.loading import potential
 
 # of stiffness times size: round-off of positions, in sums of some terms
 ROUND_OFF = 10.0 * np.finfo(float).eps
-# of the largest force: round-off below this leaves forces that report an equilibrium
+# of the largest force: where round-off is below this, forces decide whether there is balance
 RESOLVED = 1e-3
 EQUAL, ROUND = 2, 1
 
 
 class Forces:
-    """The largest forces [N] and moments [N m] of a run, and what is left of them now."""
+    """The largest forces [N] and moments [N m] of a run, and the present residual."""
 
     def __init__(self, size: float, tolerance: float) -> None:
         self.size, self.tolerance = size, tolerance
         self.largest = [0.0, 0.0]
         self.left = (0.0, 0.0)
 
-    def meet(self, g: np.ndarray, engine: Equations) -> None:
-        """Forces and moments (6 n,) before any displacement."""
-        self._grow(*_largest(g))
-        self.meet_reactions(engine)
+    def include(self, g: np.ndarray, engine: Equations) -> None:
+        """Include forces and moments (6 n,) before any displacement in the largest."""
+        self._raise_largest(*_largest(g))
+        self.include_reactions(engine)
 
-    def meet_reactions(self, engine: Equations) -> None:
-        """What the joints hold in the last sample."""
+    def include_reactions(self, engine: Equations) -> None:
+        """Include the reactions of joints in the last sample."""
         held = np.abs(engine.rows["reaction"])
         rotations = np.zeros(len(held), bool)
         for joint in engine.model.joints:
             rows = slice(joint.first_row, joint.first_row + joint.rows * joint.parts)
             rotations[rows] = np.tile(joint.angular, joint.parts)
-        self._grow(held[~rotations].max(initial=0.0), held[rotations].max(initial=0.0))
+        self._raise_largest(held[~rotations].max(initial=0.0), held[rotations].max(initial=0.0))
 
-    def _grow(self, force: float, moment: float) -> None:
+    def _raise_largest(self, force: float, moment: float) -> None:
         self.largest = [max(self.largest[0], float(force)), max(self.largest[1], float(moment))]
 
     def balance(self, g: np.ndarray, stiffness: tuple[float, float]) -> int:
-        """Whether what is left (6 n,) is nothing beside the largest (EQUAL), or ROUND-off; else 0.
+        """EQUAL where the residual (6 n,) is within tolerance, ROUND where it is round-off, else 0.
 
-        `stiffness` times the size, of forces and moments [N, N m].
+        `stiffness` is that of forces and moments, times the size [N, N m].
         """
         self.left = _largest(g)
         sides = list(zip(self.left, self._scales(), stiffness, strict=True))
@@ -77,12 +77,12 @@ class Forces:
         return self._scales()[0] * self.size
 
     def message(self) -> str:
-        """What is left, for a message."""
-        share = max(
+        """The residual, for a message."""
+        ratio = max(
             left / scale if scale > 0.0 else 0.0
             for left, scale in zip(self.left, self._scales(), strict=True)
         )
-        return f"{share:.2g} of the largest force out of balance"
+        return f"{ratio:.2g} of the largest force out of balance"
 
 
 def _largest(g: np.ndarray) -> tuple[float, float]:
@@ -101,9 +101,9 @@ class Work:
         self.before: dict[str, tuple[np.ndarray, np.ndarray]] = {}
 
     def begin(self) -> None:
-        """Note what is out of balance, and what drivers hold, before a load step."""
+        """Store residual forces and reactions of drivers before a load step."""
         engine = self.engine
-        self.held = engine.rest(float(engine.clock.time), engine.state.nodes)
+        self.held = engine.forces_at_rest(float(engine.clock.time), engine.state.nodes)
         self.reactions = engine.rows["reaction"][engine.loading.rows()].copy()
         now, current = float(engine.clock.time), int(engine.clock.current)
         self.before = {
@@ -111,18 +111,18 @@ class Work:
             for g in self._of_surfaces()
         }
 
-    def count(self, start: np.ndarray, begun: float, now: float) -> None:
-        """Of the motion from the nodes `start` at `begun` to the present ones at `now` [s]."""
+    def count(self, start: np.ndarray, start_time: float, now: float) -> None:
+        """Add the work from the nodes `start` at `start_time` to the present ones at `now` [s]."""
         engine, loading = self.engine, self.engine.loading
         clock, change = engine.clock, engine.change_from(start)
-        first, last = (self._powers(t, at, change) for t, at in ((begun, start), (now, None)))
+        first, last = (self._powers(t, at, change) for t, at in ((start_time, start), (now, None)))
         for g in self._loads():
             g.history["dissipated"] += 0.5 * (first[g.word] + last[g.word])
         for g in self._of_surfaces():
             done, pushed = self.before[g.word]
             g.history["dissipated"] = done + 0.5 * (pushed + self._forces(g, now)) @ change.ravel()
-        clock.driver_work += self._of_drivers(begun, now)
-        shares = loading.share(begun), loading.share(now)
+        clock.driver_work += self._of_drivers(start_time, now)
+        shares = loading.load_factor(start_time), loading.load_factor(now)
         positions = (
             potential(engine.model, start, loading),
             potential(engine.model, engine.state.nodes, loading),
@@ -130,17 +130,17 @@ class Work:
         # the ledger has the potential of the weight there is now: raising it is no work
         raised = shares[1] * positions[1] - shares[0] * positions[0]
         clock.driver_work += raised - 0.5 * sum(shares) * (positions[1] - positions[0])
-        if begun == loading.begin:
+        if start_time == loading.begin:
             clock.driver_work -= 0.5 * float(self.held @ change.ravel())
         loading.set_time(now)
 
-    def _of_drivers(self, begun: float, now: float) -> float:
-        """Mean reactions of prescribed motions times their travel."""
+    def _of_drivers(self, start_time: float, now: float) -> float:
+        """Work [J] of prescribed motions: their mean reactions times their displacements."""
         engine, rows = self.engine, self.engine.loading.rows()
         if not rows:
             return 0.0
-        travel = engine.loading.positions(now) - engine.loading.positions(begun)
-        engine.rest(now, engine.state.nodes)
+        travel = engine.loading.positions(now) - engine.loading.positions(start_time)
+        engine.forces_at_rest(now, engine.state.nodes)
         return float(0.5 * (self.reactions + engine.rows["reaction"][rows]) @ travel)
 
     def _loads(self) -> list[Any]:
@@ -169,7 +169,7 @@ class Work:
     def _applied(self, moment: float) -> np.ndarray:
         """All forces and moments (6 n,) on the free nodes but those of joints."""
         engine = self.engine
-        engine.rest(moment, engine.state.nodes)
+        engine.forces_at_rest(moment, engine.state.nodes)
         own = engine.nodes[engine.free]
         return np.hstack([own["force"], own["torque"]]).ravel()
 
@@ -184,6 +184,6 @@ class Work:
         A, J = (nodes[name][free].reshape(-1, 3, 3) for name in ("A", "J"))
         inertia = np.matmul(np.matmul(A, J), A.transpose(0, 2, 1))
         nodes["L"][free] = np.matmul(inertia, change[:, 3:, None])[:, :, 0]
-        engine.rest(time, nodes)
+        engine.forces_at_rest(time, nodes)
         new = 1 - int(engine.clock.current)
         return {g.word: g.history[new]["power"].copy() for g in self._loads()}

@@ -42,7 +42,7 @@ class Candidate:
 
 
 class Branches:
-    """What flows on over a load step from an accepted state."""
+    """Sets of hinges that can continue to yield over a load step from an accepted state."""
 
     def __init__(self, engine: Equations, candidates: list[Candidate], time: float) -> None:
         self.candidates = candidates
@@ -62,7 +62,7 @@ class Branches:
             self._solve(np.diag([c.k + c.slope for c in self.candidates]) - f[:, 1:], f[:, 0])
 
     def _solve(self, M: np.ndarray, q: np.ndarray) -> None:
-        """All sets that can flow, the one of least work first. Writes: sets."""
+        """Find all sets that satisfy the conditions, that of least work first. Writes: sets."""
         m = len(q)
         nothing = NEAR * np.abs(q).max(initial=0.0)
         for size in range(m + 1):
@@ -75,7 +75,7 @@ class Branches:
         self.sets.sort(key=lambda found: found[0])
 
     def tangent(self) -> tuple[np.ndarray, np.ndarray] | None:
-        """K and D of what flows on; None where that is not known."""
+        """K and D with the set of least work yielding; None without any set."""
         if not self.sets:
             return None
         columns = self.elastic.copy()
@@ -84,8 +84,8 @@ class Branches:
             columns += np.multiply.outer(self.pushes[i], c.side * c.k / (c.k + c.slope) * c.d)
         return -columns, self.D
 
-    def fork(self) -> list[str]:
-        """Names of hinges either of which may flow while the others unload; empty for none."""
+    def bifurcation(self) -> list[str]:
+        """Names of hinges any of which may yield while the others unload; [] where it is unique."""
         if len(self.sets) < 2:
             return []
         (work, first, displacements), *others = self.sets
@@ -101,7 +101,7 @@ class Branches:
 
 
 def slope_ahead(p: Any, state: Any, c: int, side: float, curves: Any) -> float | None:
-    """y' of a motion that is at yield in a direction; None where it is not."""
+    """Slope y' [N/m or N m/rad] of a law at yield in a direction; None where it does not yield."""
     k = p.stiffness[c]
     here, origin = side * k * (state.x[c] - state.plastic[c]), line_origin(p, state, c, side)
     R, _ = resistance(p, state, c, side, 0.0, origin, curves)

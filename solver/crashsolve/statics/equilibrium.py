@@ -23,7 +23,7 @@ from crashsolve.statics.elimination import eliminate
 from crashsolve.statics.equations import Tangent
 from crashsolve.statics.limit_point import passes_limit_point
 from crashsolve.statics.loading import Loading, equal_part
-from crashsolve.statics.motions import move, nudge, rotations
+from crashsolve.statics.motions import move, perturb, rotations
 from crashsolve.statics.plastic_flow import PlasticFlow
 from crashsolve.statics.problem import Problem, first_unstable_mode
 from crashsolve.statics.stability import mass_matrix, unstable_mode
@@ -62,21 +62,21 @@ class StaticEngine(Engine):
         self.free = np.array([i for i in range(1, len(state.nodes)) if i not in attached], int)
         self.beams = [g for g in model.groups if hasattr(g.module, "forces_by_motions")]
         self.plastic_flow = PlasticFlow(self.beams)
-        self.differs = self._held_otherwise(attached)
+        self.by_differences = self._nodes_with_other_forces(attached)
         self.forces, self.work = Forces(model.size, self.tolerance), Work(self)
         self.notes: list[str] = []
         self.origin = state.nodes.copy()
         self.flutters = False
         self.least = self.first = 0.0  # shortest load step [s], change by the last tangent
-        self.sees_jumps, self.halvings, self.growth = True, HALVINGS, 2.0
+        self.checks_limit_points, self.halvings, self.growth = True, HALVINGS, 2.0
         self.width = np.inf  # length of the last load step where they are short [s]
         # of the last pass: K (6 n, 6 n) and D (m, 6 n)
         self.tangent: Tangent | None = None
         # of the last equilibrium, where there are hinges
-        self.known: Tangent | None = None
+        self.known_tangent: Tangent | None = None
 
-    def _held_otherwise(self, attached_nodes: set[int]) -> np.ndarray:
-        """Which free nodes (n,) anything but elements of beams may act on."""
+    def _nodes_with_other_forces(self, attached_nodes: set[int]) -> np.ndarray:
+        """Mask (n,) of the free nodes on which forces other than those of beam elements may act."""
         named = attached_nodes | set(self.model.attached_nodes["body"])
         for g in self.model.groups:
             if not hasattr(g.module, "forces_by_motions"):
@@ -97,7 +97,7 @@ class StaticEngine(Engine):
         """The equilibrium in which the run begins. Raises SolverError."""
         super().start()
         loading, clock = self.loading, self.clock
-        if not loading.rising and not self.rest(loading.start, self.state.nodes).any():
+        if not loading.rising and not self.forces_at_rest(loading.start, self.state.nodes).any():
             return
         # requests cannot be answered before the files are open
         answer, self.on_pause = self.on_pause, lambda: None
@@ -106,7 +106,7 @@ class StaticEngine(Engine):
         self.on_pause = answer
         missing = self._missing_energy()
         if abs(missing) <= NOTHING * self.forces.energy():
-            # round-off of what is reported as nothing
+            # round-off of forces that count as zero
             clock.driver_work += missing
 
     def _step(self, until: float, goal: float) -> None:
@@ -114,62 +114,63 @@ class StaticEngine(Engine):
         clock, found = self.clock, list[Problem]()
         self.least = (until - float(clock.time)) / 2**self.halvings
         while clock.time < until:
-            begun, kept, known = float(clock.time), self.keep(), self.known
-            # towards a limit point by steps that double: from close by a long one may not see it
-            target = equal_part(begun, until, self.growth * self.width)
-            while (problem := self._tries(target)) is not None:
+            start_time, saved, tangent = float(clock.time), self.save_state(), self.known_tangent
+            # steps towards a limit point double: a long one from nearby may jump over it
+            target = equal_part(start_time, until, self.growth * self.width)
+            while (problem := self._attempt(target)) is not None:
                 found.append(problem)
-                target = 0.5 * (begun + target)
-                is_last = target - begun < self.least
-                if is_last and problem.kind == "balance" and begun < self.loading.start:
-                    self._settle()
+                target = 0.5 * (start_time + target)
+                is_last = target - start_time < self.least
+                if is_last and problem.kind == "balance" and start_time < self.loading.start:
+                    self._count_initial_energy()
                     break
-                self.take_back(kept)
-                self.known = known
+                self.restore_state(saved)
+                self.known_tangent = tangent
                 if is_last:
-                    ahead = [problem for problem in found if problem.target > begun]
-                    raise first_unstable_mode(ahead).error(self, begun)
+                    ahead = [problem for problem in found if problem.target > start_time]
+                    raise first_unstable_mode(ahead).error(self, start_time)
             is_short = target < until and np.isfinite(self.width)
-            # what yields does so in the next load steps too
-            if is_short or any(p.kind == "jump" or not self.sees_jumps for p in found):
-                self.width = float(clock.time) - begun
+            # laws that yield continue to do so in the next load steps
+            if is_short or any(p.kind == "jump" or not self.checks_limit_points for p in found):
+                self.width = float(clock.time) - start_time
             self.on_pause()
-        if self.sees_jumps:
+        if self.checks_limit_points:
             self.width = np.inf
 
-    def _tries(self, target: float) -> Problem | None:
-        """Go to the equilibrium of a moment, or of one before it; why it cannot be had."""
-        kept, known, problem = self.keep(), self.known, self._goes(target)
+    def _attempt(self, target: float) -> Problem | None:
+        """Move to the equilibrium at a time [s], or at one before it; returns why that failed."""
+        saved, tangent = self.save_state(), self.known_tangent
+        problem = self._solve_to(target)
         if problem is None or not self.yielding.straight or self.yielding.is_least:
             return problem
-        # a corner that cannot be passed from afar is gone to, and passed from there
-        self.take_back(kept)
-        self.known = known
-        near = self.yielding.before(self, target)
-        return problem if near >= target or self._goes(near) else None
+        # a corner that one long step cannot pass is approached by a step that ends just before it
+        self.restore_state(saved)
+        self.known_tangent = tangent
+        near = self.yielding.before_corner(self, target)
+        return problem if near >= target or self._solve_to(near) else None
 
-    def _goes(self, target: float) -> Problem | None:
-        """Go to the equilibrium of a moment, or to a corner before it; why it cannot be had."""
+    def _solve_to(self, target: float) -> Problem | None:
+        """Move to the equilibrium at a time, or at a corner before it; returns why that failed."""
         clock, start = self.clock, self.state.nodes.copy()
-        begun, before = float(clock.time), self._missing_energy()
+        start_time, before = float(clock.time), self._missing_energy()
         self.work.begin()
-        reached = self._reaches(target)
+        reached = self._solve_at(target)
         if reached is None:
             return Problem("lost", target)
         target = reached
-        self.work.count(start, begun, target)
-        clock.time, clock.step, clock.next_step = target, target - begun, target - begun
+        self.work.count(start, start_time, target)
+        clock.time, clock.step, clock.next_step = target, target - start_time, target - start_time
         is_beyond = self.model.curves[0]["fault"] != 0
         location = self._unstable()
         if location:
             return Problem("unstable mode", target, location)
-        if self.sees_jumps and passes_limit_point(self, start, begun, target):
+        if self.checks_limit_points and passes_limit_point(self, start, start_time, target):
             return Problem("jump", target)
-        if self._is_off(abs(self._missing_energy() - before)):
+        if self._is_out_of_balance(abs(self._missing_energy() - before)):
             return Problem("balance", target)
         return Problem("end of curve", target) if is_beyond else None
 
-    def _settle(self) -> None:
+    def _count_initial_energy(self) -> None:
         """Count the energy between the initial configuration and the first equilibrium."""
         self.clock.driver_work += self._missing_energy()
         self.notes.append(
@@ -179,16 +180,16 @@ class StaticEngine(Engine):
 
     def _missing_energy(self) -> float:
         """Imbalance of the present state [J]."""
-        self.rest(float(self.clock.time), self.state.nodes)
+        self.forces_at_rest(float(self.clock.time), self.state.nodes)
         self.state.ledger[energy.LARGEST] = self.ledger[energy.LARGEST]
         return float(self.ledger[energy.IMBALANCE])
 
-    def _is_off(self, missing: float) -> bool:
-        """Whether an energy [J] that is missing is more than the limit, and than nothing."""
+    def _is_out_of_balance(self, missing: float) -> bool:
+        """Whether a missing energy [J] exceeds control.energy_limit and round-off."""
         least = NOTHING * self.forces.energy()
         return bool(self.limit and missing > self.limit * self.ledger[energy.LARGEST] + least)
 
-    def _kept(self) -> list[np.ndarray]:
+    def _changing_arrays(self) -> list[np.ndarray]:
         """Arrays that a load step changes."""
         s = self.state
         return [
@@ -196,87 +197,87 @@ class StaticEngine(Engine):
             *(g.history for g in self.model.groups),
         ]
 
-    def keep(self) -> list[np.ndarray]:
-        return [array.copy() for array in self._kept()]
+    def save_state(self) -> list[np.ndarray]:
+        return [array.copy() for array in self._changing_arrays()]
 
-    def take_back(self, kept: list[np.ndarray]) -> None:
-        """As before a load step. Writes: the State."""
-        for array, old in zip(self._kept(), kept, strict=True):
+    def restore_state(self, saved: list[np.ndarray]) -> None:
+        """Restore the state before a load step. Writes: the State."""
+        for array, old in zip(self._changing_arrays(), saved, strict=True):
             array[...] = old
 
     def finish(self) -> None:
         """Judge the balance of the whole run. Raises SolverError."""
-        if self._is_off(abs(float(self.ledger[energy.IMBALANCE]))):
+        if self._is_out_of_balance(abs(float(self.ledger[energy.IMBALANCE]))):
             raise Problem("balance", float(self.clock.time)).error(self, float(self.clock.time))
 
     def step_warnings(self) -> list[str]:
-        """What the start has met; passes of Newton's method are no sign of long steps."""
+        """Warnings of the run; iterations of Newton's method are no sign of long steps."""
         return self.notes
 
     def sample(self, time: float | None = None) -> None:
-        """As of a run in time; with the loads of the moment."""
+        """Take a sample, as in a transient run, with the loads of its time."""
         self.loading.set_time(float(self.state.clock[0]["time"]) if time is None else time)
         super().sample(time)
 
-    def _reaches(self, time: float) -> float | None:
-        """The equilibrium at a time, or at the first corner of a law before it; when that is."""
+    def _solve_at(self, time: float) -> float | None:
+        """Move to the equilibrium at a time or at a corner before it; its time [s], or None."""
         start, whole = self.state.nodes.copy(), time
         if self.yielding.groups:
             time = self.yielding.predicted(self, time)
         if self.plastic_flow.groups:
             time = self.plastic_flow.predicted(self, time)
         if self.yielding.is_least:
-            self.known = self.yielding.branch(self, whole) or self.known
-        count = self.finds(time)
+            self.known_tangent = self.yielding.branch(self, whole) or self.known_tangent
+        count = self.iterate(time)
         if count and self.yielding.groups:
-            time, count = self.yielding.first(self, start, time, count)
+            time, count = self.yielding.first_corner(self, start, time, count)
         if not count:
             return None
         self._accept(count)
         return time
 
-    def finds(self, time: float) -> int:
-        """Passes of Newton's method to the equilibrium at a time [s]; 0 where it leads to none."""
+    def iterate(self, time: float) -> int:
+        """Number of Newton's iterations to the equilibrium at a time [s]; 0 without convergence."""
         start, previous = self.state.nodes.copy(), np.inf
         for count in range(MOST_ITERATIONS):
-            change = self.correction(time, self.known if count == 0 else None)
+            change = self.correction(time, self.known_tangent if count == 0 else None)
             if count == 0:
                 self.first = self.size_of(change)
-                self.forces.meet(self.imbalance(time)[0], self)
-            worst = self.size_of(change)
-            if not np.isfinite(worst) or self.plastic_flow.is_lost(self.cut(change)):
+                self.forces.include(self.imbalance(time)[0], self)
+            size = self.size_of(change)
+            if not np.isfinite(size) or self.plastic_flow.is_diverging(self.step_fraction(change)):
                 break
-            self.plastic_flow.take(self, time, change * self.cut(change))
-            share = min(worst / previous, 1.0) if count else 1.0
-            stays = worst >= 0.5 * previous
-            is_still = worst * share <= self.tolerance * self._whole_change(start) + NOWHERE
-            if is_still or (stays and worst <= STAGNATION_TOLERANCE):
+            self.plastic_flow.take(self, time, change * self.step_fraction(change))
+            contraction = min(size / previous, 1.0) if count else 1.0
+            stagnates = size >= 0.5 * previous
+            is_small = size * contraction <= self.tolerance * self._largest_change(start) + NOWHERE
+            if is_small or (stagnates and size <= STAGNATION_TOLERANCE):
                 # trials may lead past the end of a curve, which only the answer must not
                 self.model.curves[0]["fault"] = 0
                 if self.is_balanced(time):
                     return count + 1
-            self.clock.value, previous = worst, worst
+            self.clock.value, previous = size, size
         return 0
 
     def is_balanced(self, time: float) -> bool:
-        """Whether forces are in balance at a moment, and the joints closed."""
+        """Whether forces are in balance at a time [s], and the joints closed."""
         g, _, phi = self.imbalance(time)
-        self.forces.meet_reactions(self)
+        self.forces.include_reactions(self)
         return self._is_closed(phi) and bool(self.forces.balance(g, self._round_off()))
 
     def _accept(self, count: int) -> None:
-        """History of joints along the path, and the counts of the run."""
+        """Accept an equilibrium: histories along the path, counts of steps and iterations."""
         clock = self.clock
         for g in (*self.model.joint_groups(), *self.plastic_flow.groups):
             g.history[:] = g.history[1 - int(clock.current)]
         clock.cycle += 1
         clock.iterations += count
-        # where a hinge has just begun to yield, a tangent cannot know in which direction it
-        # continues
-        self.known = self.tangent if self.yielding.groups or self.plastic_flow.groups else None
+        # at the onset of yield the tangent depends on the direction in which a hinge continues
+        can_yield = self.yielding.groups or self.plastic_flow.groups
+        self.known_tangent = self.tangent if can_yield else None
 
     def out_of_balance(self) -> str:
-        """What the forces lack of an equilibrium, for a message."""
+        """The share of forces that is out of balance, for a message."""
         return self.forces.message()
 
     def _is_closed(self, phi: np.ndarray) -> bool:
@@ -289,7 +290,7 @@ class StaticEngine(Engine):
         return is_closed
 
     def _round_off(self) -> tuple[float, float]:
-        """Forces and moments that round-off of positions leaves [N, N m]."""
+        """Forces and moments [N, N m] by round-off of positions, over epsilon."""
         assert self.tangent is not None
         n = len(self.free)
         K = np.abs(self.tangent[0]).reshape(n, 6, n, 6).max(axis=(0, 2))
@@ -315,7 +316,7 @@ class StaticEngine(Engine):
         return self.name_of(int(self.free[most.max(axis=1).argmax()]))
 
     def name_of(self, node: int) -> str:
-        """Of a body, or of a node of a shell."""
+        """Name of a body, or of a node of a shell."""
         is_body = node < len(self.model.bodies)
         return f"body '{self.model.bodies[node]}'" if is_body else self.model.part_at(node)
 
@@ -326,63 +327,63 @@ class StaticEngine(Engine):
         return np.hstack([here["r"] - start["r"][self.free], rotated])
 
     def size_of(self, change: np.ndarray) -> float:
-        """Of displacements and rotations (n, 6): the largest, in the model's size or rad."""
+        """The largest of displacements [model's size] and rotations [rad] (n, 6)."""
         far, angle = np.abs(change[:, :3]).max(initial=0.0), np.abs(change[:, 3:]).max(initial=0.0)
         return float(max(far / self.model.size, angle))
 
-    def cut(self, change: np.ndarray) -> float:
-        """Share of a correction (n, 6) that is not too far."""
+    def step_fraction(self, change: np.ndarray) -> float:
+        """The fraction [1] of a correction (n, 6) within the bounds of an iteration."""
         angle, far = np.abs(change[:, 3:]).max(), np.abs(change[:, :3]).max() / self.model.size
         return float(1.0 / max(1.0, angle / LARGEST_ROTATION, far / LARGEST_DISPLACEMENT))
 
-    def _whole_change(self, start: np.ndarray) -> float:
+    def _largest_change(self, start: np.ndarray) -> float:
         """The larger of the change over a load step and of that since the first configuration."""
-        return max(self.size_of(self.change_from(begun)) for begun in (start, self.origin))
+        return max(self.size_of(self.change_from(nodes)) for nodes in (start, self.origin))
 
-    def correction(self, time: float, known: Tangent | None = None) -> np.ndarray:
+    def correction(self, time: float, known_tangent: Tangent | None = None) -> np.ndarray:
         """Newton's correction (n, 6) of positions and rotations, by a known tangent."""
         g, D, phi = self.imbalance(time)
-        self.tangent = known or (-self._tangent(time, g, D), D)
+        self.tangent = known_tangent or (-self._tangent(time, g, D), D)
         return eliminate(*self.bordered(-self.tangent[0], g, D, phi)).reshape(-1, 6)
 
     def bordered(
         self, columns: np.ndarray, g: np.ndarray, D: np.ndarray, phi: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """Matrix (6 n, 6 n) and right side (6 n,) of Newton's equation, of dg/dq in columns."""
-        scale = self._balance_of_both(columns) / max(np.abs(D).max(initial=0.0) ** 2, 1e-300)
+        scale = self._constraint_stiffness(columns) / max(np.abs(D).max(initial=0.0) ** 2, 1e-300)
         held = np.einsum("mi,mj->ij", D, D)
         return columns - scale * held, -g + scale * np.einsum("mi,m->i", D, phi)
 
-    def _balance_of_both(self, columns: np.ndarray) -> float:
-        """A stiffness [N/m] beside which round-off is nothing, also where drivers hold all."""
+    def _constraint_stiffness(self, columns: np.ndarray) -> float:
+        """The scale [N/m] of constraint rows, above round-off also where drivers hold all nodes."""
         own, held = self.nodes[self.free], np.abs(self.rows["reaction"]).max(initial=0.0)
         stiffest = (own["stiffness"] / own["mass_inv"]).max(initial=0.0)
         largest = max(np.abs(columns).max(initial=0.0), stiffest, held / self.model.size)
-        # more, as what softens might take it away
+        # larger than the stiffness, which softening might cancel otherwise
         return 10.0 * float(largest) or 1.0
 
     def _tangent(self, time: float, g: np.ndarray, D: np.ndarray) -> np.ndarray:
         """Derivative (6 n, 6 n) of g by positions and rotations of the free nodes.
 
-        Of nodes that only elements of beams hold it is theirs; other laws, and joints, are sampled.
+        Of nodes on which only beam elements act it is theirs; of others by differences of samples.
         """
         current, still = int(self.clock.current), self.state.nodes
         stiff = self._of_free(self.yielding.stiffness(current, still))
-        with self.yielding.held(current):
+        with self.yielding.elastic_hinges(current):
             elastic = self._of_free(self.yielding.stiffness(current, still))
         return self.elastic_tangent(time, g, D) + self.condense(elastic - stiff, D)
 
     def elastic_tangent(self, time: float, g: np.ndarray, D: np.ndarray) -> np.ndarray:
-        """The same while no hinge yields that has straight branches."""
+        """The derivative (6 n, 6 n) with elastic hinges, but for those that yield on an ellipse."""
         current, still = int(self.clock.current), self.state.nodes
-        with self.yielding.held(current):
+        with self.yielding.elastic_hinges(current):
             nodes, columns = still.copy(), self.condense(self._beams(), D)
-            for k in np.flatnonzero(np.repeat(self.differs, 6)):
+            for k in np.flatnonzero(np.repeat(self.by_differences, 6)):
                 i, size = self.free[k // 6], STEP * (self.model.size if k % 6 < 3 else 1.0)
-                kept = nodes[i].copy()
-                nudge(nodes[i], int(k % 6), size)
-                columns[:, k] = (self.rest(time, nodes) - g) / size
-                nodes[i] = kept
+                saved = nodes[i].copy()
+                perturb(nodes[i], int(k % 6), size)
+                columns[:, k] = (self.forces_at_rest(time, nodes) - g) / size
+                nodes[i] = saved
         return columns
 
     def _of_free(self, K: np.ndarray) -> np.ndarray:
@@ -391,7 +392,7 @@ class StaticEngine(Engine):
         return K[self.free][:, :, self.free].reshape(size, size)
 
     def condense(self, columns: np.ndarray, D: np.ndarray) -> np.ndarray:
-        """Less what joints hold of it: D^T (D M^-1 D^T)^-1 D M^-1 of forces (6 n, k)."""
+        """Forces (6 n, k) less the reactions of joints, D^T (D M^-1 D^T)^-1 D M^-1 of them."""
         nodes = self.state.nodes[self.free]
         A, J = nodes["A"].reshape(-1, 3, 3), nodes["J_inv"].reshape(-1, 3, 3)
         mobility = np.zeros((len(nodes), 6, 6))
@@ -404,7 +405,7 @@ class StaticEngine(Engine):
         return columns - np.einsum("mi,mk->ik", D, held)
 
     def _beams(self) -> np.ndarray:
-        """The same of the elements of beams alone."""
+        """The derivative (6 n, 6 n) of the forces of beam elements alone."""
         n, nodes = len(self.free), self.state.nodes
         columns, location = np.zeros((n + 1, n + 1, 6, 6)), np.full(len(nodes), n)
         location[self.free] = np.arange(n)
@@ -419,14 +420,14 @@ class StaticEngine(Engine):
         return columns[:n, :n].transpose(0, 2, 1, 3).reshape(6 * n, 6 * n)
 
     def imbalance(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Forces and moments that nothing holds (6 n,), D (m, 6 n) and Phi (m,)."""
-        g, rows = self.rest(time, self.state.nodes), self.rows
+        """Unbalanced forces and moments (6 n,), D (m, 6 n) and Phi (m,)."""
+        g, rows = self.forces_at_rest(time, self.state.nodes), self.rows
         D = jacobian(self.model.joints, rows, len(self.nodes))[:, self.free]
         phi = rows["phi"][whole_rows(self.model.joints)]
         return g, D.reshape(len(phi), g.size), phi
 
-    def rest(self, time: float, nodes: np.ndarray) -> np.ndarray:
-        """A sample of these nodes: forces and moments (6 n,) that would move the free ones."""
+    def forces_at_rest(self, time: float, nodes: np.ndarray) -> np.ndarray:
+        """Unbalanced forces and moments (6 n,) of free nodes, from a sample of `nodes` at rest."""
         self.loading.set_time(time)
         time = self.loading.time(time)
         self.nodes[:], self.rows[:] = nodes, self.state.rows
@@ -435,7 +436,7 @@ class StaticEngine(Engine):
         self._advance(time, True, self._sampled)
         g = np.empty((len(self.free), 6))
         g[:, :3] = self.nodes["v_dot"][self.free] / self.nodes["mass_inv"][self.free, None]
-        # J w_dot in world axes, J being kept in the nodes' own
+        # J w_dot in world axes, J being in the nodes' own
         A = self.nodes["A"][self.free].reshape(-1, 3, 3)
         own = np.matmul(self.nodes["w_dot"][self.free][:, None], A)
         J = self.nodes["J"][self.free].reshape(-1, 3, 3)

@@ -19,21 +19,21 @@ FAR, APART = 1.1, 1.5
 NOWHERE = 1e-12
 
 
-def passes_limit_point(engine: Any, start: np.ndarray, begun: float, target: float) -> bool:
+def passes_limit_point(engine: Any, start: np.ndarray, start_time: float, target: float) -> bool:
     """Whether the equilibria at both moments [s] are no neighbours; `start` are the nodes at first.
 
     Of laws that yield nothing is said: a tangent that loads is not one that unloads.
     """
-    if engine.yielding.groups or engine.plastic_flow.groups or begun < engine.loading.start:
+    if engine.yielding.groups or engine.plastic_flow.groups or start_time < engine.loading.start:
         return False
     change, forward = engine.size_of(engine.change_from(start)), engine.first
-    if forward > APART * change + NOWHERE and target - begun > 2.0 * engine.least:
-        # near a limit point the tangent of the lower equilibrium says more than there is
+    if forward > APART * change + NOWHERE and target - start_time > 2.0 * engine.least:
+        # near a limit point the tangent of the lower equilibrium overestimates the change
         return True
     if change <= FAR * forward + NOWHERE:
         return False
     tangent = engine.tangent
-    backward = engine.size_of(engine.correction(begun))
+    backward = engine.size_of(engine.correction(start_time))
     # as it was: loads of the target, and its tangent
     engine.imbalance(target)
     engine.tangent = tangent

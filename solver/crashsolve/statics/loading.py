@@ -1,4 +1,4 @@
-"""What acts at a moment of a quasi-static run: loads that rise, and motions that are prescribed.
+"""Loads and prescribed motions at a moment of a quasi-static run.
 
     f = s f_0,   s from 0 to 1 before the start      of a load without a curve of its own
 
@@ -19,14 +19,14 @@ from crashsolve.foundation.curve import HOLD, LINEAR, POINT
 from crashsolve.foundation.errors import SolverError
 from crashsolve.model.model import Model
 
-# of a load step: what is left of the way beyond whole ones, and is taken with them
+# of a load step: a remainder below this is joined to the last one
 ALMOST = 1e-6
 
 
-def equal_part(begun: float, until: float, longest: float) -> float:
-    """End of the first of equal parts of a way, of at most a length; none is but round-off."""
-    parts = ceil(max((until - begun) / longest - ALMOST, 1.0))
-    return until if parts == 1 else begun + (until - begun) / parts
+def equal_part(start_time: float, until: float, longest: float) -> float:
+    """End of the first of equal parts of an interval, each at most `longest`."""
+    parts = ceil(max((until - start_time) / longest - ALMOST, 1.0))
+    return until if parts == 1 else start_time + (until - start_time) / parts
 
 
 class Loading:
@@ -35,7 +35,7 @@ class Loading:
     def __init__(self, model: Model, start: float) -> None:
         """`start` of the run [s]. Writes: model.curves, parameters: as before the rise."""
         self.start, self.begin = start, start - 1.0
-        self.curves, still = model.curves, _still(model)
+        self.curves, still = model.curves, _constant_curve(model)
         self.driven = []
         # along a path of equilibria curves are read before the start as well
         self.follows_path = False
@@ -49,8 +49,8 @@ class Loading:
                 p["curve"] = still
         self.set_time(self.begin)
 
-    def share(self, moment: float) -> float:
-        """Of a load without a curve that acts at a moment [s]: 0 to 1."""
+    def load_factor(self, moment: float) -> float:
+        """Factor [1], 0 to 1, on loads without a curve at a moment [s]."""
         return 1.0 if self.follows_path else min(max(moment - self.begin, 0.0), 1.0)
 
     def time(self, moment: float) -> float:
@@ -58,20 +58,20 @@ class Loading:
         return moment if self.follows_path else max(moment, self.start)
 
     def message(self, moment: float) -> str:
-        """A moment as a user knows it."""
+        """A moment in words of the user, for messages."""
         if moment < self.start:
-            return f"{100.0 * self.share(moment):.4g} % of the loads that have no curve"
+            return f"{100.0 * self.load_factor(moment):.4g} % of the loads that have no curve"
         return f"t = {moment:.6g} s"
 
     def set_time(self, moment: float) -> None:
-        """Let all act as at a moment. Writes: parameters.
+        """Set the parameters of loads and drivers to a moment. Writes: parameters.
 
         Raises SolverError for a curve that is read outside its range.
         """
         for g, rises, full in self.rising:
             column = g.parameters[g.module.AMPLITUDE]
             column[:] = full
-            column[rises] *= self.share(moment)
+            column[rises] *= self.load_factor(moment)
             if self.silent is not None and self.silent[0] is g:
                 column[self.silent[1]] = 0.0
         for names, p, curves, offsets in self.driven:
@@ -127,8 +127,8 @@ def loads_without_curve(model: Model) -> list[tuple[Any, np.ndarray, np.ndarray]
     return found
 
 
-def _still(model: Model) -> int:
-    """A curve that is 0 for ever; its first point. Writes: model.curves."""
+def _constant_curve(model: Model) -> int:
+    """First point of a curve that is 0 everywhere. Writes: model.curves."""
     points, first = np.zeros(2, POINT.dtype), len(model.curves)
     points["x"], points["last"], points["beyond"] = (0.0, 1.0), first + 1, HOLD
     model.curves = np.concatenate([model.curves, points])
@@ -136,7 +136,7 @@ def _still(model: Model) -> int:
 
 
 def potential(model: Model, nodes: np.ndarray, loading: Loading) -> float:
-    """Potential energy of the bodies under the whole of gravity [J]."""
+    """Potential energy [J] of the bodies under full gravity."""
     total, moving = 0.0, nodes[1:]
     moments = (
         moving["r"][moving["mass_inv"] > 0.0] / moving["mass_inv"][moving["mass_inv"] > 0.0, None]

@@ -14,7 +14,7 @@ def move(nodes: np.ndarray, change: np.ndarray) -> None:
     nodes["A"] = matrices(nodes["q"]).reshape(-1, 9)
 
 
-def nudge(row: np.void, k: int, size: float) -> None:
+def perturb(row: np.void, k: int, size: float) -> None:
     """Move a node along axis k [m], or turn it about axis k - 3 [rad], by very little.
 
     Writes: row.

@@ -41,7 +41,7 @@ MOMENT_STEP = 1e-6
 COSINE = 0.9
 # of a step: the end is reached within its length
 REACHED = 1.0 + 1e-6
-# what moves less under its whole load does not move, in the model's size or rad
+# a model that moves less under its full load counts as rigid, in the model's size or rad
 UNMOVED = 1e-14
 
 POSITION = Record("""
@@ -55,7 +55,7 @@ Point = tuple[float, float, int]
 
 
 class PathEngine(StaticEngine):
-    """Goes along a path of equilibria, by the distance from one to the next."""
+    """Follows a path of equilibria by steps of given arc length."""
 
     def __init__(self, model: Model, state: State, control: Control, program: str = "") -> None:
         super().__init__(model, state, control, program)
@@ -71,7 +71,7 @@ class PathEngine(StaticEngine):
 
     @property
     def _metric(self) -> np.ndarray:
-        """Of positions [1/m] and rotations (6 n,)."""
+        """Weights (6 n,) of displacements [1/m] and rotations [1/rad] in the arc length."""
         return np.tile([*3 * [1.0 / self.model.size], *3 * [1.0]], len(self.free))
 
     def start(self) -> None:
@@ -90,7 +90,7 @@ class PathEngine(StaticEngine):
                 "control.path: arc_length needs a load or a driver with a curve that rises",
             )
         self.direction[:] = np.append(first, 1.0) / self.at.unit
-        self._note()
+        self._record_point()
 
     def reach(self, until: float) -> None:
         """Equilibria along the path until its length is a time [s]. Raises SolverError."""
@@ -98,18 +98,18 @@ class PathEngine(StaticEngine):
         if not self.points:
             # of the equilibrium that a dump has brought
             self._equations(self.at.moment)
-            self._note()
+            self._record_point()
         least = self.at.unit * (until - self.at.passed) / 2**HALVINGS
         clock.time = self.at.moment
         while self.at.passed < until and not self.is_complete:
             left = self.at.unit * (until - self.at.passed)
             tried = min(left, self.at.longest)
-            step = self._step_of(tried, least)
+            step = self._take_step(tried, least)
             self.at.longest = max(2.0 * step, self.at.longest if step == tried else 0.0)
             clock.step = step / self.at.unit
             self.at.passed = until if step == left else self.at.passed + clock.step
             self.at.moment = float(clock.time)
-            self._note()
+            self._record_point()
             clock.time = self.at.passed
             self.on_pause()
             clock.time = self.at.moment
@@ -118,18 +118,18 @@ class PathEngine(StaticEngine):
     advance = reach
 
     def sample(self, time: float | None = None) -> None:
-        """As of a run in time, with the loads of this equilibrium. Raises SolverError."""
+        """Take a sample with the loads of this equilibrium. Raises SolverError."""
         super().sample(self.at.moment)
         self.sampled.time = self.clock.sampled = self.at.passed
 
-    def _step_of(self, step: float, least: float) -> float:
-        """Go on by a step, or by less of it; returns how far. Raises SolverError."""
+    def _take_step(self, step: float, least: float) -> float:
+        """Take a step, or a shorter one; returns its arc length. Raises SolverError."""
         while True:
-            kept, direction = self.keep(), self.direction.copy()
-            far = self._tries_step(step)
+            saved, direction = self.save_state(), self.direction.copy()
+            far = self._attempt_step(step)
             if far:
                 return far
-            self.take_back(kept)
+            self.restore_state(saved)
             self.direction[:] = direction
             step *= 0.5
             if step < least:
@@ -137,39 +137,39 @@ class PathEngine(StaticEngine):
                     self, float(self.clock.time)
                 )
 
-    def _tries_step(self, step: float) -> float:
-        """Go on by a step, or to the end of the path within it; how far, 0 where it fails."""
-        start, begun = self.state.nodes.copy(), float(self.clock.time)
+    def _attempt_step(self, step: float) -> float:
+        """Try a step, at most to the end of the path; returns its arc length, 0 where it fails."""
+        start, start_time = self.state.nodes.copy(), float(self.clock.time)
         before = self._missing_energy()
         self.work.begin()
-        count = self._corrects(step)
+        count = self._correct(step)
         if self.clock.time > self.end:
             # the loads of the end time are passed within this step
             self.state.nodes[:] = start
-            count, self.clock.time = self.finds(self.end), self.end
+            count, self.clock.time = self.iterate(self.end), self.end
             self.is_complete = True
         if self.model.curves[0]["fault"] != 0:
-            raise SolverError(begun, int(self.clock.cycle), *curve_end(self.model, self.clock))
+            raise SolverError(start_time, int(self.clock.cycle), *curve_end(self.model, self.clock))
         far = self._length(self.change_from(start)) if count else 0.0
-        is_fit = 0.0 < far <= REACHED * step and self._turns(start, begun)
+        is_fit = 0.0 < far <= REACHED * step and self._is_smooth(start, start_time)
         if is_fit:
-            self.work.count(start, begun, float(self.clock.time))
-            is_fit = not self._is_off(abs(self._missing_energy() - before))
+            self.work.count(start, start_time, float(self.clock.time))
+            is_fit = not self._is_out_of_balance(abs(self._missing_energy() - before))
         if not is_fit:
             self.is_complete = False
             return 0.0
         self._accept(count)
         return min(far, step) if self.is_complete else step
 
-    def _corrects(self, step: float) -> int:
-        """Passes of Newton's method to an equilibrium so far away; 0 where it leads to none.
+    def _correct(self, step: float) -> int:
+        """Number of Newton's iterations to an equilibrium a `step` away; 0 without convergence.
 
-        It stops where lambda passes the end. Writes: the nodes, clock.time as lambda.
+        They stop where lambda passes the end. Writes: the nodes, clock.time as lambda.
         """
         clock, start = self.clock, self.state.nodes.copy()
         ahead = self.direction * step
         time = float(clock.time) + ahead[-1]
-        self.forces.meet(self.imbalance(min(time, self.end))[0], self)
+        self.forces.include(self.imbalance(min(time, self.end))[0], self)
         self.shift(self.state.nodes, (ahead[:-1] / self._metric).reshape(-1, 6))
         previous = np.inf
         for count in range(MOST_ITERATIONS):
@@ -182,23 +182,23 @@ class PathEngine(StaticEngine):
             moved = change[:-1].reshape(-1, 6)
             if not np.isfinite(change).all():
                 return 0
-            worst = self.size_of(moved)
-            cut = self.cut(moved)
-            self.shift(self.state.nodes, moved * cut)
-            time += cut * change[-1]
-            share = min(worst / previous, 1.0) if count else 1.0
-            is_still = worst * share <= self.tolerance * self._whole_change(start) + NOWHERE
-            stays = worst >= 0.5 * previous and worst <= STAGNATION_TOLERANCE
-            if cut == 1.0 and (is_still or stays) and time <= self.end:
+            size = self.size_of(moved)
+            step_fraction = self.step_fraction(moved)
+            self.shift(self.state.nodes, moved * step_fraction)
+            time += step_fraction * change[-1]
+            contraction = min(size / previous, 1.0) if count else 1.0
+            is_small = size * contraction <= self.tolerance * self._largest_change(start) + NOWHERE
+            stagnates = size >= 0.5 * previous and size <= STAGNATION_TOLERANCE
+            if step_fraction == 1.0 and (is_small or stagnates) and time <= self.end:
                 clock.time = time
                 self.model.curves[0]["fault"] = 0
                 if self.is_balanced(time):
                     return count + 1
-            previous = worst
+            previous = size
         return 0
 
-    def _turns(self, start: np.ndarray, begun: float) -> bool:
-        """Whether the path turns little over a step from nodes at a moment. Writes: direction."""
+    def _is_smooth(self, start: np.ndarray, start_time: float) -> bool:
+        """Whether the direction of the path changes little over a step. Writes: direction."""
         gone = self.change_from(start).ravel() * self._metric
         ahead = self._solve(min(float(self.clock.time), self.end), gone, 1.0, is_tangent=True)
         if not np.isfinite(ahead).all():
@@ -214,7 +214,7 @@ class PathEngine(StaticEngine):
     ) -> np.ndarray:
         """Change (6 n + 1,) of positions, rotations and lambda by Newton's equations at a moment.
 
-        `row` times the change of positions in the metric is `right`; a tangent keeps all else.
+        `row` times the change of positions in the metric is `right`; for a tangent b is zero.
         """
         A, b, rate = self._equations(time)
         n, stiff = len(b), np.abs(A).max()
@@ -236,14 +236,14 @@ class PathEngine(StaticEngine):
         ahead = MOMENT_STEP * (self.end - self.begin)
         ahead *= -1.0 if time + ahead > self.end else 1.0
         other, _, closed = self.imbalance(time + ahead)
-        scale = self._balance_of_both(-self.tangent[0]) / max(
+        scale = self._constraint_stiffness(-self.tangent[0]) / max(
             np.abs(D).max(initial=0.0) ** 2, 1e-300
         )
         rate = -(other - g) + scale * np.einsum("mi,m->i", D, closed - phi)
         return A, b, rate / ahead
 
     def _length(self, change: np.ndarray) -> float:
-        """Of displacements and rotations (n, 6), in the metric."""
+        """Arc length [1] of displacements and rotations (n, 6)."""
         return float(np.linalg.norm(change.ravel() * self._metric))
 
     def step_warnings(self) -> list[str]:
@@ -263,8 +263,8 @@ class PathEngine(StaticEngine):
             *([ended] if count or not self.is_complete else []),
         ]
 
-    def _note(self) -> None:
-        """Load factor and unstable modes of an equilibrium."""
+    def _record_point(self) -> None:
+        """Append arc length, load factor and number of unstable modes to the points of the path."""
         assert self.tangent is not None
         factor = (self.at.moment - self.begin) / (self.end - self.begin)
         count = count_unstable(*self.tangent)
@@ -298,7 +298,7 @@ def special_points(points: list[Point]) -> list[str]:
 
 
 def _stability(count: int) -> str:
-    """Of the equilibria that follow, under loads that are held."""
+    """Stability of the equilibria that follow, under constant loads, in words."""
     return (
         f"beyond it equilibria have {count} unstable modes"
         if count
@@ -307,7 +307,7 @@ def _stability(count: int) -> str:
 
 
 def _vertex(x: np.ndarray, y: np.ndarray) -> tuple[float, float]:
-    """Where a parabola through three points is level, and its value."""
+    """x and y of the vertex of the parabola through three points."""
     c = np.polyfit(x - x[1], y, 2)
     at = -0.5 * c[1] / c[0]
     return float(x[1] + at), float(np.polyval(c, at))

@@ -30,34 +30,39 @@ class PlasticFlow:
     def __init__(self, groups: list[Any]) -> None:
         self.groups = [g for g in groups if follows_load_steps(g)]
 
-    def is_lost(self, cut: float) -> bool:
-        """Whether a correction, of which only this share is taken, leads nowhere."""
-        return bool(self.groups) and cut < LOST
+    def is_diverging(self, step_fraction: float) -> bool:
+        """Whether the iteration diverges: only this fraction of a correction is allowed."""
+        return bool(self.groups) and step_fraction < LOST
 
     def state(self, group: Group, current: int) -> Any:
-        """What its entries remember: what is accepted, or of a correction."""
+        """History of a group: the accepted one, or that of the present correction."""
         is_frozen = group in self.groups and bool((group.parameters["at_rest"] == FROZEN).any())
         return group.history[1 - current if is_frozen else current]
 
     def predicted(self, engine: Equations, time: float) -> float:
-        """Moment a little behind the first yield of a segment, by the tangent; at most `time`.
+        """Time [s] a little after the first yield of a segment, by the tangent; at most `time`.
 
         A step far beyond yield would find a chain of segments that all flow: a mechanism.
         """
-        change = engine.correction(time, engine.known)
+        change = engine.correction(time, engine.known_tangent)
         if not np.isfinite(change).all():
             return time
-        begun, cut = float(engine.clock.time), engine.cut(change)
-        whole, current = self._of_all(engine, cut * change), int(engine.clock.current)
+        start_time, step_fraction = float(engine.clock.time), engine.step_fraction(change)
+        whole, current = (
+            self._of_all_nodes(engine, step_fraction * change),
+            int(engine.clock.current),
+        )
         nodes, curves = engine.state.nodes, engine.yielding.curves()
-        share = min(
+        fraction = min(
             g.module.load_factor_to_yield(g.parameters, g.history[current], nodes, whole, curves)
             for g in self.groups
         )
-        return begun + cut * share * (time - begun) if share < 1.0 else time
+        return (
+            start_time + step_fraction * fraction * (time - start_time) if fraction < 1.0 else time
+        )
 
-    def _of_all(self, engine: Equations, change: np.ndarray) -> np.ndarray:
-        """Motions (n, 6) of all nodes, of those of the free ones."""
+    def _of_all_nodes(self, engine: Equations, change: np.ndarray) -> np.ndarray:
+        """Displacements and rotations (N, 6) of all nodes from those (n, 6) of the free ones."""
         whole = np.zeros((len(engine.state.nodes), 6))
         whole[engine.free] = change
         return whole
@@ -68,8 +73,8 @@ class PlasticFlow:
         if not self.groups or size < NEAR:
             engine.shift(nodes, change)
             return
-        current, kept = int(engine.clock.current), engine.tangent
-        whole = self._of_all(engine, change)
+        current, saved = int(engine.clock.current), engine.tangent
+        whole = self._of_all_nodes(engine, change)
         for g in self.groups:
             p, old, new = g.parameters, g.history[current], g.history[1 - current]
             g.module.predict(p, old, new, nodes, whole, engine.yielding.curves())
@@ -79,9 +84,9 @@ class PlasticFlow:
             more = engine.correction(time)
             if not np.isfinite(more).all():
                 break
-            engine.shift(nodes, more * engine.cut(more))
+            engine.shift(nodes, more * engine.step_fraction(more))
             if engine.size_of(more) < LITTLE * size:
                 break
         for g in self.groups:
             g.parameters["at_rest"] = FLOWS
-        engine.tangent = kept
+        engine.tangent = saved

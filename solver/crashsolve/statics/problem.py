@@ -7,20 +7,24 @@ from crashsolve.system.diagnosis import curve_end
 
 
 class Problem:
-    """Why there is no next equilibrium: "lost", "balance", "unstable mode", "fork", "jump",
-    "lost path", "end of curve".
+    """Reason why there is no next equilibrium: "lost", "balance", "unstable mode", "bifurcation",
+    "jump", "lost path", "end of curve".
     """
 
     def __init__(self, kind: str, target: float, location: str = "the model") -> None:
         self.kind, self.target, self.location = kind, target, location
 
     def error(self, engine: Equations, moment: float) -> SolverError:
-        """What the user reads, who has equilibria up to a moment."""
+        """The error for the user, whose results end with the equilibrium at a moment."""
         time, cycle = engine.loading.time(moment), int(engine.clock.cycle)
         if self.kind == "end of curve":
             return SolverError(time, cycle, *curve_end(engine.model, engine.clock))
-        texts = {"lost": self._lost, "balance": self._unbalanced, "unstable mode": self._left}
-        texts |= {"fork": self._forked, "jump": self._jumped, "lost path": self._lost_path}
+        texts = {"lost": self._lost, "balance": self._unbalanced, "unstable mode": self._unstable}
+        texts |= {
+            "bifurcation": self._bifurcation,
+            "jump": self._beyond_limit_point,
+            "lost path": self._lost_path,
+        }
         cause, advice = texts[self.kind](engine, moment)
         return SolverError(time, cycle, self.location, cause, advice)
 
@@ -36,17 +40,17 @@ class Problem:
         )
 
     def _unbalanced(self, engine: Equations, moment: float) -> tuple[str, str]:
-        share = 100.0 * engine.ledger[energy.IMBALANCE] / (engine.ledger[energy.LARGEST] or 1.0)
+        ratio = 100.0 * engine.ledger[energy.IMBALANCE] / (engine.ledger[energy.LARGEST] or 1.0)
         return (
             f"the energy balance is off in the load step to {engine.loading.message(self.target)} "
-            f"({share:.3g} % of the largest energy): the equilibrium found at its end is not the "
+            f"({ratio:.3g} % of the largest energy): the equilibrium found at its end is not the "
             "one that continues from its start",
             "take more steps; where a structure collapses, prescribe its motion by a driver, whose "
             "reaction is the load; where it snaps from one equilibrium to another, say "
             "solution: transient with damping; control.energy_limit sets the bound",
         )
 
-    def _left(self, engine: Equations, moment: float) -> tuple[str, str]:
+    def _unstable(self, engine: Equations, moment: float) -> tuple[str, str]:
         at = engine.loading.message
         return (
             f"the equilibrium becomes unstable between {at(moment)} and {at(self.target)}: "
@@ -57,7 +61,7 @@ class Problem:
             "solution: transient; a body that is balanced above its joint needs a support",
         )
 
-    def _jumped(self, engine: Equations, moment: float) -> tuple[str, str]:
+    def _beyond_limit_point(self, engine: Equations, moment: float) -> tuple[str, str]:
         at = engine.loading.message
         return (
             f"a limit point between {at(moment)} and {at(self.target)}: the equilibrium under the "
@@ -76,7 +80,7 @@ class Problem:
             "imperfection or side load makes such a branch smooth",
         )
 
-    def _forked(self, engine: Equations, moment: float) -> tuple[str, str]:
+    def _bifurcation(self, engine: Equations, moment: float) -> tuple[str, str]:
         return (
             "any one of them may continue to yield while the others unload, all with equal "
             "stability: nothing in the model decides which",
@@ -85,6 +89,6 @@ class Problem:
 
 
 def first_unstable_mode(found: list[Problem]) -> Problem:
-    """An unstable mode says more than what is lost beyond it; else what came last."""
+    """The earliest unstable mode, which explains the failures beyond it; else the last problem."""
     displacements = [problem for problem in found if problem.kind == "unstable mode"]
     return min(displacements, key=lambda problem: problem.target) if displacements else found[-1]

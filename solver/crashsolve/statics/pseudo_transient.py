@@ -2,13 +2,13 @@
 
     2 M / h^2 delta = g(q + delta)         h is not a time, but says how little inertia may hold
 
-One step leaves 1 / (1 + (omega h)^2 / 2) of what is missing to the equilibrium of its load in a
-vibration of frequency omega (`integrators/_rest_stage.py`); what two steps move states what is
-left. h begins at so many periods of the fastest vibration, and grows where steps lead too slowly:
-the course of time has no part in it. Inertia holds what no stiffness does, as some spins of the
-nodes of a shell about its normal. Elements of shells and fibre beams strain along the path from
-equilibrium to equilibrium, as what yields must. Consequence to test: the answer is that of any
-end_time.
+One step leaves 1 / (1 + (omega h)^2 / 2) of the distance to equilibrium in a vibration of frequency
+omega (`integrators/_rest_stage.py`), so the displacements of two steps give what is left after
+them. h begins at so many periods of the fastest vibration, and grows where steps converge slowly;
+it does not depend on the time of the run. Inertia holds what no stiffness does, as some spins of
+the nodes of a shell about its normal. Elements of shells and fibre beams strain along the path from
+equilibrium to equilibrium, as plasticity requires. Consequence to test: the answer does not depend
+on end_time.
 
 Reference: Crisfield (1991), Non-linear Finite Element Analysis of Solids and Structures, vol. 1, 9.
 """
@@ -24,17 +24,17 @@ from crashsolve.model.clock import CURVE_END, NOT_FINITE, PAUSED, REACHED, STEP_
 from crashsolve.model.model import Group, Model, State
 from crashsolve.statics.balance import EQUAL, ROUND
 from crashsolve.statics.equilibrium import NOWHERE, STAGNATION_TOLERANCE, STEP, StaticEngine
-from crashsolve.statics.motions import nudge
+from crashsolve.statics.motions import perturb
 from crashsolve.statics.stability import mass_matrix, unstable_mode, unstable_modes
 from crashsolve.system.diagnosis import diagnose
 
-# steps for one load; what needs more moves freely
+# most steps for one load; a model that needs more can move freely
 REPEATS = 150
 # h over 1 / omega of the fastest vibration: at first, at most, and how it grows
 FIRST, MOST, GROWTH = 1e3, 1e8, 32.0
 # the same where unstable modes are looked for
 CERTAIN = 1e7
-# of what is missing, that a step may leave
+# residual that a step may leave, of the distance to equilibrium
 SLOW, UNKNOWN = 0.1, 0.9
 # how h grows where Newton's method has failed
 CAREFUL, RELENTING = 4.0, 1.2
@@ -57,109 +57,119 @@ class RestEngine(StaticEngine):
     def __init__(self, model: Model, state: State, control: Control, program: str = "") -> None:
         super().__init__(model, state, control, program)
         # elements that yield load by one tangent and unload by another
-        self.sees_jumps, self.halvings = False, HALVINGS
-        self.searches = False  # whether corrections that go too far are shortened
-        self.fastest = self.pseudo = 0.0
-        self.good = 0
-        message = turning(model.groups)
+        self.checks_limit_points, self.halvings = False, HALVINGS
+        self.shortens_corrections = False  # whether corrections that go too far are shortened
+        self.highest_frequency = self.pseudo = 0.0
+        self.good_steps = 0
+        message = warning_of_rotating_loads(model.groups)
         if message:
             self.notes.append(message)
 
-    def _reaches(self, time: float) -> float | None:
-        """Steps from rest to the equilibrium at a time; None where there is none."""
+    def _solve_at(self, time: float) -> float | None:
+        """Step from rest to the equilibrium at a time [s]; returns it, None without convergence."""
         clock, nodes = self.clock, self.state.nodes
-        begun, start, previous = float(clock.time), nodes.copy(), np.inf
-        growth, highest, good, cycle = GROWTH, MOST, 0.0, int(clock.cycle)
-        self.forces.meet(self.rest(time, nodes), self)
-        self._choose_step()
+        start_time, start, previous = float(clock.time), nodes.copy(), np.inf
+        growth, highest, last_good, cycle = GROWTH, MOST, 0.0, int(clock.cycle)
+        self.forces.include(self.forces_at_rest(time, nodes), self)
+        self._set_first_step()
         first = self.pseudo
         # a longer load step is tried after some that were good
-        self.good += 1
-        self.growth = 2.0 if self.good % TRIED == 0 else 1.0
+        self.good_steps += 1
+        self.growth = 2.0 if self.good_steps % TRIED == 0 else 1.0
         for _ in range(REPEATS):
-            kept = self.keep()
-            if not self._relaxes(begun, time):
-                self.take_back(kept)
-                if self.searches:
+            saved = self.save_state()
+            if not self._relax(start_time, time):
+                self.restore_state(saved)
+                if self.shortens_corrections:
                     # the load step is too long
                     break
                 # too far for Newton's method: more inertia, and less at a time
-                self.pseudo = good if good else self.pseudo / GROWTH
-                growth, highest = CAREFUL, self.pseudo * self.fastest * (1.0 if good else GROWTH)
-                if self.pseudo * self.fastest < 0.5 * FIRST:
+                self.pseudo = last_good if last_good else self.pseudo / GROWTH
+                ratio = self.pseudo * self.highest_frequency
+                growth, highest = CAREFUL, ratio * (1.0 if last_good else GROWTH)
+                if ratio < 0.5 * FIRST:
                     # more inertia would leave all of the motion to the elements beside a driver;
                     # the load step is too long
                     break
                 continue
             used = self.pseudo
-            change, total = self.size_of(self.change_from(kept[1])), self._whole_change(start)
+            change, total = self.size_of(self.change_from(saved[1])), self._largest_change(start)
             # one step alone does not show it
             is_known = 0.0 < previous < np.inf
             left = min(change / previous, UNKNOWN) if is_known else UNKNOWN * (change > 0.0)
-            g = self.rest(time, nodes)
-            self.forces.meet_reactions(self)
-            balance, is_longest = self.forces.balance(g, self._round_off()), self._is_longest()
+            is_balanced = self._is_balanced_at(time, change, left, total)
             # a load step counts as one
-            clock.cycle = cycle + 1
-            clock.value = change
-            is_still = change * left <= self.tolerance * total * (1.0 - left) + NOWHERE
-            if is_still and (balance == EQUAL or (balance == ROUND and is_longest)):
+            clock.cycle, clock.value = cycle + 1, change
+            if is_balanced:
                 return time
             if (
-                is_longest
-                and balance
-                and left > SLOW
-                and change <= STAGNATION_TOLERANCE * total / SLOW
+                (left > SLOW or change == 0.0)
+                and previous < np.inf
+                and not self.shortens_corrections
             ):
-                return time
-            if (left > SLOW or change == 0.0) and previous < np.inf and not self.searches:
-                self.pseudo = min(self.pseudo * growth, highest / self.fastest)
-            # what has failed far from equilibrium may serve near it
-            highest, good, previous = min(highest * RELENTING, MOST), used, change
-        self.pseudo = max(first, QUIET / self.fastest) if self.searches else first
+                self.pseudo = min(self.pseudo * growth, highest / self.highest_frequency)
+            # a step that failed far from equilibrium may converge near it
+            highest, last_good, previous = min(highest * RELENTING, MOST), used, change
+        self.pseudo = (
+            max(first, QUIET / self.highest_frequency) if self.shortens_corrections else first
+        )
         return None
 
-    def _is_longest(self) -> bool:
-        """Whether h grows no more."""
-        return self.pseudo >= 0.5 * MOST / self.fastest
+    def _is_balanced_at(self, time: float, change: float, left: float, total: float) -> bool:
+        """Whether forces are in balance at a time [s], and the step has moved little.
 
-    def _choose_step(self) -> None:
-        """h from the fastest vibration of elements and of springs. Writes: self."""
+        `change` of the step, `total` of the load step, and `left`, the rate of convergence [1].
+        """
+        g = self.forces_at_rest(time, self.state.nodes)
+        self.forces.include_reactions(self)
+        balance, is_longest = self.forces.balance(g, self._round_off()), self._is_longest_step()
+        is_small = change * left <= self.tolerance * total * (1.0 - left) + NOWHERE
+        if is_small and (balance == EQUAL or (balance == ROUND and is_longest)):
+            return True
+        stagnates = left > SLOW and change <= STAGNATION_TOLERANCE * total / SLOW
+        return is_longest and bool(balance) and stagnates
+
+    def _is_longest_step(self) -> bool:
+        """Whether h has reached its largest value."""
+        return self.pseudo >= 0.5 * MOST / self.highest_frequency
+
+    def _set_first_step(self) -> None:
+        """Set h from the highest frequency of elements and springs. Writes: self."""
         if self.pseudo:
             return
         springs = float(self.nodes["stiffness"][1:].max(initial=0.0))
-        self.fastest = sqrt(max(float(self.sampled.element_rate), 2.0 * springs, 1e-300))
-        self.pseudo = FIRST / self.fastest
+        self.highest_frequency = sqrt(max(float(self.sampled.element_rate), 2.0 * springs, 1e-300))
+        self.pseudo = FIRST / self.highest_frequency
 
-    def _relaxes(self, begun: float, time: float) -> bool:
-        """One step from rest, with what acts at a time; whether its iteration converges.
+    def _relax(self, start_time: float, time: float) -> bool:
+        """Take one step from rest under the loads of a time; whether its iteration converges.
 
-        Where whole corrections lead nowhere shorter ones may, and are kept to from then on.
+        Where full corrections diverge, shortened ones are tried, and used from then on.
         """
-        kept, pseudo = self.keep(), self.pseudo
-        is_found = self._iterates(begun, time)
-        if is_found or self.searches:
+        saved, pseudo = self.save_state(), self.pseudo
+        is_found = self._iterate(start_time, time)
+        if is_found or self.shortens_corrections:
             return is_found
-        self.take_back(kept)
-        self.searches, self.pseudo = True, max(pseudo, QUIET / self.fastest)
-        if self._iterates(begun, time):
+        self.restore_state(saved)
+        self.shortens_corrections, self.pseudo = True, max(pseudo, QUIET / self.highest_frequency)
+        if self._iterate(start_time, time):
             return True
-        self.searches, self.pseudo = False, pseudo
+        self.shortens_corrections, self.pseudo = False, pseudo
         return False
 
-    def _iterates(self, begun: float, time: float) -> bool:
-        """The same, by corrections as they are or shortened."""
+    def _iterate(self, start_time: float, time: float) -> bool:
+        """One such step with full or shortened corrections."""
         clock, control = self.clock, self.model.control[0]
-        message = clock.impulse.copy(), clock.angular_impulse.copy()
+        impulses = clock.impulse.copy(), clock.angular_impulse.copy()
         clock.time, clock.kinked, clock.factored = 0.0, 1, 0.0
         clock.goal = self.loading.time(time)
         control["fixed_step"] = control["step_min"] = clock.next_step = self.pseudo
-        control["searches"] = self.searches
+        control["searches"] = self.shortens_corrections
         clock.pause = clock.cycle + 1
         self.loading.set_time(time)
         self._advance(self.pseudo, False, self._present)
-        clock.pause, clock.time = 0, begun
-        clock.impulse, clock.angular_impulse = message
+        clock.pause, clock.time = 0, start_time
+        clock.impulse, clock.angular_impulse = impulses
         if clock.status == CURVE_END:
             raise diagnose(self.model, self.state, clock, self.state.ledger)
         for name in STILL:
@@ -171,12 +181,14 @@ class RestEngine(StaticEngine):
         return True
 
     def _round_off(self) -> tuple[float, float]:
-        """Forces and moments that round-off of positions leaves, over epsilon [N, N m]."""
+        """Forces and moments [N, N m] by round-off of positions, over epsilon."""
         columns = self.tableau["columns_0"]
         diagonal = columns["pivot"][columns["node"] > 0] / (0.5 * self.pseudo**2)
-        stiff, turning = diagonal[:, :3].max(), diagonal[:, 3:].max()
+        stiff, warning_of_rotating_loads = diagonal[:, :3].max(), diagonal[:, 3:].max()
         size = self.model.size
-        return stiff * size, turning + sqrt(stiff * turning) * size
+        return stiff * size, warning_of_rotating_loads + sqrt(
+            stiff * warning_of_rotating_loads
+        ) * size
 
     def _unstable(self) -> str:
         """Name of the node that leaves the equilibrium; empty where it is stable.
@@ -187,16 +199,18 @@ class RestEngine(StaticEngine):
         location = self._unstable_bodies(now)
         if location:
             return location
-        kept, pseudo = self.keep(), self.pseudo
-        self.pseudo = CERTAIN / self.fastest
-        self._iterates(now, now)
+        saved, pseudo = self.save_state(), self.pseudo
+        self.pseudo = CERTAIN / self.highest_frequency
+        self._iterate(now, now)
         self.pseudo = pseudo
-        self.take_back(kept)
+        self.restore_state(saved)
         count, node = unstable_modes(self.tableau["columns_0"])
         return self.name_of(node) if count > 0 else ""
 
     def _unstable_bodies(self, now: float) -> str:
-        """The same of bodies alone, where elements stand still; with geometric stiffness."""
+        """Name of the body that leaves the equilibrium, with elements at rest; empty where none
+        does.
+        """
         theirs = (
             set(self.model.elements.attached_points["node"].tolist())
             if self.model.elements
@@ -213,10 +227,10 @@ class RestEngine(StaticEngine):
         columns, nodes = [], self.state.nodes.copy()
         for k in range(6 * len(own)):
             i, size = int(self.free[own[k // 6]]), STEP * (self.model.size if k % 6 < 3 else 1.0)
-            kept = nodes[i].copy()
-            nudge(nodes[i], k % 6, size)
-            columns.append((imbalance - self.rest(now, nodes)) / size)
-            nodes[i] = kept
+            saved = nodes[i].copy()
+            perturb(nodes[i], k % 6, size)
+            columns.append((imbalance - self.forces_at_rest(now, nodes)) / size)
+            nodes[i] = saved
         at = (6 * own[:, None] + np.arange(6)).ravel()
         mode, _ = unstable_mode(
             np.array(columns).T[at],
@@ -228,8 +242,8 @@ class RestEngine(StaticEngine):
         return self.name_of(int(self.free[own[np.abs(mode).argmax() // 6]]))
 
 
-def turning(groups: list[Any]) -> str | None:
-    """Warning of what the check of stability leaves out; None where that is nothing."""
+def warning_of_rotating_loads(groups: list[Any]) -> str | None:
+    """Warning of rotating loads that the check of stability leaves out; None without any."""
     names = [name for g in groups for name in _rotating(g)]
     if not names:
         return None
@@ -245,7 +259,7 @@ def turning(groups: list[Any]) -> str | None:
 
 
 def _rotating(group: Group) -> list[str]:
-    """Loads whose forces turn with what they act on, and joints whose forces have an arm."""
+    """Names of follower loads, and of joints whose forces have a lever arm."""
     p = group.parameters
     names = set(p.dtype.names or ())
     rotates = np.zeros(len(p), bool)

@@ -52,7 +52,7 @@ def unstable_mode(K: np.ndarray, D: np.ndarray, M: np.ndarray) -> tuple[np.ndarr
 
 
 def _of_even(K: np.ndarray, nothing: float) -> np.ndarray | None:
-    """The motion that a symmetric K drives on."""
+    """The unstable mode (n,) of a symmetric K, None without one."""
     try:
         np.linalg.cholesky(K + nothing * np.eye(len(K)))
     except np.linalg.LinAlgError:
@@ -62,7 +62,7 @@ def _of_even(K: np.ndarray, nothing: float) -> np.ndarray | None:
 
 
 def _of_odd(K: np.ndarray, M: np.ndarray) -> tuple[np.ndarray | None, bool]:
-    """The same of any K, and whether vibrations grow."""
+    """The unstable mode (n,) of any K, None without one, and whether vibrations grow."""
     found, displacements = np.linalg.eig(np.linalg.solve(M, K))
     size = np.abs(found)
     is_real = np.abs(found.imag) <= ALIKE * size
@@ -74,7 +74,7 @@ def _of_odd(K: np.ndarray, M: np.ndarray) -> tuple[np.ndarray | None, bool]:
 
 
 def unstable_modes(columns: np.ndarray) -> tuple[int, int]:
-    """How many unstable modes the pivots of a factor show, and the node of the most negative one.
+    """Number of unstable modes by the pivots of a factor, and the node of the most negative one.
 
     `columns` are those of foundation/sparse/bordered.py, after the nodes' have been factorised.
     """
@@ -105,7 +105,7 @@ def mass_matrix(nodes: np.ndarray) -> np.ndarray:
 
 
 def count_unstable(K: np.ndarray, D: np.ndarray) -> int:
-    """In how many independent motions (n,) an equilibrium is left. K (n, n), D (m, n)."""
+    """Number of unstable modes of an equilibrium. K (n, n), D (m, n)."""
     size = np.sqrt(np.maximum(np.abs(np.diag(K)), SOFT * np.abs(K).max(initial=1e-300)))
     free = null_space(D / size)
     reduced = free.T @ (K / np.outer(size, size)) @ free

@@ -6,10 +6,12 @@
 g are the forces at rest that joints do not hold, delta_c closes the joints. tau grows as g falls
 (pseudo-transient continuation): small steps along the forces at first, so that what hangs above its
 springs settles on them, Newton's steps in the end. Directions in which nothing acts, as those in
-which a car rolls, keep their coordinate. Forces are those without motion: dampers, friction and
-slip of tyres rest, but for the carcass of wheels that stand (`standing.py`). Velocities of the deck
-stay, but for what joints of the new configuration do not allow. Consequence to test: loads sum to
-the weight and divide by their lever arms, and the motion that follows stays below 1 % of them.
+which a car rolls, keep their coordinate; where a small force is left in such a direction, as by the
+aligning moments of leaning wheels, the run begins with it, and the log states it. Forces are those
+without motion: dampers, friction and slip of tyres are zero, but for the carcass of standing wheels
+(`standing_tyres.py`). Velocities of the deck stay, but for what joints of the new configuration do
+not allow. Consequence to test: loads sum to the weight and divide by their lever arms, and the
+motion that follows stays below 1 % of them.
 
 Reference: Kelley and Keyes (1998), Convergence analysis of pseudo-transient continuation, SIAM
 Journal on Numerical Analysis 35, 508-523.
@@ -23,46 +25,49 @@ import numpy as np
 from crashsolve.foundation.errors import SolverError
 from crashsolve.model.contact.pairs import renew
 from crashsolve.model.jacobian import jacobian, null_space, whole_rows
-from crashsolve.statics.motions import move, nudge
-from crashsolve.statics.standing import Standing
+from crashsolve.statics.motions import move, perturb
+from crashsolve.statics.standing_tyres import StandingTyres
 from crashsolve.system.engine import Engine
 
 # differences: over the model's size, and rad
 STEP = 1e-7
 # largest displacement (over the model's size) and rotation [rad] of a pass
-FAR, ANGLE = 0.05, 0.1
+LARGEST_DISPLACEMENT, LARGEST_ROTATION = 0.05, 0.1
 # of tau [s]: that of the first pass, the largest, which leaves neutral directions alone, the least
 FIRST, LONGEST, SHORTEST = 0.01, 10.0, 1e-7
-PASSES = 300
-# searches where wheels stand: what one drags across the road as it is set down, the next releases
+MOST_ITERATIONS = 300
+# searches where wheels stand: a tyre dragged across the road in one is released in the next
 SEARCHES = 3
-# passes on end in which a tyre that stands slides all over, after which nothing will hold it
+# successive iterations in which a standing tyre slides all over, after which nothing holds it
 SLIDES = 40
-# a correction that is none, in the model's size or rad
-STILL = 1e-11
-# growth of a motion away from the equilibrium that is none of round-off [1/s]
+# acceleration in directions that nothing holds, over that of the loads, with which a run begins all
+# the same: half of the transient that is allowed; tau [s] from which a search that is left with so
+# little stalls where it falls by less than a half, and the successive iterations that show it
+DRIFT, STALLED, STALLS = 5e-3, 0.5, 2
+# a correction that counts as zero, in the model's size or rad
+SMALLEST = 1e-11
+# growth of a motion away from the equilibrium beyond that of round-off [1/s]
 GROWTH, ROUND_OFF = 0.1, 1e-9
 # coordinates; differences of so many take minutes
-MOST = 3000
+MOST_COORDINATES = 3000
 SUPPORT = (
     "support it by joints, springs or contacts that carry a static load (friction, dampers and "
     "sliding tyres carry none), or leave out control.start"
 )
 
 
-def begin_at_rest(engine: Engine, does: Callable[[str], None]) -> str:
+def begin_at_rest(engine: Engine, report: Callable[[str], None]) -> str:
     """Move the nodes to equilibrium; returns what was moved. Writes: state.nodes.
 
-    `does` takes words for every pass, since one of many coordinates lasts seconds.
-
-    Raises SolverError where there is none.
+    `report` is called with a text at every iteration: one of many coordinates lasts seconds.
+    Raises SolverError where there is no equilibrium.
     """
-    return _Settling(engine).run(does)
+    return _EquilibriumSearch(engine).run(report)
 
 
 @dataclass
-class _Rest:
-    """What acts in a configuration: g (6 n,), D (m, 6 n), Phi (m,) and accelerations (n, 6)."""
+class _RestState:
+    """A configuration at rest: g (6 n,), D (m, 6 n), Phi (m,) and accelerations (n, 6)."""
 
     g: np.ndarray
     D: np.ndarray
@@ -70,7 +75,7 @@ class _Rest:
     rates: np.ndarray
 
     @property
-    def worst(self) -> float:
+    def largest_acceleration(self) -> float:
         return float(np.abs(self.rates).max(initial=0.0))
 
     @property
@@ -80,25 +85,34 @@ class _Rest:
 
 
 @dataclass
-class _Pass:
-    """A correction (n, 6), its size before it is cut, and the matrices it is made by."""
+class _Correction:
+    """A correction (n, 6), its size before it is limited, and the state it is for with matrices."""
 
-    D: np.ndarray
+    state: _RestState
     Z: np.ndarray
     G: np.ndarray
     inverse: np.ndarray
     change: np.ndarray
     size: float
 
-    def again(self, rest: "_Rest") -> np.ndarray:
-        """The correction (n, 6) that these matrices make of another configuration."""
-        n = rest.g.size
-        closing = np.linalg.lstsq(self.D, -rest.phi, rcond=1e-12)[0] if len(self.D) else np.zeros(n)
-        free = self.Z @ (self.inverse @ (self.Z.T @ (rest.g + self.G @ closing)))
+    def for_state(self, state: "_RestState") -> np.ndarray:
+        """The correction (n, 6) of another configuration by the same matrices."""
+        D, n = self.state.D, state.g.size
+        closing = np.linalg.lstsq(D, -state.phi, rcond=1e-12)[0] if len(D) else np.zeros(n)
+        free = self.Z @ (self.inverse @ (self.Z.T @ (state.g + self.G @ closing)))
         return np.asarray((closing + free).reshape(-1, 6))
 
 
-class _Settling:
+def _held_inverse(matrix: np.ndarray, M: np.ndarray, tau: float) -> np.ndarray:
+    """Inverse of `matrix` but for motions that nothing holds, which keep their coordinates."""
+    half = np.linalg.inv(np.linalg.cholesky(0.5 * (M + M.T)))
+    U, values, V = np.linalg.svd(half @ matrix @ half.T)
+    kept = values > 1.0 / tau**2 + GROWTH**2
+    inverse = V[kept].T @ ((U[:, kept] / values[kept]).T)
+    return np.asarray(half.T @ inverse @ half)
+
+
+class _EquilibriumSearch:
     """Intermediate configurations, as nodes without velocities."""
 
     def __init__(self, engine: Engine) -> None:
@@ -109,71 +123,98 @@ class _Settling:
         if len(engine.state.points):
             message = "control.start: equilibrium does not move the nodes of shells"
             raise self._refusal(1, message, "leave out control.start")
-        if 6 * len(self.free) > MOST:
+        if 6 * len(self.free) > MOST_COORDINATES:
             message = (
                 f"the model has {6 * len(self.free)} coordinates; control.start: equilibrium is "
-                f"for at most {MOST}"
+                f"for at most {MOST_COORDINATES}"
             )
             raise self._refusal(1, message, "leave out control.start")
-        self.standing = Standing(self.model, nodes, int(engine.clock["current"]))
+        self.standing_tyres = StandingTyres(self.model, nodes, int(engine.clock["current"]))
+        # whether the search is left with a motion that nothing holds
+        self.drifts = False
         self.nodes = nodes.copy()
         self.nodes["v"] = self.nodes["w"] = self.nodes["L"] = 0.0
 
-    def run(self, does: Callable[[str], None]) -> str:
-        """The whole search; returns what it found."""
-        first, passes = self.nodes.copy(), 0
-        for _ in range(SEARCHES if self.standing.patches else 1):
-            self.standing.begin(self.nodes)
-            here, passes = self._search(passes, does)
-        does("preparing the first step")
-        self._refuse_unstable(here)
-        self._take_over(here.D)
-        return self._words(first, passes)
+    def run(self, report: Callable[[str], None]) -> str:
+        """Move the nodes to equilibrium; returns what was moved, for the log."""
+        first, iterations = self.nodes.copy(), 0
+        for _ in range(SEARCHES if self.standing_tyres.patches else 1):
+            self.standing_tyres.release(self.nodes)
+            correction, iterations = self._search(iterations, report)
+        report("preparing the first step")
+        self._refuse_unstable(correction)
+        self._accept(correction.state.D)
+        return self._words(first, iterations, correction.state)
 
-    def _search(self, passes: int, does: Callable[[str], None]) -> tuple["_Rest", int]:
-        """Passes from the present configuration to an equilibrium; what acts there, all passes."""
-        here, tau, slides = self._at_rest(self.nodes), FIRST, 0
-        self.standing.accept(self.nodes)
+    def _search(self, iterations: int, report: Callable[[str], None]) -> tuple["_Correction", int]:
+        """Iterate from the present configuration to an equilibrium; the correction there, which is
+        none, and the number of all iterations.
+        """
+        state, tau, slides, stalls = self._at_rest(self.nodes), FIRST, 0, 0
+        self.standing_tyres.accept(self.nodes)
+        self.drifts, before = False, np.inf
         while True:
-            does(f"searching the equilibrium, after {passes} of at most {PASSES} iterations")
-            pass_ = self._pass(here, tau)
-            is_still = pass_.size <= STILL and (tau == LONGEST or here.worst == 0.0)
-            if is_still and np.abs(here.phi).max(initial=0.0) <= self._closed():
-                return here, passes
-            slides = slides + 1 if self.standing.sliding() else 0
-            if passes == PASSES or slides == SLIDES:
-                raise self._no_equilibrium(here, passes)
-            passes += 1
-            tried = self.nodes.copy()
-            self._shift(tried, pass_.change)
-            there = self._at_rest(tried)
+            count = f"{iterations} of at most {MOST_ITERATIONS} iterations"
+            report(f"searching the equilibrium, after {count}")
+            stalls = stalls + 1 if tau >= STALLED and self._has_stalled(state, before) else 0
+            self.drifts = self._is_allowed(state) and (self.drifts or stalls >= STALLS)
+            before = state.largest_acceleration
+            correction = self._correction(state, tau)
+            is_small = correction.size <= SMALLEST and (
+                tau == LONGEST or state.largest_acceleration == 0.0
+            )
+            if is_small and np.abs(state.phi).max(initial=0.0) <= self._gap_tolerance():
+                return correction, iterations
+            slides = slides + 1 if self.standing_tyres.sliding() else 0
+            if iterations == MOST_ITERATIONS or slides == SLIDES:
+                raise self._no_equilibrium(state, iterations)
+            iterations += 1
+            trial = self.nodes.copy()
+            self._shift(trial, correction.change)
+            next_state = self._at_rest(trial)
             # the correction that the same matrix would make there: natural monotonicity
-            growth = self._size(pass_.again(there)) / max(pass_.size, 1e-300)
-            if not growth <= 2.0 and tau > SHORTEST and pass_.size > STILL:
+            growth = self._size(correction.for_state(next_state)) / max(correction.size, 1e-300)
+            if not growth <= 2.0 and tau > SHORTEST and correction.size > SMALLEST:
                 tau *= 0.25
                 continue
-            self.nodes, here = tried, there
-            self.standing.accept(self.nodes)
-            if growth <= 1.0 or pass_.size <= STILL:
+            self.nodes, state = trial, next_state
+            self.standing_tyres.accept(self.nodes)
+            if growth <= 1.0 or correction.size <= SMALLEST:
                 tau = min(2.0 * tau / max(growth, 0.1), LONGEST)
-            self._look_again()
+            self._find_near_pairs()
 
-    def _at_rest(self, nodes: np.ndarray) -> "_Rest":
-        """What acts in a configuration without velocities."""
-        engine = self.engine
-        self.standing.follow(nodes)
-        engine.sample_of(nodes)
-        found = engine.nodes[self.free]
+    def _has_stalled(self, state: "_RestState", before: float) -> bool:
+        """Whether accelerations have fallen by less than a half since `before`."""
+        return state.largest_acceleration > 0.5 * before
+
+    def _is_allowed(self, state: "_RestState") -> bool:
+        """Whether what is left is no more than a run may begin with."""
+        nodes = self.engine.nodes
+        load = float(np.linalg.norm(nodes["external"][0, :3]))
+        mass = float((1.0 / nodes["mass_inv"][self.free]).sum())
+        return state.largest_acceleration * mass <= DRIFT * load
+
+    def _forces(self, nodes: np.ndarray) -> np.ndarray:
+        """g (6 n,) of a configuration without velocities; the engine keeps its sample."""
+        self.standing_tyres.follow(nodes)
+        self.engine.sample_of(nodes)
+        found = self.engine.nodes[self.free]
         g = np.empty((len(self.free), 6))
         g[:, :3] = found["v_dot"] / found["mass_inv"][:, None]
         A, J = (found[name].reshape(-1, 3, 3) for name in ("A", "J"))
         own = np.einsum("nji,nj->ni", A, found["w_dot"])
         g[:, 3:] = np.einsum("nij,njk,nk->ni", A, J, own)
+        return g.ravel()
+
+    def _at_rest(self, nodes: np.ndarray) -> "_RestState":
+        """The state of rest in a configuration."""
+        g, engine = self._forces(nodes), self.engine
+        found = engine.nodes[self.free]
         D = jacobian(self.model.joints, engine.rows, len(nodes))[:, self.free]
         phi = engine.rows["phi"][whole_rows(self.model.joints)].copy()
         # rotations count by the model's size
         rates = np.hstack([found["v_dot"], found["w_dot"] * self.model.size])
-        return _Rest(g.ravel(), D.reshape(len(D), g.size), phi, rates)
+        return _RestState(g, D.reshape(len(D), g.size), phi, rates)
 
     def _mass(self) -> np.ndarray:
         """M (6 n, 6 n) of the present configuration."""
@@ -191,39 +232,46 @@ class _Settling:
         nodes, columns = self.nodes.copy(), np.empty((g.size, g.size))
         for k in range(g.size):
             i, size = self.free[k // 6], STEP * (self.model.size if k % 6 < 3 else 1.0)
-            kept = nodes[i].copy()
-            nudge(nodes[i], k % 6, size)
-            columns[:, k] = (self._at_rest(nodes).g - g) / size
-            nodes[i] = kept
+            saved = nodes[i].copy()
+            perturb(nodes[i], k % 6, size)
+            columns[:, k] = (self._forces(nodes) - g) / size
+            nodes[i] = saved
         return columns
 
-    def _pass(self, here: "_Rest", tau: float) -> "_Pass":
-        """The correction of one pass."""
-        Z, G = here.motions, self._tangent(here.g)
-        matrix = Z.T @ (self._mass() / tau**2 - G) @ Z
-        found = _Pass(here.D, Z, G, np.linalg.pinv(matrix, rcond=1e-15), np.zeros((0, 6)), 0.0)
-        change = found.again(here)
+    def _correction(self, state: "_RestState", tau: float) -> "_Correction":
+        """The correction (n, 6) of one iteration with a pseudo time step `tau` [s]."""
+        Z, G = state.motions, self._tangent(state.g)
+        mass = self._mass()
+        matrix = Z.T @ (mass / tau**2 - G) @ Z
+        if self.drifts:
+            inverse = _held_inverse(matrix, Z.T @ mass @ Z, tau)
+        else:
+            inverse = np.linalg.pinv(matrix, rcond=1e-15)
+        found = _Correction(state, Z, G, inverse, np.zeros((0, 6)), 0.0)
+        change = found.for_state(state)
         found.size = self._size(change)
-        far = np.abs(change[:, :3]).max(initial=0.0) / (FAR * self.model.size)
-        angle = np.abs(change[:, 3:]).max(initial=0.0) / ANGLE
-        found.change = change / max(1.0, far, angle)
+        displacement = np.abs(change[:, :3]).max(initial=0.0) / (
+            LARGEST_DISPLACEMENT * self.model.size
+        )
+        angle = np.abs(change[:, 3:]).max(initial=0.0) / LARGEST_ROTATION
+        found.change = change / max(1.0, displacement, angle)
         return found
 
     def _size(self, change: np.ndarray) -> float:
-        """Of a correction (n, 6): in the model's size or rad."""
-        far = np.abs(change[:, :3]).max(initial=0.0) / self.model.size
-        return float(max(far, np.abs(change[:, 3:]).max(initial=0.0)))
+        """Largest displacement [model's size] or rotation [rad] of a correction (n, 6)."""
+        displacement = np.abs(change[:, :3]).max(initial=0.0) / self.model.size
+        return float(max(displacement, np.abs(change[:, 3:]).max(initial=0.0)))
 
     def _shift(self, nodes: np.ndarray, change: np.ndarray) -> None:
         moved = nodes[self.free]
         move(moved, change)
         nodes[self.free] = moved
 
-    def _closed(self) -> float:
+    def _gap_tolerance(self) -> float:
         return float(self.model.control[0]["constraint_tolerance"]) * self.model.size
 
-    def _look_again(self) -> None:
-        """Pairs that are near in the new configuration."""
+    def _find_near_pairs(self) -> None:
+        """Find the pairs that are near in the new configuration. Writes: contact groups, state."""
         state = self.engine.state
         if any(group.search is not None for group in self.model.contact_groups):
             state.nodes["r"], state.nodes["q"] = self.nodes["r"], self.nodes["q"]
@@ -231,12 +279,12 @@ class _Settling:
             renew(self.model.contact_groups, state)
             self.engine.bind()
 
-    def _refuse_unstable(self, here: "_Rest") -> None:
-        """Raises SolverError for an equilibrium that any disturbance ends."""
-        Z = here.motions
+    def _refuse_unstable(self, correction: "_Correction") -> None:
+        """Raises SolverError for an unstable equilibrium."""
+        Z = correction.Z
         if not Z.shape[1]:
             return
-        K, M = -Z.T @ self._tangent(here.g) @ Z, Z.T @ self._mass() @ Z
+        K, M = -Z.T @ correction.G @ Z, Z.T @ self._mass() @ Z
         half = np.linalg.inv(np.linalg.cholesky(0.5 * (M + M.T)))
         values, modes = np.linalg.eigh(half @ (0.5 * (K + K.T)) @ half.T)
         # differences err by a share of the stiffest mode
@@ -250,13 +298,13 @@ class _Settling:
                 f"exp({(-values[0]) ** 0.5:.3g} t)",
             )
 
-    def _take_over(self, D: np.ndarray) -> None:
-        """The configuration, and velocities that its joints allow. Writes: state.nodes."""
+    def _accept(self, D: np.ndarray) -> None:
+        """Take the configuration found, and velocities that joints allow. Writes: state.nodes."""
         nodes = self.engine.state.nodes
         for name in ("r", "q", "A"):
             nodes[name] = self.nodes[name]
         self._at_rest(self.nodes)
-        self.standing.keep()
+        self.standing_tyres.commit()
         self.engine.sample_of(nodes)
         given = np.hstack([nodes["v"][self.free], nodes["w"][self.free]]).ravel()
         if len(D):
@@ -269,23 +317,34 @@ class _Settling:
         A, J = (nodes[name][self.free].reshape(-1, 3, 3) for name in ("A", "J"))
         nodes["L"][self.free] = np.einsum("nij,njk,nlk,nl->ni", A, J, A, w)
 
-    def _words(self, first: np.ndarray, passes: int) -> str:
-        """What was moved, for the log."""
+    def _words(self, first: np.ndarray, iterations: int, state: "_RestState") -> str:
+        """Displacement of the bodies in words, for the log."""
         moved = np.linalg.norm(self.nodes["r"] - first["r"], axis=1)
         node = int(moved.argmax())
-        far = f"by up to {moved[node]:.4g} m ({self._name(node)})"
-        return f"equilibrium found in {passes} iterations: mass centres were moved {far}"
+        displacement = f"by up to {moved[node]:.4g} m ({self._name(node)})"
+        found = (
+            f"equilibrium found in {iterations} iterations: mass centres were moved {displacement}"
+        )
+        if not self.drifts:
+            return found
+        node, rate = self._fastest(state)
+        return f"{found}; nothing holds {self._name(node)}, which accelerates by {rate}"
 
-    def _no_equilibrium(self, here: "_Rest", passes: int) -> SolverError:
-        k, axis = divmod(int(np.abs(here.rates).argmax()), 6)
-        rate = abs(here.rates[k, axis]) / (self.model.size if axis > 2 else 1.0)
+    def _fastest(self, state: "_RestState") -> tuple[int, str]:
+        """The node with the largest acceleration, and that in words."""
+        k, axis = divmod(int(np.abs(state.rates).argmax()), 6)
+        rate = abs(state.rates[k, axis]) / (self.model.size if axis > 2 else 1.0)
         unit = "rad/s^2 about" if axis > 2 else "m/s^2 along"
-        sliding = self.standing.sliding()
+        return int(self.free[k]), f"{rate:.4g} {unit} {'xyz'[axis % 3]}"
+
+    def _no_equilibrium(self, state: "_RestState", iterations: int) -> SolverError:
+        node, rate = self._fastest(state)
+        sliding = self.standing_tyres.sliding()
         slides = f"; these tyres slide and hold no more: {sliding}" if sliding else ""
         return self._refusal(
-            int(self.free[k]),
-            f"there is no equilibrium: after {passes} iterations its acceleration is still "
-            f"{rate:.4g} {unit} {'xyz'[axis % 3]}{slides}",
+            node,
+            f"there is no equilibrium: after {iterations} iterations its acceleration is still "
+            f"{rate}{slides}",
         )
 
     def _refusal(self, node: int, cause: str, advice: str = SUPPORT) -> SolverError:

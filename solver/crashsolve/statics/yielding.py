@@ -64,9 +64,9 @@ class Yielding:
             model.curves = np.concatenate([model.curves, points])
 
     @contextmanager
-    def held(self, current: int) -> Iterator[None]:
-        """Hinges are elastic from where the last sample stands."""
-        kept = [(g.history.copy(), g.parameters.copy()) for g in self.straight]
+    def elastic_hinges(self, current: int) -> Iterator[None]:
+        """Make all hinges elastic about the state of the last sample, within this context."""
+        saved = [(g.history.copy(), g.parameters.copy()) for g in self.straight]
         for g in self.straight:
             # a joint that a failure would free has its rows until the step is accepted
             g.parameters["is_apart"] *= g.history["failed"][current] == 1
@@ -74,13 +74,13 @@ class Yielding:
             g.parameters["backbone"], g.parameters["cyclic"] = self.elastic, 0
             g.parameters["failure"] = np.inf
         yield
-        for g, (history, parameters) in zip(self.straight, kept, strict=True):
+        for g, (history, parameters) in zip(self.straight, saved, strict=True):
             g.history[:], g.parameters[:] = history, parameters
 
     def stiffness(self, current: int, nodes: np.ndarray) -> np.ndarray:
-        """sum k d^T d (6 n, 6 n) of the hinges that `held` holds, n all nodes."""
+        """sum k d^T d (n, 6, n, 6) of the hinges, n all nodes."""
         K = np.zeros((len(nodes), 6, len(nodes), 6))
-        for g, p, state, here in self._each(current, nodes, self.straight):
+        for g, p, state, here in self._entries(current, nodes, self.straight):
             if state.fails:
                 continue
             rows = [plain(row) for row in np.zeros(g.module.TANGENTS, COMPLIANT.dtype)]
@@ -92,41 +92,43 @@ class Yielding:
         return K
 
     def predicted(self, engine: Equations, time: float) -> float:
-        """Moment a little behind the first corner, by the tangent; at most `time`.
+        """Time [s] a little after the first corner, by the tangent; at most `time`.
 
         Newton's method then has one corner before it, where a long step might lead it far away.
         """
-        begun = float(engine.clock.time)
-        change = engine.correction(time, engine.known)
+        start_time = float(engine.clock.time)
+        change = engine.correction(time, engine.known_tangent)
         if not np.isfinite(change).all():
             return time
-        cut = engine.cut(change)
-        share = BEHIND * cut * self._crossing(engine, cut * change)
+        step_fraction = engine.step_fraction(change)
+        fraction = BEHIND * step_fraction * self._crossing(engine, step_fraction * change)
         # a hinge that stands at its corner is led past it; longer each time that this does not help
-        self.is_least = share <= self.least == LEAST
-        share, self.least = (
-            (self.least, 100.0 * self.least) if share <= self.least else (share, LEAST)
+        self.is_least = fraction <= self.least == LEAST
+        fraction, self.least = (
+            (self.least, 100.0 * self.least) if fraction <= self.least else (fraction, LEAST)
         )
-        return begun + min(share, 1.0) * (time - begun)
+        return start_time + min(fraction, 1.0) * (time - start_time)
 
-    def before(self, engine: Equations, time: float) -> float:
-        """Moment a little before the first corner towards another, by the tangent."""
-        begun = float(engine.clock.time)
-        change = engine.correction(time, engine.known)
+    def before_corner(self, engine: Equations, time: float) -> float:
+        """Time [s] a little before the first corner on the path to `time`, by the tangent."""
+        start_time = float(engine.clock.time)
+        change = engine.correction(time, engine.known_tangent)
         if not np.isfinite(change).all():
             return time
-        cut = engine.cut(change)
-        share = cut * self._crossing(engine, cut * change, SHORT)
-        return begun + (1.0 - 2.0 * SHORT) * share * (time - begun)
+        step_fraction = engine.step_fraction(change)
+        fraction = step_fraction * self._crossing(engine, step_fraction * change, SHORT)
+        return start_time + (1.0 - 2.0 * SHORT) * fraction * (time - start_time)
 
     def branch(self, engine: Equations, time: float) -> Tangent | None:
-        """Tangent of the hinges that flow on from a corner; None where that is not known.
+        """Tangent K and D beyond a corner with the hinges that continue to yield; None if unknown.
 
-        Raises SolverError where either of two may.
+        Raises SolverError at a bifurcation, where one of several may.
         """
         found = Branches(engine, self.at_yield(engine), time)
-        if fork := found.fork():
-            raise Problem("fork", time, " and ".join(fork)).error(engine, float(engine.clock.time))
+        if bifurcation := found.bifurcation():
+            raise Problem("bifurcation", time, " and ".join(bifurcation)).error(
+                engine, float(engine.clock.time)
+            )
         return found.tangent()
 
     def at_yield(self, engine: Equations) -> list[Candidate]:
@@ -139,11 +141,11 @@ class Yielding:
                 {side: slope_ahead(p, state, c, side, self.curves()) for side in (1.0, -1.0)}
                 for c in range(g.module.TANGENTS)
             ]
-            for g, p, state, _ in self._each(current, nodes, self.straight)
+            for g, p, state, _ in self._entries(current, nodes, self.straight)
         ]
         names = [f"hinge '{name}'" for g in self.straight for name in g.names]
-        with self.held(current):
-            each = self._each(current, nodes, self.straight)
+        with self.elastic_hinges(current):
+            each = self._entries(current, nodes, self.straight)
             for name, motions, (g, p, state, here) in zip(names, ahead, each, strict=True):
                 rows = [plain(row) for row in np.zeros(g.module.TANGENTS, COMPLIANT.dtype)]
                 g.module.tangent(p, state, here, self.curves(), rows, 0)
@@ -153,77 +155,78 @@ class Yielding:
                         (p.node_a, p.node_b), (row.D[:6], row.D[6:]), strict=True
                     ):
                         if index[node] >= 0:
-                            # rows state the deformation by -D
+                            # rows contain the derivative of the deformation as -D
                             d[index[node]] -= part
                     for side, slope in slopes.items():
                         if slope is not None and row.stiffness > 0.0:
                             found.append(Candidate(name, d.ravel(), row.stiffness, side, slope))
         return found
 
-    def _crossing(self, engine: Equations, change: np.ndarray, closely: float = 0.1) -> float:
-        """Share of a motion (n, 6) of the free nodes to the first corner; 1 where there is none.
+    def _crossing(self, engine: Equations, change: np.ndarray, tolerance: float = 0.1) -> float:
+        """Fraction [1] of a motion (n, 6) of the free nodes at the first corner; 1 without one.
 
-        To a part `closely` of itself, and not before it.
+        To a relative `tolerance`, and not before the corner.
         """
         nodes, current = engine.state.nodes, int(engine.clock.current)
         start, low, high = nodes.copy(), 0.0, 1.0
-        share = high
-        while high > LEAST and high - low > closely * high:
+        fraction = high
+        while high > LEAST and high - low > tolerance * high:
             nodes[:] = start
-            engine.shift(nodes, share * change)
-            if self._pasts(current, nodes).max() > 0.0:
-                high = share
+            engine.shift(nodes, fraction * change)
+            if self._beyond_branch(current, nodes).max() > 0.0:
+                high = fraction
             else:
-                low = share
-            share = 0.5 * (low + high)
+                low = fraction
+            fraction = 0.5 * (low + high)
         nodes[:] = start
         return high
 
-    def first(
+    def first_corner(
         self, engine: Equations, start: np.ndarray, time: float, count: int
     ) -> tuple[float, int]:
-        """Moment of the first corner between nodes `start` and the equilibrium at `time`; passes.
+        """Time [s] of the first corner between nodes `start` and the equilibrium at `time`, and the
+        number of iterations.
 
-        That is `time` where none is met; 0 passes where an equilibrium is missing in between.
+        `time` without a corner; 0 iterations where an equilibrium in between is not found.
         Writes: the State.
         """
         nodes, current = engine.state.nodes, int(engine.clock.current)
-        begun, end = float(engine.clock.time), self._pasts(current, nodes).max()
+        start_time, end = float(engine.clock.time), self._beyond_branch(current, nodes).max()
         if end <= 0.0 or self.is_least:
             return time, count
-        at_low = min(self._pasts(current, start).max(), 0.0)
+        at_low = min(self._beyond_branch(current, start).max(), 0.0)
         # a little behind the corner, so that the next load step begins on the new branch
         goal = 0.5 * CLOSE * (end - at_low)
         low, high, at_low, at_high = 0.0, 1.0, at_low - goal, end - goal
-        found, side = (engine.keep(), engine.tangent), 0
+        found, side = (engine.save_state(), engine.tangent), 0
         for k in range(MOST_ITERATIONS):
             if at_high <= goal:
                 break
-            # what has bends needs the middle now and then
+            # a curved function needs bisection now and then
             part = 0.5 if k % 4 == 3 else -at_low / (at_high - at_low)
-            share = max(low + part * (high - low), LEAST)
+            fraction = max(low + part * (high - low), LEAST)
             nodes[:] = start
-            more = engine.finds(begun + share * (time - begun))
+            more = engine.iterate(start_time + fraction * (time - start_time))
             if not more:
                 return time, 0
-            count, past = count + more, self._pasts(current, nodes).max() - goal
+            count, past = count + more, self._beyond_branch(current, nodes).max() - goal
             if past >= -goal:
-                high, at_high, found = share, past, (engine.keep(), engine.tangent)
+                high, at_high, found = fraction, past, (engine.save_state(), engine.tangent)
                 at_low *= 0.5 if side == 1 else 1.0
                 side = 1
             else:
-                low, at_low = share, past
+                low, at_low = fraction, past
                 at_high *= 0.5 if side == -1 else 1.0
                 side = -1
-        kept, engine.tangent = found
-        engine.take_back(kept)
+        saved, engine.tangent = found
+        engine.restore_state(saved)
         if self._fails(current) and high > BEFORE:
-            # what is gone does no work: a step of next to nothing takes it away
+            # a failed hinge does no work: it is removed in a step of almost no length
             nodes[:] = start
             high -= BEFORE
-            more = engine.finds(begun + high * (time - begun))
+            more = engine.iterate(start_time + high * (time - start_time))
             count = count + more if more else 0
-        return begun + high * (time - begun), count
+        return start_time + high * (time - start_time), count
 
     def _fails(self, current: int) -> bool:
         """Whether a hinge has failed since the load step began."""
@@ -232,19 +235,19 @@ class Yielding:
             for g in self.groups
         )
 
-    def _pasts(self, current: int, nodes: np.ndarray) -> np.ndarray:
-        """How far each hinge has left the branch on which the load step began [rad or m]."""
+    def _beyond_branch(self, current: int, nodes: np.ndarray) -> np.ndarray:
+        """Deformation of each hinge beyond the branch on which the load step began [rad or m]."""
         return np.array(
             [
                 g.module.event(p, state, 0.0, here, self.curves())
-                for g, p, state, here in self._each(current, nodes, self.groups)
+                for g, p, state, here in self._entries(current, nodes, self.groups)
             ]
         )
 
-    def _each(
+    def _entries(
         self, current: int, nodes: np.ndarray, groups: list[Any]
     ) -> Iterator[tuple[Any, SimpleNamespace, SimpleNamespace, dict[int, SimpleNamespace]]]:
-        """Group, parameters, accepted history, whether it fails now, and both nodes of a hinge."""
+        """Group, parameters, accepted history with `fails`, and both nodes of every hinge."""
         for g in groups:
             old, new = g.history[current], g.history[1 - current]
             for row, before, after in zip(g.parameters, old, new, strict=True):
@@ -253,7 +256,7 @@ class Yielding:
                 yield g, p, state, {i: plain(nodes[i]) for i in (p.node_a, p.node_b)}
 
     def curves(self) -> list[SimpleNamespace]:
-        """Points of all curves; trials past the end of one leave no fault in the model."""
+        """Copies of the points of all curves: trials past their ends do not mark the model."""
         if not self.points:
             self.points = [plain(point) for point in self.model.curves]
         return self.points
@@ -266,5 +269,5 @@ def _is_curved(group: Group) -> bool:
 
 
 def plain(row: np.void) -> SimpleNamespace:
-    """A record as Python reads it fast: numbers and lists."""
+    """A record as numbers and lists, which Python reads faster."""
     return SimpleNamespace(**{name: row[name].tolist() for name in row.dtype.names or ()})

@@ -20,7 +20,7 @@ def start(
     errors: int | IO[str],
     jobs: int,
 ) -> subprocess.Popen[str]:
-    """Start a run, one of `jobs` at a time; what it states as errors goes to `errors`."""
+    """Start a run, one of `jobs` at a time; its standard error goes to the file `errors`."""
     words = [word for name, value in overrides.items() for word in ("--set", f"{name}={value}")]
     words += ["--restart"] * restart
     return subprocess.Popen(
@@ -50,7 +50,9 @@ def table_in(path: Path) -> Json:
 
 
 def reason(code: int, message: str, errors: str) -> str:
-    """Why a run ended with a code: what its status said, its last line of errors, or the signal."""
+    """Reason why a run ended with a code: the message of its status, its last line of errors, or
+    the signal.
+    """
     if code < 0:
         return f"killed by signal {-code}"
     return message or next(iter(reversed(errors.strip().splitlines())), "")

@@ -33,7 +33,7 @@ RATIO = 1.1
 
 @dataclass(frozen=True)
 class Convergence:
-    """What the runs of one method, from the longest step to the shortest, say of one value.
+    """Convergence of one value over the runs of one method, from the longest step to the shortest.
 
     `error` is the estimated error of the last one, in the unit of the value; `orders` begin with
     the third run; `stalls` is the run from which on the differences shrink no more; then
@@ -73,35 +73,37 @@ def distance(a: np.ndarray, b: np.ndarray) -> float:
     return float(np.max(np.abs(a - b)))
 
 
-def examine(
+def analyse(
     steps: Sequence[float], values: Sequence[np.ndarray], order: float | None
 ) -> Convergence:
     """Observed orders, extrapolated value and estimated error of runs of a method of an order.
 
     `steps` [s] (runs,), the longest first; `values` (n,) of each run, in their unit.
     """
-    apart = [distance(a, b) for a, b in pairwise(values)]
+    differences = [distance(a, b) for a, b in pairwise(values)]
     last = values[-1]
     if len(values) < 3:
-        # two runs state how far they are apart, not how much of that is left
-        return Convergence(last, apart[-1] if apart else inf)
+        # the difference of two runs is known, but not how much of it is left as error
+        return Convergence(last, differences[-1] if differences else inf)
     floor = ROUND_OFF * float(np.max(np.abs(last)))
     orders = [
-        observed_order(steps[i : i + 3], apart[i : i + 2]) if min(apart[i : i + 2]) > floor else nan
-        for i in range(len(apart) - 1)
+        observed_order(steps[i : i + 3], differences[i : i + 2])
+        if min(differences[i : i + 2]) > floor
+        else nan
+        for i in range(len(differences) - 1)
     ]
-    stalls = _stall(apart, floor)
-    if apart[-1] <= floor:
-        return Convergence(last, apart[-1], orders, has_floor=True)
-    least = _growth(apart, orders, order, floor)
+    stalls = _stall(differences, floor)
+    if differences[-1] <= floor:
+        return Convergence(last, differences[-1], orders, has_floor=True)
+    least = _growth(differences, orders, order, floor)
     if least is not None:
-        left = max(apart[least + 1 :])
-        has_floor = left <= FLOOR * max(apart)
+        left = max(differences[least + 1 :])
+        has_floor = left <= FLOOR * max(differences)
         value = last if has_floor else values[least + 1]
         return Convergence(value, left, orders, least + 1, has_floor=has_floor, grows=not has_floor)
     if stalls is not None:
-        left = max(apart[-2:])
-        return Convergence(last, left, orders, stalls, has_floor=left <= FLOOR * max(apart))
+        left = max(differences[-2:])
+        return Convergence(last, left, orders, stalls, has_floor=left <= FLOOR * max(differences))
     p = orders[-1]
     is_near = order is not None and abs(p - order) <= NEAR
     # an order higher than the method's, or than can be determined, is no ground for a smaller error
@@ -112,12 +114,12 @@ def examine(
     return Convergence(last + rest if is_near else last, left, orders, None, is_near)
 
 
-def observed_order(steps: Sequence[float], apart: Sequence[float]) -> float:
+def observed_order(steps: Sequence[float], differences: Sequence[float]) -> float:
     """Order [1] from three steps [s] and the two differences; NaN when these do not shrink."""
     h1, h2, h3 = steps
-    if not apart[1] < apart[0] or not h1 > h2 > h3:
+    if not differences[1] < differences[0] or not h1 > h2 > h3:
         return nan
-    wanted, low, high = apart[0] / apart[1], 1e-3, HIGHEST
+    wanted, low, high = differences[0] / differences[1], 1e-3, HIGHEST
 
     def ratio(p: float) -> float:
         return float((h1**p - h2**p) / (h2**p - h3**p))
@@ -141,18 +143,18 @@ def order_of_errors(steps: Sequence[float], errors: Sequence[float]) -> float:
     return order if abs(order) < HIGHEST else nan
 
 
-def parting_time(time: np.ndarray, values: Sequence[np.ndarray]) -> float | None:
+def divergence_time(time: np.ndarray, values: Sequence[np.ndarray]) -> float | None:
     """First time [s] at which the differences of the three last histories shrink no more."""
     coarse, middle, fine = values[-3:]
-    # what has once been apart counts as apart: histories cross
+    # histories that differed once count as different from then on, for they may cross
     before = np.maximum.accumulate(np.abs(coarse - middle))
     after = np.maximum.accumulate(np.abs(middle - fine))
-    apart = (after > SHRINKS * before) & (after > 1e-3 * after[-1])
-    return float(time[np.argmax(apart)]) if apart.any() else None
+    differences = (after > SHRINKS * before) & (after > 1e-3 * after[-1])
+    return float(time[np.argmax(differences)]) if differences.any() else None
 
 
 def _growth(
-    apart: Sequence[float], orders: Sequence[float], order: float | None, floor: float
+    differences: Sequence[float], orders: Sequence[float], order: float | None, floor: float
 ) -> int | None:
     """The least of the differences, if shorter steps make them grow beyond it; else None.
 
@@ -161,14 +163,14 @@ def _growth(
     is_settled = order is not None and all(abs(p - order) <= NEAR for p in orders[-2:])
     if is_settled and len(orders) > 1:
         return None
-    least = min(range(len(apart)), key=apart.__getitem__)
-    grown = max(apart[least + 1 :], default=0.0)
-    return least if grown > max(GROWS * apart[least], floor) else None
+    least = min(range(len(differences)), key=differences.__getitem__)
+    grown = max(differences[least + 1 :], default=0.0)
+    return least if grown > max(GROWS * differences[least], floor) else None
 
 
-def _stall(apart: Sequence[float], floor: float) -> int | None:
+def _stall(differences: Sequence[float], floor: float) -> int | None:
     """The run from which on the differences shrink no more; None when the last ones do."""
-    shrinks = [b <= max(SHRINKS * a, floor) for a, b in pairwise(apart)]
+    shrinks = [b <= max(SHRINKS * a, floor) for a, b in pairwise(differences)]
     if shrinks[-1]:
         return None
     # the trailing pairs that do not shrink begin after the last one that does

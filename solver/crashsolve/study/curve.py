@@ -1,4 +1,4 @@
-"""Curves of a study: the runs of one series in one channel; and ladders of curves over meshes.
+"""Curves of a study: the runs of one series in one channel; and refinements, its curves by mesh.
 
     x_m = x of the shortest steps on elements divided by m,   x* from x_1, x_2, x_4 as from steps
 
@@ -12,8 +12,9 @@ from math import isfinite, nan
 
 import numpy as np
 
-from crashsolve.study.convergence import Convergence, examine
-from crashsolve.study.settings import Series, order_of
+from crashsolve.study.convergence import Convergence, analyse
+from crashsolve.study.methods import order_of
+from crashsolve.study.settings import Series
 from crashsolve.study.trials import Trial
 
 
@@ -34,7 +35,7 @@ class Curve:
 
 
 @dataclass
-class Ladder:
+class Refinement:
     """The curves of one method and description, from the coarsest mesh to the finest."""
 
     curves: list[Curve]
@@ -42,13 +43,13 @@ class Ladder:
 
     @property
     def name(self) -> str:
-        """As people read it."""
+        """Name for tables and plots."""
         meshes = f"meshes x{self.curves[0].series.mesh} to x{self.curves[-1].series.mesh}"
         return f"{self.curves[0].series._replace(mesh=1).name}, {meshes}"
 
     @property
-    def lead(self) -> Convergence:
-        """Where finer meshes and shorter steps lead together."""
+    def limit(self) -> Convergence:
+        """The limit of finer meshes and shorter steps together."""
         found = self.convergence
         error = found.error + self.curves[-1].convergence.error
         return Convergence(
@@ -59,7 +60,7 @@ class Ladder:
 
 @dataclass
 class Source:
-    """Where some runs lead, and the curve of the finest of them.
+    """The value to which some runs converge, and the curve of the finest of them.
 
     `mesh_error` is what its mesh may be wrong by, `apart` how far away another method leads.
     """
@@ -81,20 +82,20 @@ def curves_of(at: int, trials: Sequence[Trial]) -> list[Curve]:
     """Curves of the answers number `at`; without runs that took the steps of another."""
     curves = []
     for series in dict.fromkeys(trial.setting.series for trial in trials):
-        mine = [
+        own = [
             t
             for t in trials
             if t.setting.series == series
-            and (t.is_good and not t.is_same and "value" in t.answers[at])
+            and (t.has_finished and not t.is_same and "value" in t.answers[at])
         ]
-        mine.sort(key=lambda trial: -trial.step)
-        values = [np.atleast_1d(np.array(t.answers[at]["value"], float)) for t in mine]
-        if not mine or len({len(value) for value in values}) > 1 or not len(values[0]):
+        own.sort(key=lambda trial: -trial.step)
+        values = [np.atleast_1d(np.array(t.answers[at]["value"], float)) for t in own]
+        if not own or len({len(value) for value in values}) > 1 or not len(values[0]):
             continue
-        times = np.array(mine[-1].answers[at].get("time", [nan]))
-        sizes = _sizes(mine)
-        convergence = examine(sizes, values, order_of(series.method))
-        curves.append(Curve(series, mine, sizes, times, values, convergence))
+        times = np.array(own[-1].answers[at].get("time", [nan]))
+        sizes = _sizes(own)
+        convergence = analyse(sizes, values, order_of(series.method))
+        curves.append(Curve(series, own, sizes, times, values, convergence))
     return curves
 
 
@@ -104,40 +105,42 @@ def _sizes(trials: list[Trial]) -> list[float]:
     return known if len(known) == len(trials) else [trial.step for trial in trials]
 
 
-def climb(curves: Sequence[Curve], order: float | None) -> list[Ladder]:
+def refinements_of(curves: Sequence[Curve], order: float | None) -> list[Refinement]:
     """Ladders of two meshes or more; `order` is the declared one of the elements."""
     groups: dict[Series, list[Curve]] = {}
     for curve in curves:
         groups.setdefault(curve.series._replace(mesh=1), []).append(curve)
-    ladders = []
+    refinements = []
     for group in groups.values():
         group.sort(key=lambda curve: curve.series.mesh)
         values = [curve.convergence.value for curve in group]
         if len(group) > 1 and len({len(value) for value in values}) == 1:
             sizes = [1.0 / curve.series.mesh for curve in group]
-            ladders.append(Ladder(group, examine(sizes, values, order)))
-    return ladders
+            refinements.append(Refinement(group, analyse(sizes, values, order)))
+    return refinements
 
 
-def sources(curves: Sequence[Curve], ladders: Sequence[Ladder]) -> list[Source]:
-    """Where the runs lead: a ladder counts for its curves."""
+def sources(curves: Sequence[Curve], refinements: Sequence[Refinement]) -> list[Source]:
+    """The values to which the runs converge: a refinement stands for its curves."""
     found = [
-        Source(ladder.name, ladder.lead, ladder.curves[-1], ladder.convergence.error)
-        for ladder in ladders
+        Source(
+            refinement.name, refinement.limit, refinement.curves[-1], refinement.convergence.error
+        )
+        for refinement in refinements
     ]
     return found + [
         Source(curve.series.name, curve.convergence, curve)
         for curve in curves
-        if ladder_of(curve, ladders) is None
+        if refinement_of(curve, refinements) is None
     ]
 
 
-def ladder_of(curve: Curve, ladders: Sequence[Ladder]) -> Ladder | None:
-    """The ladder that a curve belongs to."""
-    return next((x for x in ladders if any(c is curve for c in x.curves)), None)
+def refinement_of(curve: Curve, refinements: Sequence[Refinement]) -> Refinement | None:
+    """The refinement that a curve belongs to."""
+    return next((x for x in refinements if any(c is curve for c in x.curves)), None)
 
 
 def doubt(source: Source) -> tuple[bool, float]:
-    """What the better source has less of."""
+    """Divergence and error, by which sources are ordered, the best first."""
     error = source.convergence.error
     return source.convergence.diverges, error if isfinite(error) else float("inf")

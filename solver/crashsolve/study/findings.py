@@ -3,8 +3,9 @@
     error = |x - x_ref| / |x_ref|,   |.| the largest element of a history, or the absolute value
 
 References, best first: an exact or published value of the deck, a results folder, and the runs
-themselves by extrapolation. A published value that the runs clearly do not lead to reports the
-model, not of the step, and is only reported. Where the reference is zero the error is absolute.
+themselves by extrapolation. A published value to which the runs clearly do not converge shows an
+error of the model, not of the step, and is only reported. Where the reference is zero the error is
+absolute.
 """
 
 from collections.abc import Sequence
@@ -21,20 +22,21 @@ from crashsolve.study.convergence import (
     ROUND_OFF,
     Convergence,
     distance,
+    divergence_time,
     order_of_errors,
-    parting_time,
 )
 from crashsolve.study.curve import (
     Curve,
-    Ladder,
+    Refinement,
     Source,
-    climb,
     curves_of,
     doubt,
-    ladder_of,
+    refinement_of,
+    refinements_of,
     sources,
 )
-from crashsolve.study.settings import Series, order_of
+from crashsolve.study.methods import order_of
+from crashsolve.study.settings import Series
 from crashsolve.study.trials import Trial
 from crashsolve.study.watch import PATH, Watch
 
@@ -108,19 +110,22 @@ def find(
     if not curves:
         return finding
     finding.unit = str(curves[0].trials[-1].answers[at]["unit"])
-    ladders = climb(curves, mesh_order)
-    found = sources(curves, ladders)
+    refinements = refinements_of(curves, mesh_order)
+    found = sources(curves, refinements)
     best = _set_reference(finding, curves, found, known)
     size, around = float(np.max(np.abs(finding.reference))), _size_around(at, curves)
     finding.is_absolute = size <= ROUND_OFF * around
     scale = 1.0 if finding.is_absolute else size
     for curve in curves:
-        _judge(finding, curve, ladder_of(curve, ladders), best, scale)
-    for ladder in ladders:
-        _set_mesh_orders(finding, ladder)
-    if ladders:
-        lead = min(ladders, key=lambda ladder: doubt(Source("", ladder.lead, ladder.curves[-1])))
-        finding.notes.append(_mesh_reported(finding, lead, scale, mesh_order))
+        _judge(finding, curve, refinement_of(curve, refinements), best, scale)
+    for refinement in refinements:
+        _set_mesh_orders(finding, refinement)
+    if refinements:
+        limit = min(
+            refinements,
+            key=lambda refinement: doubt(Source("", refinement.limit, refinement.curves[-1])),
+        )
+        finding.notes.append(_mesh_reported(finding, limit, scale, mesh_order))
     judged = [curve.convergence.diverges for curve in curves if len(curve.values) > 2]
     if finding.is_absolute and around > 0.0:
         finding.notes = [f"zero to the round-off of its vector, {around:.3g} {finding.unit}"]
@@ -140,45 +145,47 @@ def _size_around(at: int, curves: Sequence[Curve]) -> float:
 
 
 def _judge(
-    finding: Finding, curve: Curve, ladder: Ladder | None, best: Source | None, scale: float
+    finding: Finding, curve: Curve, refinement: Refinement | None, best: Source | None, scale: float
 ) -> None:
     """Errors, orders and notes of one curve. Writes: finding."""
     is_own = best is not None and best.finest is curve
-    left = curve.convergence.error
-    if curve.convergence.diverges and isfinite(left):
-        finding.doubts[curve.series] = left / scale
+    error_left = curve.convergence.error
+    if curve.convergence.diverges and isfinite(error_left):
+        finding.doubts[curve.series] = error_left / scale
     _set_errors(finding, curve, scale, best)
     # the error of a mesh would hide the order of its steps
-    by_differences = is_own or ladder is not None
+    by_differences = is_own or refinement is not None
     _set_orders(finding, curve, by_differences)
-    if ladder is None or ladder.curves[-1] is curve or curve.convergence.diverges:
+    if refinement is None or refinement.curves[-1] is curve or curve.convergence.diverges:
         finding.notes.append(_reported(finding, curve, scale, by_differences))
 
 
-def _set_mesh_orders(finding: Finding, ladder: Ladder) -> None:
-    for curve, order in zip(ladder.curves[2:], ladder.convergence.orders, strict=False):
+def _set_mesh_orders(finding: Finding, refinement: Refinement) -> None:
+    for curve, order in zip(refinement.curves[2:], refinement.convergence.orders, strict=False):
         finding.mesh_orders[curve.trials[-1].setting.folder] = order
 
 
 def _order_of_meshes(found: Convergence, declared: float | None) -> str:
-    """The last order, with its distance from the others that are seen and from the elements'."""
+    """The last order, with its largest difference from other orders and from the elements'."""
     others = [p for p in found.orders[:-1] if isfinite(p)] + ([declared] if declared else [])
-    apart = max((abs(p - found.order) for p in others), default=None)
-    return f"{found.order:.2f}" if apart is None else f"{found.order:.2f} +- {apart:.2f}"
+    difference = max((abs(p - found.order) for p in others), default=None)
+    return f"{found.order:.2f}" if difference is None else f"{found.order:.2f} +- {difference:.2f}"
 
 
-def _mesh_reported(finding: Finding, ladder: Ladder, scale: float, order: float | None) -> str:
-    """What the mesh does, by the method that states it best."""
-    found, left = ladder.convergence, ladder.lead.error / scale
-    errors = [distance(c.convergence.value, finding.reference) / scale for c in ladder.curves]
-    away = ", ".join(_size(error, finding) for error in errors)
-    words = [f"{ladder.name}: {away} away"]
+def _mesh_reported(
+    finding: Finding, refinement: Refinement, scale: float, order: float | None
+) -> str:
+    """The error by the mesh in words, by the method that has the least of it."""
+    found, error_left = refinement.convergence, refinement.limit.error / scale
+    errors = [distance(c.convergence.value, finding.reference) / scale for c in refinement.curves]
+    errors_in_words = ", ".join(_size(error, finding) for error in errors)
+    words = [f"{refinement.name}: {errors_in_words} away"]
     if found.diverges:
         words.append("finer meshes do not converge")
     elif isfinite(found.order):
         words.append(f"order {_order_of_meshes(found, order)} in the length of elements")
-    if isfinite(left):
-        words.append(f"estimated error of the finest mesh {_size(left, finding)}")
+    if isfinite(error_left):
+        words.append(f"estimated error of the finest mesh {_size(error_left, finding)}")
     if "elout." in finding.watch.name:
         words.append("an element of a finer mesh is a shorter one at the same node")
     return "; ".join(words)
@@ -190,13 +197,13 @@ def _set_reference(
     """Choose the reference; returns the source it comes from, None when it comes from elsewhere."""
     watch, best = finding.watch, min(found, key=doubt)
     if watch.value is not None:
-        away = _away(watch, best.convergence)
-        if away is None:
+        difference = _distance_from_published(watch, best.convergence)
+        if difference is None:
             finding.kind, finding.reference = watch.because, np.array([watch.value])
             return None
         finding.notes.append(
-            f"the published {watch.value:.6g} is {away:.2g} away from the value to which the runs "
-            "converge: that is no error of the step, which is measured from that value"
+            f"the published {watch.value:.6g} is {difference:.2g} away from the value to which the "
+            "runs converge: that is no error of the step, which is measured from that value"
         )
     elif known is not None:
         given = _at_times(known, curves[0].times)
@@ -205,7 +212,7 @@ def _set_reference(
             return None
         reason = known.get("problem", "its samples are at other times")
         finding.notes.append(f"the reference folder cannot be used: {reason}")
-    _hear_others(finding, best, found)
+    _compare_methods(finding, best, found)
     finding.reference = best.convergence.value
     finding.kind = "extrapolated" if best.convergence.is_extrapolated else "finest run"
     if best.convergence.grows:
@@ -215,23 +222,23 @@ def _set_reference(
     return best
 
 
-def _hear_others(finding: Finding, best: Source, found: Sequence[Source]) -> None:
-    """Where another method leads farther away than both errors explain, that is the error.
+def _compare_methods(finding: Finding, best: Source, found: Sequence[Source]) -> None:
+    """Take as error the distance of another method's limit, where both errors do not explain it.
 
     Writes: best, finding.
     """
-    own, apart, since = best.convergence, 0.0, inf
+    own, difference, since = best.convergence, 0.0, inf
     size = float(np.max(np.abs(own.value)))
     for other in found:
         gap = np.abs(own.value - other.convergence.value)
         limit = EXPLAINED * (own.error + other.convergence.error) + ROUND_OFF * size
         if other.is_steady and np.max(gap) > limit:
-            apart = max(apart, float(np.max(gap)))
+            difference = max(difference, float(np.max(gap)))
             since = min(since, float(other.finest.times[np.argmax(gap > limit)]))
-    if apart > 0.0:
-        best.convergence, best.apart = replace(own, error=apart), apart
+    if difference > 0.0:
+        best.convergence, best.apart = replace(own, error=difference), difference
         finding.diverges = True
-        share = f"{apart / size:.2g}" if size else f"{apart:.2g} {finding.unit}"
+        share = f"{difference / size:.2g}" if size else f"{difference:.2g} {finding.unit}"
         after = f" after t = {since:.6g} s" if finding.watch.statistic == PATH else ""
         finding.notes.append(
             f"methods converge to values {share} apart{after}, more than their estimated errors "
@@ -239,17 +246,17 @@ def _hear_others(finding: Finding, best: Source, found: Sequence[Source]) -> Non
         )
 
 
-def _away(watch: Watch, found: Convergence) -> float | None:
-    """Relative distance of a published value from where the runs lead; None where they lead there.
+def _distance_from_published(watch: Watch, found: Convergence) -> float | None:
+    """Relative distance of a published value from the limit of the runs; None within their error.
 
-    An exact value is one whatever the runs say.
+    An exact value is the reference in any case.
     """
     if watch.because == "exact" or not watch.value or not found.is_steady:
         return None
-    apart = distance(found.value, np.array([watch.value]))
-    # round-off alone can bring the estimate to nothing
-    is_elsewhere = apart > 10.0 * max(found.error, ROUND_OFF * abs(watch.value))
-    return apart / abs(watch.value) if is_elsewhere else None
+    difference = distance(found.value, np.array([watch.value]))
+    # the estimate can be zero by round-off alone
+    is_elsewhere = difference > 10.0 * max(found.error, ROUND_OFF * abs(watch.value))
+    return difference / abs(watch.value) if is_elsewhere else None
 
 
 def _at_times(known: Json, times: np.ndarray) -> np.ndarray | None:
@@ -267,15 +274,15 @@ def _at_times(known: Json, times: np.ndarray) -> np.ndarray | None:
 
 
 def _set_errors(finding: Finding, curve: Curve, scale: float, best: Source | None) -> None:
-    """Distances from the reference, `best` being where it comes from. Writes: finding."""
-    # runs on the mesh that the reference is of do not see what is wrong with that mesh
+    """Distances from the reference, which comes from the source `best`. Writes: finding."""
+    # runs on the mesh of the reference do not show the error of that mesh
     is_blind = (
         best is not None
         and not best.convergence.is_extrapolated
         and curve.series.mesh == best.finest.series.mesh
     )
     blind = best.mesh_error / scale if best is not None and is_blind else 0.0
-    # nor what is wrong with their method
+    # nor that of their method
     if best is not None and curve is best.finest:
         blind += best.apart / scale
     for trial, value in zip(curve.trials, curve.values, strict=True):
@@ -286,7 +293,7 @@ def _set_errors(finding: Finding, curve: Curve, scale: float, best: Source | Non
         for trial in curve.trials:
             finding.errors[trial.setting.folder] += best.convergence.error / scale
     elif best is not None and best.finest is curve:
-        # the finest run is not its own judge
+        # the finest run cannot be compared with itself
         error = best.convergence.error / scale
         finding.errors[last] = error if isfinite(error) else nan
 
@@ -309,44 +316,47 @@ def _reported(finding: Finding, curve: Curve, scale: float, is_own: bool) -> str
     found = curve.convergence
     if found.diverges:
         return f"{curve.series.name}: {_divergence_reported(finding, curve, scale)}"
-    left, words = found.error / scale, [f"{curve.series.name}: {_order_reported(curve, finding)}"]
+    error_left, words = (
+        found.error / scale,
+        [f"{curve.series.name}: {_order_reported(curve, finding)}"],
+    )
     if found.stalls is not None:
         step = curve.trials[found.stalls].step
         words.append(
-            f"its runs differ by {_size(left, finding)} from step {step:.3g} s on, a floor"
+            f"its runs differ by {_size(error_left, finding)} from step {step:.3g} s on, a floor"
         )
-    elif isfinite(left):
-        words.append(f"estimated error of its finest run {_size(left, finding)}")
+    elif isfinite(error_left):
+        words.append(f"estimated error of its finest run {_size(error_left, finding)}")
     if not is_own:
         error = finding.error(curve.trials[-1])
         what = "true" if finding.kind == "exact" else f"against the {finding.kind}"
         words.append(f"{what} {_size(error, finding)}")
         least = min(finding.error(trial) for trial in curve.trials)
         # its own runs may agree about the wrong value
-        if error > max(GROWS * least, left, ROUND_OFF):
+        if error > max(GROWS * least, error_left, ROUND_OFF):
             words.append("its errors grow as the steps shrink")
-        if len(curve.trials) > 2 and error > 10.0 * max(left, ROUND_OFF):
+        if len(curve.trials) > 2 and error > 10.0 * max(error_left, ROUND_OFF):
             words.append("shorter steps do not reduce that: it is no error of the step")
     return "; ".join(words)
 
 
 def _divergence_reported(finding: Finding, curve: Curve, scale: float) -> str:
     """From which step and, of a history, from which time on there is no convergence."""
-    found, parted = curve.convergence, None
+    found, diverged_at = curve.convergence, None
     first = curve.trials[found.stalls or 0]
     if finding.watch.statistic == PATH:
-        parted = parting_time(curve.times, curve.values)
-    since = "" if parted is None else f", after t = {parted:.6g} s"
+        diverged_at = divergence_time(curve.times, curve.values)
+    since = "" if diverged_at is None else f", after t = {diverged_at:.6g} s"
     if found.grows:
         return (
             f"its errors grow as the steps shrink, from step {first.step:.3g} s on{since}: shorter "
             f"ones change it by {_size(found.error / scale, finding)}; no run can be trusted "
             "before the cause is found"
         )
-    apart = distance(*curve.values[-2:]) / scale
+    difference = distance(*curve.values[-2:]) / scale
     return (
         f"does not converge from step {first.step:.3g} s on{since}; its last two runs differ by "
-        f"{_size(apart, finding)}"
+        f"{_size(difference, finding)}"
     )
 
 
@@ -380,15 +390,15 @@ def cheapest(findings: Sequence[Finding], trials: Sequence[Trial], target: float
     error that happens to cross zero would pass.
     """
     meeting = []
-    usable = [trial for trial in trials if trial.is_good and not trial.is_same]
+    usable = [trial for trial in trials if trial.has_finished and not trial.is_same]
     # from the finest mesh on
     series = sorted({t.setting.series for t in usable}, key=lambda series: -series.mesh)
     missing = set()
     for one in series:
         kind = one._replace(mesh=1)
-        mine = [trial for trial in usable if trial.setting.series == one]
+        own = [trial for trial in usable if trial.setting.series == one]
         passed = []
-        for trial in sorted(mine, key=lambda trial: trial.step):
+        for trial in sorted(own, key=lambda trial: trial.step):
             if not worst(findings, trial) <= target:
                 break
             passed.append(trial)
@@ -402,10 +412,10 @@ def cheapest(findings: Sequence[Finding], trials: Sequence[Trial], target: float
 def _cheapest_of(meeting: Sequence[Trial], usable: Sequence[Trial]) -> Trial | None:
     """The least CPU time; where times do not tell, the first method and its fewest steps."""
     least = min((trial.cpu_steps for trial in meeting), default=0.0)
-    as_cheap = [t for t in meeting if t.cpu_steps <= max(SAME_TIME * least, NOISE)]
+    fastest = [t for t in meeting if t.cpu_steps <= max(SAME_TIME * least, NOISE)]
     methods = list(dict.fromkeys(trial.setting.series.method for trial in usable))
     return min(
-        as_cheap, default=None, key=lambda t: (methods.index(t.setting.series.method), t.cycles)
+        fastest, default=None, key=lambda t: (methods.index(t.setting.series.method), t.cycles)
     )
 
 

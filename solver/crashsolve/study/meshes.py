@@ -97,9 +97,9 @@ def _joined(deck: Deck, factor: int) -> dict[str, str]:
 
 def undivided(deck: Deck) -> list[str]:
     """Names of the parts that have elements and cannot be divided."""
-    able = {field.part for field in divisible(deck)}
+    divided = {field.part for field in divisible(deck)}
     parts = deck.entries["parts"].values()
-    return [part.name for part in parts if not part.item.owner and part.name not in able]
+    return [part.name for part in parts if not part.item.owner and part.name not in divided]
 
 
 def has_mesh(deck: Deck) -> bool:
@@ -193,7 +193,7 @@ def _check_names(deck: Deck, field: Divisible) -> None:
 
 def _words(deck: Deck) -> set[str]:
     texts = [path.read_text("utf-8", "replace") for path in deck.files]
-    # a run in memory may watch what no file names
+    # a run in memory may watch channels that no file names
     cards: list[Any] = [*deck.watch, *deck.expect]
     texts += [str(card.channel) for card in cards] + list(deck.given.values())
     return {word for text in texts for word in re.findall(r"\w+", text)}

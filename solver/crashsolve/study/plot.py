@@ -59,7 +59,7 @@ def draw(path: Path, title: str, trials: Sequence[Trial], findings: Sequence[Fin
             ms=5,
             zorder=3,
         )
-    _dress(axes, title, what)
+    _format_axes(axes, title, what)
     legend = canvas.legend(loc="outside lower left", frameon=False, fontsize=9, labelcolor=INK)
     for text in legend.get_texts():
         text.set_parse_math(False)
@@ -113,13 +113,13 @@ def _points(
     error: Callable[[Trial], float], series: Series, trials: Sequence[Trial]
 ) -> tuple[list[float], list[float]]:
     """CPU times [s] and errors of one series, from the longest step to the shortest."""
-    mine = [t for t in trials if t.setting.series == series and not t.is_same]
-    mine = [t for t in mine if isfinite(error(t)) and error(t) > 0.0]
-    mine = sorted((t for t in mine if t.cpu_steps > 0.0), key=lambda trial: -trial.step)
-    return [trial.cpu_steps for trial in mine], [error(trial) for trial in mine]
+    own = [t for t in trials if t.setting.series == series and not t.is_same]
+    own = [t for t in own if isfinite(error(t)) and error(t) > 0.0]
+    own = sorted((t for t in own if t.cpu_steps > 0.0), key=lambda trial: -trial.step)
+    return [trial.cpu_steps for trial in own], [error(trial) for trial in own]
 
 
-def _dress(axes: "Axes", title: str, what: str) -> None:
+def _format_axes(axes: "Axes", title: str, what: str) -> None:
     # a title is text: a dollar begins no formula
     axes.set_title(_cut(title), loc="left", fontsize=11, color=INK, parse_math=False)
     axes.set_xlabel("CPU time of the steps, s", color=MUTED)

@@ -9,20 +9,20 @@ from pathlib import Path
 from crashsolve.deck.reading.deck import Deck, read_deck
 from crashsolve.deck.reading.several import Several
 from crashsolve.foundation.errors import DeckError, DeckErrors, ExitCode
-from crashsolve.foundation.streams import printable, say
+from crashsolve.foundation.streams import print_line, printable
 from crashsolve.output.files import replace_text, reported
 from crashsolve.output.lock import Lock
 from crashsolve.study.child_runs import cores
 from crashsolve.study.convergence import NEAR
 from crashsolve.study.findings import NOISE, Finding, cheapest, find, worst
 from crashsolve.study.meshes import divisible, finer
+from crashsolve.study.methods import order_of
 from crashsolve.study.plot import draw
 from crashsolve.study.settings import (
     AUTO,
     MESHES,
     Setting,
     descriptions,
-    order_of,
     order_of_mesh,
     resolved,
     settings,
@@ -40,7 +40,7 @@ CONVERGED = 0.01
 
 @dataclass(frozen=True)
 class Request:
-    """What is to be studied, as the command line says it."""
+    """Request for a study, as on the command line."""
 
     deck: Path
     folder: Path
@@ -61,7 +61,7 @@ def study(request: Request) -> int:
 
     Raises DeckError for a wrong deck or request, OutputError when the report cannot be written.
     """
-    deck = read_deck(request.deck, request.overrides, refuses_idle=False)
+    deck = read_deck(request.deck, request.overrides, refuses_ineffective=False)
     own = [deck.control.integrator] if request.vary else []
     if request.methods or own:
         methods = [resolved(deck, method) for method in request.methods or own]
@@ -73,7 +73,7 @@ def study(request: Request) -> int:
         deck, list(dict.fromkeys(methods)), _steps(request, deck), request.tolerances, meshes,
         request.vary,
     )  # fmt: skip
-    _refuse_idle(request, grid)
+    _refuse_ineffective(request, grid)
     watches = watched(deck, request.channels)
     # where a path does not converge, these may
     more = [watch for watch in overall(deck) if watch not in watches]
@@ -82,25 +82,25 @@ def study(request: Request) -> int:
     with Lock(request.folder):
         known = _reference(request, watches)
         for text in (*notes, *_axes(deck, methods, meshes)):
-            say(text)
-        say(f"{len(grid)} runs of {request.deck} in {request.folder}")
+            print_line(text)
+        print_line(f"{len(grid)} runs of {request.deck} in {request.folder}")
         jobs = max(request.jobs or cores(), 1)
-        trials = run_all(request.deck, grid, request.overrides, request.folder, jobs, _announce)
-        good = [trial for trial in trials if trial.is_good]
+        trials = run_all(request.deck, grid, request.overrides, request.folder, jobs, _report_trial)
+        finished = [trial for trial in trials if trial.has_finished]
         span = deck.control.end_time - deck.control.start_time
         with ThreadPoolExecutor(jobs) as pool:
-            answers = pool.map(lambda trial: ask(trial.folder, [*watches, *more]), good)
-            for trial, answer in zip(good, answers, strict=True):
+            answers = pool.map(lambda trial: ask(trial.folder, [*watches, *more]), finished)
+            for trial, answer in zip(finished, answers, strict=True):
                 trial.step, trial.answers = span / max(trial.cycles, 1), answer
         order = None if request.vary else order_of_mesh(deck)
-        known = known or _dearest(request, good)
+        known = known or _most_expensive(request, finished)
         findings = [
             find(watch, at, trials, known[at] if known else None, order)
             for at, watch in enumerate(watches)
         ]
         extra = [find(watch, len(watches) + i, trials, None, order) for i, watch in enumerate(more)]
         _report(request, deck, trials, findings, extra)
-        return ExitCode.NORMAL if good else max(trial.code for trial in trials)
+        return ExitCode.NORMAL if finished else max(trial.code for trial in trials)
 
 
 def _usual_meshes(deck: Deck, request: Request) -> str:
@@ -110,24 +110,24 @@ def _usual_meshes(deck: Deck, request: Request) -> str:
     try:
         finer(deck, 2)
     except ValueError as why:
-        say(f"no finer meshes: {why}")
+        print_line(f"no finer meshes: {why}")
         return "1"
     return MESHES
 
 
-def _refuse_idle(request: Request, grid: Sequence[Setting]) -> None:
+def _refuse_ineffective(request: Request, grid: Sequence[Setting]) -> None:
     """Raise DeckErrors for values that change no run, of --set and of --vary."""
-    asked, several = {*request.overrides}, Several()
-    asked |= {request.vary.partition("=")[0]} if request.vary else set()
-    for setting in grid if asked else ():
+    requested, several = {*request.overrides}, Several()
+    requested |= {request.vary.partition("=")[0]} if request.vary else set()
+    for setting in grid if requested else ():
         try:
             several.read(request.deck, {**request.overrides, **setting.overrides})
         except DeckErrors:
             # a run that fails; others may go
             continue
-        if not asked & {*(several.idle or ())}:
+        if not requested & {*(several.ineffective or ())}:
             return
-    if found := [error for name, error in (several.idle or {}).items() if name in asked]:
+    if found := [error for name, error in (several.ineffective or {}).items() if name in requested]:
         raise DeckErrors(found)
 
 
@@ -138,20 +138,20 @@ def _steps(request: Request, deck: Deck) -> str | None:
     return AUTO if deck.control.step == AUTO else repr(float(deck.control.step))
 
 
-def _dearest(request: Request, good: list[Trial]) -> list[dict[str, object]] | None:
+def _most_expensive(request: Request, finished: list[Trial]) -> list[dict[str, object]] | None:
     """Answers of the dearest run, which others are compared with where a field is varied.
 
     Different models do not tend to each other, so that nothing can be extrapolated.
     """
-    if not request.vary or not good:
+    if not request.vary or not finished:
         return None
-    best = max(good, key=lambda trial: trial.cpu_steps)
-    say(f"errors are differences from {best.setting.name}, the dearest run; see --reference")
+    best = max(finished, key=lambda trial: trial.cpu_steps)
+    print_line(f"errors are differences from {best.setting.name}, the dearest run; see --reference")
     return best.answers
 
 
 def _axes(deck: Deck, methods: Sequence[str], meshes: str) -> list[str]:
-    """What is run over, in words; and that there is no choice of descriptions, where so."""
+    """Axes of the study in words, and a note where there is no choice of descriptions."""
     message = [f"integrators: {', '.join(methods)}"]
     if divisible(deck):
         message.append(f"meshes: elements of all parts times {meshes.replace(',', ', ')}")
@@ -171,15 +171,15 @@ def _reference(request: Request, watches: list[Watch]) -> list[dict[str, object]
     known = ask(request.reference, watches)
     for watch, answer in zip(watches, known, strict=True):
         if "remark" in answer:
-            say(printable(f"--reference, {watch.name}: {answer['remark']}"))
+            print_line(printable(f"--reference, {watch.name}: {answer['remark']}"))
     return known
 
 
-def _announce(trial: Trial) -> None:
+def _report_trial(trial: Trial) -> None:
     """One line as soon as a run has ended."""
-    how = "kept" if trial.was_kept else "done"
-    words = how if trial.is_good else f"exit code {trial.code}, {trial.message}"
-    say(printable(f"  {trial.setting.name}: {words}"))
+    how = "kept" if trial.was_reused else "done"
+    words = how if trial.has_finished else f"exit code {trial.code}, {trial.message}"
+    print_line(printable(f"  {trial.setting.name}: {words}"))
 
 
 def _report(
@@ -193,22 +193,24 @@ def _report(
     replace_text(request.folder / "study.csv", csv_text(trials, findings))
     title = deck.title or request.deck.stem
     missing = draw(request.folder / "study.png", title, trials, findings)
-    say()
-    say(text_table(trials, findings))
-    say()
-    say(legend(findings))
+    print_line()
+    print_line(text_table(trials, findings))
+    print_line()
+    print_line(legend(findings))
     if any(finding.diverges for finding in findings):
-        say(_still_converging([*findings, *extra]))
-    say()
-    say(_verdict(findings, trials, USUAL if request.target is None else request.target))
-    say()
-    say(f"{request.folder / 'study.csv'}" + ("" if missing else f", {request.folder}/study.png"))
+        print_line(_still_converging([*findings, *extra]))
+    print_line()
+    print_line(_verdict(findings, trials, USUAL if request.target is None else request.target))
+    print_line()
+    print_line(
+        f"{request.folder / 'study.csv'}" + ("" if missing else f", {request.folder}/study.png")
+    )
     if missing:
-        say(missing)
+        print_line(missing)
 
 
 def _still_converging(findings: list[Finding]) -> str:
-    """Which numbers converge although a watched channel does not."""
+    """Names of numbers that converge although a watched channel does not."""
     names = [
         f"{finding.watch.name} (to {finding.estimate:.1g})"
         for finding in findings
@@ -234,12 +236,12 @@ def _verdict(findings: list[Finding], trials: list[Trial], target: float) -> str
     doubtful = [f.watch.name for f in findings if f.is_doubtful(target)]
     if doubtful:
         return f"{text}; not to be trusted: {', '.join(doubtful)}"
-    able = [trial for trial in trials if isfinite(worst(findings, trial))]
+    usable = [trial for trial in trials if isfinite(worst(findings, trial))]
     if len({trial.setting.label for trial in trials}) == 1:
         text += "; the error of a single step is not known: give --steps two or more"
-    if not able:
+    if not usable:
         return text
-    nearest = min(able, key=lambda trial: worst(findings, trial))
+    nearest = min(usable, key=lambda trial: worst(findings, trial))
     error = worst(findings, nearest)
     text += f"; the nearest is {nearest.setting.name}, error {error:.2g}"
     if error > target and (needed := _mesh_needed(findings, nearest, target)):
@@ -252,7 +254,7 @@ def _verdict(findings: list[Finding], trials: list[Trial], target: float) -> str
 
 
 def _mesh_needed(findings: list[Finding], nearest: Trial, target: float) -> str:
-    """The mesh that the orders of the meshes lead to; nothing where there are none."""
+    """The mesh that the wanted error needs by the orders of the meshes; "" where there are none."""
     factors = []
     for finding in (f for f in findings if not f.is_absolute and f.error(nearest) > target):
         order = finding.mesh_order(nearest)

@@ -21,6 +21,7 @@ from crashsolve.deck.run_cards.control import Control
 from crashsolve.foundation.errors import DeckError, DeckErrors
 from crashsolve.model.build import build
 from crashsolve.study import meshes as mesh_fields
+from crashsolve.study.methods import chooses_its_step
 
 FACTORS = (4.0, 2.0, 1.0, 1 / 2, 1 / 4, 1 / 8)
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
@@ -36,7 +37,7 @@ Words = tuple[str, dict[str, str], float | None]
 
 
 class Series(NamedTuple):
-    """What the steps of one curve have in common: method, elements times `mesh`, description."""
+    """Common settings of the runs of one curve: method, elements times `mesh`, description."""
 
     method: str
     mesh: int = 1
@@ -44,7 +45,7 @@ class Series(NamedTuple):
 
     @property
     def name(self) -> str:
-        """As people read it."""
+        """Name for tables and plots."""
         mesh = f"mesh x{self.mesh}" if self.mesh > 1 else ""
         return ", ".join(filter(None, (self.method, mesh, self.description)))
 
@@ -63,7 +64,7 @@ class Setting:
 
     @property
     def name(self) -> str:
-        """As people read it."""
+        """Name for tables and plots."""
         return f"{self.series.name} {self.label}"
 
     @property
@@ -169,7 +170,7 @@ def _part_modules(deck: Deck) -> list[ModuleType]:
 
 
 def _of_parts(deck: Deck, mesh: int, description: str) -> dict[str, str]:
-    """What a mesh and a description change in the deck."""
+    """Overrides of the deck for a mesh and a description."""
     found = mesh_fields.finer(deck, mesh)
     if description:
         own = [name for name, part in deck.entries["parts"].items() if not part.item.owner]
@@ -179,15 +180,15 @@ def _of_parts(deck: Deck, mesh: int, description: str) -> dict[str, str]:
 
 def suited(deck: Deck) -> tuple[list[str], list[str]]:
     """All methods that can run a deck, its own first; and why the others cannot."""
-    own, able, notes = resolved(deck, deck.control.integrator), [], []
+    own, suited_methods, notes = resolved(deck, deck.control.integrator), [], []
     for method in sorted(METHODS, key=lambda method: method != own):
         try:
             build(replace(deck, control=deck.control.model_copy(update={"integrator": method})))
         except DeckErrors as refusal:
             notes.append(f"{method} is left out: {refusal.errors[0].message}")
         else:
-            able.append(method)
-    return able, notes
+            suited_methods.append(method)
+    return suited_methods, notes
 
 
 def resolved(deck: Deck, method: str) -> str:
@@ -197,24 +198,6 @@ def resolved(deck: Deck, method: str) -> str:
     return build(replace(deck, control=deck.control.model_copy(update={"integrator": method})))[
         0
     ].integrator
-
-
-def order_of(method: str) -> float | None:
-    """Declared order [1] of a method in its step; None when it declares none."""
-    return getattr(_module(method), "ORDER", None)
-
-
-def chooses_its_step(method: str) -> bool:
-    """Whether a method chooses its steps by a tolerance, as those of stages do."""
-    return hasattr(_module(method), "STAGES")
-
-
-def _module(method: str) -> ModuleType | None:
-    try:
-        return importlib.import_module(f"crashsolve.integrators.{method}")
-    except ModuleNotFoundError:
-        # a run with it will say so
-        return None
 
 
 def _of_method(deck: Deck, method: str, steps: str | None, tolerances: str | None) -> list[Words]:

@@ -8,7 +8,7 @@ from math import isfinite
 from crashsolve.study.findings import Finding
 from crashsolve.study.trials import Trial
 
-ABREAST = 4
+COLUMNS_PER_TABLE = 4
 LONGEST = 60
 
 
@@ -16,8 +16,8 @@ def text_table(trials: Sequence[Trial], findings: Sequence[Finding]) -> str:
     """A line per run; errors and orders by the number of the channel, a few channels abreast."""
     header = ["integrator", "setting", "step s", "cycles", "steps CPU s", "total CPU s"]
     tables = []
-    for first in range(0, max(len(findings), 1), ABREAST):
-        some = findings[first : first + ABREAST]
+    for first in range(0, max(len(findings), 1), COLUMNS_PER_TABLE):
+        some = findings[first : first + COLUMNS_PER_TABLE]
         # the numbers of a run stand in the first table only
         width = 2 if first else len(header)
         titles = [[f"error {first + i}", "order"] for i in range(1, len(some) + 1)]
@@ -41,12 +41,12 @@ def _aligned(rows: list[list[str]], remarks: list[str]) -> str:
 
 def _remark(trial: Trial) -> str:
     """The message of a run, cut: study.csv and its log have all of it."""
-    text = trial.message if trial.is_good else f"exit code {trial.code}: {trial.message}"
+    text = trial.message if trial.has_finished else f"exit code {trial.code}: {trial.message}"
     return text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."
 
 
 def csv_text(trials: Sequence[Trial], findings: Sequence[Finding]) -> str:
-    """The same with all digits; a value that does not exist is an empty cell."""
+    """The table as CSV with all digits; a value that does not exist is an empty cell."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     header = ["integrator", "mesh", "deformation", "setting"]
@@ -69,7 +69,7 @@ def csv_text(trials: Sequence[Trial], findings: Sequence[Finding]) -> str:
 
 
 def legend(findings: Sequence[Finding]) -> str:
-    """What each channel is measured against, and how its runs converge."""
+    """Reference of each channel, and the convergence of its runs."""
     lines = []
     for number, finding in enumerate(findings, 1):
         lines.append(f"{number}  {finding.watch.name}{_reference(finding)}")

@@ -35,18 +35,18 @@ class Trial:
     step: float = nan
     cpu_steps: float = nan
     cpu: float = nan
-    was_kept: bool = False
+    was_reused: bool = False
     # whether it took the same steps as the trial before it
     is_same: bool = False
     answers: list[Json] = field(default_factory=list)
 
     @property
-    def is_good(self) -> bool:
+    def has_finished(self) -> bool:
         """Whether it reached its end."""
         return self.code == ExitCode.NORMAL
 
 
-Tell = Callable[[Trial], None]
+Report = Callable[[Trial], None]
 
 
 def run_all(
@@ -55,9 +55,9 @@ def run_all(
     overrides: Mapping[str, str],
     folder: Path,
     jobs: int,
-    report: Tell,
+    report: Report,
 ) -> list[Trial]:
-    """All trials in the order of their settings; `report` hears of each as it ends."""
+    """All trials in the order of their settings; `report` is called with each as it ends."""
 
     def run(setting: Setting) -> Trial:
         trial = _trial(
@@ -71,10 +71,10 @@ def run_all(
     others = [setting for setting in reversed(settings) if setting not in first]
     done: dict[str, Trial] = {}
     with ThreadPoolExecutor(jobs) as pool:
-        for wave in (first, others):
-            done |= {trial.setting.folder: trial for trial in pool.map(run, wave)}
+        for batch in (first, others):
+            done |= {trial.setting.folder: trial for trial in pool.map(run, batch)}
     trials = [done[setting.folder] for setting in settings]
-    _mark_repeated(trials)
+    _mark_equal_steps(trials)
     return trials
 
 
@@ -88,18 +88,18 @@ def _trial(
         return Trial(setting, folder, int(error.exit_code), str(error).splitlines()[0])
     status = status_of(folder)
     if status.get("exit_code") in COMPLETE and _is_of(folder, own.text):
-        return _finished(setting, folder, int(status["exit_code"]), "", was_kept=True)
+        return _finished(setting, folder, int(status["exit_code"]), "", was_reused=True)
     with start(deck, folder, overrides, False, subprocess.PIPE, jobs) as run:
         _, errors = run.communicate()
     return _finished(setting, folder, run.returncode, errors)
 
 
 def _finished(
-    setting: Setting, folder: Path, code: int, errors: str, was_kept: bool = False
+    setting: Setting, folder: Path, code: int, errors: str, was_reused: bool = False
 ) -> Trial:
-    """What the files of a run say of it."""
+    """The trial of a run that has ended, from its files."""
     status = status_of(folder)
-    trial = Trial(setting, folder, code, was_kept=was_kept)
+    trial = Trial(setting, folder, code, was_reused=was_reused)
     if code in COMPLETE:
         trial.cycles = int(status["cycle"])
         trial.cpu, trial.cpu_steps = float(status["cpu"]), float(status.get("cpu_steps", nan))
@@ -122,13 +122,13 @@ def _is_of(folder: Path, text: str) -> bool:
     return bool(is_same and versions.get("crashsolve") == crashsolve.__version__)
 
 
-def _mark_repeated(trials: list[Trial]) -> None:
+def _mark_equal_steps(trials: list[Trial]) -> None:
     """Find trials whose steps samples or other bounds made those of the trial before."""
     before: dict[Series, int] = {}
     for trial in trials:
         series = trial.setting.series
-        if trial.is_good and trial.cycles == before.get(series):
+        if trial.has_finished and trial.cycles == before.get(series):
             trial.is_same = True
             trial.message = "same steps as before: bound by samples, not by the setting"
-        elif trial.is_good:
+        elif trial.has_finished:
             before[series] = trial.cycles

@@ -14,7 +14,7 @@ from tempfile import NamedTemporaryFile
 
 from crashsolve.channels.errors import ChannelError
 from crashsolve.channels.series import Window
-from crashsolve.channels.statistic import check, moment_asked, unit_of, words
+from crashsolve.channels.statistic import check, requested_moment, unit_of, words
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.deck.run_cards.expect import Expect
 from crashsolve.deck.run_cards.statistic import PATH
@@ -40,12 +40,12 @@ class Watch:
     because: str = ""
 
     def questions(self) -> list[Json]:
-        """What to ask a result for."""
+        """Questions to a result."""
         common = {"statistic": self.statistic, "during": self.during, "unit": self.unit}
-        asked = [{"channel": channel, **common} for channel in self.channels]
+        requested = [{"channel": channel, **common} for channel in self.channels]
         if self.vector:
-            asked.append({"channel": self.vector, "statistic": "max", "unit": self.unit})
-        return asked
+            requested.append({"channel": self.vector, "statistic": "max", "unit": self.unit})
+        return requested
 
     @property
     def vector(self) -> str:
@@ -75,7 +75,7 @@ def watched(deck: Deck, words: Sequence[str]) -> list[Watch]:
 
 def _refuse_unsampled(deck: Deck, watch: Watch, word: str) -> None:
     """Raises DeckError for a moment at which no run has a sample: it would have to be guessed."""
-    moment = None if watch.statistic == PATH else moment_asked(watch.statistic)
+    moment = None if watch.statistic == PATH else requested_moment(watch.statistic)
     if moment is None or Schedule.of(deck).has(moment):
         return
     entry = f"watch: [{{channel: {json.dumps(watch.channels[0])}, statistic: {watch.statistic}}}]"
@@ -86,7 +86,7 @@ def _refuse_unsampled(deck: Deck, watch: Watch, word: str) -> None:
 
 
 def named(deck: Deck) -> list[Watch]:
-    """What the deck expects and watches, each once."""
+    """Channels that the deck expects and watches, each once."""
     expected = [_expected(card) for card in deck.expect]
     watches = [
         Watch(

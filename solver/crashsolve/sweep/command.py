@@ -45,7 +45,7 @@ def _act(options: argparse.Namespace) -> int:
     queue = None
     if options.slurm or options.submit:
         more = tuple(options.sbatch)
-        queue = Queue(options.at_once, options.time, more=more, submits=options.submit)
+        queue = Queue(options.at_once, options.time, options=more, submits=options.submit)
     request = Request(
         plan=options.plan,
         folder=options.output or Path(options.plan.stem + ".sweep"),

@@ -28,7 +28,7 @@ from crashsolve.sweep.axis import Axis
 from crashsolve.sweep.design import Point
 from crashsolve.sweep.plan import Plan
 
-NAME, NOTE, ERRORS = "sweep.json", "run.json", "errors.txt"
+NAME, RECORD, ERRORS = "sweep.json", "run.json", "errors.txt"
 FORMAT, FORMAT_VERSION = "crashsolve sweep", 1
 AUTO = "auto-"
 _METHOD = re.compile(r"(?m)^  integrator: .*\n")
@@ -36,14 +36,14 @@ _METHOD = re.compile(r"(?m)^  integrator: .*\n")
 
 @dataclass(frozen=True)
 class Mark:
-    """What a result is made from, as hashes."""
+    """Hashes of the inputs of a result."""
 
     deck: str
     files: str
     version: str
 
-    def differs_in(self, other: Json) -> str:
-        """What makes another mark another, in words; empty for the same."""
+    def difference_from(self, other: Json) -> str:
+        """Difference from another mark in words; empty for the same."""
         words = {"deck": "another deck or other values", "files": "other files that the deck reads"}
         words["version"] = "another version of crashsolve"
         mine = asdict(self)
@@ -61,7 +61,7 @@ class Run:
 
     @property
     def name(self) -> str:
-        """As people read it, and as its folder is called."""
+        """Name of the run and of its folder."""
         return f"{self.number:04d}"
 
     def folder(self, sweep: Path) -> Path:
@@ -69,13 +69,13 @@ class Run:
         return sweep / "runs" / self.name
 
     def reported(self) -> str:
-        """Its values, for messages."""
+        """Values of the run, for messages."""
         return ", ".join(f"{name} = {text}" for name, text in self.values.items())
 
 
 @dataclass(frozen=True)
-class Look:
-    """What has become of a run: new, stale, held, running, finished, failed, stopped or killed."""
+class RunStatus:
+    """State of a run: new, stale, held, running, finished, failed, stopped or killed."""
 
     state: str
     message: str = ""
@@ -96,8 +96,8 @@ def text_mark(text: str, is_auto: bool) -> str:
 
     With `integrator: auto` or `default` without its line: results state the method that was chosen.
     """
-    kept = _METHOD.sub("", text) if is_auto else text
-    return is_auto * AUTO + hashlib.sha256(kept.encode()).hexdigest()[:16]
+    compared = _METHOD.sub("", text) if is_auto else text
+    return is_auto * AUTO + hashlib.sha256(compared.encode()).hexdigest()[:16]
 
 
 @cache
@@ -136,7 +136,7 @@ def _named_in(value: object) -> Iterator[Path]:
 
 
 def write_sweep(folder: Path, plan: Plan, title: str, runs: list[Run]) -> None:
-    """Write sweep.json, which states crashpost and the tasks of a queue all. Raises OutputError."""
+    """Write sweep.json, which crashpost and the tasks of a queue read. Raises OutputError."""
     data = {
         "format": FORMAT,
         "format_version": FORMAT_VERSION,
@@ -171,40 +171,40 @@ def read_sweep(folder: Path) -> tuple[Path, list[Run]]:
     return Path(data["deck"]), runs
 
 
-def look(sweep: Path, run: Run) -> Look:
-    """What has become of a run, by its files."""
+def run_status(sweep: Path, run: Run) -> RunStatus:
+    """State of a run by its files."""
     folder = run.folder(sweep)
-    note = table_in(folder / NOTE)
-    if not note:
-        return Look("stale", "unknown results") if _has_results(folder) else Look("new")
+    record = table_in(folder / RECORD)
+    if not record:
+        return RunStatus("stale", "unknown results") if _has_results(folder) else RunStatus("new")
     if is_held(folder):
-        return Look("held", "runs already")
-    other = run.mark.differs_in(note.get("mark", {}))
-    if other:
-        return Look("stale", other)
+        return RunStatus("held", "runs already")
+    difference = run.mark.difference_from(record.get("mark", {}))
+    if difference:
+        return RunStatus("stale", difference)
     status = status_of(folder)
     state, code = status.get("state"), status.get("exit_code")
     if (state, code) == ("finished", int(ExitCode.NORMAL)):
-        other = _other_text(folder, run.mark)
-        return Look("stale", other) if other else Look("finished")
+        difference = _text_difference(folder, run.mark)
+        return RunStatus("stale", difference) if difference else RunStatus("finished")
     if state in ("failed", "stopped"):
-        return Look(state, str(status.get("message", "")))
-    if note.get("state") == "failed":
+        return RunStatus(state, str(status.get("message", "")))
+    if record.get("state") == "failed":
         # it ended before it had a status
-        return Look("failed", str(note.get("message", "")))
+        return RunStatus("failed", str(record.get("message", "")))
     if not status:
-        return Look("new")
+        return RunStatus("new")
     # a status that says running, without such a process
-    word = "stopped" if note.get("state") == "stopped" else "killed"
-    return Look(word, str(note.get("message", "")))
+    word = "stopped" if record.get("state") == "stopped" else "killed"
+    return RunStatus(word, str(record.get("message", "")))
 
 
 def _has_results(folder: Path) -> bool:
     return (folder / "history.h5").exists() or (folder / "status.json").exists()
 
 
-def _other_text(folder: Path, mark: Mark) -> str:
-    """Why finished results are of another deck, as after a run by hand in this folder."""
+def _text_difference(folder: Path, mark: Mark) -> str:
+    """Reason why finished results are of another deck, as after a run by hand in this folder."""
     import h5py
 
     try:
@@ -221,12 +221,12 @@ def clear(sweep: Path, run: Run) -> None:
     folder = run.folder(sweep)
     with reported(folder):
         left = [path for path in folder.iterdir() if path.name != LOCK]
-        for path in sorted(left, key=lambda path: path.name == NOTE):
+        for path in sorted(left, key=lambda path: path.name == RECORD):
             shutil.rmtree(path) if path.is_dir() and not path.is_symlink() else path.unlink()
 
 
-def note(sweep: Path, run: Run, state: str, code: int | None = None, message: str = "") -> None:
+def record(sweep: Path, run: Run, state: str, code: int | None = None, message: str = "") -> None:
     """Write what a run is made from and what is known of it. Raises OutputError."""
     data: Json = {"mark": asdict(run.mark), "overrides": run.overrides, "state": state}
     data |= {"exit_code": code, "message": message}
-    replace_text(run.folder(sweep) / NOTE, json.dumps(data, indent=1, ensure_ascii=False) + "\n")
+    replace_text(run.folder(sweep) / RECORD, json.dumps(data, indent=1, ensure_ascii=False) + "\n")

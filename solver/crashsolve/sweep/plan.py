@@ -39,7 +39,7 @@ COLUMNS = ("run", "state", "message")
 
 
 class Design(Card):
-    """Which values are run together, or the bare word of its type."""
+    """Choice of the values that are run together, or the bare word of its type."""
 
     shorthand: ClassVar[str] = "type"
 
@@ -104,7 +104,7 @@ class Measure(Card):
         return text
 
     @model_validator(mode="after")
-    def _has_a_window(self) -> "Measure":
+    def _has_window(self) -> "Measure":
         check_window(self.statistic, self.during)
         return self
 
@@ -203,7 +203,7 @@ def _axes(given: object, context: Context, found: list[Diagnostic]) -> dict[str,
 
 
 def _contradictions(card: PlanCard, axes: Mapping[str, Axis]) -> list[Diagnostic]:
-    """What is wrong between the fields of a plan."""
+    """Contradictions between the fields of a plan."""
     found, known = [], dict[str, str]()
     for keyword, name in (*(("vary", n) for n in axes), *(("set", n) for n in card.set)):
         own = name.removeprefix(PARAMETERS)
@@ -234,7 +234,7 @@ def _contradictions(card: PlanCard, axes: Mapping[str, Axis]) -> list[Diagnostic
 
 
 def _unfit(kind: str, axis: Axis) -> list[Diagnostic]:
-    """Why the values of a parameter do not fit the design."""
+    """Reason why the values of a parameter do not fit the design."""
     found = []
     if kind == "list" and axis.values is None:
         found.append(Diagnostic((), "a range does not go with design: list", "write its values"))

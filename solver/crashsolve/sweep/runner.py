@@ -13,21 +13,21 @@ from pathlib import Path
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.deck.reading.several import Several
 from crashsolve.foundation.errors import DeckError, DeckErrors, ExitCode
-from crashsolve.foundation.streams import printable, say
+from crashsolve.foundation.streams import print_line, printable
 from crashsolve.model.build import build
 from crashsolve.output.errors import OutputError
 from crashsolve.output.files import reported
 from crashsolve.output.lock import Lock
-from crashsolve.simulation.heartbeat import Pulse
+from crashsolve.simulation.heartbeat import Heartbeat
 from crashsolve.study.child_runs import cores
 from crashsolve.sweep.axis import as_text
 from crashsolve.sweep.design import Point, points_of
-from crashsolve.sweep.folder import Look, Run, look, mark_of, read_sweep, write_sweep
-from crashsolve.sweep.march import March
+from crashsolve.sweep.folder import Run, RunStatus, mark_of, read_sweep, run_status, write_sweep
 from crashsolve.sweep.plan import Plan, read_plan
+from crashsolve.sweep.run_pool import RunPool
 from crashsolve.sweep.script import Queue, submit, write_script
 
-# what crashpost makes of the runs
+# files that crashpost writes from the runs
 GATHERED = ("sweep.csv", "sweep.parquet", "scatter.png", "effects.png", "indices.png")
 # runs that failed before and are named
 REPORTED = 8
@@ -35,7 +35,7 @@ REPORTED = 8
 
 @dataclass(frozen=True)
 class Request:
-    """What is to be run, as the command line says it; `queue` asks for a job array instead."""
+    """Request for a sweep, as on the command line; `queue` asks for a job array instead."""
 
     plan: Path
     folder: Path
@@ -52,25 +52,25 @@ def sweep(request: Request) -> int:
     folder is in use or cannot be written.
     """
     plan = read_plan(request.plan)
-    with Pulse("reading the deck of each run", say):
+    with Heartbeat("reading the deck of each run", print_line):
         title, runs = prepared(plan)
     if request.dry:
         for run in runs:
-            say(printable(f"{run.name}  {run.reported()}"))
+            print_line(printable(f"{run.name}  {run.reported()}"))
         return ExitCode.NORMAL
     with reported(request.folder):
         request.folder.mkdir(parents=True, exist_ok=True)
     with Lock(request.folder):
-        looks = {run.number: look(request.folder, run) for run in runs}
-        _refuse_stale(request, runs, looks)
+        statuses = {run.number: run_status(request.folder, run) for run in runs}
+        _refuse_stale(request, runs, statuses)
         write_sweep(request.folder, plan, title, runs)
-        due = [run for run in runs if _is_due(looks[run.number], request.again)]
+        due = [run for run in runs if _is_due(statuses[run.number], request.again)]
         _remove_old(request.folder, due)
-        _report_kept(request, runs, looks)
+        _report_plan(request, runs, statuses)
         if request.queue is not None:
             return _queue(request, due)
         words = [name for name, axis in plan.axes.items() if not axis.is_of_numbers]
-        march = March(
+        pool = RunPool(
             plan.deck,
             request.folder,
             max(request.jobs or cores(), 1),
@@ -78,10 +78,10 @@ def sweep(request: Request) -> int:
             plan.card.time_limit,
             lambda: _report_problems(request.folder),
         )
-        march.go(due)
+        pool.run_all(due)
         is_measured = gather(request.folder)
-    failed = [int(ExitCode.SOLVER) for run in runs if _keeps_failure(run, looks, march)]
-    code = ExitCode.STOPPED if march.is_stopping else _code([*march.codes.values(), *failed])
+    failed = [int(ExitCode.SOLVER) for run in runs if _failed_before(run, statuses, pool)]
+    code = ExitCode.STOPPED if pool.is_stopping else _code([*pool.codes.values(), *failed])
     return code if is_measured else code or ExitCode.DECK
 
 
@@ -93,19 +93,21 @@ def task(folder: Path, number: int) -> int:
     deck, runs = read_sweep(folder)
     run = next((run for run in runs if run.number == number), None)
     if run is None:
-        reported = f"the sweep in {folder} has {len(runs)} runs"
-        raise DeckError(f"--run {number}", None, None, "", reported, f"say 1 to {len(runs)}")
+        message = f"the sweep in {folder} has {len(runs)} runs"
+        raise DeckError(f"--run {number}", None, None, "", message, f"say 1 to {len(runs)}")
     with Lock(folder, is_shared=True):
-        other = mark_of(read_deck(deck, run.overrides)).differs_in(asdict(run.mark))
-        if other:
+        difference = mark_of(read_deck(deck, run.overrides)).difference_from(asdict(run.mark))
+        if difference:
             advice = "prepare the sweep anew by crashsolve sweep PLAN --slurm"
-            raise DeckError(str(deck), None, None, "", f"run {run.name} was of {other}", advice)
-        if look(folder, run).state == "finished":
-            say(f"  {run.name} finished already")
+            raise DeckError(
+                str(deck), None, None, "", f"run {run.name} was of {difference}", advice
+            )
+        if run_status(folder, run).state == "finished":
+            print_line(f"  {run.name} finished already")
             return ExitCode.NORMAL
-        march = March(deck, folder, 1, lambda run: ())
-        march.go([run])
-    return march.codes.get(run.number, ExitCode.STOPPED)
+        pool = RunPool(deck, folder, 1, lambda run: ())
+        pool.run_all([run])
+    return pool.codes.get(run.number, ExitCode.STOPPED)
 
 
 def prepared(plan: Plan) -> tuple[str, list[Run]]:
@@ -132,8 +134,8 @@ def prepared(plan: Plan) -> tuple[str, list[Run]]:
             runs.append(Run(number, point, overrides, mark_of(deck)))
         if wrong and not runs:
             break
-    if not wrong and several.idle:
-        wrong.append((1, points[0], DeckErrors(list(several.idle.values()))))
+    if not wrong and several.ineffective:
+        wrong.append((1, points[0], DeckErrors(list(several.ineffective.values()))))
     if wrong:
         raise _refused(plan, wrong, len(points))
     return title, runs
@@ -158,21 +160,20 @@ def _refused(plan: Plan, wrong: list[tuple[int, Point, DeckErrors]], count: int)
             location = error.file, error.line, error.column
             found.append(DeckError(*location, card, error.message, advice))
     if len(wrong) > 1:
-        reported = f"{len(wrong)} of the {count} runs have a wrong deck; this was the first"
-        found.append(DeckError(str(plan.path), None, None, "", reported))
+        message = f"{len(wrong)} of the {count} runs have a wrong deck; this was the first"
+        found.append(DeckError(str(plan.path), None, None, "", message))
     return DeckErrors(found)
 
 
-def _refuse_stale(request: Request, runs: Sequence[Run], looks: dict[int, Look]) -> None:
+def _refuse_stale(request: Request, runs: Sequence[Run], statuses: dict[int, RunStatus]) -> None:
     """Raise DeckErrors for results of another deck or version: to run them anew is to lose them."""
-    stale = [run for run in runs if looks[run.number].state == "stale"]
+    stale = [run for run in runs if statuses[run.number].state == "stale"]
     if not stale or "stale" in request.again:
         return
-    reported = (
-        f"{len(stale)} of {len(runs)} runs are there already, of {looks[stale[0].number].message}"
-    )
+    reason = statuses[stale[0].number].message
+    message = f"{len(stale)} of {len(runs)} runs are there already, of {reason}"
     advice = "name another folder with -o, or lose them and run anew with --again stale"
-    raise DeckError(str(request.folder), None, None, "", reported, advice)
+    raise DeckError(str(request.folder), None, None, "", message, advice)
 
 
 def _remove_old(folder: Path, due: Sequence[Run]) -> None:
@@ -185,31 +186,31 @@ def _remove_old(folder: Path, due: Sequence[Run]) -> None:
             (folder / name).unlink(missing_ok=True)
 
 
-def _is_due(found: Look, again: Sequence[str]) -> bool:
+def _is_due(found: RunStatus, again: Sequence[str]) -> bool:
     if found.state in ("failed", "stale"):
         return found.state in again
     return found.state != "finished"
 
 
-def _report_kept(request: Request, runs: Sequence[Run], looks: dict[int, Look]) -> None:
-    """What is run, what is not, and why."""
-    kept = [run for run in runs if looks[run.number].state == "finished"]
-    going = [run for run in runs if looks[run.number].state in ("stopped", "killed")]
-    failed = [run for run in runs if not _is_due(looks[run.number], request.again)]
-    failed = [run for run in failed if run not in kept]
+def _report_plan(request: Request, runs: Sequence[Run], statuses: dict[int, RunStatus]) -> None:
+    """Print which runs are started, which are not, and why."""
+    finished = [run for run in runs if statuses[run.number].state == "finished"]
+    going = [run for run in runs if statuses[run.number].state in ("stopped", "killed")]
+    failed = [run for run in runs if not _is_due(statuses[run.number], request.again)]
+    failed = [run for run in failed if run not in finished]
     words = [f"{len(runs)} runs in {request.folder}"]
-    words += [f"{len(kept)} finished already"] if kept else []
+    words += [f"{len(finished)} finished already"] if finished else []
     words += [f"{len(going)} continue from where they were stopped"] if going else []
-    say(printable("; ".join(words)))
+    print_line(printable("; ".join(words)))
     for run in failed[:REPORTED]:
-        say(printable(f"  {run.name} failed before: {looks[run.number].message}"))
+        print_line(printable(f"  {run.name} failed before: {statuses[run.number].message}"))
     if failed:
         more = f"{len(failed) - REPORTED} more failed before; " if len(failed) > REPORTED else ""
-        say(f"  {more}--again failed runs them once more")
+        print_line(f"  {more}--again failed runs them once more")
 
 
-def _keeps_failure(run: Run, looks: dict[int, Look], march: March) -> bool:
-    return looks[run.number].state == "failed" and run.number not in march.codes
+def _failed_before(run: Run, statuses: dict[int, RunStatus], pool: RunPool) -> bool:
+    return statuses[run.number].state == "failed" and run.number not in pool.codes
 
 
 def _code(codes: Sequence[int]) -> int:
@@ -223,40 +224,42 @@ def _queue(request: Request, due: Sequence[Run]) -> int:
     """Write the script of a job array, and submit it if asked to."""
     assert request.queue is not None
     if not due:
-        say("nothing is left to be run")
+        print_line("nothing is left to be run")
         gather(request.folder)
         return ExitCode.NORMAL
     path = write_script(request.folder, [run.number for run in due], request.queue)
-    say(printable(f"{path}: an array of {len(due)} tasks"))
+    print_line(printable(f"{path}: an array of {len(due)} tasks"))
     if request.queue.submits:
-        say(printable(submit(path)))
+        print_line(printable(submit(path)))
     else:
-        say(printable(f"read it, then: sbatch {path}"))
-    say(printable(f"table of what has finished, at any time: crashpost sweep {request.folder}"))
+        print_line(printable(f"read it, then: sbatch {path}"))
+    print_line(
+        printable(f"table of what has finished, at any time: crashpost sweep {request.folder}")
+    )
     return ExitCode.NORMAL
 
 
 def gather(folder: Path) -> bool:
-    """Let crashpost write the table, and say what it states; whether every measure has a value.
+    """Let crashpost write the table and print its lines; whether every measure has a value.
 
     Raises OutputError when it cannot.
     """
     done = _gathered(folder)
     if done.returncode > 1:
-        reported = done.stderr.strip().splitlines()[-1:] or [f"crashpost: code {done.returncode}"]
-        raise OutputError(folder, f"the table cannot be gathered: {reported[0]}")
+        last_line = done.stderr.strip().splitlines()[-1:] or [f"crashpost: code {done.returncode}"]
+        raise OutputError(folder, f"the table cannot be gathered: {last_line[0]}")
     for line in done.stdout.splitlines():
-        say(printable(line))
+        print_line(printable(line))
     return done.returncode == 0
 
 
 def _report_problems(folder: Path) -> None:
-    """What is wrong with the measures of the first run, while there is time to correct them."""
+    """Print errors of the measures after the first run, while there is time to correct them."""
     done = _gathered(folder)
     if done.returncode == 1:
         for line in done.stdout.splitlines()[1:]:
-            say(printable(line))
-        say("  measures may be corrected in the plan: finished runs are kept")
+            print_line(printable(line))
+        print_line("  measures may be corrected in the plan: finished runs are kept")
 
 
 def _gathered(folder: Path) -> subprocess.CompletedProcess[str]:

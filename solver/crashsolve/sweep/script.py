@@ -1,8 +1,8 @@
 """A job array for Slurm, as a script that a user can read and change.
 
-Each task is one run of the sweep. A task that comes to the end of its time is notified by SIGUSR1,
-stops its run with a dump, and is requeued, and continues there. One that is cancelled
-is notified by SIGTERM, stops with a dump as well, and does not go back.
+Each task is one run of the sweep. A task that comes to the end of its time gets SIGUSR1, stops its
+run with a dump, is requeued, and continues from the dump. One that is cancelled gets SIGTERM, stops
+with a dump as well, and is not requeued.
 """
 
 import shlex
@@ -24,11 +24,11 @@ TEXT = """#!/bin/bash
 #SBATCH --time={time}
 #SBATCH --ntasks=1
 #SBATCH --cpus-per-task=1
-#SBATCH --signal=B:USR1@{before}
+#SBATCH --signal=B:USR1@{warning_time}
 #SBATCH --requeue
 #SBATCH --open-mode=append
 #SBATCH --output={logs}/%4a.txt
-{more}
+{options}
 task="${{SLURM_ARRAY_JOB_ID}}_${{SLURM_ARRAY_TASK_ID}}"
 out_of_time=no
 trap 'out_of_time=yes; kill -TERM "$run"' USR1
@@ -36,7 +36,7 @@ trap 'kill -TERM "$run"' TERM
 
 {python} -m crashsolve sweep {folder} --run "$SLURM_ARRAY_TASK_ID" &
 run=$!
-# reported before the run was there
+# the signal came before the run had started
 [ "$out_of_time" = no ] || kill -TERM "$run"
 wait "$run"; code=$?
 # a trap ends the wait, not the run
@@ -52,14 +52,12 @@ exit "$code"
 
 @dataclass(frozen=True)
 class Queue:
-    """What a job array needs: tasks at once, time of each, seconds before its end it is
-    reported.
-    """
+    """A job array: tasks at once, time of each, and seconds before its end when SIGUSR1 comes."""
 
     at_once: int = 16
     time: str = "01:00:00"
-    before: int = 60
-    more: Sequence[str] = ()
+    warning_time: int = 60
+    options: Sequence[str] = ()
     submits: bool = False
 
 
@@ -71,10 +69,10 @@ def write_script(folder: Path, numbers: Sequence[int], queue: Queue) -> Path:
         job=folder.resolve().name.replace(" ", "_"),
         array=f"{_ranges(numbers)}%{queue.at_once}",
         time=queue.time,
-        before=queue.before,
+        warning_time=queue.warning_time,
         logs=logs,
         python=shlex.quote(sys.executable),
-        more="".join(f"#SBATCH {option}\n" for option in queue.more),
+        options="".join(f"#SBATCH {option}\n" for option in queue.options),
     )
     try:
         logs.mkdir(exist_ok=True)

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.deck.keywords import SECTIONS
+from crashsolve.model.contact.body_pairs import body_pairs_of
 from crashsolve.model.contact.pieces import tables_of
 from crashsolve.model.ledger import ENTRIES
 from crashsolve.system.diagnosis import chooses_step, limiter
@@ -40,7 +41,9 @@ class Actor:
 
 
 class StepBound:
-    """What sets the step of a run; searched again after a second, or for another body."""
+    """The entity that limits the step of a run; searched again after a second, or for another
+    body.
+    """
 
     def __init__(self, interval: float, longest: float | None) -> None:
         """`interval` [s] of samples, `longest` [s] the deck's own bound."""
@@ -48,12 +51,12 @@ class StepBound:
         self._culprit, self._at, self._found = "", 0, -np.inf
 
     def report(self, engine: Engine) -> str:
-        """What sets the present step, and why."""
+        """The entity that limits the present step, and why."""
         control, step = engine.model.control[0], float(engine.clock["step"])
         if step == 0.0:
             return "-"
-        if (asked := float(control["fixed_step"])) > 0.0:
-            is_cut = asked > self._interval and step < 0.999 * asked
+        if (requested := float(control["fixed_step"])) > 0.0:
+            is_cut = requested > self._interval and step < 0.999 * requested
             return "samples" if is_cut else "control.step"
         if self._longest is not None and step > 0.999 * self._longest:
             return "control.step_max"
@@ -133,11 +136,15 @@ def stiffest(engine: Engine, at: int) -> str:
 
 
 def _copies(engine: Engine) -> dict[str, np.ndarray]:
-    """All tables of the step, of which a sample may write what it likes."""
+    """All tables of the step, of which a sample may write what it likes; nothing acts in them."""
     m, s = engine.model, engine.state
     arrays = group_arrays(m, s) | m.saddle._asdict()
     arrays |= {"control": m.control, "curves": m.curves} | engine.tableau | engine.stages
     arrays |= {"clock": s.clock, "nodes": s.nodes, "rows": s.rows, "ledger": np.zeros(len(ENTRIES))}
+    nobody = np.zeros(0, int)
+    for group in (*m.force_groups(), *m.contact_groups):
+        if not getattr(group, "is_unilateral", False):
+            arrays |= _only(group, nobody)
     return {name: array.copy() for name, array in arrays.items()}
 
 
@@ -185,6 +192,8 @@ def _only(group: Any, rows: np.ndarray) -> dict[str, np.ndarray]:
     }
     if getattr(group, "in_pieces", False):
         tables |= tables_of(group, tables["parameters"])
+    if getattr(group, "body_pairs", None) is not None:
+        tables["body_pairs"] = body_pairs_of(group, tables["parameters"])
     return {f"{group.word}_{name}": table for name, table in tables.items()}
 
 
@@ -192,15 +201,10 @@ def _alone(
     engine: Engine, actor: Actor, arrays: dict[str, np.ndarray], at: int, rotations: bool = True
 ) -> tuple[float, bool]:
     """Bound [rad/s] of a body by one law, perhaps without rotations; whether it is a damper."""
-    nobody = np.zeros(0, int)
-    given = dict(arrays)
-    for group in (*engine.model.force_groups(), *engine.model.contact_groups):
-        if not getattr(group, "is_unilateral", False):
-            given |= _only(group, nobody)
     nodes, rows, clock = (arrays[name].copy() for name in ("nodes", "rows", "clock"))
     if not rotations:
         nodes["W"][at] = nodes["J_inv"][at] = 0.0
-    engine.probe(given | actor.arrays | {"nodes": nodes, "rows": rows, "clock": clock})
+    engine.probe(arrays | actor.arrays | {"nodes": nodes, "rows": rows, "clock": clock})
     return float(_speeds(nodes)[at]), float(nodes["damping"][at]) ** 2 > 2.0 * float(
         nodes["stiffness"][at]
     )

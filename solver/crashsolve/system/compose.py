@@ -61,7 +61,7 @@ def compose(model: Model) -> str:
 
 
 def composed(model: Model, deck: str) -> str:
-    """The same for the model of a deck's text, from the cache where it has been composed before.
+    """The composed step of a model, from the cache where the deck has been composed before.
 
     What is composed depends on the groups of a scene, on what they are made of, and on files of
     meshes through their tables: the key has all of them. Raises CacheError.
@@ -78,7 +78,7 @@ def composed(model: Model, deck: str) -> str:
 
 
 def _description(model: Any) -> Iterator[str]:
-    """What a composed step may depend on beside the deck's text."""
+    """Properties on which a composed step may depend beside the deck's text."""
     for name, value in placeholders(model).items():
         yield f"{name} {value if isinstance(value, bool) else [g.word for g in value]}"
     for group in (*model.groups, *model.contact_groups, *model.nodal_groups):

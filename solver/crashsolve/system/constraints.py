@@ -10,7 +10,7 @@ Eq. 5 prints the opposite sign of lambda).
 from crashsolve.foundation.columns import add_to, matvec
 from crashsolve.foundation.kernels import inlined, kernel
 from crashsolve.foundation.sparse.saddle import factorise
-from crashsolve.foundation.vec3 import add_scaled, dot, put, scale, vec
+from crashsolve.foundation.vec3 import ZERO, add_scaled, dot, put, vec
 from crashsolve.system.kinetics import accelerations, drift_body, kicked
 
 
@@ -45,22 +45,41 @@ def clear_joint_forces(nodes):
 
 
 @kernel
-def scatter(row, multiplier, nodes):
-    """Add the constraint force D^T lambda of one row to its nodes. Writes: nodes."""
-    D = row.D
-    a, b = nodes[row.node_a], nodes[row.node_b]
-    add_to(a.joint_force, scale(multiplier, (D[0], D[1], D[2])))
-    add_to(a.joint_torque, scale(multiplier, (D[3], D[4], D[5])))
-    add_to(b.joint_force, scale(multiplier, (D[6], D[7], D[8])))
-    add_to(b.joint_torque, scale(multiplier, (D[9], D[10], D[11])))
+def scatter(rows, nodes):
+    """Add D^T delta of all rows to their nodes. Writes: nodes.joint_*."""
+    k, count = 0, rows.shape[0]
+    while k < count:
+        node_a, node_b = rows[k].node_a, rows[k].node_b
+        # rows of a joint have the same nodes, and add up before these are written
+        pushes = (ZERO, ZERO, ZERO, ZERO)
+        while k < count and rows[k].node_a == node_a and rows[k].node_b == node_b:
+            pushes = pushed_more(pushes, rows[k].D, rows[k].delta)
+            k += 1
+        a, b = nodes[node_a], nodes[node_b]
+        add_to(a.joint_force, pushes[0])
+        add_to(a.joint_torque, pushes[1])
+        add_to(b.joint_force, pushes[2])
+        add_to(b.joint_torque, pushes[3])
+
+
+@inlined
+def pushed_more(pushes, D, multiplier):
+    """Force and torque on a, and on b, with those of one more row."""
+    return (
+        add_scaled(pushes[0], multiplier, (D[0], D[1], D[2])),
+        add_scaled(pushes[1], multiplier, (D[3], D[4], D[5])),
+        add_scaled(pushes[2], multiplier, (D[6], D[7], D[8])),
+        add_scaled(pushes[3], multiplier, (D[9], D[10], D[11])),
+    )
 
 
 @kernel
 def scatter_trial(rows, nodes):
-    """Constraint forces of the drift being tried. Writes: nodes.joint_*."""
+    """Constraint forces of the drift being tried. Writes: rows.delta, nodes.joint_*."""
     clear_joint_forces(nodes)
     for k in range(rows.shape[0]):
-        scatter(rows[k], rows[k].trial, nodes)
+        rows[k].delta = rows[k].trial
+    scatter(rows, nodes)
 
 
 @kernel
@@ -68,7 +87,7 @@ def correct_trial(rows, nodes):
     """Add a correction to the lambda being tried and to its forces. Writes: rows.trial, nodes."""
     for k in range(rows.shape[0]):
         rows[k].trial += rows[k].delta
-        scatter(rows[k], rows[k].delta, nodes)
+    scatter(rows, nodes)
 
 
 @kernel
@@ -76,7 +95,7 @@ def scatter_delta(rows, nodes):
     """Add a correction to the lambda of a kick and to its forces. Writes: rows.reaction, nodes."""
     for k in range(rows.shape[0]):
         rows[k].reaction += rows[k].delta
-        scatter(rows[k], rows[k].delta, nodes)
+    scatter(rows, nodes)
 
 
 @kernel
@@ -171,10 +190,15 @@ def worst_residual(rows):
 
 @kernel
 def extrapolate_trial(rows, ratio):
-    """First guess of lambda, on the line through the last two. Writes: rows.trial."""
+    """First guess of lambda, `ratio` the new step over the last. Writes: rows.trial.
+
+    A drift closes positions at its end, so that its lambda differs from that of the kick at its
+    start by a term in proportion to the step, and by what the drift before had left open. The kick
+    has neither; the line through the last two drifts would have twice of the latter.
+    """
     for k in range(rows.shape[0]):
         row = rows[k]
-        row.trial = row.multiplier + ratio * (row.multiplier - row.before)
+        row.trial = row.reaction + ratio * (row.multiplier - row.before)
 
 
 @kernel
@@ -186,7 +210,7 @@ def keep_trial(rows):
     power = 0.0
     for k in range(rows.shape[0]):
         row = rows[k]
-        row.before = row.multiplier
+        row.before = row.reaction
         row.multiplier = row.trial
         power += row.trial * row.nu
     return power

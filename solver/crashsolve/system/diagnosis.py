@@ -1,5 +1,7 @@
 """Why the compiled loop stopped: location, likely cause and advice, as the user reads them."""
 
+from typing import Any
+
 import numpy as np
 
 from crashsolve.deck.family import families
@@ -19,7 +21,7 @@ from crashsolve.model.clock import (
     VELOCITY,
 )
 from crashsolve.model.model import Model, State
-from crashsolve.system.gain import gained
+from crashsolve.system.gain import OVERSTATED, gained, gains, overstates
 from crashsolve.system.timestep import QUARTER
 
 # what helps most where a shell folds on itself: a node meets the nearer of two walls alone
@@ -103,7 +105,9 @@ def _passed_pairs(model: Model, state: State) -> list[tuple[str, float, str]]:
 
 
 def _passed_nodes(model: Model) -> list[tuple[str, float, str]]:
-    """The same for nodes of shells on rigid shapes, and for nodes and balls on faces."""
+    """Contact, time and words for nodes of shells on rigid shapes, and for nodes and balls on
+    faces.
+    """
     found = []
     for group in model.nodal_groups:
         location = f"contact '{group.card}'"
@@ -295,19 +299,28 @@ def gaining_contact(model: Model, state: State, clock: np.void) -> Diagnosis:
 
 def gaining_law(model: Model, state: State) -> Diagnosis:
     """The spring, hinge or tyre that has created most energy over what it took and gave."""
-    current, worst = int(state.clock[0]["current"]), (0.0, "", 0.0, 0.0, 0.0)
+    current, worst = int(state.clock[0]["current"]), (0.0, "", "")
+    limit = float(model.control[0]["energy_limit"])
     for group in (g for g in model.force_groups() if g.is_watched):
         rows = zip(group.names, as_rows(group.history[current]), group.output, strict=True)
         for name, now, out in rows:
-            gain = float(gained(now, float(out["stored"])))
-            share = gain / max(float(now["exchanged"]), 1e-300)
+            share, cause = _gain_of(now, float(out["stored"]), limit)
             if share > worst[0]:
-                taken = 0.5 * float(now["exchanged"] - now["given"])
-                word = families()[group.keyword].entry
-                worst = share, f"{word} '{name}'", gain, taken, float(now["held_first"])
-    _, where, gain, taken, held = worst
-    cause = (
+                worst = share, f"{families()[group.keyword].entry} '{name}'", cause
+    return *worst[1:], f"{closer(model, state)}; control.energy_limit sets the bound"
+
+
+def _gain_of(now: Any, stored: float, limit: float) -> tuple[float, str]:
+    """What a law has created over what it took and gave, and in words."""
+    taken, held = 0.5 * float(now["exchanged"] - now["given"]), float(now["held_first"])
+    gain = float(gained(now, stored))
+    if overstates(now, stored, limit, 0.0) and not gains(now, stored, limit, 0.0):
+        stated = stored + float(now["dissipated"])
+        return 1.0 / (1.0 - OVERSTATED), (
+            f"its force turns a velocity round in every step: it states to have lost and to hold "
+            f"{stated:.3g} J, and has been given {held - float(now['given']):.3g} J"
+        )
+    return gain / max(float(now["exchanged"]), 1e-300), (
         f"its force has created energy: it has given its bodies {gain:.3g} J more than it took "
         f"from them ({taken:.3g} J) and stored at the start ({held:.3g} J)"
     )
-    return where, cause, f"{closer(model, state)}; control.energy_limit sets the bound"

@@ -20,7 +20,7 @@ from crashsolve.model.clock import (
     STOPS_AT_SAMPLE,
     TOUCHED,
 )
-from crashsolve.model.contact.node_to_surface import give_room
+from crashsolve.model.contact.node_to_surface import make_room
 from crashsolve.model.contact.pairs import renew
 from crashsolve.model.corners import corners_in_time
 from crashsolve.model.curve_steps import steps_by_curves
@@ -32,16 +32,14 @@ from crashsolve.system.contact.effective_mass import EffectiveMasses
 from crashsolve.system.contact.initial_penetration import find_impact_speeds
 from crashsolve.system.diagnosis import diagnose, passed_through, velocity_error
 from crashsolve.system.placeholders import group_arrays, is_shared, samples_within_steps
-from crashsolve.threads.sharing import own_arrays
+from crashsolve.system.swings import swing_warnings
+from crashsolve.threads.sharing import arrays_of_threads
 
 # an assembly error above this share of the model's size is an error in the deck, not round-off
 ASSEMBLY = 1e-6
 # iterations to close the joints, per step on average, beyond which the step is suspect: 1 to 2 are
 # common, 8 are taken where the tension of a chain swings its rods at 2.4 times the stable frequency
 MANY_PASSES = 4.0
-# frequency times step, from which a swing is said to be too fast for it: by kick, drift, kick it is
-# 1 / sqrt(1 - (omega h / 2)^2) too wide, three times here, and grows from 2 on
-FASTEST_SWING = 1.9
 # steps of the first call of the compiled loop, and seconds that a call may take: no request waits
 # longer for an answer to a signal
 FIRST_CALL, LONGEST_CALL = 16, 0.2
@@ -92,11 +90,11 @@ class Engine:
         self.masses = EffectiveMasses(self.model)
         # of how the run begins, for the log
         self.notes: list[str] = []
-        # asked now and then between two samples; may raise
+        # called from time to time between two samples; may raise
         self.on_pause: Callable[[], None] = lambda: None
-        # what the log is to say of the run
+        # messages for the log
         self.on_message: Callable[[str], None] = lambda text: None
-        # what goes into a dump beside the State
+        # arrays of a dump beside the State
         self.aside: dict[str, np.ndarray] = {}
         self._steps_per_call = 1 if runs_plain() else FIRST_CALL
         # steps from one look to the next, of an interval that is run once more
@@ -104,7 +102,7 @@ class Engine:
 
     @property
     def addresses(self) -> tuple[int, int, int] | None:
-        """Where the compiled step is, its tables at present, and those of a sample.
+        """Addresses of the compiled step, of its present tables, and of those of a sample.
 
         None where it is no function of one thread that code without checks may call.
         """
@@ -115,11 +113,11 @@ class Engine:
 
     def has_no_bend(self, until: float) -> bool:
         """Whether no curve of time has a corner or another bound on steps by `until` [s]."""
-        is_free = not len(self._curve_starts) or float(self.model.control[0]["fixed_step"]) > 0.0
+        is_free = self._is_free_of_curves()
         return is_free and self.clock["kinked"] != CORNER and self._next_corner(until) > until
 
     def _in_bytes(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """What a sample copies, from and to: in bytes, as numpy takes columns one by one."""
+        """Copies of a sample, from and to, in bytes, as numpy copies columns one by one."""
         s = self.state
         pairs = [(s.nodes, self.nodes), (s.rows, self.rows), (s.clock, self.sample_clock)]
         pairs += [(s.ledger, self.ledger), *self._histories.values()]
@@ -142,9 +140,9 @@ class Engine:
         copied = (self.sample_clock, self.nodes, self.rows, self.ledger)
         copies = dict(zip(state, copied, strict=True))
         copies |= {name: copy for name, (_, copy) in self._histories.items()}
-        # that of the first thread, which others are reported by this name
+        # the clock of the first thread, which the others know by this name
         leaders = [{"leader": own["clock"]} if is_shared(m) else {} for own in (state, copies)]
-        own = own_arrays(m)
+        own = arrays_of_threads(m)
         self._present, self._sampled = (
             self._tables(shared | step | leader, own)
             for step, leader in zip((state, copies), leaders, strict=True)
@@ -201,10 +199,7 @@ class Engine:
         self._go_by_corners(until, until)
 
     def reach(self, until: float) -> None:
-        """Step to `until` [s], or beyond it where a sample may lie within a step.
-
-        Raises SolverError at a numerical stop.
-        """
+        """Step to `until` [s], beyond it where samples may lie in a step. Raises SolverError."""
         end = float(self.model.control[0]["end"])
         self._go_by_corners(until, max(until, end) if self.is_dense else until)
 
@@ -240,7 +235,7 @@ class Engine:
             self.answer(status)
 
     def answer(self, status: int) -> None:
-        """What the loop gave control back for, other than its goal. Raises SolverError."""
+        """Handle a return of the loop before its goal. Raises SolverError."""
         s = self.state
         if status == PAUSED:
             self.on_pause()
@@ -250,7 +245,7 @@ class Engine:
         elif status == REBUILD:
             self._refuse_passing()
             renew(self.model.contact_groups, s)
-            give_room(self.model.nodal_groups)
+            make_room(self.model.nodal_groups)
             self.bind()
         else:
             raise diagnose(self.model, s, self.clock, s.ledger)
@@ -267,17 +262,26 @@ class Engine:
         # one that a sample lies on to the last digits is met with it
         return until if abs(corner - until) <= near else corner
 
-    def _next_curve_step(self, goal: float) -> float:
-        """Time [s] until which one bound by curves of time holds. Writes: control, clock.
+    def _is_free_of_curves(self) -> bool:
+        """Whether no curve of time bounds steps: a stated one, where it is short enough for all."""
+        control = self.model.control[0]
+        steps = self._curve_steps * float(control["curve_share"])
+        return bool(steps.min(initial=inf) >= (float(control["fixed_step"]) or inf))
 
-        Where no step to `goal` could be as long as the bounds before it, it is `goal`.
+    def _next_curve_step(self, goal: float) -> float:
+        """Time [s] until which one bound by curves of time holds; `goal` where no step is shorter.
+        Writes: control, clock.
         """
         control, clock, starts = self.model.control[0], self.state.clock[0], self._curve_starts
-        if not len(starts) or control["fixed_step"] > 0.0:
+        if self._is_free_of_curves():
             return inf
         now = float(clock["time"])
         steps = self._curve_steps * (float(control["curve_share"]) * self._stages_see)
         at = max(int(np.searchsorted(starts, now, side="right")) - 1, 0)
+        if control["fixed_step"] > 0.0:
+            # what is left but for round-off is one step
+            is_cut = steps[at] < min(control["fixed_step"], (1.0 - STAGNATION_RATIO) * (goal - now))
+            return now + float(steps[at]) if is_cut else inf
         last = int(np.searchsorted(starts, goal, side="left"))
         if steps[at:last].min(initial=inf) >= goal - now:
             control["curve_step"] = inf
@@ -291,7 +295,7 @@ class Engine:
         return change if change - now > ROUND_OFF * abs(goal) else inf
 
     def _rotate_corner(self) -> None:
-        """What methods keep of the end of a step, as it is after the corner there."""
+        """Renew forces after a step that ends at a corner, for methods that reuse them."""
         if self.has_stages:
             self._renew_forces()
         self.state.clock[0]["kinked"] = 1
@@ -323,10 +327,7 @@ class Engine:
         return int(clock["status"])
 
     def sample(self, time: float | None = None) -> None:
-        """Outputs, reactions and energies at present, or at a time [s] within the last step.
-
-        Raises SolverError, after a few steps already where energy is created.
-        """
+        """Outputs and energies now, or at a time [s] in the last step. Raises SolverError."""
         for now, copy in self.copied:
             copy[:] = now
         clock = self.sample_clock[0]
@@ -341,7 +342,7 @@ class Engine:
         self._refuse_passing()
         is_stopped = clock["status"] in STOPS_AT_SAMPLE
         is_judged = clock["cycle"] >= FIRST_JUDGED
-        if is_stopped or (is_judged and energy.is_out_of_nothing(self.ledger, self._limit)):
+        if is_stopped or (is_judged and energy.is_spurious_energy(self.ledger, self._limit)):
             raise diagnose(self.model, self.state, clock, self.ledger)
         self.state.ledger[energy.LARGEST] = self.ledger[energy.LARGEST]
         for name in MISSING:
@@ -371,8 +372,8 @@ class Engine:
             raise passed
 
     def step_warnings(self) -> list[str]:
-        """Signs that the step is too long for the forces of joints, which state no stiffness."""
-        found = self._balance_warnings() + self._vibration_warnings()
+        """Signs that the step is too long for the forces of joints, which have no stiffness."""
+        found = self._balance_warnings() + swing_warnings(self.clock, self.model.bodies)
         cycles = int(self.clock["cycle"])
         iterations = int(self.clock["iterations"]) / max(cycles, 1)
         if self.model.integrator != "rattle" or iterations <= MANY_PASSES:
@@ -381,25 +382,6 @@ class Engine:
             *found,
             f"the joints took {iterations:.1f} iterations per step: the step may be too long for "
             "their forces; halve control.step or control.step_max, and compare the results",
-        ]
-
-    def _vibration_warnings(self) -> list[str]:
-        """Warning that springs swing a body faster than a stated step can follow.
-
-        The work of a spring does not show it: that of a linear one is what it holds in any step.
-        """
-        control, step = self.model.control[0], float(self.clock["step"])
-        square = self.nodes["stiffness"][1:]
-        if self.model.integrator != "rattle" or not control["fixed_step"] or not len(square):
-            return []
-        node, omega = 1 + int(square.argmax()), float(square.max()) ** 0.5
-        if node >= len(self.model.bodies) or omega * step < FASTEST_SWING:
-            return []
-        return [
-            f"body '{self.model.bodies[node]}': springs and contacts swing it with {omega:.4g} "
-            f"rad/s, unless joints hold it; steps of {step:.4g} s amplify that, and from "
-            f"{2.0 / omega:.4g} s on it grows without bound: take control.step below "
-            f"{1.0 / omega:.2g} s"
         ]
 
     def _balance_warnings(self) -> list[str]:

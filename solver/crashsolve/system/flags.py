@@ -9,7 +9,7 @@ from crashsolve.model.model import Model, State
 
 
 def law_warnings(model: Model, state: State) -> list[str]:
-    """What laws have met outside their range of validity, per card."""
+    """Warnings of laws outside their range of validity, per card."""
     current = int(state.clock[0]["current"])
     others = [
         f"{families()[g.keyword].entry} '{name}': {text}"

@@ -13,6 +13,9 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import add, dot, norm, put, sub, vec
 from crashsolve.system.contact.work import motion_of
 
+# share of what a law states to have lost and to hold that its bodies never gave
+OVERSTATED = 0.9
+
 
 @kernel
 def acting(p, nodes):
@@ -53,9 +56,21 @@ def half_work(body, force, torque):
 
 @kernel
 def gained(now, stored):
-    """What a law has given more than it took and held [J]."""
+    """Energy [J] that a law has returned beyond what it took and stored."""
     beyond = now.given - max(now.held_first, 0.0)
     return min(beyond, now.given + stored + now.dissipated - now.held_first)
+
+
+@kernel
+def overstates(now, stored, limit, unseen):
+    """Whether a law states that it lost and holds ten times what it was ever given.
+
+    So does a damper that turns a velocity round in every step, with a force that has a bound.
+    """
+    stated = stored + now.dissipated
+    missing = now.given + stated - now.held_first
+    least = max(limit * now.exchanged, unseen * now.peak_force)
+    return missing > max(OVERSTATED * stated, least)
 
 
 @kernel

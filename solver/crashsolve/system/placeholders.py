@@ -21,7 +21,7 @@ from crashsolve.model.model import Group, Model, State
 from crashsolve.system.contact.effective_mass import weighed_groups
 from crashsolve.threads.sharing import shared_arrays
 
-# groups by what their laws do
+# groups by the functions of their laws
 JOINTS: tuple[Group, ...] = ()  # constraint rows
 FORCES: tuple[Group, ...] = ()  # forces between bodies, or on them
 WATCHED: tuple[Group, ...] = ()  # of them, those judged by their own work
@@ -38,13 +38,13 @@ SLIDING: tuple[ContactGroup, ...] = ()  # of them, those whose friction has bran
 TANGENT_CONTACTS: tuple[ContactGroup, ...] = ()  # of them, those that keep all their pairs
 NODAL: tuple[NodalGroup, ...] = ()  # nodes on shapes and on the faces of shells
 
-# what else is in the scene
+# other content of the scene
 ATTACHMENTS = True  # nodes welded to rigid bodies
 TIES = True  # points that ride on faces
 CUTS = True  # sensors that cut through elements
 SEARCHES = True  # lists of near pairs, which are renewed
 MANY_PAIRS = True  # contacts whose pairs are done in pieces
-RESTING = True  # contacts whose pairs are left alone until they may have met
+RESTING = True  # contacts whose pairs are skipped until they may touch
 PAIR_DAMPERS = True  # contacts whose friction depends on the sliding speed alone
 NODAL_DAMPERS = True  # the same between nodes and faces
 
@@ -55,12 +55,12 @@ THREADS = True  # several share the elements, and many contact pairs
 DENSE = True  # a sample may lie within a step
 ONSETS = True  # something may begin within a step
 EVENTS = True  # there are laws with an event function
-LOOKS_AHEAD = True  # the next step must be asked about before it is taken
+LOOKS_AHEAD = True  # contacts cut the next step: a list to renew, or sides with an end
 COUNTS_ROTATIONS = True  # laws follow angles from step to step, and steps may be long
 
 
 def placeholders(model: Model) -> dict[str, Any]:
-    """What the names above stand for in a scene."""
+    """Values of the names above in a scene."""
     contacts, nodal = model.contact_groups, model.nodal_groups
     damped = [n.friction_damps for n in nodal]
     return {
@@ -159,5 +159,5 @@ def group_arrays(model: Model, state: State) -> dict[str, np.ndarray]:
         if len(e.ties):
             arrays |= {"ties": e.ties}
         if len(e.cuts):
-            arrays |= {"taps": e.taps, "cuts": e.cuts}
+            arrays |= {"element_cuts": e.element_cuts, "cuts": e.cuts}
     return arrays | (shared_arrays(model) if is_shared(model) else {})

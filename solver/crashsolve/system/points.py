@@ -31,7 +31,7 @@ def open_points(h, p, points):
 
 @kernel
 def brake(clock, h, p, old, new, points):
-    """What drag has taken from the points of a part. Writes: clock, new."""
+    """Apply drag to the points of a part. Writes: clock, new."""
     lost = 0.0
     if p.drag > 0.0:
         for i in range(p.first_point, p.first_point + p.point_count):
@@ -110,7 +110,10 @@ def close_points(clock, h, p, points):
 
 @kernel
 def hold_all(nodes, points, holds):
-    """What holds points acts from outside, on those listed. Writes: points, nodes."""
+    """Transfer the forces on held motions of the listed points to the ground.
+
+    Writes: points, nodes.
+    """
     for k in range(holds.shape[0]):
         hold(points[holds[k].point], nodes[0])
 
@@ -140,7 +143,10 @@ def held_part(u, bits):
 
 @kernel
 def carry_attached(nodes, points):
-    """What holds points that ride on bodies of their own. Writes: points, nodes."""
+    """Transfer the forces on held motions of attached points to the ground.
+
+    Writes: points, nodes.
+    """
     for i in range(points.shape[0]):
         if points[i].held % ATTACHED > 0:
             hold(points[i], nodes[0])

@@ -16,7 +16,7 @@ from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, put, s
 
 @kernel
 def unit_normal(a, b, c, d):
-    """Of the diagonals between four points."""
+    """Unit normal of the diagonals between four points."""
     n = cross(sub(vec(c.r), vec(a.r)), sub(vec(d.r), vec(b.r)))
     return scale(1.0 / norm(n), n)
 
@@ -91,7 +91,7 @@ def unload_tied(points, ties):
 
 @kernel
 def unload_height(points, tie, f):
-    """What a force at a height does by turning the normal; s of the stiffness. Writes: points."""
+    """Apply the moment of a force at a height over the face; s of the stiffness. Writes: points."""
     a, b = points[tie.corner[0]], points[tie.corner[1]]
     c, d = points[tie.corner[2]], points[tie.corner[3]]
     p, q = sub(vec(c.r), vec(a.r)), sub(vec(d.r), vec(b.r))

@@ -19,12 +19,15 @@ from crashsolve.system.kinetics import fastest_rotation
 # rotation of a body in a step, beyond which angles between two are not counted; and what is left of
 # it to a step chosen by its error, as bodies may spin up in it [rad]
 QUARTER, MOST_ROTATION = 0.5 * pi, 1.0
+# frequency times a stated step that is resolved well
+SLOW = 1.0
 
 
 @kernel
 def wanted_step(clock, control, nodes):
     """Next step [s]. Writes: clock.limit_node."""
     if control.fixed_step > 0.0:
+        note_swing(clock, nodes)
         return control.fixed_step
     fastest, at = 0.0, 0
     for i in range(1, nodes.shape[0]):
@@ -44,6 +47,24 @@ def wanted_step(clock, control, nodes):
     if rotation * h > control.rotation:
         h = control.rotation / rotation
     return h
+
+
+@kernel
+def note_swing(clock, nodes):
+    """The body that springs and dampers move fastest for the step just taken. Writes: clock.
+
+    (sqrt(omega^2 + (gamma/2)^2) + gamma/2) h reaches 2 where one spring and one damper on a body
+    become unstable; below SLOW nothing is recorded. It is above r h where omega^2 > r (r - gamma),
+    which needs no root.
+    """
+    if clock.step > 0.0:
+        for i in range(1, nodes.shape[0]):
+            body, rate = nodes[i], max(clock.swing, SLOW) / clock.step
+            if body.stiffness > rate * (rate - body.damping):
+                half = 0.5 * body.damping
+                clock.swing = clock.step * (sqrt(body.stiffness + half * half) + half)
+                clock.swing_square, clock.swing_damping = body.stiffness, body.damping
+                clock.swing_node = i
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""Jobs that threads share, and what is put together of their pieces afterwards."""
+"""Jobs that threads share, and the sums of their pieces."""
 
 from crashsolve.foundation.columns import add_to
 from crashsolve.foundation.kernels import kernel
@@ -9,17 +9,17 @@ NONE, OPEN, DEFORM, LOAD, TAKE, CLOSE, SPEED, LOOK, PRESS, BEAR, APPROACH = rang
 
 
 @kernel
-def take_back(piece, scene):
-    """What points that stand for others have got of elements, which are free of forces again.
+def collect_replicas(piece, scene):
+    """Add the forces on replicas of points to the originals, and set them to zero.
 
-    Writes: scene.points, lent.
+    Writes: scene.points, replicas.
     """
-    for k in range(piece.first_loan, piece.first_loan + piece.loan_count):
-        b, loan = scene.lent[k], scene.loans[k]
-        own = scene.points[loan.point]
+    for k in range(piece.first_replica, piece.first_replica + piece.replica_count):
+        b, original = scene.replicas[k], scene.originals[k]
+        own = scene.points[original.point]
         add_to(own.force, vec(b.force))
         add_to(own.torque, vec(b.torque))
-        load_point(own, b.load, b.spin_load, loan.slows)
+        load_point(own, b.load, b.spin_load, original.is_damped)
         put(b.force, (0.0, 0.0, 0.0))
         put(b.torque, (0.0, 0.0, 0.0))
         b.load = b.spin_load = 0.0

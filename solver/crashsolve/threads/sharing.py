@@ -1,4 +1,4 @@
-"""What threads that share a step are given: tables, and a start together."""
+"""Tables of the threads that share a step, and the step in which all of them run."""
 
 from collections.abc import Callable
 from threading import Thread
@@ -10,7 +10,7 @@ from crashsolve.foundation.record import Record
 from crashsolve.model.clock import CLOCK
 from crashsolve.model.elements import line_up
 from crashsolve.model.model import Model
-from crashsolve.threads.worker import HOME, LINE, QUEUES, ROUND
+from crashsolve.threads.worker import LAST_ROUND, LINE, QUEUES, ROUND
 
 JOB = Record("""
     threads  count  that share it
@@ -24,39 +24,43 @@ JOB = Record("""
 
 
 def shared_arrays(model: Model) -> dict[str, Any]:
-    """What the threads notify each other, and the pieces."""
+    """Tables that all threads share: queues, job and pieces."""
     job = np.zeros(1, JOB.dtype)
     job["threads"] = model.threads
     shared = {
         "queues": np.zeros(QUEUES + LINE * model.threads, np.int64),
         "job": job,
-        "seat": np.zeros(1, np.int64),
+        "thread_number": np.zeros(1, np.int64),
     }
     if model.elements:
         pieces = model.elements.pieces
-        shared |= {"pieces": pieces.pieces, "loans": pieces.loans, "lent": pieces.lent}
+        shared |= {
+            "pieces": pieces.pieces,
+            "originals": pieces.originals,
+            "replicas": pieces.replicas,
+        }
     return shared
 
 
-def own_arrays(model: Model) -> list[dict[str, Any]]:
-    """What threads other than the first must not share with it, for each of them.
+def arrays_of_threads(model: Model) -> list[dict[str, Any]]:
+    """Tables of its own for each thread but the first.
 
-    Number, clock, room for a block of elements, and for the area on which a pair presses.
+    Number, clock, work space for a block of elements and for the area of contact of a pair.
     """
-    rooms = [g for g in model.contact_groups if g.in_pieces and g.is_flat]
+    flat_groups = [g for g in model.contact_groups if g.in_pieces and g.is_flat]
     found = []
-    for seat in range(1, model.threads):
-        own = {"seat": np.array([seat]), "clock": np.zeros(1, CLOCK.dtype)}
+    for thread_number in range(1, model.threads):
+        own = {"thread_number": np.array([thread_number]), "clock": np.zeros(1, CLOCK.dtype)}
         if model.elements:
             own["work"] = line_up(len(model.elements.work))
-        for g in rooms:
+        for g in flat_groups:
             own |= {f"{g.word}_data_{k}": data.copy() for k, data in enumerate(g.data)}
         found.append(own)
     return found
 
 
 def together(first: Callable[..., None], other: Callable[..., None]) -> Callable[..., None]:
-    """The compiled step, beside which other threads take their shares while it runs."""
+    """The compiled step `first`, during which other threads run `other`."""
 
     def step(number: float, flag: bool, tables: Any) -> None:
         tables.queues[:] = 0
@@ -66,7 +70,7 @@ def together(first: Callable[..., None], other: Callable[..., None]) -> Callable
         try:
             first(number, flag, tables)
         finally:
-            tables.queues[ROUND] = HOME
+            tables.queues[ROUND] = LAST_ROUND
             for thread in threads:
                 thread.join()
 

@@ -15,8 +15,8 @@ that it is of the present round.
 
 from crashsolve.foundation.atomic import (
     add_release,
-    give_way,
     load_acquire,
+    offer_processor,
     replaced,
     sleep,
     store_release,
@@ -26,18 +26,18 @@ from crashsolve.foundation.kernels import kernel
 # indices in `queues`, as far apart as cache lines: round, pieces done, queues of the threads
 ROUND, DONE, QUEUES, LINE = 0, 8, 16, 8
 # the round in which the threads end
-HOME = -1
+LAST_ROUND = -1
 # parts of the word of a queue
 NEXT, OF_ROUND = 2**16, 2**32
 MOST_PIECES = NEXT - 1
-# looks, some 20 microseconds, before the core is offered to others, and before it is left to them
-PATIENCE, OFFERS = 4000, 500
-NAP = 100  # microseconds
+# polls, some 20 microseconds, before the core is offered to others, and before the thread sleeps
+SPINS, YIELDS = 4000, 500
+SLEEP_TIME = 100  # microseconds
 
 
 @kernel
 def call(pieces, threads, queues):
-    """Call all threads to so many pieces of a job; returns the round. Writes: turns."""
+    """Start a round of so many pieces for all threads; returns its number. Writes: queues."""
     number = queues[ROUND] + 1
     queues[DONE] = 0
     for k in range(threads):
@@ -49,17 +49,17 @@ def call(pieces, threads, queues):
 
 @kernel
 def next_piece(me, number, threads, queues):
-    """A piece of this round that no thread has begun; -1: there is none. Writes: turns."""
+    """Claim a piece of this round that no thread has begun; -1 without one. Writes: queues."""
     for k in range(threads):
-        piece = taken(QUEUES + LINE * ((me + k) % threads), number, queues)
+        piece = claim(QUEUES + LINE * ((me + k) % threads), number, queues)
         if piece >= 0:
             return piece
     return -1
 
 
 @kernel
-def taken(queue, number, queues):
-    """The next piece of a queue; -1: there is none. Writes: turns."""
+def claim(queue, number, queues):
+    """Claim the next piece of a queue; -1 where it is empty. Writes: queues."""
     while True:
         word = load_acquire(queues, queue)
         piece, end = word // NEXT % NEXT, word % NEXT
@@ -71,35 +71,35 @@ def taken(queue, number, queues):
 
 @kernel
 def finish(queues):
-    """A piece is done. Writes: turns."""
+    """Count a piece as done. Writes: queues."""
     add_release(queues, DONE, 1)
 
 
 @kernel
 def wait_for_all(pieces, queues):
-    """Until all pieces are done."""
-    done, looks = load_acquire(queues, DONE), 0
+    """Wait until all pieces are done."""
+    done, polls = load_acquire(queues, DONE), 0
     while done < pieces:
-        looks = be_patient(looks)
+        polls = back_off(polls)
         done = load_acquire(queues, DONE)
 
 
 @kernel
 def wait_for_call(number, queues):
-    """Until there is another round; returns its number."""
-    now, looks = load_acquire(queues, ROUND), 0
+    """Wait until there is another round; returns its number."""
+    now, polls = load_acquire(queues, ROUND), 0
     while now == number:
-        looks = be_patient(looks)
+        polls = back_off(polls)
         now = load_acquire(queues, ROUND)
     return now
 
 
 @kernel
-def be_patient(looks):
-    """Another look soon, or later the longer this lasts; returns how many there have been."""
-    if looks > PATIENCE + OFFERS:
-        sleep(NAP)
-        return looks
-    if looks > PATIENCE:
-        give_way()
-    return looks + 1
+def back_off(polls):
+    """Wait before the next poll, the longer the more there were; returns their number."""
+    if polls > SPINS + YIELDS:
+        sleep(SLEEP_TIME)
+        return polls
+    if polls > SPINS:
+        offer_processor()
+    return polls + 1

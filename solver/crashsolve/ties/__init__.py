@@ -7,7 +7,7 @@ from crashsolve.deck.roles import Built
 
 
 class TieLaw(Built, Protocol):
-    """What the file of a tie provides beside its card: `build` returns a row of TIE for each node.
+    """Functions of a tie's file, beside its card: `build` returns a row of TIE for each node.
 
     (TIE stands in foundation/point.py.)
     """

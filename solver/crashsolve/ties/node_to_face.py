@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.deck.building import Columns
+from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, PartName, SetName, quantity, word
 from crashsolve.ties._faces import nearest_face
 
@@ -36,9 +36,9 @@ class NodeToFace(Card):
     )
 
 
-def build(card: NodeToFace, scene: Any) -> list[Columns]:
+def build(card: NodeToFace, scene: Scene) -> list[Columns]:
     _refuse_method(scene)
-    (riding, _, first), (bearing, _, base) = (
+    (tied, _, first), (bearing, _, base) = (
         scene.skin(card.part, "part"),
         scene.skin(card.to, "to"),
     )
@@ -47,11 +47,11 @@ def build(card: NodeToFace, scene: Any) -> list[Columns]:
         raise scene.fail(f"{message} face; tie the nodes of '{card.to}' to '{card.part}'", "to")
     limit = card.within
     if limit is None:
-        limit = 0.5 * (riding.card.thickness + bearing.card.thickness)
+        limit = 0.5 * (tied.card.thickness + bearing.card.thickness)
     rows = []
-    for node in riding.set_of(card.nodes, "nodes", scene):
-        _refuse_held(int(node), riding, scene)
-        x = riding.mesh.points[node]
+    for node in tied.set_of(card.nodes, "nodes", scene):
+        _refuse_held(int(node), tied, scene)
+        x = tied.mesh.points[node]
         found = nearest_face(x, bearing.mesh.points, bearing.mesh.quads)
         if found is None or not found.distance <= limit:
             raise scene.fail(_too_far(found, x, card, limit), "nodes")
@@ -61,7 +61,7 @@ def build(card: NodeToFace, scene: Any) -> list[Columns]:
     return rows
 
 
-def _refuse_method(scene: Any) -> None:
+def _refuse_method(scene: Scene) -> None:
     control = scene.deck.control
     method = f"integrator {control.integrator}"
     if control.solution == "quasi_static":
@@ -72,10 +72,10 @@ def _refuse_method(scene: Any) -> None:
     raise scene.fail(f"{message}; say integrator: rattle, or give both parts one mesh")
 
 
-def _refuse_held(node: int, riding: Any, scene: Any) -> None:
+def _refuse_held(node: int, tied: Any, scene: Scene) -> None:
     """A node that has a motion given already."""
-    if riding.held[node]:
-        message = f"the node at {_shown(riding.mesh.points[node])} is held, named, welded or tied"
+    if tied.held[node]:
+        message = f"the node at {_shown(tied.mesh.points[node])} is held, named, welded or tied"
         raise scene.fail(f"{message} already; leave it out of the set", "nodes")
 
 

@@ -7,7 +7,7 @@ from crashsolve.deck.roles import Built, Force
 
 
 class TyreLaw(Built, Force, Protocol):
-    """What the file of a tyre provides beside its card."""
+    """Attributes and functions of a tyre's file, beside its card."""
 
 
 FAMILY = Family(

@@ -215,7 +215,7 @@ def piece_height(c, s):
 
 @kernel
 def nearest_on_piece(c, s, end, y, start):
-    """Where a cubic of that length is nearest to y, from its start [m]; Newton from s."""
+    """Position on a cubic of that length nearest to y, from its start [m]; Newton from s."""
     for _ in range(12):
         rise = piece_height(c, s) - y[2]
         slope = c[1] + s * (2.0 * c[2] + 3.0 * s * c[3])

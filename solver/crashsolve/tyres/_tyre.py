@@ -195,7 +195,7 @@ def tyre_columns(card: TyreCard, scene: Scene) -> Columns:
 
 
 class Patch(NamedTuple):
-    """Where a wheel touches a road, and how it moves there; world components."""
+    """Contact of a wheel with a road: point, axes and velocity; world components."""
 
     depth: float  # delta [m]
     n: Vector  # normal of the road
@@ -387,7 +387,7 @@ def bear(p, i, old, new, out, h, nodes, at, grip, F, M_z, store):
     to_road = sub(vec(wheel.r), vec(road.r))
     press = scale(grip.F_z, at.n)
     pull = add(scale(F[0], at.x), scale(F[1], at.y))
-    # what the depth gains as the normal turns, the wheel gives
+    # the depth gained by rotation of the normal is taken from the wheel
     hub, lean = arm(wheel, vec(p.centre)), scale(-grip.F_z, at.tilt)
     apply_force(wheel, lean, hub)
     apply_force(road, scale(-1.0, lean), add(to_road, hub))
@@ -434,7 +434,7 @@ def await_road(p, nodes, curves, data):
 
 @kernel
 def load(body, d, u, stiffness, damping):
-    """What a force along u in the point d adds to the stiffness of a body. Writes: body."""
+    """Add the stiffness of a force along u in the point d to a body. Writes: body."""
     add_stiffness_bound(body, mobility(body, d, u), stiffness, damping)
 
 

@@ -120,5 +120,5 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
 def force_with_tables(
     p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves, data
 ):
-    """The same where some roads are meshes. Writes: nodes, new, out."""
+    """Apply the tyre forces where some roads are meshes. Writes: nodes, new, out."""
     roll(p, old, new, out, h, nodes, curves, data)

@@ -42,7 +42,7 @@ class History(ForceHistory):
     begun: Numbers[float]  # [m] where the belt comes to an ellipsoid, its axes
     touches: Numbers[int]  # [flag] 1 where the belt lies on a surface, -2 where it has slipped off
     slipped: int  # [flag] the belt has slipped off a surface
-    aside: Numbers[float]  # [rad] by which it slid across its direction, over a ball or an ellipsoid
+    lateral: Numbers[float]  # [rad] by which it slid across its direction, over a ball or an ellipsoid
     crossed: int  # [flag] it slid so by more than a right angle
     inside: int  # [flag] a fitting was within a surface
     beyond: int  # [flag] the belt lay on a cylinder beyond its ends

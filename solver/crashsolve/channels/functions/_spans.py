@@ -16,7 +16,7 @@ class Spans:
             self.levels.append(np.maximum(half[:-width], half[width:]))
 
     def greatest(self, first: np.ndarray, last: np.ndarray) -> np.ndarray:
-        """Of each span (n,), in the unit of the values.
+        """The largest value of each span (n,), in the unit of the values.
 
         Minus infinity of an empty one, where `last` is before `first`.
         """

@@ -77,7 +77,7 @@ def _grid(time: np.ndarray, cfc: int) -> np.ndarray | None:
 
 
 def _too_rare(time: np.ndarray, steps: np.ndarray, cfc: int, wanted: float) -> str:
-    """What samples there are and what the class needs; advice is not what was done already."""
+    """Message of the sampling interval and of that which the filter class needs."""
     usual, at = float(np.median(steps)), int(np.argmax(steps))
     needs = f"cfc(..., {cfc}) needs samples every {1e3 * wanted:.4g} ms or more often"
     if usual > wanted * (1.0 + EQUAL):

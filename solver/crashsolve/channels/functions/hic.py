@@ -2,7 +2,7 @@
 
 `hic(resultant(x, y, z), '15 ms')`; without a window, of any length. Its definition is that of
 `_windows.py`. The statistic `final` or `max` is the criterion of the whole history, a pure number
-by custom; hic_start and hic_end state the window.
+by custom; hic_start and hic_end are the ends of its window.
 """
 
 import numpy as np

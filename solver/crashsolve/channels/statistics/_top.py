@@ -47,13 +47,13 @@ def plateau(values: np.ndarray, at: int) -> int:
 
 
 def isolated(series: Series) -> float:
-    """What the greatest value may lack when a single sample has caught it; else 0."""
+    """Possible error of a largest value that one sample alone shows; else 0."""
     values = series.values
     at = int(np.argmax(values))
     if not 0 < at < len(values) - 1:
         return 0.0
     drop = float(values[at] - max(values[at - 1], values[at + 1]))
-    # a parabola through three such samples states nothing
+    # a parabola through three such samples means nothing
     return drop if drop > SINGLE * float(np.ptp(values)) else 0.0
 
 

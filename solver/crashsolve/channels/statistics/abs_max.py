@@ -7,15 +7,15 @@ from crashsolve.channels.statistics._top import isolated, magnitude, top
 
 
 def value(series: Series) -> float:
-    """Of the samples."""
+    """The largest magnitude of the samples."""
     return float(np.max(np.abs(series.values)))
 
 
 def refined(series: Series) -> float:
-    """Of the parabola through the greatest magnitude and its neighbours."""
+    """The largest magnitude, by the parabola through the largest sample and its neighbours."""
     return top(magnitude(series))[0]
 
 
 def unresolved(series: Series) -> float:
-    """What a single sample has caught."""
+    """Possible error of a largest magnitude that one sample alone shows."""
     return isolated(magnitude(series))

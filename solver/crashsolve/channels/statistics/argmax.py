@@ -10,15 +10,15 @@ unresolved = jumped
 
 
 def value(series: Series) -> float:
-    """Of the samples."""
+    """The time [s] of the largest sample."""
     return float(series.time[np.argmax(series.values)])
 
 
 def refined(series: Series) -> float:
-    """Of the parabola through the greatest sample and its neighbours."""
+    """Time [s] of the maximum of the parabola through the largest sample and its neighbours."""
     return top(series)[1]
 
 
 def unit(unit: str) -> str:
-    """That of times."""
+    """The unit of times."""
     return "s"

@@ -9,20 +9,20 @@ IS_A_TIME = True
 
 
 def value(series: Series) -> float:
-    """Of the samples."""
+    """The time [s] of the smallest sample."""
     return float(series.time[np.argmin(series.values)])
 
 
 def refined(series: Series) -> float:
-    """Of the parabola through the least sample and its neighbours."""
+    """Time [s] of the minimum of the parabola through the smallest sample and its neighbours."""
     return top(negative(series))[1]
 
 
 def unresolved(series: Series) -> float:
-    """Where it jumped, the interval before."""
+    """The sampling interval before a jump of the minimum [s]."""
     return jumped(negative(series))
 
 
 def unit(unit: str) -> str:
-    """That of times."""
+    """The unit of times."""
     return "s"

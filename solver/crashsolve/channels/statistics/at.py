@@ -14,7 +14,9 @@ IS_OF_A_MOMENT = True
 
 
 def value(series: Series, moment: float) -> float:
-    """Of the last sample at exactly that time, else linear between two; raises ChannelError."""
+    """The value of the last sample at exactly that time, else linear between two; raises
+    ChannelError.
+    """
     time, values, _ = series
     after = _after(series, moment)
     if time[after - 1] == moment:
@@ -24,7 +26,7 @@ def value(series: Series, moment: float) -> float:
 
 
 def refined(series: Series, moment: float) -> float:
-    """By the cubic through the four nearest samples."""
+    """The value of the cubic through the four nearest samples."""
     time, values, _ = series
     after = _after(series, moment)
     if time[after - 1] == moment:

@@ -6,5 +6,5 @@ IS_OF_A_MOMENT = True
 
 
 def value(series: Series) -> float:
-    """Of the samples."""
+    """The value of the last sample."""
     return float(series.values[-1])

@@ -10,7 +10,7 @@ ALIKE = 4.0
 
 
 def value(series: Series) -> float:
-    """Of straight lines between the samples."""
+    """The integral by trapezoids."""
     return float(cumulative(series.time, series.values)[-1])
 
 
@@ -32,7 +32,7 @@ def refined(series: Series) -> float:
 
 
 def unit(unit: str) -> str:
-    """That of the values times the second."""
+    """The unit of the values times the second."""
     return str(Product.parse(unit).times(Product.parse("s")))
 
 

@@ -9,10 +9,10 @@ unresolved = isolated
 
 
 def value(series: Series) -> float:
-    """Of the samples."""
+    """The largest of the samples."""
     return float(np.max(series.values))
 
 
 def refined(series: Series) -> float:
-    """Of the parabola through the greatest sample and its neighbours."""
+    """The maximum of the parabola through the largest sample and its neighbours."""
     return top(series)[0]

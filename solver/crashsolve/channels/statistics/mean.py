@@ -8,12 +8,12 @@ from crashsolve.channels.statistics import integral
 
 
 def value(series: Series) -> float:
-    """Of straight lines between the samples."""
+    """The mean over time by trapezoids."""
     return _over_time(series, integral.value(series))
 
 
 def refined(series: Series) -> float:
-    """By Simpson's rule."""
+    """The mean over time by Simpson's rule."""
     return _over_time(series, integral.refined(series))
 
 

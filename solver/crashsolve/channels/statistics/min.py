@@ -7,15 +7,15 @@ from crashsolve.channels.statistics._top import isolated, negative, top
 
 
 def value(series: Series) -> float:
-    """Of the samples."""
+    """The smallest of the samples."""
     return float(np.min(series.values))
 
 
 def refined(series: Series) -> float:
-    """Of the parabola through the least sample and its neighbours."""
+    """The minimum of the parabola through the smallest sample and its neighbours."""
     return -top(negative(series))[0]
 
 
 def unresolved(series: Series) -> float:
-    """What a single sample has caught."""
+    """Possible error of a smallest value that one sample alone shows."""
     return isolated(negative(series))

@@ -37,7 +37,7 @@ def _count_of(name: str) -> int:
 
 
 def declarations() -> list[str]:
-    """What LLVM must know of these functions."""
+    """Declarations of these functions in LLVM's language."""
     lines = [
         "declare double @llvm.pow.f64(double, double)",
         "declare i64 @llvm.fptosi.sat.i64.f64(double)",

@@ -27,7 +27,7 @@ from crashsolve.compiler.translation.kinds import (
 )
 from crashsolve.compiler.translation.text import FLAGS, Text
 
-# what becomes of calls of functions that are no kernels, by the function
+# translations of calls of functions that are not kernels, by the function
 Builtin = Callable[["Expressions", list[Value]], Value]
 BUILTINS: dict[Any, Builtin] = {}
 # of constants, to settle before the run
@@ -46,7 +46,7 @@ class Expressions:
     `bound` are its variables; `call` translates a call of a kernel, `keep` puts constants aside.
     """
 
-    # what LLVM may do to sums and products
+    # transformations of sums and products that LLVM may make
     flags = FLAGS
 
     def __init__(self, names: dict[str, Any], module: Any) -> None:
@@ -237,13 +237,13 @@ class Expressions:
     def condition(self, node: ast.expr) -> Value:
         """Whether an expression holds: there alone `and` and `or` may join numbers."""
         if isinstance(node, ast.BoolOp):
-            return self._settled(node)
+            return self._short_circuited(node)
         return arithmetic.truth(self.text, self.value(node))
 
     def _value_BoolOp(self, node: ast.BoolOp) -> Value:
-        return self._settled(node, is_value=True)
+        return self._short_circuited(node, is_value=True)
 
-    def _settled(self, node: ast.BoolOp, is_value: bool = False) -> Value:
+    def _short_circuited(self, node: ast.BoolOp, is_value: bool = False) -> Value:
         """Parts from left to right, as far as one of them settles it. Raises Untranslatable."""
         is_and, text = isinstance(node.op, ast.And), self.text
         settles, end = (FALSE if is_and else TRUE), text.new_label()

@@ -389,13 +389,13 @@ class Function(Expressions):
         """
         gained: Bound = {}
         if not self.text.ended:
-            for name, had in loop.begun.items():
+            for name, had in loop.started.items():
                 widest = wider(had.kind, self.bound[name].kind)
                 if widest != had.kind:
                     self.wider[id(node), name] = widest
                     raise Again
                 self._rotate_into(name, had.kind)
-            gained = {name: p for name, p in self.bound.items() if name not in loop.begun}
+            gained = {name: p for name, p in self.bound.items() if name not in loop.started}
             self.text.go(loop.start)
         for edge in out:
             for name, found in gained.items():

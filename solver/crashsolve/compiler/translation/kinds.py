@@ -61,7 +61,7 @@ NOTHING = Nothing()
 
 @dataclass(frozen=True)
 class Known(Kind):
-    """What Python knows: a module, a function, a class."""
+    """A value known before the run: a module, a function, a class."""
 
     what: Any
 
@@ -145,7 +145,7 @@ class Value:
 
     @property
     def items(self) -> list["Value"]:
-        """Those of a tuple. Raises Untranslatable."""
+        """The values in a tuple. Raises Untranslatable."""
         if not isinstance(self.kind, Tuple):
             raise Untranslatable("this is no tuple")
         found, at = [], 0
@@ -166,7 +166,7 @@ def tuple_of(values: list[Value], names: tuple[str, ...] = ()) -> Value:
 
 
 def known(thing: object) -> Value:
-    """What stands under a global name. Raises Untranslatable."""
+    """The value of a global name. Raises Untranslatable."""
     if thing is None:
         return Value(NOTHING)
     if isinstance(thing, (bool, np.bool_)):

@@ -6,7 +6,7 @@ Targets with shorter vectors split them.
 from crashsolve.compiler.translation import arithmetic, memory
 from crashsolve.compiler.translation.expressions import BUILTINS, Expressions
 from crashsolve.compiler.translation.kinds import INT, NOTHING, Table, Untranslatable, Value
-from crashsolve.foundation.lanes import EIGHT, NEXT, add_forces, take_motion
+from crashsolve.foundation.lanes import EIGHT, NEXT, add_forces, gather_motion
 from crashsolve.foundation.point import LANES
 
 VECTOR = f"<{EIGHT} x double>"
@@ -26,7 +26,7 @@ class Slots:
         self.numbers = [arithmetic.convert(of.text, value, INT) for value in self.numbers]
 
     def number(self, e: int, name: str, k: int = 0) -> str:
-        """Where the k-th number of the point of the e-th element lies."""
+        """Address of the k-th number of the point of the e-th element."""
         text = self.text
         at = text.value(f"add i64 {self.numbers[0].words[0]}, {e}")
         slot = memory.slot_of_number(text, self.corners, Value(INT, (at,)))
@@ -36,7 +36,7 @@ class Slots:
         return text.at("i8", row.words[0], str(self.offsets[name] + SIZE * k))
 
     def row(self, k: int, e: int = 0, first: int = 1) -> str:
-        """Where the numbers of eight lanes begin, k rows after that of an argument."""
+        """Address of the numbers of eight lanes, k rows after that of an argument."""
         at = self.text.value(f"add i64 {self.numbers[first].words[0]}, {LANES * k + e}")
         return memory.slot_of_number(self.text, self.work, Value(INT, (at,)))
 
@@ -95,4 +95,4 @@ def _add(of: Expressions, given: list[Value]) -> Value:
     return Value(NOTHING)
 
 
-BUILTINS.update({take_motion: _take, add_forces: _add})
+BUILTINS.update({gather_motion: _take, add_forces: _add})

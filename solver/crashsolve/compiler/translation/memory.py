@@ -66,7 +66,7 @@ def write_number(text: Text, slot: str, dtype: np.dtype, value: Value) -> None:
 
 
 def slot_of_column(text: Text, row: Value, name: str) -> tuple[str, np.dtype, int]:
-    """Where a column of a row lies: address, type of a number, how many; 0 for a single one."""
+    """Address of a column of a row, type of its numbers, and their count; 0 for a single one."""
     assert isinstance(row.kind, Row)
     fields: Any = row.kind.dtype.fields or {}
     if name not in fields:

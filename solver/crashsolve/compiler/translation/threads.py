@@ -12,8 +12,8 @@ from crashsolve.compiler.translation.kinds import (
 )
 from crashsolve.foundation.atomic import (
     add_release,
-    give_way,
     load_acquire,
+    offer_processor,
     replaced,
     sleep,
     store_release,
@@ -58,7 +58,7 @@ def _replace(of: Expressions, given: list[Value]) -> Value:
     return Value(BOOL, (of.text.value(f"extractvalue {{ i64, i1 }} {pair}, 1"),))
 
 
-def _give_way(of: Expressions, given: list[Value]) -> Value:
+def _offer_processor(of: Expressions, given: list[Value]) -> Value:
     of.text.put("call i32 @sched_yield()")
     return Value(NOTHING)
 
@@ -70,4 +70,4 @@ def _sleep(of: Expressions, given: list[Value]) -> Value:
 
 
 BUILTINS.update({load_acquire: _load, store_release: _store, add_release: _add})
-BUILTINS.update({replaced: _replace, give_way: _give_way, sleep: _sleep})
+BUILTINS.update({replaced: _replace, offer_processor: _offer_processor, sleep: _sleep})

@@ -6,14 +6,14 @@ from crashsolve.compiler.translation.kinds import Kind, Value, unify
 
 
 class Lost(Kind):
-    """Of a variable that is of one kind or another."""
+    """Value of a variable that has different kinds on different branches."""
 
 
 LOST = Lost()
 
 
 class Unset(Kind):
-    """Of a variable that has a value on some branches only."""
+    """Value of a variable that is set on some branches only."""
 
 
 UNSET = Unset()
@@ -21,7 +21,7 @@ UNSET = Unset()
 
 @dataclass(frozen=True)
 class Slots:
-    """Where a variable lies."""
+    """Stack slots of a variable."""
 
     kind: Kind
     names: tuple[str, ...]
@@ -43,7 +43,7 @@ class Loop:
     """The edges by `continue` and by `break`, and the variables at the start of every iteration."""
 
     start: str
-    begun: Bound = field(default_factory=dict)
+    started: Bound = field(default_factory=dict)
     continued: list[Edge] = field(default_factory=list)
     broken: list[Edge] = field(default_factory=list)
 

@@ -43,7 +43,7 @@ SHARP, THINNEST = 1e-5, 0.1
 # relative noise of a height, not to be taken for a descent
 ROUND_OFF = 1e-13
 # directions to start from, and climbs to different tops of bodies that overlap; cosine of the
-# angle within which two climbs have come to one top
+# angle within which two searches have reached the same maximum
 STARTS, CLIMBS, ONE_TOP = 22, 4, 1.0 - 1e-8
 
 
@@ -82,24 +82,24 @@ def gap(a, b, nodes, data):
 
 @kernel
 def search(a, b, nodes, data):
-    """The same, and how much lower the next top is that has been found [m]."""
+    """Depth, normal and point as of gap, and how much lower the next maximum found is [m]."""
     body_a, body_b = nodes[a.node], nodes[b.node]
     c = sub(world_position(body_a, vec(a.point)), world_position(body_b, vec(b.point)))
-    best, n, rival = -1e300, (0.0, 0.0, 1.0), -1e300
+    best, n, next_maximum = -1e300, (0.0, 0.0, 1.0), -1e300
     starts = first_starts(a, b, body_a, body_b, c)
     for climb_number in range(CLIMBS):
         k = of_start(starts, climb_number)
         start = toward(direction(a, b, body_a, body_b, c, k), c) if k >= 0 else (0.0, 0.0, 1.0)
         height, top = ascend(a, b, body_a, body_b, c, start)
         if dot(top, n) < ONE_TOP:
-            rival = max(rival, min(best, height))
+            next_maximum = max(next_maximum, min(best, height))
         if height > best:
             best, n = height, top
         # bodies apart have one top only
         if best >= 0.0:
             break
     depth, n, x = at_top(a, b, nodes, best, n)
-    return depth, n, x, best - rival
+    return depth, n, x, best - next_maximum
 
 
 @kernel
@@ -137,7 +137,7 @@ def bound(a, b, nodes, data):
 
 @kernel
 def first_starts(a, b, body_a, body_b, c):
-    """Which CLIMBS directions the bodies are farthest apart along; -1: there is none.
+    """The CLIMBS directions along which the bodies are farthest apart; -1 without any.
 
     Of those with the same distance one is enough.
     """
@@ -160,7 +160,7 @@ def first_starts(a, b, body_a, body_b, c):
 
 @kernel
 def of_start(starts, number):
-    """Which direction the climb of that number starts from; -1: there is none."""
+    """Direction from which the search of that number starts; -1 without any."""
     first, second, third, fourth = starts
     if number < 2:
         return first if number == 0 else second
@@ -218,13 +218,13 @@ def ascend(a, b, body_a, body_b, c, n):
 
 @kernel
 def between(a, b, body_a, body_b, c, n):
-    """From the farthest point of b along n to that of a against n."""
+    """Vector [m] from the farthest point of b along n to that of a against n."""
     return sub(c, add(reach(a, body_a, n), reach(b, body_b, n)))
 
 
 @kernel
 def apart(a, b, body_a, body_b, c, n):
-    """How far apart the bodies are along n [m]."""
+    """Separation of the bodies along n [m]."""
     return dot(between(a, b, body_a, body_b, c, n), n)
 
 

@@ -33,7 +33,7 @@ from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, scale,
 
 __all__ = ["PARAMETERS", "bound", "data", "expand", "gap", "patch"]
 
-# what the manual says of pairs with this gap
+# description of these pairs in the manual
 POINTS = "one, or where sides lie flat up to eight (twelve with a cap) that share the force"
 # the gap is a distance: see system/contact/resting.py
 IS_DISTANCE = True
@@ -129,7 +129,7 @@ def axes_of(shape, body):
 
 @kernel
 def extent(shape, u, n):
-    """How far the enclosing box reaches along n from its centre, u its axes."""
+    """Extent of the enclosing box along n from its centre, u its axes [m]."""
     half = shape.half
     return half[0] * abs(dot(u[0], n)) + half[1] * abs(dot(u[1], n)) + half[2] * abs(dot(u[2], n))
 
@@ -158,7 +158,7 @@ def gap(a, b, nodes, data):
 
 @kernel
 def search(a, b, nodes, data):
-    """The same, and how much lower the next top is that has been found [m]."""
+    """Depth, normal and point as of gap, and how much lower the next maximum found is [m]."""
     body_a, body_b = nodes[a.node], nodes[b.node]
     centre_a, centre_b = world_position(body_a, vec(a.point)), world_position(body_b, vec(b.point))
     c = sub(centre_a, centre_b)
@@ -168,7 +168,7 @@ def search(a, b, nodes, data):
     allowed = 8.0 * (a.edge + b.edge) if are_boxes else 1e300
     cosines, c_u, c_w = cosines_of(u, w), along(u, c), along(w, c)
     best, n, before, same = -1e300, (0.0, 0.0, 1.0), (0.0, 0.0, 0.0), SAME * norm(c)
-    leading, last, rival = (1e300, 0, 1e300, 0), last_step(a, b), -1e300
+    leading, last, next_maximum = (1e300, 0, 1e300, 0), last_step(a, b), -1e300
     for trial in range(CLIMBS):
         if trial % 2 == 0 and are_boxes:
             leading = next_axes(a, b, cosines, c_u, c_w, leading[2] - same, same)
@@ -177,7 +177,7 @@ def search(a, b, nodes, data):
         value, k = (leading[0], leading[1]) if trial % 2 == 0 else (leading[2], leading[3])
         # of two that hardly differ one is enough
         if value < best - allowed:
-            rival = max(rival, value)
+            next_maximum = max(next_maximum, value)
             break
         k = wider_face(a, b, cosines, k) if are_boxes and k < 6 else k
         start = toward(direction(u, w, c, k), c)
@@ -186,14 +186,14 @@ def search(a, b, nodes, data):
             start = over_the_position(a, b, u, w, c, k, start) if are_boxes and k < 6 else start
             height, top = ascend(a, b, u, w, c, start, last)
             if dot(top, n) < ONE_TOP:
-                rival = max(rival, min(best, height))
+                next_maximum = max(next_maximum, min(best, height))
             if height > best:
                 best, n = height, top
             # bodies apart have one top only
             if best >= 0.0:
                 break
     depth, n, x = at_top(a, b, u, w, centre_a, centre_b, n)
-    return depth, n, x, best - rival
+    return depth, n, x, best - next_maximum
 
 
 @kernel
@@ -303,7 +303,7 @@ def toward(n, c):
 
 @kernel
 def wider_face(a, b, cosines, k):
-    """Of two faces that lie flat on each other that of the larger box, over which both meet."""
+    """The face of the larger box, of two that lie flat on each other."""
     for i in range(3):
         for j in range(3):
             if (k == i or k == 3 + j) and abs(cosines[i][j]) > ALIKE:
@@ -340,7 +340,7 @@ def bent(shape, u, k, separation, n, sign):
 
 @kernel
 def extent_of(shape, u, n):
-    """How far the shape reaches along n from its centre, edges not rounded."""
+    """Extent of the shape along n from its centre, edges not rounded [m]."""
     if shape.is_round == 1:
         z = dot(u[2], n)
         return shape.half[0] * sqrt(max(0.0, 1.0 - z * z)) + shape.half[2] * abs(z)
@@ -401,7 +401,9 @@ def survey(shape, u, n, s, t):
 
 @kernel
 def around(a, b, u, w, c, n, s, t):
-    """From the farthest point of b along n to that of a against n, and both second derivatives."""
+    """Vector [m] from the farthest point of b along n to that of a against n, and the second
+    derivatives of both.
+    """
     x_a, bend_a = survey(a, u, n, s, t)
     x_b, bend_b = survey(b, w, n, s, t)
     return sub(c, add(x_a, x_b)), add(bend_a, bend_b)

@@ -54,7 +54,7 @@ def nearest_to_ellipsoid(s, far, a, b, c, d):
 
 @kernel
 def at_least(d, m, at, a, b, c, e):
-    """What no distance within the corners is below: d is convex, and m its slope."""
+    """Lower bound of the distance within the corners: d is convex, and m its slope."""
     lowest = min(dot(m, sub(a, at)), dot(m, sub(b, at)), dot(m, sub(c, at)), dot(m, sub(e, at)))
     return d + lowest
 
@@ -89,7 +89,7 @@ def descend(s, far, a, b, c, d):
 
 @kernel
 def shrink(s, x):
-    """Where the ellipsoid is the unit sphere."""
+    """Coordinates in which the ellipsoid is the unit sphere."""
     return x[0] / s[0], x[1] / s[1], x[2] / s[2]
 
 

@@ -10,7 +10,7 @@ from crashsolve.contact.shape import box, sphere
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 
-# what the manual says
+# description in the manual
 POINTS = "one for each of the eight corners, with a quarter of the force: a lone corner has K/4"
 # the gap is a distance: see system/contact/resting.py
 IS_DISTANCE = True

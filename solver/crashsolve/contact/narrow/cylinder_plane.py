@@ -20,8 +20,10 @@ from crashsolve.foundation.vec3 import add_scaled, dot, scale, sub, vec
 # tilt [rad] of an upright cylinder up to which the lowest point of its rim leans to a fixed one:
 # bristles that hold it against a torque must not be thrown about by round-off
 UPRIGHT = 1e-4
-# what the manual says
+# description in the manual
 POINTS = "three on a cap and three on the side, each a third of the force"
+# the gap is a distance: see system/contact/resting.py
+IS_DISTANCE = True
 PARAMETERS_A = Record("""
     node   index     body
     point  m      3  on the axis, from the mass centre, body axes
@@ -50,6 +52,9 @@ def position_on(element, along, across):
         "axis": axes[:, 2],
         "side": axes[:, 0],
         "rho": across * element["radius"],
+        # how far it reaches: while its rim leans to a fixed side, a depth changes by up to half as
+        # much again as the point of the rim moves
+        "radius": 1.5 * element["radius"],
         "share": 1.0 / 3.0,
     }
 

@@ -25,7 +25,9 @@ def gap(a, b, nodes, data):
 
 @kernel
 def gap_by(a, b, nodes, data, normal):
-    """The same by the face that `normal` is nearest to, and how far beyond its middle [m]."""
+    """Depth, normal and point as of gap by the face nearest to `normal`, and the depth beyond its
+    middle [m].
+    """
     y, m = centre_seen(a, b, nodes), into(b, nodes[b.node], vec(normal))
     size = max(abs(m[0]), abs(m[1]), abs(m[2]))
     k = 0 if abs(m[0]) == size else (1 if abs(m[1]) == size else 2)

@@ -27,7 +27,9 @@ def gap(a, b, nodes, data):
 
 @kernel
 def gap_by(a, b, nodes, data, normal):
-    """The same by the lateral surface or the cap of `normal`, and how far beyond its middle [m]."""
+    """Depth, normal and point as of gap by the lateral surface or cap nearest to `normal`, and the
+    depth beyond its middle [m].
+    """
     y, m = centre_seen(a, b, nodes), into(b, nodes[b.node], vec(normal))
     radial, rho = sqrt(m[0] * m[0] + m[1] * m[1]), sqrt(y[0] * y[0] + y[1] * y[1])
     if radial >= abs(m[2]) and rho > 0.0:

@@ -55,7 +55,8 @@ def gap(a, b, nodes, data):
 
 @kernel
 def gap_by(a, b, nodes, data, normal):
-    """The same by the triangles that face `normal`, and how far beyond the middle [m].
+    """Depth, normal and point as of gap by the triangles that face `normal`, and the depth beyond
+    the middle [m].
 
     The middle is where those that face the opposite direction are as near, or, of an open mesh,
     where it ends. Without a triangle that faces `normal` there is no depth.

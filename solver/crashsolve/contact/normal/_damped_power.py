@@ -53,7 +53,7 @@ HISTORY = Record("""
 """)
 # flags of HISTORY that the log reports at the end of a run, with the words for it
 WARNINGS = {"too_fast": "impact faster than 1e-5 sqrt(E/rho): outside the law's range of validity"}
-# the same of what is no fault: a remark
+# the same flags where they are remarks, no warnings
 REMARKS = {"pressed": "deeper than a free impact of its closing speed, and damped as at rest"}
 
 
@@ -187,5 +187,5 @@ def normal_tangent(p: Parameters, state: History, depth, rate, mass, curves):
     return n * slope * factor, damping
 
 
-# what the file of such a law is made of, beside its card
+# functions of the file of such a law, beside its card
 LAW = PARAMETERS, HISTORY, WARNINGS, REMARKS, build, normal_force, normal_tangent, release

@@ -6,7 +6,7 @@ at depth delta obeys
     K delta^(n+1) / ((n+1) m v_0^2) = G(1) - G(s),   G(s) = s/chi - ln(1 + chi s)/chi^2
 
 whatever K, n, m and v_0 are. Proof: v dv / (1 + chi v / v_0) = -(K/m) delta^n d(delta), integrated
-from v_0. It goes as deep as s = 0 states, and parts with x v_0, the root of G(-x) = G(1):
+from v_0. Its largest depth is that where s = 0, and it parts with x v_0, the root of G(-x) = G(1):
 
     chi (1 + x) = ln[(1 + chi) / (1 - chi x)]
 """
@@ -42,7 +42,7 @@ def spent(chi, s):
     z = chi * s
     if abs(z) < SMALL:
         return s * s * (0.5 - z * (1.0 / 3.0 - z * (0.25 - 0.2 * z)))
-    # a damped force never pulls: nothing comes out faster than v_0 / chi
+    # a damped force never pulls: the rebound is slower than v_0 / chi
     return (z - log1p(z)) / (chi * chi) if z > -1.0 else inf
 
 

@@ -39,7 +39,7 @@ class CrushCurve(Card):
     damping: float = quantity("N s/m", "c of the dashpot, while loaded", 0.0, ge=0)
 
 
-# what is lost is what the force took in a step and does not hold
+# the loss is the work of the force in a step less the change of stored energy
 LOSS_IS_WORK = True
 PARAMETERS = Record("""
     curve                index  force over penetration

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 class KelvinVoigt(Card):
     """Linear spring and damper; the damping given, or from the restitution."""
 
-    stiffness: float = quantity("N/m", "k", gt=0)
+    stiffness: float = quantity("N/m", "k, stiffness", gt=0)
     damping: float | None = quantity("N s/m", "c; or give restitution", None, ge=0)
     restitution: float | None = quantity(
         "1", "e of a free impact; or give damping", None, gt=0, le=1

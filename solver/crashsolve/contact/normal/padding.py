@@ -39,7 +39,7 @@ class Padding(Card):
     damping: float = quantity("N s/m", "c of the dashpot, while loaded", 0.0, ge=0)
 
 
-# what is lost is what the force took in a step and does not hold
+# the loss is the work of the force in a step less the change of stored energy
 LOSS_IS_WORK = True
 PARAMETERS = Record("""
     curve                index  y
@@ -48,9 +48,9 @@ PARAMETERS = Record("""
     damping              N s/m  c
 """)
 HISTORY = Record("""
-    slider       m  s
-    kept         J  P
-    recoverable  J  energy that the padding gives back
+    slider          m  s
+    unloading_work  J  P
+    recoverable     J  energy that the padding gives back
 """)
 
 
@@ -70,7 +70,7 @@ def build(card: Padding, scene: Scene, pair: Pair) -> Columns:
 @kernel
 def normal_force(p: Parameters, old: History, new: History, h, depth, rate, mass, curves):
     """Returns force, stored energy, dissipated power, loss, stiffness, damping. Writes: new."""
-    k, s, kept, loss = p.unloading_stiffness, old.slider, old.kept, 0.0
+    k, s, unloading_work, loss = p.unloading_stiffness, old.slider, old.unloading_work, 0.0
     upper, _, _ = curve_value(curves, p.curve, depth)
     lower, _, _ = curve_value(curves, p.unloading_curve, depth)
     spring = k * (depth - s)
@@ -79,15 +79,15 @@ def normal_force(p: Parameters, old: History, new: History, h, depth, rate, mass
         begun = k * (start - s)
         spring, s = upper, depth - upper / k
         area = curve_area(curves, p.curve, depth) - curve_area(curves, p.curve, start)
-        loss = area - 0.5 * (spring * spring - begun * begun) / k + kept
+        loss = area - 0.5 * (spring * spring - begun * begun) / k + unloading_work
         meets = line_meets(curves, p.unloading_curve, 1.0, k, s, depth)
-        kept = work(curves, p.unloading_curve, 1.0, k, meets)
-        loss -= kept
+        unloading_work = work(curves, p.unloading_curve, 1.0, k, meets)
+        loss -= unloading_work
     elif spring < lower:
         spring, s = lower, depth - lower / k
-        kept = work(curves, p.unloading_curve, 1.0, k, depth)
-    new.slider, new.kept = s, kept
-    new.recoverable = 0.5 * spring * spring / k + kept
+        unloading_work = work(curves, p.unloading_curve, 1.0, k, depth)
+    new.slider, new.unloading_work = s, unloading_work
+    new.recoverable = 0.5 * spring * spring / k + unloading_work
     f = max(0.0, spring + p.damping * rate) if spring > 0.0 else 0.0
     lost = max(loss, 0.0) if h > 0.0 else 0.0
     return f, new.recoverable, (f - spring) * rate, lost, k, p.damping
@@ -97,7 +97,7 @@ def normal_force(p: Parameters, old: History, new: History, h, depth, rate, mass
 def release(p: Parameters, old: History, new: History):
     """Nothing is left of the touch. Writes: new."""
     new.slider = 0.0
-    new.kept = 0.0
+    new.unloading_work = 0.0
     new.recoverable = 0.0
 
 

@@ -110,7 +110,7 @@ def _neighbours(faces: np.ndarray, scene: Scene) -> np.ndarray:
 
 
 def _unfit(faces: np.ndarray, one: int, other: int, edge: tuple[int, int]) -> str:
-    """Why two triangles cannot run along an edge in one direction."""
+    """Message of two triangles that run along an edge in one direction."""
     p, q = edge
     meeting = np.flatnonzero((faces == p).any(axis=1) & (faces == q).any(axis=1))
     if len(meeting) > 2:

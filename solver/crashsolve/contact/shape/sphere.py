@@ -38,7 +38,7 @@ def bounding(element: Columns) -> tuple[Any, float]:
 
 
 def half_thickness(element: Columns) -> float:
-    """How deep the middle lies where the shape is thinnest [m]."""
+    """Radius, the depth of the middle [m]."""
     return float(element["radius"])
 
 

@@ -25,7 +25,8 @@ from crashsolve.deck.reading.overrides import set_fields
 from crashsolve.deck.reading.parameters import Parameters
 from crashsolve.deck.reading.parts import joints_of_parts, part_nodes
 from crashsolve.deck.reading.size import excess
-from crashsolve.deck.reading.unused import Unused, idle, unread, unused
+from crashsolve.deck.reading.stand_ins import StandIns
+from crashsolve.deck.reading.unused import Unused, ineffective, unread, unused
 from crashsolve.deck.run_cards.control import Control, cores_given
 from crashsolve.deck.run_cards.expect import Expect
 from crashsolve.deck.run_cards.output import Output
@@ -67,10 +68,10 @@ class Deck:
     watch_at: list[Position]
     entries: dict[str, dict[str, Entry]]
     control_item: Item
-    # cards of the deck that stand in entries no more, but what was made of them
+    # cards of the deck that were expanded, and are no entries any more
     written_out: list[Entry]
     # values set from outside that change nothing, and warnings of parameters unread
-    idle: dict[str, DeckError]
+    ineffective: dict[str, DeckError]
     unread: list[str]
     # all values set from outside, by their paths
     given: dict[str, str]
@@ -95,13 +96,13 @@ class Deck:
         """
         if self.control.threads is not None:
             return self.control.threads
-        # pairs of bodies alone take thousands of spheres before threads are worth their calls
+        # for pairs of bodies alone threads are faster from thousands of spheres on
         if not self.control.is_explicit or not _has_blocks(self.entries):
             return 1
         return cores_given()
 
     def unshared(self) -> DeckError:
-        """That threads have nothing to share."""
+        """The error for control.threads where there is nothing to share."""
         return placed(self.control_item, UNSHARED)
 
     def expectations(self) -> list[dict[str, Any]]:
@@ -117,16 +118,16 @@ class Deck:
 
 
 def read_deck(
-    path: Path | str, overrides: Mapping[str, str] | None = None, refuses_idle: bool = True
+    path: Path | str, overrides: Mapping[str, str] | None = None, refuses_ineffective: bool = True
 ) -> Deck:
     """The deck in a file; `overrides` replace parameters, and fields such as `control.step`.
 
     Raises DeckErrors with all errors, overrides that change nothing among them if it
-    `refuses_idle`: one of many runs may have no use for what others need.
+    `refuses_ineffective`: one of many runs may have no use for what others need.
     """
     deck = _Reader(Path(path), overrides or {}).deck()
-    if deck.idle and refuses_idle:
-        raise DeckErrors(list(deck.idle.values()))
+    if deck.ineffective and refuses_ineffective:
+        raise DeckErrors(list(deck.ineffective.values()))
     return deck
 
 
@@ -155,13 +156,14 @@ class _Reader:
         # keywords and names that cards name
         self.named: set[tuple[str, str]] = set()
         others = set_fields(self.items, overrides, self.tables, self.diagnostics)
-        self.parameters = Parameters(self.items["parameters"], others, self.diagnostics)
+        units = {table.file: table.get("units") for table in self.tables.values()}
+        self.parameters = Parameters(self.items["parameters"], others, self.diagnostics, units)
         self.contexts = {file: self.context(file, table) for file, table in self.tables.items()}
 
     def deck(self) -> Deck:
         """The whole deck; raises DeckErrors."""
         self.expand()
-        # what uses a curve states the units of its numbers
+        # the card that uses a curve determines the units of its numbers
         others = {keyword: self.section(keyword) for keyword in SECTIONS if keyword != "curves"}
         self.axes = self.axes_of_curves(others)
         read = others | {"curves": self.section("curves")}
@@ -210,13 +212,13 @@ class _Reader:
             entries=entries,
             control_item=self.items["control"][""],
             written_out=self.written_out,
-            idle=idle(self.items, self.parameters, self.unused, self.overrides),
+            ineffective=ineffective(self.items, self.parameters, self.unused, self.overrides),
             unread=unread(self.parameters, self.unused, next(iter(self.tables))),
             given=dict(self.overrides),
         )
 
     def expand(self) -> None:
-        """Write out cards that stand for many. Writes: items, contexts."""
+        """Expand cards that represent many. Writes: items, contexts."""
         self.contexts[MADE] = Context()
         several = [item for item in self.items["parts"].values() if stands_for_many(item)]
         laws = {word: self.section(word) for word in ("sections", "materials") if several}
@@ -236,6 +238,10 @@ class _Reader:
             if not is_known or not expand(entry, laws, control, self.items, self.refuse):
                 self.unwritten.add(item.name)
             del self.items["parts"][item.name]
+        sound = [entry for entry in self.written_out if entry.name not in self.unwritten]
+        stand_ins = StandIns(sound, laws, control, self.items, self.refuse)
+        for contact in self.items["contacts"].values() if sound else ():
+            stand_ins.put(contact)
 
     def refuse_endless(self, entries: dict[str, dict[str, Entry]]) -> None:
         """Raise DeckErrors at a part with which the model is too large: its names have no room."""
@@ -310,7 +316,7 @@ class _Reader:
             if word is not BROKEN:
                 self.refuse(item, Diagnostic(("type",), error.message, error.advice))
             if error.near:
-                # what else is wrong, if this one is meant
+                # further errors, if this type is meant
                 kind = law_class(section.folder, error.near)
                 meant = self.card(item, kind, "type", is_certain=False)
                 self.unread += [(item, list(_names(meant)))] * (meant is not None)
@@ -368,7 +374,7 @@ class _Reader:
         self.diagnostics.append(placed(item, diagnostic))
 
     def check_names(self, item: Item, names: Iterable[tuple[tuple[str | int, ...], Name]]) -> None:
-        """Report the names in a card that nothing in the deck bears."""
+        """Report names in a card that no entry of the deck has."""
         for path, name in names:
             self.named.add((name.keyword, str(name)))
             known = [own for keyword in answering(name.keyword) for own in self.items[keyword]]

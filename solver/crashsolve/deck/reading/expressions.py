@@ -68,7 +68,7 @@ class _NoUnit(Exception):
 
 
 class Expression:
-    """An expression taken apart once; `names` are what it needs to be given."""
+    """A parsed expression; `names` are the parameters that it needs."""
 
     def __init__(self, text: str) -> None:
         self.text = text.strip()
@@ -97,7 +97,7 @@ class Expression:
         )
 
     def value(self, names: Mapping[str, float]) -> float:
-        """The number it stands for; raises ExpressionError."""
+        """The value of the expression; raises ExpressionError."""
         try:
             result = float(self._evaluate(self.root, names))
         except ZeroDivisionError:

@@ -31,7 +31,7 @@ class Included(NamedTuple):
 
 
 class Files:
-    """Reads a deck and its includes; what is wrong with any of them goes to `errors`.
+    """Reads a deck and its includes; their errors are added to `errors`.
 
     `incomplete` states that a file is missing, so that names not found may stand in it. A file that
     is included again has a path of its own in `tables`, in the same folder; `paths` are real ones.
@@ -94,11 +94,11 @@ class Files:
         return self._real[path]
 
     def _key(self, path: Path, words: dict[str, str]) -> tuple[Path, tuple[tuple[str, str], ...]]:
-        """What makes two includes the same."""
+        """Key by which two includes are the same."""
         return self._resolved(path), tuple(sorted(words.items()))
 
     def _problem(self, path: Path, words: dict[str, str]) -> str:
-        """Why a file cannot be included, if so."""
+        """The reason why a file cannot be included, if any."""
         if path not in self._contents and not isfile(path):
             return f"there is no file '{path}'"
         if len(self.open) >= DEEPEST:
@@ -116,7 +116,7 @@ class Files:
         )
 
     def _included(self, table: Table) -> list[Included]:
-        """What a file includes; an error for each entry that cannot be read."""
+        """Files that a file includes; an error for each entry that cannot be read."""
         names = table.get("include")
         if isinstance(names, Rows):
             found = [(name, names.location(i)) for i, name in enumerate(names)]

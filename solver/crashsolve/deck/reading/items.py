@@ -43,7 +43,7 @@ class Item(NamedTuple):
 
     @property
     def what(self) -> str:
-        """The same without what it is made of."""
+        """The item without that which owns it: spring 'buffer_left'."""
         if self.keyword in LISTS:
             return f"{self.keyword} {self.name}"
         return f"{_NAMED[self.keyword]} '{self.name}'" if self.name else self.keyword
@@ -54,7 +54,7 @@ Items = dict[str, dict[str, Item]]
 
 
 def items_of(tables: Mapping[Path, Table], diagnostics: list[DeckError]) -> Items:
-    """All items of all files; what is wrong with them goes to `errors`."""
+    """All items of all files; their errors are added to `errors`."""
     items: Items = {keyword: {} for keyword in KEYWORDS}
     for file, table in tables.items():
         for item in _of_file(file, table, diagnostics):

@@ -144,7 +144,7 @@ def _copied(old: Table, change: Callable[[Table], None]) -> Table:
 
 
 def location_given(item: Item, path: tuple[Step, ...], is_key: bool) -> str:
-    """The word of the command line that has set what stands at a path, or "" if none has."""
+    """The option of the command line that has set the value at a path, or "" if none has."""
     for own, given in item.given.items():
         if path[: len(own)] == own or (is_key and own[: len(path)] == path):
             return given

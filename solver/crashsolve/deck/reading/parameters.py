@@ -3,22 +3,34 @@
 A parameter with a unit is kept in SI, and so is every expression it enters. An expression of bare
 numbers is itself a bare number, in the units of the file it stands in. Where a file has units of
 its own, an expression that mixes both is read when its bare numbers leave no doubt (numbers.py).
+A bare parameter counts in the units of the file that defines it: where a file with other units
+reads it, it must be pure.
 """
 
 import re
 from collections.abc import Collection, Mapping
+from pathlib import Path
 from typing import Any
 
-from crashsolve.channels.units import PURE, Unit, UnitError, describe, parse_unit, split_quantity
+from crashsolve.channels.units import (
+    BASES,
+    PURE,
+    SI_SYMBOLS,
+    Unit,
+    UnitError,
+    describe,
+    parse_unit,
+    split_quantity,
+)
 from crashsolve.deck.diagnostics import shown
-from crashsolve.deck.numbers import SiFloat, as_written
+from crashsolve.deck.numbers import BareFloat, BareInt, Foreign, SiFloat, as_written
 from crashsolve.deck.reading.expressions import CONSTANTS, FUNCTIONS, Expression, ExpressionError
 from crashsolve.deck.reading.items import Item
 from crashsolve.deck.source import BROKEN, Position, Rows, Table, plain_scalar
 from crashsolve.deck.words import choices
 from crashsolve.foundation.errors import DeckError
 
-# names that are reported a circle
+# names of a circle of parameters that its message lists
 LONGEST_CIRCLE = 50
 _EXPRESSION = re.compile(r"\$\{([^{}]*)\}")
 # the base of a power needs brackets, or -2**2 would be -4
@@ -29,12 +41,18 @@ Reader = tuple[str, Position]
 
 
 class Parameters:
-    """Values of all parameters, each worked out when first asked for."""
+    """Values of all parameters, each evaluated when it is first needed."""
 
     def __init__(
-        self, items: Mapping[str, Item], overrides: Mapping[str, str], diagnostics: list[DeckError]
+        self,
+        items: Mapping[str, Item],
+        overrides: Mapping[str, str],
+        diagnostics: list[DeckError],
+        units: Mapping[str, object],
     ) -> None:
         self.items = items
+        # the card `units` of every file
+        self.units = units
         self.diagnostics = diagnostics
         self.values: dict[str, Any] = {}
         self.pending: list[str] = []
@@ -125,17 +143,17 @@ class Parameters:
         try:
             whole = _EXPRESSION.fullmatch(text.strip())
             if whole:
-                return self._expression(whole[1])
-            return self._filled_in(text)
+                return self._expression(whole[1], where.file)
+            return self._filled_in(text, where.file)
         except ExpressionError as error:
             self.diagnostics.append(DeckError(*where, card, error.message, error.advice))
         except _AlreadyReported:
             pass
         return BROKEN
 
-    def _filled_in(self, text: str) -> str:
+    def _filled_in(self, text: str, file: str) -> str:
         """The text with the numbers of its expressions put in."""
-        numbers = [self._expression(part) for part in _EXPRESSION.findall(text)]
+        numbers = [self._expression(part, file) for part in _EXPRESSION.findall(text)]
         values = iter(numbers)
         new = _EXPRESSION.sub(lambda _: as_written(next(values)), _RAISED.sub(r"(\g<0>)", text))
         if "${" in new:
@@ -145,8 +163,8 @@ class Parameters:
             raise ExpressionError(f"{shown(text)} mixes an expression with a number", advice)
         return new
 
-    def _expression(self, text: str) -> float:
-        """Value in SI when a parameter with a unit takes part, else a bare number."""
+    def _expression(self, text: str, file: str) -> float:
+        """Value in SI when a parameter with a unit takes part, else a bare number; of a file."""
         expression = Expression(text)
         names = {name: self._value(name) for name in expression.names if name in self.items}
         if BROKEN in names.values():
@@ -157,9 +175,23 @@ class Parameters:
                 raise ExpressionError(f"unknown parameter '{name}'", advice)
         value = expression.value(names)
         units = {name: n.unit for name, n in names.items() if isinstance(n, SiFloat)}
+        foreign = tuple(one for name in names for one in self._foreign(name, file))
         if units or expression.has_angles:
-            return SiFloat(value, expression.unit(units), _derived_unit(expression, names))
-        return int(value) if value.is_integer() and abs(value) < 2**53 else value
+            derived = _derived_unit(expression, names)
+            return SiFloat(value, expression.unit(units), derived, foreign)
+        is_whole = value.is_integer() and abs(value) < 2**53
+        if foreign:
+            return (BareInt if is_whole else BareFloat)(value, foreign)
+        return int(value) if is_whole else value
+
+    def _foreign(self, name: str, file: str) -> tuple[Foreign, ...]:
+        """The bare numbers of a parameter that a file reads in other units than its own."""
+        value, item = self._value(name), self.items[name]
+        made_of = getattr(value, "foreign", ())
+        bases = _differing(self.units.get(item.at.file), self.units.get(file))
+        if not bases or isinstance(value, SiFloat) and _has_known_unit(value, item.value):
+            return made_of
+        return (Foreign(name, Path(item.at.file).name, bases), *made_of)
 
     def _value(self, name: str) -> Any:
         if len(self.pending) > LONGEST_CIRCLE:
@@ -210,6 +242,31 @@ class Parameters:
         return checked
 
 
+def _has_known_unit(value: SiFloat, written: object) -> bool:
+    """Whether a parameter means the same in all units: as a quantity, or with pure bare numbers."""
+    if "${" not in str(written):
+        return True
+    return value.derived is not None and value.derived.exponents != PURE.exponents
+
+
+def _differing(units: object, others: object) -> tuple[str, ...]:
+    """Which of BASES have different units in two cards `units`."""
+    pairs = zip(BASES, _factors(units), _factors(others), strict=True)
+    return tuple(base for base, factor, other in pairs if factor != other)
+
+
+def _factors(units: object) -> list[float]:
+    """SI units in the unit of each of BASES; one where the card is wrong, and reported."""
+    card = units if isinstance(units, Mapping) else {}
+    found = []
+    for base, symbol in zip(BASES, SI_SYMBOLS, strict=True):
+        try:
+            found.append(parse_unit(str(card.get(base, symbol))).factor)
+        except UnitError:
+            found.append(1.0)
+    return found
+
+
 def _derived_unit(expression: Expression, names: Mapping[str, Any]) -> Unit | None:
     """Unit of an expression where its bare numbers are pure; None without any."""
     units = {}
@@ -249,7 +306,7 @@ def _unit(value: object) -> Unit | None:
 
 
 def _inconsistency(value: object, replaced: object) -> tuple[str, str]:
-    """What is wrong with a value given on the command line, and advice; empty when it fits."""
+    """Message of a wrong value given on the command line, and advice; empty when it fits."""
     if isinstance(value, str) and "${" in value:
         return "", ""
     unit, before = _unit(value), _unit(replaced)

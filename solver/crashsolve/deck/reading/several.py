@@ -12,18 +12,18 @@ from crashsolve.foundation.errors import DeckError
 
 
 class Several:
-    """Decks of many runs; `idle` has what changes none of them so far, by its name."""
+    """Decks of many runs; `ineffective` has what changes none of them so far, by its name."""
 
     def __init__(self) -> None:
-        self.idle: dict[str, DeckError] | None = None
+        self.ineffective: dict[str, DeckError] | None = None
 
     def read(self, path: Path, overrides: Mapping[str, str]) -> tuple[Deck, dict[str, str]]:
         """The deck of a run, and those of its overrides that change it. Raises DeckErrors.
 
-        Writes: idle.
+        Writes: ineffective.
         """
-        deck = read_deck(path, overrides, refuses_idle=False)
-        before = deck.idle if self.idle is None else self.idle
-        self.idle = {n: e for n, e in before.items() if n in deck.idle}
-        useful = {name: text for name, text in overrides.items() if name not in deck.idle}
-        return (read_deck(path, useful) if deck.idle else deck), useful
+        deck = read_deck(path, overrides, refuses_ineffective=False)
+        before = deck.ineffective if self.ineffective is None else self.ineffective
+        self.ineffective = {n: e for n, e in before.items() if n in deck.ineffective}
+        useful = {name: text for name, text in overrides.items() if name not in deck.ineffective}
+        return (read_deck(path, useful) if deck.ineffective else deck), useful

@@ -32,7 +32,7 @@ def shown_size(number: float) -> str:
 
 
 def excess(shells: int, beams: int) -> str:
-    """Why a model of so many elements is too large; empty where it is not."""
+    """Message that a model of so many elements is too large; empty where it is not."""
     if beams > MOST_BEAMS:
         return f"{shown_size(beams)} elements are too many, beams may have {MOST_BEAMS} in all"
     memory = machine_memory()

@@ -60,10 +60,10 @@ def unused(
                 yield Unused(item, (), "no card names it")
 
 
-def idle(
+def ineffective(
     items: Items, parameters: Parameters, spots: Collection[Unused], overrides: Mapping[str, str]
 ) -> dict[str, DeckError]:
-    """Why values set from outside change nothing, by their names in `overrides`."""
+    """Reasons why values set from outside change nothing, by their names in `overrides`."""
     words = {
         f"--set {word}={text}": name
         for name, text in overrides.items()
@@ -74,11 +74,11 @@ def idle(
         for path, given in spot.item.given.items():
             if spot.holds(path):
                 found[words[given]] = _refusal(given, spot.item.title, spot.reason, ADVICE)
-    silent = {reader: spot for spot in spots for reader in spot.readers()}
-    read = parameters.read(silent)
+    unread = {reader: spot for spot in spots for reader in spot.readers()}
+    read = parameters.read(unread)
     for name, given in parameters.given.items():
         if name not in read:
-            reason = _why_unread(items["parameters"][name], parameters, silent)
+            reason = _why_unread(items["parameters"][name], parameters, unread)
             known = ", ".join(other for other in items["parameters"] if other in read)
             advice = f"{ADVICE} (parameters that are read: {known or 'none'})"
             found[words[given]] = _refusal(given, "", reason, advice)
@@ -95,9 +95,9 @@ def unread(parameters: Parameters, spots: Collection[Unused], main: Path) -> lis
     ]
 
 
-def _why_unread(item: Item, parameters: Parameters, silent: Mapping[Reader, Unused]) -> str:
+def _why_unread(item: Item, parameters: Parameters, unread: Mapping[Reader, Unused]) -> str:
     location = f"parameter '{item.name}' ({item.where.file}:{item.where.line})"
-    spots = [silent[reader] for reader in parameters.readers[item.name] if reader in silent]
+    spots = [unread[reader] for reader in parameters.readers[item.name] if reader in unread]
     if spots:
         return (
             f"{location} is read only by {spots[0].item.title}, of no use there: {spots[0].reason}"
@@ -110,7 +110,7 @@ def _refusal(given: str, card: str, message: str, advice: str) -> DeckError:
 
 
 def _locations(value: object, at: Position) -> Iterator[Position]:
-    """Of a value and of all that is in it."""
+    """The locations of a value and of all values within it."""
     yield at
     if isinstance(value, Table):
         for key, part in value.items():

@@ -12,14 +12,14 @@ from crashsolve.foundation.errors import DeckError, DeckErrors
 
 # one file each in integrators/
 Integrator: Any = Literal[(*integrators(), "auto", "default")]
-# words that state steps, or share them: those of rattle where no method is named
+# fields of fixed steps and of threads: they mean rattle where no method is named
 OF_STEPS = ("step", "step_min", "safety", "tolerance", "onset_tolerance", "threads")
 
 # default is rattle where there is anything to share
 EXPLICIT_STEPS = ("rattle", "default")
 
 MOST_THREADS = 1024
-# what Slurm states a job
+# variable in which Slurm gives a job its number of cores
 CORES_GIVEN = "SLURM_CPUS_PER_TASK"
 
 
@@ -153,7 +153,7 @@ class Control(Card):
         if self.step_min and self.step_max and self.step_min > self.step_max:
             raise ValueError(f"step_min: must not exceed step_max, {self.step_max:g} s")
         if self.accuracy:
-            self._leaves_the_choice()
+            self._check_accuracy()
         if self.solution == "quasi_static" and (self.accuracy or self.integrator != "rattle"):
             what = "accuracy" if self.accuracy else "integrator"
             raise ValueError(f"{what}: solution quasi_static finds equilibria; leave {what} out")
@@ -204,8 +204,8 @@ class Control(Card):
             found["path_length"] = "it belongs to path arc_length"
         return found
 
-    def _leaves_the_choice(self) -> None:
-        """Raises ValueError for what an accuracy chooses, or needs."""
+    def _check_accuracy(self) -> None:
+        """Raises ValueError for fields that `accuracy` chooses itself, or needs."""
         if self.tolerance or self.step != "auto":
             chosen = "tolerance" if self.tolerance else "step"
             raise ValueError(f"{chosen}: is chosen by the accuracy; give one of the two")

@@ -31,11 +31,11 @@ class Expect(Card):
     statistic: str = word(words_reported())
     during: Window | None = quantity("s", "[from, to], when only these samples count", None)
     unit: str | None = word("unit of bare numbers; the channel's own when absent", None)
-    value: float = word("what the run must give, in any unit")
+    value: float = word("expected value, in any unit")
     tolerance: float = word("allowed difference: in the unit of the value, or relative as '1 %'")
     relative: bool = word("whether the tolerance is a share of the value; true for one in %", False)
     because: Literal["exact", "published", "derived", "golden"] = word("kind of evidence")
-    source: str = word("where the value comes from")
+    source: str = word("source of the value")
 
     @model_validator(mode="before")
     @classmethod

@@ -1,5 +1,6 @@
 """What a run writes, how often, and the figures of its report."""
 
+import math
 import re
 from itertools import pairwise
 from typing import Any, ClassVar, Literal
@@ -7,6 +8,7 @@ from typing import Any, ClassVar, Literal
 from pydantic import field_validator, model_validator
 
 from crashsolve.channels.series import Window
+from crashsolve.channels.units import UnitError, to_si
 from crashsolve.deck.card import Card, quantity, word
 from crashsolve.deck.run_cards.statistic import check_window, known_statistic
 
@@ -63,7 +65,7 @@ class Reference(Card):
     """A result known from elsewhere, drawn with the curves and compared with them."""
 
     label: str = word("name in the legend")
-    kind: Literal["level", "band", "point", "curve", "corridor"] = word("how it is drawn", "level")
+    kind: Literal["level", "band", "point", "curve", "corridor"] = word("form of the mark", "level")
     value: float | None = quantity("1", "height of a level, in the unit of the axis", None)
     from_: float | None = quantity("1", "lower end of a band", None)
     to: float | None = quantity("1", "upper end of a band", None)
@@ -72,7 +74,7 @@ class Reference(Card):
     )
     upper: tuple[Pair, ...] = quantity("1", "[x, y] of a corridor's upper border", ())
     tolerance: float | None = quantity(
-        "1", "how well the number is known; what the run gives beyond it is a miss", None, ge=0
+        "1", "uncertainty of the number; a larger difference counts as a miss", None, ge=0
     )
     source: str = word("where it was published", "")
     channel: str = word("channel to compare with it", "")
@@ -144,6 +146,13 @@ def _is_number(given: object) -> bool:
     return isinstance(given, int | float) and not isinstance(given, bool)
 
 
+def _is_length(text: str, above: float = -math.inf) -> bool:
+    try:
+        return above < to_si(text.strip(), "m") < math.inf
+    except UnitError:
+        return False
+
+
 class Scene(Card):
     """Pictures of the run side by side in the report, as `crashpost render` makes them."""
 
@@ -166,7 +175,7 @@ class Scene(Card):
     cut: str = word("a sectional view: drawn is only where y<0, or x > 100 mm; all when empty", "")
     magnify: float = quantity(
         "1",
-        "small displacements are drawn this many times as large, and the picture says so",
+        "factor on displacements, for small ones; the picture is labelled with it",
         1.0,
         gt=0,
     )
@@ -174,14 +183,30 @@ class Scene(Card):
     @field_validator("cut")
     @classmethod
     def _known_side(cls, given: str) -> str:
-        if given and not re.fullmatch(r"\s*[xyz]\s*[<>]\s*[-+.\deE]+\s*[a-z]*\s*", given):
+        found = re.fullmatch(r"\s*[xyz]\s*[<>]\s*([-+.\deE]+\s*[a-z]*)\s*", given)
+        if given and not (found and _is_length(found[1])):
             raise ValueError("write what is drawn, such as 'y<0' or 'x > 100 mm'")
+        return given
+
+    @field_validator("close_up")
+    @classmethod
+    def _known_window(cls, given: str) -> str:
+        _, colon, width = given.partition(":")
+        if colon and not _is_length(width, above=0.0):
+            raise ValueError("write NAME or NAME:WIDTH, such as 'buffers:1 m'")
+        return given
+
+    @field_validator("arrows")
+    @classmethod
+    def _known_arrows(cls, given: str) -> str:
+        if given not in ("", "velocity") and given.partition(".")[0] != "rcforc":
+            raise ValueError("write rcforc, rcforc.CONTACT or velocity")
         return given
 
     @field_validator("at", mode="before")
     @classmethod
     def _known_moments(cls, given: Any) -> Any:
-        """Moments keep their words, so that a bare number would mean what no unit says."""
+        """Times as words; a bare number is refused where its unit would be unclear."""
         if not _is_list(given):
             return given
         words = ["0" if _is_number(part) and part == 0 else part for part in given]
@@ -219,7 +244,7 @@ class Report(Card):
 
 
 class Output(Card):
-    """What a run writes and how often."""
+    """The files that a run writes, and their intervals."""
 
     history: History = word("time histories", History())
     states: States = word("configurations", States())

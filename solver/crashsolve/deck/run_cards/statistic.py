@@ -12,7 +12,7 @@ PATH = "path"  # no one number, but the whole history
 
 
 def channel_reported() -> str:
-    """What a channel of a question may be, as the manual says it."""
+    """Description of a channel of a question, for the manual."""
     functions = ", ".join(f"{word}()" for word in words_in(FOLDER))
     return f"channel, or arithmetic of channels with {functions}; see theory/channels.md"
 

@@ -30,6 +30,6 @@ class Watch(Card):
         return text if text == PATH else known_statistic(text)
 
     @model_validator(mode="after")
-    def _has_a_window(self) -> "Watch":
+    def _has_window(self) -> "Watch":
         check_window(self.statistic, self.during)
         return self

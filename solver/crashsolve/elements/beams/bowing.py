@@ -35,7 +35,7 @@ def coefficient(shear: float, turning: float, length: float) -> float:
 
 @kernel
 def stretched(p, y, theta):
-    """e, and of the vector y from end to end: n, d, h, and the derivatives of e by y and theta."""
+    """e, then n, d, h of the vector y between the ends, and the derivatives of e by y and theta."""
     d = sqrt(dot(y, y))
     n = scale(1.0 / d, y)
     h = (0.0, 2.0 * p.bowing[0] * n[1], 2.0 * p.bowing[1] * n[2])
@@ -66,6 +66,6 @@ def change_of_slopes(p, theta, bent, dy, d_theta):
 
 @kernel
 def bowed(y, theta, bent):
-    """Stretch that is by bending alone, as if both of its parts were longer."""
+    """Stretch by bending alone [m]."""
     _, _, h, _, by_rotation = bent
     return 0.5 * (dot(theta, by_rotation) + abs(dot(y, h)))

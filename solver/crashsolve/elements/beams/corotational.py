@@ -29,7 +29,7 @@ def mean_frame(a, b):
 
 @kernel
 def mean_frame_of(p, q):
-    """The same between two triads given by their quaternions."""
+    """R by rows (9), v and w between two triads given by their quaternions."""
     w, x, y, z = times((p[0], -p[1], -p[2], -p[3]), q)
     # q and -q are one orientation: take the shorter rotation
     if w < 0.0:
@@ -74,5 +74,5 @@ def rotated_rate(eta, v, s):
 
 @kernel
 def swing_of(v, w, s):
-    """g x s: how much the spin of R lags behind the mean, axes of R."""
+    """g x s, the lag of the spin of R behind the mean spin [rad/s], axes of R."""
     return cross(scale(0.5 / (1.0 + w), v), s)

@@ -11,7 +11,7 @@ References: those of the beam.
 from crashsolve.elements.beams.bowing import bowed, stretched
 from crashsolve.elements.beams.corotational import half_angle_over_sine, rotated_rate, swing_of
 from crashsolve.elements.beams.tangent import slope_of_viscosity
-from crashsolve.elements.damping import brake
+from crashsolve.elements.damping import apply_drag
 from crashsolve.foundation.columns import add_to, matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import no_tangent
@@ -53,9 +53,9 @@ def deformation(p, a, b, R, v, w):
 
 @kernel
 def act(p, out, a, b, frame, strained, load):
-    """A force f [N] and moments m [N m], which belong to u and theta, on both nodes.
+    """Apply the force f [N] and moments m [N m] conjugate to u and theta to both nodes.
 
-    `frame`: R, v and w of corotational.py; `strained` is what deformation() states; `load`: f, m
+    `frame`: R, v and w of corotational.py; `strained` is what deformation() returns; `load`: f, m
     and the viscosity of the stretch [N s/m]. Returns by how much the element is stiffer than a
     straight one. Writes: a, b, out.
     """
@@ -78,7 +78,7 @@ def act(p, out, a, b, frame, strained, load):
     add_to(b.force, scale(-1.0, f))
     add_to(b.torque, matvec(R, scale(-1.0, add(m, c))))
     # rows of a bent or stretched element are longer than those of a straight one; that of its
-    # stretch gains what twice the tension of its bow would add
+    # the stretch adds as much as twice the tension of its bow
     growth = eta**4 * max(1.0, dot(y, y) / (p.length * p.length))
     bow, taut = 2.0 * growth * bowed(y, theta, bent), growth * max(tension, 0.0)
     add_bounds(p, a, growth * p.rate_a, bow * p.taut_a, taut * p.taut_a, slow)
@@ -90,12 +90,12 @@ def act(p, out, a, b, frame, strained, load):
 def drag(p, out, nodes):
     """Drag on both nodes. Writes: nodes, out."""
     if p.drag_a > 0.0:
-        out.power += brake(nodes, p.node_a, p.drag_a) + brake(nodes, p.node_b, p.drag_b)
+        out.power += apply_drag(nodes, p.node_a, p.drag_a) + apply_drag(nodes, p.node_b, p.drag_b)
 
 
 @kernel
 def answer(stiffness, damping, x, x_dot):
-    """Force K (x + beta x_dot), stored energy and power lost."""
+    """Force K (x + beta x_dot), stored energy [J] and power lost [W]."""
     k = vec(stiffness)
     f = (k[0] * x[0], k[1] * x[1], k[2] * x[2])
     lag = (damping * k[0] * x_dot[0], damping * k[1] * x_dot[1], damping * k[2] * x_dot[2])
@@ -104,7 +104,8 @@ def answer(stiffness, damping, x, x_dot):
 
 @kernel
 def add_bounds(p, body, rate, bow, taut, viscosity):
-    """Report an element, of its bow over E A / l, and of its tension to the step control.
+    """Report the squared frequency of an element, with those of its bow and its tension, to the
+    step control.
 
     Writes: body.
     """

@@ -4,9 +4,9 @@
     N = sum sigma A,   M_y = sum sigma z A,   M_z = -sum sigma y A
 
 The material says its stress, or if it yields by von Mises' stress Y, f and g. Beyond yield, with xi
-the trial stress less H_k eps_p, the plastic strain grows by x in the direction of xi in a step of h,
-where |xi| - (E + H_k) x = Y(e + x) f(x / h) g (materials/_von_mises.py). Plastic work of a step is
-the mean stress times the plastic strain, because nodes receive the mean of the forces before and
+the trial stress less H_k eps_p, the plastic strain grows by x in the direction of xi in a step of
+h, where |xi| - (E + H_k) x = Y(e + x) f(x / h) g (materials/_von_mises.py). Plastic work is
+the mean stress of a step times its plastic strain: nodes receive the mean of the forces before and
 after it. The algorithmic tangent of a fibre that flows in a step is that of this very equation,
 
     d sigma = (E - E^2 / D) d eps,   D = E + H_k + (Y' f + Y f' / h) g
@@ -30,7 +30,7 @@ NONE = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 def fit(table: np.ndarray, section: Columns) -> np.ndarray:
-    """Fibres (y, z, A) moved a little and resized, to have area and second moments of a section."""
+    """Fibres (y, z, A) corrected to the area and second moments of a section."""
     y, z, A = table.T
     A = A * section["area"] / A.sum()
     I_y, I_z = section["second"]
@@ -62,7 +62,7 @@ def resultants(p, old, new, h, curves, strain, rate, material):
 
 @kernel
 def stiffening(p, old, curves, strain, rate, material):
-    """By how much of E the stiffest fibre of a law of its own is stiffer than E; 0 at least."""
+    """Relative excess over E of the tangent modulus of the stiffest fibre; at least 0."""
     most = 0.0
     for i in range(p.count):
         y, z = p.y[i], p.z[i]

@@ -35,7 +35,7 @@ def fastest_rates(
 def _fastest_rates(
     length: float, stiffness: tuple[float, ...], ends: tuple[tuple[float, bytes], ...]
 ) -> tuple[float, float]:
-    """The same of plain values: elements of a beam have mostly the same."""
+    """s r / 2 of both nodes [1/s^2] from plain values, which most elements of a beam share."""
     rates = [_fastest_rate(length, stiffness, 0.0, *end) for end in ends]
     rows = np.hstack([_motion(length, -1.0), _motion(length, 1.0)])
     M = np.zeros((12, 12))
@@ -46,7 +46,7 @@ def _fastest_rates(
 
 
 def rate_of_tension(row: Columns, mass: float, J: np.ndarray) -> float:
-    """The same of what a tension of 1 N adds [1/(kg m)].
+    """Increase of both rates by a tension of 1 N [1/(kg m)].
 
     Of the stretch e by lateral displacement: of the chord, 1 / l, and of the bow where it is
     positive.
@@ -72,7 +72,7 @@ def _fastest_rate(
 
 
 def _motion(length: float, side: float) -> np.ndarray:
-    """What node b, of side 1, or a, of side -1, adds to u and theta by displacement and rotation.
+    """Derivatives of u and theta by displacement and rotation of node b (side 1) or a (side -1).
 
     (6, 6)
     """

@@ -13,7 +13,7 @@ from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card
 from crashsolve.elements.beams.bowing import coefficient
 from crashsolve.elements.beams.frequency_bound import fastest_rates, rate_of_tension
-from crashsolve.elements.damping import coefficients, heavier
+from crashsolve.elements.damping import coefficients, mass_factors
 from crashsolve.foundation.orientation import perpendicular
 from crashsolve.materials import elastic
 
@@ -36,7 +36,7 @@ def scaled(
     for length, m in zip(lengths, mass, strict=True):
         row, J = stiffness_row(section, material, length), 0.5 * length * per_length
         squares.append(2.0 * fastest_rates(row, (0.5 * m, 0.5 * m), (J, J))[0])
-    return mass, heavier(card, np.array(squares), scene)
+    return mass, mass_factors(card, np.array(squares), scene)
 
 
 def stiffness_row(section: Columns, material: Columns, length: float) -> Columns:
@@ -107,7 +107,7 @@ def laws(card: Any, scene: Scene) -> tuple[Columns, Columns]:
     if getattr(material_card, "failure_strain", None) is not None:
         message = f"material '{card.material}' has failure_strain, which fibres do not follow"
         raise scene.fail(f"{message}; take shells for it", "material")
-    # nodes are built before curves are: what a fibre does beyond small strain is not asked here
+    # nodes are built before curves: the behaviour of fibres beyond small strain is not checked here
     material = elastic.build(material_card, scene)
     law, section_card = scene.law("sections", card.section)
     return law.build(section_card, material["poisson"]), material

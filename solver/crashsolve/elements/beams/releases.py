@@ -35,12 +35,12 @@ class End(Card):
 
 
 def is_first(card: Any, end: End) -> bool:
-    """Whether the end is that at which its bar begins."""
+    """Whether this is the first end of its bar."""
     return bool(card.bars[end.bar - 1][0] == end.point)
 
 
 def names(card: Any, part: str) -> list[str]:
-    """Names of the nodes that ends have for themselves."""
+    """Names of the nodes of released ends."""
     found = []
     for end in card.ends:
         known = end.bar <= len(card.bars)
@@ -50,28 +50,28 @@ def names(card: Any, part: str) -> list[str]:
 
 
 def position(card: Any, end: End) -> np.ndarray:
-    """Where an end is at the start [m]."""
+    """Position (3,) of an end at the start [m]."""
     return np.asarray(card.points[end.point - 1]) + np.asarray(end.offset)
 
 
 def tip(card: Any, bar: int, point: int) -> np.ndarray:
-    """Where a bar, number from 1, ends at a point [m]."""
+    """Position (3,) of the end of a bar, number from 1, at a point [m]."""
     own = [end for end in card.ends if (end.bar, end.point) == (bar, point)]
     return position(card, own[0]) if own else np.asarray(card.points[point - 1])
 
 
 def start(card: Any, bar: int) -> np.ndarray:
-    """Where a bar begins [m]."""
+    """Position (3,) of the beginning of a bar [m]."""
     return tip(card, bar, card.bars[bar - 1][0])
 
 
 def along(card: Any, bar: int) -> np.ndarray:
-    """From the start to the end of a bar [m]."""
+    """Vector (3,) from the beginning to the end of a bar [m]."""
     return tip(card, bar, card.bars[bar - 1][1]) - start(card, bar)
 
 
 def fault(card: Any) -> str:
-    """What is wrong with the ends; empty where nothing is."""
+    """Message of what is wrong with the ends; empty where they are right."""
     seen = set()
     count = len(card.points)
     if not all(1 <= point <= count for bar in card.bars for point in bar):

@@ -59,7 +59,7 @@ def by_motions(
     m: np.ndarray,
     own: np.ndarray,
 ) -> np.ndarray:
-    """Derivatives (n, 12, 12) of what f and m (n, 3) do on both ends.
+    """Derivatives (n, 12, 12) of the forces on both ends by f and m (n, 3).
 
     `own` (n, 6, 6) are those of f and m by y and theta.
     """

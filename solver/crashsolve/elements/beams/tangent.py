@@ -30,7 +30,7 @@ SMALL = 1e-8
 
 @kernel
 def bend_blocks(p, section, a, b, frame, strained, slot, blocks):
-    """Less the derivatives by every motion of both ends. Writes: blocks.
+    """Subtract the derivatives of the forces by every motion of both ends. Writes: blocks.
 
     `section` is what yields, or None; `frame`: R, v and w of corotational.py; `strained` is what
     element.deformation states.
@@ -206,7 +206,7 @@ def summed(x, y):
 
 @kernel
 def put_column(blocks, slot, R, k, by_a, by_b):
-    """What motion k of the ends a and b does. Writes: blocks."""
+    """Write the change of the forces by motion k of the ends a and b. Writes: blocks."""
     put_half(blocks, slot, R, k, 0, by_a)
     put_half(blocks, slot, R, k, 1, by_b)
 

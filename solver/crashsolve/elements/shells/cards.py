@@ -95,23 +95,23 @@ class Impulse(Card):
 
 
 class ShellCard(Damped):
-    """What the user writes of a shell, by which its mesh, layout and outputs are made."""
+    """Fields of a shell, from which its mesh, layout and outputs follow."""
 
     mesh: Card = Law("meshes", "positions of the nodes, elements, sets of nodes")
-    thickness: float = quantity("m", "t", gt=0)
+    thickness: float = quantity("m", "t, thickness", gt=0)
     element: Literal["reduced", "fully_integrated", "triangles"] = word(
         "quadrilaterals with one integration point in the plane, or 2 by 2, or each cut into two "
         "triangles",
         default="reduced",
     )
-    material: MaterialName = word("what it is made of")
+    material: MaterialName = word("material of the shell")
     layers: int = word("integration points through the thickness", 5, ge=1, le=MOST_LAYERS)
     rule: Literal["gauss", "lobatto"] = word(
         "positions of these points; lobatto: at the faces too", "gauss"
     )
     thinning: bool = word("the thickness follows the strain", default=False)
     nodes: tuple[NamedNode, ...] = word("nodes that are bodies of the deck", default=())
-    supports: tuple[Support, ...] = word("supports", default=())
+    supports: tuple[Support, ...] = word("sets of nodes whose motions are suppressed", default=())
     welded: tuple[Weld, ...] = word("nodes that move with a body", default=())
     traces: tuple[Trace, ...] = word("nodes with a history: nodout.P_name", default=())
     gauges: tuple[Trace, ...] = word("elements with a history: elout.P_name", default=())

@@ -24,8 +24,8 @@ from crashsolve.foundation.point import LANES
 
 
 @kernel
-def slow_row(p, first, stride):
-    """Where the rows of damping of a block of so many numbers begin."""
+def damping_row(p, first, stride):
+    """Index of the rows of damping of a block of `stride` numbers."""
     behind = VISCOUS.SIZE + EROSION.SIZE if p.erodes == 1 else VISCOUS.SIZE
     return first + stride - LANES * behind
 
@@ -33,17 +33,17 @@ def slow_row(p, first, stride):
 @blockwise
 def damp(blocks, first, stride, work, h, p):
     """Add the resultants of damping to those of the layers. Writes: blocks, work."""
-    at = slow_row(p, first, stride)
+    at = damping_row(p, first, stride)
     # a step of no length has no rates: those of the last step stay
     if h > 0.0:
         for e in range(LANES):
-            resist(blocks, at + e, work, e, h, p)
+            damping_resultants(blocks, at + e, work, e, h, p)
     for e in range(6 * LANES):
         work[LANES * WORK.resultant + e] += blocks[at + LANES * VISCOUS.resultant + e]
 
 
 @blockwise
-def resist(blocks, at, work, e, h, p):
+def damping_resultants(blocks, at, work, e, h, p):
     """Resultants of damping of an element, and the energy they take in the step.
 
     Writes: blocks.
@@ -73,9 +73,9 @@ def resist(blocks, at, work, e, h, p):
 
 
 @blockwise
-def allow(blocks, first, stride, work, h, p):
-    """Bound of frequency with damping and added mass. Writes: work."""
-    at = slow_row(p, first, stride) + LANES * VISCOUS.mass_factor
+def add_damping_to_bound(blocks, first, stride, work, h, p):
+    """Correct the bound of squared frequency for damping and added mass. Writes: work."""
+    at = damping_row(p, first, stride) + LANES * VISCOUS.mass_factor
     speed = sqrt(p.young / (p.density * (1.0 - p.poisson * p.poisson)))
     for e in range(LANES):
         omega = sqrt(work[LANES * WORK.rate + e] / blocks[at + e])

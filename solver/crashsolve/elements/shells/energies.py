@@ -14,8 +14,8 @@ from crashsolve.foundation.vec3 import dot, vec
 
 
 @kernel
-def moving(p, points):
-    """Kinetic energy of the nodes of a part that are no bodies of the deck [J]."""
+def kinetic_energy(p, points):
+    """Kinetic energy [J] of the nodes of a part that are not bodies of the deck."""
     total = 0.0
     for i in range(p.first_point, p.first_point + p.point_count):
         b = points[i]

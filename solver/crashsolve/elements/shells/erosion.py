@@ -6,7 +6,7 @@ that momentum is kept; the elastic energy of its last stresses is lost, and repo
 test: kinetic, stored, plastic and eroded energy together are the work of the nodes.
 """
 
-from crashsolve.elements.shells.damping import slow_row
+from crashsolve.elements.shells.damping import damping_row
 from crashsolve.elements.shells.records import (
     BLOCK,
     EROSION,
@@ -21,7 +21,7 @@ from crashsolve.materials._von_mises import LAYER
 
 @kernel
 def zero_strains(blocks, first, work):
-    """Deleted elements have no strains or stresses, whatever becomes of their shape.
+    """Set the strains and stresses of deleted elements to zero.
 
     Writes: blocks, work.
     """
@@ -38,7 +38,7 @@ def zero_strains(blocks, first, work):
 
 @kernel
 def zero_forces(blocks, first, work):
-    """Deleted elements push nothing and set no step. Writes: work."""
+    """Set the forces of deleted elements, and their bounds of frequency, to zero. Writes: work."""
     for e in range(LANES):
         if blocks[first + LANES * BLOCK.thickness + e] == 0.0:
             for row in range(WORK.force, WORK.torque + 12):
@@ -48,7 +48,7 @@ def zero_forces(blocks, first, work):
 
 @kernel
 def has_failed(blocks, at, p, points):
-    """Whether an element that lives has no layer left."""
+    """Whether all layers of an element that is not deleted have failed."""
     if blocks[at + LANES * BLOCK.thickness] == 0.0:
         return False
     strain = at + LANES * (BLOCK.SIZE + LAYER.plastic_strain)
@@ -60,7 +60,7 @@ def has_failed(blocks, at, p, points):
 
 @kernel
 def delete(scene, first, stride, corner, e, sides, stored):
-    """Take an element of so many sides out, with what is stored in it. Writes: scene.lanes."""
+    """Delete an element with its `stored` energy [J]. Writes: scene.lanes."""
     blocks, at = scene.lanes, first + e
     lost, kinetic = at + stride - EROSION.SIZE * LANES, 0.0
     for c in range(sides):
@@ -75,10 +75,10 @@ def delete(scene, first, stride, corner, e, sides, stored):
 
 @kernel
 def add_losses(p, blocks, at, stride, out):
-    """Plastic work of an element, what damping took, what went with its failure. Writes: out."""
+    """Add plastic work, losses by damping and by failure of an element to `out`. Writes: out."""
     out.plastic += blocks[at + LANES * BLOCK.plastic_work]
-    if p.slows == 1:
-        out.damping += blocks[slow_row(p, at, stride) + LANES * VISCOUS.work]
+    if p.is_damped == 1:
+        out.damping += blocks[damping_row(p, at, stride) + LANES * VISCOUS.work]
     if p.erodes == 1:
         lost = at + stride - EROSION.SIZE * LANES
         out.eroded += blocks[lost]
@@ -90,6 +90,6 @@ def add_losses(p, blocks, at, stride, out):
 
 @kernel
 def diagonal(scene, corner, ahead):
-    """From a corner to the one `ahead` of it."""
+    """Vector [m] from a corner to the one `ahead` of it."""
     a, b = scene.corners[corner], scene.corners[corner + ahead * LANES]
     return sub(vec(scene.points[b].r), vec(scene.points[a].r))

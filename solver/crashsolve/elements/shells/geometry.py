@@ -32,7 +32,7 @@ def nearest(positions: np.ndarray, card: NamedNode | Trace) -> int:
 
 
 def sides(x: np.ndarray, card: SectionCut, scene: Scene) -> np.ndarray:
-    """Which corners (n, 4) of which elements, at x (n, 4, 3), a cut has on its front side.
+    """Corners (n, 4), of elements at x (n, 4, 3), in front of a cut.
 
     Rows of elements that are not cut are empty.
     """

@@ -21,7 +21,7 @@ non-linear quadrilateral shell element with physical stabilization, the same 42,
 
 from crashsolve.elements.shells.forces.corners import four
 from crashsolve.elements.shells.forces.quadrilateral import DRILLING, sides
-from crashsolve.elements.shells.plasticity import taken_modes
+from crashsolve.elements.shells.plasticity import relaxed_modes
 from crashsolve.elements.shells.records import (
     BLOCK,
     WORK,
@@ -41,8 +41,8 @@ def mode_sizes(flat):
 
 
 @blockwise
-def see_shear(blocks, first, work):
-    """Square of the trial transverse shear, and no hourglass. Writes: work."""
+def set_trial_shear(blocks, first, work):
+    """Set the trial transverse shear, its square, and no hourglass. Writes: work."""
     for e in range(LANES):
         at = first + LANES * BLOCK.shear + e
         x, y = blocks[at], blocks[at + LANES]
@@ -53,8 +53,8 @@ def see_shear(blocks, first, work):
 
 
 @blockwise
-def see_modes(blocks, first, work):
-    """Trial a_x and a_y of the hourglass, by what they have for all heights. Writes: work."""
+def set_trial_modes(blocks, first, work):
+    """Set the trial hourglass stresses: a_x, a_y and their slopes over the height. Writes: work."""
     for e in range(LANES):
         # of a deleted element all of these are 0
         t, sizes = work[LANES * WORK.depth + e], mode_sizes(four(work, LANES * WORK.diagonals + e))
@@ -68,37 +68,37 @@ def see_modes(blocks, first, work):
 
 @blockwise
 def relax_modes(blocks, first, work):
-    """Hourglass stresses after yielding, and the work on them. Writes: blocks."""
+    """Relax the hourglass stresses by yielding, and correct their work. Writes: blocks."""
     for e in range(LANES):
-        less, taken = 0.0, taken_modes(work, e)
+        less, relaxed = 0.0, relaxed_modes(work, e)
         for k in range(4):
-            blocks[first + LANES * (BLOCK.hourglass_plane + k) + e] -= taken[k]
-            less += 0.5 * taken[k] * work[LANES * (WORK.modes + k) + e]
+            blocks[first + LANES * (BLOCK.hourglass_plane + k) + e] -= relaxed[k]
+            less += 0.5 * relaxed[k] * work[LANES * (WORK.modes + k) + e]
         blocks[first + LANES * BLOCK.hourglass_work + e] -= less
 
 
 @blockwise
 def relax_shear(blocks, first, work, p):
-    """Transverse shear and the tie of spins after yielding, and what is lost. Writes: blocks."""
+    """Relax transverse shear and drilling by yielding; adds the loss [J]. Writes: blocks."""
     for e in range(LANES):
-        at, old, taken = (
+        at, old, relaxed = (
             first + LANES * BLOCK.shear + e,
-            LANES * WORK.held + e,
-            work[LANES * WORK.taken + e],
+            LANES * WORK.old_shear + e,
+            work[LANES * WORK.relaxed + e],
         )
         volume = work[LANES * WORK.depth + e] * work[LANES * WORK.area + e]
         x, y, tie = blocks[at], blocks[at + LANES], blocks[at + 2 * LANES]
-        left = 1.0 - taken
+        left = 1.0 - relaxed
         blocks[at], blocks[at + LANES], blocks[at + 2 * LANES] = left * x, left * y, left * tie
         # the mean stress of the step times what yields
         lost = (work[old] + left * x) * x + (work[old + LANES] + left * y) * y
-        lost *= 1.2 / (work[LANES * WORK.weak + e] + 1e-30) * volume
+        lost *= 1.2 / (work[LANES * WORK.shear_factor + e] + 1e-30) * volume
         lost += (work[old + 2 * LANES] + left * tie) * tie / (DRILLING * volume + 1e-300)
-        blocks[first + LANES * BLOCK.plastic_work + e] += 0.5 * taken / p.shear * lost
+        blocks[first + LANES * BLOCK.plastic_work + e] += 0.5 * relaxed / p.shear * lost
 
 
 @blockwise
-def clear_weak(work):
-    """Quadrilaterals have all of their shear stiffness. Writes: work."""
+def reset_shear_factor(work):
+    """Set the shear factor of quadrilaterals to 1. Writes: work."""
     for e in range(LANES):
-        work[LANES * WORK.weak + e] = 1.0
+        work[LANES * WORK.shear_factor + e] = 1.0

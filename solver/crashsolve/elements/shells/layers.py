@@ -54,11 +54,11 @@ def layers(blocks, first, stride, work, h, p, curves, material):
     Returns how many layers yield somewhere. Writes: blocks, work.
     """
     if p.large_strain == 1:
-        clear_growth(work)
+        reset_growth(work)
     clear_resultants(work)
     start = first + LANES * BLOCK.SIZE
     count = through_thickness(blocks, start, work, h, p, curves, material)
-    take_up(blocks, first, stride, work, h, p)
+    update_elements(blocks, first, stride, work, h, p)
     return count
 
 
@@ -78,8 +78,8 @@ def through_thickness(blocks, first, work, h, p, curves, material):
 
 
 @blockwise
-def take_up(blocks, first, stride, work, h, p):
-    """Plastic work, failure and thickness of the elements after a step of h.
+def update_elements(blocks, first, stride, work, h, p):
+    """Update plastic work, energy lost by failure and thickness of elements after a step of h.
 
     Writes: blocks, work.
     """
@@ -101,14 +101,14 @@ def take_up(blocks, first, stride, work, h, p):
 
 
 @blockwise
-def grow_rate(work):
-    """Squared frequency of an element whose stiffness has grown with its strain. Writes: work."""
+def raise_frequency(work):
+    """Raise the squared frequency by the growth of stiffness with strain. Writes: work."""
     for e in range(LANES):
         work[LANES * WORK.rate + e] *= work[LANES * WORK.growth + e]
 
 
 @blockwise
-def clear_growth(work):
+def reset_growth(work):
     """Writes: work."""
     for e in range(LANES):
         work[LANES * WORK.growth + e] = 1.0

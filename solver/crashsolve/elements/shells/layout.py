@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from crashsolve.deck.building import Scene
-from crashsolve.elements.damping import IMPLICIT, heavier, report_added
+from crashsolve.elements.damping import IMPLICIT, mass_factors, report_added_mass
 from crashsolve.elements.shells import outputs
 from crashsolve.elements.shells.cards import MOTIONS, ShellCard
 from crashsolve.elements.shells.forces.triangle import rate_bound as triangle_bound
@@ -65,15 +65,15 @@ class DiscretisedShell:
         # points of its elements, and those that it moves: of a shared mesh not all
         self.used = np.arange(n) if own is None else np.unique(corners)
         self.own = slice(0, n) if own is None else own
-        self.slows = bool(card.damping or card.viscosity or card.mass_scaling)
-        self.heavier = self._heavier(scene)
+        self.is_damped = bool(card.damping or card.viscosity or card.mass_scaling)
+        self.mass_factors = self._mass_factors(scene)
         share = np.full(x.shape[:2], 0.25)
         share[self.quad_count :] = [1 / 3, 1 / 3, 1 / 3, 0]
-        mass = share * (self.heavier * self.weight)[:, None]
+        mass = share * (self.mass_factors * self.weight)[:, None]
         inertia = mass * self.radius_2[:, None]
         self.mass = np.bincount(corners, mass.ravel(), n)
         self.J = np.bincount(corners, inertia.ravel(), n)
-        # what each corner brings, to be summed over the parts of a shared mesh
+        # contribution of each corner, to be summed over the parts of a shared mesh
         self.lumps = None if own is None else (corners, mass.ravel(), inertia.ravel())
         near = self.mesh.points[self.used]
         self.named = [int(self.used[nearest(near, node)]) for node in card.nodes]
@@ -92,12 +92,12 @@ class DiscretisedShell:
 
     @property
     def radius_2(self) -> np.ndarray:
-        """Squared radii of gyration of what the nodes have of the elements [m^2]."""
+        """Squared radii of gyration of the mass that elements give to nodes [m^2]."""
         squared: np.ndarray = (self.area + self.card.thickness**2) / 12.0
         return squared
 
     def _refuse_explicit(self, scene: Scene) -> None:
-        """What only explicit steps can do yet."""
+        """Refuse what only explicit methods can do."""
         control = scene.deck.control
         method = f"integrator {control.integrator}"
         if control.solution == "quasi_static":
@@ -115,7 +115,7 @@ class DiscretisedShell:
                 raise scene.fail(f"{message}; say integrator: rattle", field)
 
     def _refuse_bad(self, x: np.ndarray, normal: np.ndarray, scene: Scene) -> None:
-        """Every corner of an element must turn the same way."""
+        """Refuse elements that are not convex: all corners must have one sense of rotation."""
         for k in range(4):
             here = np.cross(x[:, (k + 1) % 4] - x[:, k], x[:, (k + 3) % 4] - x[:, k])
             is_flipped = (here * normal).sum(1) > 1e-6 * (normal**2).sum(1)
@@ -130,14 +130,14 @@ class DiscretisedShell:
                 )
                 raise scene.fail(message, "mesh")
 
-    def _heavier(self, scene: Scene) -> np.ndarray:
-        """Factors of the masses of the elements."""
+    def _mass_factors(self, scene: Scene) -> np.ndarray:
+        """Factors on the masses of the elements (m,) by mass scaling."""
         if self.card.mass_scaling is None:
             return np.broadcast_to(1.0, self.area.shape)
         flat = diagonals(self.mesh.points[self.mesh.quads]).transpose(0, 2, 1).reshape(-1, 4)
         squares = np.array([self._square(k, tuple(sides)) for k, sides in enumerate(flat)])
-        factors: np.ndarray = heavier(self.card, squares, scene)
-        report_added(self.card, self.weight, factors, scene)
+        factors: np.ndarray = mass_factors(self.card, squares, scene)
+        report_added_mass(self.card, self.weight, factors, scene)
         return factors
 
     def _square(self, element: int, flat: tuple[float, ...]) -> float:
@@ -159,7 +159,7 @@ class DiscretisedShell:
         return float(quad_bound(flat, hourglass, float(z), *size, light, law.poisson))
 
     def _held(self, scene: Scene) -> np.ndarray:
-        """Bits of the motions that every node does not make."""
+        """Bits (n,) of the motions that supports and welds prevent, by node."""
         held = np.zeros(len(self.mesh.points), np.uint8)
         for k, hold in enumerate(self.card.supports):
             own = self.set_of(hold.nodes, f"supports.{k}.nodes", scene)
@@ -193,7 +193,7 @@ class DiscretisedShell:
         return own
 
     def _motion(self, scene: Scene) -> tuple[np.ndarray, np.ndarray]:
-        """Velocities [m/s] and angular velocities [rad/s] of the nodes before any blow."""
+        """Velocities [m/s] and angular velocities [rad/s] of the nodes (n, 3), without impulses."""
         origin = self.mesh.points[0] if self.mesh.origin is None else self.mesh.origin
         arm = self.mesh.points - origin
         velocity = np.asarray(self.card.velocity) + np.cross(self.card.angular_velocity, arm)
@@ -211,7 +211,7 @@ class DiscretisedShell:
         return velocity, spin
 
     def velocities(self) -> np.ndarray:
-        """Velocities at the start [m/s], those of impulses among them."""
+        """Velocities [m/s] at the start (n, 3), including those by impulses."""
         if not np.any(self.momentum):
             return self.velocity
         return self.velocity + self.momentum / self.mass[:, None]
@@ -219,10 +219,10 @@ class DiscretisedShell:
     def _momentum(
         self, x: np.ndarray, normal: np.ndarray, share: np.ndarray, scene: Scene
     ) -> np.ndarray:
-        """Momenta of the nodes from those of the elements that are hit [N s]."""
+        """Momenta [N s] of the nodes (n, 3) by impulses on elements."""
         if not self.card.impulses:
             return np.zeros(3)
-        blown = np.zeros_like(self.mesh.points)
+        hit_elements = np.zeros_like(self.mesh.points)
         middle = (x * share[:, :, None]).sum(axis=1)
         arm = normal / np.linalg.norm(normal, axis=1)[:, None]
         for k, impulse in enumerate(self.card.impulses):
@@ -231,8 +231,8 @@ class DiscretisedShell:
                 raise scene.fail("no element has its middle in the box", f"impulses.{k}")
             momentum = (impulse.speed * self.weight * hit)[:, None] * arm
             for corner, part in zip(self.mesh.quads.T, share.T, strict=True):
-                np.add.at(blown, corner, part[:, None] * momentum)
-        return blown
+                np.add.at(hit_elements, corner, part[:, None] * momentum)
+        return hit_elements
 
     def write_points(self, table: np.ndarray) -> None:
         """Rows of POINT at the start, of the points that the part moves. Writes: table."""
@@ -252,7 +252,7 @@ class DiscretisedShell:
         return [(own, points) for own, points in both if own.stop > own.start]
 
     def write_blocks(self, numbers: np.ndarray, scene: Scene) -> None:
-        """Numbers of the elements, block by block; the last is filled up. Writes: numbers."""
+        """Values of the elements, block by block; the last block is filled up. Writes: numbers."""
         start = 0
         values = [np.full(len(self.area), self.card.thickness), *self._shape().T]
         for own, points in self.sections():
@@ -269,9 +269,9 @@ class DiscretisedShell:
             for row, value in enumerate(self.law.initial_layer(self.material, scene)):
                 if value != 0.0:
                     table[:, BLOCK.SIZE + row : end : self.layer_rows] = value
-            if self.slows:
+            if self.is_damped:
                 row = table.shape[1] - EROSION.SIZE * self.can_fail - VISCOUS.SIZE
-                table[:, row + VISCOUS.mass_factor] = in_lanes(self.heavier[own])
+                table[:, row + VISCOUS.mass_factor] = in_lanes(self.mass_factors[own])
             start += size
 
     def corners(self) -> np.ndarray:
@@ -294,7 +294,7 @@ class DiscretisedShell:
     def stride_of(self, points: int) -> int:
         """Numbers of a block of elements with so many points in their plane."""
         rows = BLOCK.SIZE + points * self.layer_rows * self.card.layers
-        return LANES * (rows + VISCOUS.SIZE * self.slows + EROSION.SIZE * self.can_fail)
+        return LANES * (rows + VISCOUS.SIZE * self.is_damped + EROSION.SIZE * self.can_fail)
 
     @property
     def stride(self) -> int:
@@ -318,7 +318,7 @@ class DiscretisedShell:
     def _shape(self) -> np.ndarray:
         """Inverse of the diagonals in axes between them, by rows (m, 4)."""
         found = np.empty((len(self.area), 4))
-        # blocks are there already: what is needed besides is what memory peaks at
+        # blocks exist already: additional arrays determine the peak of memory
         for start in range(0, len(found), PIECE):
             x = self.mesh.points[self.mesh.quads[start : start + PIECE]]
             found[start : start + PIECE] = np.linalg.inv(diagonals(x)).reshape(-1, 4)

@@ -37,14 +37,14 @@ FIELDS = {
 
 
 class Part(Protocol):
-    """What outputs ask of a shell part."""
+    """Attributes of a shell part that outputs need."""
 
     card: ShellCard
     law: Any  # module of its material
     material: Any  # card of it
     rule: tuple[np.ndarray, np.ndarray]  # positions and weights of the layers
     layer_rows: int
-    slows: bool
+    is_damped: bool
     can_fail: bool
 
     def sections(self) -> list[tuple[slice, int]]: ...
@@ -54,7 +54,7 @@ class Part(Protocol):
 def values_of(
     part: Part, blocks: np.ndarray, row: np.void, wanted: np.ndarray, kind: object = float
 ) -> dict[str, np.ndarray]:
-    """Values of FIELDS of some elements (n, ...), in their units, from what all parts keep."""
+    """Values of FIELDS of some elements (n, ...), in their units, from the blocks of all parts."""
     start = int(row["first"])
     shapes = {name: (len(wanted), n)[: 1 + (n > 1)] for name, (_, n) in FIELDS.items()}
     found = {name: np.zeros(shape, kind) for name, shape in shapes.items()}
@@ -70,7 +70,7 @@ def values_of(
 
 
 def _rows(table: np.ndarray, positions: np.ndarray) -> np.ndarray:
-    """What elements keep (m, rows), from blocks of them side by side (blocks, rows, LANES)."""
+    """Rows of elements (m, rows), from blocks of them side by side (blocks, rows, LANES)."""
     if np.any(np.diff(positions) != 1):
         return table[positions // LANES, :, positions % LANES]
     # elements side by side are rotated at once
@@ -81,9 +81,9 @@ def _rows(table: np.ndarray, positions: np.ndarray) -> np.ndarray:
 
 
 def fields(part: Part, rows: np.ndarray) -> dict[str, np.ndarray]:
-    """Values of FIELDS from what elements keep (m, rows): means of the points of a plane."""
+    """Values of FIELDS from the rows of elements (m, rows): means over the points of the plane."""
     count = part.card.layers
-    end = rows.shape[1] - VISCOUS.SIZE * part.slows - EROSION.SIZE * part.can_fail
+    end = rows.shape[1] - VISCOUS.SIZE * part.is_damped - EROSION.SIZE * part.can_fail
     layers = rows[:, BLOCK.SIZE : end].reshape(len(rows), -1, count, part.layer_rows)
     t, shear = rows[:, BLOCK.thickness], rows[:, BLOCK.shear : BLOCK.shear + 2]
     mean = _mean(layers)
@@ -112,6 +112,6 @@ def fields(part: Part, rows: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def _mean(points: np.ndarray) -> np.ndarray:
-    """Over the points of a plane, (m, points, ...); of most elements there is one."""
+    """Mean over the points of the plane, of (m, points, ...)."""
     found: np.ndarray = points[:, 0] if points.shape[1] == 1 else points.mean(axis=1)
     return found

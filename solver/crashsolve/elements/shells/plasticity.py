@@ -27,11 +27,11 @@ from crashsolve.elements.shells.forces.corners import four, three
 from crashsolve.elements.shells.records import SLOT, WORK, layer_of
 from crashsolve.elements.shells.resultants import add_resultants, layer_strain, put_three
 from crashsolve.elements.shells.return_mapping import (
-    close_gaps,
-    count_beyond,
-    follow_lines,
-    follow_tangents,
-    open_gaps,
+    count_yielding,
+    evaluate_tangents,
+    first_iteration,
+    iterate,
+    return_to_lines,
     return_to_tangents,
     softening,
 )
@@ -51,13 +51,13 @@ def plastic_layers(blocks, first, work, slots, h, p, span, law):
     count, (m, curves, material) = 0, law
     for k in range(span[0], span[1]):
         layer, to = layer_of(p, first, k), LANES * SLOT.SIZE * count
-        if try_layer(blocks, layer, work, slots, to, h, law) == 0.0:
-            stay(blocks, layer, work, slots, to, m)
+        if find_trial_state(blocks, layer, work, slots, to, h, law) == 0.0:
+            update_elastic(blocks, layer, work, slots, to, m)
         else:
             slots[LANES * WORK.yielding + count] = k
             count += 1
-    if not (material.SMOOTH or m.rated == 1) and open_gaps(slots, count, m) > 0.0:
-        close_gaps(slots, 0, count, m)
+    if not (material.SMOOTH or m.rated == 1) and first_iteration(slots, count, m) > 0.0:
+        iterate(slots, 0, count, m)
     for slot in range(count):
         k, to = int(slots[LANES * WORK.yielding + slot]), LANES * SLOT.SIZE * slot
         layer = layer_of(p, first, k)
@@ -65,30 +65,30 @@ def plastic_layers(blocks, first, work, slots, h, p, span, law):
         if material.SMOOTH or m.rated == 1:
             return_to_tangents(blocks, at, slots, to, h, m, curves, material)
         elif m.curve > 0:
-            follow_lines(blocks, at, slots, to, m, curves, material)
+            return_to_lines(blocks, at, slots, to, m, curves, material)
         if m.kinematic > 0.0:
             shift_alpha(blocks, at, slots, to, m)
-        settle(blocks, layer, work, slots, to, m)
+        update_plastic(blocks, layer, work, slots, to, m)
         if m.heating > 0.0:
             heat(blocks, at, slots, to, m)
     return count
 
 
 @blockwise
-def try_layer(blocks, layer, work, slots, to, h, law):
-    """Trial stress of a layer; in how many lanes it is beyond yield. Writes: blocks, slots."""
+def find_trial_state(blocks, layer, work, slots, to, h, law):
+    """Find the trial stress of a layer; returns how many lanes yield. Writes: blocks, slots."""
     at, (m, curves, material) = layer.at, law
     if m.heating > 0.0:
         find_factors(blocks, layer, slots, to, m, material)
     find_trial(blocks, layer, work, slots, to, m)
     if material.SMOOTH or m.rated == 1:
-        follow_tangents(blocks, at, slots, to, h, m, curves, material)
-        count = count_beyond(slots, to)
+        evaluate_tangents(blocks, at, slots, to, h, m, curves, material)
+        count = count_yielding(slots, to)
     else:
-        count = find_lines(blocks, at, slots, to, m)
+        count = evaluate_lines(blocks, at, slots, to, m)
     if m.failure > 0.0:
         drop_failed(blocks, layer, work, slots, to, m)
-        count = count_beyond(slots, to)
+        count = count_yielding(slots, to)
     return count
 
 
@@ -102,7 +102,7 @@ def find_factors(blocks, layer, slots, to, m, material):
 
 @blockwise
 def heat(blocks, at, slots, to, m):
-    """Temperature of the layer from the plastic work of the step. Writes: blocks."""
+    """Raise the temperature of the layer by the plastic work of the step. Writes: blocks."""
     hot = at + LANES * m.temperature_row
     for e in range(LANES):
         blocks[hot + e] += m.heating * slots[to + LANES * SLOT.lost + e]
@@ -110,7 +110,7 @@ def heat(blocks, at, slots, to, m):
 
 @blockwise
 def drop_failed(blocks, layer, work, slots, to, m):
-    """Stress of layers that have failed, and the energy it had. Writes: blocks, work."""
+    """Set the stress of failed layers to zero, and add its energy. Writes: blocks, work."""
     at, _, weight = layer
     for e in range(LANES):
         has_failed = blocks[at + LAYER.plastic_strain * LANES + e] >= m.failure
@@ -127,12 +127,14 @@ def drop_failed(blocks, layer, work, slots, to, m):
         # transverse shear and hourglass stay with the layers that are left
         slots[to + LANES * SLOT.s1 + e] *= keep
         slots[to + LANES * SLOT.s2 + e] *= keep
-        slots[to + LANES * SLOT.gap + e] = -1.0 if has_failed else slots[to + LANES * SLOT.gap + e]
+        slots[to + LANES * SLOT.residual + e] = (
+            -1.0 if has_failed else slots[to + LANES * SLOT.residual + e]
+        )
 
 
 @blockwise
 def find_trial(blocks, layer, work, slots, to, m):
-    """Trial stress of a layer less alpha, s1 and s2, and no g yet. Writes: slots."""
+    """Find xi, the trial stress less alpha, with s1 and s2; g is 0. Writes: slots."""
     at, zeta, _ = layer
     nu, shear, moves = m.poisson, m.shear, m.kinematic > 0.0
     C, back = m.plane, at + LANES * LAYER.alpha
@@ -167,7 +169,7 @@ def modes_at(work, e, zeta):
 
 
 @blockwise
-def find_lines(blocks, at, slots, to, m):
+def evaluate_lines(blocks, at, slots, to, m):
     """Yield stress, its slope, what is beyond it; in how many lanes something is. Writes: slots."""
     start, slope, has_curve = m.yield_stress, m.isotropic, m.curve > 0
     line, count = at + LANES * m.line_row, 0.0
@@ -177,14 +179,14 @@ def find_lines(blocks, at, slots, to, m):
         flow = start + slope * blocks[at + LAYER.plastic_strain * LANES + e]
         gap = slots[to + LANES * SLOT.s1 + e] + slots[to + LANES * SLOT.s2 + e] - flow * flow
         put_three(slots, to + LANES * SLOT.flow + e, (flow, slope, 1.0))
-        slots[to + LANES * SLOT.gap + e] = gap
+        slots[to + LANES * SLOT.residual + e] = gap
         count += 1.0 if gap > 0.0 else 0.0
     return count
 
 
 @blockwise
-def stay(blocks, layer, work, slots, to, m):
-    """Stress, resultants and thinning of layers that do not yield. Writes: blocks, work."""
+def update_elastic(blocks, layer, work, slots, to, m):
+    """Set stress, resultants and thinning of layers that do not yield. Writes: blocks, work."""
     at, zeta, weight = layer
     softness, moves, back = -m.softness, m.kinematic > 0.0, at + LANES * LAYER.alpha
     for e in range(LANES):
@@ -204,7 +206,7 @@ def stay(blocks, layer, work, slots, to, m):
 def shift_alpha(blocks, at, slots, to, m):
     """alpha from g, in a loop of its own.
 
-    In that of settle() these stores would be masked, and take a third of its time in any case.
+    In that of update_plastic() these stores would be masked, and take a third of its time always.
 
     Writes: blocks.
     """
@@ -226,8 +228,8 @@ def returned(xi, k1, k2):
 
 
 @blockwise
-def settle(blocks, layer, work, slots, to, m):
-    """Stress and plastic strain from g; resultants, plastic work, thinning.
+def update_plastic(blocks, layer, work, slots, to, m):
+    """Set stress, plastic strain, resultants, plastic work and thinning of layers from g.
 
     Writes: blocks, work, slots.
     """
@@ -257,24 +259,24 @@ def settle(blocks, layer, work, slots, to, m):
         slots[to + LANES * SLOT.lost + e] = lost
         blocks[at + e], blocks[at + LANES + e], blocks[at + 2 * LANES + e] = s_x, s_y, s_xy
         add_resultants(work, e, share, z, (s_x, s_y, s_xy))
-        take(work, e, 0.5 * weight * (1.0 - k2), z)
+        add_relaxation(work, e, 0.5 * weight * (1.0 - k2), z)
         thinner = softness * (s_x + s_y - old_x - old_y) - p_x - p_y
         work[LANES * WORK.thinning + e] += 0.5 * weight * thinner
 
 
 @inlined
-def take(work, e, share, z):
-    """Share k of a layer in what yielding takes from shear and hourglass. Writes: work."""
-    at = LANES * WORK.taken + e
+def add_relaxation(work, e, share, z):
+    """Add the share k of a layer in the relaxation of shear and hourglass. Writes: work."""
+    at = LANES * WORK.relaxed + e
     work[at] += share
     work[at + LANES] += share * z
     work[at + 2 * LANES] += share * z * z
 
 
 @inlined
-def taken_modes(work, e):
-    """What yielding takes from Q and P of the hourglass."""
-    at, to = LANES * WORK.taken + e, LANES * WORK.amplitude + e
+def relaxed_modes(work, e):
+    """Relaxation of Q [N] and P [N m] of the hourglass by yielding."""
+    at, to = LANES * WORK.relaxed + e, LANES * WORK.amplitude + e
     k, k_z, k_zz = three(work, at)
     q_x, q_y, p_x, p_y = four(work, to)
     return k * q_x + k_z * p_x, k * q_y + k_z * p_y, k_z * q_x + k_zz * p_x, k_z * q_y + k_zz * p_y

@@ -55,7 +55,7 @@ _SLOT = Record("""
     flow    Pa            yield stress
     slope   Pa            its slope by the plastic strain
     factor  1             of rate and temperature on it
-    gap     Pa^2 or 1     what is beyond yield
+    residual  Pa^2 or 1   what is beyond yield
     lost    J/m^3         plastic work of the step
     least   1/Pa          below the g of a yield stress that bends
     most    1/Pa          above it
@@ -77,7 +77,7 @@ _STEP = Record("""
     modes      m                    4  motion of the step beyond a linear field: of the plane, of
                                        the turns
     diagonals  m                    4  of the element in its axes, in the middle of the step
-    held       Pa                   3  transverse shear and drilling before the step
+    old_shear  Pa                   3  transverse shear and drilling before the step
     thinning   1                       strain across the thickness
     lost       J/m^2                   plastic work of the step
     dropped    J                       energy of the layers that fail
@@ -87,8 +87,8 @@ _SHEAR_RETURN = Record("""
     shear_square  Pa^2      three times the square of the trial transverse shear
     amplitude     N      4  a_x and a_y of the hourglass at all heights, and over the height
     mode_square   1/m^4  2  1 / (t r)^2
-    taken         1      3  sums over the layers of k, k z and k z^2
-    weak          1         share of the shear stiffness that there is
+    relaxed       1      3  sums over the layers of k, k z and k z^2
+    shear_factor  1         factor on the shear stiffness
     trial_shear   Pa     2  transverse shear if nothing yields
     yielding      index     numbers of the layers that yield, side by side
 """)
@@ -99,7 +99,7 @@ _POINTS = Record("""
     mean_thinning  1          of the points
     mean_lost      J/m^2      of the points
     mean_dropped   J          of the points
-    mean_taken     1          of the points
+    mean_relaxed   1          of the points
 """)
 _BEFORE = _STEP + _SHEAR_RETURN
 SLOT = rows_of(_SLOT, rows_of(_BEFORE).SIZE)
@@ -116,7 +116,7 @@ class Layer(NamedTuple):
 
 
 class Law(NamedTuple):
-    """What layers are made of."""
+    """Material of layers."""
 
     m: Row  # columns `material` of a part
     curves: np.ndarray  # those of the deck

@@ -17,7 +17,7 @@ def clear_resultants(work):
         work[LANES * WORK.lost + e] = 0.0
         work[LANES * WORK.dropped + e] = 0.0
         for k in range(3):
-            work[LANES * (WORK.taken + k) + e] = 0.0
+            work[LANES * (WORK.relaxed + k) + e] = 0.0
 
 
 @inlined

@@ -26,7 +26,7 @@ NEAR = 2e-4
 
 
 @blockwise
-def follow_tangents(blocks, at, slots, to, h, m, curves, material):
+def evaluate_tangents(blocks, at, slots, to, h, m, curves, material):
     """Tangent of the yield stress at the present strain, what is beyond it. Writes: slots."""
     c1, c2 = softening(m)
     scaled, rated = m.heating > 0.0, m.rated == 1
@@ -41,7 +41,7 @@ def follow_tangents(blocks, at, slots, to, h, m, curves, material):
             flow, slope = heat * Y, heat * rises
         slots[to + LANES * SLOT.factor + e], slots[to + LANES * SLOT.slope + e] = (heat, slope)
         slots[to + LANES * SLOT.flow + e] = flow - slope * grown
-        slots[to + LANES * SLOT.gap + e] = size / flow - 1.0
+        slots[to + LANES * SLOT.residual + e] = size / flow - 1.0
 
 
 @kernel
@@ -65,22 +65,22 @@ def growth(slots, to, e, c1, c2):
 
 
 @blockwise
-def count_beyond(slots, to):
-    """How many lanes have a gap; a sum, since the compiler does not vectorise a maximum."""
+def count_yielding(slots, to):
+    """Number of lanes that yield; a sum, since the compiler does not vectorise a maximum."""
     count = 0.0
     for e in range(LANES):
-        count += 1.0 if slots[to + LANES * SLOT.gap + e] > 0.0 else 0.0
+        count += 1.0 if slots[to + LANES * SLOT.residual + e] > 0.0 else 0.0
     return count
 
 
 @blockwise
-def worst_gap(slots, to):
+def largest_residual(slots, to):
     """Largest of what is beyond yield, or was returned too far."""
-    worst = -1.0
+    largest = -1.0
     for e in range(LANES):
-        gap = slots[to + LANES * SLOT.gap + e]
-        worst = max(worst, abs(gap) if slots[to + LANES * SLOT.g + e] > 0.0 else gap)
-    return worst
+        gap = slots[to + LANES * SLOT.residual + e]
+        largest = max(largest, abs(gap) if slots[to + LANES * SLOT.g + e] > 0.0 else gap)
+    return largest
 
 
 @inlined
@@ -99,7 +99,7 @@ def begin(slots, to, h, m, material):
             slots[to + LANES * SLOT.s2 + e],
             slots[to + LANES * SLOT.factor + e],
         )
-        size, gap = sqrt(a + b) + 1e-300, slots[to + LANES * SLOT.gap + e]
+        size, gap = sqrt(a + b) + 1e-300, slots[to + LANES * SLOT.residual + e]
         beyond = size - size / (1.0 + gap) if gap > 0.0 else 0.0
         g = beyond * size / (a * c1 + b * c2 + 1e-300)
         if material.SMOOTH:
@@ -119,23 +119,23 @@ def return_to_tangents(blocks, at, slots, to, h, m, curves, material):
     """g of a layer whose yield stress bends; of lanes within yield it is 0. Writes: slots."""
     before = 1e300
     begin(slots, to, h, m, material)
-    follow_tangents(blocks, at, slots, to, h, m, curves, material)
+    evaluate_tangents(blocks, at, slots, to, h, m, curves, material)
     for _ in range(PASSES):
         note_sides(slots, to)
-        close_gaps(slots, to, 1, m)
+        iterate(slots, to, 1, m)
         stay_between(slots, to)
-        follow_tangents(blocks, at, slots, to, h, m, curves, material)
-        worst = worst_gap(slots, to)
-        if is_closed(worst, before):
+        evaluate_tangents(blocks, at, slots, to, h, m, curves, material)
+        largest = largest_residual(slots, to)
+        if has_converged(largest, before):
             return
-        before = worst
+        before = largest
 
 
 @blockwise
 def note_sides(slots, to):
     """On which side of the root g is. Writes: slots."""
     for e in range(LANES):
-        g, gap = slots[to + LANES * SLOT.g + e], slots[to + LANES * SLOT.gap + e]
+        g, gap = slots[to + LANES * SLOT.g + e], slots[to + LANES * SLOT.residual + e]
         least, most = slots[to + LANES * SLOT.least + e], slots[to + LANES * SLOT.most + e]
         slots[to + LANES * SLOT.least + e] = g if gap > 0.0 else least
         slots[to + LANES * SLOT.most + e] = most if gap > 0.0 else g
@@ -148,37 +148,40 @@ def stay_between(slots, to):
     Writes: slots.
     """
     for e in range(LANES):
-        g, is_far = slots[to + LANES * SLOT.g + e], abs(slots[to + LANES * SLOT.gap + e]) > STILL
+        g, is_far = (
+            slots[to + LANES * SLOT.g + e],
+            abs(slots[to + LANES * SLOT.residual + e]) > STILL,
+        )
         least, most = slots[to + LANES * SLOT.least + e], slots[to + LANES * SLOT.most + e]
         is_beyond = is_far and (g <= least or g >= most)
         slots[to + LANES * SLOT.g + e] = 0.5 * (least + most) if is_beyond else g
 
 
 @blockwise
-def follow_lines(blocks, at, slots, to, m, curves, material):
+def return_to_lines(blocks, at, slots, to, m, curves, material):
     """g of a layer with a curve from that of the line it had. Writes: slots, blocks."""
     before = 1e300
     # one more for each of its lines
     for _ in range(PASSES + curves[m.curve].last - m.curve):
         if not has_passed(blocks, at, slots, to, m):
             return
-        worst = renew_lines(blocks, at, slots, to, m, curves, material)
-        if is_closed(worst, before):
+        largest = next_lines(blocks, at, slots, to, m, curves, material)
+        if has_converged(largest, before):
             return
-        before = worst
-        close_gaps(slots, to, 1, m)
+        before = largest
+        iterate(slots, to, 1, m)
 
 
 @inlined
-def is_closed(worst, before):
+def has_converged(largest, before):
     """Whether the gap is as small as round-off lets it be."""
-    return worst <= CLOSE or (worst < STILL and worst >= before)
+    return largest <= CLOSE or (largest < STILL and largest >= before)
 
 
 @blockwise
-def open_gaps(slots, count, m):
-    """First step of close_gaps() from no g; how many lanes want more. Writes: slots."""
-    (c1, c2), moving = softening(m), 0.0
+def first_iteration(slots, count, m):
+    """First step of iterate() from g = 0; returns how many lanes need more. Writes: slots."""
+    (c1, c2), unconverged = softening(m), 0.0
     for slot in range(count):
         to = LANES * SLOT.SIZE * slot
         for e in range(LANES):
@@ -187,16 +190,16 @@ def open_gaps(slots, count, m):
             rise = 2.0 / 3.0 * slots[to + LANES * SLOT.slope + e]
             g = max(0.0, step_at((1.0, 1.0, 1.0), (s1, s2), flow, rise, (c1, c2)))
             slots[to + LANES * SLOT.g + e] = g
-            moving += 0.0 if c2 * g <= NEAR * (1.0 + c2 * g) else 1.0
-    return moving
+            unconverged += 0.0 if c2 * g <= NEAR * (1.0 + c2 * g) else 1.0
+    return unconverged
 
 
 @blockwise
-def close_gaps(slots, first, count, m):
-    """g of layers in slots one after the other, yield stresses being lines. Writes: slots."""
+def iterate(slots, first, count, m):
+    """Find g of layers in successive slots, with linear yield stresses. Writes: slots."""
     c1, c2 = softening(m)
     for _ in range(PASSES):
-        moving = 0.0
+        unconverged = 0.0
         for slot in range(count):
             to = first + LANES * SLOT.SIZE * slot
             for e in range(LANES):
@@ -208,8 +211,8 @@ def close_gaps(slots, first, count, m):
                 ahead = max(0.5 * g, g + step_to_root(g, s1, s2, flow, rise, c1, c2))
                 slots[to + LANES * SLOT.g + e] = ahead
                 is_near = c2 * abs(ahead - g) <= NEAR * (1.0 + c2 * ahead)
-                moving += 0.0 if is_near else 1.0
-        if moving == 0.0:
+                unconverged += 0.0 if is_near else 1.0
+        if unconverged == 0.0:
             return
 
 
@@ -222,7 +225,7 @@ def step_to_root(g, s1, s2, flow, rise, c1, c2):
 
 @inlined
 def step_at(u, s, flow, rise, c):
-    """The same by u: 1 + c1 g, 1 + c2 g and 1 - rise g.
+    """The step from u = (1 + c1 g, 1 + c2 g, 1 - rise g).
 
     With N that of Newton it is N (1 - b) / (1 - 2 b + b t): b and t from the second and third
     derivatives, multiplied out so that there is one division.
@@ -231,20 +234,20 @@ def step_at(u, s, flow, rise, c):
     both, a, b = u1 * u2, s1 * u2 * u2, s2 * u1 * u1
     square = a + b + 1e-300
     size = sqrt(square)
-    gap = left * size - flow * both
+    residual = left * size - flow * both
     falls = a * c1 * u2 + b * c2 * u1
     steep = flow * falls + rise * size * square
-    bend = 1.5 * gap * flow * both * s1 * s2 * (c1 - c2) * (c1 - c2)
+    bend = 1.5 * residual * flow * both * s1 * s2 * (c1 - c2) * (c1 - c2)
     # far from the root as Newton does
     bend = bend if 16.0 * abs(bend) < steep * steep else 0.0
-    third = gap * (4.0 / 3.0 * square * (c1 * u2 + c2 * u1) - 5.0 / 3.0 * falls)
+    third = residual * (4.0 / 3.0 * square * (c1 * u2 + c2 * u1) - 5.0 / 3.0 * falls)
     over = both * steep * (steep * steep - 2.0 * bend) + bend * third + 1e-200
-    return gap * square * both * (steep * steep - bend) / over
+    return residual * square * both * (steep * steep - bend) / over
 
 
 @blockwise
 def has_passed(blocks, at, slots, to, m):
-    """Whether a layer is beyond the end of its line of the yield stress."""
+    """Whether a layer is beyond the end of its line of the yield stress, in any lane."""
     count, end = 0.0, at + LANES * (m.line_row + 2)
     for e in range(LANES):
         g, rise = slots[to + LANES * SLOT.g + e], 2.0 / 3.0 * slots[to + LANES * SLOT.slope + e]
@@ -255,12 +258,12 @@ def has_passed(blocks, at, slots, to, m):
 
 
 @blockwise
-def renew_lines(blocks, at, slots, to, m, curves, material):
-    """The next lines of layers beyond the end of theirs. Returns how far they are from yield.
+def next_lines(blocks, at, slots, to, m, curves, material):
+    """Set the next lines of layers beyond the end of theirs. Returns the largest residual.
 
     Writes: blocks, work.
     """
-    worst, (c1, c2) = 0.0, softening(m)
+    largest, (c1, c2) = 0.0, softening(m)
     for e in range(LANES):
         grown, size = growth(slots, to, e, c1, c2)
         old, entry = blocks[at + LAYER.plastic_strain * LANES + e], at + LANES * m.line_row + e
@@ -274,5 +277,5 @@ def renew_lines(blocks, at, slots, to, m, curves, material):
             base + rise * old,
             rise,
         )
-        worst = max(worst, abs(size / (base + rise * (old + grown)) - 1.0))
-    return worst
+        largest = max(largest, abs(size / (base + rise * (old + grown)) - 1.0))
+    return largest

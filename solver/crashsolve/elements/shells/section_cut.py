@@ -15,7 +15,7 @@ from crashsolve.foundation.point import LANES
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, cross, put, scale, sub, vec
 
-TAP = Record("""
+CUT_ELEMENT = Record("""
     part    index     row of the part
     kind    index     of the element, in KINDS
     first   index     numbers of its block
@@ -25,17 +25,17 @@ TAP = Record("""
     front   flag   4  whether a corner is in front
 """)
 CUT = Record("""
-    force    N      3  on what is in front
-    moment   N m    3  on the part in front, about `place`
+    force     N      3  on the part in front
+    moment    N m    3  on the part in front, about `position`
     position  m      3  middle of the cut elements
-    corners  count     of the cut elements
+    corners   count     of the cut elements
 """)
 OUTPUT = ("force", "moment", "position")
 
 
 @kernel
 def open_cuts(scene):
-    """Nothing is summed. Writes: scene.cuts."""
+    """Clear the sums of all cuts. Writes: scene.cuts."""
     for i in range(scene.cuts.shape[0]):
         cut = scene.cuts[i]
         cut.corners = 0
@@ -44,27 +44,30 @@ def open_cuts(scene):
 
 
 @kernel
-def add_tap(tap, scene):
-    """What an element whose block has just answered does. Writes: scene.cuts."""
-    cut, work = scene.cuts[tap.cut], scene.work
+def add_cut_element(element_cut, scene):
+    """Add the corner forces of a cut element of the present block. Writes: scene.cuts."""
+    cut, work = scene.cuts[element_cut.cut], scene.work
     last = -1
     for c in range(4):
-        point = scene.corners[tap.corner + LANES * c + tap.lane]
+        point = scene.corners[element_cut.corner + LANES * c + element_cut.lane]
         # a triangle has one corner twice
         if point == last:
             continue
         x, last = vec(scene.points[point].r), point
         add_to(cut.position, x)
         cut.corners += 1
-        if tap.front[c] == 1:
-            f, t = corner(work, WORK.force, c, tap.lane), corner(work, WORK.torque, c, tap.lane)
+        if element_cut.front[c] == 1:
+            f, t = (
+                corner(work, WORK.force, c, element_cut.lane),
+                corner(work, WORK.torque, c, element_cut.lane),
+            )
             add_to(cut.force, f)
             add_to(cut.moment, add(t, cross(x, f)))
 
 
 @kernel
 def close_cuts(scene):
-    """Moments about the middles. Writes: scene.cuts."""
+    """Refer the moments to the middles of the cuts. Writes: scene.cuts."""
     for i in range(scene.cuts.shape[0]):
         cut = scene.cuts[i]
         x = scale(1.0 / cut.corners, vec(cut.position))

@@ -65,7 +65,7 @@ class Keyword(NamedTuple):
 
 
 def read_lines(path: Path) -> Lines:
-    """What the file says. Raises MeshFileError."""
+    """The content of the file. Raises MeshFileError."""
     reader = _Reader(Lines(path.name))
     for keyword in _keywords(path, reader.lines):
         reader.take(keyword)
@@ -150,7 +150,7 @@ class _Reader:
             raise self.lines.fail(line, f"{message}: nodes lie in the middle of the thickness")
         if word not in PARAMETERS:
             if word not in SILENT:
-                self.lines.pass_over(line, f"*{word}")
+                self.lines.skip_card(line, f"*{word}")
             return
         is_round = (parameters.get("SYSTEM") or "R").upper() != "R"
         if is_round or not parameters.keys() <= PARAMETERS[word]:

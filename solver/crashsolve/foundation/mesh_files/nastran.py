@@ -37,7 +37,7 @@ class Card:
 
 
 def read_lines(path: Path) -> Lines:
-    """What the file says. Raises MeshFileError."""
+    """The content of the file. Raises MeshFileError."""
     lines, sets = Lines(path.name), dict[str, tuple[int, str]]()
     rows = list(enumerate(path.read_text("utf-8", errors="replace").splitlines(), 1))
     starts = [i for i, (_, text) in enumerate(rows) if re.match(r"\s*BEGIN\s+BULK", text, re.I)]
@@ -126,7 +126,7 @@ def _take(card: Card, lines: Lines, sets: dict[str, tuple[int, str]]) -> None:
             raise lines.fail(card.line, f"{label} is given twice, first in line {sets[label][0]}")
         sets[label] = card.line, " ".join(card.fields[1:])
     elif name not in SILENT | {"GRID"}:
-        lines.pass_over(card.line, name)
+        lines.skip_card(card.line, name)
 
 
 def _shell(card: Card, kind: str, lines: Lines) -> None:

@@ -33,8 +33,8 @@ class MeshFileError(ValueError):
 class MeshFile:
     """Points (n, 3) as they stand in the file; elements (m, 4) by points, and their kinds.
 
-    A triangle names its last corner twice; elements of other kinds are rows of -1. `firsts` states
-    where a kind is met first, `passed_over` what of the file has been left unread.
+    A triangle names its last corner twice; elements of other kinds are rows of -1. `firsts` has
+    the line where each kind occurs first, `passed_over` what of the file has been left unread.
     """
 
     points: np.ndarray
@@ -49,7 +49,7 @@ class MeshFile:
 
 @dataclass
 class Lines:
-    """What the lines of a file say: a text that meshio reads in full, and what it would lose.
+    """Content of the lines of a file: a text that meshio reads in full, and what meshio would lose.
 
     Elements by identifier: their kind and, of quadrilaterals and triangles, their nodes. Sets hold
     identifiers.
@@ -68,7 +68,7 @@ class Lines:
         """The exception for a line that cannot be read: `raise lines.fail(...)`."""
         return MeshFileError(f"{self.name}, line {line}: {message}")
 
-    def pass_over(self, line: int, word: str) -> None:
+    def skip_card(self, line: int, word: str) -> None:
         """Remember a card that is neither node, element nor set."""
         self.passed_over.setdefault(word, line)
 
@@ -110,7 +110,7 @@ def read_mesh_file(path: Path) -> MeshFile:
 
 
 def _of_lines(lines: Lines, found: "meshio.Mesh") -> MeshFile:
-    """What meshio has found, under the identifiers and sets of the lines."""
+    """The mesh read by meshio, with the identifiers and sets of the lines."""
     shells = [number for number, (kind, _) in lines.elements.items() if kind in SIDES]
     corners, kinds = _elements(found)
     points = _points(found)
@@ -239,7 +239,7 @@ def _groups(found: "meshio.Mesh", path: Path) -> dict[str, np.ndarray]:
 
 
 def _lists_all_groups(path: Path) -> bool:
-    """Whether every element is in one group: meshio states the first number of several."""
+    """Whether meshio reads all groups of the file: of several of an element it keeps the first."""
     with path.open("rb") as file:
         head = file.read(64).split()[:3]
     if len(head) < 3 or head[0] != b"$MeshFormat" or head[1].startswith(b"2"):

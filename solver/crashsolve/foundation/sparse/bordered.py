@@ -12,23 +12,42 @@ test: the solution is that of the dense matrix.
 Reference: George and Liu (1981), Computer Solution of Large Sparse Positive Definite Systems.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from crashsolve.foundation.kernels import inlined, kernel
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.sparse import saddle
-from crashsolve.foundation.sparse.planning import addresses, minimum_degree, updates_of
-from crashsolve.foundation.sparse.saddle import REDUNDANT, Saddle, hand_down, subtract, take_up
+from crashsolve.foundation.sparse.planning import minimum_degree
+from crashsolve.foundation.sparse.saddle import REDUNDANT
 
-# node: of which the block is; 0 for a joint
-COLUMN = saddle.COLUMN + Record("""
+COLUMN = Record("""
+    rows        count     rows of the node or joint, at most 6
+    entry       index     of a joint its first entry in the table of rows
+    end         index     one past its last entry; the parts follow each other
+    block       index     its diagonal block, followed by the blocks below
+    block_end   index     one past its last block
+    update      index     first update of the later columns
+    update_end  index     one past the last
+    dropped     count     rows found redundant
+    inverse     1      6  1 / U_ii; 0 where redundant
+    pivot       1      6  diagonal, against which pivots are judged
+    work        1      6  right-hand side, then solution
+    node        index     of which the block is; 0 for a joint
     mass  kg         of the node
     J     kg m^2  9  its inertia, world axes
 """)
-BLOCK = saddle.BLOCK + Record("""
+BLOCK = Record("""
+    x            1    36  A, then L, by rows of 6
+    column       index    column of the node or joint whose rows these are
     above        1    36  transpose of the block on the other side of the diagonal, then that of U
     stiff        N/m  36  stiffness of the elements, by rows of 6
     stiff_above  N/m  36  transpose of that of the other side
+""")
+UPDATE = Record("""
+    a       index  block
+    b       index  block
+    target  index  target -= a b^T
 """)
 # of every compliant row; below 0 for what does not move
 SLOT = Record("""
@@ -39,12 +58,21 @@ SLOT = Record("""
 """)
 
 
+class Bordered(NamedTuple):
+    """Columns in the order of elimination, their blocks, what adds to which block, and the rows."""
+
+    columns: np.ndarray
+    blocks: np.ndarray
+    updates: np.ndarray
+    slots: np.ndarray
+
+
 def plan(
     nodes: list[int],
     pairs: set[tuple[int, int]],
     joints: list[tuple[int, tuple[int, ...]]],
     ends: list[tuple[int, int]],
-) -> tuple[Saddle, dict[tuple[int, int], int]]:
+) -> tuple[Bordered, dict[tuple[int, int], int]]:
     """Addresses for these nodes, pairs of which share stiffness, joints (rows, nodes), and rows.
 
     `ends` are the nodes of all rows, those of the joints first. Returns the matrix, and the block
@@ -68,14 +96,58 @@ def plan(
         column["rows"] = 6 if joint < 0 else joints[joint][0]
         column["node"] = nodes[key] if joint < 0 else 0
         column["entry"], column["end"] = entries[joint : joint + 2] if joint >= 0 else (0, 0)
-    address = addresses(columns, order, position, below)
-    updates = updates_of(columns, order, position, below, address)
+    address = _addresses(columns, order, position, below)
+    updates = _updates_of(columns, order, position, below, address)
     blocks = np.zeros(len(address), BLOCK.dtype)
     blocks["column"] = [q for q, _ in address]
     names = [nodes[key] if key < len(nodes) else len(nodes) - 1 - key for key in order]
     found = {(names[q], names[p]): block for (q, p), block in address.items()}
     slots = np.array(_positions(ends, joints, found), SLOT.dtype)
-    return Saddle(columns, blocks, np.array(updates, saddle.UPDATE.dtype), slots), found
+    return Bordered(columns, blocks, np.array(updates, UPDATE.dtype), slots), found
+
+
+def _addresses(
+    columns: np.ndarray,
+    order: list[int],
+    position: dict[int, int],
+    below: dict[int, set[int]],
+) -> dict[tuple[int, int], int]:
+    """Number of the block at each (row, column) of positions in the order of elimination.
+
+    Writes: block and block_end of the columns.
+    """
+    address: dict[tuple[int, int], int] = {}
+    for p, key in enumerate(order):
+        columns[p]["block"] = len(address)
+        for q in [p, *sorted(position[b] for b in below[key])]:
+            address[q, p] = len(address)
+        columns[p]["block_end"] = len(address)
+    return address
+
+
+def _updates_of(
+    columns: np.ndarray,
+    order: list[int],
+    position: dict[int, int],
+    below: dict[int, set[int]],
+    address: dict[tuple[int, int], int],
+) -> list[tuple[int, int, int]]:
+    """Updates of later columns by each column: blocks (a, b, target), target -= a b^T.
+
+    In the order of elimination. Writes: update and update_end of the columns.
+    """
+    updates: list[tuple[int, int, int]] = []
+    for p, joint in enumerate(order):
+        reached = sorted(position[b] for b in below[joint])
+        columns[p]["update"] = len(updates)
+        updates += [
+            (address[q1, p], address[q2, p], address[q1, q2])
+            for q1 in reached
+            for q2 in reached
+            if q1 >= q2
+        ]
+        columns[p]["update_end"] = len(updates)
+    return updates
 
 
 def _positions(
@@ -101,7 +173,7 @@ def assemble(matrix, rows, joint_rows, position, velocity):
 
     X becomes sigma B (see compliance.py).
     """
-    columns, blocks, slots = matrix.columns, matrix.blocks, matrix.pairs
+    columns, blocks, slots = matrix.columns, matrix.blocks, matrix.slots
     for e in range(blocks.shape[0]):
         b = blocks[e]
         for k in range(36):
@@ -128,7 +200,7 @@ def assemble(matrix, rows, joint_rows, position, velocity):
 
 @kernel
 def resist_own(block, k, f, moment):
-    """Less the force and moment on a node by its own motion k. Writes: block."""
+    """Subtract the force and moment on a node by its own motion k. Writes: block."""
     for i in range(3):
         block.stiff[6 * i + k] -= f[i]
         block.stiff[18 + 6 * i + k] -= moment[i]
@@ -136,7 +208,8 @@ def resist_own(block, k, f, moment):
 
 @kernel
 def resist_far(block, k, is_column, f, moment):
-    """The same by motion k of another node, whose column of the block it is, or row.
+    """Subtract the force and moment on a node by motion k of another, in a column or row of the
+    block.
 
     Rows of a block of nodes a and b are those of a, or of b where it flips. Writes: block.
     """
@@ -160,7 +233,7 @@ def add_mass(c, x):
 
 @inlined
 def line_of(matrix, slot, k):
-    """Which row of its joint row k is."""
+    """Number of row k among those of its joint."""
     block = slot.a if slot.a >= 0 else slot.b
     if block < 0:
         return 0
@@ -328,3 +401,36 @@ def solve_up(c, columns, blocks, m):
         for j in range(i + 1, m):
             y -= x[6 * i + j] * w[j]
         w[i] = y * c.inverse[i]
+
+
+@inlined
+def subtract(x, a, b, height, width, m):
+    """x -= a b^T. Writes: x."""
+    for i in range(height):
+        for j in range(width):
+            y = 0.0
+            for k in range(m):
+                y += a[6 * i + k] * b[6 * j + k]
+            x[6 * i + j] -= y
+
+
+@inlined
+def hand_down(c, columns, blocks, m):
+    """Subtract the m solved values of a block from the blocks below. Writes: columns.work."""
+    w = c.work
+    for e in range(c.block + 1, c.block_end):
+        b, below = blocks[e].x, columns[blocks[e].column]
+        for i in range(below.rows):
+            y = 0.0
+            for k in range(m):
+                y += b[6 * i + k] * w[k]
+            below.work[i] -= y
+
+
+@inlined
+def take_up(b, below, w, m):
+    """Subtract the values of a block below from the m of its column. Writes: w."""
+    for i in range(below.rows):
+        y = below.work[i]
+        for k in range(m):
+            w[k] -= b[6 * i + k] * y

@@ -9,7 +9,7 @@ from heapq import heapify, heappop, heappush
 
 import numpy as np
 
-from crashsolve.foundation.sparse.saddle import BLOCK, COLUMN, PAIR, UPDATE, Saddle
+from crashsolve.foundation.sparse.saddle import COLUMN, LEVEL, LINE, PAIR, UPDATE, Saddle
 
 
 def plan(rows: list[int], nodes: list[tuple[int, ...]], hubs: tuple[int, ...] = ()) -> Saddle:
@@ -29,6 +29,7 @@ def plan(rows: list[int], nodes: list[tuple[int, ...]], hubs: tuple[int, ...] = 
             neighbours[k].add(number)
     sizes = rows + [6] * len(hubs)
     order, below = minimum_degree(neighbours, sizes, first_hub)
+    order, kinds = in_levels(order, below, sizes, first_hub)
     position = {joint: p for p, joint in enumerate(order)}
     entries = [0, *np.cumsum([m * len(ends) // 2 for m, ends in zip(rows, nodes, strict=True)])]
     columns = np.zeros(len(sizes), COLUMN.dtype)
@@ -39,12 +40,11 @@ def plan(rows: list[int], nodes: list[tuple[int, ...]], hubs: tuple[int, ...] = 
             column["entry"], column["end"] = entries[joint], entries[joint + 1]
         else:
             column["node"] = hubs[joint - first_hub]
-    address = addresses(columns, order, position, below)
-    updates = updates_of(columns, order, position, below, address)
-    blocks = np.zeros(len(address), BLOCK.dtype)
-    blocks["column"] = [q for q, _ in address]
-    pairs = _pairs(entries, rows, nodes, hubs, position, address)
-    return Saddle(columns, blocks, np.array(updates, UPDATE.dtype), np.array(pairs, PAIR.dtype))
+    reached = [sorted(position[b] for b in below[joint]) for joint in order]
+    address, count = addresses(columns, reached)
+    levels, lines, updates, targets = elimination(columns, kinds, reached, address, count)
+    pairs = np.array(_pairs(entries, rows, nodes, hubs, position, address), PAIR.dtype)
+    return Saddle(columns, levels, lines, updates, targets, pairs, np.zeros(count + 1))
 
 
 def _joints_by_node(nodes: list[tuple[int, ...]]) -> dict[int, list[int]]:
@@ -86,48 +86,113 @@ def minimum_degree(
     return order, below
 
 
+def in_levels(
+    order: list[int], below: dict[int, set[int]], sizes: list[int], first_hub: int
+) -> tuple[list[int], list[tuple[int, bool, int]]]:
+    """The same order by levels, and the level, whether it is a hub, and the rows of each.
+
+    A column needs those that reach it. What does not need another one may come before it or after:
+    the factor is the same.
+    """
+    level = dict.fromkeys(order, 0)
+    for joint in order:
+        for other in below[joint]:
+            level[other] = max(level[other], level[joint] + 1)
+    kinds = {joint: (level[joint], joint >= first_hub, sizes[joint]) for joint in order}
+    order = sorted(order, key=lambda joint: kinds[joint])
+    return order, [kinds[joint] for joint in order]
+
+
 def addresses(
-    columns: np.ndarray,
-    order: list[int],
-    position: dict[int, int],
-    below: dict[int, set[int]],
-) -> dict[tuple[int, int], int]:
-    """Number of the block at each (row, column) of positions in the order of elimination.
+    columns: np.ndarray, reached: list[list[int]]
+) -> tuple[dict[tuple[int, int], int], int]:
+    """First number of the block at each (row, column) of positions, and the count of all numbers.
 
-    Writes: block and block_end of the columns.
+    `reached` are the later positions that each column has rows of, in order. Writes: work, inverse,
+    first and below of the columns.
     """
+    sizes = columns["rows"].tolist()
     address: dict[tuple[int, int], int] = {}
-    for p, key in enumerate(order):
-        columns[p]["block"] = len(address)
-        for q in [p, *sorted(position[b] for b in below[key])]:
-            address[q, p] = len(address)
-        columns[p]["block_end"] = len(address)
-    return address
+    count = 0
+    for p, others in enumerate(reached):
+        size = sizes[p]
+        columns[p]["work"], columns[p]["inverse"] = count, count + size
+        count += 2 * size
+        columns[p]["first"] = count
+        columns[p]["below"] = sum(sizes[q] for q in others)
+        for q in [p, *others]:
+            address[q, p] = count
+            count += sizes[q] * size
+    return address, count
 
 
-def updates_of(
+def elimination(
     columns: np.ndarray,
-    order: list[int],
-    position: dict[int, int],
-    below: dict[int, set[int]],
+    kinds: list[tuple[int, bool, int]],
+    reached: list[list[int]],
     address: dict[tuple[int, int], int],
-) -> list[tuple[int, int, int]]:
-    """What each column subtracts from the later ones: blocks (a, b, target), target -= a b^T.
+    unread: int,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Levels, their lines and updates, and the targets of these (see saddle.py).
 
-    In the order of elimination. Writes: update and update_end of the columns.
+    `unread` is the number that takes what nothing asks for. Writes: line of the columns.
     """
-    updates: list[tuple[int, int, int]] = []
-    for p, joint in enumerate(order):
-        reached = sorted(position[b] for b in below[joint])
-        columns[p]["update"] = len(updates)
-        updates += [
-            (address[q1, p], address[q2, p], address[q1, q2])
-            for q1 in reached
-            for q2 in reached
-            if q1 >= q2
-        ]
-        columns[p]["update_end"] = len(updates)
-    return updates
+    levels: list[tuple[int, ...]] = []
+    lines: list[tuple[int, ...]] = []
+    updates: list[tuple[int, ...]] = []
+    targets: list[int] = []
+    for kind in dict.fromkeys(kinds):
+        own = [p for p, other in enumerate(kinds) if other == kind]
+        starts = len(lines), len(updates)
+        for p in own:
+            columns[p]["line"] = len(lines)
+            below = lines_of(columns, p, reached[p], address)
+            lines += below
+            found = targets_of(columns, reached[p], address)
+            for i in range(0, len(below), 2):
+                last = min(i + 1, len(below) - 1)
+                one, other, first = below[i][0], below[last][0], below[0][0]
+                updates.append((one, other, first, last + 1, len(targets)))
+                both = np.full((last + 1, 2), unread)
+                both[: i + 1, 0] = found[i, : i + 1]
+                if last > i:
+                    both[:, 1] = found[last, : last + 1]
+                targets += both.ravel().tolist()
+        levels.append((kind[2], kind[1], own[0], own[-1] + 1, starts[0], len(lines)))
+        levels[-1] += (starts[1], len(updates))
+        updates[starts[1] :] = sorted(updates[starts[1] :], key=lambda u: u[3])
+    return (
+        np.array(levels, LEVEL.dtype),
+        np.array(lines, LINE.dtype),
+        np.array(updates, UPDATE.dtype),
+        np.array(targets, np.int32),
+    )
+
+
+def lines_of(
+    columns: np.ndarray, p: int, others: list[int], address: dict[tuple[int, int], int]
+) -> list[tuple[int, int, int]]:
+    """Of each row below column p: where it stands, the column, and its right-hand side."""
+    size, first = int(columns["rows"][p]), int(columns["first"][p])
+    return [
+        (address[q, p] + size * i, first, int(columns["work"][q]) + i)
+        for q in others
+        for i in range(columns["rows"][q])
+    ]
+
+
+def targets_of(
+    columns: np.ndarray, others: list[int], address: dict[tuple[int, int], int]
+) -> np.ndarray:
+    """Number that each two rows i >= j below a column change; (rows, rows)."""
+    heights = columns["rows"][others]
+    # joint of each row, and which row of it
+    joint = np.repeat(np.arange(len(others)), heights)
+    row = np.arange(len(joint)) - np.repeat(np.cumsum(heights) - heights, heights)
+    block = np.array([[address.get((q, r), 0) for r in others] for q in others], int)
+    block = block.reshape(len(others), len(others))
+    # a block has the width of its own column
+    return block[joint[:, None], joint] + row[:, None] * heights[joint] + row
 
 
 def _pairs(
@@ -138,7 +203,10 @@ def _pairs(
     position: dict[int, int],
     address: dict[tuple[int, int], int],
 ) -> list[tuple[int, ...]]:
-    """Products D X^T that make up S: each node adds one per pair of sides that lie on it."""
+    """Products D X^T that make up S: each node adds one per pair of sides that lie on it.
+
+    Those of one shape follow each other.
+    """
 
     def sides(k: int, node: int) -> list[tuple[int, int, int]]:
         """First entry, half of D and rows of each side of joint k that is this node."""
@@ -160,4 +228,4 @@ def _pairs(
         for k in touching[hub]:
             block = address[position[number], position[k]]
             found += [(0, 0, 6, *side, block, 2) for side in sides(k, hub)]
-    return found
+    return sorted(found, key=lambda pair: (pair[-1], pair[2], pair[5]))

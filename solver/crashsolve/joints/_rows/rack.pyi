@@ -1,13 +1,8 @@
 # written by `python -m crashsolve.stubs` from the records of the law
-from crashsolve._shared_rows import RowParameters
+from crashsolve._shared_rows import FullTurn, RowParameters
 from crashsolve.foundation.rows import Numbers
 
-class Parameters(RowParameters):
-    node_a: int  # [index] first body
-    node_b: int  # [index] second body
-    axis_a: Numbers[float]  # [1] axis, axes of a
-    side_a: Numbers[float]  # [1] at right angles to the axis, axes of a
-    side_b: Numbers[float]  # [1] the same direction at the start, axes of b
+class Parameters(RowParameters, FullTurn):
     node_c: int  # [index] body a of the rack's joint
     node_d: int  # [index] body b of the rack's joint
     point_c: Numbers[float]  # [m] point of the rack's joint from the mass centre of its a, axes of its a

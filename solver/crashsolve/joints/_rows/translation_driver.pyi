@@ -1,12 +1,8 @@
 # written by `python -m crashsolve.stubs` from the records of the law
-from crashsolve._shared_rows import RowParameters
+from crashsolve._shared_rows import JointPoints, RowParameters
 from crashsolve.foundation.rows import Numbers
 
-class Parameters(RowParameters):
-    node_a: int  # [index] first body
-    node_b: int  # [index] second body
-    point_a: Numbers[float]  # [m] joint point from the mass centre of a, axes of a
-    point_b: Numbers[float]  # [m] joint point from the mass centre of b, axes of b
+class Parameters(RowParameters, JointPoints):
     axis_a: Numbers[float]  # [1] joint axis, axes of a
     curve: int  # [index] f
     integrals: int  # [count] of f that the coordinate is: 0 to 2

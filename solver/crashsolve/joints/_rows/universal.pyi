@@ -1,11 +1,7 @@
 # written by `python -m crashsolve.stubs` from the records of the law
-from crashsolve._shared_rows import RowParameters
+from crashsolve._shared_rows import JointPoints, RowParameters
 from crashsolve.foundation.rows import Numbers
 
-class Parameters(RowParameters):
-    node_a: int  # [index] first body
-    node_b: int  # [index] second body
-    point_a: Numbers[float]  # [m] joint point from the mass centre of a, axes of a
-    point_b: Numbers[float]  # [m] joint point from the mass centre of b, axes of b
+class Parameters(RowParameters, JointPoints):
     axis_a: Numbers[float]  # [1] arm of the cross in a, axes of a
     axis_b: Numbers[float]  # [1] arm of the cross in b, axes of b

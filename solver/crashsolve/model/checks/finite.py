@@ -73,13 +73,13 @@ def _larger(deck: Deck, units: tuple[str, ...], most: float) -> Iterator[tuple[A
 
 
 def _too_long(deck: Deck) -> Iterator[DeckError]:
-    """Cards with a length whose powers no machine holds."""
+    """Cards with lengths whose powers overflow."""
     for entry, name, _ in _larger(deck, ("m",), LONGEST):
         yield deck.error(entry, name, f"is a length of more than {LONGEST:g} m", WORDS)
 
 
 def _too_fast(deck: Deck) -> Iterator[DeckError]:
-    """Cards with velocities at which nothing moves: a run would only stop in its first step.
+    """Cards with velocities so large that a run would stop in its first step.
 
     Rates that laws refer to may be as large as they like.
     """

@@ -38,7 +38,7 @@ def gyration_warnings(scene: Scene, groups: list[Any], joints: list[Joint]) -> l
 
 
 def inconsistency(mass: float, J: np.ndarray, surface: Points, points: Points) -> str:
-    """What is wrong with an inertia [kg m^2]; points from the mass centre with radii [m].
+    """Message of an inconsistent inertia [kg m^2]; points from the mass centre with radii [m].
 
     What is fixed inside of a body says that it reaches so far at least, a surface how far it goes.
     """

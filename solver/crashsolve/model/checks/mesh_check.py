@@ -6,7 +6,7 @@ from crashsolve.meshes._mesh import Mesh
 
 
 def faults(mesh: Mesh) -> str:
-    """The first thing wrong with how elements hang together; empty if nothing is."""
+    """The first error in the connectivity of elements; empty without any."""
     return _unconnected(mesh) or _duplicate(mesh) or _inverted(mesh) or _disjoint(mesh)
 
 

@@ -75,7 +75,7 @@ def refuse_several(model: Model, deck: Deck) -> None:
         raise DeckErrors(found)
 
 
-# what the steppers ask of the file of a method
+# attributes of the file of a method, by stepper
 DECLARED = {
     "_runge_kutta": ("STAGES", "EXTRA", "A", "C", "DENSE", "TERMS", "E", "ESTIMATES"),
     "_implicit": ("STAGES", "STAGE", "A", "T"),

@@ -10,7 +10,7 @@ from crashsolve.deck.reading.deck import Deck
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.model import Group
 
-# what every law of force keeps of a step
+# history columns of every law of force
 KEPT = {"dissipated", "power", "unused"}
 
 
@@ -33,13 +33,15 @@ def refuse_motion(deck: Deck, groups: list[Group]) -> None:
         for entry, reason in _inconsistencies(deck, groups)
     ]
     if deck.control.follows_path:
-        found += [deck.error(entry, None, text) for entry, text in _off_paths(deck, groups)]
+        found += [
+            deck.error(entry, None, text) for entry, text in _refused_by_arc_length(deck, groups)
+        ]
     if found:
         raise DeckErrors(found)
 
 
-def _off_paths(deck: Deck, groups: list[Group]) -> Iterator[tuple[Any, str]]:
-    """What cannot go along a path of equilibria yet."""
+def _refused_by_arc_length(deck: Deck, groups: list[Group]) -> Iterator[tuple[Any, str]]:
+    """Entries that cannot follow a path of equilibria yet."""
     beyond = "path: arc_length does not follow {} yet; say path: load"
     for entry in deck.entries["hinges"].values():
         yield entry, beyond.format("hinges")
@@ -56,7 +58,7 @@ def _inconsistencies(deck: Deck, groups: list[Group]) -> Iterator[tuple[Any, str
     for entry in deck.entries["contacts"].values():
         yield entry, "a quasi-static solution has no contacts yet"
     if is_incremental(groups):
-        yield from _beside_steps_from_rest(deck)
+        yield from _refused_by_pseudo_transient(deck)
     for g in groups:
         if _is_path_dependent(g):
             for entry in (e for e in deck.entries[g.keyword].values() if e.type == g.type):
@@ -71,8 +73,8 @@ def _with_velocities(deck: Deck) -> Iterator[tuple[Any, str]]:
             yield entry, "a quasi-static solution has no velocities"
 
 
-def _beside_steps_from_rest(deck: Deck) -> Iterator[tuple[Any, str]]:
-    """What does not go with parts that take steps from rest."""
+def _refused_by_pseudo_transient(deck: Deck) -> Iterator[tuple[Any, str]]:
+    """Entries that cannot be combined with parts that take steps from rest."""
     for entry in deck.entries["bodies"].values():
         if entry.card.welded or entry.card.part_of:
             message = "a quasi-static solution with shells or fibre beams has no welded nodes"

@@ -5,7 +5,8 @@ on side a of the card. A shape may say GAP_AS to use the routines of another sha
 may say expand_a, expand_b to take the elements of a surface apart (a box into its corners), with
 PARAMETERS_A, PARAMETERS_B for what it makes of them, and `data` for arrays that all elements share.
 One whose gap between bodies apart is their distance, and costs more than a few products, says
-IS_DISTANCE: such pairs are left alone until they may have met (system/contact/resting.py).
+IS_DISTANCE: such pairs are left alone until they may have met (system/contact/resting.py), those of
+the same two bodies together (model/contact/body_pairs.py).
 Pairs of shapes whose gap is the same kernel, under the same laws, form one group.
 """
 
@@ -33,7 +34,7 @@ from crashsolve.model.contact.groups import ContactGroup, NodalGroup
 from crashsolve.model.contact.holes import warn_of_holes
 from crashsolve.model.contact.node_to_surface import NodalBuilder
 from crashsolve.model.contact.pairs import ENDLESS, Block, Elements, Pairing, Search, resting
-from crashsolve.model.materials import refuse_unlike
+from crashsolve.model.materials import refuse_different
 from crashsolve.model.scene import Scene
 
 if TYPE_CHECKING:
@@ -64,7 +65,7 @@ class Surface:
 
 
 class Pair:
-    """What a normal law may ask about the contact and the two surfaces it acts between."""
+    """The contact and its two surfaces, for the build of a normal law."""
 
     def __init__(self, contact: str, radius_a: float | None, radius_b: float | None) -> None:
         self.contact, self.radius_a, self.radius_b = contact, radius_a, radius_b
@@ -245,7 +246,7 @@ class Side:
         return self._rounds[str(surface.radius)]
 
     def mask(self, names: Any) -> np.ndarray:
-        """Which elements belong to the named surfaces."""
+        """Mask of the elements of the named surfaces."""
         mask = np.zeros(len(self.elements), bool)
         for name in names:
             if name in self.surfaces:
@@ -299,7 +300,7 @@ class GroupBuilder:
             for surface in some:
                 side.assign(surface, narrow)
         rows: dict[tuple[int, int], int] = {}
-        for a, b in _unlike(surfaces):
+        for a, b in _different(surfaces):
             first, second = (b, a) if swapped else (a, b)
             rows[self.sides[0].round_of(first), self.sides[1].round_of(second)] = len(self.laws)
             self.laws.append(self._law(entry, a, b, scene))
@@ -313,11 +314,11 @@ class GroupBuilder:
         first, *others = _laws(entry.card)
         scene.refuse_stepwise(self.modules[0])
         law = self.modules[0].build(first, scene, Pair(entry.name, a.radius, b.radius))
-        refuse_unlike(self.modules[0], self.modules[0].PARAMETERS, law)
+        refuse_different(self.modules[0], self.modules[0].PARAMETERS, law)
         for module, card in zip(self.modules[1:], others, strict=True):
             scene.refuse_stepwise(module, "friction")
             own = module.build(card, scene)
-            refuse_unlike(module, module.PARAMETERS, own)
+            refuse_different(module, module.PARAMETERS, own)
             law = law | own
         if _torsion_radius(entry.card) is not None:
             law = law | {"torsion_radius": entry.card.torsion_radius}
@@ -344,7 +345,7 @@ class GroupBuilder:
         # the arrays of all elements come first: they may note in an element where its part starts
         data = getattr(self.home, "data", lambda *_: ())(*elements)
         pairing = self._pairing(parameters)
-        search = Search(pairing) if pairing.worth_searching(is_implicit) else None
+        search = Search(pairing) if pairing.should_search(is_implicit) else None
         rows = pairing.everything() if search is None else search.look(nodes)
         return ContactGroup(
             word=self.word,
@@ -384,7 +385,7 @@ class GroupBuilder:
         return Pairing((first, second), blocks, laws)
 
 
-def _unlike(surfaces: tuple[list[Surface], list[Surface]]) -> list[tuple[Surface, Surface]]:
+def _different(surfaces: tuple[list[Surface], list[Surface]]) -> list[tuple[Surface, Surface]]:
     """One pair of surfaces for every two radii of curvature: their laws are the same."""
     some_a, some_b = ({str(s.radius): s for s in side}.values() for side in surfaces)
     return [(a, b) for a in some_a for b in some_b]

@@ -49,6 +49,7 @@ class ContactGroup(Touching):
         *("parameters", "history", "output", "elements_a", "elements_b", "data"),
         *("seen_a", "seen_b", "slack"),
         *("pieces", "sums", "counts", "loads", "applied", "load_rows", "bearers", "ranges"),
+        "body_pairs",
     )
 
     word: str
@@ -71,6 +72,8 @@ class ContactGroup(Touching):
     load_rows: Any = None  # of pair i those of loads 2 i on side a and 2 i + 1 on side b
     bearers: Any = None
     ranges: Any = None  # pieces of the bodies
+    # of few pairs that are left alone while apart: model/contact/body_pairs.py
+    body_pairs: Any = None
 
     @property
     def in_pieces(self) -> bool:
@@ -94,7 +97,9 @@ class ContactGroup(Touching):
 
     @property
     def loses_work(self) -> bool:
-        """Whether what its normal force loses is the work of a step that it does not hold."""
+        """Whether the loss of its normal force is the work of a step less the change of stored
+        energy.
+        """
         return hasattr(self.normal, "LOSS_IS_WORK") and not self.is_flat
 
     @property
@@ -114,7 +119,7 @@ class ContactGroup(Touching):
 
     @property
     def rests(self) -> bool:
-        """Whether a pair is left alone until it may have moved as far as it was apart."""
+        """Whether a pair is skipped until it may have moved as far as its gap."""
         return "reach_a" in (self.parameters.dtype.names or ()) and not self.is_unilateral
 
     @property
@@ -150,7 +155,7 @@ class ContactGroup(Touching):
         return self.search.slack if self.search else None
 
     def tables(self) -> dict[str, np.ndarray]:
-        """Its arrays in the composed step."""
+        """Arrays of the group in the composed step."""
         return present_tables(self)
 
 
@@ -167,7 +172,7 @@ class NodalGroup(Touching):
     is_smooth: bool = False  # normals of faces from a continuous field
     can_fail: bool = False  # whether faces may vanish
 
-    # what a run writes, and what grows with it
+    # outputs of a run
     CHANGING: ClassVar = (
         "p",
         "probe_states",
@@ -211,7 +216,7 @@ class NodalGroup(Touching):
         return (*self.arrays, "data")
 
     def tables(self) -> dict[str, np.ndarray]:
-        """Its arrays in the composed step."""
+        """Arrays of the group in the composed step."""
         return self.arrays
 
     def changing(self) -> dict[str, np.ndarray]:

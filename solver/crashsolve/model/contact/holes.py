@@ -12,7 +12,7 @@ import numpy as np
 
 from crashsolve.deck.building import Scene
 
-# of the radius of a hole: what just fits is no news
+# of the radius of a hole: a probe that just fits is not reported
 FITS = 1e-6
 # points of a set are all looked at up to so many, and some of them beyond
 MANY = 2000

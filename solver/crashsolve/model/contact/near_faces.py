@@ -44,7 +44,7 @@ def faces_beside(quads: np.ndarray) -> np.ndarray:
     return beside
 
 
-def spare(quads: np.ndarray, around: Any, ring: int) -> tuple[np.ndarray, np.ndarray]:
+def excluded_faces(quads: np.ndarray, around: Any, ring: int) -> tuple[np.ndarray, np.ndarray]:
     """Faces that each point never meets: its own, and those within `ring` of them."""
     first, faces = around
     count = len(first) - 1
@@ -132,7 +132,7 @@ def merged(one: Any, other: Any) -> tuple[np.ndarray, np.ndarray]:
 def chosen(
     first: np.ndarray, values: np.ndarray, keys: np.ndarray, count: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Of a table as `grouped` gives it some keys, in this order, and their values below `count`."""
+    """Some keys of a table by `grouped`, in this order, with their values below `count`."""
     rows = [values[first[key] : first[key + 1]] for key in keys]
     rows = [row[row < count] for row in rows]
     ends = np.cumsum([0, *map(len, rows)])

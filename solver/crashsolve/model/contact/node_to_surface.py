@@ -15,7 +15,6 @@ import numpy as np
 
 from crashsolve.contact.cells import CELL, WALLS
 from crashsolve.deck.building import Columns
-from crashsolve.elements.shells.layout import DiscretisedShell
 from crashsolve.foundation.point import LANES
 from crashsolve.foundation.record import Record
 from crashsolve.model.attachments import IMPLICIT
@@ -24,11 +23,11 @@ from crashsolve.model.contact.floor import speed_floor
 from crashsolve.model.contact.groups import NodalGroup
 from crashsolve.model.contact.near_faces import (
     chosen,
+    excluded_faces,
     faces_around,
     faces_beside,
     merged,
     nothing,
-    spare,
     spare_along,
 )
 from crashsolve.model.nodes import NODE
@@ -36,6 +35,7 @@ from crashsolve.model.partition import PIECES
 
 if TYPE_CHECKING:
     from crashsolve.deck.reading.items import Entry
+    from crashsolve.elements.shells.layout import DiscretisedShell
     from crashsolve.model.scene import Scene
 
 # lists of near faces: their margin over the mean radius of a face, and the faces of a probe that
@@ -329,7 +329,7 @@ class NodalBuilder:
         spared = nothing(len(probes.rows))
         if is_own:
             self._refuse_too_thick(gap, meshed, card.part)
-            spared = self._spared(meshed, probes.meshed.used, card.ring, FOLDED * gap)
+            spared = self._excluded_faces(meshed, probes.meshed.used, card.ring, FOLDED * gap)
         room = ROOM * len(probes.rows)
         buckets = 1 << int(2 * count - 1).bit_length()
         values = {
@@ -360,12 +360,12 @@ class NodalBuilder:
             values["over"] = max(a.elements[0]["semi"]) - probes.radius
         return None, own | {"values": values}, 2
 
-    def _spared(self, meshed: Any, nodes: np.ndarray, ring: int, reach: float) -> Any:
+    def _excluded_faces(self, meshed: Any, nodes: np.ndarray, ring: int, reach: float) -> Any:
         """Faces of a part that some nodes of its mesh never meet, by these nodes."""
         others = [own.mesh.quads for own in self.scene.on_mesh_of(meshed) if own is not meshed]
         quads, points = np.concatenate([meshed.mesh.quads, *others]), meshed.mesh.points
         around = faces_around(quads, len(points))
-        near = spare(quads, around, ring)
+        near = excluded_faces(quads, around, ring)
         found = merged(near, spare_along(points, quads, around, reach))
         return found if not others else chosen(*found, nodes, len(meshed.mesh.quads))
 
@@ -387,7 +387,7 @@ class NodalBuilder:
         return {"ellipsoids": table_of(a.elements, record), "balls": probes.rows.copy()}
 
     def _positions(self, part: str, meshed: DiscretisedShell) -> dict[str, int]:
-        """Where the tables hold quadrilaterals and triangles."""
+        """Positions of quadrilaterals and triangles in the tables."""
         filled, first = -(-meshed.quad_count // LANES), self.scene.first_number(part)
         stride = meshed.stride_of(meshed.points)
         return {
@@ -398,7 +398,7 @@ class NodalBuilder:
 
 
 class Touching:
-    """What a normal law may ask about the contact and the two surfaces it acts between."""
+    """The contact and its two surfaces, for the build of a normal law."""
 
     def __init__(self, contact: str, a: Any, b: Any, scene: Scene) -> None:
         self.contact, self.radius_a, self.radius_b = contact, a.radius, b.radius
@@ -427,7 +427,7 @@ def table_of(rows: list[Columns], record: Record) -> np.ndarray:
 
 
 def loads_of_points(count: int) -> dict[str, np.ndarray]:
-    """What all groups together add to the stiffness of points."""
+    """Stiffness that all groups together add to points."""
     return {
         "touched": np.zeros(1, TOUCHED.dtype),
         "stiffened": np.zeros(count, STIFFNESS_BOUND.dtype),
@@ -435,8 +435,8 @@ def loads_of_points(count: int) -> dict[str, np.ndarray]:
     }
 
 
-def give_room(groups: list[NodalGroup]) -> None:
-    """Lists that fill more than half of their room get twice what they need. Writes: groups."""
+def make_room(groups: list[NodalGroup]) -> None:
+    """Enlarge lists that are more than half full to twice their need. Writes: groups."""
     for group in groups:
         if group.narrow is not None:
             continue

@@ -30,14 +30,14 @@ MARGIN, MARGIN_OF_PLANES = 0.5, 4.0
 # margin of two, each of both elements has gone 0.7, and a step of 0.2, at most
 # (system/contact/touches.py)
 APART = 0.2
-# reach of what has no end, which times no turn is still nothing [m]
+# extent of infinite elements [m]: finite, so that its product with no rotation is 0
 ENDLESS = 1e300
 SEEN = Record("r  m  3  centre of an element when the list was made")
 
 
 @dataclass
 class Elements:
-    """What pairing asks of the elements of one side; arrays over the elements."""
+    """Elements of one side as pairing needs them; arrays over the elements."""
 
     node: np.ndarray
     rank: np.ndarray  # index of the surface in the deck
@@ -49,7 +49,7 @@ class Elements:
     reach: np.ndarray  # how far it reaches from the mass centre; ENDLESS for a plane
 
     def spread(self) -> np.ndarray:
-        """How much farther each reaches than it is thick [m]; 0 where it has no end."""
+        """Extent of each element beyond its thickness [m]; 0 of infinite ones."""
         is_infinite = np.isinf(self.radius)
         return np.where(is_infinite, 0.0, self.radius - np.where(is_infinite, 0.0, self.thick))
 
@@ -72,7 +72,7 @@ class Pairing:
     def __init__(self, sides: tuple[Elements, Elements], blocks: list[Block], laws: Any) -> None:
         self.sides, self.blocks, self.laws = sides, blocks, laws
 
-    def worth_searching(self, is_implicit: bool) -> bool:
+    def should_search(self, is_implicit: bool) -> bool:
         """Whether there are many possible pairs, of elements with an end or with planes at rest."""
         rests = "reach_a" in self.laws.dtype.names
         above = SEARCH_ABOVE_RESTING if rests else SEARCH_ABOVE
@@ -137,7 +137,7 @@ class Search:
         return sorted({block.card for block in self.pairing.blocks})
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """What the step needs to know when to look again."""
+        """Arrays by which the step knows when pairs must be searched again."""
         return {"seen_a": self.seen[0], "seen_b": self.seen[1], "slack": self.slack}
 
     def look(self, nodes: Any) -> np.ndarray:
@@ -187,12 +187,12 @@ def _renew(group: ContactGroup, search: Search, state: State, current: int) -> N
     history = resting(len(rows), group.history.dtype, search)
     history[:, at[kept]] = group.history[current, kept]
     left = group.parameters["card"][~kept], group.history[current, ~kept]
-    _credit(*left, flags_of(group.normal), state.card_history)
+    _add_losses_of_removed(*left, flags_of(group.normal), state.card_history)
     take_pairs(group, rows, history)
 
 
 def take_pairs(group: ContactGroup, rows: np.ndarray, history: np.ndarray) -> None:
-    """Another list of pairs, with what they remember. Writes: group."""
+    """Replace the list of pairs, with their histories. Writes: group."""
     group.parameters, group.history = rows, history
     group.output = np.zeros(len(rows), group.output.dtype)
     if group.in_pieces:
@@ -210,8 +210,10 @@ def flags_of(law: Any) -> list[str]:
     return [*getattr(law, "WARNINGS", {}), *getattr(law, "REMARKS", {})]
 
 
-def _credit(card: np.ndarray, history: np.ndarray, warnings: list[str], cards: np.ndarray) -> None:
-    """What pairs have lost and met that leave the list. Writes: cards."""
+def _add_losses_of_removed(
+    card: np.ndarray, history: np.ndarray, warnings: list[str], cards: np.ndarray
+) -> None:
+    """Add losses and flags of pairs that leave the list to their cards. Writes: cards."""
     for side in cards:
         for name in ("dissipated", "friction_dissipated"):
             np.add.at(side[f"left_{name}"], card, history[name])

@@ -117,5 +117,5 @@ def _ranges(bodies: int) -> Any:
 
 
 def _size(count: int, usual: int) -> int:
-    """How many of `count` make a piece."""
+    """Number of pairs in a piece, of `count`."""
     return max(usual, -(-count // MOST))

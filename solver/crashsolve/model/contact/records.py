@@ -60,7 +60,7 @@ CARD_OUTPUT = Record("""
     dissipated           J       energy lost by the normal force
     friction_dissipated  J       energy lost by friction
 """)
-# what many pairs add to, in pieces, before it goes to bodies and cards (model/contact/pieces.py)
+# sums of many pairs, in pieces, before bodies and cards get them (model/contact/pieces.py)
 LOAD = Record("""
     force        N      3  on one of the bodies of a pair
     torque       N m    3  about its mass centre

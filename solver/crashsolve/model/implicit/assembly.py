@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from crashsolve.elements.shells.tangents.records import CHANGE, SEEN
+from crashsolve.elements.shells.tangents.records import BASE, CHANGE
 from crashsolve.foundation.point import ATTACHED, ATTACHED_POINT, LANES, OWN
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.sparse.bordered import plan
@@ -23,7 +23,7 @@ COUNTS = Record("""
 """)
 
 
-def embody(model: Any, state: Any) -> None:
+def add_nodes_of_points(model: Any, state: Any) -> None:
     """Give every point a body to ride on. Writes: model.elements, state.nodes, points."""
     points, elements = state.points, model.elements
     alone = points["held"] < ATTACHED
@@ -46,7 +46,7 @@ def embody(model: Any, state: Any) -> None:
     state.nodes["start_q"], state.nodes["start_A"] = state.nodes["q"], state.nodes["A"]
     state.nodes = np.concatenate([state.nodes, more])
     elements.attached_points = np.concatenate([elements.attached_points, attached_points])
-    elements.embodied = moving
+    elements.node_points = moving
     points["held"][moving] |= OWN
     points["held"] |= ATTACHED
 
@@ -70,11 +70,11 @@ def assembled(model: Any, state: Any, laws: list[Any], factors: int) -> dict[str
     matrix, found = plan(list(range(1, len(state.nodes))), near, joints, ends)
     rows = np.zeros(len(ends), COMPLIANT.dtype)
     rows["node_a"], rows["node_b"] = np.array(ends, int).reshape(-1, 2).T
-    tables = {"compliant_updates": matrix.updates, "compliant_pairs": matrix.pairs}
+    tables = {"compliant_updates": matrix.updates, "compliant_slots": matrix.slots}
     for k in range(factors):
         tables |= {f"columns_{k}": matrix.columns.copy(), f"blocks_{k}": matrix.blocks.copy()}
         tables[f"compliant_{k}"] = rows.copy()
-    return tables | (seats_of_shells(model, state, pairs, found) if model.elements else {})
+    return tables | (tables_of_shell_tangents(model, state, pairs, found) if model.elements else {})
 
 
 def shared_by_shells(model: Any, state: Any) -> list[tuple[int, int]]:
@@ -84,16 +84,16 @@ def shared_by_shells(model: Any, state: Any) -> list[tuple[int, int]]:
     return pairs_of(body[model.elements.corners.reshape(-1, 4, LANES)])
 
 
-def seats_of_shells(
+def tables_of_shell_tangents(
     model: Any, state: Any, pairs: list[tuple[int, int]], found: dict[tuple[int, int], int]
 ) -> dict[str, np.ndarray]:
-    """What the tangents of shells write, and where it goes."""
+    """Tables of the tangents of shells, and the addresses of their blocks."""
     counts, attached_points = np.zeros(1, COUNTS.dtype), model.elements.attached_points
     counts["numbers"] = len(state.blocks)
     counts["arms"] = (attached_points["spot"].any(axis=1) & (attached_points["node"] > 0)).sum()
     return {
         "block_addresses": np.array([address(pair, found) for pair in pairs]),
-        "seen": np.zeros(SEEN.SIZE * LANES),
+        "base": np.zeros(BASE.SIZE * LANES),
         "change": np.zeros(CHANGE.SIZE * LANES),
         "counts": counts,
         "arms": np.zeros(3 * len(state.points)),
@@ -108,7 +108,7 @@ def pairs_of(own: np.ndarray) -> list[tuple[int, int]]:
 
 
 def address(pair: tuple[int, int], found: dict[tuple[int, int], int]) -> int:
-    """Where K of two bodies goes: twice the number of their block, and 1 for its other side.
+    """Address of K of two bodies: twice the number of their block, plus 1 for its other side.
 
     Rows are those of the first; -1 where one of them does not move.
     """

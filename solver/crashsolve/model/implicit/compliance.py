@@ -65,7 +65,8 @@ def compliance(model: Model, state: State, factors: int) -> dict[str, np.ndarray
     ]
     table["node_a"], table["node_b"] = np.array(ends, int).reshape(-1, 2).T
     tables = {"tangents": tangents}
-    tables |= {"compliant_updates": saddle.updates, "compliant_pairs": saddle.pairs}
+    shared = ("levels", "lines", "updates", "targets", "pairs")
+    tables |= {f"compliant_{name}": getattr(saddle, name) for name in shared}
     for k in range(factors):
         tables |= {f"columns_{k}": saddle.columns.copy(), f"blocks_{k}": saddle.blocks.copy()}
         tables[f"compliant_{k}"] = table.copy()

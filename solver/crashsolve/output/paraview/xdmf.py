@@ -18,7 +18,9 @@ def index(collections: Iterable[tuple[str, list[str]]]) -> str:
 
 
 def geometry(block: Block, mesh_file: str) -> str:
-    """What is the same at every time: topology, points unless each state has its own, fields."""
+    """Elements of the index that are the same at every time: topology, points unless each state has
+    its own, fields.
+    """
     dataset = f"{mesh_file}:/{block.name}"
     kind = "Mixed"
     if len(block.cells) == 1:

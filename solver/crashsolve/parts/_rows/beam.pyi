@@ -1,29 +1,8 @@
 # written by `python -m crashsolve.stubs` from the records of the law
-from crashsolve._shared_rows import ForceHistory, ForceOutput
-from crashsolve.foundation.rows import Numbers
+from crashsolve._shared_rows import BeamElement, BeamOutput, ForceHistory, ForceOutput
 
-class Parameters:
-    node_a: int  # [index] first node
-    node_b: int  # [index] second node
-    length: float  # [m] l
-    stiffness: Numbers[float]  # [N/m] diagonal of K
-    rotational_stiffness: Numbers[float]  # [N m/rad] diagonal of K_r
-    bowing: Numbers[float]  # [1] c_y and c_z
-    damping: float  # [s] beta
-    drag_a: float  # [1/s] alpha, times the element's share in its first node
-    drag_b: float  # [1/s] the same of the second
-    viscosity: float  # [N s/m] rho A c b_1, of the stretch
-    quick_viscosity: float  # [N s^2/m^2] rho A b_2^2, of its square in compression
-    rate_a: float  # [1/s^2] largest k times mobility at the first node
-    rate_b: float  # [1/s^2] the same at the second
-    taut_a: float  # [1/(kg m)] what a tension of 1 N adds to it at the first node
-    taut_b: float  # [1/(kg m)] the same at the second
+class Parameters(BeamElement): ...
 
 class History(ForceHistory): ...
 
-class Output(ForceOutput):
-    force: Numbers[float]  # [N] tension, shear along y and z, axes of the element
-    moment_a: Numbers[float]  # [N m] torsion, bending about y and z, at the first node
-    moment_b: Numbers[float]  # [N m] torsion, bending about y and z, at the second node
-    strain: Numbers[float]  # [1] stretch of the bent line, shear along y and z, u / l
-    curvature: Numbers[float]  # [1/m] twist, bending about y and z, theta / l
+class Output(ForceOutput, BeamOutput): ...

@@ -31,7 +31,7 @@ class Parameters(Row, Protocol):
     damping: float  # [s] beta
     linear: float  # [1] b_1
     quadratic: float  # [1] b_2^2
-    slows: int  # [flag] whether elements keep rows of damping and added mass
+    is_damped: int  # [flag] whether elements keep rows of damping and added mass
     layer_rows: int  # [count] numbers of a layer
     thins: int  # [flag] whether the thickness follows the strain
 

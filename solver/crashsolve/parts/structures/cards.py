@@ -37,7 +37,7 @@ def expand(name: str, card: object, laws: dict[str, dict[str, Law]], control: Fi
 
 
 def _members(whole: Plan) -> Iterator[Made]:
-    """What all members become; a card that several need once."""
+    """Cards of all members; a card that several need once."""
     seen = set()
     for member in whole.members:
         for card in description(member).cards(member, whole):

@@ -17,7 +17,7 @@ SAME = 1e-6
 
 @dataclass
 class Member:
-    """A member in place: its number from 0, its name, and where what deforms begins and ends.
+    """A member in place: its number from 0, its name, and the ends of its deformable part.
 
     `T` has its axes as columns: along it, y and z of the section. `joints` are the lengths at its
     ends that belong to rigid joints.
@@ -37,7 +37,7 @@ class Member:
 
     @property
     def path(self) -> Steps:
-        """Of its entry in the structure's card."""
+        """Path of the member's entry in the structure's card."""
         return ("members", self.number)
 
     @property
@@ -47,13 +47,13 @@ class Member:
 
     @property
     def length(self) -> float:
-        """Of what deforms [m]."""
+        """Length of the deformable part [m]."""
         whole = float(np.linalg.norm(self.positions[1] - self.positions[0]))
         return whole - self.joints[0] - self.joints[1]
 
     @property
     def quaternion(self) -> list[float]:
-        """Of its axes."""
+        """Quaternion of the member's axes."""
         return [float(x) for x in quaternion_of(self.T)]
 
     def at(self, x: float) -> np.ndarray:
@@ -84,7 +84,7 @@ class Plan:
         return f"{self.name}_{point}"
 
     def velocity(self, position: np.ndarray) -> list[float]:
-        """Of a position at the start [m/s]."""
+        """Velocity (3,) of a position at the start [m/s]."""
         first = next(iter(self.points.values()))
         rotation = np.cross(self.card.angular_velocity, position - first)
         return [float(x) for x in np.asarray(self.card.velocity) + rotation]
@@ -257,8 +257,17 @@ def joint_length(point: str, members: list[Member]) -> float:
 
 def depth_of(member: Member) -> float:
     """Greatest width of a section [m]. Raises Problem."""
+    lacks = "has no shape, so the rigid joints at its ends no length"
+    return float(np.ptp(outline_of(member, lacks, "give both points a joint"), axis=0).max())
+
+
+def outline_of(member: Member, lacks: str, advice: str) -> np.ndarray:
+    """Points (n, 2) of the outer edge of its section, y and z [m].
+
+    Raises Problem with what a section without one `lacks`.
+    """
     law = member.section
     if not hasattr(law.module, "outline"):
-        message = f"section '{law.name}' has no shape, so the rigid joints at its ends no length"
-        raise Problem(member.path, message, "give both points a joint")
-    return float(np.ptp(law.module.outline(law.card), axis=0).max())
+        raise Problem(member.path, f"section '{law.name}' {lacks}", advice)
+    found: np.ndarray = law.module.outline(law.card)
+    return found

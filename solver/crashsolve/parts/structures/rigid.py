@@ -17,5 +17,5 @@ def stub(member: Member) -> float:
 
 
 def cards(member: Member, whole: Plan) -> list[Made]:
-    """Nothing but what belongs to the points."""
+    """No cards: rigid members belong to the points."""
     return []

@@ -90,7 +90,7 @@ def mesh(member: Member, whole: Plan) -> Fields:
 
 
 def outward(member: Member) -> Any:
-    """From the middle of the first end to the mesh's first node [m]."""
+    """Vector from the middle of the first end to the mesh's first node [m]."""
     card = member.section.card
     if member.section.type == "tube":
         return (card.radius - 0.5 * card.thickness) * member.T[:, 1]

@@ -1,12 +1,8 @@
 # written by `python -m crashsolve.stubs` from the records of the law
-from crashsolve._shared_rows import ForceHistory, ForceOutput
+from crashsolve._shared_rows import ForceHistory, ForceOutput, SpringPoints
 from crashsolve.foundation.rows import Numbers
 
-class Parameters:
-    node_a: int  # [index] first body
-    node_b: int  # [index] second body
-    point_a: Numbers[float]  # [m] attachment from the mass centre of a, axes of a
-    point_b: Numbers[float]  # [m] attachment from the mass centre of b, axes of b
+class Parameters(SpringPoints):
     first: Numbers[float]  # [1] first direction braked, axes of a
     second: Numbers[float]  # [1] second direction; 0 when only the first is braked
     offset: Numbers[float]  # [m] b from a at the start, axes of a

@@ -1,12 +1,8 @@
 # written by `python -m crashsolve.stubs` from the records of the law
-from crashsolve._shared_rows import ForceHistory, ForceOutput
+from crashsolve._shared_rows import ForceHistory, ForceOutput, SpringPoints
 from crashsolve.foundation.rows import Numbers
 
-class Parameters:
-    node_a: int  # [index] first body
-    node_b: int  # [index] second body
-    point_a: Numbers[float]  # [m] attachment from the mass centre of a, axes of a
-    point_b: Numbers[float]  # [m] attachment from the mass centre of b, axes of b
+class Parameters(SpringPoints):
     stiffness: Numbers[float]  # [N/m] diagonal of K
     damping: Numbers[float]  # [N s/m] diagonal of C
     rotational_stiffness: Numbers[float]  # [N m/rad] diagonal of K_r

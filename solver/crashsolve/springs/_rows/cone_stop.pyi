@@ -1,24 +1,8 @@
 # written by `python -m crashsolve.stubs` from the records of the law
-from crashsolve._shared_rows import ForceHistory, ForceOutput
+from crashsolve._shared_rows import ForceHistory, ForceOutput, RangeMoment, Slider
 from crashsolve.foundation.rows import Numbers
 
-class Parameters:
-    curve: int  # [index] y
-    unloading: int  # [flag] SAME, SET or BETWEEN
-    unloading_curve: int  # [index] u
-    unloading_stiffness: float  # [N/m or N m/rad] k
-    only: int  # [flag] 1 or -1: no force in the other direction; 0: both
-    loose: int  # [flag] the ends may part: never a force that holds them together
-    gap: float  # [m or rad] free play in each direction
-    damping: float  # [N s/m or N m s/rad] c
-    rate_curve: int  # [index] phi over |rate|; 0 for the power law
-    rate_coefficient: float  # [1] a
-    rate_exponent: float  # [1] b
-    rate_floor: float  # [m/s or rad/s] rate at which phi = 1.1
-    stiffest: float  # [N/m or N m/rad] largest slope of the curves and k
-    stop_stiffness: float  # [N m/rad] k; not used with a curve
-    transition: float  # [rad] d
-    stop_damping: float  # [N m s/rad] c
+class Parameters(RangeMoment):
     node_a: int  # [index] body that carries the cone
     node_b: int  # [index] body of the pointer
     axis_a: Numbers[float]  # [1] c, axes of a
@@ -30,12 +14,7 @@ class Parameters:
     narrow: Numbers[float]  # [1] f = 1 / theta_l^2 there
     stretch: float  # [1] largest |grad e|^2 at the limit
 
-class History(ForceHistory):
-    set: Numbers[float]  # [m or rad] s in tension, in compression
-    kept: Numbers[float]  # [J] P of both
-    side: int  # [flag] 1 or -1: direction of the deformation
-    branch: int  # [flag] SLACK, LINE, LOADING or LOWER
-    segment: int  # [index] of the curve that is read
+class History(ForceHistory, Slider): ...
 
 class Output(ForceOutput):
     torque: float  # [N m] M, against the swing

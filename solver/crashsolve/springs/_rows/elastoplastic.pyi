@@ -1,12 +1,7 @@
 # written by `python -m crashsolve.stubs` from the records of the law
-from crashsolve._shared_rows import ForceHistory, ForceOutput
-from crashsolve.foundation.rows import Numbers
+from crashsolve._shared_rows import ForceHistory, ForceOutput, SpringOutput, SpringPoints
 
-class Parameters:
-    node_a: int  # [index] first body
-    node_b: int  # [index] second body
-    point_a: Numbers[float]  # [m] attachment from the mass centre of a, axes of a
-    point_b: Numbers[float]  # [m] attachment from the mass centre of b, axes of b
+class Parameters(SpringPoints):
     stiffness: float  # [N/m] k
     yield_force: float  # [N] F_y
     isotropic: float  # [N/m] H_i
@@ -18,10 +13,7 @@ class History(ForceHistory):
     flow: float  # [m] alpha
     plastic_flow: int  # [flag] 1 or -1: x_p grows or falls; 0: it rests
 
-class Output(ForceOutput):
-    force: float  # [N] tension positive
-    length: float  # [m] present length
+class Output(ForceOutput, SpringOutput):
     elongation: float  # [m] present length less that without force at the start
-    rate: float  # [m/s] of the length
     set: float  # [m] plastic elongation
     flow: float  # [m] sum of plastic elongations in both directions

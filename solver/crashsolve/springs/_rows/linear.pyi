@@ -1,19 +1,11 @@
 # written by `python -m crashsolve.stubs` from the records of the law
-from crashsolve._shared_rows import ForceHistory, ForceOutput
-from crashsolve.foundation.rows import Numbers
+from crashsolve._shared_rows import ForceHistory, ForceOutput, SpringOutput, SpringPoints
 
-class Parameters:
-    node_a: int  # [index] first body
-    node_b: int  # [index] second body
-    point_a: Numbers[float]  # [m] attachment from the mass centre of a, axes of a
-    point_b: Numbers[float]  # [m] attachment from the mass centre of b, axes of b
+class Parameters(SpringPoints):
     stiffness: float  # [N/m] k
     damping: float  # [N s/m] c
     length: float  # [m] l_0
 
 class History(ForceHistory): ...
 
-class Output(ForceOutput):
-    force: float  # [N] tension positive
-    length: float  # [m] present length
-    rate: float  # [m/s] of the length
+class Output(ForceOutput, SpringOutput): ...

@@ -1,12 +1,8 @@
 # written by `python -m crashsolve.stubs` from the records of the law
-from crashsolve._shared_rows import ForceHistory, ForceOutput
+from crashsolve._shared_rows import ForceHistory, ForceOutput, SpringPoints
 from crashsolve.foundation.rows import Numbers
 
-class Parameters:
-    node_a: int  # [index] first body
-    node_b: int  # [index] second body
-    point_a: Numbers[float]  # [m] attachment from the mass centre of a, axes of a
-    point_b: Numbers[float]  # [m] attachment from the mass centre of b, axes of b
+class Parameters(SpringPoints):
     rotation_a: Numbers[float]  # [1] unit quaternion, axes of the beam to those of a
     rotation_b: Numbers[float]  # [1] the same for b
     length: float  # [m] l

@@ -1,12 +1,7 @@
 # written by `python -m crashsolve.stubs` from the records of the law
-from crashsolve._shared_rows import ForceHistory, ForceOutput
-from crashsolve.foundation.rows import Numbers
+from crashsolve._shared_rows import ForceHistory, ForceOutput, SpringOutput, SpringPoints
 
-class Parameters:
-    node_a: int  # [index] first body
-    node_b: int  # [index] second body
-    point_a: Numbers[float]  # [m] attachment from the mass centre of a, axes of a
-    point_b: Numbers[float]  # [m] attachment from the mass centre of b, axes of b
+class Parameters(SpringPoints):
     length: float  # [m] l_0
     stiffness: float  # [N/m] of the spring; not used with a curve
     curve: int  # [index] y; 0 for none
@@ -24,10 +19,7 @@ class Parameters:
 
 class History(ForceHistory): ...
 
-class Output(ForceOutput):
-    force: float  # [N] tension positive
+class Output(ForceOutput, SpringOutput):
     spring: float  # [N] part of the spring
     damper: float  # [N] part of the damper
     stop: float  # [N] part of the stops
-    length: float  # [m] present length
-    rate: float  # [m/s] of the length

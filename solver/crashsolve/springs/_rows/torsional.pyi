@@ -1,13 +1,7 @@
 # written by `python -m crashsolve.stubs` from the records of the law
-from crashsolve._shared_rows import ForceHistory, ForceOutput
-from crashsolve.foundation.rows import Numbers
+from crashsolve._shared_rows import ForceHistory, ForceOutput, FullTurn
 
-class Parameters:
-    node_a: int  # [index] first body
-    node_b: int  # [index] second body
-    axis_a: Numbers[float]  # [1] axis, axes of a
-    side_a: Numbers[float]  # [1] at right angles to the axis, axes of a
-    side_b: Numbers[float]  # [1] the same direction at the start, axes of b
+class Parameters(FullTurn):
     stiffness: float  # [N m/rad] k
     damping: float  # [N m s/rad] c
     angle: float  # [rad] theta_0

@@ -14,13 +14,13 @@ from crashsolve.system.diagnosis import OWN_FACES, of_own_faces
 
 # of the most that the normal force or the friction of a card has held and lost
 UNBALANCED = 0.02
-# of the largest energy of the scene: less alters nothing that is reported it
+# of the largest energy of the scene: less makes no difference to any result
 NEGLIGIBLE = 1e-5
 FRICTION = "friction"
 
 
 def contact_warnings(model: Model, state: State, ledger: np.ndarray) -> list[str]:
-    """Cards whose forces have done other work than what they are reported to have held and lost."""
+    """Warnings of contacts whose forces have done other work than they have stored and lost."""
     current, found = int(state.clock["current"][0]), []
     least = NEGLIGIBLE * float(ledger[LARGEST])
     unknown = _of_unknown_friction(model)
@@ -33,7 +33,9 @@ def contact_warnings(model: Model, state: State, ledger: np.ndarray) -> list[str
 
 
 def lacks(now: np.void, out: np.void) -> list[tuple[str, float, float]]:
-    """Of normal force and friction of a card: what it is, its lack [J], the most it handled [J]."""
+    """For normal force and friction of a card: its name, missing energy [J] and largest energy
+    exchanged [J].
+    """
     pushed = now["held"] + out["dissipated"] + now["work"] - now["held_first"]
     friction_loss = now["bristled"] + out["friction_dissipated"] + now["friction_work"]
     return [

@@ -84,7 +84,10 @@ class EffectiveMasses:
         self.clusters = _clusters(model) if self.groups else np.zeros(0, int)
 
     def find(self, state: State) -> bool:
-        """Of touches that have begun; returns whether there were any. Writes: their histories."""
+        """Find the effective masses of touches that have begun; returns whether there were any.
+
+        Writes: their histories.
+        """
         current = int(state.clock[0]["current"])
         sides = [self._sides(group) for group in self.groups]
         new = [_new(group, current) for group in self.groups]
@@ -172,7 +175,7 @@ def _ratios(
 
 
 def _least_mobility(within: np.ndarray, model: Model) -> float:
-    """Of both sides, if they do not turn [1/kg]: each a cluster of its own."""
+    """Mobility of both sides without rotation [1/kg], each a cluster of its own."""
     clusters = _clusters(model)[within]
     masses = [
         float(model.mass[within[clusters == number]].sum()) for number in set(clusters.tolist())

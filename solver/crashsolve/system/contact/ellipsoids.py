@@ -94,7 +94,9 @@ def widened(ellipsoid, y):
 
 @kernel
 def to_centre(pen, n):
-    """From the ball that touches at the foot with the normal -n, any length, to the centre."""
+    """Vector [m] to the centre from the ball that touches at the foot with the normal -n, of any
+    length.
+    """
     ellipsoid, body, low = pen
     y = into(ellipsoid, body, n)
     w = widened(ellipsoid, y)
@@ -104,7 +106,7 @@ def to_centre(pen, n):
 
 @kernel
 def to_centre_by(pen, n, d):
-    """Its change with a change d of n."""
+    """Change of that vector with a change d of n."""
     ellipsoid, body, low = pen
     y, y_d = into(ellipsoid, body, n), into(ellipsoid, body, d)
     w, size = widened(ellipsoid, y), norm(n)

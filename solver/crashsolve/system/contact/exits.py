@@ -25,7 +25,7 @@ def lead_left(h, old, displacement):
 
 @kernel
 def lead_found(p, lead):
-    """What is trusted of the lead of an exit that has been searched for [m]."""
+    """Trusted part of the lead of an exit that has been searched for [m]."""
     return min(lead, LEAD * p.thick)
 
 

@@ -52,7 +52,10 @@ class Touch:
 
 
 def find_impact_speeds(model: Model, state: State) -> bool:
-    """Of touches that begin compressed; returns whether there are any. Writes: their histories."""
+    """Find the impact speeds of touches that begin compressed; returns whether there are any.
+
+    Writes: their histories.
+    """
     found: dict[tuple[int, int], list[Touch]] = defaultdict(list)
     for group in model.contact_groups:
         if "damping_speed" in (group.history.dtype.names or ()):

@@ -184,7 +184,7 @@ def open_pass(totals):
 
 @kernel
 def settle(slot_in_use, j):
-    """What was found in the last step is accepted; returns which record that is. Writes: turns."""
+    """Accept what was found in the last step; returns the number of that record. Writes: turns."""
     if slot_in_use[j] > 1:
         slot_in_use[j] = 3 - slot_in_use[j]
     return slot_in_use[j]
@@ -192,7 +192,10 @@ def settle(slot_in_use, j):
 
 @kernel
 def swap_slot(h, slot_in_use, j):
-    """What this step has found will be accepted, a sample never. Writes: turns."""
+    """Mark the touches found in this step for acceptance; those of a sample never are.
+
+    Writes: turns.
+    """
     if h > 0.0:
         slot_in_use[j] += 2
 
@@ -222,13 +225,15 @@ def give(b, n):
 
 @kernel
 def predicts(b, n):
-    """The same of points whose velocity is predicted: not of those that ride on bodies."""
+    """Acceleration of a point over a force on it [1/kg] where its velocity is predicted; 0 of
+    points attached to bodies.
+    """
     return give(b, n) if b.held < ATTACHED else 0.0
 
 
 @kernel
 def probe_predicts(probe, hit, points):
-    """The same of a probe."""
+    """Acceleration of a probe over a force on it [1/kg] where its velocity is predicted."""
     return predicts(points[probe.point], vec(hit.normal)) if probe.point >= 0 else 0.0
 
 
@@ -300,7 +305,10 @@ def count(i, share, k, c, scene):
 
 @kernel
 def load(i, w, k, c, scene):
-    """The same for an acceleration w over the force [1/kg]. Writes: scene.stiffened, touched."""
+    """Report a contact on a point of mobility w [1/kg] to the step control.
+
+    Writes: scene.stiffened, touched.
+    """
     total, at = scene.touched[0], scene.stiffened[i]
     if at.listed == 0:
         scene.touched_points[total.count] = i

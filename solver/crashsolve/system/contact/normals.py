@@ -33,7 +33,7 @@ OVER = 1.0 + 1e-9  # a position so far beyond a side still belongs to the face
 def smoothen(i, x, pen, p, mesh, spared, found):
     """Normals, weights and depths of both sides by the field of normals. Writes: found.
 
-    x is a probe's position, or the centre of an ellipsoid that `pen` reports, else None. Where a
+    x is a probe's position, or the centre of the ellipsoid of `pen`, else None. Where a
     line along the field would pass a free border the nearest point stays.
     """
     for s in range(2):

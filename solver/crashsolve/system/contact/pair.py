@@ -7,7 +7,7 @@ from crashsolve.foundation.vec3 import Vector
 
 
 class Pair(NamedTuple):
-    """What belongs to a pair of elements."""
+    """Data of a pair of elements."""
 
     p: Row  # row of parameters
     old: Row  # history: accepted, and new
@@ -30,7 +30,7 @@ class Ends(NamedTuple):
 
 
 class Totals(NamedTuple):
-    """What a pair adds to."""
+    """Sums to which a pair adds."""
 
     on_a: Row  # forces on both bodies: the bodies, or loads of the pair's own
     on_b: Row
@@ -39,7 +39,7 @@ class Totals(NamedTuple):
 
 
 class Meeting(NamedTuple):
-    """Where the elements meet, and how a has moved over b in the step."""
+    """Point of contact of two elements, and the slip of a over b in the step."""
 
     depth: float  # [m]
     n: Vector  # unit normal out of b
@@ -49,7 +49,7 @@ class Meeting(NamedTuple):
 
 
 class Slide(NamedTuple):
-    """What a law of friction is given."""
+    """Arguments of a law of friction."""
 
     normal_force: float  # [N]
     slip: Vector  # velocity of a over b [m/s]
@@ -60,7 +60,7 @@ class Slide(NamedTuple):
 
 
 class Sliding(NamedTuple):
-    """How a pair slides."""
+    """Sliding motion of a pair."""
 
     n: Vector  # unit normal
     slip: Vector  # velocity of a over b [m/s]
@@ -82,7 +82,7 @@ class Push(NamedTuple):
 
 
 class Closing(NamedTuple):
-    """How a pair closes."""
+    """Closing motion of a pair."""
 
     rate: float  # closing speed [m/s]
     mass: float  # of both sides along n [kg]
@@ -91,7 +91,7 @@ class Closing(NamedTuple):
 
 
 class Friction(NamedTuple):
-    """What friction does to a pair."""
+    """Friction of a pair: force, energies, stiffness."""
 
     t: Vector  # force on side a [N]
     # the same with the moment about the normal; None in a point
@@ -102,7 +102,7 @@ class Friction(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """What a probe has found among the shapes."""
+    """The touch that a probe has found among the shapes."""
 
     x: Vector  # its position [m]
     v: Vector  # its velocity [m/s]
@@ -125,7 +125,7 @@ class Touch(NamedTuple):
 
 
 class Pressing(NamedTuple):
-    """What presses a probe on what it touches."""
+    """Normal force that presses a probe on a surface."""
 
     f: float  # normal force [N]
     mass: float  # of both sides along the normal [kg]

@@ -61,7 +61,10 @@ def note_face(clock, h, p, old, new, held, over, depth, n):
 
 @kernel
 def note_escape(clock, h, p, old, new, depth, n):
-    """The same of shapes without faces to be kept. Writes: new."""
+    """Record that contact ends without its surface, for shapes without faces to be kept.
+
+    Writes: new.
+    """
     new.held = 0
     is_deep = depth > MIDDLE * p.thick
     astray = is_deep or is_opposite(old, n) or has_leapt(p, old, depth, n, ROTATED)

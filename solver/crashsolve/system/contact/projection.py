@@ -83,7 +83,7 @@ def remove_near_faces(p, blocks, gone):
 
 @kernel
 def drop_energy(h, totals, old, stored, gone):
-    """What a touch has stored less than before is lost with the element. Writes: totals."""
+    """Count the stored energy of a touch that is lost with an element. Writes: totals."""
     if h > 0.0 and old.active == 1 and gone[old.face] == 1:
         totals.dissipated += old.stored - stored
 
@@ -103,7 +103,7 @@ def is_crowded(p, totals):
 
 
 class Sides(NamedTuple):
-    """What is known of the touches of probes, on both sides of the faces."""
+    """Touches of probes, on both sides of the faces."""
 
     states: Rows  # before and after the step, `WALLS` for each side of each probe
     slot_in_use: int  # which of both is from before

@@ -22,7 +22,7 @@ AHEAD = 4.0
 
 @kernel
 def note_motion(nodes):
-    """How every body has moved and rotated since the start of the step. Writes: nodes."""
+    """Record displacement and rotation of every body since the start of the step. Writes: nodes."""
     for i in range(1, nodes.shape[0]):
         b = nodes[i]
         put(b.moved, sub(vec(b.r), vec(b.start_r)))
@@ -31,7 +31,7 @@ def note_motion(nodes):
 
 @kernel
 def largest_approach(p, a, b):
-    """What the gap of a pair on bodies a and b has lost in the step at most [m]."""
+    """Largest decrease of the gap of a pair on bodies a and b in the step [m]."""
     if p.reach_a <= p.reach_b:
         return motion_seen_from(a, b, p.reach_a)
     return motion_seen_from(b, a, p.reach_b)
@@ -39,7 +39,7 @@ def largest_approach(p, a, b):
 
 @kernel
 def motion_seen_from(a, b, reach):
-    """How far a point of body a within `reach` of its mass centre has moved at most [m]; of b."""
+    """Bounds of displacement [m] of points within `reach` of the mass centres of bodies a and b."""
     offset, of_a, of_b = sub(vec(a.r), vec(b.r)), vec(a.rotated), vec(b.rotated)
     travel = sub(sub(vec(a.moved), vec(b.moved)), cross(of_b, offset))
     curved = dot(of_a, of_a) * reach + dot(of_b, of_b) * (reach + norm(offset))

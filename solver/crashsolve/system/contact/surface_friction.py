@@ -60,7 +60,7 @@ def moves(b, d, f):
 
 @kernel
 def probe_predicts(probe, d, old, points):
-    """The same of a probe by the friction of the last step."""
+    """Acceleration over the last friction force that the velocity of a probe predicts [1/kg]."""
     if probe.point < 0:
         return 0.0, 0.0, 0.0
     return moves(points[probe.point], d, vec(old.friction_force))
@@ -117,7 +117,9 @@ def pressed_by(b, h, rate):
 
 @kernel
 def pressed_probe(probe, d, u, f, h, nodes, scene):
-    """What all friction at a probe, this one included, is pressed by. Writes: nodes, stiffened."""
+    """Acceleration [m/s^2] along u by the normal forces of all friction at a probe, this one
+    included. Writes: nodes, stiffened.
+    """
     if probe.point >= 0:
         return pressed_by(scene.stiffened[probe.point], h, f * ease(scene.points[probe.point], d))
     body = nodes[probe.node]
@@ -127,7 +129,8 @@ def pressed_probe(probe, d, u, f, h, nodes, scene):
 
 @kernel
 def pressed_on_face(h, p, touch, arms, u, f, nodes, scene):
-    """What all friction at a probe and at the corners of its face is pressed by along u [m/s^2].
+    """Acceleration along u [m/s^2] by the normal forces of all friction at a probe and the corners
+    of its face.
 
     Sums of f N w over the last step; `arms` are those of the position from both sides.
     Writes: nodes, scene.stiffened.

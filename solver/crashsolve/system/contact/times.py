@@ -34,7 +34,9 @@ def time_cards(time, h, clock, cards, history):
 
 @kernel
 def crossing(time, h, before, now):
-    """When the depth was zero in a step of h that ends at `time` [s]; its end if it never was."""
+    """Time [s] at which the depth was zero in a step of h that ends at `time`; its end if it never
+    was.
+    """
     if h <= 0.0 or not before * now < 0.0:
         return time
     return time - h * now / (now - before)

@@ -279,16 +279,6 @@ def has_left_list(clock, elements, nodes, seen, slack):
 
 
 @kernel
-def fastest_motion(nodes):
-    """Largest speed of a mass centre [m/s] and largest angular speed [rad/s] of any body."""
-    speed, spin = 0.0, 0.0
-    for i in range(1, nodes.shape[0]):
-        b = nodes[i]
-        speed, spin = max(speed, dot(vec(b.v), vec(b.v))), max(spin, dot(vec(b.w), vec(b.w)))
-    return sqrt(speed), sqrt(spin)
-
-
-@kernel
 def closing_at_most(p, a, b, nodes):
     """Upper bound of the closing speed of two elements [m/s]."""
     m, w = nodes[a.node], nodes[b.node]
@@ -361,7 +351,7 @@ def carry_onsets(current, history):
 
 @kernel
 def note_power(applied, f, rate, t, slip, out, count):
-    """What the forces of a pair give to both sides in a stage, and what they hold. Writes: count.
+    """Record power and stored energy of the forces of a pair in a stage. Writes: count.
 
     Methods of stages sum it with the weights of the stages, as what is lost.
     """

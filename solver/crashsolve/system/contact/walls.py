@@ -107,13 +107,13 @@ def shares(one, two, apart):
 
 @kernel
 def separation_of(p, one, two):
-    """How far two walls are apart, from 0 to 1."""
+    """Separation of two walls, from 0 to 1."""
     return separation_between(p, one.distance, vec(one.normal), two)
 
 
 @kernel
 def separation_between(p, distance, n, other):
-    """The same of a wall with this distance and normal, and another."""
+    """Separation, 0 to 1, of a wall with this distance and normal from another."""
     cosine = dot(n, vec(other.normal))
     low, high = min(distance, other.distance), max(distance, other.distance)
     return min(max((low - high * cosine) / (FAR * p.gap), 0.0), 1.0)
@@ -160,7 +160,7 @@ def keep(hit, p, f, N, distance, n):
 
 @kernel
 def separation_from(s, w, p, distance, n, found):
-    """How far a wall is one of its own beside w others, from 0 to 1."""
+    """Separation of a wall from w others, from 0 to 1."""
     apart = 1.0
     for v in range(w):
         apart = min(apart, separation_between(p, distance, n, found[number_of(s, v)]))
@@ -181,7 +181,8 @@ def touched(old):
 
 @kernel
 def pair_up(p, j, s, count, before, found, probe_states, slot_in_use):
-    """Which of the walls touched before each of `count` is: the same face, or the nearest normal.
+    """Number of the wall touched before that each of `count` continues: the same face, or the
+    nearest normal.
 
     Returns the sum of 2^r over the walls r that continue. Writes: found.
     """

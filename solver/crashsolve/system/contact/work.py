@@ -86,7 +86,7 @@ def displacement_from(motion, a, x):
 
 @kernel
 def displacement_to(motion, a, x):
-    """The same of what touches at x at its end."""
+    """Displacement of a over b of the point that touches at x at the end of the step."""
     return add(motion[1], cross(motion[2], sub(x, vec(a.r))))
 
 
@@ -161,7 +161,9 @@ def part_pair(old, new, friction_loss):
 
 @kernel
 def arms(p, touch):
-    """To the position of contact: from the probe, and from the nearest point of the mid-surface."""
+    """Vectors [m] to the point of contact: from the probe, and from the nearest point of the mid-
+    surface.
+    """
     left = p.gap - touch.depth
     n = vec(touch.normal)
     return scale(-p.share * left, n), scale((1.0 - p.share) * left, n)
@@ -183,7 +185,7 @@ def displacement_of_probe(probe, d, is_past, h, nodes, points):
 
 @kernel
 def displacement_over_face(p, probe, touch, is_past, h, nodes, points, corners):
-    """The same over the face at which it touches, or at which it did at the start."""
+    """Displacement of a probe over the face at which it touches, or touched at the start."""
     if h == 0.0:
         return 0.0, 0.0, 0.0
     d, e = arms(p, touch)
@@ -199,8 +201,9 @@ def displacement_over_face(p, probe, touch, is_past, h, nodes, points, corners):
 
 @kernel
 def displacement_over_body(p, probe, touch, is_past, position, h, nodes, points):
-    """The same over the body of a shape; `position`: that, and where the probe is at the end
-    [m].
+    """Displacement of a probe over the body of a shape;
+
+    `position`: its arm, and the probe at the end [m].
     """
     if h == 0.0:
         return 0.0, 0.0, 0.0

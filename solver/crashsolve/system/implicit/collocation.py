@@ -87,7 +87,7 @@ def sum_rates(stages, n, A, i, h):
 
 @inlined
 def add_rates(r, g, v, w, t, s):
-    """Those changes with a time t at the rates of stage s."""
+    """Add the changes over a time t at the rates of stage s."""
     return (
         add_scaled(r, t, vec(s.rate_r)),
         add_scaled(g, t, vec(s.rate_rotation)),
@@ -129,7 +129,7 @@ def stand(nodes, stages, i):
 
 @kernel
 def miss(nodes, stages, A, T, i, h):
-    """What stage i misses, with the corrections of the stages before it. Writes: stages.right_*."""
+    """Residual of stage i, with the corrections of the stages before it. Writes: stages.right_*."""
     count = stages.shape[0]
     for n in range(1, nodes.shape[0]):
         s = stages[i, n]

@@ -59,14 +59,14 @@ def lean(row, velocity, position):
 @kernel
 def factor_compliant(saddle, compliant, joint_rows, position, velocity):
     """Factor of D M^-1 D^T + 1 / sigma, sigma = position k + velocity c. Writes: saddle."""
-    assemble(saddle.pairs, saddle.blocks, compliant)
+    assemble(saddle, compliant)
     columns, blocks = saddle.columns, saddle.blocks
     for p in range(columns.shape[0]):
         c = columns[p]
         if c.entry >= joint_rows:
-            x = blocks[c.block].x
             for i in range(c.rows):
-                x[7 * i] += give(compliant[c.entry + i], position, velocity)
+                at = c.first + (c.rows + 1) * i
+                blocks[at] += give(compliant[c.entry + i], position, velocity)
     eliminate(saddle)
 
 
@@ -100,7 +100,7 @@ def solve_stage(nodes, stages, i, compliant, saddle, joint_rows, t):
 
 @kernel
 def gather_kicks(stages, i, compliant):
-    """What the impulses of all rows do to each body. Writes: stages.slope_v, slope_w."""
+    """Sum the impulses of all rows on each body. Writes: stages.slope_v, slope_w."""
     zero = (0.0, 0.0, 0.0)
     for n in range(stages.shape[1]):
         put(stages[i, n].slope_v, zero)
@@ -127,7 +127,7 @@ def ask_rates(rows, compliant, stages, t):
     """Multipliers answer for D v - nu over t, and for missing accelerations. Writes: compliant."""
     for k in range(compliant.shape[0]):
         row = compliant[k]
-        # nothing is ever missing at the ground
+        # the ground has no residual
         a, b = stages[1, row.node_a], stages[1, row.node_b]
         row.right = -along_row(row.D, 0, a.right_v, a.right_w)
         row.right -= along_row(row.D, 6, b.right_v, b.right_w)

@@ -24,7 +24,9 @@ from crashsolve.system.implicit.collocation import start_spin
 
 @kernel
 def alpha_weights(rho, h):
-    """Of v_dot_1 and v_dot_0 and a_0 in a_1; steps of velocity and displacement by v_dot_1."""
+    """Weights of v_dot_1, v_dot_0 and a_0 in a_1; derivatives of velocity and displacement by
+    v_dot_1.
+    """
     a_m, a_f = (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
     gamma = 0.5 + a_f - a_m
     beta = 0.25 * (gamma + 0.5) ** 2
@@ -41,7 +43,7 @@ def open_accelerations(stages, smooth):
     for n in range(1, stages.shape[1]):
         s, end = stages[0, n], stages[1, n]
         if smooth:
-            # keep_rates has not seen the multipliers of the step
+            # keep_rates does not include the multipliers of the step
             put(s.past_v, vec(end.past_v))
             put(s.past_w, vec(end.past_w))
             put(s.rate_v, vec(end.rate_v))
@@ -53,7 +55,7 @@ def open_accelerations(stages, smooth):
             put(s.past_w, vec(s.rate_w))
             put(s.mean_v, vec(s.rate_v))
             put(s.mean_w, vec(s.rate_w))
-        # what the step after this one will find as its past
+        # history for the next step
         put(end.past_v, vec(s.rate_v))
         put(end.past_w, vec(s.rate_w))
 

@@ -102,7 +102,7 @@ def answer(c):
 
 @kernel
 def solve_with(matrix, compliant, joint_rows):
-    """The same for the joints, whose right sides their rows have. Writes: compliant.delta."""
+    """Solution for the joints, with the right sides in their rows. Writes: compliant.delta."""
     for p in range(matrix.columns.shape[0]):
         c = matrix.columns[p]
         if c.node == 0:
@@ -156,7 +156,7 @@ def solve_stage(nodes, stages, i, compliant, matrix, joint_rows, t):
         row.right = along_row(row.D, 0, a.right_v, a.right_w)
         row.right += along_row(row.D, 6, b.right_v, b.right_w)
     for k in range(joint_rows, compliant.shape[0]):
-        resist_row(nodes, stages, i, compliant[k], matrix.pairs[k], matrix)
+        resist_row(nodes, stages, i, compliant[k], matrix.slots[k], matrix)
     solve_with(matrix, compliant, joint_rows)
     for p in range(columns.shape[0]):
         c = columns[p]
@@ -166,7 +166,7 @@ def solve_stage(nodes, stages, i, compliant, matrix, joint_rows, t):
 
 @kernel
 def resist_elements(nodes, stages, i, matrix, t):
-    """Less t K a of the elements. Writes: matrix.columns.work."""
+    """Subtract t K a of the elements. Writes: matrix.columns.work."""
     columns, blocks = matrix.columns, matrix.blocks
     for p in range(columns.shape[0]):
         c = columns[p]
@@ -202,7 +202,7 @@ def displacement(body, s):
 
 @kernel
 def resist_row(nodes, stages, i, row, slot, matrix):
-    """The same of a spring: X (G a). Writes: matrix.columns.work."""
+    """Subtract X (G a) of a spring. Writes: matrix.columns.work."""
     if row.stiffness == 0.0 and row.damping == 0.0:
         return
     x = 0.0

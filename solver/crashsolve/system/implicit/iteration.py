@@ -59,7 +59,7 @@ def diverges_early(count, worst, previous):
 
 @kernel
 def enough_beside(h, clock, control, order, power):
-    """What may be left in the equations of a step of h beside its own error.
+    """Tolerance of the equations of a step of h beside its own error.
 
     That is predicted by the estimate of the last step, which falls with a `power` of the step where
     the error of the method falls with order + 1. Nothing is known after a kink.

@@ -168,7 +168,10 @@ def project_estimate(errors, k, nodes, rows, saddle):
 
 @kernel
 def project_pair(errors, k, rows, saddle, of_positions):
-    """The same of positions and rotations, or of velocities and spins. Writes: errors, rows."""
+    """Project the estimate of positions and rotations, or of velocities and spins:
+
+    D e = 0. Writes: errors, rows.
+    """
     for i in range(rows.shape[0]):
         row = rows[i]
         x_a, y_a = pair_of(errors[k, row.node_a], of_positions)
@@ -290,7 +293,7 @@ def next_length(h, error, clock, tolerance, order):
     if not error < 1e300:
         return 0.1 * h
     share = SAFETY * (tolerance / error) ** (1.0 / order)
-    # a step that was cut short states no trend
+    # a step that was cut short shows no trend
     if error <= tolerance and clock.error > 0.0 and 0.2 * h < clock.step < 5.0 * h:
         before = SAFETY * (tolerance / clock.error) ** (1.0 / order)
         share = (share * before * clock.step / h) ** 0.25

@@ -23,13 +23,13 @@ def reach(nodes, scene):
         attached_point = scene.attached_points[i]
         arm = matvec(nodes[attached_point.node].A, vec(attached_point.spot))
         for k in range(3):
-            # what rides on the ground does not rotate with it
+            # points attached to the ground do not rotate with it
             scene.arms[3 * attached_point.point + k] = arm[k] if attached_point.node > 0 else 0.0
 
 
 @kernel
 def keep(scene):
-    """What the elements keep at the start of a step. Writes: scene.lanes_before."""
+    """Copy the blocks of elements at the start of a step. Writes: scene.lanes_before."""
     for i in range(scene.counts[0].numbers):
         scene.lanes_before[i] = scene.lanes[i]
 

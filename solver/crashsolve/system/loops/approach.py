@@ -1,7 +1,7 @@
 """How near the pairs of a contact group are at the end of a step, and were at its start."""
 
-from crashsolve.foundation.kernels import stage
-from crashsolve.system.contact import resting
+from crashsolve.foundation.kernels import apart, stage
+from crashsolve.system.contact import body_pairs, resting
 from crashsolve.system.placeholders import KICK_DRIFT_KICK
 
 
@@ -17,10 +17,25 @@ def ends_of(group, piece, count, scene):
 def gaps_of(group, piece, current, nodes, floor, deepest, scene):
     """The largest depth of the pairs of a group, or of a piece of it, and of another [m].
 
-    Of what did not touch at the start of the step; see approach in events.py.
+    Of what did not touch at the start of the step; see approach in events.py. Writes: body_pairs.
     """
+    if group.body_pairs is not None:
+        for k in range(group.body_pairs.shape[0]):
+            both = group.body_pairs[k]
+            if not body_pairs.are_below(both, max(deepest, floor), nodes):
+                body_pairs.end_rest(both, group.history)
+                deepest = gaps_of_some(
+                    group, both.first, both.end, current, nodes, floor, deepest, scene
+                )
+        return deepest
+    first, end = ends_of(group, piece, group.parameters.shape[0], scene)
+    return gaps_of_some(group, first, end, current, nodes, floor, deepest, scene)
+
+
+@apart
+def gaps_of_some(group, first, end, current, nodes, floor, deepest, scene):
+    """The same of some pairs that follow each other [m]."""
     params, history = group.parameters, group.history
-    first, end = ends_of(group, piece, params.shape[0], scene)
     for i in range(first, end):
         if not KICK_DRIFT_KICK:
             # a method of high order is affected by the kink at the end of a contact too
@@ -45,9 +60,21 @@ def gaps_of(group, piece, current, nodes, floor, deepest, scene):
 
 @stage
 def apart_before(group, piece, current, deepest, scene):
-    """The same at the start of the step [m]."""
+    """The largest depth at the start of the step, of pairs that may meet in it [m]."""
+    if group.body_pairs is not None:
+        for k in range(group.body_pairs.shape[0]):
+            both = group.body_pairs[k]
+            if both.rests == 0:
+                deepest = apart_some(group, both.first, both.end, current, deepest, scene)
+        return deepest
+    first, end = ends_of(group, piece, group.history.shape[1], scene)
+    return apart_some(group, first, end, current, deepest, scene)
+
+
+@stage
+def apart_some(group, first, end, current, deepest, scene):
+    """The largest depth of some pairs that follow each other [m]."""
     history = group.history
-    first, end = ends_of(group, piece, history.shape[1], scene)
     for i in range(first, end):
         depth = history[current, i].depth
         if not KICK_DRIFT_KICK:

@@ -3,11 +3,20 @@
 Sides that lie on each other over an area press in its points, each with its own closing speed, and
 friction may resist a spin (system/contact/areas.py). A contact may continue on another face than
 the nearest (system/contact/pass_through.py), and a pair that cannot have met is skipped
-(system/contact/resting.py).
+(system/contact/resting.py), together with all others of its two bodies
+(system/contact/body_pairs.py).
 """
 
-from crashsolve.foundation.kernels import kernel, stage
-from crashsolve.system.contact import areas, exits, pass_through, resting, touches, work
+from crashsolve.foundation.kernels import apart, kernel, stage
+from crashsolve.system.contact import (
+    areas,
+    body_pairs,
+    exits,
+    pass_through,
+    resting,
+    touches,
+    work,
+)
 from crashsolve.system.contact.pair import (
     Closing,
     Ends,
@@ -26,8 +35,34 @@ from crashsolve.system.placeholders import KICK_DRIFT_KICK, THREADS
 @kernel
 def contact_pairs(group, piece, clock, h, nodes, curves, scene):
     """Forces of the pairs of a group, or of a piece. Writes: totals, outputs, new histories."""
+    if group.body_pairs is not None:
+        for k in range(group.body_pairs.shape[0]):
+            both = group.body_pairs[k]
+            card = scene.cards[both.card]
+            if body_pairs.stay_apart(both, h, card.depth, nodes):
+                touches.sum_losses(card, both)
+                continue
+            # a sample changes no more than what the next step writes anew
+            if h > 0.0:
+                body_pairs.end_rest(both, group.history)
+            evaluated = some_pairs(
+                group, piece, both.first, both.end, clock, h, nodes, curves, scene
+            )
+            if h > 0.0 and evaluated == 0:
+                body_pairs.begin_rest(both, clock.current, group.history)
+    else:
+        first, end = ends_of(group, piece, group.parameters.shape[0], scene)
+        some_pairs(group, piece, first, end, clock, h, nodes, curves, scene)
+
+
+@apart
+def some_pairs(group, piece, first, end, clock, h, nodes, curves, scene):
+    """The same of pairs that follow each other; returns how many gaps were evaluated.
+
+    Writes: totals, outputs, new histories.
+    """
     params, history, output = group.parameters, group.history, group.output
-    first, end = ends_of(group, piece, params.shape[0], scene)
+    evaluated = 0
     for i in range(first, end):
         p, out = params[i], output[i]
         old, new = history[clock.current, i], history[1 - clock.current, i]
@@ -41,6 +76,7 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
             new.depth = old.depth + displacement
             touches.sum_losses(card, new)
             continue
+        evaluated += 1
         depth, n, x = gap(group, h, card, Ends(p, old, new, a, b), displacement, nodes, scene)
         held, stored = False, out.stored
         if group.keeps_faces:
@@ -69,11 +105,12 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
                 pass_through.released_energy(clock, h, old, n, stored) - out.stored, 0.0
             )
         touches.sum_losses(card, new)
+    return evaluated
 
 
 @stage
 def totals_of(group, piece, i, clock, p, m, w, scene):
-    """What pair i adds to. Of many pairs each has loads, and each piece sums, of its own.
+    """The sums to which pair i adds. Of many pairs each has loads, and each piece sums, of its own.
 
     One thread hands loads on at once, and needs those of one pair alone.
     """
@@ -130,7 +167,7 @@ def kept_face(group, clock, h, ends, depth, n, x, nodes, scene):
 
 @stage
 def first_half_ended(group, h, old, motion, m, count):
-    """What friction loses in the half of a step in which the last forces end [J]. Writes: count."""
+    """Loss by friction in the half of a step in which the last forces end [J]. Writes: count."""
     if KICK_DRIFT_KICK and group.resists_spin:
         return areas.end_first_half(h, old, motion, m, count)
     if KICK_DRIFT_KICK and group.friction:
@@ -232,7 +269,7 @@ def push_of(group, h, pair, totals, meeting, closing, curves, scene):
 
 @stage
 def resistance(group, clock, h, pair, totals, sliding, motion, radius, curves):
-    """What friction does to the pair. Writes: out, new."""
+    """Friction of the pair. Writes: out, new."""
     pair.out.friction_stored = 0.0
     if group.resists_spin:
         force, displacement, power, loss = friction_in_area(
@@ -285,7 +322,7 @@ def patch_of(group, pair, meeting, nodes, scene):
 
 @stage
 def share_of_step(clock, h, old, depth, rate):
-    """How much of the force of a pair counts in the step in which it begins to touch."""
+    """Fraction of the force of a pair in the step in which it begins to touch."""
     if KICK_DRIFT_KICK:
         return touches.applied_fraction(old, depth, rate, h)
     return touches.begun_before(clock, old, h)

@@ -7,7 +7,7 @@ with the nodes, and ask for forces and tangents alone.
 from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.system import points, ties
 from crashsolve.system.implicit import stiffness
-from crashsolve.system.loops.pieces import deform_part, share, share_loans
+from crashsolve.system.loops.pieces import collect_in_pieces, deform_part, share
 from crashsolve.system.placeholders import ASSEMBLED, ELEMENTS, THREADS, TIES
 from crashsolve.threads import jobs
 
@@ -27,7 +27,7 @@ def move_elements(clock, h, nodes, scene):
         if THREADS:
             limit = clock.limit_element
             share(jobs.DEFORM, scene.pieces.shape[0], clock, h, scene)
-            share_loans(0, scene.pieces.shape[0], clock, h, scene)
+            collect_in_pieces(0, scene.pieces.shape[0], clock, h, scene)
             jobs.note_rates(clock, limit, scene)
         else:
             deform(clock, h, scene)
@@ -35,7 +35,7 @@ def move_elements(clock, h, nodes, scene):
 
 @stage
 def move_points(clock, h, nodes, scene):
-    """What the points end a force pass with. Writes: scene.points, nodes."""
+    """Second kick of the points, at the end of a force pass. Writes: scene.points, nodes."""
     if ASSEMBLED:
         points.carry_attached(nodes, scene.points)
         points.unload(clock, nodes, scene.points, scene.attached_points)
@@ -56,7 +56,7 @@ def elements(clock, h, scene):
 
 @kernel
 def keep_elements(scene):
-    """What elements keep at the start of a step. Writes: lanes_before."""
+    """Copy the blocks of elements at the start of a step. Writes: lanes_before."""
     if ELEMENTS:
         stiffness.keep(scene)
 

@@ -26,7 +26,7 @@ from crashsolve.system.energy import (
     least_energy,
     unseen_distance,
 )
-from crashsolve.system.gain import gains
+from crashsolve.system.gain import gains, overstates
 from crashsolve.system.kinetics import kinetic_energy
 from crashsolve.system.placeholders import (
     ASSEMBLED,
@@ -85,7 +85,9 @@ def half_kicks(clock, nodes, scene):
 
 @stage
 def add_laws(clock, scene, ledger):
-    """What springs, beams and loads hold, and have lost, in the entries of their kind."""
+    """Add stored and dissipated energies of springs, beams and loads to the entries of their
+    kind.
+    """
     for group in FORCES:
         for i in range(group.output.shape[0]):
             ledger[group.stored_entry] += group.output[i].stored
@@ -102,7 +104,7 @@ def add_laws(clock, scene, ledger):
 
 @stage
 def add_elements(clock, scene, ledger):
-    """What the elements of shells hold, and have lost. Writes: ledger."""
+    """Add stored and dissipated energies of shell elements. Writes: ledger."""
     for group in ELEMENTS:
         for i in range(group.output.shape[0]):
             o, new = group.output[i], group.history[clock.current, i]
@@ -124,7 +126,9 @@ def add_elements(clock, scene, ledger):
 
 @stage
 def add_contacts(clock, scene, ledger):
-    """What contacts hold, and have lost, with what left the lists of near pairs."""
+    """Add stored and dissipated energies of contacts, including pairs that left the lists of near
+    ones.
+    """
     for group in CONTACTS:
         for i in range(group.output.shape[0]):
             o, old = group.output[i], group.history[clock.current, i]
@@ -141,7 +145,7 @@ def add_contacts(clock, scene, ledger):
 
 @stage
 def add_nodal_contacts(scene, ledger):
-    """What contacts of the nodes of shells hold, and have lost. Writes: ledger."""
+    """Add stored and dissipated energies of contacts of shell nodes. Writes: ledger."""
     for group in NODAL:
         ledger[CONTACT_STORED] += group.totals[0].stored
         ledger[CONTACT_DISSIPATED] += group.totals[0].dissipated
@@ -158,7 +162,9 @@ def check_laws(clock, control, nodes, scene):
         for group in WATCHED:
             for i in range(group.output.shape[0]):
                 now, stored = group.history[clock.current, i], group.output[i].stored
-                if gains(now, stored, control.energy_limit, unseen):
+                limit = control.energy_limit
+                creates = gains(now, stored, limit, unseen)
+                if creates or overstates(now, stored, limit, unseen):
                     clock.status = LAW_GAIN
 
 

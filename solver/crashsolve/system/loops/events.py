@@ -1,7 +1,7 @@
 """What begins within a step: onsets of contact, branches of laws, lists of pairs to renew."""
 
 from crashsolve.foundation.kernels import kernel, stage
-from crashsolve.system.contact import areas, node_contact, projection, touches
+from crashsolve.system.contact import areas, body_pairs, node_contact, projection, touches
 from crashsolve.system.loops.approach import apart_before, gaps_of
 from crashsolve.system.loops.many_pairs import before_of_pieces
 from crashsolve.system.loops.pieces import approach_in_pieces
@@ -26,7 +26,7 @@ def approach(clock, nodes, scene, floor):
 
 @kernel
 def approach_before(clock, scene):
-    """The same at the start of the step [m]."""
+    """The largest depth at the start of the step [m], of what did not touch."""
     deepest = -1e300
     for group in CONTACTS:
         if group.in_pieces:
@@ -38,7 +38,9 @@ def approach_before(clock, scene):
 
 @kernel
 def event(current, h, nodes, curves, scene):
-    """How far laws are past the branches on which a step of h began [m or rad]; 0: not yet."""
+    """Largest distance of laws beyond the branches on which a step of h began [m or rad]; 0: not
+    yet.
+    """
     farthest = -1e300
     for group in BRANCHES:
         p, history = group.parameters, group.history
@@ -97,23 +99,37 @@ def limit_closing(group, clock, nodes, scene):
     A step brings them at most a share of their thickness nearer than touching.
     Writes: clock.next_step.
     """
+    if group.body_pairs is not None:
+        for k in range(group.body_pairs.shape[0]):
+            both = group.body_pairs[k]
+            at_most = body_pairs.closing_at_most(both, nodes)
+            distance = touches.SEEN * both.thick - both.depth - both.gone
+            if both.rests == 0 or at_most * clock.next_step > distance:
+                body_pairs.end_rest(both, group.history)
+                limit_some(group, both.first, both.end, at_most, clock, nodes, scene)
+    else:
+        limit_some(group, 0, group.parameters.shape[0], 1e300, clock, nodes, scene)
+
+
+@stage
+def limit_some(group, first, end, at_most, clock, nodes, scene):
+    """The same for some pairs, none of which closes faster than `at_most` [m/s].
+
+    Writes: clock.next_step.
+    """
     params, history = group.parameters, group.history
-    if group.rests:
-        speed_of_any, spin_of_any = touches.fastest_motion(nodes)
-    for i in range(params.shape[0]):
+    for i in range(first, end):
         p, now = params[i], history[clock.current, i]
         if now.active == 1:
             continue
         distance = touches.SEEN * p.thick - now.depth
-        if group.rests:
-            # no pair closes faster: that is enough for most, and costs little
-            at_most = 2.0 * speed_of_any + spin_of_any * (p.reach_a + p.reach_b)
-            if at_most * clock.next_step <= distance:
-                continue
+        # that is enough for most, and costs little
+        if at_most * clock.next_step <= distance:
+            continue
         a, b = group.elements_a[p.a], group.elements_b[p.b]
         speed = touches.closing_at_most(p, a, b, nodes)
         if group.rests and speed * clock.next_step > distance:
-            # what is kept is no more than a bound
+            # the stored value is only a bound
             depth, _, _ = group.narrow.gap(a, b, nodes, group.data)
             distance = touches.SEEN * p.thick - depth
         if speed * clock.next_step > distance:

@@ -19,7 +19,7 @@ def residual(current, time, nodes, rows, curves, scene):
                 basic.residual(p[i], nodes, rows, p[i].first_row + first)
             if group.has_own_rows:
                 group.law.residual(p[i], old, new, time, nodes, rows, curves)
-            if group.comes_apart:
+            if group.can_separate:
                 group.law.release_rows(p[i], old, rows, group.module.ROWS)
 
 
@@ -33,7 +33,7 @@ def jacobian(current, time, nodes, rows, curves, scene):
                 basic.jacobian(p[i], nodes, rows, p[i].first_row + first)
             if group.has_own_rows:
                 group.law.jacobian(p[i], history[current, i], time, nodes, rows, curves)
-            if group.comes_apart:
+            if group.can_separate:
                 group.law.release_rows(p[i], history[current, i], rows, group.module.ROWS)
 
 
@@ -47,5 +47,5 @@ def convective(current, time, nodes, rows, curves, scene):
                 basic.convective(p[i], nodes, rows, p[i].first_row + first)
             if group.has_own_rows:
                 group.law.convective(p[i], history[current, i], time, nodes, rows, curves)
-            if group.comes_apart:
+            if group.can_separate:
                 group.law.release_rows(p[i], history[current, i], rows, group.module.ROWS)

@@ -58,7 +58,7 @@ def nearest_of_pieces(group, deepest, scene):
 
 @kernel
 def before_of_pieces(group, deepest, scene):
-    """The same at the start of the step, as it was when depths at its end were last looked for."""
+    """The largest depth at the start of the step [m], as of the last search."""
     for k in range(group.pieces.shape[0]):
         deepest = max(deepest, group.pieces[k].before)
     return deepest

@@ -60,11 +60,11 @@ def share_load(group, span, entry, clock, h, scene):
             scene.job[0].group = number
     scene.job[0].entry, scene.job[0].current = entry, clock.current
     share(jobs.LOAD, span.count, clock, h, scene)
-    share_loans(span.first_taker, span.taker_count, clock, h, scene)
+    collect_in_pieces(span.first_collector, span.collector_count, clock, h, scene)
 
 
 @kernel
-def share_loans(first, pieces, clock, h, scene):
+def collect_in_pieces(first, pieces, clock, h, scene):
     """Give what corners that stand for others got to these, for some pieces. Writes: points."""
     scene.job[0].entry = first
     share(jobs.TAKE, pieces, clock, h, scene)
@@ -130,7 +130,7 @@ def do_piece(k, me, clock, scene):
     elif ELEMENTS and job.number == jobs.DEFORM:
         deform_piece(k, clock, job.h, scene)
     elif ELEMENTS and job.number == jobs.TAKE:
-        jobs.take_back(scene.pieces[job.entry + k], scene)
+        jobs.collect_replicas(scene.pieces[job.entry + k], scene)
     elif ELEMENTS and job.number == jobs.CLOSE:
         close_piece(k, clock, job.h, scene)
     elif MANY_PAIRS:
@@ -198,7 +198,7 @@ def speed_piece(k, scene):
 
 @kernel
 def look_piece(k, me, number, scene):
-    """What some probes of a contact find. Writes: group.found, seen, looks."""
+    """Search with some probes of a contact. Writes: group.found, seen, looks."""
     for number_of, group in enumerate(NODAL):
         if number == number_of and not group.keeps_faces:
             look_for(group, k, me, scene)
@@ -255,9 +255,9 @@ def load_piece(k, job, scene):
 @entry
 def assist(until, sampling, scene):
     """Loop of a thread: the jobs that the first calls it to."""
-    clock, me, called = scene.clock[0], scene.seat[0], 0
+    clock, me, called = scene.clock[0], scene.thread_number[0], 0
     while True:
         called = worker.wait_for_call(called, scene.queues)
-        if called == worker.HOME:
+        if called == worker.LAST_ROUND:
             return
         do_pieces(me, called, clock, scene)

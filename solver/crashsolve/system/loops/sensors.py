@@ -24,17 +24,17 @@ def cut_elements(scene):
     """Blocks of the elements of sections once more, one after the other. Writes: scene.cuts."""
     section_cut.open_cuts(scene)
     before = -1
-    for k in range(scene.taps.shape[0]):
-        tap = scene.taps[k]
-        if tap.first != before:
+    for k in range(scene.element_cuts.shape[0]):
+        element_cut = scene.element_cuts[k]
+        if element_cut.first != before:
             for group in ELEMENTS:
-                p = group.parameters[tap.part]
+                p = group.parameters[element_cut.part]
                 for law, material in group.materials:
                     if p.law == law:
                         for number, kind in group.numbered_kinds:
-                            if tap.kind == number:
-                                at, corner = tap.first, tap.corner
+                            if element_cut.kind == number:
+                                at, corner = element_cut.first, element_cut.corner
                                 group.blocks.respond(kind, p, 0.0, at, corner, scene, material)
-        before = tap.first
-        section_cut.add_tap(tap, scene)
+        before = element_cut.first
+        section_cut.add_cut_element(element_cut, scene)
     section_cut.close_cuts(scene)

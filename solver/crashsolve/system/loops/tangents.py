@@ -37,7 +37,7 @@ def bend(h, clock, nodes, curves, matrix, scene):
             p, history, out = group.parameters, group.history, group.output
             first = scene.tangents[k].first
             for i in range(p.shape[0]):
-                slot = matrix.pairs[first + group.tangent_rows * i]
+                slot = matrix.slots[first + group.tangent_rows * i]
                 old = history[clock.current, i]
                 if group.materials:
                     for number, material in group.materials:
@@ -51,7 +51,7 @@ def bend(h, clock, nodes, curves, matrix, scene):
             p, out = group.parameters, group.output
             first = scene.tangents[k].first
             for i in range(p.shape[0]):
-                slot = matrix.pairs[first + group.tangent_rows * i]
+                slot = matrix.slots[first + group.tangent_rows * i]
                 group.law.geometric_stiffness(p[i], out[i], nodes, slot, matrix.blocks)
 
 

@@ -12,7 +12,7 @@ from crashsolve.system.placeholders import UNILATERAL
 
 @kernel
 def find_touching(group, clock, h, nodes, scene):
-    """What is held, and where, of the pairs of one group. Writes: new histories, outputs."""
+    """Find the touching pairs of one group, and their points. Writes: new histories, outputs."""
     params, history, output = group.parameters, group.history, group.output
     for i in range(params.shape[0]):
         old, new = history[clock.current, i], history[1 - clock.current, i]

@@ -9,7 +9,7 @@ class Parameters(ContactParameters):
 
 class History(ContactHistory):
     slider: float  # [m] s
-    kept: float  # [J] P
+    unloading_work: float  # [J] P
     recoverable: float  # [J] energy that the padding gives back
 
 class Output(ContactOutput): ...

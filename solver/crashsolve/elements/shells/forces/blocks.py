@@ -12,7 +12,7 @@ and kernels are handed it as they are handed a material.
 
 from typing import Any, NamedTuple
 
-from crashsolve.elements.shells.damping import allow, damp
+from crashsolve.elements.shells.damping import add_damping_to_bound, damp
 from crashsolve.elements.shells.erosion import (
     add_losses,
     delete,
@@ -21,16 +21,16 @@ from crashsolve.elements.shells.erosion import (
     zero_forces,
     zero_strains,
 )
-from crashsolve.elements.shells.forces.corners import gather, note_rate, scatter, slow_corners
-from crashsolve.elements.shells.hourglass_return import clear_weak
-from crashsolve.elements.shells.layers import grow_rate
+from crashsolve.elements.shells.forces.corners import damped_corners, gather, record_rate, scatter
+from crashsolve.elements.shells.hourglass_return import reset_shear_factor
+from crashsolve.elements.shells.layers import raise_frequency
 from crashsolve.elements.shells.records import BLOCK
 from crashsolve.foundation.kernels import apart, kernel
 from crashsolve.foundation.point import LANES
 
 
 class Span(NamedTuple):
-    """Where the elements of one kind lie in a part."""
+    """Range of the elements of one kind in a part."""
 
     first: int  # index of their numbers in blocks
     corner: int  # index of their corners
@@ -41,7 +41,7 @@ class Span(NamedTuple):
 
 @kernel
 def span_of_quadrilaterals(p, count):
-    """The Span of so many quadrilaterals, which come first in a part."""
+    """The Span of `count` quadrilaterals, which come first in a part."""
     return Span(p.first, p.first_corner, p.first_element, p.stride, count)
 
 
@@ -52,16 +52,16 @@ def deform(kind, p, clock, h, scene, material):
     Writes: scene.points, lanes, work, clock.
     """
     span, done = kind.span(p), 0
-    clear_weak(scene.work)
+    reset_shear_factor(scene.work)
     while done < span.count:
         first, corner = span.first + done // LANES * span.stride, span.corner + 4 * done
         live = min(LANES, span.count - done)
         respond(kind, p, h, first, corner, scene, material)
         if material.VON_MISES and p.erodes == 1:
             erode(kind, p, scene, first, corner, live, material)
-        note_rate(clock, span.element + done, scene, first, live, kind.CORNERS)
-        if p.slows == 1:
-            slow_corners(scene, corner, p.aside, live, kind.CORNERS)
+        record_rate(clock, span.element + done, scene, first, live, kind.CORNERS)
+        if p.is_damped == 1:
+            damped_corners(scene, corner, p.aside, live, kind.CORNERS)
         scatter(scene.points, scene.corners, corner + p.aside, live, scene.work, kind.CORNERS)
         done += LANES
 
@@ -78,13 +78,13 @@ def respond(kind, p, h, first, corner, scene, material):
     if p.erodes == 1:
         zero_strains(blocks, first, work)
     kind.stress(blocks, first, stride, work, h, p, scene.curves, material)
-    if p.slows == 1:
+    if p.is_damped == 1:
         damp(blocks, first, stride, work, h, p)
-    kind.push(blocks, first, work, p)
+    kind.corner_forces(blocks, first, work, p)
     if p.large_strain == 1:
-        grow_rate(work)
-    if p.slows == 1:
-        allow(blocks, first, stride, work, h, p)
+        raise_frequency(work)
+    if p.is_damped == 1:
+        add_damping_to_bound(blocks, first, stride, work, h, p)
     if p.erodes == 1:
         zero_forces(blocks, first, work)
 

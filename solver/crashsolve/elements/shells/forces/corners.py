@@ -1,4 +1,4 @@
-"""Sixteen shell elements side by side: from and to the points at their corners.
+"""Gather and scatter of sixteen shell elements side by side: motions and forces of their corners.
 
 Every loop over the lanes is one that the compiler turns into vector instructions: numbers lie at
 equal distances, and nothing branches. `work` has a row of lanes for each number between the loops.
@@ -7,29 +7,29 @@ equal distances, and nothing branches. `work` has a row of lanes for each number
 from crashsolve.elements.shells.forces.quadrilateral import dot3
 from crashsolve.elements.shells.records import BLOCK, WORK
 from crashsolve.foundation.kernels import blockwise, inlined, kernel
-from crashsolve.foundation.lanes import EIGHT, add_forces, take_motion
+from crashsolve.foundation.lanes import EIGHT, add_forces, gather_motion
 from crashsolve.foundation.motion import load_point
 from crashsolve.foundation.point import LANES
 
 
 @kernel
 def gather(points, corners, first, work):
-    """Positions, velocities and spins of the corners of a block. Writes: work."""
+    """Copy positions, velocities and spins of the corners of a block. Writes: work."""
     for c in range(4):
         for e in range(0, LANES, EIGHT):
-            take_motion(
+            gather_motion(
                 points, corners, first + LANES * c + e, work, LANES * (WORK.position + 3 * c) + e
             )
 
 
 @kernel
-def note_rate(clock, number, scene, first, live, ends):
-    """Shares of the corners in the squared frequencies of a block; the largest, and whose it is.
+def record_rate(clock, number, scene, first, live, ends):
+    """Shares of the corners in the squared frequencies of a block; the largest, and its element.
 
     Writes: clock, scene.work.
     """
     work = scene.work
-    if weigh(scene.lanes, first, work, ends, clock.element_rate) == 0.0:
+    if frequency_shares(scene.lanes, first, work, ends, clock.element_rate) == 0.0:
         return
     for e in range(live):
         rate = work[LANES * WORK.rate + e]
@@ -38,7 +38,7 @@ def note_rate(clock, number, scene, first, live, ends):
 
 
 @blockwise
-def weigh(blocks, first, work, ends, largest):
+def frequency_shares(blocks, first, work, ends, largest):
     """Squared frequencies times mass and inertia at each corner; how many are above `largest`.
 
     Rounded here: a product that becomes part of a sum is rounded otherwise, and sums of two threads
@@ -55,11 +55,11 @@ def weigh(blocks, first, work, ends, largest):
 
 
 @kernel
-def slow_corners(scene, corner, aside, live, ends):
-    """Squared frequencies of elements with damping to their corners, which keep the largest.
+def damped_corners(scene, corner, aside, live, ends):
+    """Give corners the largest squared frequency of their damped elements.
 
-    They share nothing out: half of what they need grows with h, not h^2. Writes: scene.points,
-    scene.work.
+    It is not divided among them, because half of the bound is proportional to h, not h^2. Writes:
+    scene.points, scene.work.
     """
     work, points = scene.work, scene.points
     for c in range(ends):
@@ -75,7 +75,7 @@ def slow_corners(scene, corner, aside, live, ends):
 
 @kernel
 def scatter(points, corners, first, live, work, ends):
-    """Forces, torques and shares of frequency of a block onto its corners. Writes: points."""
+    """Add forces, torques and shares of frequency of a block to its corners. Writes: points."""
     for c in range(ends):
         for e in range(0, LANES, EIGHT):
             at = LANES * (WORK.force + 3 * c) + e
@@ -86,14 +86,14 @@ def scatter(points, corners, first, live, work, ends):
 
 @inlined
 def corner(work, row, c, e):
-    """Vector of a corner."""
+    """Vector (3,) of corner c of element e."""
     at = LANES * (row + 3 * c) + e
     return work[at], work[at + LANES], work[at + 2 * LANES]
 
 
 @inlined
 def diagonals(work, row, e):
-    """(D, E, H, S) of a vector at the corners."""
+    """Diagonal differences, hourglass and sum (D, E, H, S) of a vector at the corners."""
     u1, u2 = corner(work, row, 0, e), corner(work, row, 1, e)
     u3, u4 = corner(work, row, 2, e), corner(work, row, 3, e)
     odd = (u1[0] + u3[0], u1[1] + u3[1], u1[2] + u3[2])
@@ -120,7 +120,7 @@ def before(x, half, u):
 
 @inlined
 def put_corner(work, row, c, e, axes, u):
-    """Minus a vector in the element's axes at a corner. Writes: work."""
+    """Write minus a vector of the element's axes to a corner, in world axes. Writes: work."""
     at = LANES * (row + 3 * c) + e
     for k in range(3):
         work[at + LANES * k] = -(axes[0][k] * u[0] + axes[1][k] * u[1] + axes[2][k] * u[2])
@@ -128,7 +128,7 @@ def put_corner(work, row, c, e, axes, u):
 
 @inlined
 def put_corners(work, row, e, axes, D, E, H, S):
-    """What acts on D, E, H and S as forces on the corners. Writes: work."""
+    """Write the generalized forces on D, E, H and S as forces on the corners. Writes: work."""
     put_corner(work, row, 0, e, axes, (S[0] + H[0] - D[0], S[1] + H[1] - D[1], S[2] + H[2] - D[2]))
     put_corner(work, row, 1, e, axes, (S[0] - H[0] - E[0], S[1] - H[1] - E[1], S[2] - H[2] - E[2]))
     put_corner(work, row, 2, e, axes, (S[0] + H[0] + D[0], S[1] + H[1] + D[1], S[2] + H[2] + D[2]))
@@ -142,5 +142,5 @@ def three(column, at):
 
 @inlined
 def four(column, at):
-    """Numbers of four rows one after the other."""
+    """Four numbers of successive rows."""
     return column[at], column[at + LANES], column[at + 2 * LANES], column[at + 3 * LANES]

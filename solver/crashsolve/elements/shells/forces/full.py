@@ -28,8 +28,8 @@ from crashsolve.elements.shells.forces.corners import diagonals, four
 from crashsolve.elements.shells.forces.quadrilateral import plane_axes, sides
 from crashsolve.elements.shells.forces.quadrilateral_block import shape
 from crashsolve.elements.shells.forces.quadrilateral_block import strain as strain
-from crashsolve.elements.shells.hourglass_return import relax_shear, see_shear
-from crashsolve.elements.shells.layers import clear_growth, take_up, through_thickness
+from crashsolve.elements.shells.hourglass_return import relax_shear, set_trial_shear
+from crashsolve.elements.shells.layers import reset_growth, through_thickness, update_elements
 from crashsolve.elements.shells.records import BLOCK, WORK
 from crashsolve.elements.shells.resultants import clear_resultants
 from crashsolve.foundation.kernels import blockwise, inlined, kernel
@@ -41,15 +41,15 @@ POSITION_OF_POINT = 3.0**-0.5
 
 @kernel
 def span(p):
-    """Where they lie in a part."""
+    """The Span of these elements in a part."""
     return span_of_quadrilaterals(p, p.four_points)
 
 
 @kernel
-def push(blocks, first, work, p):
+def corner_forces(blocks, first, work, p):
     """Forces and torques on the corners from the stresses. Writes: blocks, work."""
-    resist(blocks, first, work)
-    quadrilateral_block.push(blocks, first, work, p)
+    mode_forces(blocks, first, work)
+    quadrilateral_block.corner_forces(blocks, first, work, p)
 
 
 @blockwise
@@ -60,9 +60,9 @@ def stress(blocks, first, stride, work, h, p, curves, material):
     """
     keep_mean(work)
     if p.yields == 1:
-        see_shear(blocks, first, work)
+        set_trial_shear(blocks, first, work)
     if p.large_strain == 1:
-        clear_growth(work)
+        reset_growth(work)
     count = 0
     for point in range(4):
         xi, eta = natural_coordinates(point)
@@ -74,7 +74,7 @@ def stress(blocks, first, stride, work, h, p, curves, material):
     put_sums(work)
     if count > 0:
         relax_shear(blocks, first, work, p)
-    take_up(blocks, first, stride, work, h, p)
+    update_elements(blocks, first, stride, work, h, p)
 
 
 @inlined
@@ -86,7 +86,7 @@ def natural_coordinates(point):
 
 @blockwise
 def keep_mean(work):
-    """Strains of the middle aside, and no sums yet. Writes: work."""
+    """Store the strains of the middle, and clear the sums over points. Writes: work."""
     for row in range(6 * LANES):
         work[LANES * WORK.middle + row] = work[LANES * WORK.membrane + row]
     for row in range(18 * LANES):
@@ -95,7 +95,7 @@ def keep_mean(work):
 
 @blockwise
 def put_sums(work):
-    """Sums over the points in place of what one point has. Writes: work."""
+    """Put sums over the points in the place of the values of one point. Writes: work."""
     for row in range(6 * LANES):
         work[LANES * WORK.resultant + row] = work[LANES * WORK.sums + row]
         work[LANES * WORK.membrane + row] = work[LANES * WORK.middle + row]
@@ -103,7 +103,7 @@ def put_sums(work):
         work[LANES * WORK.thinning + e] = work[LANES * WORK.mean_thinning + e]
         work[LANES * WORK.lost + e] = work[LANES * WORK.mean_lost + e]
         work[LANES * WORK.dropped + e] = work[LANES * WORK.mean_dropped + e]
-        work[LANES * WORK.taken + e] = work[LANES * WORK.mean_taken + e]
+        work[LANES * WORK.relaxed + e] = work[LANES * WORK.mean_relaxed + e]
 
 
 @inlined
@@ -133,7 +133,7 @@ def strain_at(work, xi, eta, nu):
 
 @blockwise
 def add_point(work, xi, eta, nu):
-    """A quarter of the sums from what is at a point. Writes: work."""
+    """Add a quarter of the values at a point to the sums. Writes: work."""
     for e in range(LANES):
         for k in range(6):
             work[LANES * (WORK.sums + k) + e] += 0.25 * work[LANES * (WORK.resultant + k) + e]
@@ -147,11 +147,11 @@ def add_point(work, xi, eta, nu):
         work[LANES * WORK.mean_thinning + e] += 0.25 * work[LANES * WORK.thinning + e]
         work[LANES * WORK.mean_lost + e] += 0.25 * work[LANES * WORK.lost + e]
         work[LANES * WORK.mean_dropped + e] += 0.25 * work[LANES * WORK.dropped + e]
-        work[LANES * WORK.mean_taken + e] += 0.25 * work[LANES * WORK.taken + e]
+        work[LANES * WORK.mean_relaxed + e] += 0.25 * work[LANES * WORK.relaxed + e]
 
 
 @blockwise
-def resist(blocks, first, work):
+def mode_forces(blocks, first, work):
     """Forces conjugate to q: the transpose of the strains at the points, in the configuration after
     the step.
 

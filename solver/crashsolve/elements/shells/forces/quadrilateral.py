@@ -40,7 +40,7 @@ def cross3(a, b):
 
 
 @inlined
-def mix(s, a, t, b):
+def combine(s, a, t, b):
     """s a + t b."""
     return (s * a[0] + t * b[0], s * a[1] + t * b[1], s * a[2] + t * b[2])
 
@@ -61,7 +61,7 @@ def plane_axes(d, e, G):
     k = 0.5 / area
     e3 = (k * n[0], k * n[1], k * n[2])
     across = cross3(e3, d)
-    axes = (mix(c, d, s, across), mix(c, across, -s, d), e3)
+    axes = (combine(c, d, s, across), combine(c, across, -s, d), e3)
     return axes, (c * dd, -s * dd, c * de + s * 2.0 * area, c * 2.0 * area - s * de), area
 
 
@@ -77,7 +77,7 @@ def slopes(D, E, H, flat, hourglass, area):
 
 @inlined
 def slopes_transposed(along_x, along_y, q, flat, hourglass, area):
-    """What acts on D, E and H for the power along_x by_x + along_y by_y + q hourglass."""
+    """Generalized forces on D, E and H, of power along_x by_x + along_y by_y + q hourglass."""
     x31, y31, x42, y42 = flat
     q = 0.25 * q
     k = 0.5 / area
@@ -113,7 +113,7 @@ def shears(w, theta_x, theta_y, flat, hourglass, area):
 
 @inlined
 def shears_transposed(V, Q, flat, hourglass):
-    """What acts on (D, E, H) of w and (D, E, S) of the rotations for A V . gamma + Q . change."""
+    """Generalized forces on (D, E, H) of w, (D, E, S) of rotations: A V . gamma + Q . change."""
     a_x, a_y, b_x, b_y = sides(flat)
     h_x, h_y = hourglass
     g_a, g_b = b_y * V[0] - b_x * V[1], a_x * V[1] - a_y * V[0]
@@ -130,7 +130,8 @@ def shears_transposed(V, Q, flat, hourglass):
 
 @inlined
 def hourglass_stiffness(flat, area, E, G, nu, t):
-    """Of the plane: xx, yy, xy times E t; and of the change of transverse shear along a and b.
+    """Hourglass stiffness of the plane: xx, yy, xy times E t; and of the change of transverse shear
+    along a and b.
 
     The integrals of the slopes of xi eta over the element, with the strains of pure bending.
     """
@@ -147,7 +148,7 @@ def hourglass_stiffness(flat, area, E, G, nu, t):
 
 
 @inlined
-def stiffer(a, b, c):
+def larger_eigenvalue(a, b, c):
     """Largest eigenvalue of a (x - sqrt(c) y)^2 + b y^2."""
     more = a * c
     return 0.5 * (a + b + more + sqrt((a - b) * (a - b) + more * (2.0 * (a + b) + more)))
@@ -155,7 +156,8 @@ def stiffer(a, b, c):
 
 @inlined
 def rotation_bound(largest, both, skew, a_b, bending, rotation, nu):
-    """Of transverse shear in the middle, and of its change with bending; a skew element has both.
+    """Bounds of squared frequency of transverse shear in the middle, and of its change with
+    bending; a skew element has both.
 
     Rows of the shear in the middle share at most the root of `shared` with those of the rest.
     """
@@ -195,6 +197,6 @@ def rate_bound(flat, hourglass, z, area, thickness, radius_2, light, nu):
     strained = plane + held * (share + slant)
     bending = strained * thickness * thickness * rotation / 12.0
     rotated = rotation_bound(largest, both, skew, a_b, bending, rotation, nu)
-    one = stiffer(held, max(plane, rotated), slant + warp)
-    two = max(strained, stiffer(held * (1.0 + share), rotated, warp))
+    one = larger_eigenvalue(held, max(plane, rotated), slant + warp)
+    two = max(strained, larger_eigenvalue(held * (1.0 + share), rotated, warp))
     return light * min(one, two)

@@ -34,38 +34,38 @@ def shape(blocks, at):
 
 
 @inlined
-def grow(blocks, at, more, rate):
-    """Let a stress grow; its mean over the step times what it works on. Writes: blocks."""
+def integrate_stress(blocks, at, more, rate):
+    """Add `more` to a stress; returns its mean over the step times `rate`. Writes: blocks."""
     old = blocks[at]
     blocks[at] = old + more
     return (old + 0.5 * more) * rate
 
 
 @inlined
-def grow_modes(blocks, at, h, t, k, k_s, q, change):
-    """Hourglass stresses after a step, by the rates of hourglass.
+def integrate_modes(blocks, at, h, t, k, k_s, q, change):
+    """Add the increments of a step to the hourglass stresses, and their work.
 
     Writes: blocks.
     """
     row = at + LANES * BLOCK.hourglass_plane
     q_x, q_y, p_x, p_y = q
     k_b = h * t * t / 12.0
-    work_on = grow(blocks, row, h * (k[0] * q_x + k[2] * q_y), q_x)
-    work_on += grow(blocks, row + LANES, h * (k[1] * q_y + k[2] * q_x), q_y)
-    work_on += grow(blocks, row + 2 * LANES, k_b * (k[0] * p_x + k[2] * p_y), p_x)
-    work_on += grow(blocks, row + 3 * LANES, k_b * (k[1] * p_y + k[2] * p_x), p_y)
-    work_on += grow(blocks, row + 4 * LANES, h * k_s[0] * change[0], change[0])
-    work_on += grow(blocks, row + 5 * LANES, h * k_s[1] * change[1], change[1])
+    work_on = integrate_stress(blocks, row, h * (k[0] * q_x + k[2] * q_y), q_x)
+    work_on += integrate_stress(blocks, row + LANES, h * (k[1] * q_y + k[2] * q_x), q_y)
+    work_on += integrate_stress(blocks, row + 2 * LANES, k_b * (k[0] * p_x + k[2] * p_y), p_x)
+    work_on += integrate_stress(blocks, row + 3 * LANES, k_b * (k[1] * p_y + k[2] * p_x), p_y)
+    work_on += integrate_stress(blocks, row + 4 * LANES, h * k_s[0] * change[0], change[0])
+    work_on += integrate_stress(blocks, row + 5 * LANES, h * k_s[1] * change[1], change[1])
     blocks[at + LANES * BLOCK.hourglass_work] += h * work_on
 
 
 @inlined
-def grow_held(blocks, work, first, e, x, y, tie):
-    """Let transverse shear, and the stress that ties spins to the plane, grow.
+def integrate_shear(blocks, work, first, e, x, y, tie):
+    """Add the increments of a step to the transverse shear and drilling stresses.
 
     Writes: blocks, work.
     """
-    at, to = first + LANES * BLOCK.shear + e, LANES * WORK.held + e
+    at, to = first + LANES * BLOCK.shear + e, LANES * WORK.old_shear + e
     old_x, old_y, old = three(blocks, at)
     work[to], work[to + LANES], work[to + 2 * LANES] = old_x, old_y, old
     blocks[at], blocks[at + LANES], blocks[at + 2 * LANES] = old_x + x, old_y + y, old + tie
@@ -73,7 +73,7 @@ def grow_held(blocks, work, first, e, x, y, tie):
 
 @inlined
 def put_four(work, row, e, u):
-    """Four numbers in rows one after the other. Writes: work."""
+    """Write four numbers to successive rows. Writes: work."""
     at = LANES * row + e
     work[at], work[at + LANES], work[at + 2 * LANES], work[at + 3 * LANES] = u
 
@@ -109,9 +109,9 @@ def strain(blocks, first, work, h, p):
         )
         t = blocks[first + LANES * BLOCK.thickness + e]
         k, k_s = hourglass_stiffness(flat, area, E, G, nu, t)
-        grow_modes(blocks, first + e, h, t, k, k_s, (q_x, q_y, p_x, p_y), change)
+        integrate_modes(blocks, first + e, h, t, k, k_s, (q_x, q_y, p_x, p_y), change)
         shear, tie = h * 5.0 / 6.0 * G, h * DRILLING * G * t * area * drill
-        grow_held(blocks, work, first, e, shear * gamma[0], shear * gamma[1], tie)
+        integrate_shear(blocks, work, first, e, shear * gamma[0], shear * gamma[1], tie)
         work[LANES * WORK.area + e] = area
         work[LANES * WORK.depth + e] = t
         put_four(work, WORK.modes, e, (h * q_x, h * q_y, h * p_x, h * p_y))
@@ -119,7 +119,7 @@ def strain(blocks, first, work, h, p):
 
 
 @blockwise
-def push(blocks, first, work, p):
+def corner_forces(blocks, first, work, p):
     """Forces and torques on the corners from the stresses, and the bound of frequency.
 
     Writes: work.

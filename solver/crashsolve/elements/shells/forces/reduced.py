@@ -14,13 +14,13 @@ from crashsolve.elements.shells.energies import (
     shear_energy,
 )
 from crashsolve.elements.shells.forces.blocks import span_of_quadrilaterals
-from crashsolve.elements.shells.forces.quadrilateral_block import push as push
+from crashsolve.elements.shells.forces.quadrilateral_block import corner_forces as corner_forces
 from crashsolve.elements.shells.forces.quadrilateral_block import strain as strain
 from crashsolve.elements.shells.hourglass_return import (
     relax_modes,
     relax_shear,
-    see_modes,
-    see_shear,
+    set_trial_modes,
+    set_trial_shear,
 )
 from crashsolve.elements.shells.layers import layers
 from crashsolve.elements.shells.records import BLOCK
@@ -32,7 +32,7 @@ CORNERS, POINTS = 4, 1
 
 @kernel
 def span(p):
-    """Where they lie in a part."""
+    """The Span of these elements in a part."""
     return span_of_quadrilaterals(p, p.one_point)
 
 
@@ -40,8 +40,8 @@ def span(p):
 def stress(blocks, first, stride, work, h, p, curves, material):
     """Stresses after a step of h [s], and their resultants. Writes: blocks, work."""
     if p.yields == 1:
-        see_shear(blocks, first, work)
-        see_modes(blocks, first, work)
+        set_trial_shear(blocks, first, work)
+        set_trial_modes(blocks, first, work)
     if layers(blocks, first, stride, work, h, p, curves, material) > 0:
         relax_modes(blocks, first, work)
         relax_shear(blocks, first, work, p)
@@ -52,6 +52,6 @@ def element_energy(p, blocks, at, d, e, material):
     """Elastic energy of the layers and shear, of the hourglass stresses, of drilling [J]."""
     t, _, area = in_plane(blocks, at, d, e)
     total = layer_energy(p, blocks, at + LANES * BLOCK.SIZE, material) + shear_energy(p, blocks, at)
-    # what yields gives its work back in part only: that done on the hourglass is reported
+    # after yielding the work on the hourglass is recoverable in part only: all of it is reported
     held = blocks[at + LANES * BLOCK.hourglass_work]
     return area * t * total, held, drilling_energy(p, blocks, at, t, area)

@@ -26,8 +26,8 @@ from crashsolve.elements.shells.energies import (
 from crashsolve.elements.shells.forces.blocks import Span
 from crashsolve.elements.shells.forces.corners import before, corner, put_corner, three
 from crashsolve.elements.shells.forces.quadrilateral import DRILLING, dot3, plane_axes
-from crashsolve.elements.shells.forces.quadrilateral_block import grow_held, shape
-from crashsolve.elements.shells.hourglass_return import relax_shear, see_shear
+from crashsolve.elements.shells.forces.quadrilateral_block import integrate_shear, shape
+from crashsolve.elements.shells.hourglass_return import relax_shear, set_trial_shear
 from crashsolve.elements.shells.layers import layers
 from crashsolve.elements.shells.records import BLOCK, EROSION, VISCOUS, WORK
 from crashsolve.foundation.kernels import blockwise, inlined, kernel
@@ -41,9 +41,9 @@ SOFTER = 0.3
 
 @kernel
 def span(p):
-    """Where they lie in a part: after the blocks of quadrilaterals."""
+    """The Span of these elements in a part, behind the blocks of quadrilaterals."""
     quads, rows = p.element_count - p.triangles, BLOCK.SIZE + p.layer_rows * p.layers
-    rows += VISCOUS.SIZE if p.slows == 1 else 0
+    rows += VISCOUS.SIZE if p.is_damped == 1 else 0
     rows += EROSION.SIZE if p.erodes == 1 else 0
     filled = (quads + LANES - 1) // LANES
     first, corner = p.first + filled * p.stride, p.first_corner + 4 * LANES * filled
@@ -54,7 +54,7 @@ def span(p):
 def stress(blocks, first, stride, work, h, p, curves, material):
     """Stresses after a step of h [s], and their resultants. Writes: blocks, work."""
     if p.yields == 1:
-        see_shear(blocks, first, work)
+        set_trial_shear(blocks, first, work)
     if layers(blocks, first, stride, work, h, p, curves, material) > 0:
         relax_shear(blocks, first, work, p)
 
@@ -74,8 +74,8 @@ def gradients(flat, area):
 
 
 @inlined
-def weakened(s, t):
-    """Share of the shear stiffness that a triangle of these sides has."""
+def shear_factor_of(s, t):
+    """Factor on the transverse shear stiffness of a triangle with these sides."""
     s1, s2, s3 = s
     h_2 = (dot2(s1, s1) + dot2(s2, s2) + dot2(s3, s3)) / 3.0
     return t * t / (t * t + SOFTER * h_2)
@@ -99,14 +99,14 @@ def mean_shears(g1, g2, g3):
 
 
 @inlined
-def whirl_stiffness(s, area, t, G):
-    """Stiffness over t against the sum of the three G: a shear that goes round the middle.
+def circulation_stiffness(s, area, t, G):
+    """Stiffness over t against the sum of the three G, a shear that circulates about the middle.
 
     gamma = sum G / (2 A) e_z x (x - x_mean), whose square has the integral A / 36 sum |s|^2.
     """
     s1, s2, s3 = s
     squares = dot2(s1, s1) + dot2(s2, s2) + dot2(s3, s3)
-    return 5.0 / 6.0 * G * weakened(s, t) * squares / (144.0 * area)
+    return 5.0 / 6.0 * G * shear_factor_of(s, t) * squares / (144.0 * area)
 
 
 @inlined
@@ -129,7 +129,7 @@ def of_corners(work, row, e):
 
 @inlined
 def triangle_diagonals(x):
-    """From the first corner to the third and from the second."""
+    """Vectors from the first corner to the third, and from the second to the third."""
     a, b, c = x
     return (c[0] - a[0], c[1] - a[1], c[2] - a[2]), (c[0] - b[0], c[1] - b[1], c[2] - b[2])
 
@@ -163,14 +163,14 @@ def strain(blocks, first, work, h, p):
         at = LANES * WORK.curvature + e
         work[at], work[at + LANES], work[at + 2 * LANES] = h * xx, -h * yy, h * (xy - yx)
         s = edges(flat)
-        stiff = h * t * whirl_stiffness(s, area, t, G)
+        stiff = h * t * circulation_stiffness(s, area, t, G)
         blocks[first + LANES * BLOCK.hourglass_plane + e] += stiff * (G1 + G2 + G3)
         m1, m2, m3 = mean_shears(g1, g2, g3)
-        weak = weakened(s, t)
-        work[LANES * WORK.weak + e] = weak
-        stiff, tie = h * 5.0 / 6.0 * G * weak, h * DRILLING * G * t * area * drill
+        shear_factor = shear_factor_of(s, t)
+        work[LANES * WORK.shear_factor + e] = shear_factor
+        stiff, tie = h * 5.0 / 6.0 * G * shear_factor, h * DRILLING * G * t * area * drill
         x, y = m1[0] * G1 + m2[0] * G2 + m3[0] * G3, m1[1] * G1 + m2[1] * G2 + m3[1] * G3
-        grow_held(blocks, work, first, e, stiff * x, stiff * y, tie)
+        integrate_shear(blocks, work, first, e, stiff * x, stiff * y, tie)
         work[LANES * WORK.area + e] = area
         work[LANES * WORK.depth + e] = t
 
@@ -190,7 +190,7 @@ def sides_of(s, v, rotation, axes):
 
 
 @blockwise
-def push(blocks, first, work, p):
+def corner_forces(blocks, first, work, p):
     """Forces and torques on the corners from the stresses, and the bound of frequency.
 
     Writes: work.
@@ -253,8 +253,8 @@ def put_node(work, c, e, axes, plane, g, a, b):
 
 
 @inlined
-def mobile(s, r, k, ends):
-    """Mobility of G of two sides, over that of a corner; they share it, or both ends."""
+def side_mobility(s, r, k, ends):
+    """Mobility of G of two sides over that of a corner; they share one corner, or both ends."""
     return ends + 0.25 * k * abs(ends) * dot2(s, r)
 
 
@@ -264,14 +264,18 @@ def shear_trace(flat, area, t, G, k):
     s1, s2, s3 = edges(flat)
     g1, g2, g3 = gradients(flat, area)
     m1, m2, m3 = mean_shears(g1, g2, g3)
-    trace = dot2(m1, m1) * mobile(s1, s1, k, 2.0) + dot2(m2, m2) * mobile(s2, s2, k, 2.0)
-    trace += dot2(m3, m3) * mobile(s3, s3, k, 2.0) + 2.0 * dot2(m1, m2) * mobile(s1, s2, k, -1.0)
-    trace += 2.0 * dot2(m2, m3) * mobile(s2, s3, k, -1.0)
-    trace += 2.0 * dot2(m3, m1) * mobile(s3, s1, k, -1.0)
+    trace = dot2(m1, m1) * side_mobility(s1, s1, k, 2.0) + dot2(m2, m2) * side_mobility(
+        s2, s2, k, 2.0
+    )
+    trace += dot2(m3, m3) * side_mobility(s3, s3, k, 2.0) + 2.0 * dot2(m1, m2) * side_mobility(
+        s1, s2, k, -1.0
+    )
+    trace += 2.0 * dot2(m2, m3) * side_mobility(s2, s3, k, -1.0)
+    trace += 2.0 * dot2(m3, m1) * side_mobility(s3, s1, k, -1.0)
     # the deflections take no part in the sum of the G
-    whirl = 0.25 * k * (dot2(s1, s1) + dot2(s2, s2) + dot2(s3, s3))
-    mean = 5.0 / 6.0 * G * area * weakened((s1, s2, s3), t)
-    return mean * trace + whirl_stiffness((s1, s2, s3), area, t, G) * whirl
+    circulation = 0.25 * k * (dot2(s1, s1) + dot2(s2, s2) + dot2(s3, s3))
+    mean = 5.0 / 6.0 * G * area * shear_factor_of((s1, s2, s3), t)
+    return mean * trace + circulation_stiffness((s1, s2, s3), area, t, G) * circulation
 
 
 @kernel
@@ -296,9 +300,9 @@ def rate_bound(flat, area, t, radius_2, E_rho, nu):
 def element_energy(p, blocks, at, d, e, material):
     """Elastic energy of the layers and of transverse shear, none of hourglass, drilling [J]."""
     t, flat, area = in_plane(blocks, at, d, e)
-    total = shear_energy(p, blocks, at) / weakened(edges(flat), t)
+    total = shear_energy(p, blocks, at) / shear_factor_of(edges(flat), t)
     total += layer_energy(p, blocks, at + LANES * BLOCK.SIZE, material)
     Q = blocks[at + LANES * BLOCK.hourglass_plane]
-    whirl = t * whirl_stiffness(edges(flat), area, t, p.shear)
-    stored = area * t * total + 0.5 * Q * Q / whirl
+    circulation = t * circulation_stiffness(edges(flat), area, t, p.shear)
+    stored = area * t * total + 0.5 * Q * Q / circulation
     return stored, 0.0, drilling_energy(p, blocks, at, t, area)

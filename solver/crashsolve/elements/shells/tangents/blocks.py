@@ -1,19 +1,20 @@
 """Block after block through the elements of one kind: the columns of their tangents.
 
 What is the same for all kinds. A kind is a module (`reduced`, `full`, `triangle`) that has the
-CORNERS, `span` and `strain` of its elements (elements/blocks.py) and
+CORNERS, `span` and `strain` of its elements (elements/shells/forces/blocks.py) and
 
-    DAMPING                  where in `seen` the tangent of damping belongs
-    stress                   stresses of a block after the step, and the tangents of its layers
-    see                      what all columns need
-    strain_by_position, _turn   change of the strains as a corner moves, or turns
-    stress_by                change of the stresses with that of the strains
-    push_by_position, _turn     change of the forces; push_at_rest: the forces themselves
+    DAMPING                                where in `base` the tangent of damping belongs
+    stress                                 stresses of a block, and the tangents of its layers
+    set_base                               what all columns need
+    strain_by_position, _by_rotation       change of the strains with a motion of a corner
+    stress_by                              change of the stresses with that of the strains
+    corner_forces_by_position, _rotation   change of the forces with a motion of a corner
+    corner_forces_by_stress                the forces of the present stresses
 """
 
 from crashsolve.elements.shells.damping import damp
 from crashsolve.elements.shells.forces.corners import gather
-from crashsolve.elements.shells.hourglass_return import clear_weak
+from crashsolve.elements.shells.hourglass_return import reset_shear_factor
 from crashsolve.elements.shells.tangents.columns import (
     add_column,
     add_damping,
@@ -31,16 +32,16 @@ def tangent(kind, p, h, scene, matrix, material):
     Writes: matrix.blocks, scene.lanes, work, seen, change.
     """
     span, done, work = kind.span(p), 0, scene.work
-    clear_weak(work)
+    reset_shear_factor(work)
     while done < span.count:
         first, corner = span.first + done // LANES * span.stride, span.corner + 4 * done
         gather(scene.points, scene.corners, corner, work)
         kind.strain(scene.lanes, first, work, h, p)
         kind.stress(first, span.stride, h, p, scene, material)
-        if p.slows == 1:
+        if p.is_damped == 1:
             damp(scene.lanes, first, span.stride, work, h, p)
-            add_damping(scene.seen, kind.DAMPING, work, h, p)
-        kind.see(scene.lanes, scene.lanes_before, first, work, scene.seen, h)
+            add_damping(scene.base, kind.DAMPING, work, h, p)
+        kind.set_base(scene.lanes, scene.lanes_before, first, work, scene.base, h)
         add_columns(kind, p, h, scene, matrix, corner, min(LANES, span.count - done))
         done += LANES
 
@@ -48,19 +49,19 @@ def tangent(kind, p, h, scene, matrix, material):
 @kernel
 def add_columns(kind, p, h, scene, matrix, corner, live):
     """All columns of a block into the matrix. Writes: matrix.blocks, scene.change."""
-    seen, work, change = scene.seen, scene.work, scene.change
+    base, work, change = scene.base, scene.work, scene.change
     if scene.counts[0].arms > 0:
-        kind.push_at_rest(seen, change)
+        kind.corner_forces_by_stress(base, change)
         rotation_arms(scene, matrix, change, corner, live, kind.CORNERS)
     for b in range(kind.CORNERS):
         for k in range(3):
-            kind.strain_by_position(seen, change, b, k)
-            kind.stress_by(seen, change, p)
-            kind.push_by_position(seen, work, change, b, k)
+            kind.strain_by_position(base, change, b, k)
+            kind.stress_by(base, change, p)
+            kind.corner_forces_by_position(base, work, change, b, k)
             add_column(scene, matrix, change, corner, live, b, k, kind.CORNERS)
         for k in range(3):
             rotate_corner(work, change, b, k, h)
-            kind.strain_by_rotation(seen, change, b)
-            kind.stress_by(seen, change, p)
-            kind.push_by_rotation(seen, change)
+            kind.strain_by_rotation(base, change, b)
+            kind.stress_by(base, change, p)
+            kind.corner_forces_by_rotation(base, change)
             add_column(scene, matrix, change, corner, live, b, 3 + k, kind.CORNERS)

@@ -1,7 +1,7 @@
 """What the tangents of shells share: rows of numbers, corner rotations, blocks of the matrix.
 
 A tangent is made for sixteen elements at a time, a column for every motion of every corner: what is
-found once for all columns is `seen`, what belongs to the present one is its `change`. A corner with
+found once for all columns is `base`, what belongs to the present one is its `change`. A corner with
 the Cayley vector c of the step, which turns by dtheta at its end, has
 
     2 dc = dtheta + dtheta x c + (c . dtheta) c
@@ -31,22 +31,22 @@ def put_four(table, at, u):
 
 
 @inlined
-def axes_at(seen, at):
+def axes_at(base, at):
     """Axes of a frame."""
-    return three(seen, at), three(seen, at + 3 * LANES), three(seen, at + 6 * LANES)
+    return three(base, at), three(base, at + 3 * LANES), three(base, at + 6 * LANES)
 
 
 @inlined
-def put_axes(seen, at, axes):
-    """Writes: seen."""
-    put_three(seen, at, axes[0])
-    put_three(seen, at + 3 * LANES, axes[1])
-    put_three(seen, at + 6 * LANES, axes[2])
+def put_axes(base, at, axes):
+    """Writes: base."""
+    put_three(base, at, axes[0])
+    put_three(base, at + 3 * LANES, axes[1])
+    put_three(base, at + 6 * LANES, axes[2])
 
 
 @inlined
 def shares(b):
-    """Shares of corner b in D, E and H."""
+    """Derivatives of D, E and H by corner b."""
     odd = b % 2
     return (1 - odd) * (b - 1.0), odd * (b - 2.0), 1.0 - 2.0 * odd
 
@@ -67,8 +67,8 @@ def rotate_corner(work, change, corner, k, h):
 
 
 @blockwise
-def add_damping(seen, entry, work, h, p):
-    """Tangent of the resultants that damp the rates of strain. Writes: seen."""
+def add_damping(base, entry, work, h, p):
+    """Tangent of the resultants that damp the rates of strain. Writes: base."""
     plane = p.damping * p.young / (1.0 - p.poisson * p.poisson) / h
     shear, nu = 0.5 * (1.0 - p.poisson), p.poisson
     for e in range(LANES):
@@ -76,16 +76,16 @@ def add_damping(seen, entry, work, h, p):
         for part in range(2):
             k = plane * t if part == 0 else plane * t * t * t / 12.0
             row = at + LANES * (SIDE + 1) * BENDING * part
-            seen[row] += k
-            seen[row + LANES] += nu * k
-            seen[row + LANES * SIDE] += nu * k
-            seen[row + LANES * (SIDE + 1)] += k
-            seen[row + LANES * (2 * SIDE + 2)] += shear * k
+            base[row] += k
+            base[row + LANES] += nu * k
+            base[row + LANES * SIDE] += nu * k
+            base[row + LANES * (SIDE + 1)] += k
+            base[row + LANES * (2 * SIDE + 2)] += shear * k
 
 
 @blockwise
-def respond(seen, entry, change):
-    """What comes out of a point of the plane for what enters there. Writes: change."""
+def respond(base, entry, change):
+    """Multiply the changes at a point of the plane by its tangent. Writes: change."""
     for row in range(SIDE):
         at = LANES * (CHANGE.comes + row)
         for e in range(LANES):
@@ -93,12 +93,12 @@ def respond(seen, entry, change):
         for k in range(SIDE):
             P = entry + LANES * (SIDE * row + k)
             for e in range(LANES):
-                change[at + e] += seen[P + e] * change[LANES * (CHANGE.enters + k) + e]
+                change[at + e] += base[P + e] * change[LANES * (CHANGE.enters + k) + e]
 
 
 @blockwise
 def enter_strains(change):
-    """Strains and curvatures enter, and nothing else yet. Writes: change."""
+    """Set the changes of strains and curvatures at a point; the others are 0. Writes: change."""
     for row in range(LANES * SIDE):
         change[LANES * CHANGE.enters + row] = 0.0
     for row in range(6 * LANES):
@@ -144,7 +144,7 @@ def put_column(scene, matrix, change, lane, b, k, share, count):
         if address < 0:
             continue
         held = scene.points[scene.corners[corner + LANES * a + e]].held
-        block, at = matrix.blocks[address // 2], LANES * (CHANGE.pushed + 3 * a) + e
+        block, at = matrix.blocks[address // 2], LANES * (CHANGE.mode_actions + 3 * a) + e
         for i in range(6):
             if held >> i & 1:
                 continue
@@ -162,7 +162,7 @@ def add_moments(scene, change, corner, live, count):
     for e in range(live):
         for a in range(count):
             d = three_of(scene.arms, scene.corners[corner + LANES * a + e])
-            at = LANES * (CHANGE.pushed + 3 * a) + e
+            at = LANES * (CHANGE.mode_actions + 3 * a) + e
             moment = cross3(d, three(change, at))
             for k in range(3):
                 change[at + LANES * (12 + k)] += moment[k]
@@ -170,7 +170,7 @@ def add_moments(scene, change, corner, live, count):
 
 @kernel
 def rotation_arms(scene, matrix, change, corner, live, count):
-    """What turning the arms of corners adds, by the forces there. Writes: matrix.blocks."""
+    """Add the geometric stiffness of the arms of corners. Writes: matrix.blocks."""
     for e in range(live):
         for a in range(count):
             d = three_of(scene.arms, scene.corners[corner + LANES * a + e])
@@ -178,7 +178,7 @@ def rotation_arms(scene, matrix, change, corner, live, count):
             if address < 0:
                 continue
             f, block = (
-                three(change, LANES * (CHANGE.pushed + 3 * a) + e),
+                three(change, LANES * (CHANGE.mode_actions + 3 * a) + e),
                 matrix.blocks[address // 2],
             )
             along = dot3(d, f)

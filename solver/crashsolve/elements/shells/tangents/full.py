@@ -13,29 +13,33 @@ from crashsolve.elements.shells.forces.full import CORNERS as CORNERS
 from crashsolve.elements.shells.forces.full import (
     add_point,
     keep_mean,
+    mode_forces,
     natural_coordinates,
     put_sums,
-    resist,
     slopes_at,
     strain_at,
 )
 from crashsolve.elements.shells.forces.full import span as span
 from crashsolve.elements.shells.forces.full import strain as strain
-from crashsolve.elements.shells.hourglass_return import relax_shear, see_shear
-from crashsolve.elements.shells.layers import take_up
+from crashsolve.elements.shells.hourglass_return import relax_shear, set_trial_shear
+from crashsolve.elements.shells.layers import update_elements
 from crashsolve.elements.shells.records import BLOCK, WORK
 from crashsolve.elements.shells.resultants import clear_resultants
 from crashsolve.elements.shells.tangents import quadrilateral
 from crashsolve.elements.shells.tangents.columns import enter_strains, put_three, respond, shares
 from crashsolve.elements.shells.tangents.layers import clear_tangent, layers_and_tangent
 from crashsolve.elements.shells.tangents.quadrilateral import (
+    corner_forces_by_rotation as corner_forces_by_rotation,
+)
+from crashsolve.elements.shells.tangents.quadrilateral import (
+    corner_forces_by_stress as corner_forces_by_stress,
+)
+from crashsolve.elements.shells.tangents.quadrilateral import (
     end_moved,
     enter_shear,
     geometry_at,
     stress_of_shear,
 )
-from crashsolve.elements.shells.tangents.quadrilateral import push_at_rest as push_at_rest
-from crashsolve.elements.shells.tangents.quadrilateral import push_by_rotation as push_by_rotation
 from crashsolve.elements.shells.tangents.quadrilateral import (
     strain_by_position as strain_by_position,
 )
@@ -44,16 +48,16 @@ from crashsolve.elements.shells.tangents.quadrilateral import (
 )
 from crashsolve.elements.shells.tangents.records import (
     ACROSS_OUT,
+    BASE,
     BENDING,
     CHANGE,
     POINT_ROWS,
-    SEEN,
     TAKEN_OUT,
 )
 from crashsolve.foundation.kernels import blockwise, inlined, kernel
 from crashsolve.foundation.point import LANES
 
-DAMPING = LANES * (SEEN.points + 4 * POINT_ROWS)
+DAMPING = LANES * (BASE.points + 4 * POINT_ROWS)
 
 
 @kernel
@@ -62,74 +66,74 @@ def stress(first, stride, h, p, scene, material):
 
     Writes: scene.lanes, work, seen.
     """
-    blocks, work, seen = scene.lanes, scene.work, scene.seen
+    blocks, work, base = scene.lanes, scene.work, scene.base
     keep_mean(work)
-    see_shear(blocks, first, work)
+    set_trial_shear(blocks, first, work)
     for point in range(4):
         xi, eta = natural_coordinates(point)
         strain_at(work, xi, eta, p.poisson)
         clear_resultants(work)
         at = first + LANES * (BLOCK.SIZE + point * p.layers * p.layer_rows)
-        layers_and_tangent(at, LANES * (SEEN.points + point * POINT_ROWS), h, p, scene, material)
+        layers_and_tangent(at, LANES * (BASE.points + point * POINT_ROWS), h, p, scene, material)
         add_point(work, xi, eta, p.poisson)
     put_sums(work)
     relax_shear(blocks, first, work, p)
-    take_up(blocks, first, stride, work, h, p)
-    clear_tangent(seen, DAMPING)
+    update_elements(blocks, first, stride, work, h, p)
+    clear_tangent(base, DAMPING)
 
 
 @kernel
-def see(blocks, kept, first, work, seen, h):
-    """What acts on q, and as of elements with one point. Writes: blocks, seen."""
-    resist(blocks, first, work)
-    quadrilateral.see(blocks, kept, first, work, seen, h)
+def set_base(blocks, blocks_before, first, work, base, h):
+    """Set the forces on q, and the state as of elements with one point. Writes: blocks, base."""
+    mode_forces(blocks, first, work)
+    quadrilateral.set_base(blocks, blocks_before, first, work, base, h)
 
 
 @blockwise
-def stress_by(seen, change, p):
+def stress_by(base, change, p):
     """Change of the stresses with that of strains and geometry. Writes: change."""
     enter_strains(change)
-    respond(seen, DAMPING, change)
+    respond(base, DAMPING, change)
     for row in range(6 * LANES):
         change[LANES * CHANGE.stressed + row] = change[LANES * CHANGE.comes + row]
     for e in range(LANES):
         enter_shear(change, e, 5.0 / 6.0 * p.shear)
-        change[LANES * CHANGE.across + e] = change[LANES * CHANGE.taken + e] = 0.0
+        change[LANES * CHANGE.across + e] = change[LANES * CHANGE.relaxed + e] = 0.0
         for k in range(8):
             change[LANES * (CHANGE.sums + k) + e] = 0.0
     for point in range(4):
         xi, eta = natural_coordinates(point)
-        add_point_by(seen, change, LANES * (SEEN.points + point * POINT_ROWS), xi, eta, p.poisson)
-    stress_of_shear(seen, change, p)
-    resist_by(seen, change)
+        add_point_by(base, change, LANES * (BASE.points + point * POINT_ROWS), xi, eta, p.poisson)
+    stress_of_shear(base, change, p)
+    mode_forces_by(base, change)
 
 
 @inlined
-def strains_by(seen, change, e, pair, h, dh, nu):
+def strains_by(base, change, e, pair, h, dh, nu):
     """Change of the strains, or curvatures, at a point with the slopes h."""
-    q, dq = LANES * (SEEN.modes + 2 * pair) + e, LANES * (CHANGE.strain + 6 + 2 * pair) + e
-    x = h[0] * change[dq] + dh[0] * seen[q]
-    y = h[1] * change[dq + LANES] + dh[1] * seen[q + LANES]
+    q, dq = LANES * (BASE.modes + 2 * pair) + e, LANES * (CHANGE.strain + 6 + 2 * pair) + e
+    x = h[0] * change[dq] + dh[0] * base[q]
+    y = h[1] * change[dq + LANES] + dh[1] * base[q + LANES]
     d = three(change, LANES * (CHANGE.strain + 3 * pair) + e)
     return d[0] + x - nu * y, d[1] + y - nu * x, d[2]
 
 
 @blockwise
-def add_point_by(seen, change, entry, xi, eta, nu):
-    """A quarter of the changes from what changes at a point. Writes: change."""
+def add_point_by(base, change, entry, xi, eta, nu):
+    """Add a quarter of the changes at a point to the sums. Writes: change."""
     for e in range(LANES):
-        flat, _, _, area = geometry_at(seen, LANES * SEEN.middle + e)
+        flat, _, _, area = geometry_at(base, LANES * BASE.middle + e)
         at = LANES * CHANGE.moved + e
         moved, share = four(change, at), change[at + 4 * LANES] / area
         h, dh = slopes_at(flat, xi, eta), slopes_at(moved, xi, eta)
         h = (h[0] / area, h[1] / area)
         dh = (dh[0] / area - share * h[0], dh[1] / area - share * h[1])
-        put_three(change, LANES * CHANGE.enters + e, strains_by(seen, change, e, 0, h, dh, nu))
-        bent = strains_by(seen, change, e, 1, h, dh, nu)
+        put_three(change, LANES * CHANGE.enters + e, strains_by(base, change, e, 0, h, dh, nu))
+        bent = strains_by(base, change, e, 1, h, dh, nu)
         put_three(change, LANES * (CHANGE.enters + BENDING) + e, bent)
-    respond(seen, entry, change)
+    respond(base, entry, change)
     for e in range(LANES):
-        change[LANES * CHANGE.taken + e] += 0.25 * change[LANES * (CHANGE.comes + TAKEN_OUT) + e]
+        change[LANES * CHANGE.relaxed + e] += 0.25 * change[LANES * (CHANGE.comes + TAKEN_OUT) + e]
         change[LANES * CHANGE.across + e] += 0.25 * change[LANES * (CHANGE.comes + ACROSS_OUT) + e]
         for pair in range(2):
             s = three(change, LANES * (CHANGE.comes + BENDING * pair) + e)
@@ -144,38 +148,41 @@ def add_point_by(seen, change, entry, xi, eta, nu):
 
 
 @inlined
-def pushed(flat, sums):
-    """What acts on q along x and y, from sums over the points."""
+def mode_actions(flat, sums):
+    """Generalized forces on q along x and y, from sums over the points."""
     x, _ = slopes_at(flat, sums[0], sums[1])
     _, y = slopes_at(flat, sums[2], sums[3])
     return x, y
 
 
 @blockwise
-def resist_by(seen, change):
-    """Change of what acts on the modes with that of the sums. Writes: change."""
+def mode_forces_by(base, change):
+    """Set the change of the forces on the modes from that of the sums. Writes: change."""
     for e in range(LANES):
-        flat, to = geometry_at(seen, LANES * SEEN.end + e)[0], LANES * (CHANGE.stressed + 6) + e
+        flat, to = geometry_at(base, LANES * BASE.end + e)[0], LANES * (CHANGE.stressed + 6) + e
         for pair in range(2):
-            x, y = pushed(flat, four(change, LANES * (CHANGE.sums + 4 * pair) + e))
+            x, y = mode_actions(flat, four(change, LANES * (CHANGE.sums + 4 * pair) + e))
             change[to + 2 * LANES * pair], change[to + LANES * (2 * pair + 1)] = x, y
 
 
 @kernel
-def push_by_position(seen, work, change, b, k):
+def corner_forces_by_position(base, work, change, b, k):
     """Change of the forces as corner b moves along axis k. Writes: change."""
-    resist_moved(seen, work, change, b, k)
-    quadrilateral.push_by_position(seen, work, change, b, k)
+    mode_forces_moved(base, work, change, b, k)
+    quadrilateral.corner_forces_by_position(base, work, change, b, k)
 
 
 @blockwise
-def resist_moved(seen, work, change, b, k):
-    """Change of what acts on q by the geometry of the end as a corner moves. Writes: change."""
+def mode_forces_moved(base, work, change, b, k):
+    """Add the change of the forces on q by the geometry of the end as a corner moves.
+
+    Writes: change.
+    """
     d, c, g = shares(b)
     for e in range(LANES):
-        _, moved = end_moved(seen, e, k, d, c, g)
+        _, moved = end_moved(base, e, k, d, c, g)
         to = LANES * (CHANGE.stressed + 6) + e
         for pair in range(2):
-            x, y = pushed(moved[0], four(work, LANES * (WORK.xi_eta + 4 * pair) + e))
+            x, y = mode_actions(moved[0], four(work, LANES * (WORK.xi_eta + 4 * pair) + e))
             change[to + 2 * LANES * pair] += x
             change[to + LANES * (2 * pair + 1)] += y

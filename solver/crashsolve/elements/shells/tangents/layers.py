@@ -6,7 +6,7 @@ and so what the layers take from shear and hourglass (hourglass_return.py). What
 point of the plane, and what comes out,
 
     X = (eps, kappa, amplitudes of the trial hourglass in the plane and by height, trial tau)
-    (dN, dM, what is taken of the amplitudes, of all, strain across) = P dX
+    (dN, dM, what is relaxed of the amplitudes, of all, strain across) = P dX
 
 the amplitudes being Q_x / (t r_x) and 12 P_x / (t^3 r_x), of the stress s_x.
 
@@ -28,10 +28,10 @@ from crashsolve.elements.shells.resultants import clear_resultants, layer_strain
 from crashsolve.elements.shells.return_mapping import softening
 from crashsolve.elements.shells.tangents.records import (
     ACROSS_OUT,
+    BASE,
     BENDING,
     MODES_IN,
     POINT_ROWS,
-    SEEN,
     SHEAR_IN,
     SIDE,
     TAKEN_OUT,
@@ -41,20 +41,20 @@ from crashsolve.foundation.point import LANES
 
 
 @blockwise
-def clear_tangent(seen, at):
-    """Writes: seen."""
+def clear_tangent(base, at):
+    """Writes: base."""
     for row in range(POINT_ROWS * LANES):
-        seen[at + row] = 0.0
+        base[at + row] = 0.0
 
 
 @kernel
 def layers_of_one_point(first, h, p, scene, material):
-    """The same for the elements of a block with one point in their plane.
+    """Stresses and tangent of the layers of elements with one point in their plane.
 
     Writes: scene.lanes, work, seen.
     """
     clear_resultants(scene.work)
-    layers_and_tangent(first + LANES * BLOCK.SIZE, LANES * SEEN.points, h, p, scene, material)
+    layers_and_tangent(first + LANES * BLOCK.SIZE, LANES * BASE.points, h, p, scene, material)
 
 
 @kernel
@@ -64,23 +64,23 @@ def layers_and_tangent(first, at, h, p, scene, material):
     `first`: where its layers begin in scene.lanes; `at`: where its tangent does in scene.seen.
     Writes: scene.lanes, work, seen.
     """
-    blocks, work, seen = scene.lanes, scene.work, scene.seen
+    blocks, work, base = scene.lanes, scene.work, scene.base
     law = Law(p.material, scene.curves, material)
-    clear_tangent(seen, at)
+    clear_tangent(base, at)
     for k in range(p.layers):
         layer = layer_of(p, first, k)
         if material.VON_MISES:
             clear_flow(work)
             plastic_layers(blocks, first, work, work, h, p, (k, k + 1), law)
-            add_plastic(work, seen, at, layer, law.m)
+            add_plastic(work, base, at, layer, law.m)
         else:
             add_layer(blocks, layer, work, h, law)
-            add_general(scene.lanes_before, blocks, layer, work, seen, at, h, law)
+            add_general(scene.lanes_before, blocks, layer, work, base, at, h, law)
 
 
 @blockwise
 def clear_flow(work):
-    """No layer yields yet. Writes: work."""
+    """Clear the sums of layers that yield. Writes: work."""
     for e in range(LANES):
         work[LANES * SLOT.g + e], work[LANES * SLOT.slope + e] = 0.0, 0.0
         work[LANES * SLOT.flow + e], work[LANES * SLOT.factor + e] = 1.0, 1.0
@@ -118,7 +118,7 @@ def flow_of(work, e, q, zeta, m):
 
 @inlined
 def stress_slopes(g, stress, by, d, m):
-    """Change of the stress, and of the strain across, for a change d of strain and by of g."""
+    """Changes of the stress and of the strain across for changes `d` of strain and `by` of g."""
     (g, u1, u2), (both, apart, s), (c1, c2) = g, stress, softening(m)
     d_both = (m.young / (1.0 - m.poisson) * (d[0] + d[1]) - c1 * both * by) / u1
     d_apart = (2.0 * m.shear * (d[0] - d[1]) - c2 * apart * by) / u2
@@ -134,28 +134,28 @@ def stress_slopes(g, stress, by, d, m):
 
 @inlined
 def column_of(g, stress, q, by, d, dq, m):
-    """Change of stress, what is taken of the hourglass, of all, strain across; by is that of g."""
+    """Changes of stress, relaxation of hourglass and all, strain across; `by` that of g."""
     x, y, s, across = stress_slopes(g, stress, by, d, m)
     (_, c2), u2 = softening(m), g[2]
-    left, taken = 1.0 / u2, c2 / (u2 * u2) * by
-    q_x, q_y = (1.0 - left) * dq[0] + taken * q[0], (1.0 - left) * dq[1] + taken * q[1]
-    return x, y, s, q_x, q_y, taken, across
+    left, relaxed = 1.0 / u2, c2 / (u2 * u2) * by
+    q_x, q_y = (1.0 - left) * dq[0] + relaxed * q[0], (1.0 - left) * dq[1] + relaxed * q[1]
+    return x, y, s, q_x, q_y, relaxed, across
 
 
 @inlined
-def add_column(seen, at, column, n, t, z, found):
-    """Share n of a layer at the height z in a column of P. Writes: seen."""
+def add_column(base, at, column, n, t, z, found):
+    """Share n of a layer at the height z in a column of P. Writes: base."""
     at += LANES * column
     for k in range(3):
         row = at + LANES * SIDE * k
-        seen[row] += n * t * found[k]
-        seen[row + LANES * SIDE * BENDING] += n * t * z * found[k]
+        base[row] += n * t * found[k]
+        base[row + LANES * SIDE * BENDING] += n * t * z * found[k]
     for k in range(2):
         row = at + LANES * SIDE * (MODES_IN + k)
-        seen[row] += n * found[3 + k]
-        seen[row + LANES * SIDE * 2] += n * z * found[3 + k]
-    seen[at + LANES * SIDE * TAKEN_OUT] += n * found[5]
-    seen[at + LANES * SIDE * ACROSS_OUT] += n * found[6]
+        base[row] += n * found[3 + k]
+        base[row + LANES * SIDE * 2] += n * z * found[3 + k]
+    base[at + LANES * SIDE * TAKEN_OUT] += n * found[5]
+    base[at + LANES * SIDE * ACROSS_OUT] += n * found[6]
 
 
 @inlined
@@ -166,8 +166,8 @@ def mode_stress(work, e, zeta):
 
 
 @blockwise
-def add_plastic(work, seen, at, layer, m):
-    """Tangent of a plastic layer after its return. Writes: seen."""
+def add_plastic(work, base, at, layer, m):
+    """Tangent of a plastic layer after its return. Writes: base."""
     zeta, n = layer.zeta, 0.5 * layer.weight
     no, still = (0.0, 0.0), (0.0, 0.0, 0.0)
     for e in range(LANES):
@@ -177,20 +177,20 @@ def add_plastic(work, seen, at, layer, m):
         for k in range(3):
             direction = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
             found = column_of(g, stress, q, by[k], direction, no, m)
-            add_column(seen, at + e, k, n, t, z, found)
-            add_column(seen, at + e, BENDING + k, n * z, t, z, found)
+            add_column(base, at + e, k, n, t, z, found)
+            add_column(base, at + e, BENDING + k, n * z, t, z, found)
         for k in range(2):
             one = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0)
             found = column_of(g, stress, q, by_q[k], still, one, m)
-            add_column(seen, at + e, MODES_IN + k, n, t, z, found)
-            add_column(seen, at + e, MODES_IN + 2 + k, n * z, t, z, found)
+            add_column(base, at + e, MODES_IN + k, n, t, z, found)
+            add_column(base, at + e, MODES_IN + 2 + k, n * z, t, z, found)
             found = column_of(g, stress, q, by_tau[k], still, no, m)
-            add_column(seen, at + e, SHEAR_IN + k, n, t, z, found)
+            add_column(base, at + e, SHEAR_IN + k, n, t, z, found)
 
 
 @blockwise
-def add_general(kept, blocks, layer, work, seen, to, h, law):
-    """Tangent of a layer with a law of its own after a step. Writes: seen."""
+def add_general(blocks_before, blocks, layer, work, base, to, h, law):
+    """Tangent of a layer with a law of its own after a step. Writes: base."""
     (at, zeta, weight), (m, curves, material) = layer, law
     for e in range(LANES):
         t = work[LANES * WORK.depth + e]
@@ -198,7 +198,9 @@ def add_general(kept, blocks, layer, work, seen, to, h, law):
         d = layer_strain(work, e, z)
         for k in range(3):
             direction = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
-            (x, y, s), across = material.tangent(m, kept, blocks, at + e, d, direction, h, curves)
+            (x, y, s), across = material.tangent(
+                m, blocks_before, blocks, at + e, d, direction, h, curves
+            )
             found = (x, y, s, 0.0, 0.0, 0.0, across)
-            add_column(seen, to + e, k, n, t, z, found)
-            add_column(seen, to + e, BENDING + k, n * z, t, z, found)
+            add_column(base, to + e, k, n, t, z, found)
+            add_column(base, to + e, BENDING + k, n * z, t, z, found)

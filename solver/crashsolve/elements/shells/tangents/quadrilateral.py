@@ -28,7 +28,7 @@ from crashsolve.elements.shells.forces.quadrilateral import (
     sides,
 )
 from crashsolve.elements.shells.forces.quadrilateral_block import shape
-from crashsolve.elements.shells.plasticity import taken_modes
+from crashsolve.elements.shells.plasticity import relaxed_modes
 from crashsolve.elements.shells.records import (
     BLOCK,
     WORK,
@@ -43,88 +43,88 @@ from crashsolve.elements.shells.tangents.columns import (
 from crashsolve.elements.shells.tangents.quadrilateral_moved import (
     NONE,
     change_of,
-    pushes,
+    generalized_forces,
     pushes_moved,
     rotation_of_axes,
     spin_slopes,
     strains,
     strains_moved,
 )
-from crashsolve.elements.shells.tangents.records import CHANGE, FRAME, SEEN, SHEAR_IN
+from crashsolve.elements.shells.tangents.records import BASE, CHANGE, FRAME, SHEAR_IN
 from crashsolve.foundation.kernels import blockwise, inlined
 from crashsolve.foundation.point import LANES
 from crashsolve.foundation.vec3 import ZERO
 
 
 @inlined
-def put_frame(seen, at, frame, x, G):
-    """Axes and geometry of an element with the diagonals x. Writes: seen."""
+def put_frame(base, at, frame, x, G):
+    """Set axes and geometry of an element with the diagonals x. Writes: base."""
     axes, flat, area = frame
-    put_axes(seen, at + LANES * FRAME.axes, axes)
-    put_four(seen, at + LANES * FRAME.diagonals, flat)
+    put_axes(base, at + LANES * FRAME.axes, axes)
+    put_four(base, at + LANES * FRAME.diagonals, flat)
     put_three(
-        seen,
+        base,
         at + LANES * FRAME.hourglass,
         (dot3(x, axes[0]), dot3(x, axes[1]), 0.25 * dot3(x, axes[2])),
     )
-    seen[at + LANES * FRAME.area] = area
-    put_four(seen, at + LANES * FRAME.spin, spin_slopes(flat, G))
+    base[at + LANES * FRAME.area] = area
+    put_four(base, at + LANES * FRAME.spin, spin_slopes(flat, G))
 
 
 @inlined
-def geometry_at(seen, at):
+def geometry_at(base, at):
     """(flat, hourglass, z, area) of a frame."""
-    h_x, h_y, z = three(seen, at + LANES * FRAME.hourglass)
-    return four(seen, at + LANES * FRAME.diagonals), (h_x, h_y), z, seen[at + LANES * FRAME.area]
+    h_x, h_y, z = three(base, at + LANES * FRAME.hourglass)
+    return four(base, at + LANES * FRAME.diagonals), (h_x, h_y), z, base[at + LANES * FRAME.area]
 
 
 @inlined
-def motions_at(seen, at):
+def motions_at(base, at):
     """x, y and z of (D, E, H, S)."""
-    return four(seen, at), four(seen, at + 4 * LANES), four(seen, at + 8 * LANES)
+    return four(base, at), four(base, at + 4 * LANES), four(base, at + 8 * LANES)
 
 
 @inlined
-def put_motions(seen, at, axes, h, u):
-    """h u along the axes. Writes: seen."""
+def put_motions(base, at, axes, h, u):
+    """h u along the axes. Writes: base."""
     for k in range(3):
         x = along(axes[k], u)
-        put_four(seen, at + 4 * LANES * k, (h * x[0], h * x[1], h * x[2], h * x[3]))
+        put_four(base, at + 4 * LANES * k, (h * x[0], h * x[1], h * x[2], h * x[3]))
 
 
 @inlined
-def stress_at(seen, e):
+def stress_at(base, e):
     """Stresses by the names of pushes()."""
-    at = LANES * SEEN.stress + e
-    q, s = four(seen, at + 6 * LANES), four(seen, at + 10 * LANES)
+    at = LANES * BASE.stress + e
+    q, s = four(base, at + 6 * LANES), four(base, at + 10 * LANES)
     pairs = (s[0], s[1]), (s[2], s[3])
-    return three(seen, at), three(seen, at + 3 * LANES), q, *pairs, seen[at + 14 * LANES]
+    return three(base, at), three(base, at + 3 * LANES), q, *pairs, base[at + 14 * LANES]
 
 
 @blockwise
-def see(blocks, kept, first, work, seen, h):
-    """Both frames, the motion of the step and the stresses after it; `kept` is from before it.
+def set_base(blocks, blocks_before, first, work, base, h):
+    """Set frames, motion and stresses of the step; `blocks_before` are the blocks before it.
 
-    Writes: seen.
+    Writes: base.
     """
-    see_motion(blocks, first, work, seen, h)
-    see_stress(blocks, kept, first, work, seen)
+    set_motion(blocks, first, work, base, h)
+    set_stress(blocks, blocks_before, first, work, base)
     for e in range(LANES):
-        geometry = geometry_at(seen, LANES * SEEN.end + e)
-        (D, E, H), (t_d, t_e, t_h, t_s) = pushes(stress_at(seen, e), geometry)
-        at = LANES * SEEN.pushed + e
-        put_three(seen, at, D)
-        put_three(seen, at + 3 * LANES, E)
-        put_three(seen, at + 6 * LANES, H)
-        put_three(seen, at + 9 * LANES, t_d)
-        put_three(seen, at + 12 * LANES, t_e)
-        put_three(seen, at + 15 * LANES, t_h)
-        put_three(seen, at + 18 * LANES, t_s)
+        geometry = geometry_at(base, LANES * BASE.end + e)
+        (D, E, H), (t_d, t_e, t_h, t_s) = generalized_forces(stress_at(base, e), geometry)
+        at = LANES * BASE.mode_actions + e
+        put_three(base, at, D)
+        put_three(base, at + 3 * LANES, E)
+        put_three(base, at + 6 * LANES, H)
+        put_three(base, at + 9 * LANES, t_d)
+        put_three(base, at + 12 * LANES, t_e)
+        put_three(base, at + 15 * LANES, t_h)
+        put_three(base, at + 18 * LANES, t_s)
 
 
 @blockwise
-def see_motion(blocks, first, work, seen, h):
-    """Frames of the middle and of the end, and the motion in the step. Writes: seen."""
+def set_motion(blocks, first, work, base, h):
+    """Set the frames of middle and end, and the motion of the step. Writes: base."""
     half = 0.5 * h
     for e in range(LANES):
         x, v, w = (
@@ -133,50 +133,50 @@ def see_motion(blocks, first, work, seen, h):
             diagonals(work, WORK.spin, e),
         )
         G = shape(blocks, first + e)
-        put_frame(seen, LANES * SEEN.end + e, plane_axes(x[0], x[1], G), x[2], G)
+        put_frame(base, LANES * BASE.end + e, plane_axes(x[0], x[1], G), x[2], G)
         d, c, g = before(x[0], half, v[0]), before(x[1], half, v[1]), before(x[2], half, v[2])
         frame = plane_axes(d, c, G)
-        put_frame(seen, LANES * SEEN.middle + e, frame, g, G)
-        put_motions(seen, LANES * SEEN.displacement + e, frame[0], h, v)
-        put_motions(seen, LANES * SEEN.rotations + e, frame[0], h, w)
+        put_frame(base, LANES * BASE.middle + e, frame, g, G)
+        put_motions(base, LANES * BASE.displacement + e, frame[0], h, v)
+        put_motions(base, LANES * BASE.rotations + e, frame[0], h, w)
 
 
 @blockwise
-def see_stress(blocks, kept, first, work, seen):
-    """Stresses after the step, and what they were found with. Writes: seen."""
+def set_stress(blocks, blocks_before, first, work, base):
+    """Set the stresses after the step, and the quantities they depend on. Writes: base."""
     for e in range(LANES):
-        at, to = first + LANES * BLOCK.hourglass_plane + e, LANES * SEEN.stress + e
-        put_three(seen, to, three(work, LANES * WORK.resultant + e))
-        put_three(seen, to + 3 * LANES, three(work, LANES * WORK.moment + e))
-        put_four(seen, to + 6 * LANES, four(blocks, at))
+        at, to = first + LANES * BLOCK.hourglass_plane + e, LANES * BASE.stress + e
+        put_three(base, to, three(work, LANES * WORK.resultant + e))
+        put_three(base, to + 3 * LANES, three(work, LANES * WORK.moment + e))
+        put_four(base, to + 6 * LANES, four(blocks, at))
         t, shear = blocks[first + LANES * BLOCK.thickness + e], three(blocks, at + 6 * LANES)
         pair = (blocks[at + 4 * LANES], blocks[at + 5 * LANES])
-        put_four(seen, to + 10 * LANES, (*pair, t * shear[0], t * shear[1]))
-        seen[to + 14 * LANES] = 0.5 * shear[2]
-        at = LANES * SEEN.tau + e
-        seen[at], seen[at + LANES] = shear[0], shear[1]
-        seen[LANES * SEEN.thickness_before + e] = kept[first + LANES * BLOCK.thickness + e]
-        seen[LANES * SEEN.thickness_after + e] = t
-        geometry = geometry_at(seen, LANES * SEEN.middle + e)
+        put_four(base, to + 10 * LANES, (*pair, t * shear[0], t * shear[1]))
+        base[to + 14 * LANES] = 0.5 * shear[2]
+        at = LANES * BASE.tau + e
+        base[at], base[at + LANES] = shear[0], shear[1]
+        base[LANES * BASE.thickness_before + e] = blocks_before[first + LANES * BLOCK.thickness + e]
+        base[LANES * BASE.thickness_after + e] = t
+        geometry = geometry_at(base, LANES * BASE.middle + e)
         _, _, q, _, change, drill = strains(
-            motions_at(seen, LANES * SEEN.displacement + e),
-            motions_at(seen, LANES * SEEN.rotations + e),
+            motions_at(base, LANES * BASE.displacement + e),
+            motions_at(base, LANES * BASE.rotations + e),
             geometry,
         )
-        put_four(seen, LANES * SEEN.modes + e, q)
-        put_three(seen, LANES * (SEEN.modes + 4) + e, (*change, drill))
-        see_taken(work, seen, e)
+        put_four(base, LANES * BASE.modes + e, q)
+        put_three(base, LANES * (BASE.modes + 4) + e, (*change, drill))
+        set_relaxation(work, base, e)
 
 
 @inlined
-def see_taken(work, seen, e):
-    """What yielding takes, and of what. Writes: seen."""
-    seen[LANES * SEEN.taken + e], taken = work[LANES * WORK.taken + e], taken_modes(work, e)
+def set_relaxation(work, base, e):
+    """Set the relaxation by yielding, and the trial stresses. Writes: base."""
+    base[LANES * BASE.relaxed + e], relaxed = work[LANES * WORK.relaxed + e], relaxed_modes(work, e)
     for m in range(4):
         # of stresses, as the tangent of the layers has them
         over = sqrt(work[LANES * (WORK.mode_square + m % 2) + e])
-        seen[LANES * (SEEN.taken_modes + m) + e] = over * taken[m]
-        seen[LANES * (SEEN.amplitude + m) + e] = over * work[LANES * (WORK.amplitude + m) + e]
+        base[LANES * (BASE.relaxed_modes + m) + e] = over * relaxed[m]
+        base[LANES * (BASE.amplitude + m) + e] = over * work[LANES * (WORK.amplitude + m) + e]
 
 
 @inlined
@@ -229,21 +229,21 @@ def put_strains(change, e, found):
 
 
 @blockwise
-def strain_by_position(seen, change, b, k):
+def strain_by_position(base, change, b, k):
     """Change of the strains as corner b moves along axis k. Writes: change."""
     d, c, g = shares(b)
     for e in range(LANES):
-        at = LANES * SEEN.middle + e
+        at = LANES * BASE.middle + e
         row = at + LANES * (FRAME.axes + k)
-        n = (seen[row], seen[row + 3 * LANES], seen[row + 6 * LANES])
+        n = (base[row], base[row + 3 * LANES], base[row + 6 * LANES])
         # the middle of the step moves half as far
-        half, geometry = (0.5 * n[0], 0.5 * n[1], 0.5 * n[2]), geometry_at(seen, at)
+        half, geometry = (0.5 * n[0], 0.5 * n[1], 0.5 * n[2]), geometry_at(base, at)
         D, E = times3(d, half), times3(c, half)
-        rotation = rotation_of_axes(geometry, four(seen, at + LANES * FRAME.spin), D, E)
+        rotation = rotation_of_axes(geometry, four(base, at + LANES * FRAME.spin), D, E)
         moved = change_of(geometry, rotation, D, E, times3(g, half))
         u, w = (
-            motions_at(seen, LANES * SEEN.displacement + e),
-            motions_at(seen, LANES * SEEN.rotations + e),
+            motions_at(base, LANES * BASE.displacement + e),
+            motions_at(base, LANES * BASE.rotations + e),
         )
         du, dw = both_changed(rotation, u, n, (d, c, g, 1.0)), both_changed(rotation, w, n, NONE)
         a, b = strains(du, dw, geometry), strains_moved(u, w, geometry, moved)
@@ -255,13 +255,13 @@ def strain_by_position(seen, change, b, k):
 
 
 @blockwise
-def strain_by_rotation(seen, change, b):
+def strain_by_rotation(base, change, b):
     """Change of the strains as corner b turns as `change` says. Writes: change."""
     d, c, g = shares(b)
     for e in range(LANES):
-        at = LANES * SEEN.middle + e
+        at = LANES * BASE.middle + e
         axes, displacement = (
-            axes_at(seen, at + LANES * FRAME.axes),
+            axes_at(base, at + LANES * FRAME.axes),
             three(change, LANES * CHANGE.direction + e),
         )
         n, s = (
@@ -269,7 +269,7 @@ def strain_by_rotation(seen, change, b):
             (d, c, g, 1.0),
         )
         rotation = both_changed(ZERO, (NONE, NONE, NONE), n, s)
-        put_strains(change, e, strains((NONE, NONE, NONE), rotation, geometry_at(seen, at)))
+        put_strains(change, e, strains((NONE, NONE, NONE), rotation, geometry_at(base, at)))
         put_four(change, LANES * CHANGE.moved + e, NONE)
         change[LANES * (CHANGE.moved + 4) + e] = 0.0
 
@@ -293,46 +293,49 @@ def stiffness_moved(flat, moved, area, grown_by, p, t):
 
 @inlined
 def enter_shear(change, e, stiff):
-    """The trial transverse shear enters at a point. Writes: change."""
+    """Set the change of the trial transverse shear at a point. Writes: change."""
     at, to = LANES * (CHANGE.strain + 10) + e, LANES * (CHANGE.enters + SHEAR_IN) + e
     change[to], change[to + LANES] = stiff * change[at], stiff * change[at + LANES]
 
 
 @blockwise
-def stress_of_shear(seen, change, p):
-    """Change of what acts on the change of shear, of V and of drilling. Writes: change."""
+def stress_of_shear(base, change, p):
+    """Set the changes of the forces on the change of shear, of V and of drilling.
+
+    Writes: change.
+    """
     for e in range(LANES):
         frame, to, at = (
-            LANES * SEEN.middle + e,
+            LANES * BASE.middle + e,
             LANES * (CHANGE.stressed + 10) + e,
             LANES * (CHANGE.strain + 10) + e,
         )
-        flat, area = four(seen, frame + LANES * FRAME.diagonals), seen[frame + LANES * FRAME.area]
-        t = seen[LANES * SEEN.thickness_before + e]
+        flat, area = four(base, frame + LANES * FRAME.diagonals), base[frame + LANES * FRAME.area]
+        t = base[LANES * BASE.thickness_before + e]
         moved, more = four(change, LANES * CHANGE.moved + e), change[LANES * (CHANGE.moved + 4) + e]
         _, k = hourglass_stiffness(flat, area, p.young, p.shear, p.poisson, t)
         _, j = stiffness_moved(flat, moved, area, more, p, t)
-        u, d = three(seen, LANES * (SEEN.modes + 4) + e), three(change, at + 2 * LANES)
+        u, d = three(base, LANES * (BASE.modes + 4) + e), three(change, at + 2 * LANES)
         # large strain grows the logarithm of the thickness
-        thick = seen[LANES * SEEN.thickness_after + e] if p.large_strain == 1 else t
+        thick = base[LANES * BASE.thickness_after + e] if p.large_strain == 1 else t
         thinner = thick * change[LANES * CHANGE.across + e] if p.thins == 1 else 0.0
-        tau, after = LANES * SEEN.tau + e, seen[LANES * SEEN.thickness_after + e]
-        left, less = relaxation(seen, change, e)
+        tau, after = LANES * BASE.tau + e, base[LANES * BASE.thickness_after + e]
+        left, less = relaxation(base, change, e)
         stiff, still = left * after * 5.0 / 6.0 * p.shear, thinner - after * less
         V = (
-            stiff * change[at] + still * seen[tau],
-            stiff * change[at + LANES] + still * seen[tau + LANES],
+            stiff * change[at] + still * base[tau],
+            stiff * change[at + LANES] + still * base[tau + LANES],
         )
         put_four(change, to, (k[0] * d[0] + j[0] * u[0], k[1] * d[1] + j[1] * u[1], *V))
         tie = 0.5 * left * DRILLING * p.shear * t * (area * d[2] + more * u[2])
-        change[to + 4 * LANES] = tie - less * seen[LANES * (SEEN.stress + 14) + e]
+        change[to + 4 * LANES] = tie - less * base[LANES * (BASE.stress + 14) + e]
 
 
 @inlined
-def relaxation(seen, change, e):
-    """What yielding leaves of transverse shear, and its change over that, by what is taken."""
-    left = 1.0 - seen[LANES * SEEN.taken + e]
-    return left, change[LANES * CHANGE.taken + e] / left
+def relaxation(base, change, e):
+    """Transverse shear after relaxation over the trial one, and the relative change of that."""
+    left = 1.0 - base[LANES * BASE.relaxed + e]
+    return left, change[LANES * CHANGE.relaxed + e] / left
 
 
 @inlined
@@ -345,23 +348,23 @@ def stressed_at(change, e):
 
 
 @blockwise
-def push_at_rest(seen, change):
-    """Forces on the corners themselves. Writes: change."""
+def corner_forces_by_stress(base, change):
+    """Set the forces on the corners by the present stresses. Writes: change."""
     for e in range(LANES):
-        at, row = LANES * (SEEN.end + FRAME.axes) + e, LANES * SEEN.pushed + e
-        D, E, H = three(seen, row), three(seen, row + 3 * LANES), three(seen, row + 6 * LANES)
-        put_corners(change, CHANGE.pushed, e, axes_at(seen, at), D, E, H, ZERO)
+        at, row = LANES * (BASE.end + FRAME.axes) + e, LANES * BASE.mode_actions + e
+        D, E, H = three(base, row), three(base, row + 3 * LANES), three(base, row + 6 * LANES)
+        put_corners(change, CHANGE.mode_actions, e, axes_at(base, at), D, E, H, ZERO)
 
 
 @blockwise
-def push_by_rotation(seen, change):
+def corner_forces_by_rotation(base, change):
     """Change of the forces with that of the stresses. Writes: change."""
     for e in range(LANES):
-        at = LANES * SEEN.end + e
-        (D, E, H), torque = pushes(stressed_at(change, e), geometry_at(seen, at))
-        axes = axes_at(seen, at + LANES * FRAME.axes)
-        put_corners(change, CHANGE.pushed, e, axes, D, E, H, ZERO)
-        put_corners(change, CHANGE.pushed + 12, e, axes, *torque)
+        at = LANES * BASE.end + e
+        (D, E, H), torque = generalized_forces(stressed_at(change, e), geometry_at(base, at))
+        axes = axes_at(base, at + LANES * FRAME.axes)
+        put_corners(change, CHANGE.mode_actions, e, axes, D, E, H, ZERO)
+        put_corners(change, CHANGE.mode_actions + 12, e, axes, *torque)
 
 
 @inlined
@@ -372,31 +375,31 @@ def sum_rotated(a, b, rotation, f):
 
 
 @inlined
-def end_moved(seen, e, k, d, c, g):
-    """Turn of the axes of the end, and change of the geometry there, as a corner moves."""
-    at = LANES * SEEN.end + e
+def end_moved(base, e, k, d, c, g):
+    """Rotation of the axes of the end, and change of its geometry, as a corner moves."""
+    at = LANES * BASE.end + e
     row = at + LANES * (FRAME.axes + k)
-    n, geometry = (seen[row], seen[row + 3 * LANES], seen[row + 6 * LANES]), geometry_at(seen, at)
+    n, geometry = (base[row], base[row + 3 * LANES], base[row + 6 * LANES]), geometry_at(base, at)
     D, E = times3(d, n), times3(c, n)
-    rotation = rotation_of_axes(geometry, four(seen, at + LANES * FRAME.spin), D, E)
+    rotation = rotation_of_axes(geometry, four(base, at + LANES * FRAME.spin), D, E)
     return rotation, change_of(geometry, rotation, D, E, times3(g, n))
 
 
 @blockwise
-def push_by_position(seen, work, change, b, k):
+def corner_forces_by_position(base, work, change, b, k):
     """Change of the forces as corner b moves along axis k. Writes: change."""
     d, c, g = shares(b)
     for e in range(LANES):
-        at = LANES * SEEN.end + e
-        geometry, axes = geometry_at(seen, at), axes_at(seen, at + LANES * FRAME.axes)
-        rotation, moved = end_moved(seen, e, k, d, c, g)
-        row = LANES * SEEN.pushed + e
-        F = (three(seen, row), three(seen, row + 3 * LANES), three(seen, row + 6 * LANES))
-        a, t = pushes(stressed_at(change, e), geometry)
-        b, s = pushes_moved(stress_at(seen, e), F, geometry, moved)
+        at = LANES * BASE.end + e
+        geometry, axes = geometry_at(base, at), axes_at(base, at + LANES * FRAME.axes)
+        rotation, moved = end_moved(base, e, k, d, c, g)
+        row = LANES * BASE.mode_actions + e
+        F = (three(base, row), three(base, row + 3 * LANES), three(base, row + 6 * LANES))
+        a, t = generalized_forces(stressed_at(change, e), geometry)
+        b, s = pushes_moved(stress_at(base, e), F, geometry, moved)
         put_corners(
             change,
-            CHANGE.pushed,
+            CHANGE.mode_actions,
             e,
             axes,
             sum_rotated(a[0], b[0], rotation, F[0]),
@@ -407,11 +410,11 @@ def push_by_position(seen, work, change, b, k):
         row += 9 * LANES
         put_corners(
             change,
-            CHANGE.pushed + 12,
+            CHANGE.mode_actions + 12,
             e,
             axes,
-            sum_rotated(t[0], s[0], rotation, three(seen, row)),
-            sum_rotated(t[1], s[1], rotation, three(seen, row + 3 * LANES)),
-            sum_rotated(t[2], s[2], rotation, three(seen, row + 6 * LANES)),
-            sum_rotated(t[3], s[3], rotation, three(seen, row + 9 * LANES)),
+            sum_rotated(t[0], s[0], rotation, three(base, row)),
+            sum_rotated(t[1], s[1], rotation, three(base, row + 3 * LANES)),
+            sum_rotated(t[2], s[2], rotation, three(base, row + 6 * LANES)),
+            sum_rotated(t[3], s[3], rotation, three(base, row + 9 * LANES)),
         )

@@ -134,11 +134,10 @@ def strains_moved(u, rotation, geometry, moved):
 
 
 @inlined
-def pushes(stress, geometry):
-    """What acts on D, E, H of the positions and on D, E, H, S of the rotations, in the element's
-    axes.
+def generalized_forces(stress, geometry):
+    """Generalized forces on D, E, H of positions and D, E, H, S of rotations, axes of the element.
 
-    `stress` has N, M, what acts on the modes, on the change of shear, V, and half of the drilling.
+    `stress` has N, M, the forces on the modes and on the change of shear, V, half of the drilling.
     """
     N, M, q, s, V, drill = stress
     flat, hourglass, z, area = geometry

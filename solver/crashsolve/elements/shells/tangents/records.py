@@ -1,6 +1,6 @@
 """Named rows that the tangents of shells work with, sixteen elements side by side.
 
-What is found once for all columns of a tangent is SEEN, what belongs to the present one its CHANGE.
+What is found once for all columns of a tangent is BASE, what belongs to the present one its CHANGE.
 """
 
 from crashsolve.foundation.record import Record, rows_of
@@ -18,20 +18,20 @@ FRAME = rows_of(
         spin       1/m  4  slopes of the spin of the axes by the diagonals
     """)
 )
-SEEN = rows_of(
+BASE = rows_of(
     Record(f"""
         middle            m           {FRAME.SIZE}  frame of the middle of the step
         end               m           {FRAME.SIZE}  frame of its end
         displacement      m                     12  of the step along the axes of its middle
         rotations         rad                   12  of the step, the same
-        pushed            N, N m                21  what acts on the motions of the end
+        mode_actions      N, N m                21  what acts on the motions of the end
         stress            N/m, N                15  N, M, of modes, of the change of shear, V, half
                                                     of drilling
         tau               Pa                     2  transverse shear
         thickness_before  m                         of the step
         thickness_after   m                         of the step
-        taken             1                         what yielding takes of all
-        taken_modes       Pa                     4  and of the amplitudes of the modes
+        relaxed           1                         share of all that yielding relaxes
+        relaxed_modes     Pa                     4  and of the amplitudes of the modes
         modes             m                      7  of the step: modes, change of shear, drilling
         amplitude         Pa                     4  of the trial hourglass
         points            Pa m    {5 * POINT_ROWS}  tangents of the layers of each point, and of
@@ -40,15 +40,15 @@ SEEN = rows_of(
 )
 CHANGE = rows_of(
     Record(f"""
-        direction  1            3  rotation of the corner
-        strain     1           15  in the order of SEEN.stress
-        moved      m            5  diagonals and area of the middle
-        stressed   N/m, N      15  in the order of SEEN.stress
-        pushed     N, N m      24  forces and torques of the corners
-        across     1               strain across the thickness
-        sums       N/m, N       8  over the points
-        taken      1               what is taken of all
-        enters     1       {SIDE}  at a point of the plane
-        comes      Pa m    {SIDE}  out of it
+        direction     1            3  rotation of the corner
+        strain        1           15  in the order of BASE.stress
+        moved         m            5  diagonals and area of the middle
+        stressed      N/m, N      15  in the order of BASE.stress
+        mode_actions  N, N m      24  forces and torques of the corners
+        across        1               strain across the thickness
+        sums          N/m, N       8  over the points
+        relaxed       1               share of all that is relaxed
+        enters        1       {SIDE}  at a point of the plane
+        comes         Pa m    {SIDE}  out of it
     """)
 )

@@ -19,21 +19,27 @@ from crashsolve.elements.shells.hourglass_return import (
     mode_sizes,
     relax_modes,
     relax_shear,
-    see_modes,
-    see_shear,
+    set_trial_modes,
+    set_trial_shear,
 )
-from crashsolve.elements.shells.layers import take_up
+from crashsolve.elements.shells.layers import update_elements
 from crashsolve.elements.shells.tangents.columns import enter_strains, put_four, respond
 from crashsolve.elements.shells.tangents.layers import layers_of_one_point
+from crashsolve.elements.shells.tangents.quadrilateral import (
+    corner_forces_by_position as corner_forces_by_position,
+)
+from crashsolve.elements.shells.tangents.quadrilateral import (
+    corner_forces_by_rotation as corner_forces_by_rotation,
+)
+from crashsolve.elements.shells.tangents.quadrilateral import (
+    corner_forces_by_stress as corner_forces_by_stress,
+)
 from crashsolve.elements.shells.tangents.quadrilateral import (
     enter_shear,
     stiffness_moved,
     stress_of_shear,
 )
-from crashsolve.elements.shells.tangents.quadrilateral import push_at_rest as push_at_rest
-from crashsolve.elements.shells.tangents.quadrilateral import push_by_position as push_by_position
-from crashsolve.elements.shells.tangents.quadrilateral import push_by_rotation as push_by_rotation
-from crashsolve.elements.shells.tangents.quadrilateral import see as see
+from crashsolve.elements.shells.tangents.quadrilateral import set_base as set_base
 from crashsolve.elements.shells.tangents.quadrilateral import (
     strain_by_position as strain_by_position,
 )
@@ -42,16 +48,16 @@ from crashsolve.elements.shells.tangents.quadrilateral import (
 )
 from crashsolve.elements.shells.tangents.records import (
     ACROSS_OUT,
+    BASE,
     CHANGE,
     FRAME,
     MODES_IN,
-    SEEN,
     TAKEN_OUT,
 )
 from crashsolve.foundation.kernels import blockwise, inlined, kernel
 from crashsolve.foundation.point import LANES
 
-DAMPING = LANES * SEEN.points
+DAMPING = LANES * BASE.points
 
 
 @kernel
@@ -61,35 +67,35 @@ def stress(first, stride, h, p, scene, material):
     Writes: scene.lanes, work, seen.
     """
     blocks, work = scene.lanes, scene.work
-    see_shear(blocks, first, work)
-    see_modes(blocks, first, work)
+    set_trial_shear(blocks, first, work)
+    set_trial_modes(blocks, first, work)
     layers_of_one_point(first, h, p, scene, material)
     relax_modes(blocks, first, work)
     relax_shear(blocks, first, work, p)
-    take_up(blocks, first, stride, work, h, p)
+    update_elements(blocks, first, stride, work, h, p)
 
 
 @blockwise
-def stress_by(seen, change, p):
+def stress_by(base, change, p):
     """Change of the stresses with that of strains and geometry. Writes: change."""
     enter_strains(change)
     for e in range(LANES):
-        modes_by(seen, change, e, p)
+        modes_by(base, change, e, p)
         enter_shear(change, e, 5.0 / 6.0 * p.shear)
-    respond(seen, LANES * SEEN.points, change)
+    respond(base, LANES * BASE.points, change)
     for row in range(6 * LANES):
         change[LANES * CHANGE.stressed + row] = change[LANES * CHANGE.comes + row]
     for e in range(LANES):
-        change[LANES * CHANGE.taken + e] = change[LANES * (CHANGE.comes + TAKEN_OUT) + e]
+        change[LANES * CHANGE.relaxed + e] = change[LANES * (CHANGE.comes + TAKEN_OUT) + e]
         change[LANES * CHANGE.across + e] = change[LANES * (CHANGE.comes + ACROSS_OUT) + e]
-        relax_modes_by(seen, change, e)
-    stress_of_shear(seen, change, p)
+        relax_modes_by(base, change, e)
+    stress_of_shear(base, change, p)
 
 
 @inlined
-def sizes_at(seen, change, e):
+def sizes_at(base, change, e):
     """r_x and r_y of the middle, and their change."""
-    flat = four(seen, LANES * (SEEN.middle + FRAME.diagonals) + e)
+    flat = four(base, LANES * (BASE.middle + FRAME.diagonals) + e)
     (a_x, a_y, b_x, b_y), moved = sides(flat), sides(four(change, LANES * CHANGE.moved + e))
     x, y = mode_sizes(flat)
     r_x, r_y = sqrt(x), sqrt(y)
@@ -99,22 +105,22 @@ def sizes_at(seen, change, e):
 
 
 @inlined
-def modes_by(seen, change, e, p):
+def modes_by(base, change, e, p):
     """Change of the trial stresses of the modes; their amplitudes enter. Writes: change."""
     frame, to, at = (
-        LANES * SEEN.middle + e,
+        LANES * BASE.middle + e,
         LANES * (CHANGE.stressed + 6) + e,
         LANES * (CHANGE.strain + 6) + e,
     )
     flat, area, t = (
-        four(seen, frame + LANES * FRAME.diagonals),
-        seen[frame + LANES * FRAME.area],
-        seen[LANES * SEEN.thickness_before + e],
+        four(base, frame + LANES * FRAME.diagonals),
+        base[frame + LANES * FRAME.area],
+        base[LANES * BASE.thickness_before + e],
     )
     moved, more = four(change, LANES * CHANGE.moved + e), change[LANES * (CHANGE.moved + 4) + e]
     k, _ = hourglass_stiffness(flat, area, p.young, p.shear, p.poisson, t)
     j, _ = stiffness_moved(flat, moved, area, more, p, t)
-    u, d, bend = four(seen, LANES * SEEN.modes + e), four(change, at), t * t / 12.0
+    u, d, bend = four(base, LANES * BASE.modes + e), four(change, at), t * t / 12.0
     Q = (
         k[0] * d[0] + k[2] * d[1] + j[0] * u[0] + j[2] * u[1],
         k[1] * d[1] + k[2] * d[0] + j[1] * u[1] + j[2] * u[0],
@@ -122,20 +128,23 @@ def modes_by(seen, change, e, p):
         bend * (k[1] * d[3] + k[2] * d[2] + j[1] * u[3] + j[2] * u[2]),
     )
     put_four(change, to, Q)
-    sizes, grow = sizes_at(seen, change, e)
+    sizes, integrate_stress = sizes_at(base, change, e)
     for m in range(4):
         over = (1.0 if m < 2 else 1.0 / bend) / (t * sizes[m % 2])
-        share = grow[m % 2] / sizes[m % 2]
-        amplitude = seen[LANES * (SEEN.amplitude + m) + e]
+        share = integrate_stress[m % 2] / sizes[m % 2]
+        amplitude = base[LANES * (BASE.amplitude + m) + e]
         change[LANES * (CHANGE.enters + MODES_IN + m) + e] = over * Q[m] - share * amplitude
 
 
 @inlined
-def relax_modes_by(seen, change, e):
-    """What yielding takes of the change of the stresses of the modes. Writes: change."""
-    t, (sizes, grow) = seen[LANES * SEEN.thickness_before + e], sizes_at(seen, change, e)
+def relax_modes_by(base, change, e):
+    """Relax the changes of the stresses of the modes by yielding. Writes: change."""
+    t, (sizes, integrate_stress) = (
+        base[LANES * BASE.thickness_before + e],
+        sizes_at(base, change, e),
+    )
     for m in range(4):
-        taken = seen[LANES * (SEEN.taken_modes + m) + e]
+        relaxed = base[LANES * (BASE.relaxed_modes + m) + e]
         more = change[LANES * (CHANGE.comes + MODES_IN + m) + e]
-        less = t * (grow[m % 2] * taken + sizes[m % 2] * more)
+        less = t * (integrate_stress[m % 2] * relaxed + sizes[m % 2] * more)
         change[LANES * (CHANGE.stressed + 6 + m) + e] -= less

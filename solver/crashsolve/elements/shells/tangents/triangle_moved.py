@@ -16,12 +16,12 @@ from crashsolve.elements.shells.forces.triangle import (
     edges,
     gradients,
     mean_shears,
+    shear_factor_of,
     side_shear,
-    weakened,
 )
 from crashsolve.elements.shells.tangents.quadrilateral import geometry_at
 from crashsolve.elements.shells.tangents.quadrilateral_moved import slopes_moved
-from crashsolve.elements.shells.tangents.records import CHANGE, SEEN
+from crashsolve.elements.shells.tangents.records import BASE, CHANGE
 from crashsolve.foundation.kernels import inlined
 from crashsolve.foundation.point import LANES
 
@@ -45,7 +45,7 @@ def summed(m, G):
 
 @inlined
 def strains(u, rotation, geometry):
-    """Strains of the plane, curvatures; shear (not weakened), what goes round, drilling.
+    """Strains of the plane, curvatures; shear without its factor, circulation, drilling.
 
     u is (x, y, z) of D and E of the displacements, turn that of the rotations of the corners.
     """
@@ -94,15 +94,15 @@ def softer_by(s, ds, t):
     """Change of weakened(), over it, and of the squares of the sides, over them."""
     squares = dot2(s[0], s[0]) + dot2(s[1], s[1]) + dot2(s[2], s[2])
     more = 2.0 * (dot2(s[0], ds[0]) + dot2(s[1], ds[1]) + dot2(s[2], ds[2]))
-    return -weakened(s, t) * SOFTER * more / (3.0 * t * t), more / squares
+    return -shear_factor_of(s, t) * SOFTER * more / (3.0 * t * t), more / squares
 
 
 @inlined
-def side_changes(seen, change, e):
+def side_changes(base, change, e):
     """Sides, thickness before the step; softer_by()."""
     s, t = (
-        edges(geometry_at(seen, LANES * SEEN.middle + e)[0]),
-        seen[LANES * SEEN.thickness_before + e],
+        edges(geometry_at(base, LANES * BASE.middle + e)[0]),
+        base[LANES * BASE.thickness_before + e],
     )
     weaker, wider = softer_by(s, edges(four(change, LANES * CHANGE.moved + e)), t)
     return s, t, weaker, wider
@@ -110,7 +110,7 @@ def side_changes(seen, change, e):
 
 @inlined
 def stress_of(table, at):
-    """N, M, what goes round, V, half of the drilling."""
+    """N, M, circulation, V, half of the drilling."""
     V = (table[at + 12 * LANES], table[at + 13 * LANES])
     N, M = three(table, at), three(table, at + 3 * LANES)
     return N, M, table[at + 6 * LANES], V, table[at + 14 * LANES]
@@ -118,7 +118,9 @@ def stress_of(table, at):
 
 @inlined
 def around(V, Q, flat):
-    """What acts on the G of each side: gradients over one half are those times the area."""
+    """Generalized forces on the G of each side: gradients over one half are those times the
+    area.
+    """
     m1, m2, m3 = mean_shears(*gradients(flat, 1.0))
     return Q + dot2(V, m1), Q + dot2(V, m2), Q + dot2(V, m3)
 
@@ -139,8 +141,8 @@ def with_sides(t, a, F_a, b, F_b):
 
 
 @inlined
-def pushes(stress, geometry):
-    """What acts on the motions of the corners, in the element's axes: forces and torques."""
+def generalized_forces(stress, geometry):
+    """Forces and torques on the corners, in the element's axes."""
     (N, M, Q, V, drill), (flat, _, _, area) = stress, geometry
     g, slope, s = gradients(flat, 1.0), gradients(flat, area), edges(flat)
     F1, F2, F3 = around(V, Q, flat)

@@ -74,7 +74,7 @@ def touch_side(group, clock, h, at, found, nodes, curves, mesh, scene):
         _, v = node_contact.where(probe, h, nodes, scene.points)
     for w in range(count):
         hit = found[walls.number_of(s, w)]
-        # what is new has no past, but that which stays with a probe that is apart
+        # a new touch has no history, except that of a probe that is apart
         row = none if before > 0 or w > 0 else j
         if hit.partner >= 0:
             row = projection.row_of(p, j, hit.partner)

@@ -12,8 +12,8 @@ SEQUENTIAL, DIVERGING = "YlGnBu", "RdBu_r"
 
 
 @dataclass(frozen=True)
-class Shades:
-    """The same colours for all pictures of a strip or film."""
+class ColourScale:
+    """The colours of a field, the same for all pictures of a strip or film."""
 
     name: str = ""
     unit: str = ""
@@ -21,8 +21,8 @@ class Shades:
     high: float = 1.0
 
     @classmethod
-    def of(cls, name: str, unit: str, low: float, high: float) -> "Shades":
-        """From zero where nothing is below, and as far below as above where something is."""
+    def of(cls, name: str, unit: str, low: float, high: float) -> "ColourScale":
+        """A scale from zero where no value is negative, else symmetric about zero."""
         if not low <= high:
             low = high = 0.0
         size = max(abs(low), abs(high)) or 1.0
@@ -30,7 +30,7 @@ class Shades:
 
     @property
     def cmap(self) -> str:
-        """Its name for matplotlib."""
+        """Name of the scale in matplotlib."""
         return DIVERGING if self.low < 0.0 else SEQUENTIAL
 
     @property
@@ -40,7 +40,7 @@ class Shades:
 
     @property
     def scale(self) -> float:
-        """Of values in the unit shown."""
+        """Factor on values in the unit shown."""
         return factor(self.unit, self.shown_unit) if self.unit != self.shown_unit else 1.0
 
     @cached_property

@@ -1,4 +1,4 @@
-"""What of a run is to be seen, and how: the words of `crashpost render --help`."""
+"""What of a run is drawn, and how: the options of `crashpost render`."""
 
 from dataclasses import dataclass
 
@@ -6,8 +6,8 @@ from crashpost.renders.section_lines import Section
 
 
 @dataclass(frozen=True)
-class Look:
-    """Of bodies and parts `show`; all where it is empty."""
+class Appearance:
+    """Appearance of a picture: bodies and parts `show`, all where it is empty."""
 
     show: tuple[str, ...] = ()
     color: str = ""
@@ -22,7 +22,7 @@ class Look:
 
     @property
     def note(self) -> str:
-        """What a picture must say: what is not as long as it was, what is left out."""
+        """Note on a picture: magnified displacements, parts left out."""
         magnified = "" if self.magnify == 1.0 else f"displacements x {self.magnify:g}"
         only = f"only {self.cut}" + " m" * self.cut[-1:].isdigit() if self.cut else ""
         return ", ".join(filter(None, [magnified, only]))

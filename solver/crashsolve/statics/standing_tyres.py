@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from crashsolve.foundation.orientation import quaternion_of
 from crashsolve.foundation.rows import as_rows
 from crashsolve.model.model import Group, Model
 
@@ -29,8 +30,8 @@ class Footprint(NamedTuple):
     q: tuple[float, float]  # deflections [m]
 
 
-class Standing:
-    """All tyres that stand: their deflections, in the histories of their groups."""
+class StandingTyres:
+    """All tyres that stand, with their deflections in the histories of their groups."""
 
     def __init__(self, model: Model, nodes: np.ndarray, current: int) -> None:
         """`nodes` with the velocities of the deck; `current` of the two histories is accepted."""
@@ -46,29 +47,29 @@ class Standing:
             if still[p["node"]] and still[p["road_node"][road]]
         ]
         self.nodes = nodes.copy()
-        self.prints: list[Footprint] = []
+        self.footprints: list[Footprint] = []
 
-    def begin(self, nodes: np.ndarray) -> None:
-        """Let all carcasses be at ease in this configuration. Writes: histories."""
+    def release(self, nodes: np.ndarray) -> None:
+        """Set the deflections of all carcasses to zero in this configuration. Writes: histories."""
         for group, row, road in self.patches:
             for name in ("q_x", "q_y", "store"):
                 group.history[name][:, row, road] = 0.0
         self.accept(nodes)
 
     def accept(self, nodes: np.ndarray) -> None:
-        """Go on from this configuration, of which there is a sample; nodes at rest."""
+        """Count deflections from this configuration, which has just been sampled at rest."""
         if not self.patches:
             return
         self.nodes = nodes.copy()
         table, curves = as_rows(self.nodes), as_rows(self.model.curves)
-        self.prints = [self._print(*patch, table, curves) for patch in self.patches]
+        self.footprints = [self._footprint(*patch, table, curves) for patch in self.patches]
 
-    def _print(
+    def _footprint(
         self, group: Group, row: int, road: int, nodes: np.ndarray, curves: np.ndarray
     ) -> Footprint:
         data = tuple(as_rows(part) for part in group.data) or None
         at = group.module.patch_on(as_rows(group.parameters)[row], road, nodes, curves, data)
-        # what the sample found: no more than friction holds, and nothing off the road
+        # deflections of the sample: within friction, and zero off the road
         found = group.history[1 - self.current]
         q = float(found["q_x"][row, road]), float(found["q_y"][row, road])
         hub = self.nodes["r"][group.parameters["node"][row]]
@@ -76,20 +77,26 @@ class Standing:
 
     def follow(self, nodes: np.ndarray) -> None:
         """Deflections of another configuration, near the one accepted. Writes: histories."""
-        for group, row, road, x, y, foot, q in self.prints:
+        for group, row, road, x, y, foot, q in self.footprints:
             p = group.parameters[row]
             s = self._moved(p["node"], foot, nodes) - self._moved(p["road_node"][road], foot, nodes)
             now = group.history[self.current]
             now["q_x"][row, road], now["q_y"][row, road] = q[0] - x @ s, q[1] - y @ s
 
     def _moved(self, node: int, point: np.ndarray, nodes: np.ndarray) -> np.ndarray:
-        """Position of a point of a body that was at `point` when it was accepted (3,) [m]."""
-        before = self.nodes[node]
-        A, B = before["A"].reshape(3, 3), nodes[node]["A"].reshape(3, 3)
-        return np.asarray(nodes[node]["r"] + B @ (A.T @ (point - before["r"])))
+        """Displacement of a point of a body since it was accepted, to first order (3,) [m].
 
-    def keep(self) -> None:
-        """The run begins with what the last sample found. Writes: histories."""
+        A wheel that rolls by any angle so moves it not at all: r theta is what its centre goes.
+        """
+        before, now = self.nodes[node], nodes[node]
+        q = quaternion_of(now["A"].reshape(3, 3) @ before["A"].reshape(3, 3).T)
+        sine = float(np.linalg.norm(q[1:]))
+        angle = 2.0 * np.arctan2(sine, abs(q[0]))
+        rotation = np.copysign(1.0, q[0]) * q[1:] * (angle / sine if sine > 0.0 else 2.0)
+        return np.asarray(now["r"] - before["r"] + np.cross(rotation, point - before["r"]))
+
+    def commit(self) -> None:
+        """Begin the run with the deflections of the last sample. Writes: histories."""
         for group, row, road in self.patches:
             for name in ("q_x", "q_y", "store"):
                 now = group.history[name]

@@ -8,8 +8,8 @@ from typing import Any, cast
 import pytest
 
 from crashsolve.output.lock import Lock, is_held
-from crashsolve.sweep.folder import Look, Mark, Run, note
-from crashsolve.sweep.march import March, Worker
+from crashsolve.sweep.folder import Mark, Run, RunStatus, record
+from crashsolve.sweep.run_pool import RunPool, Worker
 
 MARK = Mark("deck", "files", "version")
 
@@ -18,18 +18,22 @@ def run(number: int) -> Run:
     return Run(number, {"a": str(number)}, {"a": str(number)}, MARK)
 
 
-def march(folder: Path) -> March:
-    return March(Path("deck.yaml"), folder, 2, lambda run: ())
+def pool(folder: Path) -> RunPool:
+    return RunPool(Path("deck.yaml"), folder, 2, lambda run: ())
 
 
 def test_one_line_reports_all_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    found = march(tmp_path)
-    found.go([])
-    found.states = {1: Look("finished"), 2: Look("finished"), 3: Look("failed", "why")}
+    found = pool(tmp_path)
+    found.run_all([])
+    found.states = {
+        1: RunStatus("finished"),
+        2: RunStatus("finished"),
+        3: RunStatus("failed", "why"),
+    }
     nobody = cast(Any, None)
-    workers = [Worker(run(4), nobody, share=0.5), Worker(run(5), nobody, share=0.25)]
+    workers = [Worker(run(4), nobody, progress=0.5), Worker(run(5), nobody, progress=0.25)]
     # 3.75 of 10 runs in 15 s
-    found._count, found._ended, found._begun = 10, 3, time.monotonic() - 15.0
+    found._count, found._ended, found._started = 10, 3, time.monotonic() - 15.0
     reported = found._progress(workers, 5)
     assert reported == "1 failed, 2 finished; running 0004 50 %, 0005 25 %; 5 waiting; 25 s left"
 
@@ -55,16 +59,16 @@ def test_a_run_that_another_process_holds_is_waited_for(
 
     def end() -> None:
         # what a run leaves that ends so
-        note(tmp_path, run(1), "running")
+        record(tmp_path, run(1), "running")
         (folder / "status.json").write_text('{"state": "failed", "exit_code": 4, "message": "m"}')
         held.__exit__()
 
     timer = threading.Timer(0.5, end)
     timer.start()
-    found = march(tmp_path)
-    found.go([run(1)])
+    found = pool(tmp_path)
+    found.run_all([run(1)])
     timer.join()
-    assert found.states[1] == Look("failed", "m")
+    assert found.states[1] == RunStatus("failed", "m")
     assert capsys.readouterr().out.splitlines() == [
         "  0001 runs in another process: waiting for its end",
         "  0001 failed, exit code 4: m",

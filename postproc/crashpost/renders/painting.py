@@ -19,11 +19,11 @@ import numpy as np
 from crashpost.errors import PostError
 from crashpost.renders import camera as cameras
 from crashpost.renders import close_up as close_ups
+from crashpost.renders.appearance import Appearance
 from crashpost.renders.arrows import arrows_of, unit_length
+from crashpost.renders.colour_scale import ColourScale
 from crashpost.renders.drawing import Scene
-from crashpost.renders.look import Look
 from crashpost.renders.section_lines import Section
-from crashpost.renders.shades import Shades
 from crashpost.renders.shapes import Drawing
 from crashpost.results.states import States
 from crashsolve.channels.display import factor, readable
@@ -41,7 +41,7 @@ LOWEST, SMALL = 16, 400
 NOTHING = 1e-9
 
 if TYPE_CHECKING:
-    from crashpost.renders.sheet import Key, Place
+    from crashpost.renders.sheet import Key, Margins
 
 Progress = Callable[[int, int], None]
 
@@ -71,7 +71,7 @@ class Task:
 
 
 def make(
-    folder: Path, tasks: Sequence[Task], progress: Progress, say: Callable[[str], None]
+    folder: Path, tasks: Sequence[Task], progress: Progress, print_line: Callable[[str], None]
 ) -> bool:
     """Make all; whether the pictures are those of pyvista. Raises PostError.
 
@@ -79,59 +79,59 @@ def make(
     """
     states = States(folder)
     for task in tasks:
-        scene = Scene(states, look_of(task))
+        scene = Scene(states, appearance_of(task))
         if task.follow:
             scene.position(0, task.follow)
         if task.close_up:
             close_ups.read(task.close_up)
         cameras.camera(task.view, states.up, np.zeros(3), np.ones(3))
-    why = _in_child(folder, tasks, progress)
-    if not why:
+    reason = _in_child(folder, tasks, progress)
+    if not reason:
         return True
-    say(why)
+    print_line(reason)
     from crashpost.renders.paint_plain import Painter
 
     for task in tasks:
-        shoot(states, task, Painter, progress)
+        render_task(states, task, Painter, progress)
     return False
 
 
-def look_of(task: Task) -> Look:
-    look = Look(task.show, task.color, task.arrows, task.ghost, task.magnify)
-    return replace(look, cut=task.cut, sections=task.sections)
+def appearance_of(task: Task) -> Appearance:
+    appearance = Appearance(task.show, task.color, task.arrows, task.ghost, task.magnify)
+    return replace(appearance, cut=task.cut, sections=task.sections)
 
 
-def shoot(states: States, task: Task, painter: Any, progress: Progress) -> None:
+def render_task(states: States, task: Task, painter: Any, progress: Progress) -> None:
     """Make one strip or film."""
     # matplotlib takes a quarter of a second, which a wrong word need not
     from crashpost.renders import sheet as compose
     from crashpost.renders import strip as strips
 
-    scene = Scene(states, look_of(task))
+    scene = Scene(states, appearance_of(task))
     numbers = [number for number, _ in task.frames]
     shift = _shifts(scene, task)
     view = View(scene, task, numbers, shift)
-    seen, arrow = view.camera((NARROW, WIDEST))
+    fitted_camera, arrow = view.camera((NARROW, WIDEST))
     key = compose.Key(
-        seen,
-        _shades(scene, numbers),
+        fitted_camera,
+        _colour_scale(scene, numbers),
         scene.legend(),
         arrow,
         scene.arrow_unit,
         view.largest if arrow else 0.0,
-        scene.look.note,
+        scene.appearance.note,
     )
     captions = [caption for _, caption in task.frames]
     if task.is_film:
         size, position = _film_size(task, key)
         window = compose.film_window(size, position.below)
         aspect = window[2] / window[3]
-        seen, arrow = view.camera((aspect, aspect))
-        key = replace(key, camera=seen, arrow=arrow)
-    sizes = compose.with_footer(compose.layout(captions, seen.aspect, task.title), key)
+        fitted_camera, arrow = view.camera((aspect, aspect))
+        key = replace(key, camera=fitted_camera, arrow=arrow)
+    sizes = compose.with_footer(compose.layout(captions, fitted_camera.aspect, task.title), key)
     width, height = window[2:] if task.is_film else sizes.pixels
     sheet = compose.Sheet(task.title, key, size, task.speed, position) if task.is_film else None
-    placed = [_moved(seen, one) for one in shift]
+    placed = [_moved(fitted_camera, one) for one in shift]
     pictures = _painted(scene, task, placed, key, painter(width, height), progress)
     if sheet is None:
         content = strips.Content(task.title, captions, list(pictures))
@@ -139,7 +139,7 @@ def shoot(states: States, task: Task, painter: Any, progress: Progress) -> None:
             close = close_ups.close_up(scene, task.close_up, numbers, placed)
             sizes = strips.with_close_ups(sizes, len(numbers))
             # an arrow is as long as in the pictures above
-            share = close.width / sizes.closer[0] * sizes.panel[0] / seen.width
+            share = close.width / sizes.closer[0] * sizes.panel[0] / fitted_camera.width
             nearer = replace(key, arrow=key.arrow * share)
             window = painter(*sizes.closer_pixels)
             alone = replace(task, ghost=False)
@@ -167,16 +167,16 @@ def _painted(
     for k, ((number, _), camera) in enumerate(zip(task.frames, placed, strict=True)):
         drawing = scene.at(number)
         layers = [start, drawing, arrows_of(drawing, camera, key.arrow, thickness)]
-        yield plotter.paint(layers, camera, key.shades)
+        yield plotter.paint(layers, camera, key.colour_scale)
         progress(k + 1, len(task.frames))
     plotter.close()
 
 
-def _film_size(task: Task, key: "Key") -> tuple[tuple[int, int], "Place"]:
+def _film_size(task: Task, key: "Key") -> tuple[tuple[int, int], "Margins"]:
     """Width and height of a film [pixels], and the room below its picture."""
     from crashpost.renders import sheet as compose
 
-    has_more = bool(key.shades.name or key.names)
+    has_more = bool(key.colour_scale.name or key.names)
     least = compose.narrowest(has_arrows=bool(key.arrow_size), has_more=has_more)
     width = task.size[0]
     if not task.size[1]:
@@ -187,9 +187,9 @@ def _film_size(task: Task, key: "Key") -> tuple[tuple[int, int], "Place"]:
     inches = width / compose.DPI
     # players lay their controls over the lower edge; who asks for a small film has no room there
     is_played = task.output.endswith(".mp4") and not 0 < task.size[1] < SMALL
-    lift = compose.CONTROLS if is_played else 0.0
-    below = key.footer(inches, inches) + lift
-    position = compose.Place(below, lift)
+    bottom_margin = compose.CONTROLS if is_played else 0.0
+    below = key.footer(inches, inches) + bottom_margin
+    position = compose.Margins(below, bottom_margin)
     if not task.size[1]:
         return compose.film_size(key.camera.aspect, task.size[0], least, below), position
     if task.size[1] < (compose.FILM_HEAD + below) * compose.DPI + LOWEST:
@@ -198,19 +198,19 @@ def _film_size(task: Task, key: "Key") -> tuple[tuple[int, int], "Place"]:
 
 
 def _shifts(scene: Scene, task: Task) -> list[np.ndarray]:
-    """How far what the camera follows has moved since the first picture [m]."""
+    """Displacement of the followed object since the first picture [m]."""
     if not task.follow:
         return [np.zeros(3)] * len(task.frames)
     positions = [scene.position(number, task.follow) for number, _ in task.frames]
     return [position - positions[0] for position in positions]
 
 
-def _moved(seen: cameras.Camera, shift: np.ndarray) -> cameras.Camera:
-    return replace(seen, middle=seen.middle + shift)
+def _moved(fitted_camera: cameras.Camera, shift: np.ndarray) -> cameras.Camera:
+    return replace(fitted_camera, middle=fitted_camera.middle + shift)
 
 
 class View:
-    """What pictures at some states must hold: points of the model, and arrows."""
+    """Content that pictures at some states must show: points of the model, and arrows."""
 
     def __init__(
         self, scene: Scene, task: Task, numbers: Sequence[float], shift: Sequence[np.ndarray]
@@ -253,24 +253,27 @@ class View:
         return cameras.fitted(first, np.concatenate([self.points, tips]), *limits), arrow
 
 
-def _point_at_the_eye(vectors: np.ndarray, seen: cameras.Camera) -> bool:
+def _point_at_the_eye(vectors: np.ndarray, fitted_camera: cameras.Camera) -> bool:
     """Whether arrows would look like dots."""
     sizes = np.linalg.norm(vectors, axis=1)
-    return bool(np.abs(vectors @ seen.towards).sum() > HEAD_ON * sizes.sum())
+    return bool(np.abs(vectors @ fitted_camera.towards).sum() > HEAD_ON * sizes.sum())
 
 
-def _shades(scene: Scene, numbers: Sequence[float]) -> Shades:
-    if not scene.look.color:
-        return Shades()
+def _colour_scale(scene: Scene, numbers: Sequence[float]) -> ColourScale:
+    if not scene.appearance.color:
+        return ColourScale()
     ranges = [scene.range(number) for number in sorted({int(number) for number in numbers})]
     low, high = min(r[0] for r in ranges), max(r[1] for r in ranges)
-    return Shades.of(scene.look.color, scene.color_unit, low, high)
+    return ColourScale.of(scene.appearance.color, scene.color_unit, low, high)
 
 
 def _in_child(folder: Path, tasks: Sequence[Task], progress: Progress) -> str:
-    """Let pyvista paint in a child; returns why it could not. Raises PostError of the child."""
+    """Paint by pyvista in a child process; returns why that failed.
+
+    Raises PostError of the child.
+    """
     job = json.dumps({"folder": str(folder), "tasks": [asdict(task) for task in tasks]})
-    command = [sys.executable, "-m", "crashpost.renders.studio"]
+    command = [sys.executable, "-m", "crashpost.renders.painting"]
     pipe = subprocess.PIPE
     with (
         TemporaryFile("w+") as errors,
@@ -338,7 +341,7 @@ def main() -> int:
             frames = tuple((number, caption) for number, caption in entry.pop("frames"))
             entry |= {name: tuple(entry[name]) for name in ("show", "size")}
             entry["sections"] = tuple(Section(*one) for one in entry["sections"])
-            shoot(states, Task(frames=frames, **entry), Painter, progress)
+            render_task(states, Task(frames=frames, **entry), Painter, progress)
     except PostError as error:
         print(f"error {json.dumps(str(error))}", flush=True)
         return 2

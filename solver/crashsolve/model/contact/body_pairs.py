@@ -1,0 +1,55 @@
+"""Pairs of a group that follow each other on the same two bodies, under one card."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from crashsolve.foundation.record import Record
+
+if TYPE_CHECKING:
+    from crashsolve.model.contact.groups import ContactGroup
+
+# see system/contact/body_pairs.py
+BODY_PAIR = Record("""
+    first                index     first pair
+    end                  index     first pair after it
+    card                 index     contact card of all of them
+    node_a               index     body of side a
+    node_b               index     body of side b
+    reach_a              m         how far an element of side a reaches from the mass centre at most
+    reach_b              m         the same for side b
+    thick                m         least half thickness of both sides
+    rests                flag      none is looked at
+    depth                m         of the deepest, as they were last looked at
+    gone                 m         how far the bodies have approached each other since, at most
+    dissipated           J         by the normal forces of all
+    friction_dissipated  J         by their friction
+""")
+
+
+def rest_together(groups: Iterable[ContactGroup]) -> None:
+    """Find pairs on the same bodies where a group has one list of pairs that rest while apart.
+
+    Writes: groups.
+    """
+    for group in groups:
+        if group.rests and group.search is None and not group.in_pieces:
+            group.body_pairs = body_pairs_of(group, group.parameters)
+
+
+def body_pairs_of(group: ContactGroup, pairs: np.ndarray) -> np.ndarray:
+    """Which of these pairs of a group are on the same bodies; all are yet to be looked at."""
+    ends = [group.elements_a["node"][pairs["a"]], group.elements_b["node"][pairs["b"]]]
+    keys = np.stack([pairs["card"], *ends])
+    first = np.flatnonzero(np.diff(keys, axis=1, prepend=-1).any(axis=0))
+    found = np.zeros(len(first), BODY_PAIR.dtype)
+    found["first"], found["end"] = first, np.append(first, len(pairs))[1:]
+    found["card"], found["node_a"], found["node_b"] = keys[:, first]
+    if len(first):
+        for name in ("reach_a", "reach_b"):
+            found[name] = np.maximum.reduceat(pairs[name], first)
+        found["thick"] = np.minimum.reduceat(pairs["thick"], first)
+    return found
