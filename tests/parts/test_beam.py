@@ -174,8 +174,8 @@ KINDS = {
     "fibres, kinematic": yields("yield_stress: 200, hardening: 500, kinematic: 1"),
     "fibres, both": yields("yield_stress: 200, hardening: 500, kinematic: 0.4"),
     "fibres, curve": yields("curve: flow"),
-    "fibres, rate": yields("yield_stress: 200, hardening: 500, rate_D: 40, rate_q: 2"),
-    "fibres, curve and rate": yields("curve: flow, rate_D: 40, rate_q: 5"),
+    "fibres, rate": yields("yield_stress: 200, hardening: 500, rate_D: 0.4, rate_q: 2"),
+    "fibres, curve and rate": yields("curve: flow, rate_D: 0.4, rate_q: 5"),
 }
 
 
@@ -184,10 +184,7 @@ def is_plastic(kind: str) -> bool:
 
 
 def on_its_way(folder: Path, kind: str, seed: int, speed: float, rotation: float) -> Law:
-    """An element in a step that begins deformed, yielding where it can, and goes any way.
-
-    Fibres flow as they are moved: rates against that are no part of the rows.
-    """
+    """An element in a step that begins deformed, yielding where it can, and goes any way."""
     law = Bench(folder, "", KINDS[kind].replace("DAMPING", VISCOUS)).law("parts", "s_1")
     law.bench.shake(seed, 0.0, rotation)
     rigid(law, np.array([1.1, -0.7, 0.4]))
@@ -219,7 +216,9 @@ def whole_tangent(law: Law, flips: int) -> np.ndarray:
     """Blocks of the element as one matrix (12, 12) of the nodes."""
     position, blocks = pair_of_blocks(flips)
     given = (law.bench.nodes, law.bench.curves, position, blocks)
-    law.module.bend(law.p, law.old, *given, *law.materials)
+    # fibres have a rate from the length of the step, that of load()
+    step = (1.0,) if law.materials else ()
+    law.module.bend(law.p, law.old, *step, *given, *law.materials)
     return matrix_of_pair(blocks, flips)
 
 

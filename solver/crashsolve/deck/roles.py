@@ -241,8 +241,8 @@ class FibreLaw(Protocol):
     def tangent(self, p, state, nodes, curves, rows, first, material):
         """Compliant rows from row `first` on. Writes: rows."""
 
-    def bend(self, p, state, nodes, curves, slot, blocks, material):
-        """Slopes of its forces by the positions of its nodes. Writes: blocks."""
+    def bend(self, p, state, h, nodes, curves, slot, blocks, material):
+        """Slopes of its forces by the positions of its nodes after a step of h. Writes: blocks."""
 
 
 class TableForce(Protocol):

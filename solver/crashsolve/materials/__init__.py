@@ -100,8 +100,11 @@ class VonMisesLaw(MaterialLaw, Protocol):
     def rate_factor(self, m, rate):
         """Factor on Y at a rate of strain [1/s], at least 1; called where m.rated is 1."""
 
-    def rate_slope(self, m, rate, factor):
-        """Slope of the rate factor [s], times the other factors in `factor`."""
+    def rate_slopes(self, m, rate, factor):
+        """Its slope by a rate above 0 [s], where it is `factor`, and the slope of that [s^2]."""
+
+    def rate_of(self, m, factor):
+        """Rate at which it is `factor`, above 1; any above that where it is nowhere so much."""
 
     def heat_factor(self, m, temperature):
         """Factor on Y at a temperature, at most 1; called where m.heating is above 0."""

@@ -3,8 +3,9 @@
     sqrt(3/2) |dev(sigma - alpha)| <= Y(e) f(rate) g(T),   alpha_dot = 2/3 H_k eps_p_dot
     T_dot = heating w_p_dot
 
-e is the equivalent plastic strain, w_p the plastic work per volume. A law says Y, f and g; elements
-return stresses to the yield surface (elements/shells/plasticity.py, elements/beams/fibres.py).
+e is the equivalent plastic strain, rate that of e over a step, w_p the plastic work per volume. A
+law says Y, f and g; elements return stresses to the yield surface (elements/shells/plasticity.py,
+elements/beams/fibres.py).
 """
 
 from math import sqrt
@@ -14,7 +15,7 @@ import numpy as np
 
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card
-from crashsolve.foundation.kernels import inlined
+from crashsolve.foundation.kernels import inlined, kernel
 from crashsolve.foundation.record import Record, rows_of
 from crashsolve.materials import elastic
 
@@ -37,16 +38,25 @@ LAYER = rows_of(
     """)
 )
 FIBRE = Record("""
-    plastic    1  plastic strain
-    hardening  1  e, sum of the sizes of its steps
+    plastic    1    plastic strain
+    hardening  1    e, sum of the sizes of its steps
+    rate       1/s  of the plastic strain in the last step, without sign
 """)
 SOLID = elastic.SOLID + Record("""
     plastic_strain  1      e
     alpha           Pa  6  middle of the yield surface
     temperature     1      from 0 at the start to 1 at melting
 """)
-# of Newton's method in the return of a point, and share of the yield stress at which it ends
+# of Newton's method in a return, and share of the yield stress at which it ends: some round-off
 PASSES, CLOSE = 60, 1e-14
+# share of a growth in a correction after which what is left is round-off: its cube, and its square
+# where Y bends, whose second slope is left out
+NEAR, NEAR_BENT = 1e-5, 1e-7
+# before the first step of a point, or where it keeps no such record: rate, and size of the stress
+UNKNOWN = (0.0, 0.0)
+INFINITE = 1e300
+# rate [1/s] below which no slope is asked for, which may be beyond numbers there
+SLOWEST = 1e-60
 HEATED_FIBRE = FIBRE + Record("temperature  1  from 0 at the start to 1 at melting")
 
 
@@ -74,19 +84,6 @@ def plastic_strain(card: Card, layer: np.ndarray) -> np.ndarray:
 
 
 @inlined
-def factor_of(m, rate, temperature, material):
-    """Factor [1] on the yield stress: it is higher at a rate of strain, lower at a temperature."""
-    factor = material.rate_factor(m, rate) if m.rated == 1 else 1.0
-    return factor * material.heat_factor(m, temperature) if m.heating > 0.0 else factor
-
-
-@inlined
-def has_factor(m):
-    """Whether there is a factor on the yield stress."""
-    return m.rated == 1 or m.heating > 0.0
-
-
-@inlined
 def invariant(s):
     """Size [Pa] of a tensor (xx, yy, zz, xy, yz, zx): sqrt(3/2) of that of its deviator."""
     a, b, c = s[0] - s[1], s[1] - s[2], s[2] - s[0]
@@ -95,25 +92,100 @@ def invariant(s):
 
 
 @inlined
-def plastic_step(m, e, size, factor, curves, material):
-    """Plastic strain of a step in three dimensions that returns a trial stress of this size.
+def softening(m, temperature, material):
+    """Factor of heat on the yield stress."""
+    return material.heat_factor(m, temperature) if m.heating > 0.0 else 1.0
 
-    size - (3 G + H_k) x - f Y(e + x) = 0, which falls in x and is convex, by Newton's method.
+
+@inlined
+def flowed(m, size, falls, e, heat, h, before, curves, material):
+    """Rate of the plastic strain [1/s] over a step of h with this trial stress.
+
+    `falls`: by how much the size of the stress falls over that strain; `before`: the rate in the
+    last step, and the size of the stress after it, to begin from, or UNKNOWN.
     """
-    x, falls = 0.0, 3.0 * m.shear + m.kinematic
-    Y, slope = material.flow(m, e, curves)
+    Y, _ = material.flow(m, e, curves)
+    if h > 0.0 and size > heat * Y:
+        return flow_rate(m, size, h * falls, e, heat * Y, heat, h, before, curves, material)
+    return 0.0
+
+
+@kernel
+def flow_rate(m, size, falls, e, limit, heat, h, before, curves, material):
+    """Rate of the plastic strain [1/s] over a step of h that returns this trial stress to yield.
+
+        size - falls r - heat Y(e + h r) f(r) = 0,   limit = heat Y(e)
+
+    Halley's method, and halves of what holds the root where its step leaves that: the slopes of
+    powers of strain and rate are infinite at none.
+    """
+    r = first_rate(m, size, falls, e, limit, heat, h, before, curves, material)
+    least, most, near = 0.0, INFINITE, NEAR_BENT if material.SMOOTH else NEAR
     for _ in range(PASSES):
-        gap = size - falls * x - factor * Y
-        if (x == 0.0 and gap <= 0.0) or abs(gap) <= CLOSE * size:
+        factor = material.rate_factor(m, r) if m.rated == 1 else 1.0
+        held = resistance(m, e, r, heat, h, factor, curves, material)
+        gap, flow = size - falls * r - held[0], held[0]
+        if gap <= CLOSE * flow and (r == 0.0 or gap >= -CLOSE * flow):
             break
-        x = max(0.5 * x, x + gap / (falls + factor * slope))
-        Y, slope = material.flow(m, e + x, curves)
-    return x
+        if gap > 0.0:
+            least = r
+        else:
+            most = r
+        ahead = r + correction(gap, falls, held)
+        if not least < ahead < most:
+            ahead = 0.5 * (least + min(most, size / falls))
+        is_near, r = abs(ahead - r) <= near * r, ahead
+        if is_near:
+            break
+    return r
+
+
+@inlined
+def first_rate(m, size, falls, e, limit, heat, h, before, curves, material):
+    """A first rate: the last one, corrected without asking for its factor again.
+
+    Without one it is exact where nothing hardens and stress is linear in the rate.
+    """
+    if m.rated == 0:
+        return 0.0
+    r, stress = before
+    if r > 0.0 and stress > limit:
+        held = resistance(m, e, r, heat, h, stress / limit, curves, material)
+        step = correction(size - falls * r - held[0], falls, held)
+        if abs(step) < 0.5 * r:
+            return r + step
+    at_once, slowed = (size - limit) / falls, material.rate_of(m, size / limit)
+    return at_once / (1.0 + at_once / (slowed + 1e-300))
+
+
+@inlined
+def correction(gap, falls, held):
+    """Step of Halley's method for the rate."""
+    steep = falls + held[1]
+    return gap * steep / (steep * steep + max(0.5 * gap * held[2], -0.5 * steep * steep))
+
+
+@inlined
+def resistance(m, e, r, heat, h, factor, curves, material):
+    """Yield stress [Pa] after a step of h with this rate, its slope by the rate, the slope of that.
+
+    `factor`: that of the rate.
+    """
+    Y, slope = material.flow(m, e + h * r, curves)
+    slope *= h
+    if m.rated == 0 or r < SLOWEST:
+        return heat * factor * Y, heat * factor * slope, 0.0
+    faster, bend = material.rate_slopes(m, r, factor)
+    return (
+        heat * factor * Y,
+        heat * (factor * slope + faster * Y),
+        heat * (2.0 * faster * slope + bend * Y),
+    )
 
 
 @inlined
 def solid(m, old, new, d, h, curves, material):
-    """Radial return; the rate is that of the strain without its mean, heat that before the step."""
+    """Radial return; heat is that before the step, and a step of no length leaves all as it is."""
     trial, grown = old.stress, elastic.hooke(m, d)
     xi = (
         trial[0] + grown[0] - old.alpha[0],
@@ -123,12 +195,9 @@ def solid(m, old, new, d, h, curves, material):
         trial[4] + grown[4] - old.alpha[4],
         trial[5] + grown[5] - old.alpha[5],
     )
-    size, factor = invariant(xi), 1.0
-    if has_factor(m):
-        half = (d[0], d[1], d[2], 0.5 * d[3], 0.5 * d[4], 0.5 * d[5])
-        rate = 2.0 / 3.0 * invariant(half) / h if h > 0.0 else 0.0
-        factor = factor_of(m, rate, old.temperature, material)
-    x = plastic_step(m, old.plastic_strain, size, factor, curves, material)
+    size, falls = invariant(xi), 3.0 * m.shear + m.kinematic
+    heat = softening(m, old.temperature, material)
+    x = h * flowed(m, size, falls, old.plastic_strain, heat, h, UNKNOWN, curves, material)
     mean, share = (xi[0] + xi[1] + xi[2]) / 3.0, x / (size + 1e-300)
     lost = 0.0
     for k in range(6):

@@ -3,7 +3,7 @@
     sqrt(3/2) |dev(sigma - alpha)| <= Y(e) (1 + (rate / D)^(1/q)),   e the equivalent plastic strain
     Y = Y_0 + (1 - beta) H e, or a curve;   alpha_dot = 2/3 beta H eps_p_dot
 
-rate is that of the total strain (Cowper and Symonds). Consequence to test: a bar pulled beyond
+rate is that of e (Cowper and Symonds). Consequence to test: a bar pulled beyond
 Y_0 / E follows the slope E H / (E + H), and yields backwards after 2 Y_0 where beta is 1.
 
 References: Simo and Taylor (1986), A return mapping algorithm for plane stress elastoplasticity,
@@ -116,9 +116,15 @@ def rate_factor(m, rate):
 
 
 @inlined
-def rate_slope(m, rate, factor):
-    # at no rate at all the law is vertical where q is above 1
-    return (factor - 1.0) / (m.rate_q * rate + 1e-300)
+def rate_slopes(m, rate, factor):
+    over = 1.0 / (m.rate_q * rate)
+    slope = (factor - 1.0) * over
+    return slope, slope * over * (1.0 - m.rate_q)
+
+
+@inlined
+def rate_of(m, factor):
+    return m.rate_D * (factor - 1.0) ** m.rate_q
 
 
 @inlined

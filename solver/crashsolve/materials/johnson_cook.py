@@ -3,7 +3,7 @@
     Y = (A + B e^n) (1 + C ln(rate / rate_0)) (1 - T^m)
     T_dot = chi w_p_dot / (rho q),   q = c (T_melt - T_room)
 
-e is the equivalent plastic strain, rate that of the total strain, T the temperature from 0 in the
+e is the equivalent plastic strain, rate that of e, T the temperature from 0 in the
 room, where everything starts, to 1 where it melts; w_p is the plastic work per volume. Below
 rate_0 the second factor is 1. Every layer keeps its own temperature: heat stays where it is made,
 as it does within milliseconds. Without q nothing softens; a molten layer keeps a millionth of
@@ -13,7 +13,7 @@ Reference: Johnson and Cook (1983), A constitutive model and data for metals sub
 strains, high strain rates and high temperatures, 7th Int. Symposium on Ballistics, 541-547.
 """
 
-from math import log
+from math import exp, log
 
 import numpy as np
 
@@ -104,10 +104,15 @@ def rate_factor(m, rate):
 
 
 @inlined
-def rate_slope(m, rate, factor):
-    # below the rate of reference there is no factor of rate
-    logs = log(max(rate / m.rate_0, 1.0))
-    return factor / (1.0 + m.rate_C * logs) * m.rate_C / rate if logs > 0.0 else 0.0
+def rate_slopes(m, rate, factor):
+    slope = m.rate_C / rate if rate > m.rate_0 else 0.0
+    return slope, -slope / rate
+
+
+@inlined
+def rate_of(m, factor):
+    # any rate beyond numbers is beyond the bound of a step as well
+    return m.rate_0 * exp(min((factor - 1.0) / m.rate_C, 600.0))
 
 
 @inlined

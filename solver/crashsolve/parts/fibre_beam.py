@@ -163,25 +163,24 @@ def at_section(p: Parameters, strained):
 
 
 @kernel
-def yielding(p: Parameters, old: History, curves, strained, material):
-    """Differences of fibres from the elastic K: N, M_y, M_z, and derivatives by e, theta_y, theta_z
-    (6 each).
+def yielding(p: Parameters, old: History, h, curves, strained, material):
+    """What fibres have besides K: N, M_y, M_z, and derivatives by e, theta_y, theta_z (6 each).
 
     Those by the rates of these follow.
     """
     strain, rate = at_section(p, strained)
-    lack, by_strain, by_rate = fibres.moduli(p, old, curves, strain, rate, material)
+    lack, by_strain, by_rate = fibres.moduli(p, old, h, curves, strain, rate, material)
     per = 1.0 / p.length
     return lack, fibres.scaled(per, by_strain), fibres.scaled(per, by_rate)
 
 
 @kernel
-def bend(p: Parameters, state: History, nodes, curves, slot, blocks, material):
-    """Tangent by the positions. Writes: blocks."""
+def bend(p: Parameters, state: History, h, nodes, curves, slot, blocks, material):
+    """Tangent by the positions after a step of h. Writes: blocks."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame(a, b)
     strained = element.deformation(p, a, b, R, v, w)
-    section = yielding(p, state, curves, strained, material)
+    section = yielding(p, state, h, curves, strained, material)
     bend_blocks(p, section, a, b, (R, v, w), strained, slot, blocks)
 
 
@@ -194,10 +193,11 @@ def tangent(p: Parameters, state: History, nodes, curves, rows, first, material)
     first += element.TANGENTS
     for k in range(RATES):
         no_tangent(rows[first + k])
-    if material.VON_MISES and p.material.rated == 0:
+    # what yields by von Mises' stress has its rate from the step, and is a matter of positions
+    if material.VON_MISES:
         return
     strained = element.deformation(p, a, b, R, v, w)
-    _, _, by_rate = yielding(p, state, curves, strained, material)
+    _, _, by_rate = yielding(p, state, 0.0, curves, strained, material)
     weight, side = fibres.squares(by_rate)
     resist_rate(rows[first], R, v, w, strained, (1.0, side[0], side[1]), weight[0])
     resist_rate(rows[first + 1], R, v, w, strained, (0.0, 1.0, side[2]), weight[1])

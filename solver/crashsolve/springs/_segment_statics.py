@@ -110,7 +110,7 @@ def _deformations(p: Table, nodes: Table) -> tuple[np.ndarray, ...]:
 def _flow(p: Row, state: Row, trial: np.ndarray, curves: np.ndarray) -> tuple[float, float]:
     """Plastic flow `growth` of the trial forces, and its factor."""
     k = (p.stiffness[0], p.rotational_stiffness[1], p.rotational_stiffness[2])
-    flow, share = growth(p, k, trial, state.strain, 1.0, curves)
+    flow, share = growth(p, k, trial, state.strain, 1.0, 0.0, curves)
     return float(flow), float(share)
 
 

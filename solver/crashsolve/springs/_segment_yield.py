@@ -2,8 +2,9 @@
 
     (N / A)^2 + (M_y / Z_y)^2 + (M_z / Z_z)^2 <= Y(e)^2 (1 + (rate / D)^(1/q))^2
 
-The return to it is one step of backward Euler; what is lost in a step is the mean of the forces
-over the plastic displacement, because bodies receive the mean of the forces before and after it.
+rate is that of the plastic strain e over the step. The return to it is one step of backward Euler;
+what is lost in a step is the mean of the forces over the plastic displacement, because bodies
+receive the mean of the forces before and after it.
 
 References: Powell and Chen (1986), ASCE J. Eng. Mech. 112, 627-641; Simo and Hughes (1998),
 Computational Inelasticity, 3.
@@ -22,7 +23,7 @@ NO_STEP, FLOWS, FROZEN = 0, 1, 2
 
 
 @kernel
-def resisting(p, old, new, h, q, q_dot, curves):
+def resisting(p, old, new, h, q, curves):
     """N, M_y, M_z, the energy they store and what is lost in the step. Writes: new.
 
     `q` is the stretch and both bends [m, rad].
@@ -37,8 +38,7 @@ def resisting(p, old, new, h, q, q_dot, curves):
     )
     flow, share = 0.0, 0.0
     if p.yields == 1 and (h > 0.0 or p.at_rest == FLOWS):
-        factor = factor_of(p, q_dot)
-        flow, share = growth(p, k, trial, old.strain, factor, curves)
+        flow, share = growth(p, k, trial, old.strain, 1.0, h, curves)
     new.strain = old.strain + flow / p.volume
     held = scaled_back(p, k, trial, share)
     stored, lost = 0.0, 0.0
@@ -62,15 +62,17 @@ def scaled_back(p, k, trial, share):
 
 
 @kernel
-def growth(p, k, trial, strain, factor, curves):
+def growth(p, k, trial, strain, factor, h, curves):
     """Plastic work over stress in a step [m^3], and the same over stress; 0 within the ellipse.
 
     Newton's method on 1 / |F / Z| over Y, which is concave in the flow, and linear for one force.
+    With a length of the step the flow has a rate; without one, `factor` stands for it.
     """
-    flow, share = 0.0, 0.0
+    flow, share, is_rated = 0.0, 0.0, p.rate_D > 0.0 and h > 0.0
+    if is_rated:
+        flow = first_flow(p, k, trial, strain, h, curves)
     for _ in range(PASSES):
-        stress, slope = elastoplastic.flow(p, strain + flow / p.volume, curves)
-        stress, slope = factor * stress, factor * slope / p.volume
+        stress, slope = yield_stress(p, strain, flow, factor, h if is_rated else 0.0, curves)
         size, steep = 0.0, 0.0
         for i in range(3):
             s, c = trial[i] / p.moduli[i], k[i] / p.moduli[i] ** 2
@@ -78,11 +80,44 @@ def growth(p, k, trial, strain, factor, curves):
             size += (s / x) ** 2
             steep += s * s * (slope + c) / x**3
         share = flow / stress
-        if size <= 1.0 + CLOSE or not steep > 0.0:
+        is_closed = size <= 1.0 + CLOSE and (flow == 0.0 or size >= 1.0 - CLOSE)
+        if is_closed or not steep > 0.0:
             break
         size = sqrt(size)
-        flow += (1.0 - 1.0 / size) * size**3 / steep
+        ahead = max(0.5 * flow, flow + (1.0 - 1.0 / size) * size**3 / steep)
+        if not is_rated and ahead <= flow:
+            break
+        flow = ahead
     return flow, share
+
+
+@kernel
+def first_flow(p, k, trial, strain, h, curves):
+    """A first flow, for a stress linear in the rate; 0 within the ellipse."""
+    Y, _ = elastoplastic.flow(p, strain, curves)
+    square, steep = 0.0, 0.0
+    for i in range(3):
+        s, c = trial[i] / (p.moduli[i] * Y), k[i] / p.moduli[i] ** 2
+        square += s * s
+        steep += s * s * c / Y
+    if not square > 1.0:
+        return 0.0
+    size = sqrt(square)
+    at_once = (size - 1.0) * square / steep
+    slowed = p.volume * h * elastoplastic.rate_of(p, size)
+    return at_once / (1.0 + at_once / (slowed + 1e-300))
+
+
+@kernel
+def yield_stress(p, strain, flow, factor, h, curves):
+    """Yield stress [Pa] after a flow [m^3] in a step of h, 0 for none, and its slope by that."""
+    stress, slope = elastoplastic.flow(p, strain + flow / p.volume, curves)
+    rate = flow / (p.volume * h) if h > 0.0 else 0.0
+    if not rate > 0.0:
+        return factor * stress, factor * slope / p.volume
+    factor *= elastoplastic.rate_factor(p, rate)
+    faster, _ = elastoplastic.rate_slopes(p, rate, factor)
+    return factor * stress, (factor * slope + stress * faster / h) / p.volume
 
 
 @kernel

@@ -13,7 +13,8 @@ yields limits tension and both moments together,
     (N / A)^2 + (M_y / Z_y)^2 + (M_z / Z_z)^2 <= Y(e)^2 (1 + (rate / D)^(1/q))^2
 
 with plastic flow at right angles to this surface and e the mean plastic strain, plastic work over
-Y A l. Z are the plastic moduli; shear and torsion stay elastic. A hinge forms in the middle of l.
+Y A l, which grows at this rate. Z are the plastic moduli; shear and torsion stay elastic. A hinge
+forms in the middle of l.
 The ellipse stands for sections of any shape: that of a rectangle is |M| / M_p + (N / N_p)^2 = 1.
 Consequence to test: forces are the gradient of the energy in any configuration; a spring that is
 bent alone flows at Z Y.
@@ -258,8 +259,8 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
     )
     check_rotation_limit(curves, p.node_b, deformation.w)
     k, k_r = vec(p.stiffness), vec(p.rotational_stiffness)
-    q, q_dot = (u[0], theta[1], theta[2]), (u_dot[0], theta_dot[1], theta_dot[2])
-    held, stored, lost = resisting(p, old, new, h, q, q_dot, curves)
+    q = (u[0], theta[1], theta[2])
+    held, stored, lost = resisting(p, old, new, h, q, curves)
     f = (held[0], k[1] * u[1], k[2] * u[2])
     m = (k_r[0] * theta[0], held[1], held[2])
     elastic = f[1] * u[1] + f[2] * u[2] + m[0] * theta[0]
@@ -335,7 +336,8 @@ def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     flow, share, factor = 0.0, 0.0, 1.0
     if p.yields == 1:
         factor = factor_of(p, (u_dot[0], theta_dot[1], theta_dot[2]))
-        flow, share = growth(p, k, trial, state.strain, factor, curves)
+        # of a step of unknown length: the rate of the whole strain stands for that of the flow
+        flow, share = growth(p, k, trial, state.strain, factor, 0.0, curves)
     for i in range(3):
         k_u, k_t = p.stiffness[i], p.rotational_stiffness[i]
         shear_row(rows[first + i], deformation, i)

@@ -4,13 +4,12 @@
     N = sum sigma A,   M_y = sum sigma z A,   M_z = -sum sigma y A
 
 The material says its stress, or if it yields by von Mises' stress Y, f and g. Beyond yield, with xi
-the trial stress less H_k eps_p, the plastic strain grows by g in the direction of xi, where |xi| -
-(E + H_k) g = Y(e + g) f g; Newton's method finds it, in one step where hardening is linear. Plastic
-work of a step is the mean stress times the plastic strain, because nodes receive the mean of the
-forces before and after it. The algorithmic tangent of a fibre that flows in a step is that of this
-very equation,
+the trial stress less H_k eps_p, the plastic strain grows by x in the direction of xi in a step of
+h, where |xi| - (E + H_k) x = Y(e + x) f(x / h) g (materials/_von_mises.py). Plastic work is
+the mean stress of a step times its plastic strain: nodes receive the mean of the forces before and
+after it. The algorithmic tangent of a fibre that flows in a step is that of this very equation,
 
-    d sigma = (E - E^2 / D) d eps + (E / D) Y d(f g) sign(xi),   D = E + H_k + Y' f g
+    d sigma = (E - E^2 / D) d eps,   D = E + H_k + (Y' f + Y f' / h) g
 
 Consequence to test: a fibre pulled beyond yield follows the slope E H / (E + H), and yields
 backwards after 2 Y_0 where beta is 1; moduli are the derivatives of resultants.
@@ -23,12 +22,9 @@ import numpy as np
 from crashsolve.deck.building import Columns
 from crashsolve.foundation.kernels import inlined, kernel
 from crashsolve.foundation.vec3 import add_scaled, dot
-from crashsolve.materials._von_mises import factor_of
+from crashsolve.materials._von_mises import flowed, resistance, softening
 
 MOST_FIBRES = 64
-PASSES = 50
-# of the yield stress: some units of round-off
-CLOSE = 1e-14
 ROUND_OFF = 1e-12
 NONE = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
@@ -54,7 +50,7 @@ def resultants(p, old, new, h, curves, strain, rate, material):
         eps = strain[0] + z * strain[1] - y * strain[2]
         fast = rate[0] + z * rate[1] - y * rate[2]
         if material.VON_MISES:
-            sigma, held, gone = flow_on(law, old, new, i, eps, fast, h)
+            sigma, held, gone = flow_on(law, old, new, i, eps, h)
         else:
             sigma, held, gone = material.fibre(p.material, old, new, i, eps, fast, h, curves)
         new.stress[i] = sigma
@@ -78,19 +74,17 @@ def stiffening(p, old, curves, strain, rate, material):
 
 
 @inlined
-def flow_on(law, old, new, i, eps, rate, h):
+def flow_on(law, old, new, i, eps, h):
     """Stress [Pa], stored and lost energy [J/m^3] of a fibre that yields by von Mises' stress.
 
     `law`: the material's parameters, the curves of the deck, its module. Writes: new.
     """
     m, curves, material = law
-    xi = m.young * (eps - old.plastic[i]) - m.kinematic * old.plastic[i]
-    g = 0.0
-    if h > 0.0 and may_flow(m, old, i, abs(xi), curves, material):
-        factor = fibre_factor(m, old, i, abs(rate), material)
-        g = growth(m, abs(xi), old.hardening[i], factor, curves, material)
+    xi, rate, _ = flow_of(m, old, i, eps, h, curves, material)
+    g = h * rate
     step = g if xi > 0.0 else -g
     new.plastic[i], new.hardening[i] = old.plastic[i] + step, old.hardening[i] + g
+    new.rate[i] = rate if h > 0.0 else old.rate[i]
     sigma = m.young * (eps - new.plastic[i])
     lost = 0.5 * (old.stress[i] + sigma) * step
     if material.HEATS:
@@ -99,49 +93,20 @@ def flow_on(law, old, new, i, eps, rate, h):
 
 
 @inlined
-def may_flow(m, old, i, size, curves, material):
-    """Whether a fibre with a trial stress of this size may yield.
-
-    The factor of rate costs a power or a logarithm and is at least 1; that of heat may be less.
-    """
+def flow_of(m, old, i, eps, h, curves, material):
+    """Trial stress less H_k eps_p, rate of the plastic strain without sign, factor of heat."""
+    xi = m.young * (eps - old.plastic[i]) - m.kinematic * old.plastic[i]
+    heat, falls = 1.0, m.young + m.kinematic
     if material.HEATS:
-        return True
-    Y, _ = material.flow(m, old.hardening[i], curves)
-    return size > Y
-
-
-@inlined
-def fibre_factor(m, old, i, rate, material):
-    """Factor [1] on the yield stress by strain rate and temperature."""
-    temperature = old.temperature[i] if material.HEATS else 0.0
-    return factor_of(m, rate, temperature, material)
+        heat = softening(m, old.temperature[i], material)
+    before = (old.rate[i], abs(old.stress[i] - m.kinematic * old.plastic[i]))
+    e = old.hardening[i]
+    return xi, flowed(m, abs(xi), falls, e, heat, h, before, curves, material), heat
 
 
 @kernel
-def growth(m, size, hardening, factor, curves, material):
-    """Plastic strain increment [1] of a step with a trial stress of this magnitude.
-
-    Newton's method, and halves of what holds the root where its step leaves that: the slope of a
-    power is infinite at no strain.
-    """
-    g, least, most = 0.0, 0.0, size / (m.young + m.kinematic)
-    for _ in range(PASSES):
-        flow, slope = material.flow(m, hardening + g, curves)
-        gap = size - (m.young + m.kinematic) * g - factor * flow
-        if gap <= CLOSE * factor * flow and (g == 0.0 or gap >= -CLOSE * factor * flow):
-            break
-        if gap > 0.0:
-            least = g
-        else:
-            most = g
-        ahead = g + gap / (m.young + m.kinematic + factor * slope)
-        g = ahead if least < ahead < most else 0.5 * (least + most)
-    return g
-
-
-@kernel
-def moduli(p, old, curves, strain, rate, material):
-    """Differences of N, M_y, M_z at the end of a step from the elastic ones.
+def moduli(p, old, h, curves, strain, rate, material):
+    """What N, M_y, M_z at the end of a step have besides E times area and second moments.
 
     Their values (3), and their derivatives by `strain` and by `rate` (upper halves, 6 each).
     """
@@ -150,7 +115,8 @@ def moduli(p, old, curves, strain, rate, material):
         A, arm = p.area[i], (1.0, p.z[i], -p.y[i])
         eps, speed = dot(arm, strain), dot(arm, rate)
         if material.VON_MISES:
-            inelastic, softer, faster = flow_tangent(m, old, i, eps, speed, curves, material)
+            inelastic, softer = flow_tangent(m, old, i, eps, h, curves, material)
+            faster = 0.0
         else:
             inelastic, softer, faster = material.fibre_tangent(m, old, i, eps, speed, curves)
         lack = add_scaled(lack, -m.young * A * inelastic, arm)
@@ -160,24 +126,17 @@ def moduli(p, old, curves, strain, rate, material):
 
 
 @kernel
-def flow_tangent(m, old, i, eps, speed, curves, material):
-    """Tangent of a fibre that yields by von Mises' stress: strain less stress / E;
-
-    E less the slope of its stress; slope by the strain rate.
+def flow_tangent(m, old, i, eps, h, curves, material):
+    """Of a fibre that yields by von Mises' stress: strain less stress / E; E less the slope of its
+    stress.
     """
-    xi = m.young * (eps - old.plastic[i]) - m.kinematic * old.plastic[i]
-    factor = fibre_factor(m, old, i, abs(speed), material)
-    g = growth(m, abs(xi), old.hardening[i], factor, curves, material)
-    inelastic = old.plastic[i] + (g if xi > 0.0 else -g)
-    if g == 0.0:
-        return inelastic, 0.0, 0.0
-    flow, slope = material.flow(m, old.hardening[i] + g, curves)
-    share = m.young / (m.young + m.kinematic + factor * slope)
-    faster = 0.0
-    if m.rated == 1:
-        # at no rate at all the law may be vertical, and is left to the iteration
-        faster = share * flow * material.rate_slope(m, abs(speed), factor)
-    return inelastic, m.young * share, faster if speed * xi > 0.0 else -faster
+    xi, rate, heat = flow_of(m, old, i, eps, h, curves, material)
+    if rate == 0.0:
+        return old.plastic[i], 0.0
+    factor = material.rate_factor(m, rate) if m.rated == 1 else 1.0
+    held = resistance(m, old.hardening[i], rate, heat, h, factor, curves, material)
+    share = m.young * h / ((m.young + m.kinematic) * h + held[1])
+    return old.plastic[i] + (h * rate if xi > 0.0 else -h * rate), m.young * share
 
 
 @kernel

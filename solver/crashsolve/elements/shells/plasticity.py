@@ -14,14 +14,14 @@ whose root g Householder's method finds, where Y is a straight line. It works on
 (return_mapping.py), which is straight in g itself if c1 = c2, and bent so little otherwise that two
 steps are enough as a rule. A curve is followed from line to line. A yield stress that bends,
 with a slope that may be infinite at e = 0, is followed along its tangents from a g so small that
-neither side of the equation has used up half of what the trial stress is beyond yield. A layer
+neither side of the equation has used up half of what the trial stress is beyond yield; so is one
+with a factor of the rate 2/3 g s / h of the plastic strain, from the g of a stress linear in the
+rate. A layer
 whose plastic strain has reached that of failure loses its stress in the next step, for good.
 
 Reference: Simo and Taylor (1986), A return mapping algorithm for plane stress elastoplasticity,
 Int. J. Num. Meth. Eng. 22, 649-670.
 """
-
-from math import sqrt
 
 from crashsolve.elements.shells.forces.corners import four, three
 from crashsolve.elements.shells.records import SLOT, WORK, layer_of
@@ -37,7 +37,7 @@ from crashsolve.elements.shells.return_mapping import (
 )
 from crashsolve.foundation.kernels import blockwise, inlined
 from crashsolve.foundation.point import LANES
-from crashsolve.materials._von_mises import LAYER, has_factor
+from crashsolve.materials._von_mises import LAYER
 
 
 @blockwise
@@ -56,14 +56,14 @@ def plastic_layers(blocks, first, work, slots, h, p, span, law):
         else:
             slots[LANES * WORK.yielding + count] = k
             count += 1
-    if not material.SMOOTH and first_iteration(slots, count, m) > 0.0:
+    if not (material.SMOOTH or m.rated == 1) and first_iteration(slots, count, m) > 0.0:
         iterate(slots, 0, count, m)
     for slot in range(count):
         k, to = int(slots[LANES * WORK.yielding + slot]), LANES * SLOT.SIZE * slot
         layer = layer_of(p, first, k)
         at = layer.at
-        if material.SMOOTH:
-            return_to_tangents(blocks, at, slots, to, m, curves, material)
+        if material.SMOOTH or m.rated == 1:
+            return_to_tangents(blocks, at, slots, to, h, m, curves, material)
         elif m.curve > 0:
             return_to_lines(blocks, at, slots, to, m, curves, material)
         if m.kinematic > 0.0:
@@ -78,11 +78,11 @@ def plastic_layers(blocks, first, work, slots, h, p, span, law):
 def find_trial_state(blocks, layer, work, slots, to, h, law):
     """Find the trial stress of a layer; returns how many lanes yield. Writes: blocks, slots."""
     at, (m, curves, material) = layer.at, law
-    if has_factor(m):
-        find_factors(blocks, layer, work, slots, to, h, law)
+    if m.heating > 0.0:
+        find_factors(blocks, layer, slots, to, m, material)
     find_trial(blocks, layer, work, slots, to, m)
-    if material.SMOOTH:
-        evaluate_tangents(blocks, at, slots, to, m, curves, material)
+    if material.SMOOTH or m.rated == 1:
+        evaluate_tangents(blocks, at, slots, to, h, m, curves, material)
         count = count_yielding(slots, to)
     else:
         count = evaluate_lines(blocks, at, slots, to, m)
@@ -93,20 +93,11 @@ def find_trial_state(blocks, layer, work, slots, to, h, law):
 
 
 @blockwise
-def find_factors(blocks, layer, work, slots, to, h, law):
-    """Find the factor of strain rate and temperature on the yield stress. Writes: slots."""
-    (at, zeta, _), (m, _, material) = layer, law
-    if m.rated == 1:
-        for e in range(LANES):
-            x, y, xy = layer_strain(work, e, 0.5 * work[LANES * WORK.depth + e] * zeta)
-            rate = sqrt(4.0 / 3.0 * (x * x + y * y + x * y + 0.25 * xy * xy)) / h
-            slots[to + LANES * SLOT.factor + e] = material.rate_factor(m, rate)
-    if m.heating > 0.0:
-        rated, hot = m.rated == 1, at + LANES * m.temperature_row
-        for e in range(LANES):
-            factor = slots[to + LANES * SLOT.factor + e] if rated else 1.0
-            soft = material.heat_factor(m, blocks[hot + e])
-            slots[to + LANES * SLOT.factor + e] = factor * soft
+def find_factors(blocks, layer, slots, to, m, material):
+    """Factor of the temperature before the step on the yield stress. Writes: slots."""
+    hot = layer.at + LANES * m.temperature_row
+    for e in range(LANES):
+        slots[to + LANES * SLOT.factor + e] = material.heat_factor(m, blocks[hot + e])
 
 
 @blockwise
@@ -179,18 +170,17 @@ def modes_at(work, e, zeta):
 
 @blockwise
 def evaluate_lines(blocks, at, slots, to, m):
-    """Find yield stress, slope and residual; returns how many lanes yield. Writes: slots."""
-    start, slope, scaled, has_curve = m.yield_stress, m.isotropic, has_factor(m), m.curve > 0
+    """Yield stress, its slope, what is beyond it; in how many lanes something is. Writes: slots."""
+    start, slope, has_curve = m.yield_stress, m.isotropic, m.curve > 0
     line, count = at + LANES * m.line_row, 0.0
     for e in range(LANES):
         if has_curve:
             start, slope = blocks[line + e], blocks[line + LANES + e]
-        factor = slots[to + LANES * SLOT.factor + e] if scaled else 1.0
-        flow = factor * (start + slope * blocks[at + LAYER.plastic_strain * LANES + e])
-        residual = slots[to + LANES * SLOT.s1 + e] + slots[to + LANES * SLOT.s2 + e] - flow * flow
-        put_three(slots, to + LANES * SLOT.flow + e, (flow, factor * slope, factor))
-        slots[to + LANES * SLOT.residual + e] = residual
-        count += 1.0 if residual > 0.0 else 0.0
+        flow = start + slope * blocks[at + LAYER.plastic_strain * LANES + e]
+        gap = slots[to + LANES * SLOT.s1 + e] + slots[to + LANES * SLOT.s2 + e] - flow * flow
+        put_three(slots, to + LANES * SLOT.flow + e, (flow, slope, 1.0))
+        slots[to + LANES * SLOT.residual + e] = gap
+        count += 1.0 if gap > 0.0 else 0.0
     return count
 
 

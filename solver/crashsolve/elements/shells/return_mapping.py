@@ -12,33 +12,45 @@ Int. J. Num. Meth. Eng. 22, 649-670.
 from math import sqrt
 
 from crashsolve.elements.shells.records import SLOT
-from crashsolve.foundation.kernels import blockwise, inlined
+from crashsolve.foundation.kernels import blockwise, inlined, kernel
 from crashsolve.foundation.point import LANES
-from crashsolve.materials._von_mises import LAYER, has_factor
+from crashsolve.materials._von_mises import LAYER, resistance
 
 PASSES = 50
 # of the yield stress: some units of round-off
 CLOSE = 1e-14
+# what may be left where it falls no further, by round-off of large slopes
+STILL = 1e-10
 # step of Householder's method over 1 / c2 + g whose fourth power is below round-off
 NEAR = 2e-4
 
 
 @blockwise
-def evaluate_tangents(blocks, at, slots, to, m, curves, material):
-    """Find yield stress, its slope and the residual at the present strain. Writes: slots."""
+def evaluate_tangents(blocks, at, slots, to, h, m, curves, material):
+    """Tangent of the yield stress at the present strain, what is beyond it. Writes: slots."""
     c1, c2 = softening(m)
-    scaled = has_factor(m)
+    scaled, rated = m.heating > 0.0, m.rated == 1
     for e in range(LANES):
-        factor = slots[to + LANES * SLOT.factor + e] if scaled else 1.0
+        heat = slots[to + LANES * SLOT.factor + e] if scaled else 1.0
         grown, size = growth(slots, to, e, c1, c2)
-        strain = blocks[at + LAYER.plastic_strain * LANES + e] + grown
-        flow, slope = material.flow(m, strain, curves)
-        slots[to + LANES * SLOT.factor + e], slots[to + LANES * SLOT.slope + e] = (
-            factor,
-            factor * slope,
-        )
-        slots[to + LANES * SLOT.flow + e] = factor * (flow - slope * grown)
-        slots[to + LANES * SLOT.residual + e] = size / (factor * flow) - 1.0
+        old = blocks[at + LAYER.plastic_strain * LANES + e]
+        if rated and grown > 0.0:
+            flow, slope = at_rate(m, old, grown, heat, h, curves, material)
+        else:
+            Y, rises = material.flow(m, old + grown, curves)
+            flow, slope = heat * Y, heat * rises
+        slots[to + LANES * SLOT.factor + e], slots[to + LANES * SLOT.slope + e] = (heat, slope)
+        slots[to + LANES * SLOT.flow + e] = flow - slope * grown
+        slots[to + LANES * SLOT.residual + e] = size / flow - 1.0
+
+
+@kernel
+def at_rate(m, e, grown, heat, h, curves, material):
+    """Yield stress after a growth of the plastic strain in a step of h, and its slope by that."""
+    rate = grown / h
+    factor = material.rate_factor(m, rate)
+    held = resistance(m, e, rate, heat, h, factor, curves, material)
+    return held[0], held[1] / h
 
 
 @inlined
@@ -63,10 +75,11 @@ def count_yielding(slots, to):
 
 @blockwise
 def largest_residual(slots, to):
-    """Largest residual of the lanes."""
+    """Largest of what is beyond yield, or was returned too far."""
     largest = -1.0
     for e in range(LANES):
-        largest = max(largest, slots[to + LANES * SLOT.residual + e])
+        gap = slots[to + LANES * SLOT.residual + e]
+        largest = max(largest, abs(gap) if slots[to + LANES * SLOT.g + e] > 0.0 else gap)
     return largest
 
 
@@ -77,8 +90,8 @@ def softening(m):
 
 
 @blockwise
-def begin(slots, to, m, material):
-    """Set a first g, below the root, for a curved yield stress. Writes: slots."""
+def begin(slots, to, h, m, material):
+    """A first g where the yield stress bends, 0 within it. Writes: slots."""
     c1, c2 = softening(m)
     for e in range(LANES):
         a, b, factor = (
@@ -86,24 +99,32 @@ def begin(slots, to, m, material):
             slots[to + LANES * SLOT.s2 + e],
             slots[to + LANES * SLOT.factor + e],
         )
-        size = sqrt(a + b) + 1e-300
-        # half of what is beyond yield: the stress falls at most as at first, and the yield stress
-        # grows at most as from no strain
-        half = 0.5 * max(size - size / (1.0 + slots[to + LANES * SLOT.residual + e]), 0.0)
-        falls = half * size / (a * c1 + b * c2 + 1e-300)
-        grows = 1.5 / size * material.strain_of_rise(m, half / factor)
-        slots[to + LANES * SLOT.g + e] = min(falls, grows)
+        size, gap = sqrt(a + b) + 1e-300, slots[to + LANES * SLOT.residual + e]
+        beyond = size - size / (1.0 + gap) if gap > 0.0 else 0.0
+        g = beyond * size / (a * c1 + b * c2 + 1e-300)
+        if material.SMOOTH:
+            # below the root: the stress falls at most as at first, and the yield stress grows at
+            # most as from no strain; each takes half of what is beyond yield
+            rise = material.strain_of_rise(m, 0.5 * beyond / factor)
+            g = min(0.5 * g, 1.5 / size * rise)
+        if m.rated == 1 and beyond > 0.0:
+            slowed = 1.5 / size * h * material.rate_of(m, 1.0 + gap)
+            g /= 1.0 + g / (slowed + 1e-300)
+        slots[to + LANES * SLOT.g + e] = g
+        slots[to + LANES * SLOT.least + e], slots[to + LANES * SLOT.most + e] = (0.0, 1e300)
 
 
 @blockwise
-def return_to_tangents(blocks, at, slots, to, m, curves, material):
-    """Find g of a layer with a curved yield stress; 0 in lanes within yield. Writes: slots."""
+def return_to_tangents(blocks, at, slots, to, h, m, curves, material):
+    """g of a layer whose yield stress bends; of lanes within yield it is 0. Writes: slots."""
     before = 1e300
-    begin(slots, to, m, material)
-    evaluate_tangents(blocks, at, slots, to, m, curves, material)
+    begin(slots, to, h, m, material)
+    evaluate_tangents(blocks, at, slots, to, h, m, curves, material)
     for _ in range(PASSES):
+        note_sides(slots, to)
         iterate(slots, to, 1, m)
-        evaluate_tangents(blocks, at, slots, to, m, curves, material)
+        stay_between(slots, to)
+        evaluate_tangents(blocks, at, slots, to, h, m, curves, material)
         largest = largest_residual(slots, to)
         if has_converged(largest, before):
             return
@@ -111,8 +132,34 @@ def return_to_tangents(blocks, at, slots, to, m, curves, material):
 
 
 @blockwise
+def note_sides(slots, to):
+    """On which side of the root g is. Writes: slots."""
+    for e in range(LANES):
+        g, gap = slots[to + LANES * SLOT.g + e], slots[to + LANES * SLOT.residual + e]
+        least, most = slots[to + LANES * SLOT.least + e], slots[to + LANES * SLOT.most + e]
+        slots[to + LANES * SLOT.least + e] = g if gap > 0.0 else least
+        slots[to + LANES * SLOT.most + e] = most if gap > 0.0 else g
+
+
+@blockwise
+def stay_between(slots, to):
+    """Half way between what holds the root where a tangent leads beyond, as at a corner of a law.
+
+    Writes: slots.
+    """
+    for e in range(LANES):
+        g, is_far = (
+            slots[to + LANES * SLOT.g + e],
+            abs(slots[to + LANES * SLOT.residual + e]) > STILL,
+        )
+        least, most = slots[to + LANES * SLOT.least + e], slots[to + LANES * SLOT.most + e]
+        is_beyond = is_far and (g <= least or g >= most)
+        slots[to + LANES * SLOT.g + e] = 0.5 * (least + most) if is_beyond else g
+
+
+@blockwise
 def return_to_lines(blocks, at, slots, to, m, curves, material):
-    """Find g of a layer with a piecewise linear yield stress. Writes: slots, blocks."""
+    """g of a layer with a curve from that of the line it had. Writes: slots, blocks."""
     before = 1e300
     # one more for each of its lines
     for _ in range(PASSES + curves[m.curve].last - m.curve):
@@ -127,8 +174,8 @@ def return_to_lines(blocks, at, slots, to, m, curves, material):
 
 @inlined
 def has_converged(largest, before):
-    """Whether the residual is as small as round-off allows."""
-    return largest <= CLOSE or (largest < 1e-10 and largest >= before)
+    """Whether the gap is as small as round-off lets it be."""
+    return largest <= CLOSE or (largest < STILL and largest >= before)
 
 
 @blockwise
@@ -226,10 +273,9 @@ def next_lines(blocks, at, slots, to, m, curves, material):
         x = end if end > old else old + grown
         base, rise, end = material.line(m, x, curves)
         blocks[entry], blocks[entry + LANES], blocks[entry + 2 * LANES] = base, rise, end
-        factor = slots[to + LANES * SLOT.factor + e]
         slots[to + LANES * SLOT.flow + e], slots[to + LANES * SLOT.slope + e] = (
-            factor * (base + rise * old),
-            factor * rise,
+            base + rise * old,
+            rise,
         )
-        largest = max(largest, abs(size / (factor * (base + rise * (old + grown))) - 1.0))
+        largest = max(largest, abs(size / (base + rise * (old + grown)) - 1.0))
     return largest

@@ -43,7 +43,7 @@ def bend(h, clock, nodes, curves, matrix, scene):
                     for number, material in group.materials:
                         if p[i].law == number:
                             group.fibre_law.bend(
-                                p[i], old, nodes, curves, slot, matrix.blocks, material
+                                p[i], old, h, nodes, curves, slot, matrix.blocks, material
                             )
                 else:
                     group.law.bend(p[i], old, nodes, curves, slot, matrix.blocks)

@@ -11,8 +11,7 @@ point of the plane, and what comes out,
 the amplitudes being Q_x / (t r_x) and 12 P_x / (t^3 r_x), of the stress s_x.
 
 P is the derivative of the return as it is computed (algorithmic, or consistent), so that Newton's
-method keeps its order beyond yield. With a factor of the rate of strain on the yield stress it is
-not symmetric. Consequence to test: it is the derivative of the resultants.
+method keeps its order beyond yield. Consequence to test: it is the derivative of the resultants.
 
 References: Simo and Taylor (1985), Consistent tangent operators for rate-independent
 elastoplasticity, Computer Methods in Applied Mechanics and Engineering 48, 101-118. Simo and Taylor
@@ -73,7 +72,7 @@ def layers_and_tangent(first, at, h, p, scene, material):
         if material.VON_MISES:
             clear_flow(work)
             plastic_layers(blocks, first, work, work, h, p, (k, k + 1), law)
-            add_plastic(work, base, at, h, layer, law)
+            add_plastic(work, base, at, layer, law.m)
         else:
             add_layer(blocks, layer, work, h, law)
             add_general(scene.lanes_before, blocks, layer, work, base, at, h, law)
@@ -88,30 +87,18 @@ def clear_flow(work):
 
 
 @inlined
-def factor_slopes(d, factor, h, m, material):
-    """Change of the factor on the yield stress with the strains of the step."""
-    x, y, xy = d
-    square = 4.0 / 3.0 * (x * x + y * y + x * y + 0.25 * xy * xy)
-    rate = sqrt(square) / h + 1e-300
-    slope = material.rate_slope(m, rate, factor) if m.rated == 1 else 0.0
-    k = slope / (rate * h * h) * 2.0 / 3.0
-    return k * (2.0 * x + y), k * (2.0 * y + x), k * 0.5 * xy
-
-
-@inlined
-def flow_of(work, e, d, q, zeta, h, law):
+def flow_of(work, e, q, zeta, m):
     """g, the stress of the end less alpha as (sum, difference, shear), and slopes of g.
 
     They are those by the strains d, the stresses q of the hourglass and tau: 0 within yield.
     """
-    m, _, material = law
     c1, c2 = softening(m)
     g, flow, slope = (
         work[LANES * SLOT.g + e],
         work[LANES * SLOT.flow + e],
         work[LANES * SLOT.slope + e],
     )
-    factor, (x, y, xy) = work[LANES * SLOT.factor + e], three(work, LANES * SLOT.trial + e)
+    x, y, xy = three(work, LANES * SLOT.trial + e)
     u1, u2, u3 = 1.0 + c1 * g, 1.0 + c2 * g, 1.0 - 2.0 / 3.0 * slope * g
     both, apart, s = (x + y) / u1, (x - y) / u2, xy / u2
     size, transverse = flow / u3, transverse_square(work, e, zeta) / (u2 * u2)
@@ -120,12 +107,10 @@ def flow_of(work, e, d, q, zeta, h, law):
     falls += c2 / u2 * (1.5 * apart * apart + 6.0 * s * s + 2.0 * transverse)
     falls += 4.0 / 3.0 * square * slope / u3
     over = 1.0 / falls if g > 0.0 else 0.0
-    f_x, f_y, f_s = factor_slopes(d, factor, h, m, material)
-    k = 2.0 * square / (factor * u3)
     # of the trial stress: its sum and its difference
     p_1 = 0.5 * both / u1 * m.young / (1.0 - m.poisson)
     p_2, p_3 = 3.0 * apart / u2 * m.shear, 6.0 * s / u2 * m.shear
-    by = (over * (p_1 + p_2 - k * f_x), over * (p_1 - p_2 - k * f_y), over * (p_3 - k * f_s))
+    by = (over * (p_1 + p_2), over * (p_1 - p_2), over * p_3)
     more, tau = 2.0 * over / (u2 * u2), LANES * WORK.trial_shear + e
     by_tau = (3.0 * more * work[tau], 3.0 * more * work[tau + LANES])
     return (g, u1, u2), (both, apart, s), by, (more * q[0], more * q[1]), by_tau
@@ -181,15 +166,14 @@ def mode_stress(work, e, zeta):
 
 
 @blockwise
-def add_plastic(work, base, at, h, layer, law):
+def add_plastic(work, base, at, layer, m):
     """Tangent of a plastic layer after its return. Writes: base."""
-    m, zeta, n = law.m, layer.zeta, 0.5 * layer.weight
+    zeta, n = layer.zeta, 0.5 * layer.weight
     no, still = (0.0, 0.0), (0.0, 0.0, 0.0)
     for e in range(LANES):
         t, q = work[LANES * WORK.depth + e], mode_stress(work, e, zeta)
         z = 0.5 * t * zeta
-        d = layer_strain(work, e, z)
-        g, stress, by, by_q, by_tau = flow_of(work, e, d, q, zeta, h, law)
+        g, stress, by, by_q, by_tau = flow_of(work, e, q, zeta, m)
         for k in range(3):
             direction = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
             found = column_of(g, stress, q, by[k], direction, no, m)
