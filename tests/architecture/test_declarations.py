@@ -166,7 +166,10 @@ def test_what_a_law_lacks_or_has_wrongly_is_reported(other: dict[str, Any], repo
             "materials.changed must provide tangent, as GeneralLaw of mat",
         ),
         ({"VON_MISES": True}, "must provide HEATS, SMOOTH, flow, heat_factor, line, .*VonMisesLaw"),
-        ({"tangent": slope}, r"must provide tangent\(m, blocks_before, blocks, .*not tangent\(p, rows\)"),
+        (
+            {"tangent": slope},
+            r"must provide tangent\(m, blocks_before, blocks, .*not tangent\(p, rows\)",
+        ),
     ],
 )
 def test_what_a_material_lacks_is_reported(other: dict[str, Any], reported: str) -> None:

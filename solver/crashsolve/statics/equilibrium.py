@@ -21,7 +21,7 @@ from crashsolve.model.model import Model, State
 from crashsolve.statics.balance import Forces, Work
 from crashsolve.statics.elimination import eliminate
 from crashsolve.statics.equations import Tangent
-from crashsolve.statics.limit_point import passes_limit_point
+from crashsolve.statics.limit_point import exchanged, passes_limit_point
 from crashsolve.statics.loading import Loading, equal_part
 from crashsolve.statics.motions import move, perturb, rotations
 from crashsolve.statics.plastic_flow import PlasticFlow
@@ -41,8 +41,6 @@ STAGNATION_TOLERANCE = 1e-9
 NOWHERE, NOTHING = 1e-15, 1e-12
 # of the largest mobility of the rows of joints: lets redundant ones share
 SHARED = 1e-10
-# of the energy that a load step moves
-EXCHANGED = (*energy.MECHANICAL, energy.EXTERNAL_WORK, energy.DRIVER_WORK)
 # a load step is halved so often where no equilibrium is found
 HALVINGS = 7
 # of the largest force, and of the change over a load step: where `control.tolerance` says nothing
@@ -168,8 +166,7 @@ class StaticEngine(Engine):
         if location:
             return Problem("unstable mode", target, location)
         missing = abs(self._missing_energy() - before)
-        exchanged = float(np.abs(self.ledger - energies)[list(EXCHANGED)].max())
-        share = missing / max(exchanged, NOTHING * self.forces.energy(), 1e-300)
+        share = missing / max(exchanged(self.ledger - energies), NOTHING * self.forces.energy())
         if self.checks_limit_points and passes_limit_point(self, start, start_time, target, share):
             return Problem("jump", target)
         if self._is_out_of_balance(missing):
@@ -281,10 +278,6 @@ class StaticEngine(Engine):
         # at the onset of yield the tangent depends on the direction in which a hinge continues
         can_yield = self.yielding.groups or self.plastic_flow.groups
         self.known_tangent = self.tangent if can_yield else None
-
-    def out_of_balance(self) -> str:
-        """The share of forces that is out of balance, for a message."""
-        return self.forces.message()
 
     def _is_closed(self, phi: np.ndarray) -> bool:
         """Whether the joints are. Writes: clock.residual."""

@@ -13,6 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.model import ledger as energy
+
 # over what both tangents give, beyond which a change of configuration has left the path; and share
 # of what the first of them gives, below which the load step is looked at in halves
 FAR, APART = 1.1, 1.5
@@ -21,8 +23,15 @@ NOWHERE = 1e-12
 # a load step that misses less energy than this share of what it exchanges has not jumped by more
 # than a few percent of its displacement: no way back is looked for, which costs as much again
 WHOLE = 1e-3
+# entries of the energy balance that a load step moves
+EXCHANGED = [*energy.MECHANICAL, energy.EXTERNAL_WORK, energy.DRIVER_WORK]
 # distance from where the way back ends to the start, over the change, of two equilibria
 ELSEWHERE = 0.1
+
+
+def exchanged(change: np.ndarray) -> float:
+    """Largest energy that a load step moves [J], not zero, of changes of the energy balance."""
+    return max(float(np.abs(change)[EXCHANGED].max()), 1e-300)
 
 
 def passes_limit_point(

@@ -31,7 +31,7 @@ class Problem:
     def _lost(self, engine: Equations, moment: float) -> tuple[str, str]:
         return (
             f"no equilibrium found for the next load step, {engine.loading.message(self.target)} "
-            f"(last correction {float(engine.clock.value):.2g}, {engine.out_of_balance()})",
+            f"(last correction {float(engine.clock.value):.2g}, {engine.forces.message()})",
             "support what can move freely; let loads rise along a curve, in more steps; beyond a "
             "limit load there is no equilibrium: where a structure collapses plastically, "
             "prescribe its motion by a driver, whose reaction is the load; where it snaps through, "
@@ -75,7 +75,7 @@ class Problem:
     def _lost_path(self, engine: Equations, moment: float) -> tuple[str, str]:
         return (
             "no further equilibrium found along the path, from the loads of "
-            f"{engine.loading.message(moment)} ({engine.out_of_balance()})",
+            f"{engine.loading.message(moment)} ({engine.forces.message()})",
             "take more steps: the path may bend sharply, or branch where symmetry is lost; a small "
             "imperfection or side load makes such a branch smooth",
         )
