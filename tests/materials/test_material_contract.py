@@ -70,7 +70,7 @@ def test_tangents_hold_on_both_sides_of_the_corner_of_a_logarithm_of_the_rate(
         layers = Layers(tmp_path, EXAMPLES["hot"])
         one = np.tile(d[lane], (LANES, 1))
         # so slow that the rate does not count: what flows then does so at rate_0 in a step of
-        strains = []
+        strains: list[float] = []
         for h in (1e30, 0.0):
             kept = layers.blocks.copy()
             h = h or strains[0] / 1e-3 / (1.0 + side)
