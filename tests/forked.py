@@ -1,9 +1,9 @@
 """Commands in processes that begin with the solver imported: imports cost more than a small run.
 
 A server that has imported the solver, and run nothing, forks itself for every command, and for the
-compiler of a command. The child has the environment, folder and streams that a process of its own
-would have. What a run imports, how it answers to signals, and runs that compile at once are tested
-with real starts (`start` of command.py).
+compiler of a command or of a test. The child has the environment, folder and streams that a process
+of its own would have. What a run imports, how it answers to signals, and runs that compile at once
+are tested with real starts (`start` of command.py).
 """
 
 import atexit
@@ -29,6 +29,8 @@ APART = ("__main__", "examples", "study", "sweep")
 # what is read when a run asks for it; whatever else changes in the environment needs a real start
 READ_LATE = {"CRASHSOLVE_CACHE", "CRASHSOLVE_PLAIN", "PYTEST_CURRENT_TEST"}
 
+# source, path, names and slots of tables of what is to be compiled
+Request = tuple[Path, Path, list[str], dict[str, Any]]
 # what runs have in place of this, here
 _apart = machine._compile_apart
 
@@ -74,6 +76,32 @@ def completed(
             raise subprocess.TimeoutExpired(words, timeout)
         out, err = (Path(name).read_text("utf-8") for name in streams)
     return subprocess.CompletedProcess(words, process.exitcode, out, err)
+
+
+def compiled(
+    source: Path, names: tuple[str, ...], tables: Any, path: Path, lock: int | None = None
+) -> bytes:
+    """Machine code at `path`, for a scene that a test builds in its own process.
+
+    What goes wrong is reported by machine._compile_apart, anew.
+    """
+    environment = dict(os.environ)
+    code = None
+    if can_fork(environment):
+        server, _ = _server()
+        request = source, path, list(names), tables.slots
+        child = server.Process(target=_compile_for, args=(environment, request))
+        child.start()
+        child.join()
+        code = read_sealed(path) if child.exitcode == 0 else None
+    return _apart(source, names, tables, path, lock) if code is None else code
+
+
+def _compile_for(environment: dict[str, str], request: Request) -> None:
+    """Compile in this process, which is for it alone."""
+    os.environ.clear()
+    os.environ.update(environment)
+    _compile_here(*request)
 
 
 def _run(words: list[str], environment: dict[str, str], folder: str, streams: list[str]) -> None:
@@ -132,15 +160,19 @@ class Compiler:
         os.waitpid(self._process, 0)
 
 
-def _compile(source: Path, path: Path, names: list[str], slots: dict[str, Any]) -> int:
+def _compile(*request: Any) -> int:
     """Compile in a process of its own; its exit code."""
     child = os.fork()
     if child == 0:
         code = 1
         try:
-            sys.stdin = io.TextIOWrapper(io.BytesIO(pickle.dumps(slots)))
-            process.main(source, path, names)
+            _compile_here(*request)
             code = 0
         finally:
             os._exit(code)
     return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+
+
+def _compile_here(source: Path, path: Path, names: list[str], slots: dict[str, Any]) -> None:
+    sys.stdin = io.TextIOWrapper(io.BytesIO(pickle.dumps(slots)))
+    process.main(source, path, names)
