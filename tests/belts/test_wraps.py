@@ -112,6 +112,7 @@ def test_a_helix_is_a_straight_line_on_the_cylinder_unrolled() -> None:
     assert leaves[2] == pytest.approx((B[2] - A[2]) / np.hypot(plane, B[2] - A[2]), rel=1e-12)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "surface", ["ball", *(pytest.param(s, marks=pytest.mark.long) for s in ("egg", "roll"))]
 )

@@ -62,7 +62,7 @@ def card_of(engine: Engine) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize(("z", "fast"), first_quick([(0.0, 0.0), (1e5, 0.0), (0.0, 1e4)]))
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", first_quick(METHODS, 2))
 def test_gains_stop_or_are_warned_of_in_any_frame(
     method: str, z: float, fast: float, tmp_path: Path
 ) -> None:

@@ -198,6 +198,7 @@ contacts:
 """
 
 
+@pytest.mark.long
 def test_what_is_pressed_on_below_the_floor_is_at_rest_and_named(tmp_path: Path) -> None:
     deck = tmp_path / "deck.yaml"
     deck.write_text(PRESSED, "utf-8")
@@ -224,6 +225,7 @@ contacts:
 """
 
 
+@pytest.mark.long
 def test_bodies_within_joints_have_the_floor_of_a_slow_model(tmp_path: Path) -> None:
     deck = tmp_path / "deck.yaml"
     deck.write_text(WELDED.format(v="velocity: [0, 0, -5.0e-4]"), "utf-8")

@@ -101,6 +101,7 @@ def test_pairs_of_two_bodies_rest_together_as_each_would(
 
 
 # code that differs may contract other products (COMPILER.md): with seed 2 the last bits do
+@pytest.mark.long
 def test_pairs_left_alone_change_no_bit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tumbling(tmp_path, 1)
     found, bounds, times = outcome(path)

@@ -231,6 +231,7 @@ def test_an_impact_converges_at_order_two_or_better(method: str, tmp_path: Path)
     assert order_of_an_impact(method, tmp_path) > 2 - SLOPE
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "method",
     [

@@ -83,6 +83,7 @@ def test_pendulum_converges_at_order_two(tmp_path: Path) -> None:
     assert np.allclose(slopes(errors), ORDER, atol=SLOPE)
 
 
+@pytest.mark.long
 def test_heavy_top_converges_at_order_two(tmp_path: Path) -> None:
     # mass centre after 0.1 s, benchmark A6
     exact = np.array([0.42129666, 0.89457197, -0.1491647])

@@ -215,6 +215,7 @@ def test_samples_change_nothing(method: str, tmp_path: Path) -> None:
     assert often.clock["cycle"] == once.clock["cycle"] < 101
 
 
+@pytest.mark.long
 def test_a_pendulum_of_hardly_any_inertia_keeps_the_order(tmp_path: Path) -> None:
     engine = solved(BENCHMARKS / "pendulum.yaml", integrator="dormand_prince_8", tolerance=1e-10)
     bob = engine.state.nodes[1]
@@ -233,6 +234,7 @@ def test_the_heavy_top_to_eight_digits(tmp_path: Path) -> None:
     assert engine.state.nodes[1]["r"] == pytest.approx(axis, abs=1e-8)
 
 
+@pytest.mark.long
 def test_the_seven_bodies_to_nine_digits() -> None:
     deck = BENCHMARKS / "andrews_squeezer.yaml"
     engine = solved(deck, integrator="dormand_prince_8", tolerance=1e-12)
@@ -295,8 +297,10 @@ def test_a_permanent_set_is_that_of_the_turning_point(method: str, tmp_path: Pat
     "method",
     [
         "dormand_prince_5",
-        *(pytest.param(m, marks=LONG) for m in ("dormand_prince_8", "radau_iia_5")),
-        "generalized_alpha",
+        *(
+            pytest.param(m, marks=LONG)
+            for m in ("dormand_prince_8", "radau_iia_5", "generalized_alpha")
+        ),
     ],
 )
 def test_friction_changes_its_regime_at_an_end_of_a_step(method: str, tmp_path: Path) -> None:

@@ -163,6 +163,7 @@ def given_plate(folder: Path, is_file: bool, count: int) -> Path:
     return path
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("is_file", [False, True])
 def test_given_meshes_in_rows_have_the_error_of_generated_ones(
     is_file: bool, tmp_path: Path

@@ -172,6 +172,7 @@ hinges:
 """
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("steps", first_quick([2, 20]))
 def test_softening_is_followed_under_a_driver(tmp_path: Path, steps: int) -> None:
     """Springs of 2e5 in series, 1e5 N m/rad, unload more steeply than the hinge softens."""

@@ -70,6 +70,7 @@ def test_its_power_is_what_it_stores_and_loses(make: Make, name: str) -> None:
     check_power(make(RANGES[name]), 40, rel=1e-6, abs=1e-7)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "name",
     ["cone of a table", *(pytest.param(n, marks=pytest.mark.long) for n in ("cone", "twist"))],

@@ -85,6 +85,7 @@ loads: {pull: {type: force, body: bar_end, force: [200, 0, 0], curve: pull}}
 """  # noqa: E501
 
 
+@pytest.mark.long
 def test_equilibria_do_not_pass_by_the_top_of_a_load(tmp_path: Path) -> None:
     (tmp_path / "deck.yaml").write_text(DRAWN)
     done = crashsolve(tmp_path / "deck.yaml", "-o", tmp_path, CRASHSOLVE_PLAIN="1")

@@ -51,6 +51,7 @@ def engine(folder: Path, text: str = DECK) -> equilibrium.StaticEngine:
     return found
 
 
+@pytest.mark.long
 def test_corrections_fall_quadratically_to_round_off(tmp_path: Path) -> None:
     found, sizes = engine(tmp_path), []
     for _ in range(8):
@@ -259,6 +260,7 @@ def test_beyond_the_plastic_moment_there_is_no_equilibrium(tmp_path: Path) -> No
     assert "flows" in caught.value.advice
 
 
+@pytest.mark.long
 def test_watched_channels_have_the_errors_of_load_steps(tmp_path: Path) -> None:
     names = "energy.external_work", "energy.elastic"
     watch = "".join(f"  - {{channel: glstat.model.{name}, statistic: final}}\n" for name in names)

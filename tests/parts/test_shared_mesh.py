@@ -110,6 +110,7 @@ def test_pictures_show_each_part_with_its_own_nodes(both: tuple[Result, Result])
     assert np.array_equal(low[-9:], top[:9])
 
 
+@pytest.mark.long
 def test_elastic_parts_move_as_one_wherever_blocks_end(tmp_path: Path) -> None:
     scenes = [one_part(), two_parts()]
     for scene in scenes:

@@ -44,6 +44,7 @@ def test_every_element_meets_the_expectations(
     _met(deck, tmp_path, [f"parts.{part}.element={kind}" for part in PARTS[deck]], capsys)
 
 
+@pytest.mark.long
 def test_deleted_elements_are_hidden_in_pictures(tmp_path: Path) -> None:
     deck = VERIFICATION / "materials/johnson_cook.yaml"
     done = crashsolve(deck, "-o", tmp_path, "--set", "control.estimate=off")

@@ -219,7 +219,7 @@ def tip_in_closed_form() -> tuple[float, float]:
     return directions[0], directions[1]
 
 
-@pytest.mark.parametrize("word", first_quick(("hinges", "segments", "beams", "shells"), 2))
+@pytest.mark.parametrize("word", first_quick(("hinges", "segments", "beams", "shells")))
 def test_the_elastic_stiffness_at_the_tip_is_that_of_the_beam(tmp_path: Path, word: str) -> None:
     text = CANTILEVER.replace("DESCRIPTION", word)
     if word == "shells":
@@ -268,7 +268,7 @@ contacts: {c: {a: [striker], b: [fender], normal: {type: penalty, stiffness: 1e8
 
 
 @pytest.mark.parametrize(
-    "word, speed", first_quick([("hinges", -15), ("hinges", -0.2), ("segments", -15)], 2)
+    "word, speed", first_quick([("hinges", -15), ("hinges", -0.2), ("segments", -15)])
 )
 def test_hinges_that_bear_more_than_their_section_are_named(
     tmp_path: Path, word: str, speed: float
@@ -307,7 +307,7 @@ loads: {weight: {type: force, body: frame_tip, force: [0, 0, FORCE], curve: rise
 
 
 @pytest.mark.parametrize("word", first_quick(["hinges", "segments"]))
-@pytest.mark.parametrize("share", [0.5, 1.5, -1.5])
+@pytest.mark.parametrize("share", first_quick([1.5, 0.5, -1.5], 2))
 def test_members_compressed_beyond_eulers_load_are_named(
     tmp_path: Path, word: str, share: float
 ) -> None:
@@ -336,7 +336,7 @@ def test_hinges_of_a_material_with_a_rate_have_that_of_eq_7(tmp_path: Path) -> N
         assert (hinge.rate.arm, hinge.rate.power_law()) == (0.4, (0.07, 0.82))
 
 
-@pytest.mark.parametrize("word", first_quick(ALL, 2))
+@pytest.mark.parametrize("word", first_quick(ALL))
 def test_the_expanded_deck_runs_by_itself_to_the_same_bits(tmp_path: Path, word: str) -> None:
     text = CANTILEVER.replace("DESCRIPTION", word).replace("end_time: 0.4", "end_time: 2e-3")
     kept = "disbout.tip.vector"

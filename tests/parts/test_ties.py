@@ -207,6 +207,7 @@ def test_a_node_stays_exactly_where_it_is(shape: str) -> None:
     assert found.weights.sum() == pytest.approx(1.0, abs=1e-14)
 
 
+@pytest.mark.long
 def test_free_flight_turns_both_without_strain(tmp_path: Path) -> None:
     """A second plate half a thickness above the first, both turning and moving."""
     scene = pair(3, 5, z=0.001)

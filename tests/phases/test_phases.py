@@ -112,6 +112,7 @@ bodies:
 """
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("speed", first_quick([0.0, 30.0]))
 def test_a_car_body_begins_on_its_springs_without_a_transient(tmp_path: Path, speed: float) -> None:
     # set 10 mm too high on its wheels, on dampers and springs that are free at first

@@ -59,6 +59,7 @@ def errors_of(chain: Any, fit: Fit, time: float) -> np.ndarray:
     return np.concatenate(errors)
 
 
+@pytest.mark.long
 def test_without_noise_the_posture_is_found_to_round_off(example: Path) -> None:
     synthetic = _synthetic()
     points = {time: synthetic.landmarks_at(time) for time in synthetic.TIMES}
@@ -154,6 +155,7 @@ def test_too_few_points_are_refused_with_the_count_needed(example: Path) -> None
     assert "at least 11 points are needed" in refusal(example)
 
 
+@pytest.mark.long
 def test_an_open_rotation_is_refused_by_its_joint(example: Path) -> None:
     without(example.parent / "frames.csv", ",larynx,")
     message = refusal(example)

@@ -21,7 +21,7 @@ def account(*counts: int) -> Any:
         ),
         engine=SimpleNamespace(model=SimpleNamespace(element_groups=lambda: groups)),
         cpu={"steps": STEPPING},
-        spent=lambda: 1.0,
+        cpu_seconds=lambda: 1.0,
     )
 
 

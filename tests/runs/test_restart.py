@@ -123,6 +123,7 @@ def test_samples_within_steps_go_on_to_the_same_bits(tmp_path: Path) -> None:
     assert int(log.split("accepted, rejected")[1].split(",")[0]) < 100
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "method", ["generalized_alpha", pytest.param("radau_iia_5", marks=pytest.mark.long)]
 )

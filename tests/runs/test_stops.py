@@ -77,6 +77,7 @@ def test_a_numerical_stop_names_time_place_cause_and_advice(name: str, tmp_path:
     assert_finite(tmp_path)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "method", first_quick(("generalized_alpha", "radau_iia_5", "dormand_prince_8"))
 )
@@ -99,6 +100,7 @@ loads: {blow: {type: force, body: mass, force: [1, 0, 0], curve: blow}}
 """
 
 
+@pytest.mark.long
 def test_a_blow_from_rest_is_not_judged_by_the_first_of_its_energy(tmp_path: Path) -> None:
     # after ten steps the mass has 1e-20 J, of which a third is not accounted for
     deck, folder = tmp_path / "deck.yaml", tmp_path / "out"

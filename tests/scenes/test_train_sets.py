@@ -68,6 +68,7 @@ def test_a_braked_car_that_stands_does_not_move(tmp_path: Path) -> None:
     assert values(result, "rcforc.car_rails.touching").min() == 4
 
 
+@pytest.mark.long
 def test_brakes_stop_a_car_and_no_more(tmp_path: Path) -> None:
     speed = 0.3
     result = run(tmp_path, one_car(speed), 0.5, 5e-3)

@@ -67,6 +67,7 @@ def scene(damping: float) -> dict[str, Any]:
     }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("damping", first_quick([0.0, 20.0]))
 def test_the_balance_closes_to_second_order(tmp_path: Path, damping: float) -> None:
     # the bristle gives 0.5 mm and is passed within the first step
