@@ -2,7 +2,8 @@
 
 VENV   ?= .venv
 PYTHON ?= python3
-JOBS   ?= 2
+# one more than cores: tests wait for the processes that they start
+JOBS   ?= 3
 DECK   ?= decks/scenes/train_test.yaml
 
 BIN     := $(VENV)/bin

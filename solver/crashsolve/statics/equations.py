@@ -22,6 +22,12 @@ class CurvesOfLaws(Protocol):
     def curves(self) -> Any: ...
 
 
+class Residual(Protocol):
+    """Forces that are out of balance."""
+
+    def message(self) -> str: ...
+
+
 class Equations(Protocol):
     """Attributes and functions of a quasi-static engine."""
 
@@ -62,4 +68,5 @@ class Equations(Protocol):
     def restore_state(self, saved: list[np.ndarray]) -> None: ...
 
     # messages
-    def out_of_balance(self) -> str: ...
+    @property
+    def forces(self) -> Residual: ...
