@@ -23,7 +23,7 @@ from crashsolve.statics.elimination import eliminate
 from crashsolve.statics.equations import Tangent
 from crashsolve.statics.limit_point import exchanged, passes_limit_point
 from crashsolve.statics.loading import Loading, equal_part
-from crashsolve.statics.motions import move, perturb, rotations
+from crashsolve.statics.motions import largest_motion, move, perturb, rotations
 from crashsolve.statics.plastic_flow import PlasticFlow
 from crashsolve.statics.problem import Problem, first_unstable_mode
 from crashsolve.statics.stability import mass_matrix, unstable_mode
@@ -327,8 +327,7 @@ class StaticEngine(Engine):
 
     def size_of(self, change: np.ndarray) -> float:
         """The largest of displacements [model's size] and rotations [rad] (n, 6)."""
-        far, angle = np.abs(change[:, :3]).max(initial=0.0), np.abs(change[:, 3:]).max(initial=0.0)
-        return float(max(far / self.model.size, angle))
+        return largest_motion(change, self.model.size)
 
     def step_fraction(self, change: np.ndarray) -> float:
         """The fraction [1] of a correction (n, 6) within the bounds of an iteration."""

@@ -28,6 +28,12 @@ def perturb(row: np.void, k: int, size: float) -> None:
     row["A"] = matrix(row["q"]).ravel()
 
 
+def largest_motion(change: np.ndarray, size: float) -> float:
+    """The largest of displacements [over a size, m] and rotations [rad] (n, 6)."""
+    far, angle = np.abs(change[:, :3]).max(initial=0.0), np.abs(change[:, 3:]).max(initial=0.0)
+    return float(max(far / size, angle))
+
+
 def rotations(q: np.ndarray, p: np.ndarray) -> np.ndarray:
     """Rotation vectors (n, 3), world axes, from configurations q to configurations p (n, 4)."""
     rotation = products(p, q * [1.0, -1.0, -1.0, -1.0])

@@ -25,7 +25,7 @@ import numpy as np
 from crashsolve.foundation.errors import SolverError
 from crashsolve.model.contact.pairs import renew
 from crashsolve.model.jacobian import jacobian, null_space, whole_rows
-from crashsolve.statics.motions import move, perturb
+from crashsolve.statics.motions import largest_motion, move, perturb
 from crashsolve.statics.standing_tyres import StandingTyres
 from crashsolve.system.engine import Engine
 
@@ -156,7 +156,8 @@ class _EquilibriumSearch:
         while True:
             count = f"{iterations} of at most {MOST_ITERATIONS} iterations"
             report(f"searching the equilibrium, after {count}")
-            stalls = stalls + 1 if tau >= STALLED and self._has_stalled(state, before) else 0
+            has_stalled = tau >= STALLED and state.largest_acceleration > 0.5 * before
+            stalls = stalls + 1 if has_stalled else 0
             self.drifts = self._is_allowed(state) and (self.drifts or stalls >= STALLS)
             before = state.largest_acceleration
             correction = self._correction(state, tau)
@@ -173,7 +174,8 @@ class _EquilibriumSearch:
             self._shift(trial, correction.change)
             next_state = self._at_rest(trial)
             # the correction that the same matrix would make there: natural monotonicity
-            growth = self._size(correction.for_state(next_state)) / max(correction.size, 1e-300)
+            next_size = largest_motion(correction.for_state(next_state), self.model.size)
+            growth = next_size / max(correction.size, 1e-300)
             if not growth <= 2.0 and tau > SHORTEST and correction.size > SMALLEST:
                 tau *= 0.25
                 continue
@@ -182,10 +184,6 @@ class _EquilibriumSearch:
             if growth <= 1.0 or correction.size <= SMALLEST:
                 tau = min(2.0 * tau / max(growth, 0.1), LONGEST)
             self._find_near_pairs()
-
-    def _has_stalled(self, state: "_RestState", before: float) -> bool:
-        """Whether accelerations have fallen by less than a half since `before`."""
-        return state.largest_acceleration > 0.5 * before
 
     def _is_allowed(self, state: "_RestState") -> bool:
         """Whether what is left is no more than a run may begin with."""
@@ -249,18 +247,13 @@ class _EquilibriumSearch:
             inverse = np.linalg.pinv(matrix, rcond=1e-15)
         found = _Correction(state, Z, G, inverse, np.zeros((0, 6)), 0.0)
         change = found.for_state(state)
-        found.size = self._size(change)
+        found.size = largest_motion(change, self.model.size)
         displacement = np.abs(change[:, :3]).max(initial=0.0) / (
             LARGEST_DISPLACEMENT * self.model.size
         )
         angle = np.abs(change[:, 3:]).max(initial=0.0) / LARGEST_ROTATION
         found.change = change / max(1.0, displacement, angle)
         return found
-
-    def _size(self, change: np.ndarray) -> float:
-        """Largest displacement [model's size] or rotation [rad] of a correction (n, 6)."""
-        displacement = np.abs(change[:, :3]).max(initial=0.0) / self.model.size
-        return float(max(displacement, np.abs(change[:, 3:]).max(initial=0.0)))
 
     def _shift(self, nodes: np.ndarray, change: np.ndarray) -> None:
         moved = nodes[self.free]

@@ -269,6 +269,8 @@ class Engine:
 
     def _is_free_of_curves(self) -> bool:
         """Whether no curve of time bounds steps: a stated one, where it is short enough for all."""
+        if not len(self._curve_steps):
+            return True
         control = self.model.control[0]
         steps = self._curve_steps * float(control["curve_share"])
         return bool(steps.min(initial=inf) >= (float(control["fixed_step"]) or inf))

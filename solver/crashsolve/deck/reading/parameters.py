@@ -51,8 +51,8 @@ class Parameters:
         units: Mapping[str, object],
     ) -> None:
         self.items = items
-        # the card `units` of every file
-        self.units = units
+        # factors of the card `units` of every file
+        self.unit_factors = {file: _factors(card) for file, card in units.items()}
         self.diagnostics = diagnostics
         self.values: dict[str, Any] = {}
         self.pending: list[str] = []
@@ -164,7 +164,7 @@ class Parameters:
         return new
 
     def _expression(self, text: str, file: str) -> float:
-        """Value in SI when a parameter with a unit takes part, else a bare number; of a file."""
+        """Value in SI when a parameter with a unit takes part, else a bare number in `file`."""
         expression = Expression(text)
         names = {name: self._value(name) for name in expression.names if name in self.items}
         if BROKEN in names.values():
@@ -188,10 +188,15 @@ class Parameters:
         """The bare numbers of a parameter that a file reads in other units than its own."""
         value, item = self._value(name), self.items[name]
         made_of = getattr(value, "foreign", ())
-        bases = _differing(self.units.get(item.at.file), self.units.get(file))
+        bases = self._differing_bases(item.at.file, file)
         if not bases or isinstance(value, SiFloat) and _has_known_unit(value, item.value):
             return made_of
         return (Foreign(name, Path(item.at.file).name, bases), *made_of)
+
+    def _differing_bases(self, file: str, other: str) -> tuple[str, ...]:
+        """Which of BASES have different units in two files."""
+        factors = (self.unit_factors.get(one) or _factors(None) for one in (file, other))
+        return tuple(base for base, a, b in zip(BASES, *factors, strict=True) if a != b)
 
     def _value(self, name: str) -> Any:
         if len(self.pending) > LONGEST_CIRCLE:
@@ -247,12 +252,6 @@ def _has_known_unit(value: SiFloat, written: object) -> bool:
     if "${" not in str(written):
         return True
     return value.derived is not None and value.derived.exponents != PURE.exponents
-
-
-def _differing(units: object, others: object) -> tuple[str, ...]:
-    """Which of BASES have different units in two cards `units`."""
-    pairs = zip(BASES, _factors(units), _factors(others), strict=True)
-    return tuple(base for base, factor, other in pairs if factor != other)
 
 
 def _factors(units: object) -> list[float]:
