@@ -54,9 +54,16 @@ def replacing(path: Path) -> Iterator[Path]:
 @contextmanager
 def replacing_hdf5(path: Path) -> Iterator["h5py.File"]:
     """Yield a new HDF5 file that takes the name `path` once it is whole."""
+    with replacing(path) as partial, new_hdf5(partial) as file:
+        yield file
+
+
+@contextmanager
+def new_hdf5(path: Path) -> Iterator["h5py.File"]:
+    """Yield a new HDF5 file. Raises OSError once it is closed where it could not be written."""
     import h5py
 
-    with replacing(path) as partial, _UnfailingFile(partial, "w+") as raw:
+    with _UnfailingFile(path, "w+") as raw:
         with h5py.File(raw, "w", **HDF5_OPTIONS) as file:
             yield file
         if raw.failure:

@@ -18,12 +18,12 @@ import numpy as np
 from crashsolve.output import layout
 from crashsolve.output.channels import Family
 from crashsolve.output.errors import OutputError
-from crashsolve.output.files import Json, replacing_hdf5, reported, write_metadata
+from crashsolve.output.files import Json, new_hdf5, replacing, reported, write_metadata
 from crashsolve.output.peaks import Extremes
 
 FIRST_CAPACITY = 1024
 # reserved at most for what is expected: a run may have an endless end time, and be stopped
-MOST_RESERVED_BYTES = 1 << 26
+MOST_RESERVED_BYTES = 1 << 28
 MOST_BUFFERED_ROWS = 1024
 
 
@@ -54,6 +54,8 @@ class HistoryWriter:
         self._metadata = metadata
         self._flush_seconds = flush_seconds
         self._file: FileIO | None = None
+        # where datasets begin in the file; not known yet of one that is resumed
+        self._offsets: layout.Offsets = {}
         self._rows = 0
         self._last_time = -np.inf
         self._flushed_at = clock.monotonic()
@@ -92,11 +94,14 @@ class HistoryWriter:
         """Whether rows should not wait any longer."""
         return clock.monotonic() - self._flushed_at >= self._flush_seconds
 
-    def flush(self) -> None:
-        """Write the gathered rows: values, wait for the disk, then the times that validate them."""
+    def flush(self, is_last: bool = False) -> None:
+        """Write the gathered rows: values, wait for the disk, then the times that validate them.
+
+        After the last rows no others are expected.
+        """
         if self._count:
             count = self._count
-            self._make_room(self._rows + count)
+            self._make_room(self._rows + count, is_last)
             times, blocks = self._times[:count], [values[:, :count] for values in self._values]
             with reported(self.path):
                 self._write_rows(times, blocks)
@@ -109,7 +114,7 @@ class HistoryWriter:
     def close(self) -> None:
         """Flush and give back the reserved rows; a second call does nothing."""
         if self._file is not None:
-            self.flush()
+            self.flush(is_last=True)
             if self._rows < self._capacity:
                 self._rebuild(self._rows)
             self._close_file()
@@ -164,20 +169,24 @@ class HistoryWriter:
                 self.extremes.update(number, times, values)
                 self._last_time = times[-1]
 
-    def _make_room(self, rows: int) -> None:
+    def _make_room(self, rows: int, is_last: bool) -> None:
         """Reserve twice the rows, or those expected where these are no more: none remains."""
         if rows > self._capacity:
             is_near = rows <= self._expected_rows <= 2 * rows
-            self._rebuild(self._expected_rows if is_near else 2 * rows)
+            more = self._expected_rows if is_near else 2 * rows
+            self._rebuild(rows if is_last else more)
 
     def _rebuild(self, capacity: int) -> None:
         """Replace the file by one of another capacity holding the rows written so far."""
         self._close_file()
-        with replacing_hdf5(self.path) as file:
-            write_metadata(file, layout.FORMAT, layout.FORMAT_VERSION, self._metadata)
-            self._offsets = layout.create(file, self.families, capacity)
+        with replacing(self.path) as partial:
+            with new_hdf5(partial) as file:
+                write_metadata(file, layout.FORMAT, layout.FORMAT_VERSION, self._metadata)
+                offsets = layout.create(file, self.families, capacity)
             if self._rows:
-                layout.copy_rows(self.path, file, self.families, self._rows)
+                before = self._offsets or layout.offsets_of(self.path, self.families)
+                layout.copy_rows(self.path, before, partial, offsets, self.families, self._rows)
+        self._offsets = offsets
         with reported(self.path):
             self._file = FileIO(self.path, "r+")
         self._capacity = capacity
@@ -194,12 +203,9 @@ class HistoryWriter:
         self._write_at(self._offsets["time"] + self._rows * 8, times)
 
     def _write_at(self, offset: int, block: np.ndarray) -> None:
-        """Write doubles at a byte offset; the system may take a long block in several bites."""
+        """Write doubles at a byte offset."""
         assert self._file is not None
-        rest = block.astype("<f8", copy=False).data.cast("B")
-        while rest:
-            written = os.pwrite(self._file.fileno(), rest, offset)
-            rest, offset = rest[written:], offset + written
+        layout.write_at(self._file, offset, block.astype("<f8", copy=False).data.cast("B"))
 
     def _close_file(self) -> None:
         """Close the handle for appending, if open."""

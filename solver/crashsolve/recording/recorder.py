@@ -26,9 +26,9 @@ class Recorder:
             self._transfer_mass()
 
     def flush(self) -> None:
-        """Write all samples taken. Raises OutputError."""
+        """Write all samples taken, after which no others are expected. Raises OutputError."""
         self._transfer_mass()
-        self.history.flush()
+        self.history.flush(is_last=True)
 
     def close(self) -> None:
         """Write all samples taken, and close the history."""

@@ -53,11 +53,12 @@ def unasked_depth(h, deepest):
 
 
 @kernel
-def rests(h, old, new, displacement):
+def rests(h, old, new, displacement, deepest):
     """Whether a pair that has gone `displacement` is apart, and nothing is asked about its gap.
 
-    Both histories are those of a pair apart, so but for the depth there is nothing to write.
+    Of a sample nothing is asked about a pair below the `deepest` of its card [m]. Both histories
+    are those of a pair apart, so but for the depth there is nothing to write.
     """
-    if h == 0.0 or old.active == 1 or new.active == 1:
+    if old.active == 1 or new.active == 1:
         return False
-    return old.depth + (1.0 + AHEAD) * displacement <= 0.0
+    return old.depth + (1.0 + AHEAD) * displacement <= unasked_depth(h, deepest)

@@ -70,9 +70,9 @@ def some_pairs(group, piece, first, end, clock, h, nodes, curves, scene):
         m, w = nodes[a.node], nodes[b.node]
         totals = totals_of(group, piece, i, clock, p, m, w, scene)
         card, count, displacement = totals.card, totals.count, 0.0
-        if KICK_DRIFT_KICK and (group.rests or group.follows_exit):
+        if KICK_DRIFT_KICK and (group.rests or group.follows_exit) and h > 0.0:
             displacement = resting.largest_approach(p, m, w)
-        if KICK_DRIFT_KICK and group.rests and resting.rests(h, old, new, displacement):
+        if KICK_DRIFT_KICK and group.rests and resting.rests(h, old, new, displacement, card.depth):
             new.depth = old.depth + displacement
             touches.sum_losses(card, new)
             continue
