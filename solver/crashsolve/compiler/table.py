@@ -5,6 +5,7 @@ column of numbers; what a kernel may do with them stands in translation/memory.p
 """
 
 import hashlib
+from typing import Any
 
 import numpy as np
 
@@ -24,18 +25,27 @@ class Tables:
     def __init__(self, arrays: dict[str, np.ndarray]) -> None:
         self.addresses = np.zeros((len(arrays), WORDS), np.int64)
         self.slots: dict[str, Slot] = {}
+        # compiled code has their addresses alone: they must last as long
+        self._arrays = dict(arrays)
         # the address of all of them, and the tables of other threads, which have some of their own
         self.pointer = self.addresses.ctypes.data
         self.of_threads: list[Tables] = []
         for address, (name, array) in zip(self.addresses, arrays.items(), strict=True):
             if not array.flags.c_contiguous:
                 raise ValueError(f"table {name} must lie in one piece")
-            if hasattr(self, name):
+            if name in self.__dict__ or hasattr(type(self), name):
                 raise ValueError(f"no table may be called {name}")
-            address[0] = array.ctypes.data
+            address[0] = array.__array_interface__["data"][0]
             address[1 : 1 + array.ndim] = array.shape
             self.slots[name] = (array.dtype, array.ndim)
-            setattr(self, name, as_rows(array))
+
+    def __getattr__(self, name: str) -> Any:
+        """A table as Rows, made when it is first asked for: compiled code asks for none."""
+        array = self.__dict__.get("_arrays", {}).get(name)
+        if array is None:
+            raise AttributeError(f"there is no table {name}")
+        setattr(self, name, as_rows(array))
+        return self.__dict__[name]
 
     @property
     def layout(self) -> str:

@@ -173,8 +173,9 @@ class Histories:
         read = frozenset([*names, "A"] if has_origins else names)
 
         def values(nodes: np.ndarray) -> np.ndarray:
-            found = _flat(nodes[:, 1:count], names)
-            return _beside(found, _origins(nodes[:, 1:count], arms)) if has_origins else found
+            own = nodes[:, 1:count]
+            more = [_origins(own, arms)] if has_origins else []
+            return _side_by_side([own[name] for name in names] + more)
 
         return family, (Columns(self.engine.nodes, read),), values
 
@@ -187,7 +188,7 @@ class Histories:
             Columns(engine.rows, frozenset({"D", "reaction"})),
         )
         family = Family("jntforc", tuple(joint.name for joint in joints), tuple(columns))
-        return family, tables, lambda nodes, rows: _reactions(joints, nodes, rows)
+        return family, tables, _reactions_of(joints)
 
     def _contacts(self) -> Part:
         columns = _columns(records.CARD_OUTPUT)
@@ -198,11 +199,12 @@ class Histories:
         return family, (state.cards, state.card_history, state.clock), self._cards
 
     def _cards(self, cards: np.ndarray, history: np.ndarray, clock: np.ndarray) -> np.ndarray:
-        now = history[np.arange(len(history)), clock["current"][:, 0]]
         # pairs farther apart than the margin of a list are not in it
         cards["depth"] = np.maximum(cards["depth"], -self._margin)
+        rows, current = np.arange(len(history)), clock["current"][:, 0]
         names = [column.name for column in records.CARD_OUTPUT.columns]
-        return _beside(_flat(cards, names), _flat(now, CARD_COLUMNS))
+        now = [history[name][rows, current] for name in CARD_COLUMNS]
+        return _side_by_side([cards[name] for name in names] + now)
 
     def _margins(self) -> np.ndarray:
         """Margin of the list of near pairs of every contact card; infinite without a list."""
@@ -289,21 +291,31 @@ class Histories:
         return family, (group.output,), lambda output: _flat(output, names)
 
 
-def _reactions(joints: list[Joint], nodes: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Force and moment of every joint on its body b at the joint point, world axes."""
+def _reactions_of(joints: list[Joint]) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
+    """Function of nodes and rows at samples: force and moment of every joint on its body b at the
+    joint point, world axes.
+    """
     # every joint has a row at least
     firsts = np.cumsum([0, *(joint.rows for joint in joints[:-1])])
-    own = np.concatenate([np.arange(j.first_row, j.first_row + j.rows) for j in joints])
-    wrench = rows["D"][:, own, 6:] * rows["reaction"][:, own, None]
-    # nothing is 0, not -0
-    values = np.add.reduceat(wrench, firsts, axis=1) + 0.0
+    own: Any = [row for j in joints for row in range(j.first_row, j.first_row + j.rows)]
+    if np.array_equal(own, np.arange(len(own))):
+        # as they lie
+        own = slice(len(own))
     pointed = [k for k, joint in enumerate(joints) if "point_b" in joint.frame]
-    if pointed:
-        indices = np.array([joints[k].frame["point_b"] for k in pointed])
-        bodies = nodes["A"][:, [joints[k].node_b for k in pointed]]
-        arms = bodies.reshape(*bodies.shape[:2], 3, 3) @ indices[:, :, None]
-        values[:, pointed, 3:] -= crosses(arms[..., 0], values[:, pointed, :3])
-    return values
+    points = np.array([joints[k].frame["point_b"] for k in pointed])
+    bodies = [joints[k].node_b for k in pointed]
+
+    def reactions(nodes: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        wrench = rows["D"][:, own, 6:] * rows["reaction"][:, own, None]
+        # nothing is 0, not -0
+        values = np.add.reduceat(wrench, firsts, axis=1) + 0.0
+        if pointed:
+            A = nodes["A"][:, bodies].reshape(len(nodes), len(bodies), 3, 3)
+            arms = (A @ points[:, :, None])[..., 0]
+            values[:, pointed, 3:] -= crosses(arms, values[:, pointed, :3])
+        return values
+
+    return reactions
 
 
 def _columns(record: Record) -> list[Column]:
@@ -318,24 +330,23 @@ def _spread(c: Any) -> list[Column]:
     return [Column(c.name, part, unit, c.meaning) for part in parts]
 
 
-def _beside(*parts: np.ndarray) -> np.ndarray:
-    """Columns of the same entities, each in one piece as `_flat` has them."""
-    return np.concatenate([part.transpose(2, 0, 1) for part in parts]).transpose(1, 2, 0)
-
-
 def _flat(tables: np.ndarray, names: Iterable[str]) -> np.ndarray:
-    """Columns of tables (samples, n) as numbers (samples, n, total width).
+    """Columns of tables (samples, n) as numbers (samples, n, total width)."""
+    return _side_by_side([tables[name] for name in names])
+
+
+def _side_by_side(columns: list[np.ndarray]) -> np.ndarray:
+    """Columns (samples, n) or (samples, n, width) as numbers (samples, n, total width).
 
     In memory a column stands in one piece, as it does in the history.
     """
-    # widths by name: numpy cannot infer one where there are no samples
-    columns = [tables[name].reshape(*tables.shape, _width(tables.dtype[name])) for name in names]
-    found = np.empty((sum(c.shape[2] for c in columns), *tables.shape))
-    first = 0
-    for column in columns:
-        last = first + column.shape[2]
-        found[first:last] = column.transpose(2, 0, 1)
-        first = last
+    # widths from shapes: numpy cannot infer one where there are no samples
+    widths = [int(np.prod(column.shape[2:], dtype=int)) for column in columns]
+    samples, n = columns[0].shape[:2]
+    found, first = np.empty((sum(widths), samples, n)), 0
+    for column, width in zip(columns, widths, strict=True):
+        found[first : first + width] = column.reshape(samples, n, width).transpose(2, 0, 1)
+        first += width
     return found.transpose(1, 2, 0)
 
 
@@ -343,8 +354,3 @@ def _origins(nodes: np.ndarray, arms: np.ndarray) -> np.ndarray:
     """Positions (samples, n, 3) of the origins of bodies [m], by their mass centres from these."""
     A = nodes["A"].reshape(*nodes.shape, 3, 3)
     return np.asarray(nodes["r"] - np.einsum("tnij,nj->tni", A, arms))
-
-
-def _width(column: np.dtype[Any]) -> int:
-    """Numbers in a column of a table."""
-    return int(np.prod(column.shape, dtype=int))

@@ -38,15 +38,22 @@ class ContactPoints:
         """Points of a group of pairs; the point of a pair that is apart lies on its body, without
         force.
         """
-        strength = np.linalg.norm(g.output["force"], axis=1)
-        shown = np.arange(len(strength))
-        if g.search is not None:
-            shown = _largest(strength, positions)
-        home = self.engine.nodes["r"][g.elements_a["node"][g.parameters["a"][shown]]]
+        force, pairs = g.output["force"], g.parameters
+        strength = np.linalg.norm(force, axis=1)
+        if g.search is None:
+            position = self._homes(g, pairs)
+            touching = np.flatnonzero(strength > 0.0)
+            position[touching] = g.output["point"][touching]
+            return position, force, pairs["card"].astype(float)
+        shown = _largest(strength, positions)
+        home = self._homes(g, pairs[shown])
         position = np.where(strength[shown, None] > 0.0, g.output["point"][shown], home)
-        return self._filled(
-            position, g.output["force"][shown], g.parameters["card"][shown], positions
-        )
+        return self._filled(position, force[shown], pairs["card"][shown], positions)
+
+    def _homes(self, g: ContactGroup, pairs: np.ndarray) -> np.ndarray:
+        """Mass centres (n, 3) of the bodies of side a of some pairs [m]."""
+        found: np.ndarray = self.engine.nodes["r"][g.elements_a["node"][pairs["a"]]]
+        return found
 
     def _of_nodes(self, g: NodalGroup, positions: int) -> Points:
         """Points of shell nodes, or of balls on the faces of shells."""

@@ -65,9 +65,9 @@ class Pictures:
         self._contact_points = ContactPoints(engine)
         self._marks = HingeMarks(engine.model, engine.state.nodes)
         self._skin = self._pieces()
-        # the body of every piece, and how many points it has
+        # the body of every point
         self._skin_owners = {
-            name: ([n for n, _, _ in pieces], [len(p) for _, p, _ in pieces])
+            name: np.concatenate([np.full(len(p), n) for n, p, _ in pieces])
             for name, pieces in self._skin.items()
         }
         self.blocks = self._blocks()
@@ -211,14 +211,18 @@ class Pictures:
         return np.concatenate([self._r0[n] + p @ self._A0[n].reshape(3, 3).T for n, p, _ in pieces])
 
     def _skin_fields(self, name: str, pieces: list[Piece]) -> dict[str, np.ndarray]:
-        owners, counts = self._skin_owners[name]
-        bodies, old = self.engine.nodes[owners], self._block(name).points
-        rotations = bodies["A"].reshape(-1, 3, 3)
-        rotated = np.concatenate(
-            [points @ A.T for A, (_, points, _) in zip(rotations, pieces, strict=True)]
-        )
-        r, v, w = (np.repeat(bodies[column], counts, axis=0) for column in "rvw")
-        return {"displacement": r + rotated - old, "velocity": v + crosses(w, rotated)}
+        owners, old, nodes = self._skin_owners[name], self._block(name).points, self.engine.nodes
+        rotations, rotated, first = nodes["A"].reshape(-1, 3, 3), np.empty(old.shape), 0
+        for node, points, _ in pieces:
+            last = first + len(points)
+            np.matmul(points, rotations[node].T, out=rotated[first:last])
+            first = last
+        r, v, w = (np.take(nodes[column], owners, axis=0) for column in "rvw")
+        r += rotated
+        return {
+            "displacement": _single(np.subtract, r, old),
+            "velocity": _single(np.add, v, crosses(w, rotated)),
+        }
 
     def _block(self, name: str) -> Block:
         return next(block for block in self.blocks if block.name == name)
@@ -293,6 +297,12 @@ class Pictures:
         points, forces, cards = self._contact_points.found()
         hidden = DELETED * ~np.any(forces, axis=1)
         return {"points": points, "force": forces, "contact": cards, GHOST: hidden}
+
+
+def _single(operation: np.ufunc, u: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Sum or difference of two arrays, in the single precision of states."""
+    found: np.ndarray = operation(u, v, out=np.empty(u.shape, np.float32), casting="same_kind")
+    return found
 
 
 def _spans(g: Group, current: int) -> list[np.ndarray]:

@@ -8,8 +8,8 @@ along the axis of rotation, R how far an element reaches from the mass centre of
 body b, no point of a moves farther. The first line is exact for small rotations; R v - v differs
 from tau x v by tau^2 |v| at most. Body b is the one whose element reaches farther, so that what is
 carried along in a fast vehicle stays apart from its walls. As long as that bound is negative no gap
-is looked for, and what a pair remembers stays as it is; at samples all gaps are. Consequence to
-test: the same results as without.
+is looked for, and what a pair remembers stays as it is; at samples no gap is that the bound keeps
+below the deepest of the card. Consequence to test: the same results as without.
 """
 
 from crashsolve.foundation.kernels import kernel
@@ -53,12 +53,20 @@ def unasked_depth(h, deepest):
 
 
 @kernel
-def rests(h, old, new, displacement, deepest):
+def is_at_end_of_step(h, clock):
+    """Whether this is a sample of where the last step has ended, as what pairs remember is."""
+    return h == 0.0 and clock.kicked_over > 0.0
+
+
+@kernel
+def rests(h, clock, old, new, displacement, deepest):
     """Whether a pair that has gone `displacement` is apart, and nothing is asked about its gap.
 
     Of a sample nothing is asked about a pair below the `deepest` of its card [m]. Both histories
     are those of a pair apart, so but for the depth there is nothing to write.
     """
     if old.active == 1 or new.active == 1:
+        return False
+    if h == 0.0 and not is_at_end_of_step(h, clock):
         return False
     return old.depth + (1.0 + AHEAD) * displacement <= unasked_depth(h, deepest)

@@ -36,6 +36,8 @@ from crashsolve.system.placeholders import KICK_DRIFT_KICK, THREADS
 def contact_pairs(group, piece, clock, h, nodes, curves, scene):
     """Forces of the pairs of a group, or of a piece. Writes: totals, outputs, new histories."""
     if group.body_pairs is not None:
+        if resting.is_at_end_of_step(h, clock):
+            look_at_deepest(group, clock, nodes, scene)
         for k in range(group.body_pairs.shape[0]):
             both = group.body_pairs[k]
             card = scene.cards[both.card]
@@ -56,6 +58,33 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
 
 
 @apart
+def look_at_deepest(group, clock, nodes, scene):
+    """Depth of a pair of each card that may be the deepest, so that a sample looks at few others.
+
+    The pairs of a card follow each other. Writes: cards.depth.
+    """
+    pairs, history, k = group.body_pairs, group.history, 0
+    while k < pairs.shape[0]:
+        number, bound, at = pairs[k].card, -1e300, 0
+        while k < pairs.shape[0] and pairs[k].card == number:
+            both = pairs[k]
+            if both.rests == 0 or both.depth + both.gone > bound:
+                for i in range(both.first, both.end):
+                    depth = history[clock.current, i].depth + both.gone
+                    if depth > bound:
+                        bound, at = depth, i
+            k += 1
+        card, p = scene.cards[number], group.parameters[at]
+        if bound > card.depth and history[clock.current, at].active == 1:
+            # it touches, and as deep but for round-off
+            card.depth = max(card.depth, 0.5 * bound)
+        elif bound > card.depth:
+            a, b = group.elements_a[p.a], group.elements_b[p.b]
+            depth, _, _ = group.narrow.gap(a, b, nodes, group.data)
+            card.depth = max(card.depth, depth)
+
+
+@apart
 def some_pairs(group, piece, first, end, clock, h, nodes, curves, scene):
     """The same of pairs that follow each other; returns how many gaps were evaluated.
 
@@ -72,7 +101,11 @@ def some_pairs(group, piece, first, end, clock, h, nodes, curves, scene):
         card, count, displacement = totals.card, totals.count, 0.0
         if KICK_DRIFT_KICK and (group.rests or group.follows_exit) and h > 0.0:
             displacement = resting.largest_approach(p, m, w)
-        if KICK_DRIFT_KICK and group.rests and resting.rests(h, old, new, displacement, card.depth):
+        if (
+            KICK_DRIFT_KICK
+            and group.rests
+            and resting.rests(h, clock, old, new, displacement, card.depth)
+        ):
             new.depth = old.depth + displacement
             touches.sum_losses(card, new)
             continue
