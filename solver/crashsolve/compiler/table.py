@@ -5,6 +5,7 @@ column of numbers; what a kernel may do with them stands in translation/memory.p
 """
 
 import hashlib
+from copy import copy
 from typing import Any
 
 import numpy as np
@@ -31,13 +32,22 @@ class Tables:
         self.pointer = self.addresses.ctypes.data
         self.of_threads: list[Tables] = []
         for address, (name, array) in zip(self.addresses, arrays.items(), strict=True):
-            if not array.flags.c_contiguous:
-                raise ValueError(f"table {name} must lie in one piece")
             if name in self.__dict__ or hasattr(type(self), name):
                 raise ValueError(f"no table may be called {name}")
-            address[0] = array.__array_interface__["data"][0]
-            address[1 : 1 + array.ndim] = array.shape
+            _point(address, name, array)
             self.slots[name] = (array.dtype, array.ndim)
+
+    def replaced(self, arrays: dict[str, np.ndarray]) -> "Tables":
+        """These tables with other arrays in place of some, of the same layout."""
+        found = copy(self)
+        found.addresses = self.addresses.copy()
+        found.pointer = found.addresses.ctypes.data
+        found._arrays = self._arrays | arrays
+        for address, name in zip(found.addresses, self.slots, strict=True):
+            found.__dict__.pop(name, None)
+            if name in arrays:
+                _point(address, name, arrays[name])
+        return found
 
     def __getattr__(self, name: str) -> Any:
         """A table as Rows, made when it is first asked for: compiled code asks for none."""
@@ -52,3 +62,11 @@ class Tables:
         """Names and columns of all tables, in a word: equal for scenes that share compiled code."""
         text = repr([(name, t.descr, ndim) for name, (t, ndim) in self.slots.items()])
         return hashlib.sha1(text.encode()).hexdigest()[:16]
+
+
+def _point(address: np.ndarray, name: str, array: np.ndarray) -> None:
+    """Write where an array lies, and how long it is. Writes: address."""
+    if not array.flags.c_contiguous:
+        raise ValueError(f"table {name} must lie in one piece")
+    address[0] = array.ctypes.data
+    address[1 : 1 + array.ndim] = array.shape

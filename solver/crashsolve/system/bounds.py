@@ -125,13 +125,22 @@ def stiffest(engine: Engine, at: int) -> str:
     if model.elements or model.nodal_groups:
         return f"body '{name}', stiffness of the forces on it"
     arrays = _copies(engine)
-    found = [(*_alone(engine, actor, arrays, at), actor) for actor in _actors(engine, at)]
+    tables = engine.probing(arrays)
+
+    def alone(actor: Actor, rotations: bool = True) -> tuple[float, bool]:
+        changed = {name: arrays[name].copy() for name in ("nodes", "rows", "clock")}
+        if not rotations:
+            changed["nodes"]["W"][at] = changed["nodes"]["J_inv"][at] = 0.0
+        engine.probe(tables, changed | actor.arrays)
+        return _bound(changed["nodes"], at)
+
+    found = [(*alone(actor), actor) for actor in _actors(engine, at)]
     if not found:
         return f"body '{name}'"
     speed, is_damped, actor = max(found, key=lambda one: one[0])
     kind = "damping" if is_damped else "stiffness"
     text = f"body '{model.bodies[at]}', {kind} of {actor.name}"
-    held = _alone(engine, actor, arrays, at, rotations=False)[0]
+    held, _ = alone(actor, rotations=False)
     return f"{text}, by its rotation" if held < (1.0 - BY_ROTATION) * speed else text
 
 
@@ -197,14 +206,7 @@ def _only(group: Any, rows: np.ndarray) -> dict[str, np.ndarray]:
     return {f"{group.word}_{name}": table for name, table in tables.items()}
 
 
-def _alone(
-    engine: Engine, actor: Actor, arrays: dict[str, np.ndarray], at: int, rotations: bool = True
-) -> tuple[float, bool]:
-    """Bound [rad/s] of a body by one law, perhaps without rotations; whether it is a damper."""
-    nodes, rows, clock = (arrays[name].copy() for name in ("nodes", "rows", "clock"))
-    if not rotations:
-        nodes["W"][at] = nodes["J_inv"][at] = 0.0
-    engine.probe(arrays | actor.arrays | {"nodes": nodes, "rows": rows, "clock": clock})
-    return float(_speeds(nodes)[at]), float(nodes["damping"][at]) ** 2 > 2.0 * float(
-        nodes["stiffness"][at]
-    )
+def _bound(nodes: np.ndarray, at: int) -> tuple[float, bool]:
+    """Bound [rad/s] of the frequency of a body by what acts on it; whether it is a damper."""
+    is_damped = float(nodes["damping"][at]) ** 2 > 2.0 * float(nodes["stiffness"][at])
+    return float(_speeds(nodes)[at]), is_damped

@@ -361,10 +361,15 @@ class Engine:
         self.ledger[:], self.sample_clock[:] = self.state.ledger, self.state.clock
         self._advance(self.sample_clock[0]["time"], True, self._sampled)
 
-    def probe(self, arrays: dict[str, np.ndarray]) -> None:
-        """A sample of other tables of this scene, of other lengths. Writes: arrays."""
+    def probing(self, arrays: dict[str, np.ndarray]) -> Tables:
+        """Tables of this scene for `probe`, of copies of its arrays."""
+        return Tables(arrays | ({"leader": arrays["clock"]} if is_shared(self.model) else {}))
+
+    def probe(self, tables: Tables, arrays: dict[str, np.ndarray]) -> None:
+        """A sample of tables, some arrays of which, and the clock, are others. Writes: arrays."""
         leader = {"leader": arrays["clock"]} if is_shared(self.model) else {}
-        self._advance(float(arrays["clock"][0]["time"]), True, Tables(arrays | leader))
+        time = float(arrays["clock"][0]["time"])
+        self._advance(time, True, tables.replaced(arrays | leader))
 
     def finish(self) -> None:
         """Judge the balance of the whole run, however few its steps. Raises SolverError."""
