@@ -12,11 +12,13 @@ import json
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import h5py
 from shell_cost import DECK
+from step_cost import forty_bodies
 
 DECKS = Path(__file__).resolve().parents[1] / "decks"
 RATE, STATES = 1e4, 100
@@ -26,9 +28,11 @@ FEW = 25
 
 @dataclass(frozen=True)
 class Case:
-    """A deck, how much of it is run here, and how long a whole run lasts [s]."""
+    """A deck, its text or what writes it, how much of it is run here, and how long a whole run
+    lasts [s].
+    """
 
-    deck: str
+    deck: str | Callable[[], Path]
     whole: float
     part: float
     values: tuple[str, ...] = ()
@@ -45,6 +49,9 @@ CASES = {
     "train": Case("scenes/train_test.yaml", 0.6, 0.6),
     "train_sets": Case("scenes/train_sets.yaml", 1.5, 0.3),
     "dominoes": Case("benchmark/dominoes.yaml", 0.9, 0.9),
+    "forty_bodies": Case(forty_bodies, 1.0, 0.3),
+    "sports_car": Case("scenes/sports_car.yaml", 1.0, 0.1),
+    "rollover": Case("scenes/rollover.yaml", 3.0, 0.3),
 }
 
 
@@ -62,10 +69,13 @@ class Cost:
 
 def cost(case: Case, folder: Path, history: float, states: float) -> Cost:
     """Run the part of a case with samples and states so far apart [s]."""
-    deck = DECKS / case.deck
-    if "\n" in case.deck:
+    if not isinstance(case.deck, str):
+        deck = case.deck()
+    elif "\n" in case.deck:
         deck = folder / "deck.yaml"
         deck.write_text(case.deck, "utf-8")
+    else:
+        deck = DECKS / case.deck
     settings = {
         "control.estimate": "off",
         "control.end_time": repr(case.part),

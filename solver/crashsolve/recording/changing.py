@@ -126,6 +126,11 @@ class Snapshot:
 
     def put_back(self) -> None:
         """Make what was kept the present; of lists of pairs once for every `take`."""
+        # pairs that are not looked at in a sample keep the force that they had
+        for group in self.engine.model.contact_groups:
+            group.output["force"] = 0.0
+            if group.applied is not None:
+                group.applied[...] = 0
         if self.is_copied and self._bound == self.engine.bindings:
             for now, kept in self._pairs:
                 now[...] = kept

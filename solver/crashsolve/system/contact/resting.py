@@ -59,14 +59,22 @@ def is_at_end_of_step(h, clock):
 
 
 @kernel
-def rests(h, clock, old, new, displacement, deepest):
-    """Whether a pair that has gone `displacement` is apart, and nothing is asked about its gap.
+def rests(old, new, displacement):
+    """Whether a pair that goes `displacement` in a step is apart, and nothing is asked about its
+    gap.
 
-    Of a sample nothing is asked about a pair below the `deepest` of its card [m]. Both histories
-    are those of a pair apart, so but for the depth there is nothing to write.
+    Both histories are those of a pair apart, so but for the depth there is nothing to write.
     """
     if old.active == 1 or new.active == 1:
         return False
-    if h == 0.0 and not is_at_end_of_step(h, clock):
+    return old.depth + (1.0 + AHEAD) * displacement <= 0.0
+
+
+@kernel
+def is_below(old, new, gone, deepest):
+    """Whether a pair that has gone `gone` is apart, and not deeper than the deepest of its card so
+    far [m]: nothing is asked about it in a sample.
+    """
+    if old.active == 1 or new.active == 1:
         return False
-    return old.depth + (1.0 + AHEAD) * displacement <= unasked_depth(h, deepest)
+    return old.depth + gone <= min(0.0, deepest)

@@ -48,13 +48,13 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
             if h > 0.0:
                 body_pairs.end_rest(both, group.history)
             evaluated = some_pairs(
-                group, piece, both.first, both.end, clock, h, nodes, curves, scene
+                group, piece, both.first, both.end, both.gone, clock, h, nodes, curves, scene
             )
             if h > 0.0 and evaluated == 0:
                 body_pairs.begin_rest(both, clock.current, group.history)
     else:
         first, end = ends_of(group, piece, group.parameters.shape[0], scene)
-        some_pairs(group, piece, first, end, clock, h, nodes, curves, scene)
+        some_pairs(group, piece, first, end, 0.0, clock, h, nodes, curves, scene)
 
 
 @apart
@@ -85,9 +85,10 @@ def look_at_deepest(group, clock, nodes, scene):
 
 
 @apart
-def some_pairs(group, piece, first, end, clock, h, nodes, curves, scene):
+def some_pairs(group, piece, first, end, gone, clock, h, nodes, curves, scene):
     """The same of pairs that follow each other; returns how many gaps were evaluated.
 
+    In a sample they may have approached each other by `gone` since their depths were noted [m].
     Writes: totals, outputs, new histories.
     """
     params, history, output = group.parameters, group.history, group.output
@@ -101,13 +102,17 @@ def some_pairs(group, piece, first, end, clock, h, nodes, curves, scene):
         card, count, displacement = totals.card, totals.count, 0.0
         if KICK_DRIFT_KICK and (group.rests or group.follows_exit) and h > 0.0:
             displacement = resting.largest_approach(p, m, w)
+        if KICK_DRIFT_KICK and group.rests and h > 0.0 and resting.rests(old, new, displacement):
+            new.depth = old.depth + displacement
+            touches.sum_losses(card, new)
+            continue
         if (
             KICK_DRIFT_KICK
             and group.rests
-            and resting.rests(h, clock, old, new, displacement, card.depth)
+            and resting.is_at_end_of_step(h, clock)
+            and resting.is_below(old, new, gone, card.depth)
         ):
-            new.depth = old.depth + displacement
-            touches.sum_losses(card, new)
+            touches.sum_losses(card, old)
             continue
         evaluated += 1
         depth, n, x = gap(group, h, card, Ends(p, old, new, a, b), displacement, nodes, scene)
