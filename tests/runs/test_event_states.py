@@ -8,14 +8,17 @@ import numpy as np
 import pytest
 from command import crashsolve, datasets
 
-# a bar that yields as a ball strikes it, on a floor that a second ball touches from the start
+# a bar that yields as a ball strikes it, on a floor that a second ball touches from the start, and a
+# cylinder that lands as the run ends
 DECK = """\
 control: {end_time: 0.2, estimate: off}
 output: {history: {interval: 0.00037}}
 bodies:
   a: {mass: 1, inertia: [1, 1, 1], position: [0, 0, 0.1], velocity: [0, 0, 0]}
   b: {mass: 2, inertia: [1, 1, 1], position: [0, 0, 0.45], velocity: [0, 0, -2]}
+  c: {mass: 0.1, inertia: [1, 1, 1], position: [1, 0, 0.285], velocity: [0, 0, -1]}
 surfaces:
+  c: {type: cylinder, body: c, radius: 0.1, length: 0.2}
   a: {type: sphere, body: a, radius: 0.1}
   b: {type: sphere, body: b, radius: 0.1}
   f: {type: plane}
@@ -23,6 +26,7 @@ springs:
   bar: {type: elastoplastic, a: a, b: ground, stiffness: 1e5, yield_force: 40, length: 0.1}
 contacts:
   floor: {a: [a], b: [f], normal: {type: kelvin_voigt, stiffness: 1e6, restitution: 0.5}}
+  late: {a: [c], b: [f], normal: {type: hertz, stiffness: 1e3}}
   pair: {a: [a], b: [b], normal: {type: kelvin_voigt, stiffness: 1e5, restitution: 0.9}}
 """
 
@@ -78,6 +82,22 @@ def test_a_state_at_an_event_is_the_sample_there(results: dict[str, Path]) -> No
             moved = file["mass_centres/displacement"][:, 2]
             # the path of 0.4 m by a float of 32 bits
             np.testing.assert_allclose(moved, z[row] - start, rtol=0, atol=3e-8)
+
+
+def test_a_state_shows_the_forces_of_what_touches_at_its_time(results: dict[str, Path]) -> None:
+    folder, shown = results["events"], []
+    with h5py.File(folder / "history.h5") as file:
+        time, touching = file["rcforc/time"][:], file["rcforc/touching"][:]
+    for path in sorted((folder / "states").glob("*.h5")):
+        with h5py.File(path) as file:
+            row = int(np.flatnonzero(time == file.attrs["time"])[0])
+            drawn = file["contacts/contact"][:][np.any(file["contacts/force"][:], axis=1)]
+        counts = [np.count_nonzero(drawn == card) for card in range(touching.shape[1])]
+        # what touches at no depth has no force
+        assert (counts <= touching[row]).all()
+        shown.append(counts[1])
+    # the cylinder at the end alone
+    assert shown[-1] == 1 and not any(shown[: len(shown) // 2])
 
 
 def test_all_else_is_as_without_states_at_events(results: dict[str, Path]) -> None:

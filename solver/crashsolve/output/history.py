@@ -22,8 +22,9 @@ from crashsolve.output.files import Json, new_hdf5, replacing, reported, write_m
 from crashsolve.output.peaks import Extremes
 
 FIRST_CAPACITY = 1024
-# reserved at most for what is expected: a run may have an endless end time, and be stopped
-MOST_RESERVED_BYTES = 1 << 28
+# reserved at most for what is expected: a run may have an endless end time, and be stopped; times
+# are written in advance
+MOST_RESERVED_BYTES, MOST_RESERVED_ROWS = 1 << 28, 1 << 20
 MOST_BUFFERED_ROWS = 1024
 
 
@@ -67,7 +68,8 @@ class HistoryWriter:
         if resume_time is not None:
             self._read_kept_rows(resume_time)
         self._expected_rows = expected_rows
-        expected = min(expected_rows or FIRST_CAPACITY, MOST_RESERVED_BYTES // (8 * doubles + 8))
+        most_rows = min(MOST_RESERVED_BYTES // (8 * doubles + 8), MOST_RESERVED_ROWS)
+        expected = min(expected_rows or FIRST_CAPACITY, most_rows)
         self._rebuild(max(expected, 2 * self._rows))
 
     def append(self, times: np.ndarray, values: dict[str, np.ndarray]) -> None:
