@@ -102,11 +102,11 @@ def offsets_of(path: Path, families: tuple[Family, ...]) -> Offsets:
     names = {f"{f.name}/{c.path}": f"{f.name}/{c.path}" for f in families for c in f.columns}
     names |= {"time": f"{families[0].name}/time"}
     with h5py.File(path, "r") as file:
-        places = {name: file[at] for name, at in names.items()}
-        for data in places.values():
+        datasets = {name: file[at] for name, at in names.items()}
+        for data in datasets.values():
             if data.chunks or data.dtype != "<f8" or data.nbytes and data.id.get_offset() is None:
                 raise OutputError(path, f"{data.name[1:]} is not contiguous, as a run writes it")
-        return {name: data.id.get_offset() or 0 for name, data in places.items()}
+        return {name: data.id.get_offset() or 0 for name, data in datasets.items()}
 
 
 def write_at(file: FileIO, offset: int, data: memoryview) -> None:
