@@ -15,7 +15,7 @@ from crashsolve.integrators import dormand_prince_5, dormand_prince_8
 from crashsolve.model.build import build
 from crashsolve.model.ledger import IMBALANCE, LARGEST
 from crashsolve.system.engine import Engine
-from crashsolve.system.implicit.stages import weigh_part
+from crashsolve.system.implicit.stages import set_dense_weights
 
 BENCHMARKS = Path(__file__).resolve().parents[2] / "decks" / "benchmark"
 
@@ -172,7 +172,7 @@ def test_the_dense_output_is_consistent(method: str) -> None:
     A[:-1, :-1] = m.A
     table = A.ravel()
     for part in (0.0, 0.3, 0.77, 1.0):
-        weigh_part(table, m.DENSE.ravel(), m.TERMS, m.STAGES - 1, rates, part)
+        set_dense_weights(table, m.DENSE.ravel(), m.TERMS, m.STAGES - 1, rates, part)
         weights = table[-rates - 1 : -1]
         for k in range(DENSE_ORDER[method]):
             # round-off of weights up to 20

@@ -111,7 +111,7 @@ class Implicit:
 
     def elements(self) -> None:
         """As composed: forces on the points, from what the elements kept."""
-        stiffness.begin_again(H, self.clock, self.scene)
+        stiffness.restart_elements(H, self.clock, self.scene)
         for kind in self.kinds:
             blocks.deform(kind, self.p, self.clock, H, self.scene, self.material)
 
@@ -128,8 +128,8 @@ class Implicit:
         """K (6 n, 6 n) as the composed step finds it."""
         self.carry()
         matrix = SimpleNamespace(columns=self.scene.columns_0, blocks=self.scene.blocks_0)
-        global_matrix.open_blocks(self.nodes, matrix)
-        stiffness.take_back(H, self.scene)
+        global_matrix.clear_matrix(self.nodes, matrix)
+        stiffness.restore_elements(H, self.scene)
         stiffness.reach(self.nodes, self.scene)
         for kind in self.kinds:
             word = kind.__name__.rpartition(".")[2].lstrip("_")

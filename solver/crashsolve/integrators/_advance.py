@@ -25,7 +25,8 @@ from crashsolve.system.timestep import count_rotations
 
 @entry
 def advance(until, sampling, scene):
-    """Step from the present time to exactly `until` [s], or to trouble. Writes: all of the State.
+    """Step from the present time to exactly `until` [s], or to an event that stops it. Writes: all
+    of the State.
 
     A sample is a step of no length, taken on copies: outputs, reactions, accelerations, energies.
     """

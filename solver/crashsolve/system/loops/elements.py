@@ -49,21 +49,21 @@ def move_points(clock, h, nodes, scene):
 
 @kernel
 def elements(clock, h, scene):
-    """Forces after a step of h from what elements kept before it. Writes: points, lanes."""
-    stiffness.begin_again(h, clock, scene)
+    """Forces after a step of h from the state of the elements before it. Writes: points, lanes."""
+    stiffness.restart_elements(h, clock, scene)
     deform(clock, h, scene)
 
 
 @kernel
-def keep_elements(scene):
+def save_elements(scene):
     """Copy the blocks of elements at the start of a step. Writes: lanes_before."""
     if ELEMENTS:
-        stiffness.keep(scene)
+        stiffness.save_blocks(scene)
 
 
 @stage
 def open_points(clock, h, scene):
-    """First kick and drift of the points, and what drag takes. Writes: scene.points, clock."""
+    """First kick and drift of the points, and the loss by drag. Writes: scene.points, clock."""
     if THREADS:
         share(jobs.OPEN, scene.pieces.shape[0], clock, h, scene)
     for group in ELEMENTS:

@@ -29,7 +29,7 @@ def tangents(clock, nodes, curves, compliant, scene):
 @kernel
 def bend(h, clock, nodes, curves, matrix, scene):
     """Tangents of shells after a step of h; geometric stiffness of others. Writes: matrix."""
-    global_matrix.open_blocks(nodes, matrix)
+    global_matrix.clear_matrix(nodes, matrix)
     if ELEMENTS:
         add_element_stiffness(h, nodes, matrix, scene)
     for k, group in enumerate(TANGENTS):
@@ -58,8 +58,8 @@ def bend(h, clock, nodes, curves, matrix, scene):
 @stage
 def add_element_stiffness(h, nodes, matrix, scene):
     """Stiffness of shells after a step of h. Writes: matrix."""
-    stiffness.take_back(h, scene)
-    stiffness.reach(nodes, scene)
+    stiffness.restore_elements(h, scene)
+    stiffness.update_arms(nodes, scene)
     for group in ELEMENTS:
         p = group.parameters
         for i in range(p.shape[0]):
@@ -70,8 +70,8 @@ def add_element_stiffness(h, nodes, matrix, scene):
 
 
 @kernel
-def renew(h, clock, nodes, compliant, matrix, t, tt, scene):
-    """All tangents and the factor, at the present position. Writes: matrix, compliant."""
+def update_tangents(h, clock, nodes, compliant, matrix, t, tt, scene):
+    """Renew all tangents and the factor, at the present position. Writes: matrix, compliant."""
     rows, curves = scene.rows, scene.curves
     tangents(clock, nodes, curves, compliant, scene)
     bend(h, clock, nodes, curves, matrix, scene)
