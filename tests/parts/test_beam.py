@@ -218,7 +218,7 @@ def whole_tangent(law: Law, flips: int) -> np.ndarray:
     given = (law.bench.nodes, law.bench.curves, position, blocks)
     # fibres have a rate from the length of the step, that of load()
     step = (1.0,) if law.materials else ()
-    law.module.bend(law.p, law.old, *step, *given, *law.materials)
+    law.module.tangent_blocks(law.p, law.old, *step, *given, *law.materials)
     return matrix_of_pair(blocks, flips)
 
 

@@ -46,7 +46,7 @@ from crashsolve.system.kinetics import apply_deferred, clear_forces
 from crashsolve.system.loops.elements import save_elements
 from crashsolve.system.loops.forces import force_pass
 from crashsolve.system.loops.joints import jacobian, residual
-from crashsolve.system.loops.tangents import bend, tangents, update_tangents
+from crashsolve.system.loops.tangents import assemble_stiffness, tangents, update_tangents
 from crashsolve.system.placeholders import ASSEMBLED, CONTACTS, JOINTS
 
 MAX_STEP_RATIO = 4.0  # times the last step; a longer one is not extrapolated from it
@@ -89,11 +89,8 @@ def solve_stages(h, reuses_factors, clock, nodes, rows, saddle, scene):
         rows[k].trial = rows[k].multiplier
     compliant, factor = scene.compliant_0, end_factor(scene)
     speed = reference_speed(clock)
-    previous, converged, allowed = (
-        1e300,
-        False,
-        iteration_tolerance(h, clock, control, ORDER, ESTIMATE),
-    )
+    previous, converged = 1e300, False
+    allowed = iteration_tolerance(h, clock, control, ORDER, ESTIMATE)
     if ASSEMBLED:
         contraction = 0.0
     for count in range(MAX_ITERATIONS):
@@ -102,7 +99,7 @@ def solve_stages(h, reuses_factors, clock, nodes, rows, saddle, scene):
         if count == 0 and not reuses_factors:
             tangents(clock, nodes, scene.curves, compliant, scene)
             if ASSEMBLED:
-                bend(h, clock, nodes, scene.curves, factor, scene)
+                assemble_stiffness(h, clock, nodes, scene.curves, factor, scene)
             clock.factored = h
             linearise(rows, compliant, nodes, t, tt)
             factor_compliant(factor, compliant, rows.shape[0], tt, t)

@@ -35,7 +35,7 @@ from crashsolve.system.implicit.iteration import (
 )
 from crashsolve.system.implicit.stages import reference_speed, store_rates
 from crashsolve.system.loops.elements import save_elements
-from crashsolve.system.loops.tangents import bend, tangents
+from crashsolve.system.loops.tangents import assemble_stiffness, tangents
 from crashsolve.system.placeholders import ASSEMBLED, CONTACTS, JOINTS
 
 # times the last step; a longer one is not extrapolated from it
@@ -113,7 +113,7 @@ def evaluate_stages(h, refactor, clock, nodes, rows, saddle, scene):
             t = h * scene.T[(STAGES + 1) * i]
             tangents(clock, nodes, scene.curves, tables[i - 1], scene)
             if ASSEMBLED:
-                bend(time, clock, nodes, scene.curves, factors[i - 1], scene)
+                assemble_stiffness(time, clock, nodes, scene.curves, factors[i - 1], scene)
             clock.factored = h
             linearise(rows, tables[i - 1], nodes, t, t * t)
             factor_compliant(factors[i - 1], tables[i - 1], rows.shape[0], t * t, t)

@@ -32,7 +32,7 @@ from crashsolve.system.kinetics import clear_forces
 from crashsolve.system.loops.elements import save_elements
 from crashsolve.system.loops.forces import force_pass
 from crashsolve.system.loops.joints import jacobian, residual
-from crashsolve.system.loops.tangents import bend, tangents
+from crashsolve.system.loops.tangents import assemble_stiffness, tangents
 from crashsolve.system.placeholders import JOINTS
 
 MAX_ITERATIONS = 40
@@ -73,7 +73,7 @@ def solve_stages(h, reuses_factors, clock, nodes, rows, saddle, scene):
     for count in range(MAX_ITERATIONS):
         evaluate_trial(h, tt, clock, nodes, rows, scene)
         tangents(clock, nodes, scene.curves, compliant, scene)
-        bend(h, clock, nodes, scene.curves, factor, scene)
+        assemble_stiffness(h, clock, nodes, scene.curves, factor, scene)
         linearise(rows, compliant, nodes, 0.0, tt)
         factor_compliant(factor, compliant, rows.shape[0], tt, 0.0)
         acceleration_residual(nodes, scene.stages)

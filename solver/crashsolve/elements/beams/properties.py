@@ -100,7 +100,7 @@ def laws(card: Any, scene: Scene) -> tuple[Columns, Columns]:
     law, material_card = scene.law("materials", card.material)
     word = law.__name__.rpartition(".")[2]
     if not hasattr(card, "fibres") and word != "elastic":
-        advice = "say type: fibre_beam for one that yields"
+        advice = "use type: fibre_beam for one that yields"
         raise scene.fail(f"needs a material of type elastic; or {advice}", "material")
     if law.FIBRE is None:
         raise scene.fail(f"type {word} is for shells; strains of beams are small", "material")
@@ -118,10 +118,8 @@ def axes_of(card: Any, along: np.ndarray, section: Columns, scene: Scene) -> np.
     if card.side is None:
         I_y, I_z = section["second"]
         if abs(I_y - I_z) > 1e-9 * I_z:
-            message = (
-                "this section has I_y and I_z that differ: say by side where its y axis points"
-            )
-            raise scene.fail(message, "section")
+            message = "this section has I_y and I_z that differ: state the direction of its y axis"
+            raise scene.fail(f"{message} by the word side", "section")
         side = perpendicular(along)
     else:
         side = scene.unit(card.side, "side")

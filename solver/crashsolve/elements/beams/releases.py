@@ -1,4 +1,4 @@
-"""Ends of bars that are hinged to their point, or lie beside it: nodes of their own, and joints.
+"""Ends of bars that are hinged to their point, or offset from it: separate nodes, and joints.
 
     rotations free  none    one        two          three
     joint           weld    revolute   universal    spherical
@@ -22,7 +22,7 @@ JOINTS = ("weld", "revolute", "universal", "spherical")
 
 
 class End(Card):
-    """An end of a bar with a node of its own: P_bark_start or P_bark_end."""
+    """An end of a bar with a separate node, P_barK_start or P_barK_end for bar K of part P."""
 
     bar: int = word("number of the bar, from 1", ge=1)
     point: int = word("number of the point at this end", ge=1)
@@ -71,11 +71,11 @@ def along(card: Any, bar: int) -> np.ndarray:
 
 
 def fault(card: Any) -> str:
-    """Message of what is wrong with the ends; empty where they are right."""
+    """Message on the first error in the ends; empty without one."""
     seen = set()
     count = len(card.points)
     if not all(1 <= point <= count for bar in card.bars for point in bar):
-        return f"bars join points that are not there: points are 1 to {count}"
+        return f"bars join points that do not exist: points are 1 to {count}"
     for end in card.ends:
         if end.bar > len(card.bars) or end.point not in card.bars[end.bar - 1]:
             return f"bar {end.bar} does not end in point {end.point}"
@@ -111,7 +111,7 @@ def joints(card: Any, part: str) -> dict[str, tuple[str, Columns]]:
 
 
 def _axes(card: Any, end: End) -> np.ndarray:
-    """Axes of the bar as rows; any three where the bar has none, which is refused elsewhere."""
+    """Axes of the bar as rows; unit axes where the bar has none, which is refused elsewhere."""
     x = along(card, end.bar)
     length = float(np.linalg.norm(x))
     if not length > 0.0:
