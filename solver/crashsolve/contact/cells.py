@@ -16,7 +16,7 @@ from crashsolve.foundation.point import LANES
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, dot, put, scale, sub, vec
 
-FARTHEST = 1e9  # cubes
+MAX_CUBE_INDEX = 1e9  # cubes
 # that a probe may touch at once on one side of a surface: both of a crease below and both of one
 # above, and of a corner one more each
 WALLS = 6
@@ -38,15 +38,15 @@ def corner_points(p, f, corners):
 
 
 @kernel
-def along(offset):
+def cube_index(offset):
     """Number of a cube along an axis: neighbours stay neighbours, and the column can hold it."""
-    return int(floor(min(max(offset, -FARTHEST), FARTHEST)))
+    return int(floor(min(max(offset, -MAX_CUBE_INDEX), MAX_CUBE_INDEX)))
 
 
 @kernel
 def cube_of(x, width):
     """Cube in which a position lies; all that is very far away lies in the outermost ones."""
-    return along(x[0] / width), along(x[1] / width), along(x[2] / width)
+    return cube_index(x[0] / width), cube_index(x[1] / width), cube_index(x[2] / width)
 
 
 @kernel
@@ -56,7 +56,7 @@ def bucket_of(i, j, k, count):
 
 
 @kernel
-def measure(p, points, corners, cells):
+def bound_faces(p, points, corners, cells):
     """Middle and radius of every face; returns the largest radius. Writes: cells."""
     largest = 0.0
     for f in range(p.face_count):
@@ -75,7 +75,7 @@ def measure(p, points, corners, cells):
 
 
 @kernel
-def sort(p, width, cells, starts, sorted_faces):
+def sort_faces(p, width, cells, starts, sorted_faces):
     """Faces by bucket; those of bucket b lie from starts[b] on. Writes: cells, starts, sorted."""
     count = p.bucket_count
     for b in range(count + 1):
@@ -127,7 +127,7 @@ def list_near(i, x, p, offset, reach, width, near_faces, total):
                 continue
             between = sub(x, vec(cell.middle))
             far, square = reach + cell.radius, dot(between, between)
-            if square >= far * far or is_spared(i, f, spared):
+            if square >= far * far or is_excluded(i, f, spared):
                 continue
             if total < p.room:
                 near[total] = f
@@ -138,7 +138,7 @@ def list_near(i, x, p, offset, reach, width, near_faces, total):
 
 
 @kernel
-def is_spared(i, f, spared):
+def is_excluded(i, f, spared):
     """Whether a probe never meets a face: near it in the mesh."""
     first, faces = spared
     at = first[i]

@@ -22,7 +22,7 @@ from crashsolve.foundation.motion import world_position
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, cross, dot, norm, scale, sub, vec
 
-SPOT = Record("""
+PATCH_POINT = Record("""
     u      m     corner of the patch from its middle, along the first tangent
     v      m     along the second
     point  m  3  where the force acts, world axes
@@ -32,7 +32,7 @@ SPOT = Record("""
 CORNERS = 24
 ROWS = 3 * CORNERS
 # where corners press, in shares of their distance
-DRAWN_IN = sqrt(1.0 / 3.0)
+PRESSURE_LEVER = sqrt(1.0 / 3.0)
 # an octagon whose area is as far from its middle, on the mean, as that of a disc of radius 1
 OCTAGON = 1.0530118888486155
 DIAGONAL = sqrt(0.5)
@@ -49,10 +49,10 @@ def patch(a, b, nodes, data, n, x):
         count = cut(spots, count, CORNERS + k, CORNERS + (k + 1) % count_b)
     for k in range(count):
         spot = spots[k]
-        offset = add(scale(DRAWN_IN * spot.u, s), scale(DRAWN_IN * spot.v, t))
+        offset = add(scale(PRESSURE_LEVER * spot.u, s), scale(PRESSURE_LEVER * spot.v, t))
         for j in range(3):
             spot.point[j] = x[j] + offset[j]
-    return count, share_out(spots, count)
+    return count, set_shares(spots, count)
 
 
 @kernel
@@ -143,7 +143,7 @@ def cut(spots, count, i, j):
 
 
 @kernel
-def share_out(spots, count):
+def set_shares(spots, count):
     """Shares of the corners by the sides next to them; mean distance of the area [m].
 
     Writes: spots.

@@ -17,7 +17,7 @@ from math import sqrt
 
 from crashsolve.contact.cells import corner_points
 from crashsolve.contact.narrow._ellipsoid_face import nearest_to_ellipsoid
-from crashsolve.contact.narrow._frame import into, out_of, seen_from
+from crashsolve.contact.narrow._frame import local_position, to_shape_axes, to_world_axes
 from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, point_velocity, world_position
@@ -46,7 +46,7 @@ def look(i, p, totals, ellipsoid, nodes, sides, mesh, lists):
             )
             wait[k] = totals.travel + max(distance + low - p.gap, 0.0)
             if distance + low < p.gap:
-                to = scale(distance + low, out_of(ellipsoid, body, m))
+                to = scale(distance + low, to_world_axes(ellipsoid, body, m))
                 take(i, p, (f, N, spot), abs(distance + low), to, sides, mesh)
         soonest = min(soonest, wait[k])
     due[i] = soonest
@@ -58,10 +58,10 @@ def corners_seen(ellipsoid, body, p, f, mesh):
     """Corners of a face from the centre of the ellipsoid, in its axes."""
     points, at = mesh[0], corner_points(p, f, mesh[1])
     return (
-        seen_from(ellipsoid, body, vec(points[at[0]].r)),
-        seen_from(ellipsoid, body, vec(points[at[1]].r)),
-        seen_from(ellipsoid, body, vec(points[at[2]].r)),
-        seen_from(ellipsoid, body, vec(points[at[3]].r)),
+        local_position(ellipsoid, body, vec(points[at[0]].r)),
+        local_position(ellipsoid, body, vec(points[at[1]].r)),
+        local_position(ellipsoid, body, vec(points[at[2]].r)),
+        local_position(ellipsoid, body, vec(points[at[3]].r)),
     )
 
 
@@ -98,9 +98,9 @@ def to_centre(pen, n):
     length.
     """
     ellipsoid, body, low = pen
-    y = into(ellipsoid, body, n)
+    y = to_shape_axes(ellipsoid, body, n)
     w = widened(ellipsoid, y)
-    S = out_of(ellipsoid, body, scale(1.0 / sqrt(dot(w, y)), w))
+    S = to_world_axes(ellipsoid, body, scale(1.0 / sqrt(dot(w, y)), w))
     return add_scaled(S, -low / norm(n), n)
 
 
@@ -108,9 +108,9 @@ def to_centre(pen, n):
 def to_centre_by(pen, n, d):
     """Change of that vector with a change d of n."""
     ellipsoid, body, low = pen
-    y, y_d = into(ellipsoid, body, n), into(ellipsoid, body, d)
+    y, y_d = to_shape_axes(ellipsoid, body, n), to_shape_axes(ellipsoid, body, d)
     w, size = widened(ellipsoid, y), norm(n)
     k = 1.0 / sqrt(dot(w, y))
     w_d = add_scaled(widened(ellipsoid, y_d), -k * k * dot(w, y_d), w)
     distance = add_scaled(d, -dot(n, d) / (size * size), n)
-    return add_scaled(out_of(ellipsoid, body, scale(k, w_d)), -low / size, distance)
+    return add_scaled(to_world_axes(ellipsoid, body, scale(k, w_d)), -low / size, distance)

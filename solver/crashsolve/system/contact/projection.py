@@ -18,8 +18,15 @@ References: Baerentzen and Aanaes (2005), IEEE Transactions on Visualization and
 from math import acos, sqrt
 from typing import NamedTuple
 
-from crashsolve.contact.cells import WALLS, corner_points, list_near, measure, sort
-from crashsolve.contact.narrow._face import CORNER, EDGE, INSIDE, across, nearest_on_face, point_of
+from crashsolve.contact.cells import WALLS, bound_faces, corner_points, list_near, sort_faces
+from crashsolve.contact.narrow._face import (
+    CORNER,
+    EDGE,
+    INSIDE,
+    nearest_on_face,
+    normal_vector,
+    point_of,
+)
 from crashsolve.elements.shells.records import BLOCK
 from crashsolve.foundation.columns import add_to
 from crashsolve.foundation.kernels import kernel
@@ -58,8 +65,8 @@ def open_faces(h, p, totals, probes, nodes, scene, near_faces):
         return
     (cells, starts, sorted_faces), (first, _, _, due), _ = near_faces
     reach = p.gap + p.over + p.margin
-    width = measure(p, points, corners, cells) + reach
-    sort(p, width, cells, starts, sorted_faces)
+    width = bound_faces(p, points, corners, cells) + reach
+    sort_faces(p, width, cells, starts, sorted_faces)
     total = 0
     for i in range(probes.shape[0]):
         x, _ = where(probes[i], 0.0, nodes, points)
@@ -280,7 +287,7 @@ def over_side(f, k, mesh):
 def face_normal(p, f, mesh):
     """Unit normal of a face."""
     points, at = mesh[0], corner_points(p, f, mesh[1])
-    n = across(
+    n = normal_vector(
         vec(points[at[0]].r), vec(points[at[1]].r), vec(points[at[2]].r), vec(points[at[3]].r)
     )
     return scale(1.0 / norm(n), n)
