@@ -138,8 +138,8 @@ class Bench:
         return g
 
     def search(self, g: Any) -> None:
-        node_contact.open_loads(g)
-        projection.open_faces(
+        node_contact.clear_loads(g)
+        projection.update_face_lists(
             *(0.0, g.p[0], g.totals[0], g.probes, g.nodes, g),
             Near(g.grid, g.lists, (g.spared_first, g.spared)),
         )
@@ -152,17 +152,17 @@ class Bench:
         self.search(g)
         position = tuple(map(float, x))
         sides = projection.Sides(g.probe_states, g.slot_in_use, g.found[0])
-        projection.look(0, position, g.p[0], g.totals[0], sides, g.mesh, g.lists)
+        projection.find_nearest_faces(0, position, g.p[0], g.totals[0], sides, g.mesh, g.lists)
         if is_smooth:
             spared = (g.spared_first, g.spared)
-            normals.smoothen(0, position, None, g.p[0], g.mesh, spared, g.found[0])
+            normals.apply_field(0, position, None, g.p[0], g.mesh, spared, g.found[0])
         hits = []
         for s in range(2):
             old, new = g.probe_states[g.slot_in_use[s], s], g.probe_states[1 - g.slot_in_use[s], s]
             new.depth, new.active = g.found[0][s].depth, int(g.found[0][s].depth > 0.0)
             new.face, new.normal = g.found[0][s].face, g.found[0][s].normal
             if new.active or old.active:
-                node_contact.swap_slot(h, g.slot_in_use, s)
+                node_contact.mark_for_acceptance(h, g.slot_in_use, s)
             if new.active:
                 hits.append((s, float(g.found[0][s].depth), np.array(g.found[0][s].normal)))
         return hits

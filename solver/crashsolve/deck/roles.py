@@ -157,7 +157,7 @@ class FrictionLaw(Protocol):
         """Force on a (3) [N], stored [J], power [W], loss [J], stiffness, damping. Writes: new.
 
         `slide` is a Slide (system/contact/pair.py): normal force, slip, displacement, normal, mass,
-        ease.
+        compliance.
         """
 
     def release(self, p, old, new):

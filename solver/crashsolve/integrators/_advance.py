@@ -8,7 +8,7 @@ from crashsolve.foundation.kernels import entry
 from crashsolve.foundation.sparse.saddle import saddle_of
 from crashsolve.integrators.rattle import finish, prepare_sample, take_step
 from crashsolve.model.clock import CURVE_END, PAUSED, REACHED, REBUILD, RUNNING, TOUCHED
-from crashsolve.system.contact.effective_mass import has_unweighed
+from crashsolve.system.contact.effective_mass import needs_effective_mass
 from crashsolve.system.energy import check, check_contacts
 from crashsolve.system.loops.energy import check_laws, energy
 from crashsolve.system.loops.events import need_rebuild
@@ -62,7 +62,7 @@ def advance(until, sampling, scene):
         elif clock.cycle >= clock.pause and clock.status == RUNNING and clock.time < until:
             clock.status = PAUSED
         for group in WEIGHED:
-            if clock.status == RUNNING and has_unweighed(
+            if clock.status == RUNNING and needs_effective_mass(
                 group.parameters, group.history, clock.current
             ):
                 clock.status = TOUCHED

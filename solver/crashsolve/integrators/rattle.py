@@ -36,7 +36,7 @@ from crashsolve.system.constraints import (
     worst_rate,
     worst_residual,
 )
-from crashsolve.system.contact.resting import note_motion
+from crashsolve.system.contact.resting import record_motion
 from crashsolve.system.kinetics import (
     accelerations,
     add_impulse,
@@ -109,7 +109,7 @@ def update_positions(h, clock, nodes, rows, saddle, scene):
         if not CONTACTS or clock.status != RUNNING:
             break
         if RESTING:
-            note_motion(nodes)
+            record_motion(nodes)
         # without an onset at the end of the full step, the exact gap is not needed
         gap = approach(clock, nodes, scene, 0.0 if bracket[-1] == 0 else -1e300)
         if bracket[-1] == 0:

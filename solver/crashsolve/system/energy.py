@@ -25,7 +25,7 @@ from crashsolve.model.ledger import (
     PLASTIC,
     POTENTIAL,
 )
-from crashsolve.system.contact.touches import gaining_card, gaining_friction
+from crashsolve.system.contact.touches import card_with_energy_gain, card_with_friction_gain
 from crashsolve.system.kinetics import bad_node
 
 # over so much of the model's size, or turn in rad, the work of a force is round-off; equilibria
@@ -126,8 +126,8 @@ def check_contacts(clock, control, nodes, scene):
     """Stop at a contact that gives its bodies energy that it never took. Writes: clock."""
     if clock.status == RUNNING and control.energy_limit > 0.0:
         unseen, limit = unseen_distance(clock, control, nodes), control.energy_limit
-        card = gaining_card(clock.current, limit, unseen, scene.card_history)
-        rubbing = gaining_friction(clock.current, limit, unseen, scene.card_history)
+        card = card_with_energy_gain(clock.current, limit, unseen, scene.card_history)
+        rubbing = card_with_friction_gain(clock.current, limit, unseen, scene.card_history)
         if card >= 0 or rubbing >= 0:
             clock.status, clock.index = CONTACT_GAIN, card if card >= 0 else rubbing
             clock.value = 0.0 if card >= 0 else 1.0

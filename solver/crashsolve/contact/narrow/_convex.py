@@ -92,11 +92,11 @@ def search(a, b, nodes, data):
         start = (
             unit_towards(direction(a, b, body_a, body_b, c, k), c) if k >= 0 else (0.0, 0.0, 1.0)
         )
-        height, top = find_maximum(a, b, body_a, body_b, c, start)
-        if dot(top, n) < SAME_MAXIMUM:
+        height, n_maximum = find_maximum(a, b, body_a, body_b, c, start)
+        if dot(n_maximum, n) < SAME_MAXIMUM:
             next_maximum = max(next_maximum, min(best, height))
         if height > best:
-            best, n = height, top
+            best, n = height, n_maximum
         # bodies apart have one top only
         if best >= 0.0:
             break
@@ -245,15 +245,15 @@ def support_point(shape, body, n):
 
 
 @kernel
-def newton_step(n, s, t, separation, bend, best, damping):
+def newton_step(n, s, t, separation, hessian, best, damping):
     """Next direction by a damped Newton step from n, and the angle to it [rad].
 
-    `separation`: from one farthest point to the other [m]; `bend`: second derivatives of both
+    `separation`: from one farthest point to the other [m]; `hessian`: second derivatives of both
     reaches along the tangents s and t, (ss, st, tt) [m]; `best`: the height so far [m].
     """
-    m_ss, m_st, m_tt = bend[0] + best, bend[1], bend[2] + best
+    m_ss, m_st, m_tt = hessian[0] + best, hessian[1], hessian[2] + best
     lowest = 0.5 * (m_ss + m_tt) - sqrt(0.25 * (m_ss - m_tt) ** 2 + m_st * m_st)
-    size = bend[0] + bend[2]
+    size = hessian[0] + hessian[2]
     # the curvature must be positive, or the step would go down
     more = damping * size + max(0.0, 1e-6 * size - lowest)
     m_ss, m_tt = m_ss + more, m_tt + more

@@ -188,11 +188,11 @@ def search(a, b, nodes, data):
         if dot(start, before) < SAME_DIRECTION:
             before = start
             start = normal_above(a, b, u, w, c, k, start) if are_boxes and k < 6 else start
-            height, top = find_maximum(a, b, u, w, c, start, last)
-            if dot(top, n) < SAME_MAXIMUM:
+            height, n_maximum = find_maximum(a, b, u, w, c, start, last)
+            if dot(n_maximum, n) < SAME_MAXIMUM:
                 next_maximum = max(next_maximum, min(best, height))
             if height > best:
-                best, n = height, top
+                best, n = height, n_maximum
             # bodies apart have one top only
             if best >= 0.0:
                 break
@@ -417,17 +417,24 @@ def separation_and_hessian(a, b, u, w, c, n, s, t):
 def find_maximum(a, b, u, w, c, n, last):
     """Climb to the top nearest to direction n: its height before the last step, its direction."""
     s, t = tangents(n)
-    separation, bend = separation_and_hessian(a, b, u, w, c, n, s, t)
+    separation, hessian = separation_and_hessian(a, b, u, w, c, n, s, t)
     best, damping, round_off = dot(separation, n), 0.0, ROUND_OFF * norm(c)
     for _ in range(ITERATIONS):
-        n_new, angle = newton_step(n, s, t, separation, bend, best, damping)
+        n_new, angle = newton_step(n, s, t, separation, hessian, best, damping)
         if angle < last:
             return best, n_new
         s_new, t_new = tangents(n_new)
         separation_new, bend_new = separation_and_hessian(a, b, u, w, c, n_new, s_new, t_new)
         value = dot(separation_new, n_new)
         if value >= best - round_off:
-            n, s, t, separation, bend, best = n_new, s_new, t_new, separation_new, bend_new, value
+            n, s, t, separation, hessian, best = (
+                n_new,
+                s_new,
+                t_new,
+                separation_new,
+                bend_new,
+                value,
+            )
             damping *= 0.1
         else:
             damping = max(4.0 * damping, 1e-3)

@@ -279,25 +279,27 @@ class NodalBuilder:
             raise self.scene.fail(message, "b")
         bodies = sorted({int(element["node"]) for element in b.elements})
         # a probe stands for a body; for each thread there is one
-        pens = self.scene.threads
-        frames = np.zeros(pens + len(bodies), NODE.dtype)
+        first_body = self.scene.threads
+        frames = np.zeros(first_body + len(bodies), NODE.dtype)
         frames["A"][:] = np.eye(3).ravel()
-        home = np.array([0] * pens + bodies)
+        home = np.array([0] * first_body + bodies)
         expand = getattr(narrow, "expand_b", lambda elements: elements)
         elements = [part for e in b.elements for part in expand([e])]
-        pen = {"node": 0, "point": (0.0, 0.0, 0.0), "radius": probes.radius}
-        all_pens = [pen | {"node": k} for k in range(pens)]
-        data = getattr(narrow, "data", lambda *_: ())([pen], elements)
+        probe_element = {"node": 0, "point": (0.0, 0.0, 0.0), "radius": probes.radius}
+        probe_elements = [probe_element | {"node": k} for k in range(first_body)]
+        data = getattr(narrow, "data", lambda *_: ())([probe_element], elements)
         shape = import_module(f"crashsolve.contact.shape.{b.shape}")
         record = getattr(narrow, "PARAMETERS_B", shape.PARAMETERS)
         own = {
-            "a": table_of(all_pens, import_module("crashsolve.contact.shape.sphere").PARAMETERS),
+            "a": table_of(
+                probe_elements, import_module("crashsolve.contact.shape.sphere").PARAMETERS
+            ),
             "b": table_of(elements, record),
             "frames": frames,
             "home": home,
             **{f"data_{k}": array for k, array in enumerate(data)},
         }
-        own["b"]["node"] = [pens + bodies.index(int(e["node"])) for e in elements]
+        own["b"]["node"] = [first_body + bodies.index(int(e["node"])) for e in elements]
         thick = min(
             (b.module.half_thickness(e) for e in b.elements if hasattr(b.module, "half_thickness")),
             default=inf,

@@ -17,15 +17,15 @@ from crashsolve.foundation.columns import add_to, matvec
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import add_deferred, apply_force, apply_torque, point_tangent
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, put, scale, sub, vec
-from crashsolve.system.contact.touches import closing, count_stiffness, pair_mobility
-from crashsolve.system.contact.work import begin_push, displacement_from
+from crashsolve.system.contact.touches import add_pair_stiffness, closing_motion, pair_mobility
+from crashsolve.system.contact.work import add_end_work, displacement_from
 
 # what a law receives that lays its memory into the plane: along the normal it is that of a spin
 NO_ROTATION = (0.0, 0.0, 0.0)
 
 
 @kernel
-def sliding(a, b, slip, n, radius):
+def combined_slip(a, b, slip, n, radius):
     """Slip of a over b and, along the normal, that of the spin at the radius [m/s]."""
     return add_scaled(slip, radius * dot(sub(vec(a.w), vec(b.w)), n), n)
 
@@ -45,7 +45,7 @@ def sliding_displacement(motion, displacement, n, radius):
 
 
 @kernel
-def end_first_half(h, old, motion, a, card):
+def add_first_half_work(h, old, motion, a, card):
     """Work of the forces of the start of the step, of which that of friction is returned [J].
 
     Writes: card.
@@ -64,12 +64,12 @@ def end_first_half(h, old, motion, a, card):
 
 
 @kernel
-def begin_second_half(
+def add_second_half_work(
     applied, pair, sliding, x, friction_force, sliding_displacement, radius, card
 ):
     """Work of the forces at the end of the step, which are kept for the next. Writes: new, card."""
     out, new = pair.out, pair.new
-    begin_push(applied, sliding.displacement, sliding.f, sliding.n, x, out, new, card)
+    add_end_work(applied, sliding.displacement, sliding.f, sliding.n, x, out, new, card)
     card.friction_work += 0.5 * applied * dot(friction_force, sliding_displacement)
     card.bristled += out.friction_stored
     put(new.friction_force, friction_force)
@@ -91,18 +91,18 @@ def twist(a, b, friction_force, n, radius, applied):
 def friction_mobility(a, b, d_a, d_b, u, n, radius):
     """Mobilities of both sides for friction along u, slip and spin of length 1 [1/kg]."""
     force, moment = along_surface(u, n), scale(radius * dot(u, n), n)
-    return respond(a, d_a, force, moment), respond(b, d_b, force, moment)
+    return response(a, d_a, force, moment), response(b, d_b, force, moment)
 
 
 @kernel
-def respond(body, d, force, moment):
+def response(body, d, force, moment):
     """Acceleration of a body by a force at d with a torque, along both [1/kg]."""
     rotation = add(cross(d, force), moment)
     return dot(force, force) * body.mass_inv + dot(rotation, matvec(body.W, rotation))
 
 
 @kernel
-def press_over_area(pair, totals, spots, count, n, x, applied, push):
+def distribute_pressure(pair, totals, spots, count, n, x, applied, push):
     """Normal force in the points of an area, where closing speeds differ from that of its middle.
 
     Laws are linear in the speed where they press. Returns the force [N], the power that the
@@ -113,7 +113,7 @@ def press_over_area(pair, totals, spots, count, n, x, applied, push):
     total, power, moment = 0.0, -f * rate, NO_ROTATION
     for k in range(count):
         y, share = vec(spots[k].point), spots[k].share
-        rate_k, _, d_a, d_b = closing(a, b, y, n)
+        rate_k, _, d_a, d_b = closing_motion(a, b, y, n)
         f_k = share * max(0.0, f + damping * (rate_k - rate))
         own = scale(f_k, n)
         apply_force(on_a, own, d_a)
@@ -122,7 +122,7 @@ def press_over_area(pair, totals, spots, count, n, x, applied, push):
             add_deferred(on_a, scale(1.0 - applied, own), d_a)
             add_deferred(on_b, scale(applied - 1.0, own), d_b)
         mob_a, mob_b = pair_mobility(a, b, d_a, d_b, n)
-        count_stiffness(on_a, on_b, mob_a, mob_b, share * most_stiffness, share * most_damping)
+        add_pair_stiffness(on_a, on_b, mob_a, mob_b, share * most_stiffness, share * most_damping)
         total += f_k
         power += f_k * rate_k
         moment = add_scaled(moment, f_k, y)

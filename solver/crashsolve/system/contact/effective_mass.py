@@ -23,14 +23,14 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.rows import as_rows
 from crashsolve.model.contact.groups import ContactGroup
 from crashsolve.model.model import Model, State
-from crashsolve.system.contact.initial_penetration import Touch, touches_of
+from crashsolve.system.contact.initial_penetration import Touch, initial_touches
 
 # singular values below this share of the largest are those of redundant constraints: S loses
 # twice the digits of D
 REDUNDANT = 1e-11
 
 
-def weighed_groups(model: Model) -> tuple[ContactGroup, ...]:
+def groups_with_effective_mass(model: Model) -> tuple[ContactGroup, ...]:
     """Groups with a restitution whose law asks for the mass of the whole touch, and have more than
     lone bodies.
     """
@@ -66,7 +66,7 @@ def _bodies(elements: np.ndarray) -> set[int]:
 
 
 @kernel
-def has_unweighed(params, history, current):
+def needs_effective_mass(params, history, current):
     """Whether a touch has begun whose effective mass is wanted and not known yet."""
     for i in range(history.shape[1]):
         now = history[current, i]
@@ -80,7 +80,7 @@ class EffectiveMasses:
 
     def __init__(self, model: Model) -> None:
         self.model = model
-        self.groups, self.joined = weighed_groups(model), _joined(model)
+        self.groups, self.joined = groups_with_effective_mass(model), _joined(model)
         self.clusters = _clusters(model) if self.groups else np.zeros(0, int)
 
     def find(self, state: State) -> bool:
@@ -90,14 +90,14 @@ class EffectiveMasses:
         """
         current = int(state.clock[0]["current"])
         sides = [self._sides(group) for group in self.groups]
-        new = [_new(group, current) for group in self.groups]
+        new = [_new_touches(group, current) for group in self.groups]
         wanted = {tuple(row) for pairs, rows in zip(new, sides, strict=True) for row in rows[pairs]}
         if not wanted:
             return False
         found: dict[tuple[int, int], list[Touch]] = defaultdict(list)
         for group, rows in zip(self.groups, sides, strict=True):
             chosen = [i for i, row in enumerate(rows.tolist()) if tuple(row) in wanted]
-            for touch in touches_of(group, as_rows(state.nodes), chosen):
+            for touch in initial_touches(group, as_rows(state.nodes), chosen):
                 found[tuple(rows[touch.pair].tolist())].append(touch)
         for key, touches in found.items():
             self._weigh(key, touches, current, state)
@@ -137,7 +137,7 @@ class EffectiveMasses:
             row[:, touch.pair] = ratio
 
 
-def _new(group: ContactGroup, current: int) -> np.ndarray:
+def _new_touches(group: ContactGroup, current: int) -> np.ndarray:
     """Pairs whose touch has begun and whose mass is wanted."""
     history, wanted = group.history[current], group.parameters["damping_ratio"] > 0.0
     return np.flatnonzero((history["active"] == 1) & (history["mass_ratio"] == 0.0) & wanted)

@@ -22,11 +22,11 @@ from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, point_velocity, world_position
 from crashsolve.foundation.vec3 import add_scaled, dot, norm, put, scale, sub, vec
-from crashsolve.system.contact.projection import begin_look, report_depth, take
+from crashsolve.system.contact.projection import keep_nearest, report_depth, reset_found
 
 
 @kernel
-def look(i, p, totals, ellipsoid, nodes, sides, mesh, lists):
+def find_nearest_faces(i, p, totals, ellipsoid, nodes, sides, mesh, lists):
     """The nearest face on either side of an ellipsoid, nearer than the gap. Writes: sides, lists.
 
     A face that is farther waits until all can have gone so far.
@@ -34,27 +34,27 @@ def look(i, p, totals, ellipsoid, nodes, sides, mesh, lists):
     first, near, wait, due = lists
     body, soonest = nodes[ellipsoid.node], 1e300
     low = min(ellipsoid.semi[0], ellipsoid.semi[1], ellipsoid.semi[2])
-    is_deep = begin_look(i, p, sides)
+    is_deep = reset_found(i, p, sides)
     for k in range(first[i], first[i + 1]):
         f = near[k]
         if mesh[5][f] == 1:
             continue
         if wait[k] <= totals.travel or is_deep:
-            a, b, c, d = corners_seen(ellipsoid, body, p, f, mesh)
+            a, b, c, d = local_corners(ellipsoid, body, p, f, mesh)
             N, spot, distance, m = nearest_to_ellipsoid(
                 vec(ellipsoid.semi), p.gap - low, a, b, c, d
             )
             wait[k] = totals.travel + max(distance + low - p.gap, 0.0)
             if distance + low < p.gap:
                 to = scale(distance + low, to_world_axes(ellipsoid, body, m))
-                take(i, p, (f, N, spot), abs(distance + low), to, sides, mesh)
+                keep_nearest(i, p, (f, N, spot), abs(distance + low), to, sides, mesh)
         soonest = min(soonest, wait[k])
     due[i] = soonest
     report_depth(p, sides.found)
 
 
 @kernel
-def corners_seen(ellipsoid, body, p, f, mesh):
+def local_corners(ellipsoid, body, p, f, mesh):
     """Corners of a face from the centre of the ellipsoid, in its axes."""
     points, at = mesh[0], corner_points(p, f, mesh[1])
     return (
@@ -66,7 +66,7 @@ def corners_seen(ellipsoid, body, p, f, mesh):
 
 
 @kernel
-def roll(ball, p, hit, nodes, points, corners):
+def place_ball(ball, p, hit, nodes, points, corners):
     """The ball that touches in place of the ellipsoid: its velocity. Writes: ball."""
     at, z = corner_points(p, hit.face, corners), (0.0, 0.0, 0.0)
     for k in range(4):
@@ -78,7 +78,7 @@ def roll(ball, p, hit, nodes, points, corners):
 
 
 @kernel
-def pen_of(ellipsoid, nodes):
+def centre_of(ellipsoid, nodes):
     """Centre of an ellipsoid, and what to_centre() knows of it."""
     body = nodes[ellipsoid.node]
     low = min(ellipsoid.semi[0], ellipsoid.semi[1], ellipsoid.semi[2])
@@ -86,31 +86,31 @@ def pen_of(ellipsoid, nodes):
 
 
 @kernel
-def widened(ellipsoid, y):
+def scaled_by_squares(ellipsoid, y):
     """A direction in the axes of the ellipsoid times its semi-axes squared."""
     a, b, c = vec(ellipsoid.semi)
     return a * a * y[0], b * b * y[1], c * c * y[2]
 
 
 @kernel
-def to_centre(pen, n):
+def centre_from_ball(ellipsoid_data, n):
     """Vector [m] to the centre from the ball that touches at the foot with the normal -n, of any
     length.
     """
-    ellipsoid, body, low = pen
+    ellipsoid, body, low = ellipsoid_data
     y = to_shape_axes(ellipsoid, body, n)
-    w = widened(ellipsoid, y)
+    w = scaled_by_squares(ellipsoid, y)
     S = to_world_axes(ellipsoid, body, scale(1.0 / sqrt(dot(w, y)), w))
     return add_scaled(S, -low / norm(n), n)
 
 
 @kernel
-def to_centre_by(pen, n, d):
+def change_of_centre(ellipsoid_data, n, d):
     """Change of that vector with a change d of n."""
-    ellipsoid, body, low = pen
+    ellipsoid, body, low = ellipsoid_data
     y, y_d = to_shape_axes(ellipsoid, body, n), to_shape_axes(ellipsoid, body, d)
-    w, size = widened(ellipsoid, y), norm(n)
+    w, size = scaled_by_squares(ellipsoid, y), norm(n)
     k = 1.0 / sqrt(dot(w, y))
-    w_d = add_scaled(widened(ellipsoid, y_d), -k * k * dot(w, y_d), w)
+    w_d = add_scaled(scaled_by_squares(ellipsoid, y_d), -k * k * dot(w, y_d), w)
     distance = add_scaled(d, -dot(n, d) / (size * size), n)
     return add_scaled(to_world_axes(ellipsoid, body, scale(k, w_d)), -low / size, distance)

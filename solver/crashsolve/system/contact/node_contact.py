@@ -29,7 +29,7 @@ STUCK = 1e-30
 
 
 @kernel
-def open_loads(scene):
+def clear_loads(scene):
     """Nothing touches yet, and no speed is known. Writes: scene.touched, stiffened."""
     total = scene.touched[0]
     for j in range(total.count):
@@ -41,7 +41,7 @@ def open_loads(scene):
 
 
 @kernel
-def close_loads(scene):
+def sum_stiffness_bounds(scene):
     """Contact makes the mesh stiffer where it touches: bound there. Writes: scene.touched.
 
     omega^2 <= max_i (sum omega_e^2 m_ei + 2 sum k N_i) / m_i, the first as in points.py, the second
@@ -68,18 +68,18 @@ def shorten_step(clock, scene):
 
 
 @kernel
-def where(probe, h, nodes, points):
+def position_and_velocity(probe, h, nodes, points):
     """Position and velocity of a probe; of a point, that at the end of the step as predicted."""
     if probe.point >= 0:
         b = points[probe.point]
-        return vec(b.r), predicted(b, h)
+        return vec(b.r), predicted_velocity(b, h)
     body = nodes[probe.node]
     d = arm(body, vec(probe.at))
     return point_at(body, d), point_velocity(body, d)
 
 
 @kernel
-def predicted(b, h):
+def predicted_velocity(b, h):
     """Velocity of a point at the end of the step, by the forces so far."""
     if b.held >= ATTACHED:
         return vec(b.v)
@@ -115,7 +115,7 @@ def fastest_point(p, scene):
     Writes: scene.touched.
     """
     if not is_fastest_known(p, scene):
-        note_fastest(p, fastest_of(p.first_point, p.point_count, scene.points), scene)
+        store_fastest(p, fastest_of(p.first_point, p.point_count, scene.points), scene)
     return scene.touched[0].speed
 
 
@@ -127,7 +127,7 @@ def is_fastest_known(p, scene):
 
 
 @kernel
-def note_fastest(p, speed, scene):
+def store_fastest(p, speed, scene):
     """Keep the largest speed of the points of a contact. Writes: scene.touched."""
     total = scene.touched[0]
     total.first_seen, total.seen, total.speed = p.first_point, p.point_count, speed
@@ -177,13 +177,13 @@ def limit_closing(clock, p, totals):
 
 
 @kernel
-def open_pass(totals):
+def clear_sums(totals):
     """Nothing is stored. Writes: totals."""
     totals.stored = totals.bristled = totals.depth = 0.0
 
 
 @kernel
-def settle(slot_in_use, j):
+def accept_record(slot_in_use, j):
     """Accept what was found in the last step; returns the number of that record. Writes: turns."""
     if slot_in_use[j] > 1:
         slot_in_use[j] = 3 - slot_in_use[j]
@@ -191,7 +191,7 @@ def settle(slot_in_use, j):
 
 
 @kernel
-def swap_slot(h, slot_in_use, j):
+def mark_for_acceptance(h, slot_in_use, j):
     """Mark the touches found in this step for acceptance; those of a sample never are.
 
     Writes: turns.
@@ -201,7 +201,7 @@ def swap_slot(h, slot_in_use, j):
 
 
 @kernel
-def leave(clock, totals, old, new):
+def release_record(clock, totals, old, new):
     """A record is free again. Writes: totals, new."""
     totals.dissipated += clock.lead * old.power
     new.active = 0
@@ -209,7 +209,7 @@ def leave(clock, totals, old, new):
 
 
 @kernel
-def closing(v, v_other, hit, h, old, w):
+def closing_speed(v, v_other, hit, h, old, w):
     """Closing speed; the force of the last step stands for the present one, not known yet.
 
     w is the acceleration of the points over that force [1/kg].
@@ -218,36 +218,36 @@ def closing(v, v_other, hit, h, old, w):
 
 
 @kernel
-def give(b, n):
+def mobility_along(b, n):
     """Acceleration of a point along n over a force there [1/kg]; 0 along what is held."""
     return b.mass_inv * dot(free_part(b.held, n), n)
 
 
 @kernel
-def predicts(b, n):
+def predicted_mobility(b, n):
     """Acceleration of a point over a force on it [1/kg] where its velocity is predicted; 0 of
     points attached to bodies.
     """
-    return give(b, n) if b.held < ATTACHED else 0.0
+    return mobility_along(b, n) if b.held < ATTACHED else 0.0
 
 
 @kernel
-def probe_predicts(probe, hit, points):
+def predicted_probe_mobility(probe, hit, points):
     """Acceleration of a probe over a force on it [1/kg] where its velocity is predicted."""
-    return predicts(points[probe.point], vec(hit.normal)) if probe.point >= 0 else 0.0
+    return predicted_mobility(points[probe.point], vec(hit.normal)) if probe.point >= 0 else 0.0
 
 
 @kernel
 def mobility_of(probe, hit, nodes, points):
     """Acceleration of a probe over a force along the normal [1/kg]."""
     if probe.point >= 0:
-        return give(points[probe.point], vec(hit.normal))
+        return mobility_along(points[probe.point], vec(hit.normal))
     body = nodes[probe.node]
     return mobility(body, arm(body, vec(probe.at)), vec(hit.normal))
 
 
 @kernel
-def note(clock, h, p, totals, card, touch, f, energies):
+def add_touch(clock, h, p, totals, card, touch, f, energies):
     """Add a probe that touches to the sums of card and ledger. Writes: totals, card, new.
 
     `energies` are what its normal force f stores [J], its power [W] and its loss [J].
@@ -273,7 +273,7 @@ def note(clock, h, p, totals, card, touch, f, energies):
 
 
 @kernel
-def close_pass(totals, card, count):
+def add_energies(totals, card, count):
     """Energies of the group to its card. Writes: card, count."""
     count.held += totals.stored
     count.bristled += totals.bristled
@@ -284,12 +284,12 @@ def close_pass(totals, card, count):
 
 
 @kernel
-def push_probe(probe, f, k, c, hit, nodes, scene):
+def apply_to_probe(probe, f, k, c, hit, nodes, scene):
     """Force f along the normal on a probe. Writes: nodes, scene.points, stiffened, touched."""
     n = vec(hit.normal)
     if probe.point >= 0:
         add_to(scene.points[probe.point].force, scale(f, n))
-        count(probe.point, 1.0, k, c, scene)
+        add_point_stiffness(probe.point, 1.0, k, c, scene)
         return
     body = nodes[probe.node]
     d = arm(body, vec(probe.at))
@@ -298,13 +298,13 @@ def push_probe(probe, f, k, c, hit, nodes, scene):
 
 
 @kernel
-def count(i, share, k, c, scene):
+def add_point_stiffness(i, share, k, c, scene):
     """Report a contact on a point to the step control. Writes: scene.stiffened, touched."""
-    load(i, share * scene.points[i].mass_inv, k, c, scene)
+    add_mobility_stiffness(i, share * scene.points[i].mass_inv, k, c, scene)
 
 
 @kernel
-def load(i, w, k, c, scene):
+def add_mobility_stiffness(i, w, k, c, scene):
     """Report a contact on a point of mobility w [1/kg] to the step control.
 
     Writes: scene.stiffened, touched.
@@ -323,16 +323,16 @@ def load(i, w, k, c, scene):
 
 
 @kernel
-def open_shapes(h, p, totals, probes, nodes, scene, copies):
+def update_shapes(h, p, totals, probes, nodes, scene, copies):
     """Copies of the bodies with the shapes, behind those for probes; how far probes have gone.
 
     `copies`: their table, in which they begin after so many, and the bodies that they are of.
 
     Writes: totals, frames.
     """
-    open_pass(totals)
-    speed, (frames, pens, home) = 0.0, copies
-    for k in range(pens, frames.shape[0]):
+    clear_sums(totals)
+    speed, (frames, first_body, home) = 0.0, copies
+    for k in range(first_body, frames.shape[0]):
         frame, body = frames[k], nodes[home[k]]
         put(frame.r, vec(body.r))
         for j in range(9):
@@ -344,14 +344,14 @@ def open_shapes(h, p, totals, probes, nodes, scene, copies):
 
 
 @kernel
-def pose(frame, x, hit):
+def place_probe(frame, x, hit):
     """The probe as a body, and nothing found yet. Writes: frame, hit."""
     put(frame.r, x)
     hit.depth = -1e300
 
 
 @kernel
-def deeper(hit, e, depth, n):
+def keep_deepest(hit, e, depth, n):
     """Keep the deepest of the shapes. Writes: hit."""
     if depth > hit.depth:
         hit.depth, hit.face = depth, e
@@ -359,7 +359,7 @@ def deeper(hit, e, depth, n):
 
 
 @kernel
-def wait_for(i, hit, totals, due):
+def set_due(i, hit, totals, due):
     """A probe that is apart waits until it can have gone so far. Writes: due."""
     due[i] = totals.travel + max(-hit.depth, 0.0)
 
@@ -377,7 +377,7 @@ def body_mobility(body, x, hit):
 
 
 @kernel
-def push_body(body, x, f, k, c, hit, mob):
+def apply_to_body(body, x, f, k, c, hit, mob):
     """Minus a force f along the normal at x. Writes: body."""
     apply_force(body, scale(-f, vec(hit.normal)), sub(x, vec(body.r)))
     add_stiffness_bound(body, mob, k, c)

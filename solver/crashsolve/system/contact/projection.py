@@ -34,14 +34,14 @@ from crashsolve.foundation.point import LANES
 from crashsolve.foundation.rows import Rows
 from crashsolve.foundation.vec3 import add, add_scaled, dot, norm, put, scale, sub, vec
 from crashsolve.system.contact.node_contact import (
-    count,
+    accept_record,
+    add_point_stiffness,
+    clear_sums,
     fastest,
-    give,
-    open_pass,
-    predicted,
-    predicts,
-    settle,
-    where,
+    mobility_along,
+    position_and_velocity,
+    predicted_mobility,
+    predicted_velocity,
 )
 
 # a distance of this share of the gap has no direction
@@ -52,13 +52,13 @@ CROSSED = 1.5
 
 
 @kernel
-def open_faces(h, p, totals, probes, nodes, scene, near_faces):
+def update_face_lists(h, p, totals, probes, nodes, scene, near_faces):
     """Sum how far all have moved; renew the lists where that exceeds their margin.
 
     Writes: totals, near_faces.
     """
     points, corners = scene.points, scene.corners
-    open_pass(totals)
+    clear_sums(totals)
     totals.fastest = 2.0 * fastest(h, p, probes, nodes, scene)
     totals.travel += h * totals.fastest
     if totals.travel <= totals.listed + p.margin:
@@ -69,7 +69,7 @@ def open_faces(h, p, totals, probes, nodes, scene, near_faces):
     sort_faces(p, width, cells, starts, sorted_faces)
     total = 0
     for i in range(probes.shape[0]):
-        x, _ = where(probes[i], 0.0, nodes, points)
+        x, _ = position_and_velocity(probes[i], 0.0, nodes, points)
         first[i], due[i] = min(total, p.room), totals.travel
         total = list_near(i, x, p, totals.travel, reach, width, near_faces, total)
     first[probes.shape[0]] = min(total, p.room)
@@ -89,14 +89,14 @@ def remove_near_faces(p, blocks, gone):
 
 
 @kernel
-def drop_energy(h, totals, old, stored, gone):
+def add_lost_energy(h, totals, old, stored, gone):
     """Count the stored energy of a touch that is lost with an element. Writes: totals."""
     if h > 0.0 and old.active == 1 and gone[old.face] == 1:
         totals.dissipated += old.stored - stored
 
 
 @kernel
-def note_lost(clock, h, p, totals, old, mesh):
+def record_pass(clock, h, p, totals, old, mesh):
     """A probe behind its own face, which no face holds any more, has passed. Writes: totals."""
     is_behind = old.depth > p.gap and mesh[5][old.face] == 0
     if h > 0.0 and is_behind and totals.passed == 0.0:
@@ -104,7 +104,7 @@ def note_lost(clock, h, p, totals, old, mesh):
 
 
 @kernel
-def is_crowded(p, totals):
+def needs_room(p, totals):
     """Whether the lists fill more than half of their room: time for more."""
     return 2 * totals.pairs > p.room
 
@@ -118,40 +118,40 @@ class Sides(NamedTuple):
 
 
 @kernel
-def look(i, x, p, totals, sides, mesh, lists):
+def find_nearest_faces(i, x, p, totals, sides, mesh, lists):
     """The nearest face on either side of a probe at x, nearer than the gap. Writes: sides, lists.
 
     A face that is farther waits until all can have gone so far.
     """
     first, near, wait, due = lists
     soonest = 1e300
-    is_deep = begin_look(i, p, sides)
+    is_deep = reset_found(i, p, sides)
     for k in range(first[i], first[i + 1]):
         f = near[k]
         if mesh[5][f] == 1:
             continue
         if wait[k] <= totals.travel or is_deep:
-            a, b, c, d = seen_from(x, p, f, mesh)
+            a, b, c, d = relative_corners(x, p, f, mesh)
             N, square, spot = nearest_on_face(a, b, c, d)
             distance = sqrt(square)
             wait[k] = totals.travel + max(distance - p.gap, 0.0)
             # a probe that has been driven through is not released behind
             if distance < p.gap or is_deep:
                 to = point_of(N, a, b, c, d)
-                take(i, p, (f, N, spot), distance, to, sides, mesh)
+                keep_nearest(i, p, (f, N, spot), distance, to, sides, mesh)
         soonest = min(soonest, wait[k])
     due[i] = soonest
     report_depth(p, sides.found)
 
 
 @kernel
-def begin_look(i, p, sides):
+def reset_found(i, p, sides):
     """Nothing is found; whether the probe is so deep that no face waits. Writes: sides."""
     is_deep, (probe_states, slot_in_use, found) = False, sides
     for s in range(2):
         found[s].distance, found[s].face, found[s].depth = p.gap + p.margin, -1, 0.0
         found[s].beside, found[s].weight = 0, 1.0
-        old = probe_states[settle(slot_in_use, 2 * i + s), 2 * i + s]
+        old = probe_states[accept_record(slot_in_use, 2 * i + s), 2 * i + s]
         is_deep = is_deep or (old.active == 1 and old.depth > 0.5 * p.gap)
     return is_deep
 
@@ -165,7 +165,7 @@ def report_depth(p, found):
 
 
 @kernel
-def seen_from(x, p, f, mesh):
+def relative_corners(x, p, f, mesh):
     """Corners of a face from a position."""
     points, at = mesh[0], corner_points(p, f, mesh[1])
     return (
@@ -177,14 +177,14 @@ def seen_from(x, p, f, mesh):
 
 
 @kernel
-def take(i, p, face, distance, to, sides, mesh):
+def keep_nearest(i, p, face, distance, to, sides, mesh):
     """Keep a face that is the nearest on its side so far, at a distance [m]; `to` leads to it.
 
     `face`: its number, the shares of its corners at the nearest point, which feature that is.
     Writes: sides.found.
     """
     (f, N, spot), (probe_states, slot_in_use, found) = face, sides
-    s, crossed = side(i, p, f, spot, to, probe_states, slot_in_use, mesh)
+    s, crossed = side_of(i, p, f, spot, to, probe_states, slot_in_use, mesh)
     hit = found[s]
     if distance >= hit.distance or (distance >= p.gap and crossed == 0):
         return
@@ -204,12 +204,12 @@ def take(i, p, face, distance, to, sides, mesh):
 
 
 @kernel
-def side(i, p, f, spot, to, probe_states, slot_in_use, mesh):
+def side_of(i, p, f, spot, to, probe_states, slot_in_use, mesh):
     """Side of a face on which a probe is, 0 that of the normal; 1 if it has crossed from there."""
-    up = touched_beside(2 * i, p, f, probe_states, slot_in_use, mesh)
-    down = touched_beside(2 * i + 1, p, f, probe_states, slot_in_use, mesh)
+    up = adjacent_touch(2 * i, p, f, probe_states, slot_in_use, mesh)
+    down = adjacent_touch(2 * i + 1, p, f, probe_states, slot_in_use, mesh)
     is_up, is_down = up >= 0, down >= 0
-    there = 0 if dot(to, outward(p, f, spot, mesh)) <= 0.0 else 1
+    there = 0 if dot(to, surface_normal(p, f, spot, mesh)) <= 0.0 else 1
     if is_up == is_down:
         return there, 0
     s = 0 if is_up else 1
@@ -231,7 +231,7 @@ def row_of(p, j, w):
 
 
 @kernel
-def touched_beside(j, p, f, probe_states, slot_in_use, mesh):
+def adjacent_touch(j, p, f, probe_states, slot_in_use, mesh):
     """Row of the deepest touch, on side j of all probes, of a face beside another; -1: none."""
     now, best, depth = slot_in_use[j], -1, -1e300
     if probe_states[now, j].active == 0:
@@ -239,13 +239,13 @@ def touched_beside(j, p, f, probe_states, slot_in_use, mesh):
     for w in range(1 + probe_states[now, j].beside):
         at = row_of(p, j, w)
         old = probe_states[now, at]
-        if old.depth > depth and are_kin(p, f, old.face, mesh):
+        if old.depth > depth and share_corner(p, f, old.face, mesh):
             best, depth = at, old.depth
     return best
 
 
 @kernel
-def are_kin(p, f, g, mesh):
+def share_corner(p, f, g, mesh):
     """Whether two faces have a corner in common."""
     a, b = corner_points(p, f, mesh[1]), corner_points(p, g, mesh[1])
     for m in range(4):
@@ -261,7 +261,7 @@ def on_border(p, f, spot, mesh):
     if spot == INSIDE:
         return False
     if spot < CORNER:
-        return over_side(f, spot - EDGE, mesh) < 0
+        return adjacent_face(f, spot - EDGE, mesh) < 0
     first, faces = mesh[3], mesh[4]
     point = corner_points(p, f, mesh[1])[spot - CORNER]
     own = point - p.first_own
@@ -269,7 +269,7 @@ def on_border(p, f, spot, mesh):
         g = faces[k]
         at, last = corner_points(p, g, mesh[1]), 3
         for c in range(4):
-            ends = over_side(g, c, mesh) < 0 or over_side(g, last, mesh) < 0
+            ends = adjacent_face(g, c, mesh) < 0 or adjacent_face(g, last, mesh) < 0
             if mesh[5][g] == 0 and at[c] == point and ends:
                 return True
             last = c
@@ -277,7 +277,7 @@ def on_border(p, f, spot, mesh):
 
 
 @kernel
-def over_side(f, k, mesh):
+def adjacent_face(f, k, mesh):
     """The face across a side; -1: none. Over its side of no length a triangle has itself."""
     g = mesh[2][4 * f + k]
     return -1 if g < 0 or mesh[5][g] == 1 else g
@@ -294,13 +294,13 @@ def face_normal(p, f, mesh):
 
 
 @kernel
-def outward(p, f, spot, mesh):
+def surface_normal(p, f, spot, mesh):
     """Normal of the surface at a position of a face."""
     n = face_normal(p, f, mesh)
     if spot == INSIDE:
         return n
     if spot < CORNER:
-        g = over_side(f, spot - EDGE, mesh)
+        g = adjacent_face(f, spot - EDGE, mesh)
         return n if g < 0 else add(n, face_normal(p, g, mesh))
     first, faces = mesh[3], mesh[4]
     point = corner_points(p, f, mesh[1])[spot - CORNER]
@@ -333,7 +333,7 @@ def face_velocity(p, hit, h, points, corners):
     """Velocity of the position of a face that is touched."""
     at, v = corner_points(p, hit.face, corners), (0.0, 0.0, 0.0)
     for k in range(4):
-        v = add_scaled(v, hit.N[k], predicted(points[at[k]], h))
+        v = add_scaled(v, hit.N[k], predicted_velocity(points[at[k]], h))
     return v
 
 
@@ -348,15 +348,15 @@ def face_mobility(p, hit, points, corners):
     )
     for k in range(4):
         b, square = points[at[k]], hit.N[k] * hit.N[k]
-        w += square * give(b, n)
-        predicted_w += square * predicts(b, n)
+        w += square * mobility_along(b, n)
+        predicted_w += square * predicted_mobility(b, n)
     return w, predicted_w
 
 
 @kernel
-def push_face(p, hit, f, k, c, scene):
+def apply_to_face(p, hit, f, k, c, scene):
     """Minus a force f along the normal, on the corners. Writes: scene.points, stiffened."""
     at = corner_points(p, hit.face, scene.corners)
     for j in range(4):
         add_to(scene.points[at[j]].force, scale(-f * hit.N[j], vec(hit.normal)))
-        count(at[j], hit.N[j], k, c, scene)
+        add_point_stiffness(at[j], hit.N[j], k, c, scene)

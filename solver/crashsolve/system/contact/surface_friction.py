@@ -15,19 +15,23 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import add_stiffness_bound, apply_force, arm, mobility
 from crashsolve.foundation.point import ATTACHED
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, put, scale, sub, vec
-from crashsolve.system.contact.node_contact import free_part, load, predicted
+from crashsolve.system.contact.node_contact import (
+    add_mobility_stiffness,
+    free_part,
+    predicted_velocity,
+)
 from crashsolve.system.contact.work import add_friction_work, arms
 
 
 @kernel
-def on_shape(p, hit, x):
+def position_on_shape(p, hit, x):
     """The position of contact with a shape, from a probe at x and in the world."""
     d, _ = arms(p, hit)
     return d, add(x, d)
 
 
 @kernel
-def turning(b, h):
+def predicted_spin(b, h):
     """Angular velocity of a point at the end of the step, by the torques so far."""
     if b.held >= ATTACHED:
         return vec(b.w)
@@ -35,7 +39,7 @@ def turning(b, h):
 
 
 @kernel
-def ease(b, d):
+def tangential_mobility(b, d):
     """Acceleration of the position d from a point over a force across d [1/kg]."""
     return b.mass_inv + dot(d, d) * b.J_inv
 
@@ -44,13 +48,13 @@ def ease(b, d):
 def probe_velocity(probe, v, d, h, nodes, points):
     """Velocity of the position d from a probe that moves with v."""
     if probe.point >= 0:
-        return add(v, cross(turning(points[probe.point], h), d))
+        return add(v, cross(predicted_spin(points[probe.point], h), d))
     body = nodes[probe.node]
     return add(v, cross(vec(body.w), d))
 
 
 @kernel
-def moves(b, d, f):
+def acceleration_at(b, d, f):
     """Acceleration of the position d from a point by a force f there, of what is predicted."""
     if b.held >= ATTACHED:
         return 0.0, 0.0, 0.0
@@ -59,11 +63,11 @@ def moves(b, d, f):
 
 
 @kernel
-def probe_predicts(probe, d, old, points):
+def predicted_probe_acceleration(probe, d, old, points):
     """Acceleration over the last friction force that the velocity of a probe predicts [1/kg]."""
     if probe.point < 0:
         return 0.0, 0.0, 0.0
-    return moves(points[probe.point], d, vec(old.friction_force))
+    return acceleration_at(points[probe.point], d, vec(old.friction_force))
 
 
 @kernel
@@ -71,23 +75,23 @@ def face_velocity(p, hit, d, h, points, corners):
     """Velocity of the position d from that of a face that is touched."""
     at, v, w = corner_points(p, hit.face, corners), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for k in range(4):
-        v = add_scaled(v, hit.N[k], predicted(points[at[k]], h))
-        w = add_scaled(w, hit.N[k], turning(points[at[k]], h))
+        v = add_scaled(v, hit.N[k], predicted_velocity(points[at[k]], h))
+        w = add_scaled(w, hit.N[k], predicted_spin(points[at[k]], h))
     return add(v, cross(w, d))
 
 
 @kernel
-def face_predicts(p, hit, d, old, a, points, corners):
+def predicted_face_acceleration(p, hit, d, old, a, points, corners):
     """a, and how the position d from that of a face moves away from under the same friction."""
     at = corner_points(p, hit.face, corners)
     for k in range(4):
         b = points[at[k]]
-        a = add_scaled(a, hit.N[k] * hit.N[k], moves(b, d, vec(old.friction_force)))
+        a = add_scaled(a, hit.N[k] * hit.N[k], acceleration_at(b, d, vec(old.friction_force)))
     return a
 
 
 @kernel
-def slipping(v, u, hit, h, a):
+def slip_velocity(v, u, hit, h, a):
     """Velocity of the probe over the other side, along it, and n; a is still to be counted."""
     n = vec(hit.normal)
     slip = add_scaled(sub(v, u), 0.5 * h, a)
@@ -105,7 +109,7 @@ def clear_friction_stiffness(h, scene):
 
 
 @kernel
-def pressed_by(b, h, rate):
+def add_pressed_rate(b, h, rate):
     """Count rate [m/s^2], normal force times mobility, of one contact; returns that of all.
 
     Writes: b.
@@ -121,10 +125,12 @@ def pressed_probe(probe, d, u, f, h, nodes, scene):
     included. Writes: nodes, stiffened.
     """
     if probe.point >= 0:
-        return pressed_by(scene.stiffened[probe.point], h, f * ease(scene.points[probe.point], d))
+        return add_pressed_rate(
+            scene.stiffened[probe.point], h, f * tangential_mobility(scene.points[probe.point], d)
+        )
     body = nodes[probe.node]
     to = add(arm(body, vec(probe.at)), d)
-    return pressed_by(body, h, f * mobility(body, to, u))
+    return add_pressed_rate(body, h, f * mobility(body, to, u))
 
 
 @kernel
@@ -141,8 +147,8 @@ def pressed_on_face(h, p, touch, arms, u, f, nodes, scene):
     total = pressed_probe(touch.probe, d, u, f, h, nodes, scene)
     at = corner_points(p, hit.face, scene.corners)
     for k in range(4):
-        rate = f * hit.N[k] * ease(scene.points[at[k]], e)
-        total += hit.N[k] * pressed_by(scene.stiffened[at[k]], h, rate)
+        rate = f * hit.N[k] * tangential_mobility(scene.points[at[k]], e)
+        total += hit.N[k] * add_pressed_rate(scene.stiffened[at[k]], h, rate)
     return total
 
 
@@ -156,11 +162,11 @@ def pressed_on_shape(h, touch, body, positions, u, f, nodes, scene):
         return 0.0
     d, y = positions
     total = pressed_probe(touch.probe, d, u, f, h, nodes, scene)
-    return total + pressed_by(body, h, f * mobility(body, sub(y, vec(body.r)), u))
+    return total + add_pressed_rate(body, h, f * mobility(body, sub(y, vec(body.r)), u))
 
 
 @kernel
-def ease_under(clock, h, total, f):
+def friction_compliance(clock, h, total, f):
     """Decrease of the slip in half a step, over the friction [s/kg].
 
     All friction there decreases it; this one has the share of its normal force f.
@@ -177,7 +183,7 @@ def add_friction_to_probe(probe, t, u, d, k, c, nodes, scene):
         b = scene.points[probe.point]
         add_to(b.force, t)
         add_to(b.torque, cross(d, t))
-        load(probe.point, ease(b, d), k, c, scene)
+        add_mobility_stiffness(probe.point, tangential_mobility(b, d), k, c, scene)
         return
     body = nodes[probe.node]
     to = add(arm(body, vec(probe.at)), d)
@@ -193,7 +199,7 @@ def add_friction_to_face(p, hit, t, d, k, c, scene):
         b, share = scene.points[at[j]], scale(-hit.N[j], t)
         add_to(b.force, share)
         add_to(b.torque, cross(d, share))
-        load(at[j], hit.N[j] * ease(b, d), k, c, scene)
+        add_mobility_stiffness(at[j], hit.N[j] * tangential_mobility(b, d), k, c, scene)
 
 
 @kernel
@@ -205,7 +211,7 @@ def add_friction_to_body(body, y, t, u, k, c):
 
 
 @kernel
-def note(h, p, totals, card, t, stored, loss, new):
+def add_friction(h, p, totals, card, t, stored, loss, new):
     """Add the friction of a touch to the sums of card and ledger. Writes: totals, card, new."""
     totals.bristled += stored
     if h > 0.0:
@@ -217,7 +223,7 @@ def note(h, p, totals, card, t, stored, loss, new):
 
 
 @kernel
-def leave(h, totals, u, old, new, card):
+def end_friction(h, totals, u, old, new, card):
     """Friction ends: what its bristle held is lost, less its last work over u.
 
     Writes: totals, new, card.

@@ -16,7 +16,7 @@ from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, put, scale, 
 from crashsolve.system.points import half_rotation
 
 # a pair that has not moved
-STILL = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+NO_MOTION = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
 @kernel
@@ -36,14 +36,14 @@ def motion_of(body):
 
 
 @kernel
-def moved(body, d):
+def displacement_at(body, d):
     """Displacement over the step of what is d from the mass centre, at its start or at its end."""
     displacement, rotation = motion_of(body)
     return add(displacement, cross(rotation, d))
 
 
 @kernel
-def of_load(acting, body):
+def load_work(acting, body):
     """Half of the work of a force with its arm, and of a torque, over the step [J].
 
     The halves of the forces at the start and at the end of a step add up to the kinetic energy that
@@ -66,7 +66,7 @@ def motion_over(h, old, depth, a, b, of_b):
     if that position were fixed in both [m]; rotation [rad].
     """
     if h == 0.0 or (old.active == 0 and depth <= 0.0):
-        return STILL
+        return NO_MOTION
     displacement, rotation = motion_of(a)
     if of_b == 0:
         # the ground
@@ -91,14 +91,14 @@ def displacement_to(motion, a, x):
 
 
 @kernel
-def end_push(h, old, motion, a, card):
+def add_start_work(h, old, motion, a, card):
     """Work of the normal force of the start of the step. Writes: card."""
     if old.active == 1 and h > 0.0:
         card.work += 0.5 * dot(vec(old.push), displacement_from(motion, a, vec(old.position)))
 
 
 @kernel
-def begin_push(applied, u, f, n, x, out, new, card):
+def add_end_work(applied, u, f, n, x, out, new, card):
     """Work of that at its end, which is kept for the next; see begin_second_half.
 
     Writes: new, card.
@@ -110,7 +110,7 @@ def begin_push(applied, u, f, n, x, out, new, card):
 
 
 @kernel
-def of_push(old, motion, a, push, n, u):
+def normal_work(old, motion, a, push, n, u):
     """Work of the normal force on both sides in both halves of the step [J]; `push` at its end."""
     work = 0.5 * push * dot(n, u)
     if old.active == 1:
@@ -119,7 +119,7 @@ def of_push(old, motion, a, push, n, u):
 
 
 @kernel
-def end_first_half(h, old, motion, a, card):
+def add_first_half_work(h, old, motion, a, card):
     """Work of the forces of the start of the step, of which that of friction is returned [J].
 
     Writes: card.
@@ -134,14 +134,14 @@ def end_first_half(h, old, motion, a, card):
 
 
 @kernel
-def begin_second_half(applied, pair, sliding, x, t, card):
+def add_second_half_work(applied, pair, sliding, x, t, card):
     """Work of the forces at the end of the step, which are kept for the next.
 
     `applied` is the share of them that acts in this step, x where they act, t the friction.
     Writes: new, card.
     """
     u, out, new = sliding.displacement, pair.out, pair.new
-    begin_push(applied, u, sliding.f, sliding.n, x, out, new, card)
+    add_end_work(applied, u, sliding.f, sliding.n, x, out, new, card)
     card.friction_work += 0.5 * applied * dot(t, u)
     card.bristled += out.friction_stored
     put(new.friction_force, t)
@@ -149,7 +149,7 @@ def begin_second_half(applied, pair, sliding, x, t, card):
 
 
 @kernel
-def part_pair(old, new, friction_loss):
+def end_friction(old, new, friction_loss):
     """Friction ends: what its bristle held is lost, less its last work. Writes: new."""
     put(new.friction_force, (0.0, 0.0, 0.0))
     new.bristled = 0.0
@@ -179,8 +179,8 @@ def displacement_of_probe(probe, d, is_past, h, nodes, points):
         return scale(h, add(vec(b.v), cross(vec(b.w), d)))
     body = nodes[probe.node]
     if is_past:
-        return moved(body, add(matvec(body.start_A, vec(probe.at)), d))
-    return moved(body, add(matvec(body.A, vec(probe.at)), d))
+        return displacement_at(body, add(matvec(body.start_A, vec(probe.at)), d))
+    return displacement_at(body, add(matvec(body.A, vec(probe.at)), d))
 
 
 @kernel
@@ -210,12 +210,12 @@ def displacement_over_body(p, probe, touch, is_past, position, h, nodes, points)
     (body, x), (d, _) = position, arms(p, touch)
     return sub(
         displacement_of_probe(probe, d, is_past, h, nodes, points),
-        moved(body, sub(add(x, d), vec(body.r))),
+        displacement_at(body, sub(add(x, d), vec(body.r))),
     )
 
 
 @kernel
-def push_along(touch, u, card):
+def add_normal_work(touch, u, card):
     """Work of the normal force of a touch, in one half of the step. Writes: card."""
     card.work += 0.5 * touch.force * dot(vec(touch.normal), u)
 

@@ -13,7 +13,7 @@ from crashsolve.system.loops.many_pairs import (
     press_piece,
     sum_pieces,
 )
-from crashsolve.system.loops.nodal.searches import look_at_faces, look_at_shapes
+from crashsolve.system.loops.nodal.searches import search_faces, search_shapes
 from crashsolve.system.placeholders import (
     CONTACTS,
     ELEMENT_LOADS,
@@ -49,7 +49,7 @@ def find_fastest(p, clock, h, scene):
     """Largest speed of the points that contact asks for, unless it is known. Writes: touched."""
     if not node_contact.is_fastest_known(p, scene):
         share(jobs.SPEED, scene.pieces.shape[0], clock, h, scene)
-        node_contact.note_fastest(p, jobs.largest_speed(p, scene), scene)
+        node_contact.store_fastest(p, jobs.largest_speed(p, scene), scene)
 
 
 @kernel
@@ -214,13 +214,13 @@ def look_for(group, k, me, scene):
         if group.due[i] > group.totals[0].travel:
             continue
         if group.narrow is None:
-            look_at_faces(group, i, group.found[i], scene.nodes, scene)
+            search_faces(group, i, group.found[i], scene.nodes, scene)
             touches = node_contact.touches_faces(
                 group.found[i], group.probe_states, group.slot_in_use, i
             )
         else:
             hit = group.found[i, 0]
-            look_at_shapes(group, i, group.a[me], (0.0, 0.0, 0.0), hit, scene.nodes, scene)
+            search_shapes(group, i, group.a[me], (0.0, 0.0, 0.0), hit, scene.nodes, scene)
             touches = hit.depth > 0.0 or group.probe_states[group.slot_in_use[i], i].active == 1
         if touches:
             group.seen[one.first + count].probe = i
