@@ -1,10 +1,10 @@
-"""Ellipsoids that press on faces: as balls whose centre rolls within them.
+"""Ellipsoids in contact with faces: treated as balls within them at the point of contact.
 
     z = c - (d + s) m,   s the shortest semi-axis: the ball of radius s about z touches at the foot
 
-c is the position of a face nearest to the ellipsoid, d their distance and m the normal there; what
-holds for balls and faces then holds with z for the centre. Consequence to test: an ellipsoid of
-equal semi-axes does what a ball does; momentum and angular momentum are kept to round-off, since
+c is the point of a face nearest to the ellipsoid, d their distance and m the normal there; the
+equations of balls and faces then hold with z for the centre. Consequence to test: an ellipsoid of
+equal semi-axes behaves as a ball; momentum and angular momentum are kept to round-off, since
 the force acts along the line through z, the foot and c.
 
 Along a field of normals n (normals.py) the foot is the position of the ellipsoid with the normal
@@ -29,7 +29,7 @@ from crashsolve.system.contact.projection import keep_nearest, report_depth, res
 def find_nearest_faces(i, p, totals, ellipsoid, nodes, sides, mesh, lists):
     """The nearest face on either side of an ellipsoid, nearer than the gap. Writes: sides, lists.
 
-    A face that is farther waits until all can have gone so far.
+    A face that is farther is due when the travel may have closed its gap.
     """
     first, near, wait, due = lists
     body, soonest = nodes[ellipsoid.node], 1e300
@@ -67,7 +67,10 @@ def local_corners(ellipsoid, body, p, f, mesh):
 
 @kernel
 def place_ball(ball, p, hit, nodes, points, corners):
-    """The ball that touches in place of the ellipsoid: its velocity. Writes: ball."""
+    """Place the ball that represents the ellipsoid at the point of contact; returns its velocity.
+
+    Writes: ball.
+    """
     at, z = corner_points(p, hit.face, corners), (0.0, 0.0, 0.0)
     for k in range(4):
         z = add_scaled(z, hit.N[k], vec(points[at[k]].r))
@@ -79,7 +82,7 @@ def place_ball(ball, p, hit, nodes, points, corners):
 
 @kernel
 def centre_of(ellipsoid, nodes):
-    """Centre of an ellipsoid, and what to_centre() knows of it."""
+    """Centre of an ellipsoid, and the arguments of centre_from_ball()."""
     body = nodes[ellipsoid.node]
     low = min(ellipsoid.semi[0], ellipsoid.semi[1], ellipsoid.semi[2])
     return world_position(body, vec(ellipsoid.point)), (ellipsoid, body, low)
@@ -94,9 +97,7 @@ def scaled_by_squares(ellipsoid, y):
 
 @kernel
 def centre_from_ball(ellipsoid_data, n):
-    """Vector [m] to the centre from the ball that touches at the foot with the normal -n, of any
-    length.
-    """
+    """Vector [m] to the centre from that of the ball at the foot with normal -n, of any length."""
     ellipsoid, body, low = ellipsoid_data
     y = to_shape_axes(ellipsoid, body, n)
     w = scaled_by_squares(ellipsoid, y)

@@ -1,13 +1,13 @@
-"""Touch of a surface along normals that turn without a jump from face to face.
+"""Contact of a surface along a field of normals that is continuous from face to face.
 
     x = sum N_k (x_k + lambda n_k),   n = sum N_k n_k / |sum N_k n_k|,   d = lambda |sum N_k n_k|
 
 N_k are bilinear in a quadrilateral and linear in a triangle; n_k is the normal at a corner, that of
 the faces there weighted by angle. The position is found by Newton's method from the nearest one,
-over a side where it lies in the next face. The force acts along the line through x and c as before,
-so momenta are kept to round-off; the energy of a touch is kept as far as n is normal to the face.
-An ellipsoid is the ball that touches within it at the foot with this normal (`ellipsoids.py`), and
-its centre x turns with n. Consequence to test: on a faceted cylinder the force points to the axis,
+across an edge where it lies in the next face. The force acts along the line through x and c as
+before, so momenta are conserved to round-off; energy is conserved as far as n is normal to the
+face. An ellipsoid is represented by the ball at the foot with this normal (`ellipsoids.py`), whose
+centre x depends on n. Consequence to test: on a faceted cylinder the force points to the axis,
 wherever it is touched.
 
 Reference: Puso and Laursen (2004), Computer Methods in Applied Mechanics and Engineering 193,
@@ -54,8 +54,8 @@ def apply_field(i, x, ellipsoid_data, p, mesh, spared, found):
 
 @kernel
 def solve_along_field(i, x, ellipsoid_data, sign, p, hit, mesh, spared):
-    """Face (-1: none), xi, eta, lambda and field of normals of the position from which x is
-    seen.
+    """Face (-1: none), xi, eta, lambda and field of normals of the position whose normal leads to
+    x.
     """
     f = hit.face
     xi, eta = natural_coordinates(f >= p.quads, hit.N)
@@ -83,8 +83,8 @@ def natural_coordinates(is_triangle, N):
 
 @kernel
 def distance_beyond(is_triangle, xi, eta):
-    """The side beyond which a position lies farthest, and how far from the opposite: 1 on the
-    side.
+    """The edge beyond which a position lies farthest, and its distance from the opposite one, 1 on
+    the edge.
     """
     first = 1.0 - 2.0 * eta if is_triangle else -eta
     second = 2.0 * (xi + eta) - 1.0 if is_triangle else xi
@@ -111,7 +111,7 @@ def is_excluded(i, f, spared):
 
 @kernel
 def newton(x, ellipsoid_data, sign, p, f, xi, eta, mesh):
-    """Newton's method within a face: whether it ends, xi, eta, lambda, field of normals."""
+    """Newton's method within a face: whether it converges, xi, eta, lambda, field of normals."""
     a, b, c, d = relative_corners(x, p, f, mesh)
     n_a, n_b = corner_normal(p, f, 0, mesh), corner_normal(p, f, 1, mesh)
     n_c, n_d = corner_normal(p, f, 2, mesh), corner_normal(p, f, 3, mesh)
@@ -136,7 +136,7 @@ def newton(x, ellipsoid_data, sign, p, f, xi, eta, mesh):
             by_eta = add_scaled(by_eta, sign, change_of_centre(ellipsoid_data, n, n_eta))
         plane = cross(by_xi, by_eta)
         volume = dot(plane, n)
-        # lines along the field meet: no position on the face is the one
+        # lines along the field intersect: no position of the face is unique
         if not abs(volume) > 1e-12 * sqrt(dot(plane, plane) * dot(n, n)):
             break
         xi -= dot(residual, cross(by_eta, n)) / volume
@@ -162,7 +162,7 @@ def shape(is_triangle, xi, eta):
 
 @kernel
 def slopes(is_triangle, xi, eta, a, b, c, d):
-    """Derivatives by xi and eta of what the corners have."""
+    """Derivatives by xi and eta of a field given at the corners."""
     if is_triangle:
         return sub(b, a), sub(c, a)
     by_xi = scale(0.25, add_scaled(scale(1.0 - eta, sub(b, a)), 1.0 + eta, sub(c, d)))

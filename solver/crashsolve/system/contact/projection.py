@@ -2,14 +2,14 @@
 
     d = |x - c|,   n = (x - c) / d,   depth = gap - d,   f n on the probe, -f N_k n on the corners
 
-c is the nearest point of the mid-surface on either side of which the probe may be, and on either
-side it meets one face: the nearest. Which side a probe is on is seen when it comes nearer than the
-gap, by the normal there (of both faces at a common side, of all at a common corner, weighted by
-angle), and remembered: should it be driven through the mid-surface, x - c turns over from one step
-to the next, and depth = gap + d pushes it back. No step brings two sides nearer by more than half
-of the gap, so none is passed unseen; a face that was farther, or is seen from the side touched, is
-not crossed: it is the other wall of a fold. Consequence to test: momentum and angular momentum
-are kept to round-off, since f acts along the line through x and c.
+c is the nearest point of the mid-surface. A probe may be on either side of it, and meets one face
+on each side: the nearest. Its side is determined when it comes nearer than the gap, by the normal
+there (of both faces at a common edge, of all at a common corner, weighted by angle), and stored: if
+the probe is driven through the mid-surface, x - c reverses from one step to the next, and
+depth = gap + d pushes it back. No step brings two sides nearer by more than half of the gap, so no
+crossing is missed; a face that was farther, or is on the side in contact, has not been crossed: it
+is the other wall of a fold. Consequence to test: momentum and angular momentum are conserved to
+round-off, since f acts along the line through x and c.
 
 References: Baerentzen and Aanaes (2005), IEEE Transactions on Visualization and Computer Graphics
 11, 243-253.
@@ -46,14 +46,13 @@ from crashsolve.system.contact.node_contact import (
 
 # a distance of this share of the gap has no direction
 NO_DISTANCE = 1e-9
-# of `reach`, the distance from which a face may be crossed in a step: the speed that bounds a step
-# may grow within it
+# of `reach`, the distance from which a face may be crossed in a step: speeds may grow within it
 CROSSED = 1.5
 
 
 @kernel
 def update_face_lists(h, p, totals, probes, nodes, scene, near_faces):
-    """Sum how far all have moved; renew the lists where that exceeds their margin.
+    """Add to the travel of all; renew the lists where it exceeds their margin.
 
     Writes: totals, near_faces.
     """
@@ -79,7 +78,7 @@ def update_face_lists(h, p, totals, probes, nodes, scene, near_faces):
 
 @kernel
 def remove_near_faces(p, blocks, gone):
-    """Faces of elements that are deleted can be met no more. Writes: gone."""
+    """Remove the faces of deleted elements from contact. Writes: gone."""
     for f in range(p.face_count):
         first, stride, k = p.first_number, p.stride, f
         if f >= p.quads:
@@ -97,7 +96,10 @@ def add_lost_energy(h, totals, old, stored, gone):
 
 @kernel
 def record_pass(clock, h, p, totals, old, mesh):
-    """A probe behind its own face, which no face holds any more, has passed. Writes: totals."""
+    """Record the time at which a probe behind its face has passed through the surface.
+
+    Writes: totals.
+    """
     is_behind = old.depth > p.gap and mesh[5][old.face] == 0
     if h > 0.0 and is_behind and totals.passed == 0.0:
         totals.passed = clock.time + h
@@ -105,7 +107,7 @@ def record_pass(clock, h, p, totals, old, mesh):
 
 @kernel
 def needs_room(p, totals):
-    """Whether the lists fill more than half of their room: time for more."""
+    """Whether the lists fill more than half of their room."""
     return 2 * totals.pairs > p.room
 
 
@@ -113,7 +115,7 @@ class Sides(NamedTuple):
     """Touches of probes, on both sides of the faces."""
 
     states: Rows  # before and after the step, `WALLS` for each side of each probe
-    slot_in_use: int  # which of both is from before
+    slot_in_use: int  # which of both is the accepted one
     found: Rows  # the nearest faces of one probe
 
 
@@ -121,7 +123,7 @@ class Sides(NamedTuple):
 def find_nearest_faces(i, x, p, totals, sides, mesh, lists):
     """The nearest face on either side of a probe at x, nearer than the gap. Writes: sides, lists.
 
-    A face that is farther waits until all can have gone so far.
+    A face that is farther is due when the travel may have closed its gap.
     """
     first, near, wait, due = lists
     soonest = 1e300
@@ -135,7 +137,7 @@ def find_nearest_faces(i, x, p, totals, sides, mesh, lists):
             N, square, spot = nearest_on_face(a, b, c, d)
             distance = sqrt(square)
             wait[k] = totals.travel + max(distance - p.gap, 0.0)
-            # a probe that has been driven through is not released behind
+            # a probe that has been driven through the surface is not released behind it
             if distance < p.gap or is_deep:
                 to = point_of(N, a, b, c, d)
                 keep_nearest(i, p, (f, N, spot), distance, to, sides, mesh)
@@ -146,7 +148,10 @@ def find_nearest_faces(i, x, p, totals, sides, mesh, lists):
 
 @kernel
 def reset_found(i, p, sides):
-    """Nothing is found; whether the probe is so deep that no face waits. Writes: sides."""
+    """Reset the faces found; returns whether the probe is so deep that all faces are due.
+
+    Writes: sides.
+    """
     is_deep, (probe_states, slot_in_use, found) = False, sides
     for s in range(2):
         found[s].distance, found[s].face, found[s].depth = p.gap + p.margin, -1, 0.0
@@ -158,7 +163,7 @@ def reset_found(i, p, sides):
 
 @kernel
 def report_depth(p, found):
-    """Depth of what is found, from its distance. Writes: found."""
+    """Depths of the faces found, from their distances. Writes: found."""
     for s in range(2):
         if found[s].face >= 0:
             found[s].depth = p.gap - (-1.0 if found[s].crossed == 1 else 1.0) * found[s].distance
@@ -166,7 +171,7 @@ def report_depth(p, found):
 
 @kernel
 def relative_corners(x, p, f, mesh):
-    """Corners of a face from a position."""
+    """Corners of a face relative to a position."""
     points, at = mesh[0], corner_points(p, f, mesh[1])
     return (
         sub(vec(points[at[0]].r), x),
@@ -178,9 +183,9 @@ def relative_corners(x, p, f, mesh):
 
 @kernel
 def keep_nearest(i, p, face, distance, to, sides, mesh):
-    """Keep a face that is the nearest on its side so far, at a distance [m]; `to` leads to it.
+    """Store a face if it is the nearest on its side, at a distance [m]; `to` is the vector to it.
 
-    `face`: its number, the shares of its corners at the nearest point, which feature that is.
+    `face`: its number, the weights of its corners at the nearest point, the feature of that.
     Writes: sides.found.
     """
     (f, N, spot), (probe_states, slot_in_use, found) = face, sides
@@ -216,8 +221,8 @@ def side_of(i, p, f, spot, to, probe_states, slot_in_use, mesh):
     kept = probe_states[slot_in_use[2 * i + s], up if is_up else down]
     if dot(to, vec(kept.normal)) <= 0.0:
         return s, 0
-    # the other wall of a fold is seen from the same side, or from too far to be crossed in a
-    # step; round a free border it is no crossing
+    # the other wall of a fold is on the same side, or too far to be crossed in a step; the way
+    # around a free border is no crossing
     is_deep = kept.depth > p.gap - CROSSED * p.reach
     if there != s and is_deep and not on_border(p, f, spot, mesh):
         return s, 1
@@ -232,7 +237,7 @@ def row_of(p, j, w):
 
 @kernel
 def adjacent_touch(j, p, f, probe_states, slot_in_use, mesh):
-    """Row of the deepest touch, on side j of all probes, of a face beside another; -1: none."""
+    """Row of the deepest contact, on side j of all probes, with a face beside another; -1: none."""
     now, best, depth = slot_in_use[j], -1, -1e300
     if probe_states[now, j].active == 0:
         return best
@@ -278,7 +283,7 @@ def on_border(p, f, spot, mesh):
 
 @kernel
 def adjacent_face(f, k, mesh):
-    """The face across a side; -1: none. Over its side of no length a triangle has itself."""
+    """The face across an edge; -1: none. Across its edge of no length a triangle has itself."""
     g = mesh[2][4 * f + k]
     return -1 if g < 0 or mesh[5][g] == 1 else g
 
@@ -330,7 +335,7 @@ def angle_at(p, f, point, mesh):
 
 @kernel
 def face_velocity(p, hit, h, points, corners):
-    """Velocity of the position of a face that is touched."""
+    """Velocity of the point of a face in contact."""
     at, v = corner_points(p, hit.face, corners), (0.0, 0.0, 0.0)
     for k in range(4):
         v = add_scaled(v, hit.N[k], predicted_velocity(points[at[k]], h))
@@ -339,7 +344,7 @@ def face_velocity(p, hit, h, points, corners):
 
 @kernel
 def face_mobility(p, hit, points, corners):
-    """Acceleration of that position over a force on it [1/kg], and what points predict of it."""
+    """Acceleration of that point per unit force [1/kg], and the predicted part of it."""
     at, n, w, predicted_w = (
         corner_points(p, hit.face, corners),
         vec(hit.normal),
@@ -355,7 +360,7 @@ def face_mobility(p, hit, points, corners):
 
 @kernel
 def apply_to_face(p, hit, f, k, c, scene):
-    """Minus a force f along the normal, on the corners. Writes: scene.points, stiffened."""
+    """Apply minus a force f along the normal to the corners. Writes: scene.points, stiffened."""
     at = corner_points(p, hit.face, scene.corners)
     for j in range(4):
         add_to(scene.points[at[j]].force, scale(-f * hit.N[j], vec(hit.normal)))

@@ -1,12 +1,12 @@
-"""Friction of nodal contact: where the two sides touch, how they slip there, what it does to both.
+"""Friction of nodal contact: point of contact, slip there, and forces on both sides.
 
     y = x - s (gap - depth) n,   slip = v_a(y) - v_b(y) without its part along n
 
-Both sides have what is left of the gap between them, s of it the probe: a ball and the nodes of a
-shell turn under friction by their radius, faces by half of their thickness. Friction t acts on the
-probe and -t on the faces, in the one position y: consequence to test, angular momentum is kept to
-round-off. As with the normal force, points predict their velocity by all other forces, and that of
-the last step stands for the friction itself.
+The point of contact divides the gap between both sides, s of it for the probe: friction has a lever
+arm of the radius on a ball and the nodes of a shell, of half the thickness on faces. Friction t
+acts on the probe and -t on the faces, at the same point y: consequence to test, angular momentum is
+conserved to round-off. As with the normal force, points predict their velocity by all other forces,
+and that of the last step stands for the friction itself.
 """
 
 from crashsolve.contact.cells import corner_points
@@ -25,7 +25,7 @@ from crashsolve.system.contact.work import add_friction_work, arms
 
 @kernel
 def position_on_shape(p, hit, x):
-    """The position of contact with a shape, from a probe at x and in the world."""
+    """The point of contact with a shape, relative to a probe at x and in the world."""
     d, _ = arms(p, hit)
     return d, add(x, d)
 
@@ -40,13 +40,13 @@ def predicted_spin(b, h):
 
 @kernel
 def tangential_mobility(b, d):
-    """Acceleration of the position d from a point over a force across d [1/kg]."""
+    """Acceleration at d from a point per unit force across d [1/kg]."""
     return b.mass_inv + dot(d, d) * b.J_inv
 
 
 @kernel
 def probe_velocity(probe, v, d, h, nodes, points):
-    """Velocity of the position d from a probe that moves with v."""
+    """Velocity at d from a probe that moves with v."""
     if probe.point >= 0:
         return add(v, cross(predicted_spin(points[probe.point], h), d))
     body = nodes[probe.node]
@@ -55,7 +55,7 @@ def probe_velocity(probe, v, d, h, nodes, points):
 
 @kernel
 def acceleration_at(b, d, f):
-    """Acceleration of the position d from a point by a force f there, of what is predicted."""
+    """Acceleration at d from a point by a force f there, where its velocity is predicted."""
     if b.held >= ATTACHED:
         return 0.0, 0.0, 0.0
     rotation = scale(b.J_inv, free_part(b.held >> 3, cross(d, f)))
@@ -64,7 +64,7 @@ def acceleration_at(b, d, f):
 
 @kernel
 def predicted_probe_acceleration(probe, d, old, points):
-    """Acceleration over the last friction force that the velocity of a probe predicts [1/kg]."""
+    """Acceleration of a probe by the last friction force, if its velocity is predicted [m/s^2]."""
     if probe.point < 0:
         return 0.0, 0.0, 0.0
     return acceleration_at(points[probe.point], d, vec(old.friction_force))
@@ -72,7 +72,7 @@ def predicted_probe_acceleration(probe, d, old, points):
 
 @kernel
 def face_velocity(p, hit, d, h, points, corners):
-    """Velocity of the position d from that of a face that is touched."""
+    """Velocity at d from the point of contact of a face."""
     at, v, w = corner_points(p, hit.face, corners), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for k in range(4):
         v = add_scaled(v, hit.N[k], predicted_velocity(points[at[k]], h))
@@ -82,7 +82,7 @@ def face_velocity(p, hit, d, h, points, corners):
 
 @kernel
 def predicted_face_acceleration(p, hit, d, old, a, points, corners):
-    """a, and how the position d from that of a face moves away from under the same friction."""
+    """a, plus the opposite acceleration at d from the point of a face by the same friction."""
     at = corner_points(p, hit.face, corners)
     for k in range(4):
         b = points[at[k]]
@@ -92,7 +92,7 @@ def predicted_face_acceleration(p, hit, d, old, a, points, corners):
 
 @kernel
 def slip_velocity(v, u, hit, h, a):
-    """Velocity of the probe over the other side, along it, and n; a is still to be counted."""
+    """Tangential velocity of the probe over the other side, with the accelerations a, and n."""
     n = vec(hit.normal)
     slip = add_scaled(sub(v, u), 0.5 * h, a)
     return add_scaled(slip, -dot(slip, n), n), n
@@ -100,7 +100,10 @@ def slip_velocity(v, u, hit, h, a):
 
 @kernel
 def clear_friction_stiffness(h, scene):
-    """Friction has not been counted in this step; a sample counts none. Writes: scene.stiffened."""
+    """Start the sums of friction stiffness of a step; a sample has none.
+
+    Writes: scene.stiffened.
+    """
     if h == 0.0:
         return
     for j in range(scene.touched[0].count):
@@ -110,7 +113,7 @@ def clear_friction_stiffness(h, scene):
 
 @kernel
 def add_pressed_rate(b, h, rate):
-    """Count rate [m/s^2], normal force times mobility, of one contact; returns that of all.
+    """Add rate [m/s^2], normal force times mobility, of one contact; returns that of all.
 
     Writes: b.
     """
@@ -154,7 +157,7 @@ def pressed_on_face(h, p, touch, arms, u, f, nodes, scene):
 
 @kernel
 def pressed_on_shape(h, touch, body, positions, u, f, nodes, scene):
-    """The same where a probe touches a shape, in a position from the probe and in the world.
+    """The same for a probe on a shape, at a point relative to the probe and in the world.
 
     Writes: nodes, scene.stiffened.
     """
@@ -167,7 +170,7 @@ def pressed_on_shape(h, touch, body, positions, u, f, nodes, scene):
 
 @kernel
 def friction_compliance(clock, h, total, f):
-    """Decrease of the slip in half a step, over the friction [s/kg].
+    """Decrease of the slip in half a step per unit of friction [s/kg].
 
     All friction there decreases it; this one has the share of its normal force f.
     """
@@ -178,7 +181,7 @@ def friction_compliance(clock, h, total, f):
 
 @kernel
 def add_friction_to_probe(probe, t, u, d, k, c, nodes, scene):
-    """Friction t, along u, at d from a probe. Writes: nodes, scene.points, stiffened."""
+    """Apply friction t, along u, at d from a probe. Writes: nodes, scene.points, stiffened."""
     if probe.point >= 0:
         b = scene.points[probe.point]
         add_to(b.force, t)
@@ -193,7 +196,7 @@ def add_friction_to_probe(probe, t, u, d, k, c, nodes, scene):
 
 @kernel
 def add_friction_to_face(p, hit, t, d, k, c, scene):
-    """Minus the friction t at the position d from a face. Writes: scene.points, stiffened."""
+    """Apply minus the friction t at d from a face. Writes: scene.points, stiffened."""
     at = corner_points(p, hit.face, scene.corners)
     for j in range(4):
         b, share = scene.points[at[j]], scale(-hit.N[j], t)
@@ -204,7 +207,7 @@ def add_friction_to_face(p, hit, t, d, k, c, scene):
 
 @kernel
 def add_friction_to_body(body, y, t, u, k, c):
-    """Minus the friction t, along u, at the position y. Writes: body."""
+    """Apply minus the friction t, along u, at the position y. Writes: body."""
     d = sub(y, vec(body.r))
     apply_force(body, scale(-1.0, t), d)
     add_stiffness_bound(body, mobility(body, d, u), k, c)
@@ -224,7 +227,7 @@ def add_friction(h, p, totals, card, t, stored, loss, new):
 
 @kernel
 def end_friction(h, totals, u, old, new, card):
-    """Friction ends: what its bristle held is lost, less its last work over u.
+    """End of friction: the energy of its bristle is lost, less its last work over u.
 
     Writes: totals, new, card.
     """

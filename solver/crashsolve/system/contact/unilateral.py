@@ -1,11 +1,11 @@
-"""Bookkeeping of unilateral constraints: pairs held, impulses in both halves of a step, losses.
+"""Unilateral constraints within a step: active pairs, impulses in both halves, losses.
 
-    v_half = v + h/2 M^-1 g + M^-1 P        P >= 0 such that nothing held goes deeper in the drift
-    v_new = v_half + h/2 M^-1 g_new + M^-1 P_new         such that nothing held approaches
+    v_half = v + h/2 M^-1 g + M^-1 P        P >= 0 such that no active pair goes deeper in the drift
+    v_new = v_half + h/2 M^-1 g_new + M^-1 P_new         such that no active pair approaches
 
-The drift ends where something new touches; what does is held after the second half. Impulses on
-several pairs of one body are found by sweeps (Gauss-Seidel), which end at once where each pair has
-a node of its own. Between impacts the order is that of the step, 2.
+The drift ends at the onset of a new contact, which is active after the second half. Impulses on
+several pairs of one body are found by sweeps (Gauss-Seidel); one sweep is enough where no node has
+two pairs. Between impacts the order is that of the step, 2.
 """
 
 from typing import NamedTuple
@@ -23,7 +23,7 @@ from crashsolve.system.kinetics import drift_body
 MAX_ITERATIONS = 20  # over the drift, until gaps on curved surfaces are closed
 SWEEPS = 200  # over the pairs, until their impulses agree
 CONVERGED = 1e-14  # change of an impulse in a sweep, over the largest, that is round-off
-LARGEST_GAP = 1e-12  # gap of what is held, in model sizes
+LARGEST_GAP = 1e-12  # gap of an active pair, in model sizes
 
 
 class Pairs(NamedTuple):
@@ -37,7 +37,7 @@ class Pairs(NamedTuple):
 
 @kernel
 def clear_impulses(current, history):
-    """No impulses yet. Writes: new history."""
+    """Zero the impulses of a step. Writes: new history."""
     for i in range(history.shape[1]):
         new = history[1 - current, i]
         put(new.opening, ZERO)
@@ -59,7 +59,7 @@ def relative_velocity(is_half, here, m, w):
 
 @kernel
 def apply_impulse(is_half, b, P, d):
-    """Impulse P in the point d from the mass centre. Writes: b."""
+    """Apply an impulse P at d from the mass centre. Writes: b."""
     v, L = (b.v_half, b.L_half) if is_half else (b.v, b.L)
     add_to(v, scale(b.mass_inv, P))
     if b.mass_inv > 0.0:
@@ -68,7 +68,7 @@ def apply_impulse(is_half, b, P, d):
 
 @kernel
 def sweep(is_half, is_impulse, current, pairs, nodes, change, most):
-    """New impulses of every pair that is held, one after the other; at an impact of new ones too.
+    """New impulses of every active pair, one after the other; at an impact of new ones too.
 
     Takes and returns the largest change and the largest impulse [N s]. Writes: history, nodes.
     """
@@ -102,7 +102,7 @@ def sweep(is_half, is_impulse, current, pairs, nodes, change, most):
 
 @kernel
 def drift_held(current, h, params, history, elements, nodes):
-    """Move the bodies of all held pairs by their momenta at half step. Writes: nodes.r, q, A."""
+    """Move the bodies of all active pairs by their momenta at half step. Writes: nodes.r, q, A."""
     for i in range(params.shape[0]):
         if history[current, i].active == 0:
             continue
@@ -113,7 +113,8 @@ def drift_held(current, h, params, history, elements, nodes):
 
 @kernel
 def correct_lift(old, new, depth, h):
-    """Correct the velocity that closes the gap over a drift; returns what it was [m]. Writes: new.
+    """Correct the velocity that closes the gap over a drift; returns the size of the gap [m].
+    Writes: new.
 
     A pair without an impulse may separate.
     """
@@ -142,9 +143,9 @@ def tangential_part(x, n):
 
 @kernel
 def update_pair(clock, h, pair, meeting):
-    """Whether a pair is held after the drift, and where. Writes: pair.new, out.
+    """Whether a pair is active after the drift, and its point of contact. Writes: pair.new, out.
 
-    A pair held before is released where it has no impulse and a gap has opened. A sample changes
+    An active pair is released where it has no impulse and its gap is open. A sample changes
     nothing.
     """
     old, new, out, m, w = pair.old, pair.new, pair.out, pair.a, pair.b
@@ -170,9 +171,10 @@ def update_pair(clock, h, pair, meeting):
 
 @kernel
 def record_reactions(h, current, params, history, elements, nodes):
-    """Reactions and friction's loss of what is held in the second half. Writes: new history.
+    """Reactions of the active pairs in the second half, and their loss by friction. Writes: new
+    history.
 
-    Returns the number of pairs that have just touched; their velocity is kept for `note_impulses`.
+    Returns the number of new pairs; their velocity is stored for `record_impulses`.
     """
     count = 0
     for i in range(params.shape[0]):
@@ -248,7 +250,9 @@ def sum_force(card, order, R, n, impact_speed):
 
 @kernel
 def sum_impulse(clock, p, old, new, at_a, at_b, nodes, card):
-    """Impulses of a step on the card, and on the model where the ground gave them. Writes: both."""
+    """Add the impulses of a step to the card, and to those on the model where one side is the
+    ground. Writes: both.
+    """
     first = vec(new.opening)
     last = add(vec(new.closing), vec(new.impulse))
     total = add(first, last)
