@@ -27,7 +27,7 @@ def friction_force(contact: Contact, v: float, compliance: float) -> float:
     return -float(contact.friction_force(N, (v, 0, 0), UP, compliance=compliance).force[0])
 
 
-@pytest.mark.parametrize("ease", 10.0 ** np.arange(-8, 3))
+@pytest.mark.parametrize("compliance", 10.0 ** np.arange(-8, 3))
 def test_the_impulse_of_a_step_stops_a_slip_and_never_reverses_it(
     contact: Contact, compliance: float
 ) -> None:

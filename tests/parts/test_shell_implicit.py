@@ -107,7 +107,7 @@ class Implicit:
             b.A = matrix(b.q).ravel()
 
     def carry(self) -> None:
-        points.carry(H, self.nodes, self.scene.points, self.attached_points)
+        points.move_attached(H, self.nodes, self.scene.points, self.attached_points)
 
     def elements(self) -> None:
         """As composed: forces on the points, from what the elements kept."""
@@ -121,7 +121,7 @@ class Implicit:
         self.scene.points.force = self.scene.points.torque = 0.0
         self.elements()
         self.nodes.force, self.nodes.torque = 0.0, 0.0
-        points.unload(self.clock, self.nodes, self.scene.points, self.attached_points)
+        points.transfer_to_bodies(self.clock, self.nodes, self.scene.points, self.attached_points)
         return np.hstack([self.nodes.force, self.nodes.torque])[1:]
 
     def stiffness(self) -> np.ndarray:

@@ -32,7 +32,7 @@ class PhasedEngine(Protocol):
     def raise_loads(self, share: float) -> None:
         """Applies a share of the loads without a curve. Writes: the Model, the State."""
 
-    def refuse_unrest(self, tolerance: float) -> None:
+    def require_equilibrium(self, tolerance: float) -> None:
         """Raises SolverError where a force is left above a share of the largest one."""
 
     def set_velocities(self, given: Any) -> None:

@@ -81,7 +81,7 @@ class EventStates:
         try:
             for name, (before, started, _) in self._found.items():
                 if name in times and not states.has(times[name]):
-                    before.put_back()
+                    before.restore_copy()
                     self._go_to(times[name], started)
                     self.engine.sample(times[name])
                     states.insert(times[name], self._fields())
@@ -90,7 +90,7 @@ class EventStates:
             pass
         finally:
             self.engine.on_pause = pause
-            end.put_back()
+            end.restore_copy()
             self.engine.sample(target)
 
     def _go_to(self, time: float, started: float) -> None:

@@ -36,7 +36,7 @@ EPSILON = 4e-16
 
 
 @kernel
-def lose(clock, old, new, power, loss):
+def add_dissipation(clock, old, new, power, loss):
     """Add up what a law dissipates over the step: power by its weights, and a loss in one piece.
 
     Writes: new.

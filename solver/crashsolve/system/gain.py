@@ -18,16 +18,16 @@ OVERSTATED = 0.9
 
 
 @kernel
-def acting(p, nodes):
+def applied_loads(p, nodes):
     """Forces and torques that have been applied to both bodies so far."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     return vec(a.force), vec(a.torque), vec(b.force), vec(b.torque)
 
 
 @kernel
-def note_work(p, old, new, before, h, nodes):
+def record_work(p, old, new, before, h, nodes):
     """Work over a step of h of what the law has added to `before`. Writes: new."""
-    now = acting(p, nodes)
+    now = applied_loads(p, nodes)
     force_a, torque_a = sub(now[0], before[0]), sub(now[1], before[1])
     force_b, torque_b = sub(now[2], before[2]), sub(now[3], before[3])
     work = 0.0
@@ -55,7 +55,7 @@ def half_work(body, force, torque):
 
 
 @kernel
-def gained(now, stored):
+def energy_gain(now, stored):
     """Energy [J] that a law has returned beyond what it took and stored."""
     beyond = now.given - max(now.held_first, 0.0)
     return min(beyond, now.given + stored + now.dissipated - now.held_first)
@@ -74,8 +74,8 @@ def overstates(now, stored, limit, unseen):
 
 
 @kernel
-def gains(now, stored, limit, unseen):
+def has_gain(now, stored, limit, unseen):
     """Whether that is more than `limit` of all taken and given, and than the largest force does
     over `unseen`, the round-off of positions [m].
     """
-    return gained(now, stored) > max(limit * now.exchanged, unseen * now.peak_force)
+    return energy_gain(now, stored) > max(limit * now.exchanged, unseen * now.peak_force)

@@ -7,8 +7,8 @@ from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.system import attachments
 from crashsolve.system.contact import node_contact, resting, surface_friction, times, touches
 from crashsolve.system.contact.work import load_work
-from crashsolve.system.energy import lose
-from crashsolve.system.gain import acting, note_work
+from crashsolve.system.energy import add_dissipation
+from crashsolve.system.gain import applied_loads, record_work
 from crashsolve.system.loops.contact_pairs import contact_pairs
 from crashsolve.system.loops.elements import move_elements, move_points
 from crashsolve.system.loops.nodal.node_to_shape import node_to_shape
@@ -36,7 +36,7 @@ from crashsolve.system.placeholders import (
 def force_pass(clock, time, h, nodes, rows, curves, scene):
     """Applied forces at the end of a step of length h. Writes: nodes, outputs, new histories."""
     if ATTACHMENTS:
-        attachments.carry(scene.attached_nodes, nodes)
+        attachments.move_nodes(scene.attached_nodes, nodes)
         if RESTING and h > 0.0:
             resting.record_motion(nodes)
     if ELEMENTS:
@@ -52,7 +52,7 @@ def force_pass(clock, time, h, nodes, rows, curves, scene):
     if NODAL:
         node_contact.shorten_step(clock, scene)
     if ATTACHMENTS:
-        attachments.collect(scene.attached_nodes, nodes)
+        attachments.transfer_forces(scene.attached_nodes, nodes)
 
 
 @stage
@@ -68,7 +68,7 @@ def apply_laws(clock, time, h, nodes, rows, curves, scene):
                 body = nodes[p[i].node]
                 work_of_load = load_work(group.law.present(p[i], o, body.start_A), body)
             if group.is_watched:
-                before = acting(p[i], nodes)
+                before = applied_loads(p[i], nodes)
             if group.materials:
                 for number, material in group.materials:
                     if p[i].law == number:
@@ -98,9 +98,9 @@ def apply_laws(clock, time, h, nodes, rows, curves, scene):
                 body = nodes[p[i].node]
                 work_of_load += load_work(group.law.present(p[i], o, body.A), body)
                 o.power, o.loss = 0.0, work_of_load
-            lose(clock, old, new, o.power, o.loss)
+            add_dissipation(clock, old, new, o.power, o.loss)
             if group.is_watched:
-                note_work(p[i], old, new, before, h, nodes)
+                record_work(p[i], old, new, before, h, nodes)
                 new.held_first = o.stored if clock.cycle == 0 and h == 0.0 else old.held_first
             if DENSE:
                 group.powers[clock.stage * p.shape[0] + i] = o.power

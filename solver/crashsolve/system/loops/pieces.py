@@ -156,7 +156,7 @@ def open_piece(k, h, scene):
     at = k
     for group in ELEMENTS:
         if at >= 0 and at < group.pieces.shape[0]:
-            points.open_points(h, group.pieces[at], scene.points)
+            points.first_kick_and_drift(h, group.pieces[at], scene.points)
         at -= group.pieces.shape[0]
 
 
@@ -179,7 +179,7 @@ def close_piece(k, clock, h, scene):
     at = k
     for group in ELEMENTS:
         if at >= 0 and at < group.pieces.shape[0]:
-            points.close_points(clock, h, group.pieces[at], scene.points)
+            points.second_kick(clock, h, group.pieces[at], scene.points)
         at -= group.pieces.shape[0]
     scene.pieces[k].rate = clock.element_rate
 
