@@ -165,14 +165,14 @@ class PhasedEngine(Engine):
         if not len(residuals) or residuals.max() <= tolerance * largest:
             return
         worst, bodies = int(residuals.argmax()), len(self.model.bodies)
-        points = range(bodies, bodies + len(self.state.points))
+        force, points = residuals[worst], range(bodies, bodies + len(self.state.points))
         node = [*self.free.tolist(), *points][worst]
         raise SolverError(
             float(self.clock.time),
             int(self.clock.cycle),
             f"body '{self.model.bodies[node]}'" if node < bodies else self.model.part_at(node),
-            f"phase '{self.phase.name}' does not end in equilibrium: {residuals[worst]:.3g} N on it "
-            f"are not balanced, {residuals[worst] / max(largest, 1e-300):.2g} of the largest force",
+            f"phase '{self.phase.name}' does not end in equilibrium: {force:.3g} N on it are not "
+            f"balanced, {force / max(largest, 1e-300):.2g} of the largest force",
             "let the phase last longer, support what moves freely, or raise its tolerance; where "
             "the method chooses its step, bound it by control.step_max",
         )
