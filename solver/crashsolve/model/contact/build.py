@@ -121,23 +121,35 @@ def _add_card(
     for some_a in sides[0].values():
         for some_b in sides[1].values():
             if {some_a[0].shape, some_b[0].shape} & LEAN:
-                if _torsion_radius(card) is not None:
-                    raise scene.fail(
-                        "is for rigid shapes; leave it out: friction at many points of a shell "
-                        "resists a spin without it",
-                        "torsion_radius",
-                    )
+                _refuse_torsion(card, scene)
                 for a, b in product(some_a, some_b):
                     nodal.add(index, entry, a, b, gap_routine)
                 continue
             narrow, swapped = gap_routine(some_a[0], some_b[0], scene)
-            home = _home_of_gap(narrow)
-            key = "_".join([_leaf(home.__name__), *(_leaf(type(law).__module__) for law in laws)])
-            if _torsion_radius(card) is not None:
-                key += "_torsion"
-            if key not in builders:
-                builders[key] = GroupBuilder(key, home, laws)
-            builders[key].add(index, entry, narrow, swapped, (some_a, some_b), on_both, scene)
+            builder = _builder_of(_home_of_gap(narrow), card, laws, builders)
+            builder.add(index, entry, narrow, swapped, (some_a, some_b), on_both, scene)
+
+
+def _refuse_torsion(card: Any, scene: Scene) -> None:
+    """Raises the error of a card whose torsion_radius has no effect."""
+    if _torsion_radius(card) is not None:
+        raise scene.fail(
+            "is for rigid shapes; leave it out: friction at many points of a shell resists a spin "
+            "without it",
+            "torsion_radius",
+        )
+
+
+def _builder_of(
+    home: Any, card: Any, laws: list[Any], builders: dict[str, GroupBuilder]
+) -> GroupBuilder:
+    """The builder of the group with this gap routine and these laws. Writes: builders."""
+    key = "_".join([_leaf(home.__name__), *(_leaf(type(law).__module__) for law in laws)])
+    if _torsion_radius(card) is not None:
+        key += "_torsion"
+    if key not in builders:
+        builders[key] = GroupBuilder(key, home, laws)
+    return builders[key]
 
 
 def _torsion_radius(card: Card) -> float | None:
