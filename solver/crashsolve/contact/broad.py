@@ -32,9 +32,9 @@ PAIR = Record("""
 """)
 # cubes along one axis at most, so that the three numbers of a cube fit one integer
 MAX_CUBES = 2_000_000
-# of the 3 x 3 columns of cubes about a sphere the one that it is in
+# number of the middle one of the 3 x 3 columns of cubes about a sphere
 CENTRE_COLUMN = 4
-# pairs of a sphere, for which there is room at first
+# initial room for the pairs of a sphere
 PAIRS_PER_SPHERE = 8
 
 
@@ -76,7 +76,7 @@ def near_pairs(
 def _collect_pairs(
     tables: dict[str, np.ndarray], room: int, margin: float, same: bool
 ) -> np.ndarray:
-    """Near pairs, in any order, for which there is room at first; if there are more, once more."""
+    """Near pairs, in any order; repeated with more room where `room` is too small."""
     pairs = np.zeros(room, PAIR.dtype)
     found = Tables(tables | {"pairs": pairs})
     machine_code(Path(__file__), "collect_pairs", found)(margin, same, found)
@@ -99,9 +99,9 @@ def _keys(cubes: np.ndarray) -> Any:
 
 @entry
 def collect_pairs(margin, same, tables):
-    """Count the near pairs; note them while there is room. Writes: count, pairs.
+    """Count the near pairs; store them while there is room. Writes: count, pairs.
 
-    Of one set, of two cubes beside each other the spheres of the first look at those of the second.
+    Within one set, the spheres of a cube are compared with those of the cubes behind it.
     """
     spheres, others, keys, pairs = tables.spheres, tables.others, tables.keys, tables.pairs
     count = 0

@@ -31,7 +31,7 @@ CELL = Record("""
 @kernel
 def corner_points(p, f, corners):
     """Points of the four corners of a face; a triangle has the third twice."""
-    # triangles begin with a block of their own
+    # triangles begin with a new block
     g = f if f < p.quads else f + p.empty
     at = p.first_corner + 4 * (g - g % LANES) + g % LANES
     return corners[at], corners[at + LANES], corners[at + 2 * LANES], corners[at + 3 * LANES]
@@ -45,7 +45,7 @@ def cube_index(offset):
 
 @kernel
 def cube_of(x, width):
-    """Cube in which a position lies; all that is very far away lies in the outermost ones."""
+    """Cube in which a position lies; very distant positions lie in the outermost ones."""
     return cube_index(x[0] / width), cube_index(x[1] / width), cube_index(x[2] / width)
 
 
@@ -88,7 +88,7 @@ def sort_faces(p, width, cells, starts, sorted_faces):
         starts[cell.bucket + 1] += 1
     for b in range(count):
         starts[b + 1] += starts[b]
-    # backwards, which leaves the faces of a bucket in ascending order, and starts where they begin
+    # backwards, so that the faces of a bucket are in ascending order, and starts point to the first
     for back in range(p.face_count):
         f = p.face_count - 1 - back
         b = cells[f].bucket + 1
@@ -100,7 +100,7 @@ def sort_faces(p, width, cells, starts, sorted_faces):
 
 
 class Near(NamedTuple):
-    """Tables by which the faces near each probe are known."""
+    """Lists of the faces near each probe."""
 
     grid: tuple[np.ndarray, ...]  # cells, starts of buckets, faces sorted by them
     # first of each probe, faces near, displacement until each is due, that of the probe
@@ -131,7 +131,8 @@ def list_near(i, x, p, offset, reach, width, near_faces, total):
                 continue
             if total < p.room:
                 near[total] = f
-                # not touched before both have gone what is between their bounds and the gap
+                # not in contact before both have moved by the distance of their bounds, less the
+                # gap
                 wait[total] = offset + max(sqrt(square) - cell.radius - p.gap, 0.0)
             total += 1
     return total

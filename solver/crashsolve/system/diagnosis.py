@@ -279,7 +279,7 @@ def gaining_contact(model: Model, state: State, clock: np.void) -> Diagnosis:
     """A contact card whose normal force, or friction, has created energy."""
     number, is_friction = int(clock["index"]), float(clock["value"]) == 1.0
     card = state.card_history[int(clock["current"])][number]
-    held, exchanged = max(float(card["held_first"]), 0.0), float(card["exchanged"])
+    held, exchanged = max(float(card["initially_stored"]), 0.0), float(card["exchanged"])
     taken = 0.5 * (exchanged - float(card["work"]))
     gained = float(card["work"]) - held
     if is_friction:
@@ -312,7 +312,7 @@ def gaining_law(model: Model, state: State) -> Diagnosis:
 
 def _gain_of(now: Any, stored: float, limit: float) -> tuple[float, str]:
     """What a law has created over what it took and gave, and in words."""
-    taken, held = 0.5 * float(now["exchanged"] - now["given"]), float(now["held_first"])
+    taken, held = 0.5 * float(now["exchanged"] - now["given"]), float(now["initially_stored"])
     gain = float(energy_gain(now, stored))
     if overstates(now, stored, limit, 0.0) and not has_gain(now, stored, limit, 0.0):
         stated = stored + float(now["dissipated"])

@@ -57,8 +57,8 @@ def half_work(body, force, torque):
 @kernel
 def energy_gain(now, stored):
     """Energy [J] that a law has returned beyond what it took and stored."""
-    beyond = now.given - max(now.held_first, 0.0)
-    return min(beyond, now.given + stored + now.dissipated - now.held_first)
+    beyond = now.given - max(now.initially_stored, 0.0)
+    return min(beyond, now.given + stored + now.dissipated - now.initially_stored)
 
 
 @kernel
@@ -68,7 +68,7 @@ def overstates(now, stored, limit, unseen):
     So does a damper that turns a velocity round in every step, with a force that has a bound.
     """
     stated = stored + now.dissipated
-    missing = now.given + stated - now.held_first
+    missing = now.given + stated - now.initially_stored
     least = max(limit * now.exchanged, unseen * now.peak_force)
     return missing > max(OVERSTATED * stated, least)
 

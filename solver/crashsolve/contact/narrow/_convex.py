@@ -2,10 +2,10 @@
 
     depth = - max over unit n of  (c_a - c_b) . n - h_a(n) - h_b(n),   h = sum_k sqrt(n^T E_k n)
 
-h is how far a body reaches along n. For bodies apart the maximum is unique and its value is their
-distance; for bodies that overlap it is the shortest exit, one top of several, looked for from
-the best of the directions in which edged bodies meet. Newton's method on the sphere of directions,
-damped until every step climbs. Point of contact: midway between the deepest points.
+h is the support function. For separated bodies the maximum is unique and its value is their
+distance; for bodies that overlap it is the shortest exit, one of several local maxima, searched
+from the best of the directions in which edged bodies meet, by Newton's method on the sphere of
+directions, damped until every step ascends. Point of contact: midway between the deepest points.
 Consequence to test: depth and normal of two spheres, and those of a brute-force search.
 
 References: Gilbert and Foo (1990), IEEE Trans. Robotics Autom. 6, 53-61 (support functions).
@@ -37,12 +37,12 @@ PARAMETERS = Record("""
 # directions are found to this angle [rad]; the depth is then right to its square
 ANGLE = 1e-10
 ITERATIONS = 60
-# rounding of edges beside ellipsoids, over the radius of the enclosing sphere; and most of it, over
-# the least half size
+# rounding of edges against ellipsoids, over the radius of the enclosing sphere; and its maximum,
+# over the least half size
 SHARP, THINNEST = 1e-5, 0.1
-# relative noise of a height, not to be taken for a descent
+# relative round-off of a separation
 ROUND_OFF = 1e-13
-# directions to start from, and climbs to different tops of bodies that overlap; cosine of the
+# directions to start from, and searches for different maxima of bodies that overlap; cosine of the
 # angle within which two searches have reached the same maximum
 STARTS, SEARCHES, SAME_MAXIMUM = 22, 4, 1.0 - 1e-8
 
@@ -55,8 +55,8 @@ def expand(elements: Any, shape: Any) -> list[Columns]:
 def expand_sharp(elements: Sequence[Columns], shape: ModuleType) -> list[Columns]:
     """Boxes or cylinders that meet ellipsoids, as sums of ellipsoids.
 
-    Roundness of an ellipsoid is enough for a touch: faces beside it are flat, but for what Newton's
-    method needs on sixteen digits.
+    The roundness of the ellipsoid is enough for a unique contact: the edges of the other shape are
+    only as round as Newton's method needs with sixteen digits.
     """
     found = []
     for element in elements:
@@ -97,7 +97,7 @@ def search(a, b, nodes, data):
             next_maximum = max(next_maximum, min(best, height))
         if height > best:
             best, n = height, n_maximum
-        # bodies apart have one top only
+        # separated bodies have a single maximum
         if best >= 0.0:
             break
     depth, n, x = depth_at_maximum(a, b, nodes, best, n)
@@ -106,7 +106,7 @@ def search(a, b, nodes, data):
 
 @kernel
 def follow(a, b, nodes, data, n):
-    """Gap at the top nearest to direction n."""
+    """Gap at the local maximum nearest to direction n."""
     body_a, body_b = nodes[a.node], nodes[b.node]
     c = sub(world_position(body_a, vec(a.point)), world_position(body_b, vec(b.point)))
     best, n = find_maximum(a, b, body_a, body_b, c, n)
@@ -115,7 +115,7 @@ def follow(a, b, nodes, data, n):
 
 @kernel
 def depth_at_maximum(a, b, nodes, best, n):
-    """Depth, normal and point of contact at the top of direction n."""
+    """Depth, normal and point of contact at the maximum in direction n."""
     body_a, body_b = nodes[a.node], nodes[b.node]
     x_a = sub(world_position(body_a, vec(a.point)), support_point(a, body_a, n))
     x_b = add(world_position(body_b, vec(b.point)), support_point(b, body_b, n))
@@ -142,7 +142,7 @@ def bound(a, b, nodes, data):
 
 @kernel
 def best_directions(a, b, body_a, body_b, c):
-    """The CLIMBS directions along which the bodies are farthest apart; -1 without any.
+    """The SEARCHES directions with the largest separations; -1 without any.
 
     Of those with the same distance one is enough.
     """
@@ -202,7 +202,7 @@ def axis_of(a, b, body_a, body_b, k):
 
 @kernel
 def find_maximum(a, b, body_a, body_b, c, n):
-    """Climb to the top nearest to direction n: its height and direction."""
+    """The local maximum nearest to direction n: separation and direction."""
     separation = separation_vector(a, b, body_a, body_b, c, n)
     best, damping, round_off = dot(separation, n), 0.0, ROUND_OFF * norm(c)
     for _ in range(ITERATIONS):
@@ -249,12 +249,12 @@ def newton_step(n, s, t, separation, hessian, best, damping):
     """Next direction by a damped Newton step from n, and the angle to it [rad].
 
     `separation`: from one farthest point to the other [m]; `hessian`: second derivatives of both
-    reaches along the tangents s and t, (ss, st, tt) [m]; `best`: the height so far [m].
+    support functions along the tangents s and t, (ss, st, tt) [m]; `best`: the largest so far [m].
     """
     m_ss, m_st, m_tt = hessian[0] + best, hessian[1], hessian[2] + best
     lowest = 0.5 * (m_ss + m_tt) - sqrt(0.25 * (m_ss - m_tt) ** 2 + m_st * m_st)
     size = hessian[0] + hessian[2]
-    # the curvature must be positive, or the step would go down
+    # the curvature must be positive, or the step would descend
     more = damping * size + max(0.0, 1e-6 * size - lowest)
     m_ss, m_tt = m_ss + more, m_tt + more
     g_s, g_t = dot(separation, s), dot(separation, t)
@@ -267,7 +267,7 @@ def newton_step(n, s, t, separation, hessian, best, damping):
 
 @kernel
 def support_hessian(shape, body, n, s, t):
-    """Second derivatives of the reach along the tangents s and t: (ss, st, tt) [m]."""
+    """Second derivatives of the support function along the tangents s and t: (ss, st, tt) [m]."""
     u, s_b, t_b = matvec_t(body.A, n), matvec_t(body.A, s), matvec_t(body.A, t)
     ss, st, tt = 0.0, 0.0, 0.0
     for k in range(shape.count):

@@ -46,36 +46,36 @@ PARAMETERS = Record("""
     edge      m         rounding of the edges
     is_round  flag      a cylinder about axis 3, not a box
     alpha     m^2    3  of the three ellipsoids, across their axes
-    beta      m^2    3  what is more along them
+    beta      m^2    3  the same along them, less alpha
 """)
 # square of the least sine of the angle between two edges that span a direction
 PARALLEL = 1e-12
-# directions to start from, and how like the one before a start is that leads to the same top
+# directions to start from, and cosine to an earlier start that leads to the same maximum
 STARTS, SAME_DIRECTION = 22, 1.0 - 1e-6
-# separations closer than this share of the distance are those of one direction named twice
+# separations that differ by less than this share of the distance belong to one direction
 SAME_VALUE = 1e-12
-# the last step of Newton's method turns by less than this share of edge / size [rad]: what it
-# leaves is its square times size / edge, so the position of contact is right to 1e-8 of a face
+# the last step of Newton's method is smaller than this share of edge / size [rad]: the remaining
+# error is its square times size / edge, so the position of contact is right to 1e-8 of a face
 LAST_STEP = 1e-4
-# least rounding of a box, in shares of what a cube of its width would have: Newton's method on
-# sixteen digits resolves no sharper edge; and most, in shares of its half thickness
+# least rounding of a box, in shares of that of a cube of its width: Newton's method with sixteen
+# digits resolves no sharper edge; and the largest, in shares of its half thickness
 LEAST_ROUNDING, LARGEST_ROUNDING = 1e-6, 0.1
 # power of the ratio of widths by which a wider face is the flatter
 FLATNESS_POWER = 4
 # of a cap, on which the search does not start over the position of contact
 FLATNESS_POWER_OF_CAP = 1
-# share of a face within which the position is looked for
+# share of a face within which the position is searched
 OUTERMOST = 0.9999
 
 
 def expand(elements: Any, shape: Any, others: Any = ()) -> list[Columns]:
     """Elements of boxes or cylinders with the ellipsoids that they are sums of.
 
-    The rounding is a share of the least half size of a touch, of the element and of all `others`
-    that it may meet. An element whose faces are wider than those of the others is the plane of the
-    touch: of half width S to s its rounding is (s / S)^4 of that. A face that tilts by e x / S^2
+    The rounding is a share of the least half size of the element and of all `others` that it may
+    meet. An element whose faces are wider than those of the others acts as a plane: of half width S
+    to s its rounding is (s / S)^4 of that. A face that tilts by e x / S^2
     at x from its middle moves the centre of pressure of a face of half width s and rounding d upon
-    it by s^2 / d times as much, so that what is nearly as flat would tip what it carries.
+    it by s^2 / d times as much, so that a face nearly as flat would tip a body on it.
     """
     least = min((least_half(other) for other in others), default=np.inf)
     width = min((widest_half(other) for other in others), default=np.inf)
@@ -167,7 +167,7 @@ def search(a, b, nodes, data):
     centre_a, centre_b = world_position(body_a, vec(a.point)), world_position(body_b, vec(b.point))
     c = sub(centre_a, centre_b)
     u, w = axes_of(a, body_a), axes_of(b, body_b)
-    # tops of two boxes are as high as their separation along an axis, but for what edges are cut
+    # maxima of two boxes equal their separation along an axis, but for the rounding
     are_boxes = a.is_round + b.is_round == 0
     allowed = 8.0 * (a.edge + b.edge) if are_boxes else 1e300
     cosines, c_u, c_w = cosines_of(u, w), along(u, c), along(w, c)
@@ -179,7 +179,7 @@ def search(a, b, nodes, data):
         elif trial % 2 == 0:
             leading = next_directions(a, b, u, w, c, leading[2] - same, same)
         value, k = (leading[0], leading[1]) if trial % 2 == 0 else (leading[2], leading[3])
-        # of two that hardly differ one is enough
+        # a start close to an earlier one is skipped
         if value < best - allowed:
             next_maximum = max(next_maximum, value)
             break
@@ -193,7 +193,7 @@ def search(a, b, nodes, data):
                 next_maximum = max(next_maximum, min(best, height))
             if height > best:
                 best, n = height, n_maximum
-            # bodies apart have one top only
+            # separated bodies have a single maximum
             if best >= 0.0:
                 break
     depth, n, x = depth_at_maximum(a, b, u, w, centre_a, centre_b, n)
@@ -202,7 +202,7 @@ def search(a, b, nodes, data):
 
 @kernel
 def follow(a, b, nodes, data, n):
-    """Gap at the top nearest to direction n."""
+    """Gap at the local maximum nearest to direction n."""
     body_a, body_b = nodes[a.node], nodes[b.node]
     centre_a, centre_b = world_position(body_a, vec(a.point)), world_position(body_b, vec(b.point))
     c = sub(centre_a, centre_b)
@@ -213,13 +213,13 @@ def follow(a, b, nodes, data, n):
 
 @kernel
 def last_step(a, b):
-    """Angle by which the last step of Newton's method turns at most [rad]."""
+    """Largest angle of the last step of Newton's method [rad]."""
     return LAST_STEP * min(a.edge / a.radius, b.edge / b.radius)
 
 
 @kernel
 def depth_at_maximum(a, b, u, w, centre_a, centre_b, n):
-    """Depth, normal and point of contact at the top of direction n."""
+    """Depth, normal and point of contact at the maximum in direction n."""
     x_a = sub(centre_a, support_point(a, u, n))
     x_b = add(centre_b, support_point(b, w, n))
     return dot(sub(x_b, x_a), n), n, scale(0.5, add(x_a, x_b))
@@ -277,7 +277,7 @@ def next_box_axes(a, b, cosines, c_u, c_w, limit, same):
                 value -= q[(j + 1) % 3] * abs(cosines[i][(j + 2) % 3])
                 value -= q[(j + 2) % 3] * abs(cosines[i][(j + 1) % 3])
                 value /= sqrt(square)
-                # a direction that is a face's too starts over the position on it, see gap
+                # a direction that is also a normal of a face starts above the point on it, see gap
                 if value < limit and abs(value - leading[0]) > same:
                     leading = insert_value(leading, value, 6 + 3 * i + j, same)
     return leading
@@ -319,7 +319,7 @@ def wider_face(a, b, cosines, k):
 def normal_above(a, b, u, w, c, k, n):
     """Normal of a rounded face where the other box is nearest to it, for the normal n of the face.
 
-    Newton's method comes there too, in small steps.
+    Newton's method would reach it too, in small steps.
     """
     if k < 3:
         return rounded_normal(a, u, k, sub(c, support_point(b, w, n)), n, -1.0)
@@ -329,7 +329,7 @@ def normal_above(a, b, u, w, c, k, n):
 @kernel
 def rounded_normal(shape, u, k, separation, n, sign):
     """Normal of the rounded face k at the position `separation` from the centre. See
-    over_the_position.
+    normal_above.
     """
     rotated = n
     for j in range(3):
@@ -415,7 +415,7 @@ def separation_and_hessian(a, b, u, w, c, n, s, t):
 
 @kernel
 def find_maximum(a, b, u, w, c, n, last):
-    """Climb to the top nearest to direction n: its height before the last step, its direction."""
+    """The local maximum nearest to direction n: separation before the last step, direction."""
     s, t = tangents(n)
     separation, hessian = separation_and_hessian(a, b, u, w, c, n, s, t)
     best, damping, round_off = dot(separation, n), 0.0, ROUND_OFF * norm(c)

@@ -24,25 +24,26 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import add_scaled, dot, norm, scale, sub
 
 ITERATIONS = 60  # four to eight do
-# of the longest semi-axis: what is gained below it is noise
+# of the longest semi-axis: smaller gains are round-off
 ROUND_OFF = 1e-15
-# of a semi-axis: by which another triangle must promise to be nearer
+# of a semi-axis: least gain for which another triangle is searched
 GAIN = 1e-12
-# of the shortest semi-axis: nearer to a middle from which no exit is shortest
+# of the shortest semi-axis: distance from the centre below which no exit is the shortest
 NO_DISTANCE = 1e-9
 
 
 @kernel
 def nearest_to_ellipsoid(s, far, a, b, c, d):
-    """Weights N of the corners, seen in the axes of the ellipsoid from its centre; where it is.
+    """Weights N of the corners, given in the axes of the ellipsoid from its centre; and the
+    feature.
 
     The position is INSIDE, EDGE + k or CORNER + k. Also the signed distance, and the normal there.
-    Of a face farther than `far` any position does, and the distance is one that it is beyond.
+    For a face farther than `far` the position is any, and the distance a lower bound.
     """
     N, position, least, m = nearest_by_newton(s, far, a, b, c, d)
     at, middle = point_of(N, a, b, c, d), point_of((0.25, 0.25, 0.25, 0.25), a, b, c, d)
     for k in range(4):
-        # a warped face may have a second valley
+        # a warped face may have a second minimum
         p, q = (a, b) if k == 0 else ((b, c) if k == 1 else ((c, d) if k == 2 else (d, a)))
         if lower_bound(least, m, at, p, q, middle, middle) < least - GAIN * s[0] and least < far:
             M, _, other, m_other = nearest_by_newton(s, far, p, q, middle, middle)
@@ -61,9 +62,7 @@ def lower_bound(d, m, at, a, b, c, e):
 
 @kernel
 def nearest_by_newton(s, far, a, b, c, d):
-    """From the position that touches first if the ellipsoid grows, down to one that none is
-    below.
-    """
+    """The minimum by Newton's method, from the position touched first by a growing ellipsoid."""
     N, _, position = nearest_on_face(
         to_unit_sphere(s, a), to_unit_sphere(s, b), to_unit_sphere(s, c), to_unit_sphere(s, d)
     )
@@ -83,7 +82,7 @@ def nearest_by_newton(s, far, a, b, c, d):
             break
         gain = least - new
         N, position, at, least, m = N_new, position_new, point_of(N_new, a, b, c, d), new, m_new
-        # the last step of Newton's gains nothing in distance, but the digits of the position
+        # the last Newton step improves only the digits of the position
         if gain <= noise:
             break
     return N, position, least, m
@@ -113,7 +112,7 @@ def newton_position(s, at, d, m, a, b, c, e):
 
 @kernel
 def scaled_coordinates(x, m, t, u, r, k_t, k_u):
-    """y of a corner, x from the position at hand."""
+    """y of a corner at x from the present position."""
     return dot(x, m) + r, k_t * dot(x, t), k_u * dot(x, u)
 
 
@@ -140,7 +139,7 @@ def curvatures(s, x, m):
 
 @kernel
 def ball_position(s, at, d, m, a, b, c, e):
-    """The position nearest to a ball that fits into the foot of c: weights, where it is."""
+    """The position nearest to the ball inscribed at the foot of c: weights, and feature."""
     low, high = min(s[0], s[1], s[2]), max(s[0], s[1], s[2])
     z = add_scaled(at, -d - low * low / high, m)
     N, _, position = nearest_on_face(sub(a, z), sub(b, z), sub(c, z), sub(e, z))

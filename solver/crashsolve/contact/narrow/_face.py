@@ -4,7 +4,7 @@
     c = sum N_k x_k,   |x - c| the least of the four triangles
 
 A flat face is itself; a warped one is folded along lines to its middle, the same from whichever
-corner one starts, and meets its neighbours without a slit. Consequence to test: no point of the
+corner one starts, and without gaps to its neighbours. Consequence to test: no point of the
 face is nearer, and N_k >= 0 add up to 1.
 
 Reference: Ericson (2005), Real-Time Collision Detection, 5.1.5.

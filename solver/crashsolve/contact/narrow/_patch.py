@@ -1,4 +1,4 @@
-"""Where two flat sides press on each other: an area about the centre of pressure.
+"""Area of contact of two flat faces: a polygon about the centre of pressure.
 
 Each body presses with the part of its face, cap or lateral surface that is symmetric about the
 centre of pressure x: half sizes h_k - |x_k|, not below the rounding of its edges. The patch is what
@@ -31,7 +31,7 @@ PATCH_POINT = Record("""
 # rows of a polygon, and of three: of both sides, and one to work on
 CORNERS = 24
 ROWS = 3 * CORNERS
-# where corners press, in shares of their distance
+# lever of the forces of the corners, in shares of their distance
 PRESSURE_LEVER = sqrt(1.0 / 3.0)
 # an octagon whose area is as far from its middle, on the mean, as that of a disc of radius 1
 OCTAGON = 1.0530118888486155
@@ -64,7 +64,7 @@ def outline(shape, body, n, x, s, t, spots, first):
     if shape.is_round == 1 and abs(m[2]) > DIAGONAL:
         r = OCTAGON * max(edge, half[0] - sqrt(d[0] * d[0] + d[1] * d[1]))
         return octagon(spots, first, r)
-    # the axis most along the normal, and what is left along the other two
+    # the axis most along the normal, and the extents along the other two
     k = 0 if abs(m[0]) > abs(m[1]) else 1
     k = 2 if abs(m[2]) > abs(m[k]) else k
     i, j = (k + 1) % 3, (k + 2) % 3
@@ -111,7 +111,8 @@ def parallelogram(spots, first, p, q):
 
 @kernel
 def cut(spots, count, i, j):
-    """Keep of the first polygon what is left of the line from row i to row j; number of corners.
+    """Cut the first polygon along the line from row i to row j, keeping its left side; returns the
+    number of corners.
 
     Writes: spots.
     """

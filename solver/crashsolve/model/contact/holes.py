@@ -1,4 +1,4 @@
-"""Holes between nodes or points, through which what they shall meet would pass unmet.
+"""Holes between nodes or points, through which the opposite side of a contact could pass.
 
 Nodes and points are met one by one. A ball that meets the middle between four of them touches none
 while its radius and theirs are less than the distance to the nearest: the radius of the hole.
@@ -59,7 +59,7 @@ def hole(surface: Any, scene: Scene) -> float:
 
 
 def half_width(surface: Any, scene: Scene) -> float | None:
-    """Half of the middle one of three extents [m]: what passes a hole; None of infinite ones."""
+    """Half of the middle one of three extents [m], which must pass a hole; None if infinite."""
     if surface.shape in ("points", "faces"):
         meshed = scene.skin(surface.entry.card.part, "part")[0]
         if surface.shape == "points":

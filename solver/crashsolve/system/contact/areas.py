@@ -74,9 +74,9 @@ def add_second_half_work(
     out, new = pair.out, pair.new
     add_end_work(applied, sliding.displacement, sliding.f, sliding.n, x, out, new, card)
     card.friction_work += 0.5 * applied * dot(friction_force, sliding_displacement)
-    card.bristled += out.friction_stored
+    card.bristle_energy += out.friction_stored
     put(new.friction_force, friction_force)
-    new.bristled, new.radius = out.friction_stored, radius
+    new.bristle_energy, new.radius = out.friction_stored, radius
 
 
 @kernel

@@ -25,12 +25,12 @@ def contact_warnings(model: Model, state: State, ledger: np.ndarray) -> list[str
     least = NEGLIGIBLE * float(ledger[LARGEST])
     unknown = _of_unknown_friction(model)
     for card in sorted(_measured(model)):
-        for what, missing, handled in missing_energies(
+        for what, missing, largest_energy in missing_energies(
             state.card_history[current, card], state.cards[card]
         ):
             is_known = what != FRICTION or card not in unknown
-            if is_known and abs(missing) > max(UNBALANCED * handled, least):
-                found.append(_warning(model, card, what, missing, handled))
+            if is_known and abs(missing) > max(UNBALANCED * largest_energy, least):
+                found.append(_warning(model, card, what, missing, largest_energy))
     return found
 
 
@@ -38,11 +38,11 @@ def missing_energies(now: np.void, out: np.void) -> list[tuple[str, float, float
     """For normal force and friction of a card: its name, missing energy [J] and largest energy
     exchanged [J].
     """
-    pushed = now["held"] + out["dissipated"] + now["work"] - now["held_first"]
-    friction_loss = now["bristled"] + out["friction_dissipated"] + now["friction_work"]
+    pushed = now["held"] + out["dissipated"] + now["work"] - now["initially_stored"]
+    friction_loss = now["bristle_energy"] + out["friction_dissipated"] + now["friction_work"]
     return [
-        ("normal force", float(pushed), float(now["handled"])),
-        (FRICTION, float(friction_loss), float(now["friction_handled"])),
+        ("normal force", float(pushed), float(now["largest_energy"])),
+        (FRICTION, float(friction_loss), float(now["largest_friction_energy"])),
     ]
 
 
@@ -61,8 +61,8 @@ def _of_unknown_friction(model: Model) -> set[int]:
     return {int(card) for g in spun for card in g.parameters["card"]}
 
 
-def _warning(model: Model, card: int, what: str, missing: float, handled: float) -> str:
-    share = 100.0 * abs(missing) / handled if handled > 0.0 else 100.0
+def _warning(model: Model, card: int, what: str, missing: float, largest_energy: float) -> str:
+    share = 100.0 * abs(missing) / largest_energy if largest_energy > 0.0 else 100.0
     is_by_safety = model.integrator == "rattle"
     shorter = (
         "control.safety or control.step" if is_by_safety else "control.tolerance or control.step"
@@ -71,6 +71,6 @@ def _warning(model: Model, card: int, what: str, missing: float, handled: float)
     verb = "made" if missing > 0.0 else "lost"
     return (
         f"contact '{model.contacts[card]}': its {what} has {verb} {abs(missing):.3g} J that "
-        f"nothing accounts for, {share:.2g} % of the {handled:.3g} J it stored and dissipated; "
-        f"{helps}, and compare the results"
+        f"nothing accounts for, {share:.2g} % of the {largest_energy:.3g} J it stored and "
+        f"dissipated; {helps}, and compare the results"
     )

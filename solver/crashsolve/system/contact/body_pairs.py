@@ -1,6 +1,7 @@
 """Pairs of elements on the same two bodies, which are skipped together while all are separated.
 
-    depth <= depth_before + gone,   gone = sum over steps of the largest approach of both bodies
+    depth <= depth_before + approached,   approached = sum over steps of the largest approach of
+    both bodies
 
 The bound of resting.py for the elements farthest from the mass centres. While it is negative by
 STEPS_AHEAD steps all of the pairs are skipped: their depths are kept from the last evaluation, and
@@ -16,17 +17,17 @@ from crashsolve.system.contact import resting
 def can_skip_all(both, h, deepest, nodes):
     """Whether all pairs of two bodies are skipped in this step, as none can have met.
 
-    At a sample those below the `deepest` of their card [m] are skipped. Writes: both.gone.
+    At a sample those below the `deepest` of their card [m] are skipped. Writes: both.approached.
     """
     if both.rests == 0:
         return False
     approach = 0.0
     if h > 0.0:
         approach = resting.largest_approach(both, nodes[both.node_a], nodes[both.node_b])
-    ahead = both.depth + both.gone + (1.0 + resting.STEPS_AHEAD) * approach
+    ahead = both.depth + both.approached + (1.0 + resting.STEPS_AHEAD) * approach
     if ahead > resting.skip_depth(h, deepest):
         return False
-    both.gone += approach
+    both.approached += approach
     return True
 
 
@@ -36,7 +37,7 @@ def are_below(both, limit, nodes):
     if both.rests == 0:
         return False
     approach = resting.largest_approach(both, nodes[both.node_a], nodes[both.node_b])
-    return both.depth + both.gone + approach <= limit
+    return both.depth + both.approached + approach <= limit
 
 
 @kernel
@@ -53,7 +54,7 @@ def begin_skipping(both, current, history):
 
     Writes: both, history.depth.
     """
-    both.rests, both.gone, both.depth = 1, 0.0, -1e300
+    both.rests, both.approached, both.depth = 1, 0.0, -1e300
     both.dissipated = both.friction_dissipated = 0.0
     for i in range(both.first, both.end):
         old, new = history[current, i], history[1 - current, i]
@@ -69,6 +70,6 @@ def end_skipping(both, history):
     """End skipping: each pair is evaluated by itself from now on. Writes: both, history.depth."""
     if both.rests == 1:
         for i in range(both.first, both.end):
-            history[0, i].depth += both.gone
-            history[1, i].depth += both.gone
-        both.rests, both.gone = 0, 0.0
+            history[0, i].depth += both.approached
+            history[1, i].depth += both.approached
+        both.rests, both.approached = 0, 0.0

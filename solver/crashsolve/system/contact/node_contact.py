@@ -179,7 +179,7 @@ def limit_closing(clock, p, totals):
 @kernel
 def clear_sums(totals):
     """Zero the sums of a force pass. Writes: totals."""
-    totals.stored = totals.bristled = totals.depth = 0.0
+    totals.stored = totals.bristle_energy = totals.depth = 0.0
 
 
 @kernel
@@ -277,9 +277,9 @@ def add_touch(clock, h, p, totals, card, touch, f, energies):
 def add_energies(totals, card, count):
     """Energies of the group to its card. Writes: card, count."""
     count.held += totals.stored
-    count.bristled += totals.bristled
+    count.bristle_energy += totals.bristle_energy
     card.depth = max(card.depth, 0.0)
-    card.stored += totals.stored + totals.bristled
+    card.stored += totals.stored + totals.bristle_energy
     card.dissipated += totals.dissipated
     card.friction_dissipated += totals.friction_loss
 

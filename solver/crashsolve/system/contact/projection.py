@@ -77,20 +77,20 @@ def update_face_lists(h, p, totals, probes, nodes, scene, near_faces):
 
 
 @kernel
-def remove_near_faces(p, blocks, gone):
-    """Remove the faces of deleted elements from contact. Writes: gone."""
+def remove_near_faces(p, blocks, deleted):
+    """Remove the faces of deleted elements from contact. Writes: deleted."""
     for f in range(p.face_count):
         first, stride, k = p.first_number, p.stride, f
         if f >= p.quads:
             first, stride, k = p.first_third, p.stride_third, f - p.quads
         t = blocks[first + k // LANES * stride + LANES * BLOCK.thickness + k % LANES]
-        gone[f] = 1 if t == 0.0 else 0
+        deleted[f] = 1 if t == 0.0 else 0
 
 
 @kernel
-def add_lost_energy(h, totals, old, stored, gone):
+def add_lost_energy(h, totals, old, stored, deleted):
     """Count the stored energy of a touch that is lost with an element. Writes: totals."""
-    if h > 0.0 and old.active == 1 and gone[old.face] == 1:
+    if h > 0.0 and old.active == 1 and deleted[old.face] == 1:
         totals.dissipated += old.stored - stored
 
 

@@ -216,10 +216,10 @@ def add_friction_to_body(body, y, t, u, k, c):
 @kernel
 def add_friction(h, p, totals, card, t, stored, loss, new):
     """Add the friction of a touch to the sums of card and ledger. Writes: totals, card, new."""
-    totals.bristled += stored
+    totals.bristle_energy += stored
     if h > 0.0:
         totals.friction_loss += loss
-    new.bristled = stored
+    new.bristle_energy = stored
     put(new.friction_force, t)
     add_to(card.force, scale(p.order, t))
     card.tangential += norm(t)
@@ -232,6 +232,6 @@ def end_friction(h, totals, u, old, new, card):
     Writes: totals, new, card.
     """
     if h > 0.0:
-        totals.friction_loss += old.bristled - add_friction_work(old, u, card)
-    new.bristled = 0.0
+        totals.friction_loss += old.bristle_energy - add_friction_work(old, u, card)
+    new.bristle_energy = 0.0
     put(new.friction_force, (0.0, 0.0, 0.0))

@@ -69,7 +69,7 @@ def clear_counts(c):
     for j in range(3):
         c.late[j] = 0.0
     c.onsets = 0
-    c.peak_share = c.work = c.friction_work = c.held = c.bristled = 0.0
+    c.peak_share = c.work = c.friction_work = c.held = c.bristle_energy = 0.0
 
 
 @kernel
@@ -102,7 +102,7 @@ def add_sums(card, history, sums, counts):
     history.work += counts.work
     history.friction_work += counts.friction_work
     history.held += counts.held
-    history.bristled += counts.bristled
+    history.bristle_energy += counts.bristle_energy
 
 
 @kernel
@@ -123,14 +123,14 @@ def finish_cards(clock, cards, history):
         new.peak_normal = max(old.peak_normal, c.normal)
         new.peak_depth = max(old.peak_depth, c.depth)
         new.fastest = max(old.fastest, c.impact_speed)
-        pushed, friction_loss = new.held + c.dissipated, new.bristled + c.friction_dissipated
-        new.handled = max(old.handled, abs(pushed))
-        new.friction_handled = max(old.friction_handled, abs(friction_loss))
+        pushed, friction_loss = new.held + c.dissipated, new.bristle_energy + c.friction_dissipated
+        new.largest_energy = max(old.largest_energy, abs(pushed))
+        new.largest_friction_energy = max(old.largest_friction_energy, abs(friction_loss))
         new.exchanged = old.exchanged + abs(new.work - old.work)
-        rubbed = abs(new.friction_work - old.friction_work)
-        new.friction_exchanged = old.friction_exchanged + rubbed
+        friction_change = abs(new.friction_work - old.friction_work)
+        new.friction_exchanged = old.friction_exchanged + friction_change
         if clock.cycle == 0:
-            new.held_first = pushed + new.work
+            new.initially_stored = pushed + new.work
 
 
 @kernel
@@ -347,10 +347,10 @@ def copy_onsets(current, history):
     for k in range(history.shape[1]):
         new = history[1 - current, k]
         old = history[current, k]
-        new.onsets, new.held_first = old.onsets, old.held_first
+        new.onsets, new.initially_stored = old.onsets, old.initially_stored
         new.peak_share = old.peak_share
         new.work, new.friction_work = old.work, old.friction_work
-        new.held = new.bristled = new.given = new.friction_given = 0.0
+        new.held = new.bristle_energy = new.given = new.friction_given = 0.0
         for j in range(3):
             new.late[j] = 0.0
 
@@ -364,7 +364,7 @@ def record_power(applied, f, rate, t, slip, out, count):
     count.given -= applied * f * rate
     count.friction_given += applied * dot(t, slip)
     count.held += out.stored
-    count.bristled += out.friction_stored
+    count.bristle_energy += out.friction_stored
 
 
 @kernel
@@ -373,12 +373,12 @@ def integrate_powers(clock, history):
     for k in range(history.shape[1]):
         old, new = history[clock.current, k], history[1 - clock.current, k]
         if clock.opens == 1:
-            new.given_so_far = clock.lead * old.given
-            new.friction_given_so_far = clock.lead * old.friction_given
-        new.given_so_far += clock.share * new.given
-        new.friction_given_so_far += clock.share * new.friction_given
-        new.work = old.work + new.given_so_far
-        new.friction_work = old.friction_work + new.friction_given_so_far
+            new.work_in_step = clock.lead * old.given
+            new.friction_work_in_step = clock.lead * old.friction_given
+        new.work_in_step += clock.share * new.given
+        new.friction_work_in_step += clock.share * new.friction_given
+        new.work = old.work + new.work_in_step
+        new.friction_work = old.friction_work + new.friction_work_in_step
 
 
 @kernel
@@ -392,7 +392,7 @@ def card_with_energy_gain(current, limit, unseen, history):
     """
     for k in range(history.shape[1]):
         card = history[current, k]
-        gained = card.work - max(card.held_first, 0.0)
+        gained = card.work - max(card.initially_stored, 0.0)
         if gained > max(limit * card.exchanged, unseen * card.peak_normal):
             return k
     return -1

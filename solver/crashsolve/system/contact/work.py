@@ -146,17 +146,17 @@ def add_second_half_work(applied, pair, sliding, x, t, card):
     u, out, new = sliding.displacement, pair.out, pair.new
     add_end_work(applied, u, sliding.f, sliding.n, x, out, new, card)
     card.friction_work += 0.5 * applied * dot(t, u)
-    card.bristled += out.friction_stored
+    card.bristle_energy += out.friction_stored
     put(new.friction_force, t)
-    new.bristled = out.friction_stored
+    new.bristle_energy = out.friction_stored
 
 
 @kernel
 def end_friction(old, new, friction_loss):
     """End of friction: the energy of its bristle is lost, less its last work. Writes: new."""
     put(new.friction_force, (0.0, 0.0, 0.0))
-    new.bristled = 0.0
-    new.friction_dissipated += old.bristled - friction_loss
+    new.bristle_energy = 0.0
+    new.friction_dissipated += old.bristle_energy - friction_loss
 
 
 # --- probes on faces of shells and on shapes -----------------------------------------------------

@@ -150,7 +150,7 @@ def add_nodal_contacts(scene, ledger):
         ledger[CONTACT_STORED] += group.totals[0].stored
         ledger[CONTACT_DISSIPATED] += group.totals[0].dissipated
         if group.friction:
-            ledger[FRICTION_STORED] += group.totals[0].bristled
+            ledger[FRICTION_STORED] += group.totals[0].bristle_energy
             ledger[FRICTION_DISSIPATED] += group.totals[0].friction_loss
 
 

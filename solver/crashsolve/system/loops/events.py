@@ -103,7 +103,7 @@ def limit_closing(group, clock, nodes, scene):
         for k in range(group.body_pairs.shape[0]):
             both = group.body_pairs[k]
             at_most = body_pairs.closing_speed_bound(both, nodes)
-            distance = touches.LARGEST_CLOSING * both.thick - both.depth - both.gone
+            distance = touches.LARGEST_CLOSING * both.thick - both.depth - both.approached
             if both.rests == 0 or at_most * clock.next_step > distance:
                 body_pairs.end_skipping(both, group.history)
                 limit_some(group, both.first, both.end, at_most, clock, nodes, scene)

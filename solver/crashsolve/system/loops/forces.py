@@ -101,7 +101,9 @@ def apply_laws(clock, time, h, nodes, rows, curves, scene):
             add_dissipation(clock, old, new, o.power, o.loss)
             if group.is_watched:
                 record_work(p[i], old, new, before, h, nodes)
-                new.held_first = o.stored if clock.cycle == 0 and h == 0.0 else old.held_first
+                new.initially_stored = (
+                    o.stored if clock.cycle == 0 and h == 0.0 else old.initially_stored
+                )
             if DENSE:
                 group.powers[clock.stage * p.shape[0] + i] = o.power
     for group in FOLLOWERS:

@@ -30,7 +30,7 @@ def node_to_surface(group, clock, h, nodes, curves, scene):
         find_fastest(p, clock, h, scene)
     projection.update_face_lists(h, p, totals, probes, nodes, scene, Near(grid, lists, spared))
     if group.can_fail:
-        projection.remove_near_faces(p, scene.lanes, group.gone)
+        projection.remove_near_faces(p, scene.lanes, group.deleted)
     if THREADS:
         share_looks(group, clock, h, scene)
         for k in range(group.looks.shape[0]):
@@ -50,7 +50,14 @@ def node_to_surface(group, clock, h, nodes, curves, scene):
 def apply_face_forces(group, clock, h, i, found, nodes, curves, scene):
     """Forces of one probe on the faces it has found, or left. Writes: as above."""
     probe_states, slot_in_use = group.probe_states, group.slot_in_use
-    mesh = (scene.points, scene.corners, group.beside, group.around_first, group.around, group.gone)
+    mesh = (
+        scene.points,
+        scene.corners,
+        group.beside,
+        group.around_first,
+        group.around,
+        group.deleted,
+    )
     for s in range(2):
         j = 2 * i + s
         if found[s].depth > 0.0 or probe_states[slot_in_use[j], j].active == 1:
@@ -113,7 +120,7 @@ def end_face_contact(group, clock, h, touch, mesh, scene):
     count = scene.card_history[1 - clock.current, p.card]
     old, new = touch.old, touch.new
     if group.can_fail:
-        projection.add_lost_energy(h, totals, old, 0.0, group.gone)
+        projection.add_lost_energy(h, totals, old, 0.0, group.deleted)
     projection.record_pass(clock, h, p, totals, old, mesh)
     node_contact.release_record(clock, totals, old, new)
     group.normal.release(p, old, new)
@@ -145,7 +152,7 @@ def apply_forces_on_face(group, clock, h, touch, nodes, curves, scene):
     k, c = share * k, share * c
     displacement = work.displacement_over_face(p, probe, hit, False, h, nodes, points, corners)
     if group.can_fail:
-        projection.add_lost_energy(h, totals, old, stored, group.gone)
+        projection.add_lost_energy(h, totals, old, stored, group.deleted)
     if group.friction:
         pressing = ProbeResponse(f, mass, displacement)
         friction_on_face(group, clock, h, touch, pressing, nodes, scene)

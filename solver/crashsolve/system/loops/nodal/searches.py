@@ -18,9 +18,9 @@ from crashsolve.system.contact import (
 def search_faces(group, i, found, nodes, scene):
     """The nearest face on either side of a probe. Writes: found, lists, turns, balls."""
     p, totals, points = group.p[0], group.totals[0], scene.points
-    sides, gone = projection.Sides(group.probe_states, group.slot_in_use, found), group.gone
+    sides, deleted = projection.Sides(group.probe_states, group.slot_in_use, found), group.deleted
     lists = (group.first, group.near, group.wait, group.due)
-    mesh = (points, scene.corners, group.beside, group.around_first, group.around, gone)
+    mesh = (points, scene.corners, group.beside, group.around_first, group.around, deleted)
     spared = (group.spared_first, group.spared)
     if group.is_round:
         ellipsoid = group.ellipsoids[i]
