@@ -218,7 +218,7 @@ class ElementLoad(Protocol):
 class Bending(Protocol):
     """Elements whose tangent goes to the blocks of their nodes, beside the rows of `tangent`."""
 
-    def bend(self, p, state, nodes, curves, slot, blocks):
+    def tangent_blocks(self, p, state, nodes, curves, slot, blocks):
         """Tangent by positions. Writes: blocks."""
 
 
@@ -241,7 +241,7 @@ class FibreLaw(Protocol):
     def tangent(self, p, state, nodes, curves, rows, first, material):
         """Compliant rows from row `first` on. Writes: rows."""
 
-    def bend(self, p, state, h, nodes, curves, slot, blocks, material):
+    def tangent_blocks(self, p, state, h, nodes, curves, slot, blocks, material):
         """Slopes of its forces by the positions of its nodes after a step of h. Writes: blocks."""
 
 

@@ -146,7 +146,7 @@ def force(
         growth *= fibres.stiffening(p, old, curves, strain, rate, material)
         a.stiffness += growth * p.rate_a
         b.stiffness += growth * p.rate_b
-    element.drag(p, out, nodes)
+    element.add_drag(p, out, nodes)
     out.plastic_work, out.plastic_strain = new.work, 0.0
     if material.VON_MISES:
         for i in range(p.count):
@@ -214,4 +214,4 @@ def resist_rate(row, R, v, w, strained, flow, damping):
     f, m = scale(flow[0], bent[3]), add_scaled((0.0, flow[1], flow[2]), flow[0], bent[4])
     c = scale(0.5, cross(f, strained[0]))
     m = add(rotated_rate(half_angle_over_sine(v, w), v, m), scale(2.0, frame_lag(v, w, c)))
-    element.damp(row, R, f, sub(m, c), add(m, c), damping)
+    element.write_damping_row(row, R, f, sub(m, c), add(m, c), damping)

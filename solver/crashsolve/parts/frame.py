@@ -172,8 +172,8 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame_of(axes_at(a, p.rotation), axes_at(b, p.rotation))
     check_rotation_limit(curves, p.node_b, w)
-    element.pull(p, out, a, b, R, v, w)
-    element.drag(p, out, nodes)
+    element.element_forces(p, out, a, b, R, v, w)
+    element.add_drag(p, out, nodes)
 
 
 @kernel

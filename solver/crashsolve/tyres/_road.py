@@ -122,7 +122,7 @@ def mesh_tables(cards: Sequence[Any], table: np.ndarray, scene: Scene) -> tuple[
 
 
 @kernel
-def distance_from_road(p, i, nodes, x, curves, data):
+def road_distance(p, i, nodes, x, curves, data):
     """Distance of a world point x from road i [m], negative below, and the unit normal to x."""
     body = nodes[p.road_node[i]]
     at = (p.road_at[3 * i], p.road_at[3 * i + 1], p.road_at[3 * i + 2])
@@ -139,12 +139,12 @@ def distance_from_road(p, i, nodes, x, curves, data):
     elif p.kind[i] == PROFILE:
         # its axes are rows of the ground
         y = matvec(axes, displacement)
-        distance, m = distance_from_profile(curves, p.road_root[i], p.radius, y)
+        distance, m = profile_distance(curves, p.road_root[i], p.radius, y)
         return distance, matvec_t(axes, m)
     else:
         distance, m = 1e300, (0.0, 0.0, 1.0)
         if data is not None:
-            distance, m = distance_from_mesh(p.road_root[i], p.thickness[i], y, data)
+            distance, m = mesh_distance(p.road_root[i], p.thickness[i], y, data)
     return distance, matvec(body.A, matvec(axes, m))
 
 
@@ -173,7 +173,7 @@ def road_axes(p, i):
 
 
 @kernel
-def distance_from_profile(curves, curve, radius, y):
+def profile_distance(curves, curve, radius, y):
     """Distance of (s, across, z) from a profile, and the normal in its axes; exact up to `radius`.
 
     All pieces that may be nearer than the road straight below are searched, so that corners, steps
@@ -234,7 +234,7 @@ def nearest_on_piece(c, s, end, y, start):
 
 
 @kernel
-def distance_from_mesh(root, thickness, y, data):
+def mesh_distance(root, thickness, y, data):
     """Distance of y from a mesh and the normal, in the axes of the mesh."""
     foot, found, at = nearest(data[0], data[1], root, y)
     displacement = sub(y, foot)

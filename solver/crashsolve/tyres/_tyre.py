@@ -39,14 +39,7 @@ from crashsolve.foundation.motion import (
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import Vector, add, add_scaled, cross, dot, scale, sub, vec
 from crashsolve.springs._resistance import steepest
-from crashsolve.tyres._road import (
-    MAX_ROADS,
-    PLANE,
-    ROADS,
-    Profile,
-    distance_from_road,
-    road_columns,
-)
+from crashsolve.tyres._road import MAX_ROADS, PLANE, ROADS, Profile, road_columns, road_distance
 
 # cosine of the camber below which a wheel lies on its side, and is not on its tyre
 LYING = 0.1
@@ -225,7 +218,7 @@ def patch_of(p, i, nodes, curves, data):
     wheel, road = nodes[p.node], nodes[p.road_node[i]]
     u, hub = arm(wheel, vec(p.axis)), arm(wheel, vec(p.centre))
     centre = world_position(wheel, vec(p.centre))
-    d, n = distance_from_road(p, i, nodes, centre, curves, data)
+    d, n = road_distance(p, i, nodes, centre, curves, data)
     camber = dot(u, n)
     upright = sqrt(max(1.0 - camber * camber, 0.0))
     lies = upright < LYING
@@ -267,7 +260,7 @@ def normal_gradient(p, i, nodes, centre, u, n, curves, data):
     The distance from a road has a symmetric second derivative, so that it is that of n along u.
     """
     step = NEAR * p.radius
-    _, beside = distance_from_road(p, i, nodes, add_scaled(centre, step, u), curves, data)
+    _, beside = road_distance(p, i, nodes, add_scaled(centre, step, u), curves, data)
     turning = scale(1.0 / step, sub(beside, n))
     # the normal jumps where two parts of a road are equally near
     is_jump = dot(turning, turning) * (0.1 * p.radius) ** 2 > 1.0

@@ -247,10 +247,8 @@ class NodalBuilder:
             # an empty record, and one for contacts that end
             probe_state, rows = probe_state + BESIDE, WALLS * rows + 1
         if friction is not None:
-            record, probe_state = (
-                record + friction.PARAMETERS,
-                probe_state + FRICTION_STATE + friction.HISTORY,
-            )
+            record = record + friction.PARAMETERS
+            probe_state = probe_state + FRICTION_STATE + friction.HISTORY
         p = np.zeros(1, record.dtype)
         for name, value in values.items():
             p[name] = value
@@ -289,14 +287,12 @@ class NodalBuilder:
         expand = getattr(narrow, "expand_b", lambda elements: elements)
         elements = [part for e in b.elements for part in expand([e])]
         probe_element = {"node": 0, "point": (0.0, 0.0, 0.0), "radius": probes.radius}
-        probe_elements = [probe_element | {"node": k} for k in range(first_body)]
+        balls = [probe_element | {"node": k} for k in range(first_body)]
         data = getattr(narrow, "data", lambda *_: ())([probe_element], elements)
         shape = import_module(f"crashsolve.contact.shape.{b.shape}")
         record = getattr(narrow, "PARAMETERS_B", shape.PARAMETERS)
         own = {
-            "a": table_of(
-                probe_elements, import_module("crashsolve.contact.shape.sphere").PARAMETERS
-            ),
+            "a": table_of(balls, import_module("crashsolve.contact.shape.sphere").PARAMETERS),
             "b": table_of(elements, record),
             "frames": frames,
             "home": home,
