@@ -83,7 +83,7 @@ def explained(card: type[BaseModel], error: ValidationError) -> ValidationError:
 
 
 def reported(diagnostics: list[Diagnostic], title: str = "card") -> ValidationError:
-    """The error that hands these errors on."""
+    """The error that carries these errors."""
     lines = []
     for diagnostic in diagnostics:
         words = PydanticCustomError(

@@ -1,4 +1,4 @@
-"""Phases of a run: stretches of its time, each with its own method from sample to sample."""
+"""Phases of a run: intervals of its time, each with a condition; their engine is in recording/."""
 
 from typing import Any, Protocol
 

@@ -162,7 +162,7 @@ def _shift(text: Text, how: ast.operator, a: Value, b: Value) -> Value:
 
 
 def _divide(text: Text, how: ast.operator, a: Value, b: Value) -> Value:
-    """Quotient rounded down, or what is left, with the sign of the divisor; by zero both are 0."""
+    """Quotient rounded down, or the remainder with the sign of the divisor; by zero both are 0."""
     if a.kind != INT:
         raise Untranslatable("// and % are for integers")
     x, y = a.words[0], b.words[0]

@@ -1,4 +1,4 @@
-"""Variables of a kernel: where they are kept, and what is known of them where branches join."""
+"""Variables of a kernel: their storage, and their kinds where branches join."""
 
 from dataclasses import dataclass, field
 
