@@ -130,7 +130,7 @@ def bench(folder: Path, semi: Any, mesh: Any = FLOOR, **words: Any) -> Any:
 
 def look(g: Any, x: Any, A: Any, is_smooth: bool = False) -> Any:
     """What the ellipsoid finds at x, a step later each time: side, depth, normal, ball's centre."""
-    body, mesh = g.nodes[1], (g.points, g.corners, g.beside, g.around_first, g.around, g.gone)
+    body, mesh = g.nodes[1], (g.points, g.corners, g.beside, g.around_first, g.around, g.deleted)
     body.r, body.A = x, np.ravel(A)
     g.totals[0].listed, g.due[:] = -1.0, 0.0
     lists = (g.first, g.near, g.wait, g.due)

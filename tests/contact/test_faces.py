@@ -134,7 +134,7 @@ class Bench:
         g.nodes = as_rows(self.state.nodes)
         g.lists = (g.first, g.near, g.wait, g.due)
         g.grid = (g.cells, g.starts, g.sorted)
-        g.mesh = (g.points, g.corners, g.beside, g.around_first, g.around, g.gone)
+        g.mesh = (g.points, g.corners, g.beside, g.around_first, g.around, g.deleted)
         return g
 
     def search(self, g: Any) -> None:
@@ -249,8 +249,8 @@ def test_a_deleted_element_is_met_no_more(tmp_path: Path, mesh: Any) -> None:
         if f >= g.p[0].quads:
             first, stride, k = g.p[0].first_third, g.p[0].stride_third, f - g.p[0].quads
         blocks[first + k // 16 * stride + k % 16] = 0.0
-    projection.remove_near_faces(g.p[0], blocks, g.gone)
-    assert list(g.gone) == list((x > 1.0).astype(int))
+    projection.remove_near_faces(g.p[0], blocks, g.deleted)
+    assert list(g.deleted) == list((x > 1.0).astype(int))
     assert bench.look([1.6, 0.3, 0.05]) == []
     assert len(bench.look([0.4, 0.6, 0.05])) == 1
     # and its neighbour has a free border there

@@ -35,7 +35,7 @@ class PhasedEngine(Protocol):
     def require_equilibrium(self, tolerance: float) -> None:
         """Raises SolverError where a force is left above a share of the largest one."""
 
-    def set_velocities(self, given: Any) -> None:
+    def set_velocities(self, given: dict[str, np.ndarray] | None) -> None:
         """Sets velocities, None for zero. Writes: the State."""
 
 
@@ -46,13 +46,13 @@ class PhaseLaw(Built, Protocol):
     recording/phased.py; all phases step the same State of the same Model.
     """
 
-    def start(self, p: Columns, engine: PhasedEngine) -> Any:
+    def start(self, p: Columns, engine: PhasedEngine) -> None:
         """Before the initial state of a run that begins with it is evaluated. Writes: the State."""
 
-    def begin(self, p: Columns, engine: PhasedEngine) -> Any:
+    def begin(self, p: Columns, engine: PhasedEngine) -> None:
         """Before its first step. Writes: the State."""
 
-    def end(self, p: Columns, engine: PhasedEngine) -> Any:
+    def end(self, p: Columns, engine: PhasedEngine) -> None:
         """After its last step; raises SolverError where it has not reached what it promises."""
 
 

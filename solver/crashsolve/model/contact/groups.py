@@ -66,16 +66,18 @@ class ContactGroup(Touching):
     output: np.ndarray
     search: Any | None  # of the near pairs; None when all pairs are kept
     # of many pairs, see model/contact/pieces.py
-    pieces: Any = None
-    sums: Any = None  # of a piece, as a card has them
-    counts: Any = None
-    loads: Any = None  # on bodies, body by body
-    applied: Any = None  # whether there is such a load now
-    load_rows: Any = None  # of pair i those of loads 2 i on side a and 2 i + 1 on side b
-    bearers: Any = None
-    ranges: Any = None  # pieces of the bodies
+    pieces: np.ndarray | None = None
+    sums: np.ndarray | None = None  # of a piece, as a card has them
+    counts: np.ndarray | None = None
+    loads: np.ndarray | None = None  # on bodies, body by body
+    applied: np.ndarray | None = None  # whether there is such a load now
+    load_rows: np.ndarray | None = (
+        None  # of pair i those of loads 2 i on side a and 2 i + 1 on side b
+    )
+    bearers: np.ndarray | None = None
+    ranges: np.ndarray | None = None  # pieces of the bodies
     # of few pairs that are skipped while separated: model/contact/body_pairs.py
-    body_pairs: Any = None
+    body_pairs: np.ndarray | None = None
 
     @property
     def in_pieces(self) -> bool:
