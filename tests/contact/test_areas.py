@@ -137,7 +137,7 @@ def bound(contact: Contact) -> float:
     return float(_edged.bound(a[0], b[0], contact.bench.nodes, ()))
 
 
-def test_friction_of_slip_and_spin_takes_what_it_works() -> None:
+def test_friction_of_slip_and_spin_dissipates_its_work() -> None:
     """Power of force and torque on both bodies is that of the three components."""
     rng, zero = np.random.default_rng(1), np.zeros
     a, b = (type("Body", (), {"w": rng.normal(size=3), "v": rng.normal(size=3)})() for _ in "ab")

@@ -270,7 +270,7 @@ def test_a_sharp_fold_is_met_once(tmp_path: Path) -> None:
         np.testing.assert_allclose(hits[0][2], direction, atol=1e-12)
 
 
-def test_from_wall_to_wall_of_a_fold_nothing_is_crossed(tmp_path: Path) -> None:
+def test_no_face_is_crossed_from_wall_to_wall_of_a_fold(tmp_path: Path) -> None:
     # 0.56 from the fold, on either side of its middle: both walls are 0.092 away
     bench = Bench(tmp_path, *HAIRPIN)
     for angle, wall in ((9.5, [0.0, 0.0, 1.0]), (10.5, [-0.342, 0.0, -0.94]), (9.5, [0, 0, 1])):
@@ -443,7 +443,7 @@ def test_a_run_goes_on_from_its_dump_to_the_same_bits(tmp_path: Path) -> None:
 
 
 @runs
-def test_what_goes_deep_into_a_shell_is_named_at_the_end(tmp_path: Path) -> None:
+def test_deep_contact_with_a_shell_is_reported_at_the_end(tmp_path: Path) -> None:
     words = ("--set", "control.estimate=off", "--set", "contacts.ball.normal.share=0.0005")
     done = crashsolve(DECK, "-o", tmp_path, *words)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -86,7 +86,7 @@ def test_gains_stop_or_are_warned_of_in_any_frame(
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_the_work_of_a_contact_is_what_it_holds_and_loses(method: str, tmp_path: Path) -> None:
+def test_the_work_of_a_contact_is_stored_and_dissipated(method: str, tmp_path: Path) -> None:
     engine = fall(method, 1e-5, tmp_path, 1e5, 1e4, end=0.4)
     now, out = card_of(engine)
     (_, lack, _), _ = missing_energies(now, out)

@@ -199,7 +199,7 @@ def test_samples_within_steps_have_the_order_of_the_dense_output(
 
 
 @TABLEAUX
-def test_samples_change_nothing(method: str, tmp_path: Path) -> None:
+def test_samples_do_not_change_a_run(method: str, tmp_path: Path) -> None:
     control = {"integrator": method, "tolerance": 1e-6}
     once = run(tmp_path, SCENE, END, **control)
     often = start(tmp_path, SCENE, END, **control)
