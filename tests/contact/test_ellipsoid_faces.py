@@ -152,9 +152,9 @@ def look(g: Any, x: Any, A: Any, is_smooth: bool = False) -> Any:
         ),
     )
     if is_smooth:
-        centre, pen = ellipsoids.centre_of(g.ellipsoids[0], g.nodes)
+        centre, ellipsoid_data = ellipsoids.centre_of(g.ellipsoids[0], g.nodes)
         spared = (g.spared_first, g.spared)
-        normals.apply_field(0, centre, pen, g.p[0], mesh, spared, g.found[0])
+        normals.apply_field(0, centre, ellipsoid_data, g.p[0], mesh, spared, g.found[0])
     hits = []
     for s in range(2):
         old, new, hit = (
@@ -231,10 +231,13 @@ def test_the_way_to_the_centre_changes_by_its_derivative(seed: int, tmp_path: Pa
     rng = np.random.default_rng(seed)
     g = bench(tmp_path, (0.3, 0.15, 0.1))
     g.nodes[1].A = np.ravel(rotated(rng))
-    _, pen = ellipsoids.centre_of(g.ellipsoids[0], g.nodes)
+    _, ellipsoid_data = ellipsoids.centre_of(g.ellipsoids[0], g.nodes)
     n, d, step = rng.normal(size=3), rng.normal(size=3), 1e-5
-    ends = [np.array(ellipsoids.centre_from_ball(pen, tuple(n + k * step * d))) for k in (1, -1)]
-    found = ellipsoids.change_of_centre(pen, tuple(n), tuple(d))
+    ends = [
+        np.array(ellipsoids.centre_from_ball(ellipsoid_data, tuple(n + k * step * d)))
+        for k in (1, -1)
+    ]
+    found = ellipsoids.change_of_centre(ellipsoid_data, tuple(n), tuple(d))
     # central differences: round-off 1e-11, third order 1e-10
     np.testing.assert_allclose(found, (ends[0] - ends[1]) / (2.0 * step), atol=1e-8)
 

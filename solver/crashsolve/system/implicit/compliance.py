@@ -54,11 +54,11 @@ def linearise(rows, compliant, nodes, velocity, position):
 def combine_tangents(row, velocity, position):
     """D becomes B, and G becomes (k D + c G) / (c + k t), t = position / velocity. Writes: row."""
     D, G, k, c = row.D, row.G, row.stiffness, row.damping
-    ease = velocity * c + position * k
+    sigma_over_t = velocity * c + position * k
     for j in range(12):
         d, g = D[j], G[j]
-        D[j] = d + c * position / ease * g if ease > 0.0 else d
-        G[j] = velocity * (k * d + c * g) / ease if ease > 0.0 else 0.0
+        D[j] = d + c * position / sigma_over_t * g if sigma_over_t > 0.0 else d
+        G[j] = velocity * (k * d + c * g) / sigma_over_t if sigma_over_t > 0.0 else 0.0
 
 
 @kernel
