@@ -1,4 +1,4 @@
-"""What is wrong with a card and what would be right, in plain English.
+"""Errors of a card, with advice, in plain English.
 
 pydantic finds the errors; here they get their words and the position within the card.
 """

@@ -1,4 +1,4 @@
-"""What the file of a law may provide, role by role: the step calls nothing else of it.
+"""Functions that the file of a law may provide, role by role; the step calls no others.
 
 The Protocol of a family is made of the roles that every law of it plays. The others are hooks: a
 law that provides one is asked by it, wherever its family stands. Type checkers, the error for a

@@ -1,4 +1,4 @@
-"""One motion of a hinge: what it resists in a step, how that rises, and where its law has corners.
+"""One motion of a hinge: its resistance in a step, the slopes of that, and the corners of its law.
 
 `x` is the angle or the stroke from the undeformed hinge [rad or m], `rate` its rate, and `speed`
 that of the rate factor (_law.py).

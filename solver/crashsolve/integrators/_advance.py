@@ -1,7 +1,7 @@
 """The loop over time: steps and samples, the balance of energy, and why it ends.
 
-The same for every method; what a step and a sample are is said by its stepper (`rattle`,
-`_runge_kutta` or `_implicit`), in three functions.
+The same for every method; its stepper (`rattle`, `_runge_kutta` or `_implicit`) defines a step and
+a sample, in three functions.
 """
 
 from crashsolve.foundation.kernels import entry

@@ -4,7 +4,7 @@
     for all stages at once, by iteration with the tangents of springs and contacts
 
 The end of the step is its last stage. Consequence to test: the step of a stiff deck is that of its
-motion, whatever the stiffness.
+motion, for any stiffness.
 
 Reference: Hairer and Wanner (1996), Solving Ordinary Differential Equations II, IV.8.
 """

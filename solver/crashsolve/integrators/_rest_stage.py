@@ -2,7 +2,7 @@
 
     g(q) + D^T lambda = M a,   q = q_0 + h^2/2 a,   Phi(q) = 0        at the time `clock.goal`
 
-by Newton's method with a new matrix in every iteration. Where control.searches says so a correction
+by Newton's method with a new matrix in every iteration. With control.searches a correction
 d is shortened to the share s of it at which its power P is a part of that at its start, by
 bisection,
 

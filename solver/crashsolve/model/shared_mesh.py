@@ -1,4 +1,4 @@
-"""Meshes that parts share: whose the elements are, the order of the nodes, and what a node has.
+"""Meshes that parts share: the part of each element, the order and the properties of nodes.
 
 Nodes stand in the order of the parts: those of the first, then what the second has besides, and so
 on. A part moves the nodes of its own range, and its elements act on all that they name. A node has

@@ -53,7 +53,7 @@ class PhaseLaw(Built, Protocol):
         """Before its first step. Writes: the State."""
 
     def end(self, p: Columns, engine: PhasedEngine) -> None:
-        """After its last step; raises SolverError where it has not reached what it promises."""
+        """After its last step; raises SolverError where its condition is not met."""
 
 
 FAMILY = Family(

@@ -109,7 +109,7 @@ class Snapshot:
         return self._pairs
 
     def take(self) -> None:
-        """Keep what is now."""
+        """Store the present arrays."""
         if not self.is_copied:
             self._arrays = {name: a.copy() for name, a in changing(self.engine).items()}
             return
@@ -125,7 +125,7 @@ class Snapshot:
         self._arrays, self._bound = dict(arrays), -1
 
     def restore_copy(self) -> None:
-        """Make what was kept the present; of lists of pairs once for every `take`."""
+        """Restore the stored arrays; lists of pairs only once for every `take`."""
         if self.is_copied and self._bound == self.engine.bindings:
             for now, kept in self._pairs:
                 now[...] = kept

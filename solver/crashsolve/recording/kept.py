@@ -90,7 +90,7 @@ def identity(source: Source) -> int:
 
 
 def _layout(source: Source) -> tuple[tuple[int, ...], np.dtype]:
-    """Shape and type of what is kept of a source."""
+    """Shape and type of the copies of a source."""
     if isinstance(source, Columns):
         names = [name for name in source.table.dtype.names or () if name in source.names]
         return source.table.shape, np.dtype([(n, source.table.dtype[n]) for n in names])

@@ -89,7 +89,7 @@ PASSED = Record("""
 
 @entry
 def march(_, flag, scene):
-    """Samples at scene.times, one after the other. Writes: all of the State, what is kept."""
+    """Samples at scene.times, one after the other. Writes: all of the State, the copies."""
     job, clock = scene.job[0], scene.clock[0]
     begun = ticks()
     job.why, job.count, job.stepping = DONE, 0, 0

@@ -23,7 +23,7 @@ def look_up_pictured(deck: Deck, model: Model) -> None:
 
 
 def _problems_of(scene: Scene, deck: Deck, model: Model) -> Iterator[tuple[str, str]]:
-    """What is wrong with the names of a scene, and advice."""
+    """Errors of the names of a scene, with advice."""
     whole = [*model.bodies[1:], *deck.entries["parts"]]
     for word in scene.show:
         yield from _unknown("show", word, whole, "bodies and parts")

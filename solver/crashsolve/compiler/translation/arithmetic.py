@@ -1,7 +1,7 @@
 """Operators on numbers, as in Python; division by zero gives infinity.
 
 Numbers of different kinds are brought to the one that holds both. Integers are those of the
-machine: 64 bits. COMPILER.md says what that means.
+machine: 64 bits. See COMPILER.md.
 """
 
 import ast

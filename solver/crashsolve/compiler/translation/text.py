@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable
 
 # contraction and reciprocals only: NaN and infinity must keep their meaning for the guards.
 # Sums of several lanes are done side by side, in any order; elsewhere the order is that of the
-# source, so that compensated sums are what they are meant to be.
+# source, so that compensated sums are kept.
 FLAGS = "contract nsz arcp"
 FLAGS_OF_LANES = f"{FLAGS} reassoc"
 

@@ -90,7 +90,7 @@ class Deck:
 
     @cached_property
     def threads(self) -> int:
-        """Threads that share the steps: what the deck says, else what the job was given.
+        """Threads that share the steps: those of the deck, else those given to the job.
 
         Raises DeckErrors where the job was given no number.
         """
@@ -340,7 +340,7 @@ class _Reader:
     def card(
         self, item: Item, kind: type[AnyCard], without: str = "", is_certain: bool = True
     ) -> AnyCard | None:
-        """The card an item holds; None after reporting what is wrong with it.
+        """The card of an item; None after reporting its errors.
 
         Of a card whose kind is not certain, nothing is missed.
         """

@@ -19,7 +19,7 @@ from crashsolve.materials._von_mises import LAYER, resistance
 PASSES = 50
 # of the yield stress: some units of round-off
 CLOSE = 1e-14
-# what may be left where it falls no further, by round-off of large slopes
+# allowed residual where it falls no further, by round-off of large slopes
 STILL = 1e-10
 # step of Householder's method over 1 / c2 + g whose fourth power is below round-off
 NEAR = 2e-4
