@@ -44,7 +44,7 @@ class EventStates:
         fields: Callable[[], dict[str, Any]],
     ) -> None:
         self.engine, self._schedule, self._fields = engine, schedule, fields
-        # phases hand on more than a State
+        # phases pass on more than a State
         is_plain = type(engine) is Engine and is_cheap(engine)
         self._watches, self._is_started = wanted and is_plain, False
         self._before: Snapshot | None = None
@@ -152,7 +152,7 @@ class EventStates:
 
 
 def _stop(is_asked: Callable[[], bool]) -> Callable[[], None]:
-    """Callback at a pause: raises Abandoned where something is asked of the run."""
+    """Callback at a pause: raises Abandoned where there is a request to the run."""
 
     def pause() -> None:
         if is_asked():

@@ -32,7 +32,7 @@ from crashsolve.study.table import csv_text, legend, text_table
 from crashsolve.study.trials import Trial, run_all
 from crashsolve.study.watch import Watch, ask, overall, watched
 
-# relative error that the last sentence is about where no target is asked for
+# relative error of the last sentence without a target
 USUAL = 0.05
 # an overall number whose estimated error is below this is worth naming
 CONVERGED = 0.01
@@ -140,7 +140,7 @@ def _refuse_ineffective(request: Request, grid: Sequence[Setting]) -> None:
 
 
 def _steps(request: Request, deck: Deck) -> str | None:
-    """Steps that are asked for; where values of a field are compared, the deck's own."""
+    """Requested steps; where values of a field are compared, the deck's own."""
     if request.steps or request.tolerances or not request.vary:
         return request.steps
     return AUTO if deck.control.step == AUTO else repr(float(deck.control.step))
@@ -197,7 +197,7 @@ def _report(
     findings: list[Finding],
     extra: list[Finding],
 ) -> None:
-    """Write study.csv and study.png, print the table and what it says."""
+    """Write study.csv and study.png, print the table and its conclusions."""
     replace_text(request.folder / "study.csv", csv_text(trials, findings))
     title = deck.title or request.deck.stem
     missing = draw(request.folder / "study.png", title, trials, findings)

@@ -1,4 +1,4 @@
-"""Attached nodes: nodes that move with a rigid body, and hand it the forces on them.
+"""Attached nodes: nodes that move with a rigid body, and transfer the forces on them to it.
 
     r = r_body + A s,   q = q_body q_s,   v = v_body + w x A s,   w = w_body
     f_body += f,   tau_body += tau + A s x f

@@ -311,7 +311,7 @@ def gaining_law(model: Model, state: State) -> Diagnosis:
 
 
 def _gain_of(now: Any, stored: float, limit: float) -> tuple[float, str]:
-    """What a law has created over what it took and gave, and in words."""
+    """Energy that a law has created, over the energy it exchanged, and in words."""
     taken, held = 0.5 * float(now["exchanged"] - now["given"]), float(now["initially_stored"])
     gain = float(energy_gain(now, stored))
     if overstates(now, stored, limit, 0.0) and not has_gain(now, stored, limit, 0.0):

@@ -222,7 +222,7 @@ class Engine:
             if clock["kinked"] == CORNER:
                 self._renew_after_corner()
             corner = self._next_corner(until)
-            # stages at the end of a step are of what comes before a corner
+            # stages at the end of a step belong to the time before a corner
             end = nextafter(corner, -inf) if self.has_stages else corner
             change = self._next_curve_step(min(max(until, goal), end))
             self._step(min(until, end, change), min(goal, end, change))
@@ -286,7 +286,7 @@ class Engine:
         steps = self._curve_steps * (float(control["curve_share"]) * self._stages_see)
         at = max(int(np.searchsorted(starts, now, side="right")) - 1, 0)
         if control["fixed_step"] > 0.0:
-            # what is left but for round-off is one step
+            # the remaining time, but for round-off, is one step
             is_cut = steps[at] < min(control["fixed_step"], (1.0 - STAGNATION_RATIO) * (goal - now))
             return now + float(steps[at]) if is_cut else inf
         last = int(np.searchsorted(starts, goal, side="left"))
@@ -373,7 +373,7 @@ class Engine:
             raise diagnose(self.model, self.state, self.clock, self.ledger)
 
     def _check_pass_through(self) -> None:
-        """Raises SolverError where a body has passed the middle of what it strikes."""
+        """Raises SolverError where a body has passed the middle of a struck body."""
         passed = passed_through(self.model, self.state)
         if passed is not None:
             raise passed

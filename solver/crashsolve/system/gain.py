@@ -1,9 +1,9 @@
-"""What a law between two bodies gives them, and has taken: its own balance, in any frame.
+"""Energy balance of a single law between two bodies, independent of the frame of reference.
 
     W = 1/2 (f_old . u_old + f_new . u_new)   of both bodies, u the displacement in the step
     gain = min(W - held at the start, W + held + lost - held at the start)
 
-Kick, drift, kick: half of the forces at both ends of a step act along what it moves, see
+Kick, drift, kick: half of the forces at both ends of a step act along its displacement, see
 contact/work.py. A law that is passed in too long a step, a stop or a tyre that is hit, gives more
 than it took; the balance of the whole may hide that behind other energy. Consequence to test: the
 gain of any step is that of the kinetic energy of two free bodies.
@@ -13,7 +13,7 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import add, dot, norm, put, sub, vec
 from crashsolve.system.contact.work import motion_of
 
-# share of what a law states to have lost and to hold that its bodies never gave
+# share of the stated loss and energy of a law that its bodies never supplied
 OVERSTATED = 0.9
 
 
@@ -26,7 +26,7 @@ def applied_loads(p, nodes):
 
 @kernel
 def record_work(p, old, new, before, h, nodes):
-    """Work over a step of h of what the law has added to `before`. Writes: new."""
+    """Work over a step of h of the forces that the law has added to `before`. Writes: new."""
     now = applied_loads(p, nodes)
     force_a, torque_a = sub(now[0], before[0]), sub(now[1], before[1])
     force_b, torque_b = sub(now[2], before[2]), sub(now[3], before[3])
@@ -56,14 +56,14 @@ def half_work(body, force, torque):
 
 @kernel
 def energy_gain(now, stored):
-    """Energy [J] that a law has returned beyond what it took and stored."""
+    """Energy [J] that a law has returned beyond the energy it received and stored."""
     beyond = now.given - max(now.initially_stored, 0.0)
     return min(beyond, now.given + stored + now.dissipated - now.initially_stored)
 
 
 @kernel
 def overstates(now, stored, limit, unseen):
-    """Whether a law states that it lost and holds ten times what it was ever given.
+    """Whether the stated loss and energy of a law are ten times the energy it received.
 
     So does a damper that turns a velocity round in every step, with a force that has a bound.
     """

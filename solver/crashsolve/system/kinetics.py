@@ -129,7 +129,7 @@ def has_deferred(nodes):
 
 @kernel
 def clear_forces(nodes):
-    """Zero what a force pass sums. Writes: nodes."""
+    """Zero the sums of a force pass. Writes: nodes."""
     zero = (0.0, 0.0, 0.0)
     for i in range(nodes.shape[0]):
         b = nodes[i]

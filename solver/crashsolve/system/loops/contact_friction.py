@@ -1,7 +1,7 @@
 """Friction of one contact pair: of its slip, or of its slip and its spin together.
 
-In steps of kicks what is a damper near rest stops a slip at most, and is no stiffness for the
-length of the step; any other friction is.
+In steps of kicks, friction that damps near rest stops a slip at most, and does not limit the
+length of the step; any other friction does.
 """
 
 from crashsolve.foundation.kernels import stage

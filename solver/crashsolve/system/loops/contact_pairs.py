@@ -112,7 +112,7 @@ def some_pairs(group, piece, first, end, clock, h, nodes, curves, scene):
 def sums_of(group, piece, i, clock, p, m, w, scene):
     """The sums to which pair i adds. Of many pairs each has loads, and each piece sums, of its own.
 
-    One thread hands loads on at once, and needs those of one pair alone.
+    A single thread adds loads to bodies at once, and needs those of one pair only.
     """
     if group.in_pieces and THREADS:
         on_a, on_b = group.loads[group.load_rows[2 * i]], group.loads[group.load_rows[2 * i + 1]]
@@ -260,7 +260,7 @@ def normal_force_of(group, h, pair, totals, meeting, closing, curves, scene):
         f, more, x = areas.distribute_pressure(pair, totals, spots, corners, n, x, applied, push)
         power += more
     elif group.has_shares:
-        # what the law returns is for the whole surface, of which this is one element
+        # the law returns the force of the full surface, of which this is one element
         share = pair.first.share
         f, out.stored, power = share * f, share * out.stored, share * power
         loss, k, c = share * loss, share * k, share * c
@@ -284,7 +284,7 @@ def friction_of(group, clock, h, pair, totals, sliding, motion, radius, curves):
 
 @stage
 def begin_second_half(group, applied, pair, sliding, x, friction, radius, count):
-    """Note what the forces of the second half of a step begin with. Writes: out, new, count."""
+    """Store the forces with which the second half of a step begins. Writes: out, new, count."""
     if group.resists_spin:
         areas.add_second_half_work(
             applied, pair, sliding, x, friction.force, friction.displacement, radius, count

@@ -1,4 +1,4 @@
-"""Many contact pairs in pieces: what each piece is, and what is put together of all of them.
+"""Many contact pairs in pieces: the work of each piece, and the sums of all.
 
 One thread does the pieces one after the other, and adds the loads of each pair to its bodies at
 once. Several do the pieces side by side (pieces.py), and bodies add up their loads afterwards, in
@@ -33,7 +33,7 @@ def bear_piece(group, k, scene):
 
 @kernel
 def sum_pieces(group, clock, scene):
-    """Add what the pieces come to to the contact cards. Writes: scene.cards, card_history."""
+    """Add the sums of the pieces to the contact cards. Writes: scene.cards, card_history."""
     for k in range(group.pieces.shape[0]):
         card = group.pieces[k].card
         history = scene.card_history[1 - clock.current, card]

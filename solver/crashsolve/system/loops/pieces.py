@@ -1,4 +1,4 @@
-"""Jobs in pieces, for several threads: what each piece is, who does it, and the loop of a thread.
+"""Jobs in pieces, for several threads: the work of each piece, and the loop of a thread.
 
 The first thread calls the others to a job, and takes part (threads/worker.py).
 """
@@ -239,7 +239,7 @@ def deform_part(group, p, clock, h, scene):
 
 @kernel
 def load_piece(k, job, scene):
-    """Some blocks of the load that is asked for. Writes: scene.points, block_sums."""
+    """Some blocks of the requested load. Writes: scene.points, block_sums."""
     i = job.entry
     for number, group in enumerate(ELEMENT_LOADS):
         if job.group == number:

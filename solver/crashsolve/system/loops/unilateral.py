@@ -40,7 +40,7 @@ def sweep(is_half, is_impulse, clock, nodes, scene):
 
 @kernel
 def impulses_of_first_half(h, clock, control, nodes, scene):
-    """Impulses in the first half of a step on what is held. Writes: nodes, new histories."""
+    """Impulses in the first half of a step on active pairs. Writes: nodes, new histories."""
     for group in UNILATERAL:
         unilateral.clear_impulses(clock.current, group.history)
     worst = 0.0
@@ -68,7 +68,7 @@ def impulses_of_first_half(h, clock, control, nodes, scene):
 
 @kernel
 def impulses_of_second_half(h, clock, nodes, scene):
-    """Impulses in the second half, and on what has just touched. Writes: nodes, new histories."""
+    """Impulses in the second half, and on new pairs. Writes: nodes, new histories."""
     if h > 0.0:
         sweep(False, False, clock, nodes, scene)
         fresh = 0
