@@ -133,7 +133,7 @@ class Implicit:
         matrix = SimpleNamespace(columns=self.scene.columns_0, blocks=self.scene.blocks_0)
         global_matrix.clear_matrix(self.nodes, matrix)
         stiffness.restore_elements(H, self.scene)
-        stiffness.reach(self.nodes, self.scene)
+        stiffness.update_arms(self.nodes, self.scene)
         for kind in self.kinds:
             word = kind.__name__.rpartition(".")[2].lstrip("_")
             file = import_module(f"crashsolve.elements.shells.tangents.{word}")
@@ -156,7 +156,7 @@ class Implicit:
     def begin(self) -> None:
         """Where all is becomes the start of the next step."""
         self.force()
-        stiffness.keep(self.scene)
+        stiffness.save_blocks(self.scene)
         for b in self.nodes[1:]:
             b.start_r, b.start_q, b.start_A = b.r, b.q, b.A
 
