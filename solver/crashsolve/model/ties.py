@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from importlib import import_module
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from crashsolve.deck.building import Scene
-from crashsolve.elements.shells.layout import DiscretisedShell
 from crashsolve.foundation.point import ATTACHED, TIE
 from crashsolve.ties._faces import normal_rate
+
+if TYPE_CHECKING:
+    from crashsolve.elements.shells.layout import DiscretisedShell
 
 # velocities of a node and of its position that differ by less than this share are the same
 SAME = 1e-9
