@@ -29,7 +29,7 @@ FORCE_OUTPUT = Record("""
 WATCHED = Record("""
     given       J          work on both bodies so far
     exchanged   J          what was taken and given, both positive
-    held_first  J          held before the first step
+    initially_stored  J          held before the first step
     peak_force  N          largest force so far
     force_a     N       3  on body a
     torque_a    N m     3  about its mass centre

@@ -21,7 +21,7 @@ from crashsolve.model.clock import (
     VELOCITY,
 )
 from crashsolve.model.model import Model, State
-from crashsolve.system.gain import OVERSTATED, gained, gains, overstates
+from crashsolve.system.gain import OVERSTATED, energy_gain, has_gain, overstates
 from crashsolve.system.timestep import QUARTER
 
 # what helps most where a shell folds on itself: a node meets the nearer of two walls alone
@@ -279,7 +279,7 @@ def gaining_contact(model: Model, state: State, clock: np.void) -> Diagnosis:
     """A contact card whose normal force, or friction, has created energy."""
     number, is_friction = int(clock["index"]), float(clock["value"]) == 1.0
     card = state.card_history[int(clock["current"])][number]
-    held, exchanged = max(float(card["held_first"]), 0.0), float(card["exchanged"])
+    held, exchanged = max(float(card["initially_stored"]), 0.0), float(card["exchanged"])
     taken = 0.5 * (exchanged - float(card["work"]))
     gained = float(card["work"]) - held
     if is_friction:
@@ -299,22 +299,22 @@ def gaining_contact(model: Model, state: State, clock: np.void) -> Diagnosis:
 
 def gaining_law(model: Model, state: State) -> Diagnosis:
     """The spring, hinge or tyre that has created most energy over what it took and gave."""
-    current, worst = int(state.clock[0]["current"]), (0.0, "", "")
+    current, most, where, why = int(state.clock[0]["current"]), 0.0, "", ""
     limit = float(model.control[0]["energy_limit"])
     for group in (g for g in model.force_groups() if g.is_watched):
         rows = zip(group.names, as_rows(group.history[current]), group.output, strict=True)
         for name, now, out in rows:
             share, cause = _gain_of(now, float(out["stored"]), limit)
-            if share > worst[0]:
-                worst = share, f"{families()[group.keyword].entry} '{name}'", cause
-    return *worst[1:], f"{closer(model, state)}; control.energy_limit sets the bound"
+            if share > most:
+                most, where, why = share, f"{families()[group.keyword].entry} '{name}'", cause
+    return where, why, f"{closer(model, state)}; control.energy_limit sets the bound"
 
 
 def _gain_of(now: Any, stored: float, limit: float) -> tuple[float, str]:
-    """What a law has created over what it took and gave, and in words."""
-    taken, held = 0.5 * float(now["exchanged"] - now["given"]), float(now["held_first"])
-    gain = float(gained(now, stored))
-    if overstates(now, stored, limit, 0.0) and not gains(now, stored, limit, 0.0):
+    """Energy that a law has created, over the energy it exchanged, and in words."""
+    taken, held = 0.5 * float(now["exchanged"] - now["given"]), float(now["initially_stored"])
+    gain = float(energy_gain(now, stored))
+    if overstates(now, stored, limit, 0.0) and not has_gain(now, stored, limit, 0.0):
         stated = stored + float(now["dissipated"])
         return 1.0 / (1.0 - OVERSTATED), (
             f"its force turns a velocity round in every step: it states to have lost and to hold "

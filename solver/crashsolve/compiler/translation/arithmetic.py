@@ -1,7 +1,7 @@
 """Operators on numbers, as in Python; division by zero gives infinity.
 
 Numbers of different kinds are brought to the one that holds both. Integers are those of the
-machine: 64 bits. COMPILER.md says what that means.
+machine: 64 bits. See COMPILER.md.
 """
 
 import ast
@@ -24,8 +24,13 @@ from crashsolve.compiler.translation.kinds import (
 )
 from crashsolve.compiler.translation.text import Text
 
-FLOATS = {ast.Add: "fadd", ast.Sub: "fsub", ast.Mult: "fmul", ast.Div: "fdiv"}
-INTEGERS = {
+FLOATS: dict[type[ast.operator], str] = {
+    ast.Add: "fadd",
+    ast.Sub: "fsub",
+    ast.Mult: "fmul",
+    ast.Div: "fdiv",
+}
+INTEGERS: dict[type[ast.operator], str] = {
     ast.Add: "add",
     ast.Sub: "sub",
     ast.Mult: "mul",
@@ -37,7 +42,7 @@ INTEGERS = {
 }
 LOGIC = (ast.BitAnd, ast.BitOr, ast.BitXor)
 # of integers, and of floating point numbers: all but `ne` are false with NaN
-ORDERS = {
+ORDERS: dict[type[ast.cmpop], tuple[str, str]] = {
     ast.Eq: ("eq", "oeq"),
     ast.NotEq: ("ne", "une"),
     ast.Lt: ("slt", "olt"),
@@ -162,7 +167,7 @@ def _shift(text: Text, how: ast.operator, a: Value, b: Value) -> Value:
 
 
 def _divide(text: Text, how: ast.operator, a: Value, b: Value) -> Value:
-    """Quotient rounded down, or what is left, with the sign of the divisor; by zero both are 0."""
+    """Quotient rounded down, or the remainder with the sign of the divisor; by zero both are 0."""
     if a.kind != INT:
         raise Untranslatable("// and % are for integers")
     x, y = a.words[0], b.words[0]
