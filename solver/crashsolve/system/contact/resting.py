@@ -55,7 +55,7 @@ def skip_depth(h, deepest):
 
 @kernel
 def is_at_end_of_step(h, clock):
-    """Whether this is a sample at the end of the last step, to which the histories of pairs belong."""
+    """Whether this is a sample at the end of the last step, as the histories of pairs are."""
     return h == 0.0 and clock.kicked_over > 0.0
 
 

@@ -88,7 +88,7 @@ def look_at_deepest(group, clock, nodes, scene):
 def some_pairs(group, piece, first, end, approached, clock, h, nodes, curves, scene):
     """The same of pairs that follow each other; returns how many gaps were evaluated.
 
-    At a sample their bodies have approached each other by `approached` since the last evaluation [m].
+    At a sample, the bodies have approached each other by `approached` since depths were stored [m].
     Writes: totals, outputs, new histories.
     """
     params, history, output = group.parameters, group.history, group.output
