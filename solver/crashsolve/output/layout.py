@@ -83,7 +83,10 @@ def copy_rows(
     for family in families:
         names = (f"{family.name}/{column.path}" for column in family.columns)
         widths |= dict.fromkeys(names, len(family.ids))
-    buffer = memoryview(bytearray(SLAB_BYTES))
+    longest = max(
+        8 * width * (p.stop - p.start) for width in widths.values() for p in _slabs(rows, width)
+    )
+    buffer = memoryview(np.empty(longest, np.uint8))
     with FileIO(old) as source, FileIO(new, "r+") as copy:
         for name, width in widths.items():
             for part in _slabs(rows, width):
