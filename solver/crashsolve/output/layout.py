@@ -9,7 +9,7 @@ import os
 from collections.abc import Callable, Iterator
 from io import FileIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -182,7 +182,7 @@ def _refuse_malformed(path: Path, group: "h5py.Group", family: Family) -> None:
 
 
 def reserve(
-    group: "h5py.Group", name: str, shape: tuple[int, ...], kind: str = "<f8", **fill: Any
+    group: "h5py.Group", name: str, shape: tuple[int, ...], kind: str = "<f8", **fill: object
 ) -> "h5py.Dataset":
     """Create a contiguous dataset whose position in the file is fixed at once."""
     from h5py import h5d, h5p
