@@ -86,7 +86,7 @@ def copy_rows(
     longest = max(
         8 * width * (p.stop - p.start) for width in widths.values() for p in _slabs(rows, width)
     )
-    buffer = memoryview(np.empty(longest, np.uint8))
+    buffer = np.empty(longest, np.uint8).data
     with FileIO(old) as source, FileIO(new, "r+") as copy:
         for name, width in widths.items():
             for part in _slabs(rows, width):
