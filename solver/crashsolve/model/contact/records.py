@@ -39,7 +39,8 @@ HISTORY = Record("""
 # of pairs whose sides have an end (system/contact/pass_through.py)
 FACE = Record("""
     held    flag  continues with its own face though another is nearer
-    passed  s     time at which one side has passed the middle of the other; 0: it has not
+    passed  s     time at which one side has passed the middle of the other; 0: it has not;
+                  negative: by its back
 """)
 WAY = Record("normal  1  3  out of b") + FACE
 OUTPUT = Record("""

@@ -55,7 +55,7 @@ def note_face(clock, h, p, old, new, held, over, depth, n):
     """
     new.held = 1 if held else 0
     astray = over > 0.0 or is_opposite(old, n) or has_leapt(p, old, depth, n, SQUARE)
-    mark(clock, h, p, old, new, depth, astray)
+    mark(clock, h, p, old, new, depth, n, astray)
     put(new.normal, n)
 
 
@@ -68,7 +68,7 @@ def note_escape(clock, h, p, old, new, depth, n):
     new.held = 0
     is_deep = depth > MIDDLE * p.thick
     astray = is_deep or is_opposite(old, n) or has_leapt(p, old, depth, n, ROTATED)
-    mark(clock, h, p, old, new, depth, astray)
+    mark(clock, h, p, old, new, depth, n, astray)
     put(new.normal, n)
 
 
@@ -103,13 +103,17 @@ def has_leapt(p, old, depth, n, cosine):
 
 
 @kernel
-def mark(clock, h, p, old, new, depth, astray):
-    """The time at which a pair has first passed the middle, or begun beyond it. Writes: new."""
+def mark(clock, h, p, old, new, depth, n, astray):
+    """The time at which a pair has first passed the middle, or begun beyond it. Writes: new.
+
+    Negative where it has begun at the back of an open mesh, out of which the normal was before.
+    """
     new.passed = old.passed
     if old.active == 0:
         astray = h > 0.0 and depth > SUDDEN * p.thick
     if astray and old.passed == 0.0:
-        new.passed = max(clock.time + h, 1e-300)
+        time = max(clock.time + h, 1e-300)
+        new.passed = -time if old.active == 0 and is_opposite(old, n) else time
 
 
 @kernel

@@ -8,7 +8,7 @@ from crashsolve.system import attachments
 from crashsolve.system.contact import node_contact, resting, surface_friction, times, touches
 from crashsolve.system.contact.work import of_load
 from crashsolve.system.energy import lose
-from crashsolve.system.gain import acting, note_work
+from crashsolve.system.gain import acting, keep_acting, note_work, note_work_of_several
 from crashsolve.system.loops.contact_pairs import contact_pairs
 from crashsolve.system.loops.elements import move_elements, move_points
 from crashsolve.system.loops.nodal.node_to_shape import node_to_shape
@@ -67,7 +67,9 @@ def apply_laws(clock, time, h, nodes, rows, curves, scene):
             if works and hasattr(group.law, "present"):
                 body = nodes[p[i].node]
                 work_of_load = of_load(group.law.present(p[i], o, body.start_A), body)
-            if group.is_watched:
+            if group.is_watched and group.joins_several:
+                keep_acting(p[i], group.most_nodes, new, nodes)
+            elif group.is_watched:
                 before = acting(p[i], nodes)
             if group.materials:
                 for number, material in group.materials:
@@ -100,7 +102,10 @@ def apply_laws(clock, time, h, nodes, rows, curves, scene):
                 o.power, o.loss = 0.0, work_of_load
             lose(clock, old, new, o.power, o.loss)
             if group.is_watched:
-                note_work(p[i], old, new, before, h, nodes)
+                if group.joins_several:
+                    note_work_of_several(p[i], group.most_nodes, old, new, h, nodes)
+                else:
+                    note_work(p[i], old, new, before, h, nodes)
                 new.held_first = o.stored if clock.cycle == 0 and h == 0.0 else old.held_first
             if DENSE:
                 group.powers[clock.stage * p.shape[0] + i] = o.power
