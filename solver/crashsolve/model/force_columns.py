@@ -1,7 +1,8 @@
 """Columns that laws have beside their own, and those by which gains of a law are found.
 
-A law between bodies, two or several, is watched where a step may be too long for it: with `control.step` and a
-method of one force pass a step. Steps chosen by the run keep to the stiffness that laws report.
+A law between bodies, two or several, is watched where a step may be too long for it: with
+`control.step` and a method of one force pass a step. Steps chosen by the run keep to the stiffness
+that laws report.
 """
 
 from __future__ import annotations
@@ -63,7 +64,5 @@ def _on_bodies(parameters: Record) -> Record | None:
             forces   N    {values}  on each body; nothing where it is repeated
             torques  N m  {values}  about its mass centre
         """)
-    is_between_two = all(
-        name in names and not columns[name].shape for name in ("node_a", "node_b")
-    )
+    is_between_two = all(name in names and not columns[name].shape for name in ("node_a", "node_b"))
     return ON_TWO if is_between_two else None
