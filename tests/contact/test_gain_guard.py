@@ -15,8 +15,10 @@ from crashsolve.model.ledger import LARGEST
 from crashsolve.recording.engines import engine_of
 from crashsolve.system.contact.balance import contact_warnings, lacks
 from crashsolve.system.contact.touches import gaining_friction
+from crashsolve.system.diagnosis import advice_on_gain
 from crashsolve.system.engine import Engine
 
+DECKS = Path(__file__).parents[2] / "decks"
 METHODS = (
     "rattle",
     "dormand_prince_5",
@@ -157,3 +159,18 @@ def draw_tight(entry: str, folder: Path, step: float) -> tuple[np.void, float]:
     (group,) = [g for g in engine.model.force_groups() if g.is_watched]
     current = int(engine.clock["current"])
     return group.history[current, 0], float(group.output[0]["stored"])
+
+
+@pytest.mark.parametrize(
+    ("deck", "contact", "words"),
+    [
+        # a ball in a dent makes 0.08 J of 0.8 J with any step
+        ("verification/contact/faces", "ball", "several faces of a dent no step helps"),
+        ("benchmark/tube_crush", "folds", "ring: 1 of its faces"),
+        ("benchmark/tube_crush", "wall", ""),
+    ],
+)
+def test_advice_on_a_gain_is_what_helps(deck: str, contact: str, words: str) -> None:
+    model, _ = build(read_deck(DECKS / f"{deck}.yaml"))
+    advice = advice_on_gain(model, model.contacts.index(contact))
+    assert words in advice and bool(words) == bool(advice)

@@ -27,6 +27,11 @@ from crashsolve.system.timestep import QUARTER
 
 # what helps most where a shell folds on itself: a node meets the nearer of two walls alone
 OWN_FACES = "where a shell folds on itself take smaller elements, or ring: 1 of its faces"
+# of a ball on several faces, whose forces are not wholly the gradient of their energy (walls.py)
+IN_A_DENT = (
+    "where a ball lies on several faces of a dent no step helps, as its forces leave out how the "
+    "dent sharpens: judge this by the energy balance of the model"
+)
 # of a body that meets the back of an open mesh
 FROM_BEHIND = (
     "its faces bear on the side out of which their normals point alone, and it would be pushed "
@@ -291,10 +296,13 @@ def velocity_error(model: Model, state: State) -> np.ndarray:
     return np.abs(total)
 
 
-def of_own_faces(model: Model, card: int) -> bool:
-    """Whether a contact card is one of a shell with itself."""
-    own = (group for group in model.nodal_groups if group.meets_itself)
-    return any(int(group.arrays["p"]["card"][0]) == card for group in own)
+def advice_on_gain(model: Model, card: int) -> str:
+    """What to know of a contact card that creates energy, where steps help little; or nothing."""
+    groups = [g for g in model.nodal_groups if int(g.arrays["p"]["card"][0]) == card]
+    if any(group.meets_itself for group in groups):
+        return OWN_FACES
+    has_balls = any(g.narrow is None and g.arrays["p"]["share"][0] > 0.0 for g in groups)
+    return IN_A_DENT if has_balls else ""
 
 
 def gaining_contact(model: Model, state: State, clock: np.void) -> Diagnosis:
@@ -312,10 +320,9 @@ def gaining_contact(model: Model, state: State, clock: np.void) -> Diagnosis:
         f"{force} has created energy: it has given its bodies {gained:.3g} J more than it took "
         f"from them ({taken:.3g} J) and stored at the start ({held:.3g} J)"
     )
-    shorter = closer(model, state)
-    if of_own_faces(model, number):
-        shorter = f"{OWN_FACES}; or {shorter}"
-    advice = f"{shorter}; control.energy_limit sets the bound"
+    known, shorter = advice_on_gain(model, number), closer(model, state)
+    advice = f"{known}; or {shorter}" if known else shorter
+    advice += "; control.energy_limit sets the bound"
     return f"contact '{model.contacts[number]}'", cause, advice
 
 
