@@ -69,7 +69,7 @@ docs: $(VENV)/plot.installed
 	$(BIN)/python -m crashsolve.stubs
 
 clean:
-	rm -rf $(VENV) *.egg-info *.results build .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) *.egg-info *.results build .pytest_cache .ruff_cache .hypothesis
 
 # the project itself stays where it is (editable); what it needs comes as wheels
 $(VENV)/%.installed: pyproject.toml | $(BIN)/python

@@ -23,7 +23,7 @@ IMPORTED_AS = {
     "imageio-ffmpeg": "imageio_ffmpeg",
     "objective-rating-metrics": "objective_rating_metrics",
 }
-TOOLS = {"pytest-xdist", "ruff", "mypy", "types-pyyaml", "crashsolve"}
+TOOLS = {"pytest-xdist", "ruff", "pyrefly", "types-pyyaml", "crashsolve"}
 # extras of which solver and post-processor import what is there
 ASKED = (
     "plot",

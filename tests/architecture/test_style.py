@@ -10,7 +10,7 @@ ROOT = Path(__file__).resolve().parents[2]
 CHECKS = {
     "format": ("ruff", "format", "--check", "."),
     "lint": ("ruff", "check", "."),
-    "types": ("mypy",),
+    "types": ("pyrefly", "check", "--python-interpreter-path", sys.executable),
 }
 
 

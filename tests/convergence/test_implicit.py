@@ -153,6 +153,7 @@ PENDULUM = SCENE | {
 }  # fmt: skip
 
 
+@pytest.mark.long
 def test_generalized_alpha_gets_better_with_every_shorter_step_and_sample(tmp_path: Path) -> None:
     exact = double_pendulum(4000)
     assert exact == pytest.approx(-1.2984612429802, abs=1e-12)

@@ -219,7 +219,7 @@ def tip_in_closed_form() -> tuple[float, float]:
     return directions[0], directions[1]
 
 
-@pytest.mark.parametrize("word", first_quick(("hinges", "segments", "beams", "shells")))
+@pytest.mark.parametrize("word", first_quick(("beams", "hinges", "segments", "shells")))
 def test_the_elastic_stiffness_at_the_tip_is_that_of_the_beam(tmp_path: Path, word: str) -> None:
     text = CANTILEVER.replace("DESCRIPTION", word)
     if word == "shells":

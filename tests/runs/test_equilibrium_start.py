@@ -98,6 +98,7 @@ def test_a_cart_rolls_without_a_transient(tmp_path: Path, speed: float) -> None:
     assert swing(result, "rbdout.cart.velocity.x")[1] < 1e-3 * max(speed, 1e-3)
 
 
+@pytest.mark.long
 def test_a_cart_with_free_wheels_stands_on_a_banked_road(tmp_path: Path) -> None:
     """Moments of leaning tyres push it along by less than its search leaves; the log says so."""
     banked = WEIGHT.replace("[0, 0, -10]", "[0, 1, -10]")

@@ -174,6 +174,7 @@ springs:
     return folder / "out"
 
 
+@pytest.mark.long
 def test_bodies_without_surfaces_are_their_primitives_or_lines(governor: Path) -> None:
     mesh = datasets(governor / "mesh.h5")
     assert set(mesh["bodies/body"]) == {1}

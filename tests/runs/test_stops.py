@@ -68,7 +68,7 @@ def assert_finite(folder: Path) -> None:
         assert np.isfinite(values).all(), channel.name
 
 
-@pytest.mark.parametrize("name", first_quick(STOPS, 2))
+@pytest.mark.parametrize("name", first_quick(STOPS))
 def test_a_numerical_stop_names_time_place_cause_and_advice(name: str, tmp_path: Path) -> None:
     done = crashsolve(HERE / "stops" / f"{name}.yaml", "-o", tmp_path, CRASHSOLVE_PLAIN="1")
     assert done.returncode == 4

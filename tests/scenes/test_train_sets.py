@@ -88,6 +88,7 @@ def test_brakes_stop_a_car_and_no_more(tmp_path: Path) -> None:
     assert np.diff(values(result, "rcforc.car_rails.friction_dissipated")).min() >= -1e-6
 
 
+@pytest.mark.long
 def test_a_coupler_pulls_until_it_breaks_and_nothing_else_pulls(tmp_path: Path) -> None:
     speed = 5.0
     names = {"n": "1_2", "a": "a", "b": "b"}

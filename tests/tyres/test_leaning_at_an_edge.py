@@ -31,7 +31,7 @@ loads: {g: {type: gravity, acceleration: [0, 0, -500]}}
 ROADS = {"profile": "profile: {curve: step}", "box": "road: [block]"}
 
 
-@pytest.mark.parametrize("law", ["gim", "fiala"])
+@pytest.mark.parametrize("law", first_quick(["gim", "fiala"]))
 @pytest.mark.parametrize("road", ROADS)
 # across and along its path: the normal turns towards the axis of a wheel that is steered
 @pytest.mark.parametrize("axis", first_quick(["[0, 0.9, 0.3]", "[0.3, 0.9, 0.3]"]))

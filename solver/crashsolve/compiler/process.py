@@ -31,6 +31,10 @@ def optimise(module: llvm.ModuleRef, target: llvm.TargetMachine, vectors: bool) 
     if vectors:
         # loops over lanes are not unrolled before they are vectorised, those over components are
         llvm.set_option("", "-unroll-full-max-count=8")
+    else:
+        # loops over rows and bodies are short: a copy for many turns costs a quarter of the time
+        # of compiling, and saves none
+        llvm.set_option("", "-unroll-runtime=false")
     options = llvm.create_pipeline_tuning_options(speed_level=3)
     # scalar kernels have nothing to vectorise, and the search for it takes time
     options.loop_vectorization, options.slp_vectorization = vectors, False

@@ -12,7 +12,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from os.path import isfile
-from typing import Annotated, Any, ClassVar, get_args
+from typing import Annotated, Any, ClassVar, Self, get_args
 
 from pydantic import (
     AfterValidator,
@@ -179,9 +179,7 @@ class Card(BaseModel):
 
     @model_validator(mode="wrap")
     @classmethod
-    def _with_plain_messages(
-        cls, value: object, handler: ModelWrapValidatorHandler["Card"]
-    ) -> "Card":
+    def _with_plain_messages(cls, value: object, handler: ModelWrapValidatorHandler[Self]) -> Self:
         if cls.shorthand and isinstance(value, str):
             value = {cls.shorthand: value}
         try:

@@ -60,7 +60,8 @@ def _layout(layout: np.dtype) -> np.dtype:
         return np.dtype((_layout(inner), shape))
     if layout.fields is None or layout.names is None:
         return layout
-    parts = {name: layout.fields[name] for name in layout.names}
+    fields: Any = layout.fields
+    parts = {name: fields[name] for name in layout.names}
     plain: Any = {
         "names": list(parts),
         "formats": [_layout(part[0]) for part in parts.values()],

@@ -31,7 +31,7 @@ from crashsolve.hinges._one_axis import rotated
 from crashsolve.hinges._pair import PAIR, WORK, Motions
 from crashsolve.hinges.axial import stroke_along
 from crashsolve.joints._card import FRAME, direction
-from crashsolve.joints._rows import slide_along, slide_jacobian, slide_jacobian_rate
+from crashsolve.joints._constraint_rows import slide_along, slide_jacobian, slide_jacobian_rate
 from crashsolve.joints.basic import parallel
 
 if TYPE_CHECKING:

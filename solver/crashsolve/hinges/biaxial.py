@@ -45,7 +45,7 @@ from crashsolve.hinges._law import LAW, PATH, growth_bound
 from crashsolve.hinges._pair import PAIR, WORK, Motions
 from crashsolve.hinges._sections import squash_load
 from crashsolve.joints._card import FRAME, direction
-from crashsolve.joints._rows import square_convective, square_jacobian, square_residual
+from crashsolve.joints._constraint_rows import square_convective, square_jacobian, square_residual
 from crashsolve.joints.basic import point, rows_of
 
 if TYPE_CHECKING:

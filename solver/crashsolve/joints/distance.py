@@ -17,7 +17,7 @@ from crashsolve.foundation.motion import point_velocity
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import cross, dot, scale, sub
 from crashsolve.joints._card import POINTS
-from crashsolve.joints._rows import centripetal, separation, write_row
+from crashsolve.joints._constraint_rows import centripetal, separation, write_row
 
 if TYPE_CHECKING:
     from crashsolve.joints._rows.distance import Parameters

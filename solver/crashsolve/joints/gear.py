@@ -17,7 +17,7 @@ from crashsolve.foundation.angles import FULL_TURN, angle_about, angle_jacobian_
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.joints._card import named_frame
-from crashsolve.joints._rows import rotation_jacobian, scale_row
+from crashsolve.joints._constraint_rows import rotation_jacobian, scale_row
 
 if TYPE_CHECKING:
     from crashsolve.joints._rows.gear import History, Parameters

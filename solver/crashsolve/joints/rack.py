@@ -16,7 +16,7 @@ from crashsolve.foundation.angles import FULL_TURN, angle_about, angle_jacobian_
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.joints._card import named_frame
-from crashsolve.joints._rows import (
+from crashsolve.joints._constraint_rows import (
     rotation_jacobian,
     scale_row,
     slide_along,

@@ -16,8 +16,8 @@ from crashsolve.foundation.angles import angle_about, angle_jacobian_rate, count
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.joints._card import named_frame
+from crashsolve.joints._constraint_rows import rotation_jacobian
 from crashsolve.joints._driven import MOTION, DrivenCard, driven, motion
-from crashsolve.joints._rows import rotation_jacobian
 
 if TYPE_CHECKING:
     from crashsolve.joints._rows.rotation_driver import History, Parameters

@@ -19,7 +19,12 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import scale
 from crashsolve.joints._card import FRAME, AxisJointCard
-from crashsolve.joints._rows import also_rotates, slide_along, slide_jacobian, slide_jacobian_rate
+from crashsolve.joints._constraint_rows import (
+    also_rotates,
+    slide_along,
+    slide_jacobian,
+    slide_jacobian_rate,
+)
 from crashsolve.joints.basic import line, parallel, rows_of
 
 if TYPE_CHECKING:

@@ -17,8 +17,8 @@ from crashsolve.deck.card import JointName, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.joints._card import POINTS, named_frame
+from crashsolve.joints._constraint_rows import slide_along, slide_jacobian, slide_jacobian_rate
 from crashsolve.joints._driven import MOTION, DrivenCard, driven, motion
-from crashsolve.joints._rows import slide_along, slide_jacobian, slide_jacobian_rate
 
 if TYPE_CHECKING:
     from crashsolve.joints._rows.translation_driver import Parameters

@@ -17,7 +17,7 @@ from crashsolve.deck.card import Vec3, word
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.joints._card import POINTS, AxisJointCard, direction
-from crashsolve.joints._rows import square_convective, square_jacobian, square_residual
+from crashsolve.joints._constraint_rows import square_convective, square_jacobian, square_residual
 from crashsolve.joints.basic import point, rows_of
 
 if TYPE_CHECKING:

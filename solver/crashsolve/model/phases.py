@@ -22,18 +22,18 @@ def build_phases(deck: Any, scene: Scene) -> list[Phase]:
     control, entries = deck.control, list(deck.entries["phases"].values())
     found, begun = [], control.start_time
     for number, entry in enumerate(entries, start=1):
-        is_last, end = number == len(entries), entry.card.end_time
+        is_last, given = number == len(entries), entry.card.end_time
         with scene.building(entry):
             if control.solution != "transient":
                 raise scene.fail("a quasi-static solution has no phases; say solution: transient")
-            if is_last and end is not None:
+            if is_last and given is not None:
                 raise scene.fail(
                     f"the last phase ends with the run, at {control.end_time:g} s; leave it out",
                     "end_time",
                 )
-            if not is_last and end is None:
+            if not is_last and given is None:
                 raise scene.fail("another phase follows: say when this one ends, by end_time")
-            end = control.end_time if is_last else end
+            end: Any = control.end_time if is_last else given
             if not begun < end <= control.end_time or (end == control.end_time and not is_last):
                 bounds = f"between {begun:g} s, where the phase begins, and {control.end_time:g} s"
                 raise scene.fail(

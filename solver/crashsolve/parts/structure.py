@@ -44,7 +44,7 @@ from crashsolve.parts.structures.surfaces import surfaces
 
 __all__ = ["expand", "surfaces", "unused"]
 PARAMETERS = HISTORY = OUTPUT = Record()
-Deformation: Any = Literal[DESCRIPTIONS]
+Deformation: Any = Literal[DESCRIPTIONS]  # type: ignore
 
 
 class Point(Card):

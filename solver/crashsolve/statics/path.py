@@ -177,7 +177,7 @@ class PathEngine(StaticEngine):
             if time > self.end:
                 return 0
             gone = self.change_from(start).ravel() * self._metric
-            excess = 0.5 * (gone @ gone / step - step)
+            excess = float(0.5 * (gone @ gone / step - step))
             change = self._solve(time, gone / step, -excess)
             moved = change[:-1].reshape(-1, 6)
             if not np.isfinite(change).all():

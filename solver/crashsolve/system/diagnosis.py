@@ -328,15 +328,15 @@ def gaining_contact(model: Model, state: State, clock: np.void) -> Diagnosis:
 
 def gaining_law(model: Model, state: State) -> Diagnosis:
     """The spring, hinge or tyre that has created most energy over what it took and gave."""
-    current, worst = int(state.clock[0]["current"]), (0.0, "", "")
+    current, most, where, why = int(state.clock[0]["current"]), 0.0, "", ""
     limit = float(model.control[0]["energy_limit"])
     for group in (g for g in model.force_groups() if g.is_watched):
         rows = zip(group.names, as_rows(group.history[current]), group.output, strict=True)
         for name, now, out in rows:
             share, cause = _gain_of(now, float(out["stored"]), limit)
-            if share > worst[0]:
-                worst = share, f"{families()[group.keyword].entry} '{name}'", cause
-    return *worst[1:], f"{closer(model, state)}; control.energy_limit sets the bound"
+            if share > most:
+                most, where, why = share, f"{families()[group.keyword].entry} '{name}'", cause
+    return where, why, f"{closer(model, state)}; control.energy_limit sets the bound"
 
 
 def _gain_of(now: Any, stored: float, limit: float) -> tuple[float, str]:

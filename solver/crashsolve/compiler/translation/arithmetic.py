@@ -24,8 +24,13 @@ from crashsolve.compiler.translation.kinds import (
 )
 from crashsolve.compiler.translation.text import Text
 
-FLOATS = {ast.Add: "fadd", ast.Sub: "fsub", ast.Mult: "fmul", ast.Div: "fdiv"}
-INTEGERS = {
+FLOATS: dict[type[ast.operator], str] = {
+    ast.Add: "fadd",
+    ast.Sub: "fsub",
+    ast.Mult: "fmul",
+    ast.Div: "fdiv",
+}
+INTEGERS: dict[type[ast.operator], str] = {
     ast.Add: "add",
     ast.Sub: "sub",
     ast.Mult: "mul",
@@ -37,7 +42,7 @@ INTEGERS = {
 }
 LOGIC = (ast.BitAnd, ast.BitOr, ast.BitXor)
 # of integers, and of floating point numbers: all but `ne` are false with NaN
-ORDERS = {
+ORDERS: dict[type[ast.cmpop], tuple[str, str]] = {
     ast.Eq: ("eq", "oeq"),
     ast.NotEq: ("ne", "une"),
     ast.Lt: ("slt", "olt"),

@@ -31,7 +31,7 @@ from crashsolve.compiler.translation.text import FLAGS, Text
 Builtin = Callable[["Expressions", list[Value]], Value]
 BUILTINS: dict[Any, Builtin] = {}
 # of constants, to settle before the run
-KNOWN_ORDERS = {
+KNOWN_ORDERS: dict[type[ast.cmpop], Any] = {
     ast.Eq: operator.eq,
     ast.NotEq: operator.ne,
     ast.Lt: operator.lt,

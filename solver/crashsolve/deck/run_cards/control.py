@@ -11,7 +11,7 @@ from crashsolve.deck.family import DEFAULT_INTEGRATOR, integrators
 from crashsolve.foundation.errors import DeckError, DeckErrors
 
 # one file each in integrators/
-Integrator: Any = Literal[(*integrators(), "auto", "default")]
+Integrator: Any = Literal[(*integrators(), "auto", "default")]  # type: ignore
 # fields of fixed steps and of threads: they mean rattle where no method is named
 OF_STEPS = ("step", "step_min", "safety", "tolerance", "onset_tolerance", "threads")
 

@@ -5,7 +5,7 @@ N = t/2 sum w sigma and so on, means of the points of a plane where there are se
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -17,6 +17,9 @@ from crashsolve.elements.shells.records import (
     VISCOUS,
 )
 from crashsolve.foundation.point import LANES
+
+if TYPE_CHECKING:
+    from numpy.typing import DTypeLike
 
 # elements worked on at a time where memory counts
 PIECE = 1024
@@ -52,7 +55,7 @@ class Part(Protocol):
 
 
 def values_of(
-    part: Part, blocks: np.ndarray, row: np.void, wanted: np.ndarray, kind: object = float
+    part: Part, blocks: np.ndarray, row: np.void, wanted: np.ndarray, kind: DTypeLike = float
 ) -> dict[str, np.ndarray]:
     """Values of FIELDS of some elements (n, ...), in their units, from the blocks of all parts."""
     start = int(row["first"])

@@ -1,7 +1,7 @@
 """The joint axes are parallel: two rows, Phi = ( side_a . axis_b,  third_a . axis_b )."""
 
 from crashsolve.foundation.kernels import kernel
-from crashsolve.joints._rows import square_convective, square_jacobian, square_residual
+from crashsolve.joints._constraint_rows import square_convective, square_jacobian, square_residual
 
 ANGULAR = (True, True)
 

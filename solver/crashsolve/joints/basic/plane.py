@@ -1,7 +1,7 @@
 """The point of b lies on a plane of a, the joint axis its normal: one row, Phi = axis_a . d."""
 
 from crashsolve.foundation.kernels import kernel
-from crashsolve.joints._rows import slide_along, slide_jacobian, slide_jacobian_rate
+from crashsolve.joints._constraint_rows import slide_along, slide_jacobian, slide_jacobian_rate
 
 ANGULAR = (False,)
 

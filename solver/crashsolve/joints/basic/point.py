@@ -2,7 +2,7 @@
 
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import cross, scale, sub, unit
-from crashsolve.joints._rows import centripetal, separation, write_row
+from crashsolve.joints._constraint_rows import centripetal, separation, write_row
 
 ANGULAR = (False, False, False)
 

@@ -1,7 +1,7 @@
 """The bodies do not rotate about the joint axis: one row, Phi = side_a . third_b."""
 
 from crashsolve.foundation.kernels import kernel
-from crashsolve.joints._rows import square_convective, square_jacobian, square_residual
+from crashsolve.joints._constraint_rows import square_convective, square_jacobian, square_residual
 
 ANGULAR = (True,)
 

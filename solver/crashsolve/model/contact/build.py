@@ -277,9 +277,9 @@ def _bound(surface: Surface, element: Columns) -> tuple[Any, float, float]:
 class GroupBuilder:
     """Collects the pairs that share gap routine and laws."""
 
-    def __init__(self, word: str, home: ModuleType, laws: list[Any]) -> None:
+    def __init__(self, word: str, home: Any, laws: list[Any]) -> None:
         self.word, self.home = word, home
-        self.modules = [import_module(type(law).__module__) for law in laws]
+        self.modules: list[Any] = [import_module(type(law).__module__) for law in laws]
         self.sides = (Side("a"), Side("b"))
         self.laws: list[Columns] = []
         self.blocks: list[tuple[Any, ...]] = []

@@ -23,7 +23,11 @@ class Touching:
 
     narrow: StepGap | None
     friction: StepFriction | None
-    has_ends: Any
+
+    @property
+    def has_ends(self) -> bool:
+        """Whether a touch may end on the other side of what it is with."""
+        raise NotImplementedError
 
     @property
     def keeps_faces(self) -> bool:
