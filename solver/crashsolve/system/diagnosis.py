@@ -327,7 +327,7 @@ def gaining_contact(model: Model, state: State, clock: np.void) -> Diagnosis:
 
 
 def gaining_law(model: Model, state: State) -> Diagnosis:
-    """The spring, hinge or tyre that has created most energy over what it took and gave."""
+    """The spring, belt, hinge or tyre that has created most energy over what it took and gave."""
     current, most, where, why = int(state.clock[0]["current"]), 0.0, "", ""
     limit = float(model.control[0]["energy_limit"])
     for group in (g for g in model.force_groups() if g.is_watched):
