@@ -20,7 +20,7 @@ class ContactParameters:
     order: int  # [count] +1 when a is on side a of the card, -1 when on side b
     speed_floor: float  # [m/s] closing speed below which a touch counts as resting
     thick: float  # [m] half thickness of both sides where they are thinnest; infinite with a plane
-    spread_a: float  # [m] how much farther the element on side a reaches than it is thick
+    spread_a: float  # [m] extent of the element on side a beyond its thickness
     spread_b: float  # [m] the same for side b
 
 class ContactHistory:
@@ -33,7 +33,7 @@ class ContactHistory:
     friction_power: float  # [W] its present rate
     push: Numbers[float]  # [N] normal force on side a
     friction_force: Numbers[float]  # [N] friction on side a
-    bristled: float  # [J] recoverable energy of friction
+    bristle_energy: float  # [J] recoverable energy of friction
     position: Numbers[float]  # [m] point of contact
 
 class ContactOutput:
@@ -196,7 +196,7 @@ class BeamElement:
     quick_viscosity: float  # [N s^2/m^2] rho A b_2^2, of its square in compression
     rate_a: float  # [1/s^2] largest k times mobility at the first node
     rate_b: float  # [1/s^2] the same at the second
-    taut_a: float  # [1/(kg m)] what a tension of 1 N adds to it at the first node
+    taut_a: float  # [1/(kg m)] increase of that by a tension of 1 N, at the first node
     taut_b: float  # [1/(kg m)] the same at the second
 
 class BeamOutput:
@@ -211,7 +211,7 @@ class Tyre:
     kind: Numbers[int]  # [flag] PLANE, BOX, MESH or PROFILE
     road_node: Numbers[int]  # [index] body of each
     road_at: Numbers[float]  # [m] point or centre of each from its mass centre, body axes
-    road_axes: Numbers[float]  # [1] its axes in the body, by rows; of a plane the normal is the third
+    road_axes: Numbers[float]  # [1] axes in the body, by rows; the third is the normal of a plane
     road_half: Numbers[float]  # [m] half edges of a box
     road_root: Numbers[int]  # [index] first box of the tree of a mesh, or curve of a profile
     thickness: Numbers[float]  # [m] of a mesh; infinite for a closed one
@@ -264,7 +264,7 @@ class Roads:
     kind: Numbers[int]  # [flag] PLANE, BOX, MESH or PROFILE
     road_node: Numbers[int]  # [index] body of each
     road_at: Numbers[float]  # [m] point or centre of each from its mass centre, body axes
-    road_axes: Numbers[float]  # [1] its axes in the body, by rows; of a plane the normal is the third
+    road_axes: Numbers[float]  # [1] axes in the body, by rows; the third is the normal of a plane
     road_half: Numbers[float]  # [m] half edges of a box
     road_root: Numbers[int]  # [index] first box of the tree of a mesh, or curve of a profile
     thickness: Numbers[float]  # [m] of a mesh; infinite for a closed one

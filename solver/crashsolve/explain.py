@@ -1,4 +1,4 @@
-"""What a scene uses, what it leaves out, and the step composed for it."""
+"""Explanation of a scene: the laws it uses, the blocks left out, and the composed step."""
 
 from crashsolve.deck.keywords import SECTIONS
 from crashsolve.deck.laws import types_in

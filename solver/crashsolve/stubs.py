@@ -57,7 +57,7 @@ PARTS = {
     "BeamElement": beam.PARAMETERS,
     "BeamOutput": beam.OUTPUT,
     "Tyre": _tyre.TYRE,
-    "TyreDeflection": _tyre.DEFLECTED,
+    "TyreDeflection": _tyre.CARCASS,
     "TyreForces": _tyre.FORCES_OF_TYRE,
     "Roads": _road.ROADS,
 }

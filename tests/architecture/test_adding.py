@@ -23,7 +23,7 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> Copy:
 
 
 @pytest.mark.parametrize("walk", first_quick(WALKS, 3))
-def test_a_walk_ends_where_the_page_says(copy: Copy, walk: str, tmp_path: Path) -> None:
+def test_a_walk_has_the_stated_result(copy: Copy, walk: str, tmp_path: Path) -> None:
     (deck,) = copy.add(files(walk))
     done = copy.crashsolve(deck, "-o", tmp_path, "--set", "control.estimate=off")
     assert done.returncode == 0, done.stdout + done.stderr
@@ -34,7 +34,7 @@ def test_a_walk_ends_where_the_page_says(copy: Copy, walk: str, tmp_path: Path) 
 
 
 @pytest.mark.long
-def test_a_new_method_has_the_order_that_the_page_says(tmp_path: Path) -> None:
+def test_a_new_method_has_the_stated_order(tmp_path: Path) -> None:
     # a copy of its own: the walk may have been tried by another process, or be tried later
     copy = Copy(tmp_path / "copy")
     (walk,) = [walk for walk in WALKS if "method of integration" in walk]

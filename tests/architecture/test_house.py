@@ -178,7 +178,7 @@ def _module(name: str, known: Mapping[str, Path]) -> str | None:
 
 
 @pytest.mark.parametrize("package", [SOLVER, POST], ids=lambda path: path.name)
-def test_no_module_has_a_name_that_says_nothing(package: Path) -> None:
+def test_no_module_has_a_generic_name(package: Path) -> None:
     assert not [path for path in package.rglob("*.py") if path.stem.strip("_") in FORBIDDEN]
 
 
@@ -201,7 +201,7 @@ def test_files_are_short(package: Path) -> None:
 
 
 @pytest.mark.parametrize("package", [SOLVER, POST], ids=lambda path: path.name)
-def test_every_module_says_what_it_is(package: Path) -> None:
+def test_every_module_has_a_docstring(package: Path) -> None:
     assert not [path for path in package.rglob("*.py") if not _docstring(path)]
 
 

@@ -41,7 +41,7 @@ def test_a_law_has_card_build_and_kernels(law: tuple[str, str]) -> None:
 
 
 @pytest.mark.parametrize("word", types_in("loads"))
-def test_a_load_names_what_rises_from_nothing_before_a_quasi_static_run(word: str) -> None:
+def test_a_load_names_its_amplitude_for_quasi_static_runs(word: str) -> None:
     # a load without it would act at full size from the first sample on
     module = import_module(law_class("loads", word).__module__)
     assert module.PARAMETERS.dtype[module.AMPLITUDE].base.kind == "f"

@@ -24,7 +24,7 @@ def imported(*words: object, **changes: str) -> set[str]:
     return {line.rpartition("|")[2].strip() for line in lines}
 
 
-def test_a_rigid_run_imports_nothing_foreign(tmp_path: Path) -> None:
+def test_a_rigid_run_imports_no_modules_of_elements(tmp_path: Path) -> None:
     modules = imported("-m", "crashsolve", BALL, "-o", tmp_path)
     assert not {name.split(".")[0] for name in modules} & FOREIGN
     # the compiler works in a process of its own

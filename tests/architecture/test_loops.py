@@ -54,7 +54,7 @@ def test_no_physics_is_written_as_text() -> None:
         assert not code, f"{path}: {code[0]}"
 
 
-def test_the_loop_over_time_stands_once() -> None:
+def test_there_is_one_loop_over_time() -> None:
     homes = [
         path.name
         for path in SOLVER.rglob("*.py")

@@ -185,9 +185,7 @@ def test_the_lock_of_a_process_that_was_killed_holds_nobody_up(tmp_path: Path) -
     assert list(tmp_path.iterdir()) == []
 
 
-def test_where_nothing_can_be_locked_all_compile(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_locks_every_run_compiles(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(*_: object) -> None:
         raise OSError(errno.ENOLCK, "no locks available")
 
@@ -238,7 +236,7 @@ def test_a_chosen_folder_that_others_can_write_is_refused(
         chosen(monkeypatch, below)
 
 
-def test_a_sticky_folder_above_is_as_good_as_an_own_one(
+def test_a_sticky_parent_folder_is_accepted(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "open").mkdir()
@@ -298,7 +296,7 @@ def test_a_chosen_folder_of_others_ends_a_run_with_one_line(tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize("kind", ["file", "below a file", "read-only"])
-def test_a_chosen_folder_that_keeps_nothing_is_refused(
+def test_a_chosen_folder_that_cannot_be_written_is_refused(
     kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     given = tmp_path / "chosen"

@@ -86,7 +86,7 @@ def stopped(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("name", KEPT)
-def test_a_run_goes_on_with_damaged_results_or_says_what_is_damaged(
+def test_a_restart_with_damaged_results_continues_or_names_the_damage(
     stopped: Path, name: str, tmp_path: Path
 ) -> None:
     every = list(damages(stopped / name))
@@ -105,7 +105,7 @@ def test_a_run_goes_on_with_damaged_results_or_says_what_is_damaged(
 
 # a mistaken history that showed a traceback where a run went on with it
 @pytest.mark.parametrize("wrong", [np.zeros((0, 1)), np.float64(3.0), np.zeros((5, 1, 1))])
-def test_a_history_of_other_shapes_is_named_where_a_run_goes_on(
+def test_a_restart_names_a_history_of_other_shapes(
     stopped: Path, wrong: np.ndarray, tmp_path: Path
 ) -> None:
     folder = tmp_path / "results"

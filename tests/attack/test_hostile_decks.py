@@ -102,7 +102,7 @@ def test_numbers_that_no_machine_reckons_with(thickness: str, tmp_path: Path) ->
     assert "too large or too small to compute with" in found
 
 
-def test_no_text_makes_a_line_of_its_own_in_the_log(tmp_path: Path) -> None:
+def test_no_text_adds_a_line_to_the_log(tmp_path: Path) -> None:
     log = Log(tmp_path / "log.txt", open(os.devnull, "w"))  # noqa: SIM115
     log.line("a\nwarning: forged\r\x1b[2J\x9b\u2028\u202eb")
     text = (tmp_path / "log.txt").read_text("utf-8")

@@ -82,7 +82,7 @@ def killed_after(seconds: float, words: tuple[Any, ...]) -> bool:
 
 @pytest.mark.long
 @pytest.mark.parametrize("name", CASES)
-def test_a_run_killed_again_and_again_goes_on_to_the_same_bits(name: str, tmp_path: Path) -> None:
+def test_a_run_killed_repeatedly_continues_to_the_same_bits(name: str, tmp_path: Path) -> None:
     deck, overrides, kills = CASES[name]
     sets = {"control.estimate": "off"} | overrides
     more = [word for path, value in sets.items() for word in ("--set", f"{path}={value}")]

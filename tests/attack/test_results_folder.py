@@ -59,7 +59,7 @@ def live(tmp_path: Path) -> Iterator[tuple[subprocess.Popen[str], Path]]:
         run.communicate()
 
 
-def test_a_second_run_is_refused_and_the_first_keeps_its_results(
+def test_a_second_run_is_refused_without_harm_to_the_first(
     live: tuple[subprocess.Popen[str], Path],
 ) -> None:
     run, folder = live

@@ -40,7 +40,7 @@ def go(law: Law, far: float, steps: int = 10, h: float = 1e-3, t: float = 0.0) -
 
 
 @pytest.mark.parametrize("slack", [0.0, 1e-3, 0.3])
-def test_free_it_takes_slack_in_and_lets_webbing_out_at_its_pull(
+def test_unlocked_it_retracts_slack_and_pays_out_at_its_spring_force(
     tmp_path: Path, slack: float
 ) -> None:
     law = belt(tmp_path, "pull: 8, lock_time: 9", slack)
@@ -58,7 +58,7 @@ def test_free_it_takes_slack_in_and_lets_webbing_out_at_its_pull(
     assert law.out.locked == 0
 
 
-def test_locked_it_pays_nothing_out(tmp_path: Path) -> None:
+def test_locked_it_pays_out_no_webbing(tmp_path: Path) -> None:
     law = belt(tmp_path, "pull: 8, lock_time: 0.0205")
     go(law, 0.1, steps=20)
     out = float(law.out.pay_out)
@@ -91,7 +91,7 @@ def test_it_locks_by_the_rate_of_webbing_and_by_the_acceleration_of_its_body(
 
 
 @pytest.mark.parametrize("curve, at", [("flat", 4000.0), ("film", None)])
-def test_the_limiter_gives_way_along_its_curve_and_takes_nothing_back(
+def test_the_limiter_yields_along_its_curve_and_does_not_retract(
     tmp_path: Path, curve: str, at: float | None
 ) -> None:
     law = belt(tmp_path, f"lock_time: 0, limiter: {curve}", mu=0.0)
@@ -134,7 +134,7 @@ def test_the_pretensioner_winds_in_until_its_force_is_that_of_the_webbing(tmp_pa
         "lock_time: 0.02, limiter: flat, pretensioner: {time: 0.005, curve: winding}",
     ],
 )
-def test_energy_closes_with_what_the_retractor_takes_up(tmp_path: Path, words: str) -> None:
+def test_energy_is_balanced_with_the_retractor(tmp_path: Path, words: str) -> None:
     law = belt(tmp_path, words, slack=-0.001)
     law.bench.move(1, r=[2.2, 0, 0])
     law.force(0.0)
@@ -156,7 +156,7 @@ def test_energy_closes_with_what_the_retractor_takes_up(tmp_path: Path, words: s
     assert parts == pytest.approx(lost, rel=1e-12)
 
 
-def test_a_spool_that_runs_out_holds_and_says_so(tmp_path: Path) -> None:
+def test_an_empty_spool_holds_and_is_reported(tmp_path: Path) -> None:
     law = belt(tmp_path, "lock_time: 9, reserve: 0.1")
     go(law, 0.3, steps=30)
     assert law.new.emptied == 1

@@ -73,7 +73,7 @@ def assert_capstan(law: Law) -> None:
 @pytest.mark.parametrize("webbing", [ELASTIC, DRAWN])
 @pytest.mark.parametrize("slack", [-0.05, 0.0, 1e-3, 1.0])
 @pytest.mark.parametrize("far", [1e-3, 0.05, 0.3])
-def test_any_way_keeps_the_webbing_and_friction_at_every_ring(
+def test_any_motion_conserves_webbing_and_obeys_friction_at_every_ring(
     tmp_path: Path, webbing: str, slack: float, far: float
 ) -> None:
     law, rng = belt(tmp_path, webbing, slack), np.random.default_rng(5)
@@ -97,7 +97,7 @@ def test_any_way_keeps_the_webbing_and_friction_at_every_ring(
 
 
 @pytest.mark.parametrize("webbing", [ELASTIC, DRAWN])
-def test_drawn_one_way_the_step_does_not_matter(tmp_path: Path, webbing: str) -> None:
+def test_drawn_in_one_direction_the_step_does_not_matter(tmp_path: Path, webbing: str) -> None:
     found = []
     for steps in (1, 7, 100):
         law = belt(tmp_path, webbing)
@@ -129,7 +129,7 @@ def test_where_angles_stay_one_step_is_as_good_as_many(tmp_path: Path) -> None:
     assert T[2] / T[1] == pytest.approx(np.exp(0.1 * np.pi / 2), rel=1e-9)
 
 
-def test_a_ring_passed_back_and_forth_sticks_then_slips_the_other_way(tmp_path: Path) -> None:
+def test_a_reversed_motion_through_a_ring_sticks_then_slips(tmp_path: Path) -> None:
     route = """
       - {anchor: {at: [0, 0, 0]}}
       - {ring: {at: [1, 0, 0], friction: 0.3}}
@@ -153,7 +153,7 @@ def test_a_ring_passed_back_and_forth_sticks_then_slips_the_other_way(tmp_path: 
 
 @pytest.mark.parametrize("webbing", [ELASTIC, DRAWN])
 @pytest.mark.parametrize("steps", [1, 10])
-def test_energy_closes_on_any_way_on_which_it_stays_taut(
+def test_energy_is_balanced_on_any_motion_in_tension(
     tmp_path: Path, webbing: str, steps: int
 ) -> None:
     law, rng, work = belt(tmp_path, webbing, slack=-0.4), np.random.default_rng(3), 0.0

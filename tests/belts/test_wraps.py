@@ -208,7 +208,7 @@ def test_a_route_that_begins_within_the_body_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("surface", ["ball", "egg", "roll"])
-def test_a_belt_that_slips_off_what_it_wraps_is_reported(tmp_path: Path, surface: str) -> None:
+def test_a_belt_that_slips_off_a_shape_is_reported(tmp_path: Path, surface: str) -> None:
     law = belt(tmp_path, surface, 0.3)
     said = []
     # the body goes through the belt: a roll takes it along, a ball and a fist do not

@@ -12,7 +12,7 @@ NEEDED = (
 )
 
 
-def test_every_function_and_statistic_says_what_it_is() -> None:
+def test_every_function_and_statistic_has_a_description() -> None:
     assert set(NEEDED) <= set(words_in("functions"))
     for folder, entry in (("functions", "apply"), ("statistics", "value")):
         for word in words_in(folder):

@@ -138,7 +138,7 @@ def test_the_clip_of_straight_lines_is_exact_and_needs_an_unbroken_span() -> Non
     np.testing.assert_allclose(course, [0.0, 0.0, 4.0, 4.0, 4.0], atol=1e-12)
 
 
-def test_an_envelope_is_what_the_history_reaches_around_each_moment() -> None:
+def test_an_envelope_is_the_largest_value_around_each_moment() -> None:
     time = np.linspace(0, 1, 2001)
     lookup = Series(time, np.exp(-time) * np.cos(200 * time), "N")
     series = evaluate("envelope(a.b.c, '33 ms')", lambda _: lookup)

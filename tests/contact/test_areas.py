@@ -137,7 +137,7 @@ def bound(contact: Contact) -> float:
     return float(_edged.bound(a[0], b[0], contact.bench.nodes, ()))
 
 
-def test_friction_of_slip_and_spin_takes_what_it_works() -> None:
+def test_friction_of_slip_and_spin_dissipates_its_work() -> None:
     """Power of force and torque on both bodies is that of the three components."""
     rng, zero = np.random.default_rng(1), np.zeros
     a, b = (type("Body", (), {"w": rng.normal(size=3), "v": rng.normal(size=3)})() for _ in "ab")
@@ -145,7 +145,7 @@ def test_friction_of_slip_and_spin_takes_what_it_works() -> None:
     n /= np.linalg.norm(n)
     velocity = a.v - b.v
     slip = velocity - (velocity @ n) * n
-    sliding = areas.sliding(a, b, tuple(slip), tuple(n), 0.07)
+    sliding = areas.combined_slip(a, b, tuple(slip), tuple(n), 0.07)
     friction_force = -0.3 * np.array(sliding) / np.linalg.norm(sliding)
     force = np.array(areas.along_surface(tuple(friction_force), tuple(n)))
     for body in (a, b):

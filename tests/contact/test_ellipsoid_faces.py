@@ -130,16 +130,16 @@ def bench(folder: Path, semi: Any, mesh: Any = FLOOR, **words: Any) -> Any:
 
 def look(g: Any, x: Any, A: Any, is_smooth: bool = False) -> Any:
     """What the ellipsoid finds at x, a step later each time: side, depth, normal, ball's centre."""
-    body, mesh = g.nodes[1], (g.points, g.corners, g.beside, g.around_first, g.around, g.gone)
+    body, mesh = g.nodes[1], (g.points, g.corners, g.beside, g.around_first, g.around, g.deleted)
     body.r, body.A = x, np.ravel(A)
     g.totals[0].listed, g.due[:] = -1.0, 0.0
     lists = (g.first, g.near, g.wait, g.due)
-    node_contact.open_loads(g)
-    projection.open_faces(
+    node_contact.clear_loads(g)
+    projection.update_face_lists(
         *(0.0, g.p[0], g.totals[0], g.probes, g.nodes, g),
         Near((g.cells, g.starts, g.sorted), lists, (g.spared_first, g.spared)),
     )
-    ellipsoids.look(
+    ellipsoids.find_nearest_faces(
         *(
             0,
             g.p[0],
@@ -152,9 +152,9 @@ def look(g: Any, x: Any, A: Any, is_smooth: bool = False) -> Any:
         ),
     )
     if is_smooth:
-        centre, pen = ellipsoids.pen_of(g.ellipsoids[0], g.nodes)
+        centre, ellipsoid_data = ellipsoids.centre_of(g.ellipsoids[0], g.nodes)
         spared = (g.spared_first, g.spared)
-        normals.smoothen(0, centre, pen, g.p[0], mesh, spared, g.found[0])
+        normals.apply_field(0, centre, ellipsoid_data, g.p[0], mesh, spared, g.found[0])
     hits = []
     for s in range(2):
         old, new, hit = (
@@ -165,9 +165,9 @@ def look(g: Any, x: Any, A: Any, is_smooth: bool = False) -> Any:
         new.depth, new.active, new.face = hit.depth, int(hit.depth > 0.0), hit.face
         new.normal = hit.normal
         if new.active or old.active:
-            node_contact.swap_slot(1.0, g.slot_in_use, s)
+            node_contact.mark_for_acceptance(1.0, g.slot_in_use, s)
         if new.active:
-            ellipsoids.roll(g.balls[0], g.p[0], hit, g.nodes, g.points, g.corners)
+            ellipsoids.place_ball(g.balls[0], g.p[0], hit, g.nodes, g.points, g.corners)
             z = np.array(body.r) + np.reshape(body.A, (3, 3)) @ g.balls[0].at
             hits.append((s, float(hit.depth), np.array(hit.normal), z))
     return hits
@@ -231,10 +231,13 @@ def test_the_way_to_the_centre_changes_by_its_derivative(seed: int, tmp_path: Pa
     rng = np.random.default_rng(seed)
     g = bench(tmp_path, (0.3, 0.15, 0.1))
     g.nodes[1].A = np.ravel(rotated(rng))
-    _, pen = ellipsoids.pen_of(g.ellipsoids[0], g.nodes)
+    _, ellipsoid_data = ellipsoids.centre_of(g.ellipsoids[0], g.nodes)
     n, d, step = rng.normal(size=3), rng.normal(size=3), 1e-5
-    ends = [np.array(ellipsoids.to_centre(pen, tuple(n + k * step * d))) for k in (1, -1)]
-    found = ellipsoids.to_centre_by(pen, tuple(n), tuple(d))
+    ends = [
+        np.array(ellipsoids.centre_from_ball(ellipsoid_data, tuple(n + k * step * d)))
+        for k in (1, -1)
+    ]
+    found = ellipsoids.change_of_centre(ellipsoid_data, tuple(n), tuple(d))
     # central differences: round-off 1e-11, third order 1e-10
     np.testing.assert_allclose(found, (ends[0] - ends[1]) / (2.0 * step), atol=1e-8)
 
@@ -242,5 +245,5 @@ def test_the_way_to_the_centre_changes_by_its_derivative(seed: int, tmp_path: Pa
 def test_the_corners_of_a_face_are_where_the_shell_is(tmp_path: Path) -> None:
     g = bench(tmp_path, (0.3, 0.2, 0.1))
     at = corner_points(g.p[0], 0, g.corners)
-    seen = ellipsoids.corners_seen(g.ellipsoids[0], g.nodes[1], g.p[0], 0, (g.points, g.corners))
+    seen = ellipsoids.local_corners(g.ellipsoids[0], g.nodes[1], g.p[0], 0, (g.points, g.corners))
     np.testing.assert_allclose(np.array(seen) + g.nodes[1].r, np.array(g.points.r)[list(at)])

@@ -76,7 +76,9 @@ def test_the_nearest_triangle_is_that_of_a_search_over_all(tmp_path: Path, seed:
         contact.bench.move(1, r=y, q=q)
         corners = (points[faces] - y) @ matrix(q)
         least = min(
-            _ellipsoid_face.descend(semi, 1e9, *(tuple(map(float, c)) for c in (i, j, k, k)))[2]
+            _ellipsoid_face.nearest_by_newton(
+                semi, 1e9, *(tuple(map(float, c)) for c in (i, j, k, k))
+            )[2]
             for i, j, k in corners
         )
         depth, n, _ = contact.deepest()

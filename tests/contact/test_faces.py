@@ -134,12 +134,12 @@ class Bench:
         g.nodes = as_rows(self.state.nodes)
         g.lists = (g.first, g.near, g.wait, g.due)
         g.grid = (g.cells, g.starts, g.sorted)
-        g.mesh = (g.points, g.corners, g.beside, g.around_first, g.around, g.gone)
+        g.mesh = (g.points, g.corners, g.beside, g.around_first, g.around, g.deleted)
         return g
 
     def search(self, g: Any) -> None:
-        node_contact.open_loads(g)
-        projection.open_faces(
+        node_contact.clear_loads(g)
+        projection.update_face_lists(
             *(0.0, g.p[0], g.totals[0], g.probes, g.nodes, g),
             Near(g.grid, g.lists, (g.spared_first, g.spared)),
         )
@@ -152,17 +152,17 @@ class Bench:
         self.search(g)
         position = tuple(map(float, x))
         sides = projection.Sides(g.probe_states, g.slot_in_use, g.found[0])
-        projection.look(0, position, g.p[0], g.totals[0], sides, g.mesh, g.lists)
+        projection.find_nearest_faces(0, position, g.p[0], g.totals[0], sides, g.mesh, g.lists)
         if is_smooth:
             spared = (g.spared_first, g.spared)
-            normals.smoothen(0, position, None, g.p[0], g.mesh, spared, g.found[0])
+            normals.apply_field(0, position, None, g.p[0], g.mesh, spared, g.found[0])
         hits = []
         for s in range(2):
             old, new = g.probe_states[g.slot_in_use[s], s], g.probe_states[1 - g.slot_in_use[s], s]
             new.depth, new.active = g.found[0][s].depth, int(g.found[0][s].depth > 0.0)
             new.face, new.normal = g.found[0][s].face, g.found[0][s].normal
             if new.active or old.active:
-                node_contact.swap_slot(h, g.slot_in_use, s)
+                node_contact.mark_for_acceptance(h, g.slot_in_use, s)
             if new.active:
                 hits.append((s, float(g.found[0][s].depth), np.array(g.found[0][s].normal)))
         return hits
@@ -249,8 +249,8 @@ def test_a_deleted_element_is_met_no_more(tmp_path: Path, mesh: Any) -> None:
         if f >= g.p[0].quads:
             first, stride, k = g.p[0].first_third, g.p[0].stride_third, f - g.p[0].quads
         blocks[first + k // 16 * stride + k % 16] = 0.0
-    projection.remove_near_faces(g.p[0], blocks, g.gone)
-    assert list(g.gone) == list((x > 1.0).astype(int))
+    projection.remove_near_faces(g.p[0], blocks, g.deleted)
+    assert list(g.deleted) == list((x > 1.0).astype(int))
     assert bench.look([1.6, 0.3, 0.05]) == []
     assert len(bench.look([0.4, 0.6, 0.05])) == 1
     # and its neighbour has a free border there
@@ -270,7 +270,7 @@ def test_a_sharp_fold_is_met_once(tmp_path: Path) -> None:
         np.testing.assert_allclose(hits[0][2], direction, atol=1e-12)
 
 
-def test_from_wall_to_wall_of_a_fold_nothing_is_crossed(tmp_path: Path) -> None:
+def test_no_face_is_crossed_from_wall_to_wall_of_a_fold(tmp_path: Path) -> None:
     # 0.56 from the fold, on either side of its middle: both walls are 0.092 away
     bench = Bench(tmp_path, *HAIRPIN)
     for angle, wall in ((9.5, [0.0, 0.0, 1.0]), (10.5, [-0.342, 0.0, -0.94]), (9.5, [0, 0, 1])):
@@ -443,7 +443,7 @@ def test_a_run_goes_on_from_its_dump_to_the_same_bits(tmp_path: Path) -> None:
 
 
 @runs
-def test_what_goes_deep_into_a_shell_is_named_at_the_end(tmp_path: Path) -> None:
+def test_deep_contact_with_a_shell_is_reported_at_the_end(tmp_path: Path) -> None:
     words = ("--set", "control.estimate=off", "--set", "contacts.ball.normal.share=0.0005")
     done = crashsolve(DECK, "-o", tmp_path, *words)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -35,7 +35,7 @@ def test_every_law_is_under_this_contract() -> None:
     assert set(types_in("friction")) == set(LAWS)
 
 
-def test_friction_lies_in_the_plane_and_is_at_most_mu_n(contact: Contact) -> None:
+def test_friction_is_tangential_and_at_most_mu_n(contact: Contact) -> None:
     rng = np.random.default_rng(1)
     for _ in range(200):
         n = unit(rng)

@@ -21,20 +21,20 @@ def contact(request: pytest.FixtureRequest, tmp_path: Path) -> Contact:
     return Contact(tmp_path, friction=f"{{type: {request.param}, {LAWS[request.param]}}}")
 
 
-def friction_force(contact: Contact, v: float, ease: float) -> float:
+def friction_force(contact: Contact, v: float, compliance: float) -> float:
     """Friction against a free slip of v."""
     contact.old.friction_force = 0.0
-    return -float(contact.friction_force(N, (v, 0, 0), UP, ease=ease).force[0])
+    return -float(contact.friction_force(N, (v, 0, 0), UP, compliance=compliance).force[0])
 
 
-@pytest.mark.parametrize("ease", 10.0 ** np.arange(-8, 3))
+@pytest.mark.parametrize("compliance", 10.0 ** np.arange(-8, 3))
 def test_the_impulse_of_a_step_stops_a_slip_and_never_reverses_it(
-    contact: Contact, ease: float
+    contact: Contact, compliance: float
 ) -> None:
     for v in 10.0 ** np.arange(-6.0, 2.0, 0.5):
-        friction = friction_force(contact, v, ease)
+        friction = friction_force(contact, v, compliance)
         # twice what half a step takes; round-off, and the root of stribeck to 1e-13
-        assert 0.0 <= 2.0 * ease * friction <= v * (1 + 1e-12)
+        assert 0.0 <= 2.0 * compliance * friction <= v * (1 + 1e-12)
 
 
 def test_it_is_the_law_at_the_slip_that_it_leaves(contact: Contact) -> None:
@@ -49,16 +49,16 @@ def test_it_is_the_law_at_the_slip_that_it_leaves(contact: Contact) -> None:
 def test_friction_of_the_last_step_is_taken_out_of_the_slip(contact: Contact) -> None:
     """A slip that lasts is met by the friction of the law, however long the step."""
     friction = friction_force(contact, 0.06, 0.0)
-    for ease in (0.0, 1e-6, 1e-5):
+    for compliance in (0.0, 1e-6, 1e-5):
         contact.old.friction_force = (-friction, 0.0, 0.0)
-        again = -contact.friction_force(N, (0.06, 0, 0), UP, ease=ease).force[0]
+        again = -contact.friction_force(N, (0.06, 0, 0), UP, compliance=compliance).force[0]
         assert again == pytest.approx(friction, rel=1e-11)
 
 
 def test_with_the_slip_of_a_step_it_loses_its_work_and_is_no_damper(contact: Contact) -> None:
     contact.old.friction_force = (-3.0, 1.0, 0.0)
     out = contact.friction_force(
-        N, (0.06, 0, 0), UP, h=1e-3, ease=1e-6, direction=(6e-5, 2e-5, 0.0)
+        N, (0.06, 0, 0), UP, h=1e-3, compliance=1e-6, direction=(6e-5, 2e-5, 0.0)
     )
     mean = 0.5 * (np.array([-3.0, 1.0, 0.0]) + out.force)
     assert out.loss == pytest.approx(-mean @ (6e-5, 2e-5, 0.0), rel=1e-14)

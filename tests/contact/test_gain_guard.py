@@ -13,8 +13,8 @@ from crashsolve.model.build import build
 from crashsolve.model.contact.records import CARD_HISTORY
 from crashsolve.model.ledger import LARGEST
 from crashsolve.recording.engines import engine_of
-from crashsolve.system.contact.balance import contact_warnings, lacks
-from crashsolve.system.contact.touches import gaining_friction
+from crashsolve.system.contact.balance import contact_warnings, missing_energies
+from crashsolve.system.contact.touches import card_with_friction_gain
 from crashsolve.system.diagnosis import advice_on_gain
 from crashsolve.system.engine import Engine
 
@@ -99,19 +99,19 @@ def test_gains_stop_or_are_warned_of_in_any_frame(
         return
     # no more than control.energy_limit of what was exchanged was made; more lost is a warning
     now, out = card_of(engine)
-    (_, lack, handled), _ = lacks(now, out)
+    (_, lack, largest_energy), _ = missing_energies(now, out)
     assert now["work"] <= 0.05 * now["exchanged"]
     warned = contact_warnings(engine.model, engine.state, engine.ledger)
     # of a ledger of kilometres 1e-5 is more than the ball has: there it alters nothing reported
     seen = 1e-5 * float(engine.ledger[LARGEST])
-    assert bool(warned) == (abs(lack) > max(0.02 * handled, seen))
+    assert bool(warned) == (abs(lack) > max(0.02 * largest_energy, seen))
 
 
 @pytest.mark.parametrize("method", first_quick(METHODS))
-def test_the_work_of_a_contact_is_what_it_holds_and_loses(method: str, tmp_path: Path) -> None:
+def test_the_work_of_a_contact_is_stored_and_dissipated(method: str, tmp_path: Path) -> None:
     engine = fall(method, 1e-5, tmp_path, 1e5, 1e4, end=0.4)
     now, out = card_of(engine)
-    (_, lack, _), _ = lacks(now, out)
+    (_, lack, _), _ = missing_energies(now, out)
     # it takes and gives m g 0.3 m; 30 steps a contact: (pi / 30)^2 / 12 of it by methods of order 2
     assert now["exchanged"] == pytest.approx(2 * 9.81 * 0.3, rel=5e-3)
     assert abs(lack) < 1e-3 * 9.81 * 0.3
@@ -124,13 +124,13 @@ def test_friction_that_gives_more_than_it_took_is_found() -> None:
     # took 10 J, gave 12 J
     card["friction_work"], card["friction_exchanged"] = 2.0, 22.0
     history = as_rows(table)
-    assert gaining_friction(0, 0.05, 0.0, history) == 1
-    assert gaining_friction(0, 0.10, 0.0, history) == -1
+    assert card_with_friction_gain(0, 0.05, 0.0, history) == 1
+    assert card_with_friction_gain(0, 0.10, 0.0, history) == -1
     # 1000 N over the round-off of positions do as much
-    assert gaining_friction(0, 0.05, 2.1e-3, history) == -1
+    assert card_with_friction_gain(0, 0.05, 2.1e-3, history) == -1
     # what friction takes is no gain
     card["friction_work"] = -2.0
-    assert gaining_friction(0, 0.05, 0.0, history) == -1
+    assert card_with_friction_gain(0, 0.05, 0.0, history) == -1
 
 
 @pytest.mark.parametrize("entry", first_quick(LINES))

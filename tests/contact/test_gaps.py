@@ -171,7 +171,7 @@ def test_depth_changes_as_the_material_points_move(pair: Pair, seed: int) -> Non
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_a_common_motion_of_both_bodies_changes_nothing(pair: Pair, seed: int) -> None:
+def test_a_common_motion_of_both_bodies_has_no_effect(pair: Pair, seed: int) -> None:
     pair.approach(seed)
     before = pair.gaps()
     rotation, direction = np.array([0.3, -1.1, 0.7]), np.array([5.0, -3.0, 2.0])

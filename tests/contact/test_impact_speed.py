@@ -63,7 +63,7 @@ def test_every_state_of_a_free_impact_has_its_impact_speed(
 
 @pytest.mark.parametrize("name", LAWS)
 @pytest.mark.parametrize("depth", (0.05, 0.15))
-def test_what_is_set_in_leaves_as_from_the_impact_that_goes_as_deep(
+def test_an_initial_penetration_rebounds_as_the_impact_of_that_depth(
     tmp_path: Path, name: str, depth: float
 ) -> None:
     contact = law(tmp_path, name)
@@ -76,9 +76,7 @@ def test_what_is_set_in_leaves_as_from_the_impact_that_goes_as_deep(
 
 
 @pytest.mark.parametrize("e", (0.2, 0.5, 0.9))
-def test_what_is_pressed_slowly_and_let_go_leaves_whatever_the_speed_of_pressing(
-    tmp_path: Path, e: float
-) -> None:
+def test_slow_pressing_and_release_rebounds_alike_at_any_speed(tmp_path: Path, e: float) -> None:
     """It opens as fast as no free impact of the pressing speed does: 1 - chi x of the energy."""
     for slow in (1e-3, 1e-6):
         contact, depth = law(tmp_path, "exact_restitution", e), 0.05
@@ -170,7 +168,7 @@ contacts:
         2,
     ),
 )
-def test_a_free_impact_below_the_floor_returns_what_is_asked(
+def test_a_free_impact_below_the_speed_floor_has_the_stated_restitution(
     speed: float, floor: float | None, method: str, tmp_path: Path
 ) -> None:
     deck, words = tmp_path / "deck.yaml", f"speed_floor: {floor:.1e}," if floor else ""

@@ -114,7 +114,7 @@ def test_any_number_of_threads_gives_the_same_bits(
 
 @pytest.mark.parametrize("threads", [1, 3])
 @pytest.mark.long
-def test_another_number_of_threads_goes_on_from_a_dump_to_the_same_bits(
+def test_a_restart_with_other_threads_has_the_same_bits(
     two: tuple[Path, Path], threads: int, tmp_path: Path
 ) -> None:
     other = tmp_path / "other.yaml"
@@ -198,7 +198,7 @@ def test_pieces_change_no_more_than_the_order_of_sums(
         assert (one.card_history[name] == whole.card_history[name]).all(), name
 
 
-def test_few_pairs_know_nothing_of_pieces() -> None:
+def test_few_pairs_are_not_cut_into_pieces() -> None:
     model, _ = build(read_deck(ROOT / "verification/friction/coulomb.yaml"))
     assert not any(group.in_pieces for group in model.contact_groups)
     assert "press_piece" not in compose(model)

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from crashsolve.system.contact.resting import largest_approach, note_motion
+from crashsolve.system.contact.resting import largest_approach, record_motion
 
 
 def body(rng: np.random.Generator, speed: float, spin: float) -> SimpleNamespace:
@@ -39,7 +39,7 @@ def test_no_point_moves_farther_than_the_bound_says() -> None:
     for _ in range(2000):
         size = 10.0 ** rng.uniform(-5.0, 0.0)
         a, b = body(rng, size, size), body(rng, 10.0 * size, size)
-        note_motion(np.array([a, a, b], object))
+        record_motion(np.array([a, a, b], object))
         reach = rng.uniform(0.0, 2.0)
         p = SimpleNamespace(reach_a=reach, reach_b=reach + 1.0)
         points = rng.normal(size=(500, 3))
@@ -72,6 +72,6 @@ def test_what_two_bodies_have_in_common_is_no_approach() -> None:
             )
         )
     a, b = bodies
-    note_motion(np.array([a, a, b], object))
+    record_motion(np.array([a, a, b], object))
     # of 10 mm that both move, squares of the angle are left: 1e-8 times some metres
     assert largest_approach(SimpleNamespace(reach_a=0.3, reach_b=3.0), a, b) < 1e-7

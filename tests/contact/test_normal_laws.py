@@ -79,7 +79,7 @@ def test_work_taken_is_stored_or_lost(contact: Contact) -> None:
     assert abs(work) > 1.0
 
 
-def test_a_sample_loses_nothing(contact: Contact) -> None:
+def test_a_sample_dissipates_no_energy(contact: Contact) -> None:
     contact.press(0.01, 0.5, h=1e-3)
     contact.accept()
     assert contact.press(0.01, 0.5, h=0.0).loss == 0.0
@@ -135,7 +135,7 @@ def test_crushing_costs_the_same_in_any_number_of_steps(
     assert lost == pytest.approx(area - force**2 / 4e5, rel=1e-12)
 
 
-def test_a_crushed_end_unloads_and_reloads_along_one_line_and_keeps_its_set(
+def test_a_crushed_end_unloads_and_reloads_along_one_line(
     crush: Contact,
 ) -> None:
     crush.press(0.05, 1.0)

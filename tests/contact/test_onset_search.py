@@ -2,7 +2,7 @@
 
 import pytest
 
-from crashsolve.system.onset import open_bracket, seek
+from crashsolve.system.onset import narrow_bracket, new_bracket
 
 STEP = 1e-4
 
@@ -14,13 +14,13 @@ def test_a_search_ends_beyond_the_onset(parted: float) -> None:
     def gap(trial: float) -> float:
         return max(parted, 10.0 * (trial - 0.6 * STEP))
 
-    early, late, _, _, _, count = open_bracket(STEP)
+    early, late, _, _, _, count = new_bracket(STEP)
     allowed = 1e-9
     bracket = early, late, parted, gap(STEP), allowed, count
     trial, found = STEP, False
     for _ in range(100):
         tried = trial
-        bracket, trial, found = seek(bracket, STEP, tried, gap(tried))
+        bracket, trial, found = narrow_bracket(bracket, STEP, tried, gap(tried))
         if found:
             break
     assert found

@@ -75,7 +75,7 @@ def test_a_pair_named_in_both_orders_counts_once(tmp_path: Path, sides: str, cou
 @pytest.mark.parametrize(
     "sides, order", [("a: [floor, s0], b: [s1]", [-1]), ("a: [s0, s1], b: [s2, floor]", [1, 1])]
 )
-def test_a_mixed_card_sorts_its_pairs_by_kernel_and_knows_their_sides(
+def test_a_mixed_card_sorts_its_pairs_by_kernel_and_side(
     tmp_path: Path, sides: str, order: list[int]
 ) -> None:
     model, _ = built(heap(tmp_path, 3, sides, "  floor: {type: plane, at: [0, 0, -5]}\n"))
@@ -97,7 +97,7 @@ def test_many_pairs_are_searched_for_the_near_ones(tmp_path: Path) -> None:
     assert len(found) < 48 * 47 / 4
 
 
-def test_a_renewed_list_keeps_the_histories_of_those_that_stay(tmp_path: Path) -> None:
+def test_a_renewed_list_keeps_the_histories_of_its_pairs(tmp_path: Path) -> None:
     model, state = built(heap(tmp_path, 48))
     (group,) = model.contact_groups
     current = int(state.clock[0]["current"])

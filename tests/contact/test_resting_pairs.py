@@ -84,7 +84,7 @@ def moved_since(group: ContactGroup) -> np.ndarray:
     both = group.body_pairs
     if both is None:
         return np.zeros(len(group.parameters))
-    return np.repeat(both["rests"] * both["gone"], both["end"] - both["first"])
+    return np.repeat(both["rests"] * both["approached"], both["end"] - both["first"])
 
 
 @pytest.mark.long

@@ -70,7 +70,9 @@ def test_an_impact_step_by_step_obeys_the_exact_relation(tmp_path: Path, law: st
 
 @pytest.mark.parametrize("e", (0.05, 0.1353352832366127, 0.5, 0.9))
 @pytest.mark.parametrize("mass", (0.5, 3.0))
-def test_spring_and_damper_return_what_is_asked(tmp_path: Path, e: float, mass: float) -> None:
+def test_spring_and_damper_have_the_stated_restitution(
+    tmp_path: Path, e: float, mass: float
+) -> None:
     contact = Contact(tmp_path, f"{{type: kelvin_voigt, stiffness: 1e4, restitution: {e}}}")
     v_out, lost = pressed_apart(contact, 0.0, 2.0, 5e-6 * sqrt(mass), mass)
     # second order, over 2000 steps in a contact
@@ -79,7 +81,7 @@ def test_spring_and_damper_return_what_is_asked(tmp_path: Path, e: float, mass: 
 
 
 @pytest.mark.parametrize("law", RETURNED)
-def test_a_law_that_returns_something_else_says_so(tmp_path: Path, law: str) -> None:
+def test_a_law_with_another_restitution_warns(tmp_path: Path, law: str) -> None:
     contact = Contact(tmp_path, f"{{type: {law}, stiffness: 1e9, restitution: 0.3}}")
     x = returned(float(contact.p.chi))
     expected = (

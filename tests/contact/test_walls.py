@@ -24,12 +24,12 @@ def found(bench: Bench, x: Any) -> list[tuple[float, float, np.ndarray]]:
     bench.search(g)
     sides = projection.Sides(g.probe_states, g.slot_in_use, g.found[0])
     position = tuple(map(float, x))
-    projection.look(0, position, g.p[0], g.totals[0], sides, g.mesh, g.lists)
-    walls.look_for_walls(0, position, g.p[0], g.totals[0], sides, g.mesh, g.lists)
+    projection.find_nearest_faces(0, position, g.p[0], g.totals[0], sides, g.mesh, g.lists)
+    walls.find_walls(0, position, g.p[0], g.totals[0], sides, g.mesh, g.lists)
     hits = []
     for s in range(2):
-        for w in range(walls.touching(s, g.found[0])):
-            hit = g.found[0][walls.number_of(s, w)]
+        for w in range(walls.wall_count(s, g.found[0])):
+            hit = g.found[0][walls.row_of_wall(s, w)]
             hits.append((float(hit.weight), float(hit.depth), np.array(hit.normal)))
     return hits
 
@@ -130,8 +130,8 @@ def test_the_walls_that_go_on_keep_their_records(tmp_path: Path) -> None:
     g.probe_states[0, 0].beside = 1
     # nearer to the other wall than before
     assert len(found(bench, [-0.01, 0.5, z])) == 2
-    taken = walls.pair_up(g.p[0], 0, 0, 2, 2, g.found[0], g.probe_states, g.slot_in_use)
-    nearest, other = g.found[0][0], g.found[0][walls.number_of(0, 1)]
+    taken = walls.match_walls(g.p[0], 0, 0, 2, 2, g.found[0], g.probe_states, g.slot_in_use)
+    nearest, other = g.found[0][0], g.found[0][walls.row_of_wall(0, 1)]
     assert (nearest.face, other.face, taken) == (0, 1, 3)
     assert (nearest.partner, other.partner) == (1, 0)
 

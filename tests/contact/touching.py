@@ -81,7 +81,7 @@ class Contact:
         n: Any,
         h: float = 0.0,
         mass: float = 1.0,
-        ease: float = 0.0,
+        compliance: float = 0.0,
         direction: Any = None,
     ) -> Any:
         """Friction on side a at a sliding velocity.
@@ -99,7 +99,7 @@ class Contact:
             direction = tuple(direction - direction @ np.asarray(n) * np.asarray(n))
         self._slip = np.asarray(u)
         curves = self.bench.curves
-        slide = Slide(normal, u, direction, m, mass, ease)
+        slide = Slide(normal, u, direction, m, mass, compliance)
         result = kernel(self.p, self.old, self.new, slide, curves)
         names = ("force", "stored", "power", "loss", "stiffness", "damping")
         found = SimpleNamespace(**dict(zip(names, result, strict=True)))

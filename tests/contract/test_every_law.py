@@ -181,7 +181,7 @@ SLOPES = [
 
 @each(SLOPES)
 @pytest.mark.parametrize("seed", SEEDS)
-def test_its_tangent_is_the_slope_of_the_force_on_the_way_it_goes(
+def test_its_tangent_is_the_slope_of_the_force_along_its_motion(
     law: tuple[str, str], seed: int
 ) -> None:
     """dF = dD^T f - D^T (k D dq + c G dq), q along the present motion."""

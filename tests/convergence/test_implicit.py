@@ -275,7 +275,7 @@ def test_a_force_that_jumps_at_its_onset_does_not_bind_the_steps_before_it(
 
 @pytest.mark.long
 @EITHER
-def test_a_wall_with_a_corner_gives_back_what_it_took(method: str, tmp_path: Path) -> None:
+def test_a_wall_with_a_corner_is_elastic(method: str, tmp_path: Path) -> None:
     scene = {
         "bodies": {
             "block": {"mass": 1, "inertia": [1] * 3, "position": [1, 0, 0], "velocity": [-1, 0, 0]}

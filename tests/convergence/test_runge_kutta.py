@@ -15,7 +15,7 @@ from crashsolve.integrators import dormand_prince_5, dormand_prince_8
 from crashsolve.model.build import build
 from crashsolve.model.ledger import IMBALANCE, LARGEST
 from crashsolve.system.engine import Engine
-from crashsolve.system.implicit.stages import weigh_part
+from crashsolve.system.implicit.stages import set_dense_weights
 
 BENCHMARKS = Path(__file__).resolve().parents[2] / "decks" / "benchmark"
 
@@ -172,7 +172,7 @@ def test_the_dense_output_is_consistent(method: str) -> None:
     A[:-1, :-1] = m.A
     table = A.ravel()
     for part in (0.0, 0.3, 0.77, 1.0):
-        weigh_part(table, m.DENSE.ravel(), m.TERMS, m.STAGES - 1, rates, part)
+        set_dense_weights(table, m.DENSE.ravel(), m.TERMS, m.STAGES - 1, rates, part)
         weights = table[-rates - 1 : -1]
         for k in range(DENSE_ORDER[method]):
             # round-off of weights up to 20
@@ -199,7 +199,7 @@ def test_samples_within_steps_have_the_order_of_the_dense_output(
 
 
 @TABLEAUX
-def test_samples_change_nothing(method: str, tmp_path: Path) -> None:
+def test_samples_do_not_change_a_run(method: str, tmp_path: Path) -> None:
     control = {"integrator": method, "tolerance": 1e-6}
     once = run(tmp_path, SCENE, END, **control)
     often = start(tmp_path, SCENE, END, **control)

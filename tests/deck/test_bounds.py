@@ -80,7 +80,7 @@ def test_a_file_included_many_times_is_named_once_each(tmp_path: Path) -> None:
     "field",
     ["velocity: [0, -1e160, 0]", "velocity: [1e13 km/h, 0, 0]", "angular_velocity: [0, 0, 1e13]"],
 )
-def test_velocities_at_which_nothing_moves_are_refused(tmp_path: Path, field: str) -> None:
+def test_contradictory_velocities_are_refused(tmp_path: Path, field: str) -> None:
     """They were taken for errors of the steps, which smaller steps would mend."""
     deck = tmp_path / "deck.yaml"
     deck.write_text(

@@ -65,7 +65,7 @@ def deck_of(folder: Path, refuses: bool = True, **overrides: str) -> Deck:
         ("materials.spare.young=1e11", "material 'spare': no card names it; leave it out"),
     ],
 )
-def test_what_changes_nothing_is_refused_with_its_location(
+def test_an_ineffective_setting_is_refused_with_its_location(
     word: str, reported: str, tmp_path: Path
 ) -> None:
     name, _, text = word.partition("=")
@@ -116,7 +116,7 @@ def test_declared_parameters_need_no_reader(
     assert "warning: parameter 'gap' (" in capsys.readouterr().out
 
 
-def test_one_of_several_runs_is_given_what_it_uses(tmp_path: Path) -> None:
+def test_a_run_of_several_has_the_parameters_that_it_uses(tmp_path: Path) -> None:
     deck_of(tmp_path)
     several, path = Several(), tmp_path / "deck.yaml"
     given = {"parts.frame.across": "3", "gap": "1", "half": "8"}

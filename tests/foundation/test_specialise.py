@@ -111,7 +111,7 @@ def body(text: str, name: str) -> str:
     return "\n".join(map(ast.unparse, functions[name].body))
 
 
-def test_groups_are_written_out_and_what_they_lack_is_not_there(program: Any) -> None:
+def test_groups_are_written_out_without_excluded_blocks(program: Any) -> None:
     made = program()
     assert made.add("bench_loops", "total") == "total"
     text = made.text()
@@ -155,7 +155,9 @@ def test_what_depends_on_no_placeholder_keeps_its_text(program: Any) -> None:
         ("has_no_tables", "has_no_tables: its tables need an argument 'scene'"),
     ],
 )
-def test_a_loop_that_cannot_be_copied_says_why(program: Any, name: str, reported: str) -> None:
+def test_a_loop_that_cannot_be_copied_is_refused_with_the_reason(
+    program: Any, name: str, reported: str
+) -> None:
     with pytest.raises(SpecialiseError, match=reported):
         program().add("bench_loops", name)
 

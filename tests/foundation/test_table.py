@@ -47,7 +47,7 @@ def arrays() -> dict[str, np.ndarray]:
     return {"things": things, "pages": pages, "sums": np.zeros(2)}
 
 
-def test_a_compiled_kernel_does_what_plain_python_does(tmp_path: Path) -> None:
+def test_a_compiled_kernel_equals_plain_python(tmp_path: Path) -> None:
     compiled, plain = arrays(), arrays()
     tables = Tables(compiled)
     machine_code(Path(__file__), "work", tables)(3.0, True, tables)
@@ -84,6 +84,6 @@ def test_an_array_in_pieces_is_refused() -> None:
 
 
 @pytest.mark.parametrize("name", ["addresses", "slots", "pointer", "of_threads", "layout"])
-def test_no_table_may_take_the_place_of_what_finds_the_others(name: str) -> None:
+def test_the_table_of_tables_may_not_be_hidden(name: str) -> None:
     with pytest.raises(ValueError, match=f"no table may be called {name}"):
         Tables({name: np.zeros(3)})

@@ -237,7 +237,7 @@ def arrays() -> dict[str, np.ndarray]:
     return {"table": table, "out": np.full(2000, np.nan), "small": np.zeros(1, np.int32)}
 
 
-def test_compiled_kernels_do_what_plain_python_does() -> None:
+def test_compiled_kernels_equal_plain_python() -> None:
     compiled, plain = arrays(), arrays()
     tables = Tables(compiled)
     machine_code(Path(__file__), "work", tables)(0.37, True, tables)
@@ -349,7 +349,7 @@ def work(number, flag, scene):
 
 
 @pytest.mark.parametrize("name", WRONG)
-def test_what_is_no_kernel_is_refused_with_file_and_line(name: str, tmp_path: Path) -> None:
+def test_other_constructs_are_refused_with_file_and_line(name: str, tmp_path: Path) -> None:
     lines, why = WRONG[name]
     source = tmp_path / f"wrong_{len(name)}_{abs(hash(name))}.py"
     source.write_text(f"{HEAD}    {lines}\n", "utf-8")

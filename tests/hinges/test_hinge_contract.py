@@ -72,7 +72,7 @@ def test_action_equals_reaction_also_in_moment(make: Make, case: str, seed: int)
 
 @each()
 @pytest.mark.parametrize("seed", range(2))
-def test_moving_both_bodies_together_changes_nothing(make: Make, case: str, seed: int) -> None:
+def test_a_common_rigid_motion_has_no_effect(make: Make, case: str, seed: int) -> None:
     law = make(case)
     near(law, seed)
     out = law.force()
@@ -86,7 +86,7 @@ def test_moving_both_bodies_together_changes_nothing(make: Make, case: str, seed
 
 @each()
 @pytest.mark.parametrize("seed", range(2))
-def test_work_on_the_bodies_is_what_is_stored_and_lost(make: Make, case: str, seed: int) -> None:
+def test_work_on_the_bodies_is_stored_and_dissipated(make: Make, case: str, seed: int) -> None:
     """Along a path of many small steps, the work of the forces by trapezoids."""
     law, step, work = make(case), 2e-3, 0.0
     near(law, seed, rotation=0.05)

@@ -262,7 +262,7 @@ def test_steps_between_turning_points_do_not_matter(tmp_path: Path, cyclic: str)
 
 @pytest.mark.parametrize("cyclic", list(WALKS))
 @pytest.mark.parametrize("seed", first_quick(range(3)))
-def test_work_is_what_is_stored_and_lost(tmp_path: Path, cyclic: str, seed: int) -> None:
+def test_work_is_stored_and_dissipated(tmp_path: Path, cyclic: str, seed: int) -> None:
     """By trapezoids over many steps; each corner is missed by k d^2 / 8 at most."""
     hinge = Driven(tmp_path, f"{WALKS[cyclic][0]}, cyclic: {cyclic}")
     rotations = np.concatenate([[0.0], np.random.default_rng(seed).normal(scale=0.08, size=12)])

@@ -33,7 +33,7 @@ def run(folder: Path, channel: str, upper: str, lower: str, axis: str) -> tuple[
     return done.stdout + done.stderr, Result(folder / "results")
 
 
-def test_two_hinges_share_the_weight_in_any_way(tmp_path: Path) -> None:
+def test_reactions_of_two_hinges_are_arbitrary(tmp_path: Path) -> None:
     said, result = run(tmp_path, "jntforc.upper.force.z", "revolute", "revolute", AXIS)
     assert WORDS in said
     assert "'upper', 'lower'" in said

@@ -98,9 +98,7 @@ def test_nu_is_minus_the_derivative_in_time(case: Rows, rng: np.random.Generator
     assert case.module.__name__.endswith(DRIVERS) or not nu.any()
 
 
-def test_gamma_is_what_a_motion_without_accelerations_lacks(
-    case: Rows, rng: np.random.Generator
-) -> None:
+def test_gamma_is_the_convective_term(case: Rows, rng: np.random.Generator) -> None:
     for _ in range(5):
         case.scramble(rng)
         gamma = case.gamma()

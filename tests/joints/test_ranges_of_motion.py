@@ -64,7 +64,7 @@ def test_a_range_turns_both_bodies_alike_and_writes_every_column(make: Make, nam
 
 
 @pytest.mark.parametrize("name", RANGES)
-def test_its_power_is_what_it_stores_and_loses(make: Make, name: str) -> None:
+def test_its_power_is_stored_and_dissipated(make: Make, name: str) -> None:
     # central difference over 2e-6 s of moments with slopes below 1e2: 1e-9 of 10 W, and
     # round-off of 10 J, 1e-15 / 1e-6
     check_power(make(RANGES[name]), 40, rel=1e-6, abs=1e-7)
@@ -170,7 +170,7 @@ def test_the_limit_and_its_slopes_are_continuous_all_round() -> None:
     np.testing.assert_allclose(values[1:-1, 1], numeric[1:-1], atol=0.05)
 
 
-def test_through_the_axis_nothing_jumps(make: Make) -> None:
+def test_forces_are_continuous_through_the_axis(make: Make) -> None:
     """The pointer passes the axis of the cone: no moment, a finite bound of the stiffness."""
     law = make(RANGES["cone"])
     c, s = law.p.axis_a, law.p.pointer

@@ -74,9 +74,7 @@ def test_every_column_is_written_and_the_past_is_kept(make: Make, case: str) -> 
 
 
 @pytest.mark.parametrize("case", STOPS)
-def test_a_stop_only_pushes_and_its_power_is_what_it_stores_and_loses(
-    make: Make, case: str
-) -> None:
+def test_a_stop_only_pushes_and_its_power_is_stored_and_dissipated(make: Make, case: str) -> None:
     # central difference: relative error 1e-12 times speeds and curvatures of a few units, and
     # round-off of up to 10 J, 1e-15 / 1e-6
     check_power(make(STOPS[case]), 30, rel=1e-7, abs=1e-8)

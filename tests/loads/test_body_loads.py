@@ -43,7 +43,7 @@ def test_every_load_is_under_this_contract() -> None:
 
 
 @pytest.mark.parametrize("name", LOADS)
-def test_power_or_potential_is_what_the_bodies_receive(bench: Bench, name: str) -> None:
+def test_power_or_potential_equals_the_energy_of_the_bodies(bench: Bench, name: str) -> None:
     law = bench.law("loads", name)
     out = law.force(t=1.5)
     assert written(law.out, law.module.OUTPUT)

@@ -127,7 +127,7 @@ def test_a_model_without_curves_of_time_has_no_corners(tmp_path: Path) -> None:
     assert len(corners_in_time(model)) == 0
 
 
-def test_every_law_that_reads_a_curve_at_the_time_says_so() -> None:
+def test_every_law_that_reads_a_curve_of_time_declares_it() -> None:
     root = Path(package.__file__).parent
     found = 0
     for family in ("loads", "joints", "springs", "sensors", "contact/normal", "friction", "parts"):

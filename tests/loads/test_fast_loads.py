@@ -104,7 +104,7 @@ def test_a_stated_step_that_misses_a_load_states_so(
     assert abs(found.value - 0.1) <= 2.0 * found.error + CUBICS
 
 
-def test_a_stated_step_that_sees_a_load_is_no_matter(tmp_path: Path) -> None:
+def test_a_stated_step_that_resolves_a_load_is_accepted(tmp_path: Path) -> None:
     # samples no nearer than the step, which they would cut
     out = "output: {history: {interval: 2e-4}}"
     path = deck(tmp_path, ["1 - cos(2*pi*100*x)"], 0.1, ", step: 2e-4", out=out)

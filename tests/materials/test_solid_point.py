@@ -37,7 +37,7 @@ def size_of(name: str) -> float:
 
 
 @pytest.mark.parametrize("name", EXAMPLES)
-def test_energy_is_in_balance_and_nothing_is_won(name: str, tmp_path: Path) -> None:
+def test_energy_is_in_balance_and_none_is_created(name: str, tmp_path: Path) -> None:
     point, work, lost, before = Point(tmp_path, EXAMPLES[name]), 0.0, 0.0, np.zeros(6)
     large = EXAMPLES[name]["type"] == "neo_hookean"
     size, parts = size_of(name), 100 if large else 1

@@ -49,7 +49,7 @@ def test_more_than_the_disk_has_free_is_refused(
     assert not (tmp_path / "out" / "history.h5").exists()
 
 
-def test_sizes_are_read_as_one_says_them() -> None:
+def test_sizes_are_read_in_common_units() -> None:
     assert [size.in_words(x) for x in (0.0, 999.0, 2.5e3, 1e12)] == [
         "0 bytes",
         "999 bytes",

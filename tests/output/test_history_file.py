@@ -24,7 +24,7 @@ def write_sample(path: Path, rows: int, **options: Any) -> HistoryWriter:
 
 
 @pytest.mark.parametrize("rows", [0, 1, 7, 1024, 1025, 2500])
-def test_closed_file_holds_every_row_and_nothing_more(tmp_path: Path, rows: int) -> None:
+def test_a_closed_file_holds_every_row_and_no_more(tmp_path: Path, rows: int) -> None:
     path = tmp_path / "history.h5"
     write_sample(path, rows, buffer_bytes=4000).close()
     assert assert_is_sample(path, rows) == rows

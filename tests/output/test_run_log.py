@@ -89,7 +89,7 @@ def test_progress_appears_on_a_terminal_only(tmp_path: Path) -> None:
     assert "%" not in pipe.getvalue() + (tmp_path / "log.txt").read_text()
 
 
-def test_run_goes_on_when_nobody_listens(tmp_path: Path) -> None:
+def test_a_run_continues_without_a_reader(tmp_path: Path) -> None:
     log = Log(tmp_path / "log.txt", BrokenPipe())
     filled(log)
     log.finish(NORMAL)

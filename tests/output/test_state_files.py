@@ -156,7 +156,7 @@ def test_fresh_run_drops_the_states_of_the_last_one(tmp_path: Path) -> None:
     assert len(list((tmp_path / "states").iterdir())) == 1
 
 
-def test_index_lets_go_of_states_before_they_go(
+def test_the_index_drops_states_before_their_files(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     written(tmp_path, [0.0, 0.1, 0.2])

@@ -78,7 +78,7 @@ def test_the_force_is_the_gradient_of_the_energy(tmp_path: Path, seed: int) -> N
     np.testing.assert_allclose(-gradient, force, atol=1e-8 * np.abs(force).max())
 
 
-def test_power_on_the_nodes_is_what_is_no_longer_stored(tmp_path: Path, seed: int) -> None:
+def test_power_on_the_nodes_is_the_decrease_of_stored_energy(tmp_path: Path, seed: int) -> None:
     law = element(tmp_path, seed, speed=1.0)
     out = law.force()
     given, lost = law.power_on_bodies(), float(out.power)
@@ -95,7 +95,7 @@ def test_action_equals_reaction_also_in_moment(tmp_path: Path, seed: int) -> Non
     np.testing.assert_allclose(moment, 0.0, atol=1e-13 * size)
 
 
-def test_moving_both_nodes_together_changes_nothing(tmp_path: Path, seed: int) -> None:
+def test_a_common_rigid_motion_of_both_nodes_has_no_effect(tmp_path: Path, seed: int) -> None:
     law = element(tmp_path, seed, speed=1.0)
     before, out = load(law), law.force()
     numbers = [float(out.stored), float(out.power), *out.force, *out.moment_a, *out.moment_b]
@@ -218,7 +218,7 @@ def whole_tangent(law: Law, flips: int) -> np.ndarray:
     given = (law.bench.nodes, law.bench.curves, position, blocks)
     # fibres have a rate from the length of the step, that of load()
     step = (1.0,) if law.materials else ()
-    law.module.bend(law.p, law.old, *step, *given, *law.materials)
+    law.module.tangent_blocks(law.p, law.old, *step, *given, *law.materials)
     return matrix_of_pair(blocks, flips)
 
 

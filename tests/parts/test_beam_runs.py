@@ -33,7 +33,7 @@ def test_a_flight_goes_on_from_its_dump_to_the_same_bits(
     assert "t = 0.04 s" in gone_on(deck, folder, tmp_path / "again")
 
 
-def test_elements_are_drawn_between_their_nodes_with_what_they_bear(
+def test_elements_are_drawn_between_their_nodes_with_their_forces(
     whole: tuple[Path, Path],
 ) -> None:
     _, folder = whole

@@ -25,7 +25,7 @@ def element(folder: Path, words: str) -> Law:
 
 @pytest.mark.parametrize("words", ["drag: 3", VISCOUS, f"{VISCOUS}\n    drag: 2\n    damping: 0.1"])
 @pytest.mark.parametrize("seed", range(3))
-def test_power_on_the_nodes_is_what_is_no_longer_stored(
+def test_power_on_the_nodes_is_the_decrease_of_stored_energy(
     tmp_path: Path, words: str, seed: int
 ) -> None:
     law = element(tmp_path, words)

@@ -110,11 +110,11 @@ class Implicit:
             b.A = matrix(b.q).ravel()
 
     def carry(self) -> None:
-        points.carry(H, self.nodes, self.scene.points, self.attached_points)
+        points.move_attached(H, self.nodes, self.scene.points, self.attached_points)
 
     def elements(self) -> None:
         """As composed: forces on the points, from what the elements kept."""
-        stiffness.begin_again(H, self.clock, self.scene)
+        stiffness.restart_elements(H, self.clock, self.scene)
         for kind in self.kinds:
             blocks.deform(kind, self.p, self.clock, H, self.scene, self.material)
 
@@ -124,16 +124,16 @@ class Implicit:
         self.scene.points.force = self.scene.points.torque = 0.0
         self.elements()
         self.nodes.force, self.nodes.torque = 0.0, 0.0
-        points.unload(self.clock, self.nodes, self.scene.points, self.attached_points)
+        points.transfer_to_bodies(self.clock, self.nodes, self.scene.points, self.attached_points)
         return np.hstack([self.nodes.force, self.nodes.torque])[1:]
 
     def stiffness(self) -> np.ndarray:
         """K (6 n, 6 n) as the composed step finds it."""
         self.carry()
         matrix = SimpleNamespace(columns=self.scene.columns_0, blocks=self.scene.blocks_0)
-        global_matrix.open_blocks(self.nodes, matrix)
-        stiffness.take_back(H, self.scene)
-        stiffness.reach(self.nodes, self.scene)
+        global_matrix.clear_matrix(self.nodes, matrix)
+        stiffness.restore_elements(H, self.scene)
+        stiffness.update_arms(self.nodes, self.scene)
         for kind in self.kinds:
             word = kind.__name__.rpartition(".")[2].lstrip("_")
             file = import_module(f"crashsolve.elements.shells.tangents.{word}")
@@ -156,7 +156,7 @@ class Implicit:
     def begin(self) -> None:
         """Where all is becomes the start of the next step."""
         self.force()
-        stiffness.keep(self.scene)
+        stiffness.save_blocks(self.scene)
         for b in self.nodes[1:]:
             b.start_r, b.start_q, b.start_A = b.r, b.q, b.A
 

@@ -140,7 +140,7 @@ def test_one_thread_has_nothing_of_several(two: tuple[Path, Path]) -> None:
 
 
 @pytest.mark.parametrize("threads", [1, 3])
-def test_another_number_of_threads_goes_on_from_a_dump_to_the_same_bits(
+def test_a_restart_with_other_threads_has_the_same_bits(
     two: tuple[Path, Path], threads: int, tmp_path: Path
 ) -> None:
     other = tmp_path / "other.yaml"

@@ -32,7 +32,7 @@ WRONG = {
     "material: steel": ("material: steal", "unknown material 'steal'; did you mean 'steel'?"),
     "type: elastic,": (
         "type: elastoplastic, yield_stress: 2e8,",
-        "part 'arm': material: needs a material of type elastic; or say type: fibre_beam",
+        "part 'arm': material: needs a material of type elastic; or use type: fibre_beam",
     ),
     "elements: 2": ("elements: 0", "elements: must be at least 1, not 0"),
     "hub:": ("arm_end:", "part 'arm': its node 'arm_end' has the name of a body; rename one"),

@@ -113,7 +113,7 @@ def test_a_run_with_states_at_events_goes_on(results: dict[str, Path], tmp_path:
     assert set(times_of_states(folder)) <= set(before)
 
 
-def test_what_is_put_back_may_be_put_back_once_more() -> None:
+def test_what_is_restored_may_be_restored_once_more() -> None:
     """Two events in one interval begin at the same sample; shells gave the second another begin."""
     deck = read_deck(DECKS / "verification/contact/faces.yaml")
     engine = engine_of(deck, *build(deck))
@@ -127,7 +127,7 @@ def test_what_is_put_back_may_be_put_back_once_more() -> None:
         group.arrays["totals"]["pairs"] = group.arrays["p"]["room"]
         make_room(engine.model.nodal_groups)
         group.arrays["probe_states"]["depth"] = 1.0
-        before.put_back()
+        before.restore_copy()
         now = changing(engine)
         assert now.keys() == kept.keys()
         for name, array in now.items():

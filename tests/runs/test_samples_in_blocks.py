@@ -50,11 +50,11 @@ class Taken:
         self.engine.sample()
         self.histories.take()
         march, schedule, k = self.between.march, Schedule.of(read), 0
-        march.count_from_here()
+        march.restart_count()
         self.between.begin()
         while not schedule.is_end(k):
             times, kept = schedule.times(k + 1, 50), self.histories.kept
-            if in_blocks and march.may_go(float(times[-1]), kept):
+            if in_blocks and march.can_march(float(times[-1]), kept):
                 count, _, left = march.go(times, kept)
                 self.times += times[:count].tolist()
                 if left is not None:
@@ -68,7 +68,7 @@ class Taken:
             self.between.fill(schedule.time(k))
             self.engine.sample(schedule.time(k))
             self.between.mark()
-            march.tally()
+            march.finish_interval()
             self.take(schedule.time(k))
         self.hand_over(full=True)
         self.marched, self.phase = marched, march.phase
@@ -127,7 +127,7 @@ def test_a_pause_within_a_block_finds_all_samples_recorded(tmp_path: Path) -> No
     engine.start()
     engine.sample()
     histories.take()
-    between.march.count_from_here()
+    between.march.restart_count()
     between.begin()
 
     def look() -> None:

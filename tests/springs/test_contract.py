@@ -168,7 +168,7 @@ def test_without_speed_the_force_is_the_gradient_of_the_energy(
 
 @each(ALL)
 @pytest.mark.parametrize("seed", range(3))
-def test_moving_both_bodies_together_changes_nothing(make: Make, case: str, seed: int) -> None:
+def test_a_common_rigid_motion_has_no_effect(make: Make, case: str, seed: int) -> None:
     law = make(case, seed)
     out = law.force()
     before = [float(out.stored), float(out.power), float(out.loss)]

@@ -11,7 +11,7 @@ from crashsolve.foundation.rows import as_rows
 from crashsolve.model.build import build
 from crashsolve.recording.engines import engine_of
 from crashsolve.system.engine import Engine
-from crashsolve.system.gain import gained
+from crashsolve.system.gain import energy_gain
 
 # a sledge of 1 kg runs at 2 m/s, 0.1 m ahead of what it strikes: 1e7 N/m hold it for 1 ms
 DECK = """
@@ -72,7 +72,7 @@ def test_a_spring_in_short_steps_gives_what_it_took(z: float, fast: float, tmp_p
     now = as_rows(group.history)[int(engine.clock["current"]), 0]
     # it takes and gives 1 kg (2 m/s)^2 / 2; 100 steps a half wave err by (pi / 100)^2 / 12
     assert now.exchanged == pytest.approx(4.0, rel=2e-3)
-    assert abs(gained(now, float(group.output["stored"][0]))) < 1e-3
+    assert abs(energy_gain(now, float(group.output["stored"][0]))) < 1e-3
 
 
 @pytest.mark.parametrize(("step", "is_said"), [(2.1e-3, True), (1.5e-3, False)])

@@ -1,1 +1,1 @@
-"""Commands of crashpost beyond questions about one result."""
+"""Commands of crashpost for figures, pictures and files; those that print numbers are in cli.py."""

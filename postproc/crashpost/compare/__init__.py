@@ -1,1 +1,1 @@
-"""Results beside each other, beside tests and beside published numbers."""
+"""Comparison of results with each other, with tests and with published numbers."""

@@ -1,1 +1,1 @@
-"""Results for other programs."""
+"""Files for other programs: CSV, Parquet, ISO-MME, VTKHDF; no figures."""

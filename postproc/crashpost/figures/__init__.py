@@ -1,1 +1,1 @@
-"""Figures of channels, in one style."""
+"""Figures of channels, in one style; pictures of the model are in renders/."""

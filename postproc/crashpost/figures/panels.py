@@ -44,13 +44,7 @@ def panels(results: Sequence[Result], names: Sequence[str], request: PlotRequest
     for result in results:
         if not len(result.time):
             raise PostError(f"{result.folder} holds no samples")
-    kinds = [word for word in request.channels if word in gallery.KINDS]
-    chosen = _chosen(results, [word for word in request.channels if word not in gallery.KINDS])
-    figures = [f for kind in kinds for f in _kind(results, names, kind)]
-    if chosen:
-        figures += _by_unit(results, names, chosen, request)
-    if not figures:
-        raise PostError(f"nothing to draw: no {', '.join(kinds) or 'figure'} in this result")
+    figures = _requested(results, names, request)
     unit = page_time_unit(_longest(results), figures, request.units)
     drawn = [c for f in figures for c in (f.x, *(curve.channel for curve in f.y))]
     request.units.check_used([*drawn, *(curve.x for f in figures for curve in f.y if curve.x)])
@@ -59,6 +53,20 @@ def panels(results: Sequence[Result], names: Sequence[str], request: PlotRequest
         raise PostError(f"--y-range is for one panel, and {len(figures)} are drawn")
     figures = [_limited(figure, request) for figure in figures]
     return _with_tests(results, figures, request.tests)
+
+
+def _requested(
+    results: Sequence[Result], names: Sequence[str], request: PlotRequest
+) -> list[Figure]:
+    """Standard figures, then one for the channels of each unit; raises PostError without any."""
+    kinds = [word for word in request.channels if word in gallery.KINDS]
+    chosen = _chosen(results, [word for word in request.channels if word not in gallery.KINDS])
+    figures = [f for kind in kinds for f in _kind(results, names, kind)]
+    if chosen:
+        figures += _by_unit(results, names, chosen, request)
+    if not figures:
+        raise PostError(f"nothing to draw: no {', '.join(kinds) or 'figure'} in this result")
+    return figures
 
 
 def _longest(results: Sequence[Result]) -> Result:

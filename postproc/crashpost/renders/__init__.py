@@ -1,1 +1,1 @@
-"""Pictures and films of a run, painted off-screen."""
+"""Pictures and films of the model, painted off-screen; curves are in figures/."""

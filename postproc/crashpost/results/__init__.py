@@ -1,1 +1,1 @@
-"""A results folder opened for reading: histories, states, status and log."""
+"""Reading of a results folder: histories, states, status and log; no evaluation."""

@@ -45,12 +45,17 @@ def main_effect(values: Sequence[Any], measured: Sequence[float]) -> Effect:
     if is_of_words or len(known) <= MOST_VALUES:
         groups = [[pair for pair in pairs if pair[0] == value] for value in known]
     else:
-        edges = np.linspace(0, len(pairs), min(CLASSES, len(pairs) // 2) + 1).astype(int)
-        groups = [pairs[a:b] for a, b in zip(edges[:-1], edges[1:], strict=True)]
+        groups = _classes(pairs)
     at = [g[0][0] if is_of_words else float(np.mean([v for v, _ in g])) for g in groups]
     samples = [np.array([y for _, y in group]) for group in groups]
     errors = [_standard_error(y) for y in samples]
     return Effect(at, [float(y.mean()) for y in samples], errors, [len(y) for y in samples])
+
+
+def _classes(pairs: list[tuple[Any, float]]) -> list[list[tuple[Any, float]]]:
+    """Sorted pairs of value and measure in classes of about equal numbers."""
+    edges = np.linspace(0, len(pairs), min(CLASSES, len(pairs) // 2) + 1).astype(int)
+    return [pairs[a:b] for a, b in zip(edges[:-1], edges[1:], strict=True)]
 
 
 def _standard_error(y: np.ndarray) -> float:

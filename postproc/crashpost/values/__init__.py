@@ -1,1 +1,1 @@
-"""Numbers asked of a result, in words and units: channels, statistics, injury, expectations."""
+"""Numbers of a result: channels, statistics, injury, expectations, ledgers; no drawings."""

@@ -1,4 +1,4 @@
-"""Belts: webbing that runs through rings from anchor to anchor, and pulls only."""
+"""Belts: webbing that runs through rings from anchor to anchor, in tension only."""
 
 from typing import Protocol
 

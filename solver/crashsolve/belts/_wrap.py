@@ -106,15 +106,15 @@ def over_cylinder(R, A, B, sense, before):
         return passing(0, A, B, share, turned)
     straight_A, straight_B = sqrt(a * a - R * R), sqrt(b * b - R * R)
     plane = straight_A + R * turned + straight_B
-    climb = (B[2] - A[2]) / plane
+    pitch = (B[2] - A[2]) / plane
     on = theta + sense * from_A
-    first = (R * cos(on), R * sin(on), A[2] + climb * straight_A)
+    first = (R * cos(on), R * sin(on), A[2] + pitch * straight_A)
     off = on + sense * turned
-    last = (R * cos(off), R * sin(off), B[2] - climb * straight_B)
+    last = (R * cos(off), R * sin(off), B[2] - pitch * straight_B)
     mid = on + 0.5 * sense * turned
     middle = (R * cos(mid), R * sin(mid), 0.5 * (first[2] + last[2]))
-    steep = sqrt(1.0 + climb * climb)
-    along = scale(1.0 / steep, (-sense * sin(mid), sense * cos(mid), climb))
+    steep = sqrt(1.0 + pitch * pitch)
+    along = scale(1.0 / steep, (-sense * sin(mid), sense * cos(mid), pitch))
     length = R * turned * steep
     return Arc(1, first, last, middle, along, length, turned / steep, turned)
 
@@ -151,9 +151,9 @@ def over_ellipsoid(semi, A, B, begun, arc):
         d_psi = (-gap[0] * gap[3] + gap[1] * gap[2]) / determinant
         d_s = (-d_n * gap[1] + d_b * gap[0]) / determinant
         largest = max(abs(d_psi), abs(d_s) / semi[0])
-        ease = min(1.0, 0.3 / largest) if largest > 0.0 else 1.0
-        psi += ease * d_psi
-        s = max(s + ease * d_s, 0.1 * s)
+        relaxation = min(1.0, 0.3 / largest) if largest > 0.0 else 1.0
+        psi += relaxation * d_psi
+        s = max(s + relaxation * d_s, 0.1 * s)
         if largest < CLOSE:
             break
     if largest > FAR:

@@ -1,4 +1,4 @@
-"""Bodies: what carries mass."""
+"""Bodies: rigid bodies with mass and inertia; deformable ones are parts."""
 
 from typing import Protocol
 

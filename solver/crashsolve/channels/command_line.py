@@ -1,4 +1,4 @@
-"""What the command lines of solver and post-processor share."""
+"""Options that the command lines of solver and post-processor share."""
 
 import argparse
 import re

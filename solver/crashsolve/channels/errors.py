@@ -1,11 +1,13 @@
-"""What is said where a question about a channel has no answer."""
+"""Errors of questions about channels."""
 
 from collections.abc import Iterable
 from difflib import get_close_matches
 
 
 class ChannelError(ValueError):
-    """A channel, expression, statistic or unit that cannot be: its text says why, and what can."""
+    """A channel, expression, statistic or unit that does not exist; the text says why, and what
+    does.
+    """
 
 
 class TooShort(ChannelError):

@@ -1,4 +1,4 @@
-"""A time history, and what is done with samples as they are: windows and the trapezoidal rule."""
+"""A time history with its basic operations: windows and the trapezoidal rule."""
 
 from typing import NamedTuple
 

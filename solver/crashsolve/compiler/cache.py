@@ -98,7 +98,7 @@ def make_private(folder: Path) -> None:
 
 
 def refuse_foreign(folder: Path) -> None:
-    """Raise CacheError where another user could change what the folder holds."""
+    """Raise CacheError where another user could change files of the folder."""
     for path in _between_marks(folder):
         try:
             info = os.lstat(path)
@@ -120,7 +120,7 @@ def _between_marks(folder: Path) -> Iterator[Path]:
 
 
 def _others_write(info: os.stat_result) -> bool:
-    """Whether others can replace what a folder holds; in a sticky one they cannot."""
+    """Whether others can replace files of a folder; in a sticky one they cannot."""
     if info.st_mode & stat.S_ISVTX:
         return False
     by_group = info.st_mode & stat.S_IWGRP and not _is_own_group(info.st_gid)

@@ -83,7 +83,9 @@ def machine_codes(source: Path, names: tuple[str, ...], tables: Tables) -> tuple
 
 @cache
 def processor() -> str:
-    """Name of this processor, and a hash of what it can do: one name may stand for several."""
+    """Name of this processor, and a hash of its features: one name may stand for several
+    processors.
+    """
     import llvmlite.binding as llvm
 
     features = llvm.get_host_cpu_features().flatten()

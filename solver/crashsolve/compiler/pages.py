@@ -1,4 +1,4 @@
-"""Pages of a library that have done their work: given back until they are asked for again."""
+"""Memory pages of a library that are no longer used: returned to the system until needed again."""
 
 import ctypes
 import mmap

@@ -1,7 +1,7 @@
 """Program: the functions that some entry points reach, specialised, as one module.
 
 Modules of some packages are copied, function by function, others are imported; every name has one
-meaning. What stands in place of placeholders is said in compiler/specialise.py.
+meaning. compiler/specialise.py states what replaces placeholders.
 """
 
 import ast
@@ -98,7 +98,7 @@ class Program:
         return self._sources[module]
 
     def _resolve(self, source: Source, tree: ast.AST) -> None:
-        """Bring what the names of a copied function or constant mean."""
+        """Copy the objects that a copied function or constant names."""
         nodes = walk(tree)
         own = {n.arg for n in nodes if isinstance(n, ast.arg)} | assigned_in(tree)
         for name in dict.fromkeys(n.id for n in nodes if isinstance(n, ast.Name)):
@@ -141,7 +141,7 @@ class Program:
 
 
 def read_source(module: str) -> Source:
-    """The file of a module, taken apart."""
+    """The parsed file of a module."""
     spec = find_spec(module)
     assert spec is not None and spec.origin is not None
     text = Path(spec.origin).read_text("utf-8")

@@ -29,7 +29,9 @@ TABLES = "scene"
 
 
 class SpecialiseError(Exception):
-    """A loop asks of a placeholder what it has not, or cannot be copied: a programming error."""
+    """A loop that uses a missing attribute of a placeholder, or cannot be copied: a programming
+    error.
+    """
 
 
 class _Unknown(Exception):
@@ -360,7 +362,7 @@ def are_same(one: Any, other: Any) -> bool:
 
 
 def word_of(value: Any) -> str:
-    """Name of what a copy is for."""
+    """Name of the argument that a copy is specialised for."""
     if isinstance(value, ModuleType):
         return value.__name__.rpartition(".")[2].strip("_")
     return str(value.word)

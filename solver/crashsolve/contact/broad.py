@@ -31,11 +31,11 @@ PAIR = Record("""
     second  index  sphere
 """)
 # cubes along one axis at most, so that the three numbers of a cube fit one integer
-WIDEST = 2_000_000
-# of the 3 x 3 columns of cubes about a sphere the one that it is in
-OWN = 4
-# pairs of a sphere, for which there is room at first
-USUAL = 8
+MAX_CUBES = 2_000_000
+# number of the middle one of the 3 x 3 columns of cubes about a sphere
+CENTRE_COLUMN = 4
+# initial room for the pairs of a sphere
+PAIRS_PER_SPHERE = 8
 
 
 def near_pairs(
@@ -58,7 +58,7 @@ def near_pairs(
     low = np.minimum(centres.min(axis=0), others.min(axis=0))
     spread = np.maximum(centres.max(axis=0), others.max(axis=0)) - low
     reach = float(radii.max() + other_radii.max() + margin)
-    width = max(reach, float(spread.max()) / WIDEST)
+    width = max(reach, float(spread.max()) / MAX_CUBES)
     first, second = (
         _spheres(x, r, low, width) for x, r in ((centres, radii), (others, other_radii))
     )
@@ -66,20 +66,22 @@ def near_pairs(
     keys["key"], keys["sphere"] = _keys(second["cube"]), np.arange(len(second))
     keys = keys[np.argsort(keys["key"], kind="stable")]
     tables = {"spheres": first, "others": second, "keys": keys, "count": np.zeros(1, np.int64)}
-    pairs = _visit(tables, USUAL * len(first), margin, same)
+    pairs = _collect_pairs(tables, PAIRS_PER_SPHERE * len(first), margin, same)
     # one number per pair, which is sorted faster than two
     number = pairs["first"] * len(others) + pairs["second"]
     number.sort()
     return np.stack(np.divmod(number, len(others)), axis=1)
 
 
-def _visit(tables: dict[str, np.ndarray], room: int, margin: float, same: bool) -> np.ndarray:
-    """Near pairs, in any order, for which there is room at first; if there are more, once more."""
+def _collect_pairs(
+    tables: dict[str, np.ndarray], room: int, margin: float, same: bool
+) -> np.ndarray:
+    """Near pairs, in any order; repeated with more room where `room` is too small."""
     pairs = np.zeros(room, PAIR.dtype)
     found = Tables(tables | {"pairs": pairs})
-    machine_code(Path(__file__), "visit", found)(margin, same, found)
+    machine_code(Path(__file__), "collect_pairs", found)(margin, same, found)
     count = int(tables["count"][0])
-    return pairs[:count] if count <= room else _visit(tables, count, margin, same)
+    return pairs[:count] if count <= room else _collect_pairs(tables, count, margin, same)
 
 
 def _spheres(centres: np.ndarray, radii: np.ndarray, low: np.ndarray, width: float) -> np.ndarray:
@@ -96,20 +98,20 @@ def _keys(cubes: np.ndarray) -> Any:
 
 
 @entry
-def visit(margin, same, tables):
-    """Count the near pairs; note them while there is room. Writes: count, pairs.
+def collect_pairs(margin, same, tables):
+    """Count the near pairs; store them while there is room. Writes: count, pairs.
 
-    Of one set, of two cubes beside each other the spheres of the first look at those of the second.
+    Within one set, the spheres of a cube are compared with those of the cubes behind it.
     """
     spheres, others, keys, pairs = tables.spheres, tables.others, tables.keys, tables.pairs
     count = 0
     for i in range(spheres.shape[0]):
         s = spheres[i]
-        for column in range(OWN if same else 0, 9):
+        for column in range(CENTRE_COLUMN if same else 0, 9):
             x, y, z = s.cube[0] + column // 3 - 1, s.cube[1] + column % 3 - 1, s.cube[2]
             # three cubes above one another are one run of keys
             middle = (x << 42) + (y << 21) + z
-            is_own = same and column == OWN
+            is_own = same and column == CENTRE_COLUMN
             k = _first_at(keys, middle if is_own else middle - 1)
             while k < keys.shape[0] and keys[k].key <= middle + 1:
                 j = keys[k].sphere

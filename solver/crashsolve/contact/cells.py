@@ -16,7 +16,7 @@ from crashsolve.foundation.point import LANES
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, dot, put, scale, sub, vec
 
-FARTHEST = 1e9  # cubes
+MAX_CUBE_INDEX = 1e9  # cubes
 # that a probe may touch at once on one side of a surface: both of a crease below and both of one
 # above, and of a corner one more each
 WALLS = 6
@@ -31,22 +31,22 @@ CELL = Record("""
 @kernel
 def corner_points(p, f, corners):
     """Points of the four corners of a face; a triangle has the third twice."""
-    # triangles begin with a block of their own
+    # triangles begin with a new block
     g = f if f < p.quads else f + p.empty
     at = p.first_corner + 4 * (g - g % LANES) + g % LANES
     return corners[at], corners[at + LANES], corners[at + 2 * LANES], corners[at + 3 * LANES]
 
 
 @kernel
-def along(offset):
+def cube_index(offset):
     """Number of a cube along an axis: neighbours stay neighbours, and the column can hold it."""
-    return int(floor(min(max(offset, -FARTHEST), FARTHEST)))
+    return int(floor(min(max(offset, -MAX_CUBE_INDEX), MAX_CUBE_INDEX)))
 
 
 @kernel
 def cube_of(x, width):
-    """Cube in which a position lies; all that is very far away lies in the outermost ones."""
-    return along(x[0] / width), along(x[1] / width), along(x[2] / width)
+    """Cube in which a position lies; very distant positions lie in the outermost ones."""
+    return cube_index(x[0] / width), cube_index(x[1] / width), cube_index(x[2] / width)
 
 
 @kernel
@@ -56,7 +56,7 @@ def bucket_of(i, j, k, count):
 
 
 @kernel
-def measure(p, points, corners, cells):
+def bound_faces(p, points, corners, cells):
     """Middle and radius of every face; returns the largest radius. Writes: cells."""
     largest = 0.0
     for f in range(p.face_count):
@@ -75,7 +75,7 @@ def measure(p, points, corners, cells):
 
 
 @kernel
-def sort(p, width, cells, starts, sorted_faces):
+def sort_faces(p, width, cells, starts, sorted_faces):
     """Faces by bucket; those of bucket b lie from starts[b] on. Writes: cells, starts, sorted."""
     count = p.bucket_count
     for b in range(count + 1):
@@ -88,7 +88,7 @@ def sort(p, width, cells, starts, sorted_faces):
         starts[cell.bucket + 1] += 1
     for b in range(count):
         starts[b + 1] += starts[b]
-    # backwards, which leaves the faces of a bucket in ascending order, and starts where they begin
+    # backwards, so that the faces of a bucket are in ascending order, and starts point to the first
     for back in range(p.face_count):
         f = p.face_count - 1 - back
         b = cells[f].bucket + 1
@@ -100,7 +100,7 @@ def sort(p, width, cells, starts, sorted_faces):
 
 
 class Near(NamedTuple):
-    """Tables by which the faces near each probe are known."""
+    """Lists of the faces near each probe."""
 
     grid: tuple[np.ndarray, ...]  # cells, starts of buckets, faces sorted by them
     # first of each probe, faces near, displacement until each is due, that of the probe
@@ -127,18 +127,19 @@ def list_near(i, x, p, offset, reach, width, near_faces, total):
                 continue
             between = sub(x, vec(cell.middle))
             far, square = reach + cell.radius, dot(between, between)
-            if square >= far * far or is_spared(i, f, spared):
+            if square >= far * far or is_excluded(i, f, spared):
                 continue
             if total < p.room:
                 near[total] = f
-                # not touched before both have gone what is between their bounds and the gap
+                # not in contact before both have moved by the distance of their bounds, less the
+                # gap
                 wait[total] = offset + max(sqrt(square) - cell.radius - p.gap, 0.0)
             total += 1
     return total
 
 
 @kernel
-def is_spared(i, f, spared):
+def is_excluded(i, f, spared):
     """Whether a probe never meets a face: near it in the mesh."""
     first, faces = spared
     at = first[i]

@@ -61,7 +61,7 @@ def build(card: Unilateral, scene: Scene, pair: Pair) -> Columns:
 
 
 def check(card: Unilateral, scene: Scene, nodes_a: set[int], nodes_b: set[int]) -> None:
-    """Refuses what the law must not be used on; `nodes` are those of the surfaces of both sides."""
+    """Refuse bodies that the law must not hold; `nodes` are those of the surfaces of both sides."""
     flexible = {node for nodes in scene.part_nodes.values() for node in nodes}
     rigid = sorted(scene.names[node] for node in nodes_a - flexible)
     if rigid:

@@ -1,1 +1,1 @@
-"""Deck layer: from a text file to checked cards, with every error reported at its location."""
+"""From the text of a deck to checked cards, with every error reported at its location; no model."""

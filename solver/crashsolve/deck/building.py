@@ -1,4 +1,4 @@
-"""What a law's `build` may ask while cards become numbers; `model/scene.py` answers.
+"""The interface of a law's `build` to the scene, while cards become numbers; see `model/scene.py`.
 
 Frames: a body's own axes and origin are those of its card; inside, points are measured from the
 mass centre. Nodes are rows of the node table, the ground is 0.

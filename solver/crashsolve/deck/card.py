@@ -5,7 +5,7 @@
         stiffness: float = quantity("N/m", "slope of force over elongation", gt=0)
         normal: Card = Law("contact/normal", "law of the normal force")
 
-A card holds SI numbers whatever the deck's units are. Sequences are tuples, as cards are frozen.
+A card holds SI numbers for any units of the deck. Sequences are tuples, as cards are frozen.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""What is wrong with a card and what would be right, in plain English.
+"""Errors of a card, with advice, in plain English.
 
 pydantic finds the errors; here they get their words and the position within the card.
 """
@@ -83,7 +83,7 @@ def explained(card: type[BaseModel], error: ValidationError) -> ValidationError:
 
 
 def reported(diagnostics: list[Diagnostic], title: str = "card") -> ValidationError:
-    """The error that hands these errors on."""
+    """The error that carries these errors."""
     lines = []
     for diagnostic in diagnostics:
         words = PydanticCustomError(

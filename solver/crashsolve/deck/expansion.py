@@ -72,7 +72,7 @@ def expand(
 ) -> bool:
     """Write an entry out in cards of its own; returns whether all went well.
 
-    `laws` are the entries of sections and materials. What is wrong goes to `refuse`. Writes: items.
+    `laws` are the entries of sections and materials. Errors go to `refuse`. Writes: items.
     """
     words = control if isinstance(control, Mapping) else {}
     try:

@@ -8,6 +8,7 @@ not provide what the family promises, is one error at import, in words.
 
 import re
 import traceback
+from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
 from functools import cache
 from importlib import import_module
@@ -176,21 +177,33 @@ def check_law(module: Any) -> None:
     wanted = {name: getattr(law, name) for name in provided(law)}
     if family.has_rows and _has_own_rows(module):
         wanted |= {name: getattr(OwnRows, name) for name in provided(OwnRows)}
-    missing = [
-        f"{name} ({_first_line(wanted[name])})" for name in wanted if not hasattr(module, name)
-    ]
-    missing += [name for name in constants(law) if not hasattr(module, name)]
-    if missing:
-        raise FamilyError(f"{module.__name__} must provide {', '.join(missing)}")
-    for constant, known in (("LEDGER", family.energy), ("FAMILY", family.channels or ())):
-        if getattr(module, constant, next(iter(known), "")) not in (*known, ""):
-            message = f"{constant} of {module.__name__} must be one of {', '.join(known)}"
-            raise FamilyError(f"{message}, as declared in {PACKAGE}/{folder}/__init__.py")
+    _check_provided(module, wanted, constants(law))
+    _check_words(module, family)
     if family.acts and law is family.law:
         _check_records(module)
         hooks = (name for name in provided(StepLaw) if hasattr(module, name))
         wanted |= {name: getattr(StepLaw, name) for name in hooks}
     check_arguments(module, wanted)
+
+
+def _check_provided(module: Any, functions: dict[str, Any], names: Iterable[str]) -> None:
+    """Raises FamilyError for functions or constants that a law lacks."""
+    missing = [
+        f"{name} ({_first_line(function)})"
+        for name, function in functions.items()
+        if not hasattr(module, name)
+    ]
+    missing += [name for name in names if not hasattr(module, name)]
+    if missing:
+        raise FamilyError(f"{module.__name__} must provide {', '.join(missing)}")
+
+
+def _check_words(module: Any, family: Family) -> None:
+    """Raises FamilyError for a word of LEDGER or FAMILY that the family does not declare."""
+    for constant, known in (("LEDGER", family.energy), ("FAMILY", family.channels or ())):
+        if getattr(module, constant, next(iter(known), "")) not in (*known, ""):
+            message = f"{constant} of {module.__name__} must be one of {', '.join(known)}"
+            raise FamilyError(f"{message}, as declared in {PACKAGE}/{family.folder}/__init__.py")
 
 
 def check_arguments(module: Any, wanted: dict[str, Any]) -> None:

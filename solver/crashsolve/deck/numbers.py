@@ -191,14 +191,7 @@ def number_in(
     if value is BROKEN:
         already_reported()
     if isinstance(value, SiFloat):
-        if unit and value.unit and value.unit.exponents != unit.exponents:
-            refuse(
-                f"must be in {describe(unit)}",
-                f"this expression is in {describe(value.unit)}",
-                within=within,
-            )
-        _refuse_mixed(value, unit, context, within)
-        return float(value), unit or value.unit
+        return _of_expression(value, unit, context, within)
     kind = "a number, alone or with a unit"
     try:
         if isinstance(value, str):
@@ -216,6 +209,20 @@ def number_in(
         return float(value) * (unit or PURE).factor, unit
     except (UnitError, OverflowError) as error:
         refuse(f"must be {kind}", str(error), within=within)
+
+
+def _of_expression(
+    value: SiFloat, unit: Unit | None, context: Context, within: tuple[str | int, ...]
+) -> tuple[float, Unit | None]:
+    """The value of an expression in SI, with its unit; refused in another unit than is wanted."""
+    if unit and value.unit and value.unit.exponents != unit.exponents:
+        refuse(
+            f"must be in {describe(unit)}",
+            f"this expression is in {describe(value.unit)}",
+            within=within,
+        )
+    _refuse_mixed(value, unit, context, within)
+    return float(value), unit or value.unit
 
 
 def _refuse_mixed(

@@ -1,4 +1,4 @@
-"""Deck words of earlier versions, and what they are called now: for the message alone.
+"""Deck words of earlier versions, and their present names, for messages only.
 
 A deck with an old word is refused; the message names the new one.
 """

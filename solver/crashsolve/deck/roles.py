@@ -1,4 +1,4 @@
-"""What the file of a law may provide, role by role: the step calls nothing else of it.
+"""Functions that the file of a law may provide, role by role; the step calls no others.
 
 The Protocol of a family is made of the roles that every law of it plays. The others are hooks: a
 law that provides one is asked by it, wherever its family stands. Type checkers, the error for a
@@ -157,7 +157,7 @@ class FrictionLaw(Protocol):
         """Force on a (3) [N], stored [J], power [W], loss [J], stiffness, damping. Writes: new.
 
         `slide` is a Slide (system/contact/pair.py): normal force, slip, displacement, normal, mass,
-        ease.
+        compliance.
         """
 
     def release(self, p, old, new):
@@ -218,7 +218,7 @@ class ElementLoad(Protocol):
 class Bending(Protocol):
     """Elements whose tangent goes to the blocks of their nodes, beside the rows of `tangent`."""
 
-    def bend(self, p, state, nodes, curves, slot, blocks):
+    def tangent_blocks(self, p, state, nodes, curves, slot, blocks):
         """Tangent by positions. Writes: blocks."""
 
 
@@ -241,7 +241,7 @@ class FibreLaw(Protocol):
     def tangent(self, p, state, nodes, curves, rows, first, material):
         """Compliant rows from row `first` on. Writes: rows."""
 
-    def bend(self, p, state, h, nodes, curves, slot, blocks, material):
+    def tangent_blocks(self, p, state, h, nodes, curves, slot, blocks, material):
         """Slopes of its forces by the positions of its nodes after a step of h. Writes: blocks."""
 
 

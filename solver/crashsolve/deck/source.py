@@ -114,7 +114,7 @@ def locate(start: Position, value: object, path: tuple[str | int, ...], key: boo
 
 
 def read_yaml(path: Path, diagnostics: list[DeckError]) -> Table | None:
-    """The table a file holds, None when it cannot be read; appends what is wrong to `errors`."""
+    """The table in a file, None when it cannot be read; appends its errors to `errors`."""
     name = str(path)
     try:
         name.encode()
@@ -311,7 +311,7 @@ def _position(event: Any) -> tuple[int, int]:
 
 
 def plain_scalar(text: str) -> tuple[Any, str, str]:
-    """Value of an unquoted scalar, or what is wrong with it and advice."""
+    """Value of an unquoted scalar, or its error with advice."""
     if text in _WORDS:
         return _WORDS[text], "", ""
     if text[0] not in "+-.0123456789":

@@ -1,4 +1,4 @@
-"""Damping of elements and scaling of their mass: what the cards of parts share.
+"""Damping of elements and scaling of their mass: fields that the cards of parts share.
 
     f = -alpha m v,   m = -alpha J w                        drag, against the air of the world
     q = rho l (b_1 c + b_2^2 l |rate| [rate < 0]) rate      viscosity, c = sqrt(E / rho)

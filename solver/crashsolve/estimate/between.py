@@ -12,9 +12,26 @@ extreme or integral across a touch that lies between two samples has an error be
 import re
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Protocol
+
+import numpy as np
 
 from crashsolve.estimate.error import Estimate
+
+
+class Missed(Protocol):
+    """A contact of which the samples miss the peak (simulation/missed.py)."""
+
+    name: str
+    peak: float
+    shown: float
+    impulse: np.ndarray
+    bodies: frozenset[str]
+
+    @property
+    def shortfall(self) -> float:
+        """Part of the peak that the samples do not show [N]."""
+
 
 OF_SAMPLES = ("max", "min", "abs_max", "argmax", "argmin", "integral", "mean", "rms")
 # functions whose value at any time is made of samples before it
@@ -25,8 +42,8 @@ SENSED = re.compile(r"\b(nodout\.|glstat\.model\.energy\.\w+_stored)")
 
 
 def with_missed_contacts(
-    found: Sequence[Estimate], missed: Sequence[Any], mass: dict[str, float]
-) -> list[Any]:
+    found: Sequence[Estimate], missed: Sequence[Missed], mass: dict[str, float]
+) -> list[Estimate]:
     """Estimates plus what samples miss of contacts `missed`; `mass` [kg] of bodies by name."""
     return (
         [_with_missed_contacts(estimate, missed, mass) for estimate in found]
@@ -36,32 +53,35 @@ def with_missed_contacts(
 
 
 def _with_missed_contacts(
-    estimate: Estimate, missed: Sequence[Any], mass: dict[str, float]
+    estimate: Estimate, missed: Sequence[Missed], mass: dict[str, float]
 ) -> Estimate:
+    """The estimate enlarged by what its channels miss of peaks between samples, or withdrawn."""
     text, statistic = " ".join(estimate.watch.channels), estimate.watch.statistic
     is_course = bool(COURSES.search(text))
     if estimate.error is None or (statistic not in OF_SAMPLES and not is_course):
         return estimate
-    own = next((m for m in missed if re.search(rf"\brcforc\.{re.escape(m.name)}\.", text)), None)
-    if own is not None and "impulse" not in text and "peak_" not in text:
-        return _of_contact(estimate, own, text, statistic)
+    worst = max(missed, key=lambda m: float(m.shortfall))
+    named = [m for m in missed if re.search(rf"\brcforc\.{re.escape(m.name)}\.", text)]
+    if named and "impulse" not in text and "peak_" not in text:
+        return _of_contact(estimate, named[0], text, statistic)
     if FORCES.search(text) and not is_course:
-        worst = max(missed, key=lambda m: float(m.shortfall))
         return _with_shortfall(estimate, worst.shortfall, worst)
-    struck = {name for name in MOVED.findall(text) for m in missed if name in m.bodies}
-    if struck and not is_course and statistic in ("max", "min", "abs_max"):
-        shortfall = max(
-            m.shortfall / mass[name] for name in struck for m in missed if name in m.bodies
-        )
-        return _with_shortfall(estimate, shortfall, max(missed, key=lambda m: float(m.shortfall)))
-    if struck or SENSED.search(text) or (is_course and MOVED.search(text) is None):
-        worst = max(missed, key=lambda m: float(m.shortfall))
+    changes = _changes_of_bodies(text, missed, mass)
+    if changes and not is_course and statistic in ("max", "min", "abs_max"):
+        return _with_shortfall(estimate, max(changes), worst)
+    if changes or SENSED.search(text) or (is_course and MOVED.search(text) is None):
         how = f"not estimated: contact '{worst.name}' peaked at {worst.peak:.3g} N between samples"
         return replace(estimate, error=None, how=how)
     return estimate
 
 
-def _of_contact(estimate: Estimate, own: Any, text: str, statistic: str) -> Estimate:
+def _changes_of_bodies(text: str, missed: Sequence[Missed], mass: dict[str, float]) -> list[float]:
+    """Accelerations [m/s^2] by missed peaks, of the bodies whose motion is in an expression."""
+    struck = {name for name in MOVED.findall(text) for m in missed if name in m.bodies}
+    return [m.shortfall / mass[name] for name in struck for m in missed if name in m.bodies]
+
+
+def _of_contact(estimate: Estimate, own: Missed, text: str, statistic: str) -> Estimate:
     """The estimate of a number of the very contact whose peak lies between samples."""
     if statistic == "integral" and estimate.value is not None:
         component = re.search(r"\.force\.([xyz])", text)
@@ -76,7 +96,7 @@ def _of_contact(estimate: Estimate, own: Any, text: str, statistic: str) -> Esti
     return replace(estimate, error=None, how=how)
 
 
-def _with_shortfall(estimate: Estimate, shortfall: float, own: Any) -> Estimate:
+def _with_shortfall(estimate: Estimate, shortfall: float, own: Missed) -> Estimate:
     missed = f"{shortfall:.2g} {estimate.unit}".rstrip()
     how = f"{estimate.how}; contact '{own.name}' between samples {missed}"
     return replace(estimate, error=(estimate.error or 0.0) + shortfall, how=how)

@@ -105,7 +105,7 @@ class Companions:
                 k = self._sample(k + 1, recorded, between, schedule)
                 continue
             times = schedule.times(k + 1, MOST)
-            if between.march.may_go(float(times[-1]), recorded.histories.kept):
+            if between.march.can_march(float(times[-1]), recorded.histories.kept):
                 count, _, left = between.march.go(times, recorded.histories.kept)
                 recorded.add(times[:count].tolist())
                 if left is not None:

@@ -183,7 +183,7 @@ def left_out(deck: Deck) -> list[str]:
 
 
 def _without(found: Estimate, words: Sequence[str]) -> Estimate:
-    """An estimate that says what is not in its error."""
+    """An estimate that names the errors it does not contain."""
     if not words or not found.error:
         return found
     return replace(found, how=f"{found.how}; without {' and '.join(words)}")

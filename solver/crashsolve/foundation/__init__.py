@@ -1,1 +1,1 @@
-"""Ground floor: errors, units, records, vectors, rotations, curves and the constraint solver."""
+"""Foundation: errors, records, vectors, rotations, curves, sparse solvers; no laws and no model."""

@@ -1,4 +1,4 @@
-"""Columns of tables that hold vectors and matrices: what is added to them, and their products."""
+"""Columns of tables that hold vectors and matrices: sums and products."""
 
 from crashsolve.foundation.kernels import kernel
 

@@ -36,7 +36,7 @@ def _cut(met: re.Match[str]) -> str:
 
 
 class DeckError(CrashsolveError):
-    """One error in a deck: where it stands, what is wrong and what would be right."""
+    """One error in a deck: its location, what is wrong, and advice."""
 
     exit_code = ExitCode.DECK
 

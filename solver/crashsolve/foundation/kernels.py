@@ -1,4 +1,4 @@
-"""What a function is to the compiler.
+"""Marks that state how the compiler treats a function.
 
 The decorators leave a function as it is and only mark it: Python runs it as it stands, and
 compiler/translation/ reads its source.
@@ -42,7 +42,9 @@ def stage(function: F) -> F:
 
 
 def entry(function: F) -> F:
-    """Compile a function of a number, a flag and tables, that machine.py hands to Python."""
+    """Compile a function of a number, a flag and tables, which machine.py makes callable from
+    Python.
+    """
     return _marked(function, "entry")
 
 

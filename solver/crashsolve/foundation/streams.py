@@ -43,7 +43,7 @@ def open_standard_streams() -> None:
 
 
 def discard_output(stream: TextIO) -> None:
-    """Send what is left to flush, and all to come, to the null device: no error at exit."""
+    """Redirect buffered and later output to the null device, against errors at exit."""
     with suppress(OSError, ValueError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 

@@ -1,4 +1,4 @@
-"""Friction laws of contact."""
+"""Friction laws of contact; that of joints is among the springs."""
 
 from crashsolve.deck.family import ANY, Family
 from crashsolve.deck.roles import FrictionLaw

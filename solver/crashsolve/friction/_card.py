@@ -1,4 +1,4 @@
-"""What the cards of friction laws share."""
+"""Fields that the cards of friction laws share."""
 
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card

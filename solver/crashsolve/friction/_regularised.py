@@ -31,9 +31,9 @@ def without_friction(slide, friction_force):
     """Slip [m/s] as without friction, where it counts on that of the last step, `friction_force`
     [N].
     """
-    if slide.ease == 0.0:
+    if slide.compliance == 0.0:
         return slide.slip
-    free = add_scaled(slide.slip, -slide.ease, friction_force)
+    free = add_scaled(slide.slip, -slide.compliance, friction_force)
     return add_scaled(free, -dot(free, slide.n), slide.n)
 
 

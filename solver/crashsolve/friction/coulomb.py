@@ -62,7 +62,7 @@ def friction_force(p: Parameters, old: History, new: History, slide, curves):
     new.friction_regime = (1 if v >= p.friction_none_below else 0) + (
         1 if v >= p.friction_full_above else 0
     )
-    taken = slide.ease * full
+    taken = slide.compliance * full
     rise = max(p.friction_full_above - p.friction_none_below, taken)
     share = min(max((v - p.friction_none_below) / (rise + taken), 0.0), 1.0)
     return against(free, v, full * share, full / rise, friction_force, slide.displacement)

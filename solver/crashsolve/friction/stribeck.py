@@ -65,7 +65,7 @@ def friction_force(p: Parameters, old, new, slide, curves):
     """Force on a [N], stored [J], power [W], loss [J], stiffness and damping [N s/m]."""
     friction_force = vec(old.friction_force)
     free, normal_force = without_friction(slide, friction_force), slide.normal_force
-    v, taken = speed(free), slide.ease * normal_force
+    v, taken = speed(free), slide.compliance * normal_force
     mu = coefficient(p, slip_left(p, v, taken), taken)
     return against(
         free, v, mu * normal_force, steepest(p) * normal_force, friction_force, slide.displacement

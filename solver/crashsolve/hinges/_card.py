@@ -1,4 +1,4 @@
-"""Words that hinges share, and what the kernels of _law.py need of them."""
+"""Words that hinges share, and the columns of the kernels of _law.py."""
 
 from typing import Any, ClassVar, Literal, NamedTuple
 

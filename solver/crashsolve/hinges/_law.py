@@ -163,7 +163,7 @@ def hardened(p, c, x_p, curves):
 
 @kernel
 def static_loss(p, old, flow, curves):
-    """Area under R over the plastic displacement, less what is stored of it [J]."""
+    """Area under R over the plastic displacement, less its stored part [J]."""
     c, side, displacement, origin = flow
     own = 2 * c if side > 0.0 else 2 * c + 1
     here = p.backbone[own]

@@ -18,6 +18,9 @@ from crashsolve.foundation.curve import HOLD
 from crashsolve.hinges import _collapse
 from crashsolve.sections._plastic import GRID, plastic_modulus
 
+# breakpoints, coefficients, extrapolation
+Points = tuple[np.ndarray, np.ndarray, int]
+
 
 def material_of(card: Any, field: str, built: Columns, scene: Scene) -> tuple[float, float]:
     """Young's modulus and yield stress [Pa]."""
@@ -48,7 +51,9 @@ def squash_load(card: Any, scene: Scene) -> float:
     return float(stress) * float(section_of(card, "curve", scene)[2]["area"])
 
 
-def plastic_curve(start: float, limit: float, until: float | None, field: str, scene: Scene) -> Any:
+def plastic_curve(
+    start: float, limit: float, until: float | None, field: str, scene: Scene
+) -> Points:
     """The points of a curve from 0 to the limit at `start`, and constant beyond."""
     until = until or 1.0
     if not until > start:
@@ -59,7 +64,7 @@ def plastic_curve(start: float, limit: float, until: float | None, field: str, s
     return x, c, HOLD
 
 
-def bending_curve(card: Any, field: str, built: Columns, scene: Scene) -> Any:
+def bending_curve(card: Any, field: str, built: Columns, scene: Scene) -> Points:
     """Moment over angle of a section: breakpoints, coefficients, the code of extrapolation."""
     young, stress = material_of(card, field, built, scene)
     module, section, constants = section_of(card, field, scene)
@@ -75,7 +80,7 @@ def bending_curve(card: Any, field: str, built: Columns, scene: Scene) -> Any:
     return plastic_curve(limit / stiffness, limit, card.until, field, scene)
 
 
-def given_curve(card: Any, stiffness: float, field: str, built: Columns, scene: Scene) -> Any:
+def given_curve(card: Any, stiffness: float, field: str, built: Columns, scene: Scene) -> Points:
     """M over theta = x + M / k of points M over x: breakpoints, coefficients, extrapolation."""
     if card.plastic_curve not in built:
         raise scene.fail(f"curve '{card.plastic_curve}' cannot be built", field)
@@ -100,7 +105,7 @@ def given_curve(card: Any, stiffness: float, field: str, built: Columns, scene: 
     return angle, rows, beyond
 
 
-def axial_curve(card: Any, field: str, built: Columns, scene: Scene) -> Any:
+def axial_curve(card: Any, field: str, built: Columns, scene: Scene) -> Points:
     """Force over change of length of a section, the same."""
     young, stress = material_of(card, field, built, scene)
     _, section, constants = section_of(card, field, scene)

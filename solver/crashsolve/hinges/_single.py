@@ -1,4 +1,4 @@
-"""One motion of a hinge: what it resists in a step, how that rises, and where its law has corners.
+"""One motion of a hinge: its resistance in a step, the slopes of that, and the corners of its law.
 
 `x` is the angle or the stroke from the undeformed hinge [rad or m], `rate` its rate, and `speed`
 that of the rate factor (_law.py).
@@ -27,7 +27,7 @@ def response(p, old, new, out, x, speed, curves):
 
 @kernel
 def slopes(p, state, x, rate, speed, curves):
-    """Rise of what it resists over x [N m/rad or N/m] and over the speed, from a state."""
+    """Slopes of the resistance over x [N m/rad or N/m] and over the speed, at a state."""
     if state.failed == 1:
         return 0.0, 0.0
     phi, slope = _law.step_factor(p, state, speed), _law.growth_slope(p, speed)

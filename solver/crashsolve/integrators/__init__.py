@@ -1,1 +1,1 @@
-"""Time integrators, one file each."""
+"""Time integrators, one file each; forces and equations of a step are in system/."""

@@ -1,14 +1,14 @@
 """The loop over time: steps and samples, the balance of energy, and why it ends.
 
-The same for every method; what a step and a sample are is said by its stepper (`rattle`,
-`_runge_kutta` or `_implicit`), in three functions.
+The same for every method; its stepper (`rattle`, `_runge_kutta` or `_implicit`) defines a step and
+a sample, in three functions.
 """
 
 from crashsolve.foundation.kernels import entry
 from crashsolve.foundation.sparse.saddle import saddle_of
 from crashsolve.integrators.rattle import finish, prepare_sample, take_step
 from crashsolve.model.clock import CURVE_END, PAUSED, REACHED, REBUILD, RUNNING, TOUCHED
-from crashsolve.system.contact.effective_mass import has_unweighed
+from crashsolve.system.contact.effective_mass import needs_effective_mass
 from crashsolve.system.energy import check, check_contacts
 from crashsolve.system.loops.energy import check_laws, energy
 from crashsolve.system.loops.events import need_rebuild
@@ -25,7 +25,8 @@ from crashsolve.system.timestep import count_rotations
 
 @entry
 def advance(until, sampling, scene):
-    """Step from the present time to exactly `until` [s], or to trouble. Writes: all of the State.
+    """Step from the present time to exactly `until` [s], or to an event that stops it. Writes: all
+    of the State.
 
     A sample is a step of no length, taken on copies: outputs, reactions, accelerations, energies.
     """
@@ -61,7 +62,7 @@ def advance(until, sampling, scene):
         elif clock.cycle >= clock.pause and clock.status == RUNNING and clock.time < until:
             clock.status = PAUSED
         for group in WEIGHED:
-            if clock.status == RUNNING and has_unweighed(
+            if clock.status == RUNNING and needs_effective_mass(
                 group.parameters, group.history, clock.current
             ):
                 clock.status = TOUCHED

@@ -4,7 +4,7 @@
     for all stages at once, by iteration with the tangents of springs and contacts
 
 The end of the step is its last stage. Consequence to test: the step of a stiff deck is that of its
-motion, whatever the stiffness.
+motion, for any stiffness.
 
 Reference: Hairer and Wanner (1996), Solving Ordinary Differential Equations II, IV.8.
 """
@@ -16,71 +16,75 @@ from crashsolve.integrators._positions import begin_contacts, evaluate, project
 from crashsolve.integrators.radau_iia_5 import ESTIMATE, ORDER, STAGES
 from crashsolve.model.clock import UNSOLVED
 from crashsolve.system.implicit.collocation import (
+    correct_stage,
     correction_size,
-    guess,
-    improve,
-    keep_past,
-    keep_spin_rates,
-    miss,
-    stand,
-    weigh_estimate,
+    embedded_difference,
+    move_to_stage,
+    predict_stages,
+    save_accelerations,
+    stage_residual,
+    store_spin_rates,
 )
 from crashsolve.system.implicit.compliance import factor_compliant, linearise, solve_stage
 from crashsolve.system.implicit.iteration import (
-    PASSES,
+    MAX_ITERATIONS,
+    count_iteration,
     diverges_early,
-    enough_beside,
-    is_near,
-    note_pass,
+    has_converged,
+    iteration_tolerance,
 )
-from crashsolve.system.implicit.stages import keep_rates, reference_speed
-from crashsolve.system.loops.elements import keep_elements
-from crashsolve.system.loops.tangents import bend, tangents
+from crashsolve.system.implicit.stages import reference_speed, store_rates
+from crashsolve.system.loops.elements import save_elements
+from crashsolve.system.loops.tangents import assemble_stiffness, tangents
 from crashsolve.system.placeholders import ASSEMBLED, CONTACTS, JOINTS
 
-# a step longer than so many of the last is not guessed from it
-FAR = 4.0
-# the least share of the error that a pass leaves, where the problem is stiff
-SHARE = 0.3
+# times the last step; a longer one is not extrapolated from it
+MAX_STEP_RATIO = 4.0
+# least contraction that the iteration is credited with, where the problem is stiff
+LEAST_CONTRACTION = 0.3
 
 
 @stage
 def open_step(clock, nodes, rows, scene):
     """Rates at the start of the step. Writes: scene.stages."""
-    keep_rates(nodes, rows, scene.stages, 0)
-    keep_spin_rates(nodes, scene.stages, 0)
-    keep_past(scene.stages)
+    store_rates(nodes, rows, scene.stages, 0)
+    store_spin_rates(nodes, scene.stages, 0)
+    save_accelerations(scene.stages)
     if ASSEMBLED:
-        keep_elements(scene)
+        save_elements(scene)
 
 
 @stage
-def pass_stages(h, kept, clock, nodes, rows, saddle, scene):
+def solve_stages(h, reuses_factors, clock, nodes, rows, saddle, scene):
     """All stages, by iteration. Returns whether they converge and the joints can be closed.
 
-    `kept`: with the factors at hand.
+    `reuses_factors`: with the factors of an earlier step.
 
     Writes: nodes, rows, scene.stages, new histories.
     """
-    # accelerations jump with contacts
+    # accelerations are discontinuous where contacts begin
     control = scene.control[0]
     ratio = h / clock.step if clock.step > 0.0 and clock.kinked == 0 else 0.0
-    guess(nodes, scene.stages, scene.A, scene.C, h, ratio if ratio < FAR else 0.0)
+    predict_stages(
+        nodes, scene.stages, scene.A, scene.C, h, ratio if ratio < MAX_STEP_RATIO else 0.0
+    )
     speed = reference_speed(clock)
     previous, converged = 1e300, False
-    enough = enough_beside(h, clock, control, ORDER, ESTIMATE)
-    for count in range(PASSES):
-        visit_stages(h, count == 0 and not kept, clock, nodes, rows, saddle, scene)
+    allowed = iteration_tolerance(h, clock, control, ORDER, ESTIMATE)
+    for count in range(MAX_ITERATIONS):
+        evaluate_stages(h, count == 0 and not reuses_factors, clock, nodes, rows, saddle, scene)
         worst = correct_stages(h, speed, nodes, rows, scene)
-        share = note_pass(clock, count, worst, previous, SHARE)
-        converged = is_near(count, share, worst, previous, enough, control, scene.stages, speed)
+        contraction = count_iteration(clock, count, worst, previous, LEAST_CONTRACTION)
+        converged = has_converged(
+            count, contraction, worst, previous, allowed, control, scene.stages, speed
+        )
         if converged or diverges_early(count, worst, previous):
             break
         previous = worst
-        # beams bend far within a step: tangents of a guess do not serve
-        if ASSEMBLED and (share > 2.0 * SHARE or worst > 0.01):
+        # beams deform much within a step: tangents of a prediction are too inaccurate
+        if ASSEMBLED and (contraction > 2.0 * LEAST_CONTRACTION or worst > 0.01):
             clock.factored = 0.0
-    stand(nodes, scene.stages, STAGES - 1)
+    move_to_stage(nodes, scene.stages, STAGES - 1)
     if not converged:
         clock.fault = UNSOLVED
         return False
@@ -90,26 +94,26 @@ def pass_stages(h, kept, clock, nodes, rows, saddle, scene):
 
 
 @stage
-def visit_stages(h, anew, clock, nodes, rows, saddle, scene):
-    """Rates of all stages where they are at present; `anew`: also their matrices.
+def evaluate_stages(h, refactor, clock, nodes, rows, saddle, scene):
+    """Rates of all stages at their present configurations; `refactor`: also their matrices.
 
     Writes: nodes, rows, scene.stages, new histories.
     """
     factors, tables = stage_factors(scene), stage_tables(scene)
     if ASSEMBLED:
-        anew = anew or clock.factored == 0.0
+        refactor = refactor or clock.factored == 0.0
     for i in range(1, STAGES):
-        stand(nodes, scene.stages, i)
-        weigh_pass(h, i, clock, scene)
+        move_to_stage(nodes, scene.stages, i)
+        set_stage_weights(h, i, clock, scene)
         time = scene.C[i] * h
         evaluate(clock.time + time, time, clock, nodes, rows, saddle, scene)
-        keep_rates(nodes, rows, scene.stages, i)
-        keep_spin_rates(nodes, scene.stages, i)
-        if anew:
+        store_rates(nodes, rows, scene.stages, i)
+        store_spin_rates(nodes, scene.stages, i)
+        if refactor:
             t = h * scene.T[(STAGES + 1) * i]
             tangents(clock, nodes, scene.curves, tables[i - 1], scene)
             if ASSEMBLED:
-                bend(time, clock, nodes, scene.curves, factors[i - 1], scene)
+                assemble_stiffness(time, clock, nodes, scene.curves, factors[i - 1], scene)
             clock.factored = h
             linearise(rows, tables[i - 1], nodes, t, t * t)
             factor_compliant(factors[i - 1], tables[i - 1], rows.shape[0], t * t, t)
@@ -120,14 +124,14 @@ def correct_stages(h, speed, nodes, rows, scene):
     """One stage after the other. Returns the largest correction. Writes: nodes, scene.stages."""
     factors, tables, worst = stage_factors(scene), stage_tables(scene), 0.0
     for i in range(1, STAGES):
-        stand(nodes, scene.stages, i)
-        miss(nodes, scene.stages, scene.A, scene.T, i, h)
+        move_to_stage(nodes, scene.stages, i)
+        stage_residual(nodes, scene.stages, scene.A, scene.T, i, h)
         t = h * scene.T[(STAGES + 1) * i]
         solve_stage(nodes, scene.stages, i, tables[i - 1], factors[i - 1], rows.shape[0], t)
         size = correction_size(nodes, scene.stages, i, scene.control[0].length, speed)
         if not size <= worst:
             worst = size
-        improve(nodes, scene.stages, i)
+        correct_stage(nodes, scene.stages, i)
     return worst
 
 
@@ -156,13 +160,13 @@ def stage_factors(scene):
 
 
 @stage
-def arrive(h, clock, nodes, rows, saddle, scene):
+def evaluate_end(h, clock, nodes, rows, saddle, scene):
     """Rates of the last stage, at the end of the step. Writes: nodes, histories, scene.stages."""
     clock.opens, clock.closes, clock.ends = 0, 1, 1
     clock.share = h * scene.A[STAGES * STAGES - 1]
     evaluate(clock.time + h, h, clock, nodes, rows, saddle, scene)
-    keep_rates(nodes, rows, scene.stages, STAGES - 1)
-    keep_spin_rates(nodes, scene.stages, STAGES - 1)
+    store_rates(nodes, rows, scene.stages, STAGES - 1)
+    store_spin_rates(nodes, scene.stages, STAGES - 1)
     if CONTACTS:
         begin_contacts(clock.time + h, clock, nodes, rows, saddle, scene)
 
@@ -174,7 +178,7 @@ def estimate(h, clock, nodes, scene, size, speed):
     Writes: scene.stages.right_* of the last stage.
     """
     last = STAGES - 1
-    weigh_estimate(nodes, scene.stages, scene.E, last, h)
+    embedded_difference(nodes, scene.stages, scene.E, last, h)
     t = h * scene.T[(STAGES + 1) * last]
     factor, table = stage_factors(scene)[last - 1], stage_tables(scene)[last - 1]
     solve_stage(nodes, scene.stages, last, table, factor, scene.rows.shape[0], t)
@@ -182,7 +186,7 @@ def estimate(h, clock, nodes, scene, size, speed):
 
 
 @stage
-def weigh_pass(h, i, clock, scene):
+def set_stage_weights(h, i, clock, scene):
     """Set the weights of stage i in sums over the step. Writes: clock."""
     end = STAGES * (STAGES - 1)
     clock.opens = 1 if i == 1 else 0

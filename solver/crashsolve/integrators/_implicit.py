@@ -10,7 +10,7 @@ Reference: Hairer and Wanner (1996), Solving Ordinary Differential Equations II,
 """
 
 from crashsolve.foundation.kernels import kernel, stage
-from crashsolve.integrators._collocation import arrive, estimate, open_step, pass_stages
+from crashsolve.integrators._collocation import estimate, evaluate_end, open_step, solve_stages
 from crashsolve.integrators._positions import accept, begin, evaluate, onset_gap
 from crashsolve.integrators.radau_iia_5 import ESTIMATE, STAGES
 from crashsolve.model.clock import (
@@ -18,8 +18,8 @@ from crashsolve.model.clock import (
     STEP_TOO_SMALL,
 )
 from crashsolve.system.implicit.stages import (
+    add_external,
     add_kick,
-    add_outside,
     fastest_point,
     next_length,
     reference_speed,
@@ -28,14 +28,14 @@ from crashsolve.system.kinetics import accelerations, refresh, save
 from crashsolve.system.loops.events import approach_before, event
 from crashsolve.system.loops.joints import residual
 from crashsolve.system.loops.sensors import measure
-from crashsolve.system.onset import first_gap, open_bracket, seek
+from crashsolve.system.onset import first_gap, narrow_bracket, new_bracket
 from crashsolve.system.placeholders import CONTACTS, EVENTS, JOINTS, ONSETS
 from crashsolve.system.timestep import fit
 
-MANY = 8  # passes for the stages of a step, after which the next is no longer
-# the factors of a step serve the next, of hardly another length, where few iterations were enough
-FEW, CLOSE = 4, 0.02
-ATTEMPTS = 300  # at one step: what takes more will not end
+MANY_ITERATIONS = 8  # iterations of a step, after which the next is no longer
+# the factors of a step are used again in the next, of nearly the same length, after few iterations
+FEW_ITERATIONS, CLOSE_STEPS = 4, 0.02
+ATTEMPTS = 300  # of one step; more are taken for an endless loop
 ONSET = 1e-4  # of the displacement in the step, by which an onset may be passed
 
 
@@ -64,9 +64,9 @@ def take_step(until, clock, nodes, rows, saddle, scene):
     h, is_last = fit(clock.next_step, until - clock.time)
     save(nodes)
     open_step(clock, nodes, rows, scene)
-    taken = take(h, clock, nodes, rows, saddle, scene)
+    taken = find_step(h, clock, nodes, rows, saddle, scene)
     if clock.status == RUNNING:
-        add_outside(clock, scene.stages, scene.A, STAGES - 1, taken)
+        add_external(clock, scene.stages, scene.A, STAGES - 1, taken)
         add_kick(clock, 1.0)
     return (until if is_last and taken == h else clock.time + taken), taken
 
@@ -78,13 +78,13 @@ def finish(time, h, sampling, clock, nodes, rows, saddle, scene):
 
 
 @stage
-def take(h, clock, nodes, rows, saddle, scene):
+def find_step(h, clock, nodes, rows, saddle, scene):
     """One step of at most h that is accurate and ends where a contact or a branch of a law begins.
 
     Returns the step taken. Writes: nodes, rows, scene.stages, new histories, clock.next_step.
     """
     control = scene.control[0]
-    bracket, trial, found, before = open_bracket(h), h, False, 0.0
+    bracket, trial, found, before = new_bracket(h), h, False, 0.0
     if ONSETS:
         before = gap_before(clock, nodes, scene)
     attempts = 0
@@ -93,16 +93,16 @@ def take(h, clock, nodes, rows, saddle, scene):
         if attempts > ATTEMPTS:
             clock.status = STEP_TOO_SMALL
             break
-        kept = serves(trial, clock)
-        if not pass_stages(trial, kept, clock, nodes, rows, saddle, scene):
+        reuses_factors = can_reuse_factors(trial, clock)
+        if not solve_stages(trial, reuses_factors, clock, nodes, rows, saddle, scene):
             clock.factored = 0.0
             # the factors may be what fails
-            if kept:
+            if reuses_factors:
                 continue
             # too long for the iteration or the joints: as if the error were large
             clock.rejected += 1
             h = trial = clock.next_step = 0.25 * trial
-            bracket = open_bracket(h)
+            bracket = new_bracket(h)
             if h < control.step_min:
                 clock.status = clock.fault
                 break
@@ -111,18 +111,18 @@ def take(h, clock, nodes, rows, saddle, scene):
             gap = onset_gap(trial, clock, nodes, scene)
             if bracket[-1] == 0:
                 bracket = first_gap(bracket, before, gap, control, ONSET)
-            bracket, trial, found = seek(bracket, h, trial, gap)
+            bracket, trial, found = narrow_bracket(bracket, h, trial, gap)
             if not found:
                 continue
-        # past the end of a table in an iteration is no fault
+        # beyond the end of a curve during an iteration is no fault
         scene.curves[0].fault = 0
-        arrive(trial, clock, nodes, rows, saddle, scene)
-        wanted = judge(trial, clock, nodes, scene)
-        if wanted == 0.0:
+        evaluate_end(trial, clock, nodes, rows, saddle, scene)
+        proposed = check_error(trial, clock, nodes, scene)
+        if proposed == 0.0:
             break
         clock.rejected += 1
-        h = trial = clock.next_step = wanted
-        bracket = open_bracket(h)
+        h = trial = clock.next_step = proposed
+        bracket = new_bracket(h)
         if h < control.step_min:
             clock.status = STEP_TOO_SMALL
             break
@@ -135,9 +135,9 @@ def take(h, clock, nodes, rows, saddle, scene):
 
 
 @kernel
-def serves(h, clock):
-    """Whether the factors at hand do for a step of h."""
-    return clock.last_iterations <= FEW and abs(h - clock.factored) <= CLOSE * h
+def can_reuse_factors(h, clock):
+    """Whether the factors of an earlier step can be used in a step of h."""
+    return clock.last_iterations <= FEW_ITERATIONS and abs(h - clock.factored) <= CLOSE_STEPS * h
 
 
 @kernel
@@ -152,27 +152,27 @@ def gap_before(clock, nodes, scene):
 
 
 @stage
-def judge(h, clock, nodes, scene):
+def check_error(h, clock, nodes, scene):
     """0 where the step is accurate, else the length to try. Writes: clock.next_step, fastest."""
     control = scene.control[0]
     speed = reference_speed(clock)
     error = estimate(h, clock, nodes, scene, control.length, speed)
     if control.fixed_step > 0.0:
-        # the step is not chosen by it, but its equations are solved better; nothing is known of a
-        # step that ends at a kink, nor of one that begins there
+        # the length of the step is prescribed, but its equations are solved to a share of its
+        # error; that of a step that begins or ends at a kink is unknown
         clock.error = error if clock.kinked == 0 else 0.0
         return 0.0
-    wanted = next_length(h, error, clock, control.tolerance, ESTIMATE)
+    proposed = next_length(h, error, clock, control.tolerance, ESTIMATE)
     if not error <= control.tolerance:
-        return wanted
-    # not of an attempt: one that fails may have run away
+        return proposed
+    # of accepted steps only: velocities of a rejected one may be far off
     clock.fastest = max(clock.fastest, fastest_point(nodes, control.length))
     clock.error = error
-    # a step cut short by a sample says little about a longer one
+    # the error of a step cut short by a sample says little about a longer one
     if h < clock.next_step:
-        wanted = max(wanted, clock.next_step)
-    # at the end of what the iteration can do
-    if clock.last_iterations > MANY:
-        wanted = min(wanted, h)
-    clock.next_step = min(wanted, control.step_max, control.curve_step)
+        proposed = max(proposed, clock.next_step)
+    # the iteration hardly converged
+    if clock.last_iterations > MANY_ITERATIONS:
+        proposed = min(proposed, h)
+    clock.next_step = min(proposed, control.step_max, control.curve_step)
     return 0.0

@@ -24,11 +24,11 @@ from crashsolve.system.constraints import (
 )
 from crashsolve.system.implicit.stages import (
     displace_by_joints,
-    note_kick,
+    record_kick,
     spin_round_off,
     typical_speed,
 )
-from crashsolve.system.kinetics import any_deferred, clear_forces, refresh, take_deferred
+from crashsolve.system.kinetics import apply_deferred, clear_forces, has_deferred, refresh
 from crashsolve.system.loops.events import approach, event
 from crashsolve.system.loops.forces import force_pass
 from crashsolve.system.loops.joints import convective, jacobian, residual
@@ -37,10 +37,10 @@ from crashsolve.system.timestep import wanted_step
 
 PROJECTIONS = 10
 REFINEMENTS = 3
-# of the error of a step: what rows that are nearly redundant, as beside a configuration in which a
-# linkage lies flat, see of the errors of some hundred steps, and no impulse corrects
-UNSEEN = 100.0 * sqrt(REDUNDANT)
-ROUND_OFF = 1e-12  # of an acceleration or of the size: less than this is nothing
+# of the tolerance: residual of rows that are nearly redundant (a linkage near its flat
+# configuration), which no impulse corrects; the errors of some hundred steps add up there
+REDUNDANT_SHARE = 100.0 * sqrt(REDUNDANT)
+ROUND_OFF = 1e-12  # of an acceleration, or of the model's size
 
 
 @stage
@@ -62,7 +62,7 @@ def onset_gap(h, clock, nodes, scene):
     if CONTACTS:
         gap = approach(clock, nodes, scene, -1e300)
     if EVENTS:
-        # what rests at a corner passes it by round-off again and again
+        # a state that rests at a corner passes it by round-off in every step
         past = event(clock.current, h, nodes, scene.curves, scene)
         past -= ROUND_OFF * scene.control[0].length
         gap = max(gap, past)
@@ -81,7 +81,7 @@ def project(time, clock, nodes, rows, saddle, scene):
         return False
     refresh(nodes)
     jacobian(clock.current, time, nodes, rows, scene.curves, scene)
-    # also those of the last stage
+    # D of the last stage is replaced too
     factor_constraints(rows, saddle, nodes)
     previous, worst = 1e300, 0.0
     for k in range(6):
@@ -96,9 +96,9 @@ def project(time, clock, nodes, rows, saddle, scene):
         solve_rows(saddle, rows, -1.0)
         scatter_delta(rows, nodes)
         kick_by_joints(nodes, 1.0)
-        note_kick(clock, nodes)
+        record_kick(clock, nodes)
     # per second, in the model's size; fast models have larger numbers to round
-    limit = control.constraint_tolerance + UNSEEN * control.tolerance
+    limit = control.constraint_tolerance + REDUNDANT_SHARE * control.tolerance
     limit *= max(1.0, clock.fastest / control.length)
     is_held = worst <= limit + spin_round_off(nodes)
     if is_held:
@@ -112,26 +112,26 @@ def project(time, clock, nodes, rows, saddle, scene):
 def close_positions(time, tolerance, clock, nodes, rows, saddle, scene):
     """Positions onto Phi = 0 by a simplified Newton's method. Returns whether it can be done.
 
-    D and its factor are those of the last stage, made anew only where they do not serve.
-    Writes: nodes.r, q, A.
+    D and its factor are those of the last stage; they are renewed only where the iteration
+    stagnates. Writes: nodes.r, q, A.
     """
     control = scene.control[0]
-    previous, worst, is_anew = 1e300, 0.0, False
+    previous, worst, is_refactored = 1e300, 0.0, False
     for _ in range(PROJECTIONS):
         residual(clock.current, time, nodes, rows, scene.curves, scene)
         worst, clock.index = worst_residual(rows)
         clock.value = worst
-        # far better than the step: the error must not add up
+        # far below the error of a step, so that it does not accumulate
         if worst <= tolerance:
             break
         if not worst < 0.5 * previous:
-            # as good as it gets
-            if is_anew or worst <= control.constraint_tolerance:
+            # stagnates
+            if is_refactored or worst <= control.constraint_tolerance:
                 break
             refresh(nodes)
             jacobian(clock.current, time, nodes, rows, scene.curves, scene)
             factor_constraints(rows, saddle, nodes)
-            is_anew = True
+            is_refactored = True
         previous = worst
         clock.iterations += 1
         solve_rows(saddle, rows, -1.0)
@@ -145,49 +145,49 @@ def close_positions(time, tolerance, clock, nodes, rows, saddle, scene):
 
 @kernel
 def evaluate(time, h, clock, nodes, rows, saddle, scene):
-    """Forces and reactions of the present position and velocity, but of contacts that begin there.
+    """Forces and reactions at the present position and velocity, without contacts that begin there.
 
     Writes: nodes, rows, outputs, new histories.
     """
     clear_forces(nodes)
     force_pass(clock, time, h, nodes, rows, scene.curves, scene)
     if CONTACTS:
-        take_deferred(nodes, -1.0)
+        apply_deferred(nodes, -1.0)
     if JOINTS:
         jacobian(clock.current, time, nodes, rows, scene.curves, scene)
         factor_constraints(rows, saddle, nodes)
-        react(time, clock, nodes, rows, saddle, scene)
+        solve_reactions(time, clock, nodes, rows, saddle, scene)
 
 
 @kernel
 def begin_contacts(time, clock, nodes, rows, saddle, scene):
     """After the step, the forces of contacts that begin at its end. Writes: nodes, rows."""
-    if any_deferred(nodes):
-        take_deferred(nodes, 1.0)
+    if has_deferred(nodes):
+        apply_deferred(nodes, 1.0)
         if JOINTS:
-            react(time, clock, nodes, rows, saddle, scene)
+            solve_reactions(time, clock, nodes, rows, saddle, scene)
 
 
 @kernel
-def react(time, clock, nodes, rows, saddle, scene):
+def solve_reactions(time, clock, nodes, rows, saddle, scene):
     """Reactions of the accelerations (Ambrosio (2003), Eq. 5). Writes: nodes, rows.
 
-    A body of hardly any inertia multiplies the round-off of its reactions, so what they leave of
-    the right side is answered again.
+    A body of very little inertia multiplies the round-off of its reactions, hence the iterative
+    refinement.
     """
     convective(clock.current, time, nodes, rows, scene.curves, scene)
     clear_reaction(rows, nodes)
     acceleration_right_side(rows, nodes)
     first = worst = worst_rate(rows, saddle)
-    # far better than the step
-    enough = max(ROUND_OFF, 1e-4 * scene.control[0].tolerance)
+    # far below the error of a step
+    allowed = max(ROUND_OFF, 1e-4 * scene.control[0].tolerance)
     for _ in range(REFINEMENTS):
         solve_rows(saddle, rows, 1.0)
         scatter_delta(rows, nodes)
         acceleration_right_side(rows, nodes)
         previous, worst = worst, worst_rate(rows, saddle)
-        # a row that is redundant at a singular configuration keeps what is left
-        if worst <= enough * first or not worst < 0.5 * previous:
+        # the residual of a row that is redundant at a singular configuration remains
+        if worst <= allowed * first or not worst < 0.5 * previous:
             break
 
 

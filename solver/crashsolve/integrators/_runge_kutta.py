@@ -22,7 +22,7 @@ from crashsolve.integrators._positions import (
     evaluate,
     onset_gap,
     project,
-    react,
+    solve_reactions,
 )
 from crashsolve.integrators.dormand_prince_5 import ESTIMATES, EXTRA, ORDER, STAGES, TERMS
 from crashsolve.model.clock import (
@@ -33,37 +33,37 @@ from crashsolve.system.constraints import (
     factor_constraints,
 )
 from crashsolve.system.implicit.stages import (
+    add_external,
     add_kick,
-    add_outside,
+    advance_to_stage,
     estimate,
     fastest_point,
-    keep_rates,
     next_length,
     project_estimate,
-    reach,
     reference_speed,
+    set_dense_weights,
     step_error,
-    weigh_part,
+    store_rates,
 )
 from crashsolve.system.kinetics import (
     accelerations,
+    apply_deferred,
     clear_forces,
     refresh,
     save,
-    take_deferred,
 )
 from crashsolve.system.loops.energy import sum_powers
 from crashsolve.system.loops.events import approach_before, event
 from crashsolve.system.loops.forces import force_pass
 from crashsolve.system.loops.joints import jacobian, residual
 from crashsolve.system.loops.sensors import measure
-from crashsolve.system.onset import first_gap, open_bracket, seek
+from crashsolve.system.onset import first_gap, narrow_bracket, new_bracket
 from crashsolve.system.placeholders import CONTACTS, DENSE, EVENTS, JOINTS, ONSETS
 from crashsolve.system.timestep import fit, wanted_step
 
 ONSET = 1e-4  # of the displacement in the step: by so much an onset may be passed at most
-LOCATIONS = 10  # tries of the dense output, before bisection
-ATTEMPTS = 300  # at one step: what takes more will not end
+LOCATIONS = 10  # trials by dense output, before bisection
+ATTEMPTS = 300  # of one step; more are taken for an endless loop
 SAMPLE = STAGES + EXTRA  # as a stage: the position within a step where a sample is
 
 
@@ -80,7 +80,7 @@ def prepare_sample(until, clock, nodes, rows, saddle, scene):
     elif JOINTS:
         residual(clock.current, time, nodes, rows, scene.curves, scene)
     refresh(nodes)
-    weigh_pass(0.0, 0, clock, scene)
+    set_stage_weights(0.0, 0, clock, scene)
     clock.opens = clock.closes = 1
     evaluate(time, part, clock, nodes, rows, saddle, scene)
     if DENSE and part > 0.0:
@@ -97,10 +97,10 @@ def take_step(until, clock, nodes, rows, saddle, scene):
     """A step; returns the time at its end and its length [s]. Writes: nodes, rows, histories."""
     h, is_last = fit(clock.next_step, clock.goal - clock.time)
     save(nodes)
-    keep_rates(nodes, rows, scene.stages, 0)
-    taken = take(h, clock, nodes, rows, saddle, scene)
+    store_rates(nodes, rows, scene.stages, 0)
+    taken = find_step(h, clock, nodes, rows, saddle, scene)
     if clock.status == RUNNING:
-        add_outside(clock, scene.stages, scene.A, STAGES - 1, taken)
+        add_external(clock, scene.stages, scene.A, STAGES - 1, taken)
         add_kick(clock, 1.0)
     return (clock.goal if is_last and taken == h else clock.time + taken), taken
 
@@ -118,14 +118,14 @@ def restore_at(time, clock, nodes, rows, saddle, scene):
     Returns the time since the start of the step [s]. Writes: clock, nodes, rows, scene.stages, A.
     """
     h = clock.step
-    begun = clock.time - h
+    start_time = clock.time - h
     # histories count from the start of the step
     clock.current = 1 - clock.current
-    pass_extra_stages(begun, h, clock, nodes, rows, saddle, scene)
-    weigh_part(scene.A, scene.D, TERMS, STAGES - 1, SAMPLE, (time - begun) / h)
-    reach(nodes, scene.stages, scene.A, SAMPLE, h)
-    add_outside(clock, scene.stages, scene.A, STAGES - 1, -h)
-    add_outside(clock, scene.stages, scene.A, SAMPLE, h)
+    evaluate_extra_stages(start_time, h, clock, nodes, rows, saddle, scene)
+    set_dense_weights(scene.A, scene.D, TERMS, STAGES - 1, SAMPLE, (time - start_time) / h)
+    advance_to_stage(nodes, scene.stages, scene.A, SAMPLE, h)
+    add_external(clock, scene.stages, scene.A, STAGES - 1, -h)
+    add_external(clock, scene.stages, scene.A, SAMPLE, h)
     add_kick(clock, -1.0)
     if JOINTS:
         jacobian(clock.current, time, nodes, rows, scene.curves, scene)
@@ -134,51 +134,51 @@ def restore_at(time, clock, nodes, rows, saddle, scene):
         if not project(time, clock, nodes, rows, saddle, scene):
             clock.status = clock.fault
         add_kick(clock, 1.0)
-    return time - begun
+    return time - start_time
 
 
 @kernel
-def pass_extra_stages(begun, h, clock, nodes, rows, saddle, scene):
+def evaluate_extra_stages(start_time, h, clock, nodes, rows, saddle, scene):
     """Stages that only the dense output needs. Writes: nodes, rows, scene.stages, new histories."""
     for i in range(STAGES, SAMPLE):
-        reach(nodes, scene.stages, scene.A, i, h)
+        advance_to_stage(nodes, scene.stages, scene.A, i, h)
         refresh(nodes)
-        weigh_pass(0.0, i, clock, scene)
+        set_stage_weights(0.0, i, clock, scene)
         after = scene.C[i] * h
-        evaluate(begun + after, after, clock, nodes, rows, saddle, scene)
-        keep_rates(nodes, rows, scene.stages, i)
+        evaluate(start_time + after, after, clock, nodes, rows, saddle, scene)
+        store_rates(nodes, rows, scene.stages, i)
 
 
 @stage
-def take(h, clock, nodes, rows, saddle, scene):
+def find_step(h, clock, nodes, rows, saddle, scene):
     """One step of at most h that is accurate and ends no deeper than `allowed` in a new contact.
 
     Returns the step taken. Writes: nodes, rows, scene.stages, new histories, clock.next_step.
     """
-    search, attempts = open_search(h), 0
+    search, attempts = new_search(h), 0
     while True:
         attempts += 1
         if attempts > ATTEMPTS:
             clock.status = STEP_TOO_SMALL
             break
-        # past the end of a table in an attempt that was too long is no fault
+        # beyond the end of a curve in an attempt that was too long is no fault
         scene.curves[0].fault = 0
-        closed = pass_stages(h, clock, nodes, rows, saddle, scene)
+        closed = evaluate_stages(h, clock, nodes, rows, saddle, scene)
         if closed and ONSETS:
-            end, search = cut(h, search, clock, nodes, rows, saddle, scene)
+            end, search = cut_at_onset(h, search, clock, nodes, rows, saddle, scene)
             if end != h:
                 h = end
                 continue
         # too long for the joints: as if the error were large
-        wanted = 0.25 * h
+        proposed = 0.25 * h
         if closed:
-            arrive(h, clock, nodes, rows, saddle, scene)
-            wanted = judge(h, clock, nodes, rows, saddle, scene)
-        if wanted == 0.0:
+            evaluate_end(h, clock, nodes, rows, saddle, scene)
+            proposed = check_error(h, clock, nodes, rows, saddle, scene)
+        if proposed == 0.0:
             break
         clock.rejected += 1
-        h = clock.next_step = wanted
-        search = open_search(h)
+        h = clock.next_step = proposed
+        search = new_search(h)
         if h < scene.control[0].step_min:
             clock.status = STEP_TOO_SMALL if closed else clock.fault
             break
@@ -187,13 +187,13 @@ def take(h, clock, nodes, rows, saddle, scene):
 
 
 @kernel
-def open_search(h):
+def new_search(h):
     """Early and late end of a step in which something begins, gap before, allowed gap, tries."""
     return 0.0, h, 0.0, 0.0, 0
 
 
 @stage
-def cut(h, search, clock, nodes, rows, saddle, scene):
+def cut_at_onset(h, search, clock, nodes, rows, saddle, scene):
     """The step to try next, that ends where something begins; h itself when it does so already.
 
     Where it begins is found from the dense output of a step that went beyond; the shorter that
@@ -206,7 +206,7 @@ def cut(h, search, clock, nodes, rows, saddle, scene):
         return h, search
     if gap > 0.0:
         late = h
-        h, before, allowed = locate(h, gap, clock, nodes, rows, saddle, scene)
+        h, before, allowed = locate_event(h, gap, clock, nodes, rows, saddle, scene)
     else:
         early = h
         # twice as far as the gap says: the dense output of that step serves
@@ -217,25 +217,25 @@ def cut(h, search, clock, nodes, rows, saddle, scene):
 
 
 @stage
-def locate(h, gap, clock, nodes, rows, saddle, scene):
+def locate_event(h, gap, clock, nodes, rows, saddle, scene):
     """Locate the first event in the step just tried, by its dense output.
 
     Returns the step that ends there, and by how much it may be passed. Writes: nodes, scene.*.
     """
     control = scene.control[0]
-    arrive(h, clock, nodes, rows, saddle, scene)
-    pass_extra_stages(clock.time, h, clock, nodes, rows, saddle, scene)
+    evaluate_end(h, clock, nodes, rows, saddle, scene)
+    evaluate_extra_stages(clock.time, h, clock, nodes, rows, saddle, scene)
     before = gap_before(h, clock, nodes, scene)
-    # what is passed errs by its square
+    # the error of an onset passed by x grows with the square of x
     share = min(ONSET, sqrt(control.tolerance))
-    bracket = first_gap(open_bracket(h), before, gap, control, share)
-    bracket, trial, found = seek(bracket, h, h, gap)
+    bracket = first_gap(new_bracket(h), before, gap, control, share)
+    bracket, trial, found = narrow_bracket(bracket, h, h, gap)
     while not found:
-        weigh_part(scene.A, scene.D, TERMS, STAGES - 1, SAMPLE, trial / h)
-        reach(nodes, scene.stages, scene.A, SAMPLE, h)
+        set_dense_weights(scene.A, scene.D, TERMS, STAGES - 1, SAMPLE, trial / h)
+        advance_to_stage(nodes, scene.stages, scene.A, SAMPLE, h)
         refresh(nodes)
         past = onset_gap(trial, clock, nodes, scene)
-        bracket, trial, found = seek(bracket, h, trial, past)
+        bracket, trial, found = narrow_bracket(bracket, h, trial, past)
     return trial, before, bracket[4]
 
 
@@ -249,31 +249,31 @@ def gap_before(h, clock, nodes, scene):
     if CONTACTS:
         gap = approach_before(clock, scene)
     if EVENTS:
-        reach(nodes, scene.stages, scene.A, 0, h)
+        advance_to_stage(nodes, scene.stages, scene.A, 0, h)
         refresh(nodes)
         gap = max(gap, event(clock.current, h, nodes, scene.curves, scene))
     return min(gap, 0.0)
 
 
 @kernel
-def arrive(h, clock, nodes, rows, saddle, scene):
+def evaluate_end(h, clock, nodes, rows, saddle, scene):
     """Rates of the last stage, at the end of the step. Writes: nodes, histories, scene.stages."""
-    weigh_pass(h, STAGES - 1, clock, scene)
+    set_stage_weights(h, STAGES - 1, clock, scene)
     clear_forces(nodes)
     force_pass(clock, clock.time + h, h, nodes, rows, scene.curves, scene)
     # a force that begins at the end of the step is no error of the step
     if CONTACTS:
-        take_deferred(nodes, -1.0)
+        apply_deferred(nodes, -1.0)
     if JOINTS:
         # D and its factor are those of the projection
-        react(clock.time + h, clock, nodes, rows, saddle, scene)
-    keep_rates(nodes, rows, scene.stages, STAGES - 1)
+        solve_reactions(clock.time + h, clock, nodes, rows, saddle, scene)
+    store_rates(nodes, rows, scene.stages, STAGES - 1)
     if CONTACTS:
         begin_contacts(clock.time + h, clock, nodes, rows, saddle, scene)
 
 
 @stage
-def judge(h, clock, nodes, rows, saddle, scene):
+def check_error(h, clock, nodes, rows, saddle, scene):
     """0 where the step is accurate, else the length to try. Writes: clock.next_step, fastest."""
     control = scene.control[0]
     if control.fixed_step > 0.0:
@@ -284,16 +284,16 @@ def judge(h, clock, nodes, rows, saddle, scene):
         if JOINTS:
             project_estimate(scene.errors, k, nodes, rows, saddle)
     error = step_error(scene.errors, control.length, speed)
-    wanted = next_length(h, error, clock, control.tolerance, ORDER)
+    proposed = next_length(h, error, clock, control.tolerance, ORDER)
     if not error <= control.tolerance:
-        return wanted
-    # not of an attempt: one that fails may have run away
+        return proposed
+    # of accepted steps only: velocities of a rejected one may be far off
     clock.fastest = max(clock.fastest, fastest_point(nodes, control.length))
     clock.error = error
     # a step cut short says little about a longer one
     if h < 0.5 * clock.next_step:
-        wanted = max(wanted, clock.next_step)
-    clock.next_step = min(wanted, control.step_max, control.curve_step)
+        proposed = max(proposed, clock.next_step)
+    clock.next_step = min(proposed, control.step_max, control.curve_step)
     if control.resolves == 1:
         clock.next_step = min(clock.next_step, wanted_step(clock, control, nodes))
         clock.limit_node = 0
@@ -301,16 +301,16 @@ def judge(h, clock, nodes, rows, saddle, scene):
 
 
 @stage
-def pass_stages(h, clock, nodes, rows, saddle, scene):
+def evaluate_stages(h, clock, nodes, rows, saddle, scene):
     """All stages but the rates of the last. Returns whether the joints could be closed at the end.
 
     Writes: nodes, rows, scene.stages, new histories.
     """
     for i in range(1, STAGES):
-        reach(nodes, scene.stages, scene.A, i, h)
+        advance_to_stage(nodes, scene.stages, scene.A, i, h)
         refresh(nodes)
         if i < STAGES - 1:
-            weigh_pass(h, i, clock, scene)
+            set_stage_weights(h, i, clock, scene)
             evaluate(
                 clock.time + scene.C[i] * h,
                 scene.C[i] * h,
@@ -320,14 +320,14 @@ def pass_stages(h, clock, nodes, rows, saddle, scene):
                 saddle,
                 scene,
             )
-            keep_rates(nodes, rows, scene.stages, i)
+            store_rates(nodes, rows, scene.stages, i)
     if not JOINTS:
         return True
     return project(clock.time + h, clock, nodes, rows, saddle, scene)
 
 
 @kernel
-def weigh_pass(h, i, clock, scene):
+def set_stage_weights(h, i, clock, scene):
     """Set the weights of stage i in sums over the step. Writes: clock."""
     end = (SAMPLE + 1) * (STAGES - 1)
     clock.stage = i

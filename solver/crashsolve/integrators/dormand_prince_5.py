@@ -38,7 +38,7 @@ DENSE = np.array(
     ]
 )
 
-# what the step differs by from the embedded method of order 4
+# difference of the step from the embedded method of order 4
 E = np.array([[71 / 57600, 0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40]])
 TERMS = len(DENSE)
 ESTIMATES = 1

@@ -220,7 +220,7 @@ DENSE = np.array(
     ]
 )
 
-# what the step differs by from the embedded methods of order 5 and 3
+# differences of the step from the embedded methods of order 5 and 3
 E = np.array(
     [
         [

@@ -16,7 +16,7 @@ ORDER = 2
 ESTIMATE = 3
 STAGES = 2  # start and end
 
-# weights of both ends in what is summed over a step
+# weights of both ends in sums over a step
 A = np.array([[0.0, 0.0], [0.5, 0.5]])
 T = A
-"""Implicit: tangents of springs are asked for."""
+"""Implicit: tangents of springs are needed."""

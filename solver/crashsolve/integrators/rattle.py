@@ -36,39 +36,41 @@ from crashsolve.system.constraints import (
     worst_rate,
     worst_residual,
 )
-from crashsolve.system.contact.resting import note_motion
+from crashsolve.system.contact.resting import record_motion
 from crashsolve.system.kinetics import (
     accelerations,
     add_impulse,
+    apply_deferred,
     clear_forces,
     drift,
-    kick_end,
-    kick_off,
+    first_kick,
     predict,
     refresh,
     save,
-    take_deferred,
+    second_kick,
 )
 from crashsolve.system.loops.events import approach, approach_before
 from crashsolve.system.loops.forces import force_pass
 from crashsolve.system.loops.joints import convective, jacobian, residual
 from crashsolve.system.loops.sensors import measure
 from crashsolve.system.loops.unilateral import impulses_of_first_half, impulses_of_second_half
-from crashsolve.system.onset import first_gap, open_bracket, seek
+from crashsolve.system.onset import first_gap, narrow_bracket, new_bracket
 from crashsolve.system.placeholders import CONTACTS, JOINTS, RESTING, UNILATERAL
 from crashsolve.system.timestep import fit, wanted_step
 
 ORDER = 2
-# one force pass a step, at its end: what acts in a step is half of both its ends
+# one evaluation of forces a step, at its end: the impulse is the mean of both ends
 KICK_DRIFT_KICK = True
 POSITION_ITERATIONS = 40
 VELOCITY_ITERATIONS = 4
-POOR_GUESS = 1e-4  # first residual, in model sizes, above which lambda is guessed anew
+POOR_PREDICTION = (
+    1e-4  # first residual, in model sizes, above which the prediction of lambda is dropped
+)
 
 
 @stage
 def prepare_sample(until, clock, nodes, rows, saddle, scene):
-    """Prepare a sample before its forces; returns its time [s]. Writes: rows.phi."""
+    """Residuals of constraints for a sample; returns its time [s]. Writes: rows.phi."""
     if JOINTS:
         residual(clock.current, clock.time, nodes, rows, scene.curves, scene)
     return clock.time
@@ -79,7 +81,7 @@ def take_step(until, clock, nodes, rows, saddle, scene):
     """Positions at the end of a step; returns its time and its length [s]. Writes: nodes, rows."""
     h, is_last = fit(clock.next_step, until - clock.time)
     save(nodes)
-    taken = move(h, clock, nodes, rows, saddle, scene)
+    taken = update_positions(h, clock, nodes, rows, saddle, scene)
     time = until if is_last and taken == h else clock.time + taken
     return time, taken
 
@@ -87,7 +89,7 @@ def take_step(until, clock, nodes, rows, saddle, scene):
 @stage
 def finish(time, h, sampling, clock, nodes, rows, saddle, scene):
     """Forces and velocities at the end of the step, or of a sample, which becomes the present."""
-    push(time, h, clock, nodes, rows, saddle, scene)
+    update_velocities(time, h, clock, nodes, rows, saddle, scene)
     accept(time, h, clock, scene.control[0], nodes)
     if sampling:
         accelerations(nodes)
@@ -95,27 +97,28 @@ def finish(time, h, sampling, clock, nodes, rows, saddle, scene):
 
 
 @stage
-def move(h, clock, nodes, rows, saddle, scene):
+def update_positions(h, clock, nodes, rows, saddle, scene):
     """Positions at the end of the step, cut at the first contact onset. Returns the step taken.
 
     What did not touch at the start may touch at the end by no more than `allowed`.
     """
     control = scene.control[0]
-    bracket, trial, found = open_bracket(h), h, False
+    bracket, trial, found = new_bracket(h), h, False
     while True:
         set_positions(trial, clock, nodes, rows, saddle, scene)
         if not CONTACTS or clock.status != RUNNING:
             break
         if RESTING:
-            note_motion(nodes)
-        # of a whole step without an onset nothing else is asked
+            record_motion(nodes)
+        # without an onset at the end of the full step, the exact gap is not needed
         gap = approach(clock, nodes, scene, 0.0 if bracket[-1] == 0 else -1e300)
         if bracket[-1] == 0:
             before = approach_before(clock, scene)
-            # long steps of free flight must not spoil what a smaller safety asks of the contact
+            # long steps of free flight must not loosen the onset below what a smaller safety
+            # requires
             share = 1e-3 * control.safety
             bracket = first_gap(bracket, before, gap, control, share)
-        bracket, trial, found = seek(bracket, h, trial, gap)
+        bracket, trial, found = narrow_bracket(bracket, h, trial, gap)
         if found:
             break
     clock.located += 1 if bracket[-1] > 0 else 0
@@ -132,7 +135,7 @@ def set_positions(h, clock, nodes, rows, saddle, scene):
     if JOINTS:
         extrapolate_trial(rows, h / clock.step if clock.step > 0.0 else 0.0)
         scatter_trial(rows, nodes)
-    previous, renewed = 1e300, False
+    previous, restarted = 1e300, False
     for iteration in range(POSITION_ITERATIONS):
         kick_and_drift(iteration > 0, h, clock, control, nodes, scene)
         if not JOINTS:
@@ -145,18 +148,18 @@ def set_positions(h, clock, nodes, rows, saddle, scene):
         if not worst < 1e3 or iteration == POSITION_ITERATIONS - 1:
             clock.status, clock.index, clock.value = POSITION, row, worst
             break
-        # with hardly any inertia the guess misses wildly: begin from zero
-        if iteration == 0 and worst > POOR_GUESS:
+        # with very little inertia the prediction may be far off: begin from zero
+        if iteration == 0 and worst > POOR_PREDICTION:
             clear_trial(rows, nodes)
             continue
-        # far apart in mass and inertia, or in a sharp turn, D of the start is no guide any more;
-        # past a singular configuration it points in the wrong direction: start again along D of the
-        # end
-        anew = worst > 0.5 * previous and not renewed
-        if anew or (iteration >= 3 and worst > 0.1 * previous):
-            factor_at_the_end(anew, h, clock, nodes, rows, saddle, scene)
-            if anew:
-                renewed, previous = True, 1e300
+        # with very different masses, or large rotations within the step, the iteration with D of
+        # the start stagnates; beyond a singular configuration its direction is wrong: restart with
+        # D of the end
+        restart = worst > 0.5 * previous and not restarted
+        if restart or (iteration >= 3 and worst > 0.1 * previous):
+            refactor_at_end(restart, h, clock, nodes, rows, saddle, scene)
+            if restart:
+                restarted, previous = True, 1e300
                 continue
         previous = worst
         clock.iterations += 1
@@ -166,12 +169,12 @@ def set_positions(h, clock, nodes, rows, saddle, scene):
 
 @stage
 def kick_and_drift(again, h, clock, control, nodes, scene):
-    """First kick, by the forces of joints that are being tried, and drift.
+    """First kick, with the joint forces of the present iteration, and drift.
 
     `again`: positions are those of the half momenta of another trial. Writes: nodes.
     """
     if UNILATERAL:
-        kick_off(nodes, h)
+        first_kick(nodes, h)
         if JOINTS:
             kick_half_by_joints(nodes, 0.5 * h)
         impulses_of_first_half(h, clock, control, nodes, scene)
@@ -179,7 +182,7 @@ def kick_and_drift(again, h, clock, control, nodes, scene):
     elif JOINTS:
         kick_with_joints_and_drift(nodes, h, again)
     else:
-        kick_off(nodes, h)
+        first_kick(nodes, h)
         drift(nodes, h)
 
 
@@ -191,14 +194,14 @@ def is_closed(worst, previous, control):
 
 
 @stage
-def factor_at_the_end(anew, h, clock, nodes, rows, saddle, scene):
-    """Factor the constraints with D of the end; anew: of the end without forces of joints.
+def refactor_at_end(restart, h, clock, nodes, rows, saddle, scene):
+    """Factor the constraints with D of the end; `restart`: of the end without forces of joints.
 
     Writes: nodes, rows, saddle.
     """
-    if anew:
+    if restart:
         clear_trial(rows, nodes)
-        kick_off(nodes, h)
+        first_kick(nodes, h)
         drift(nodes, h)
     refresh(nodes)
     jacobian(clock.current, clock.time + h, nodes, rows, scene.curves, scene)
@@ -206,7 +209,7 @@ def factor_at_the_end(anew, h, clock, nodes, rows, saddle, scene):
 
 
 @stage
-def push(time, h, clock, nodes, rows, saddle, scene):
+def update_velocities(time, h, clock, nodes, rows, saddle, scene):
     """Forces at the new positions, second kick, velocities onto the constraints.
 
     With h = 0 the velocities are left and the reactions are those of the accelerations
@@ -223,9 +226,9 @@ def push(time, h, clock, nodes, rows, saddle, scene):
     clock.lead = clock.share = 0.5 * h
     force_pass(clock, time, h, nodes, rows, scene.curves, scene)
     if CONTACTS:
-        take_deferred(nodes, -1.0)
+        apply_deferred(nodes, -1.0)
     if h > 0.0:
-        kick_end(nodes, h)
+        second_kick(nodes, h)
     if JOINTS:
         jacobian(clock.current, time, nodes, rows, scene.curves, scene)
         factor_constraints(rows, saddle, nodes)
@@ -242,12 +245,12 @@ def push(time, h, clock, nodes, rows, saddle, scene):
         impulses_of_second_half(h, clock, nodes, scene)
     add_impulse(clock, nodes, 0.5 * h)
     if CONTACTS:
-        take_deferred(nodes, 1.0)
+        apply_deferred(nodes, 1.0)
 
 
 @stage
 def project_velocity(h, clock, control, nodes, rows, saddle):
-    """D v = nu by the impulses h/2 D^T lambda; more than one pass only against round-off.
+    """D v = nu by the impulses h/2 D^T lambda; more than one iteration only against round-off.
 
     Writes: nodes.v, L, w, joint_*, rows.reaction.
     """
@@ -256,8 +259,8 @@ def project_velocity(h, clock, control, nodes, rows, saddle):
         solve_rows(saddle, rows, -2.0 / h)
         scatter_delta(rows, nodes)
         if number > 0:
-            # the reaction is summed up: all of it over again
-            kick_end(nodes, h)
+            # reactions are sums over iterations: the second kick starts from its beginning
+            second_kick(nodes, h)
         kick_by_joints(nodes, 0.5 * h)
         velocity_residual(rows, nodes)
         worst = worst_rate(rows, saddle)

@@ -1,4 +1,4 @@
-"""Joints: kinematic constraints between two bodies."""
+"""Joints: kinematic constraints between two bodies; stops and friction are springs."""
 
 from typing import Protocol
 

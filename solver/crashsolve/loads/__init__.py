@@ -1,4 +1,4 @@
-"""Loads: forces that come from outside."""
+"""Loads: external forces, torques, pressures and prescribed motions; none between two bodies."""
 
 from typing import Protocol
 

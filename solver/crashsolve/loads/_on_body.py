@@ -1,4 +1,4 @@
-"""What a force and a torque on a body share: words, parameters and the present vector."""
+"""Words, parameters and the present vector that a force and a torque on a body share."""
 
 from typing import Any, ClassVar, Literal
 

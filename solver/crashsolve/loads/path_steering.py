@@ -1,4 +1,4 @@
-"""A driver who steers along a path: what he aims at lies ahead, and his hands move a joint there.
+"""A driver who steers along a path: he aims at a point ahead, and his hands rotate a joint.
 
     X = X_0 + T V,   e: lateral offset of the path from the point X ahead of the vehicle
     delta = atan(2 L e / (X^2 + e^2)),  at most the limit:  the arc through that point of the path

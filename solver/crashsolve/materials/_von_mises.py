@@ -1,4 +1,4 @@
-"""What metals that yield by von Mises' stress share: columns, and what a point remembers.
+"""Columns and state that metals with von Mises' yield criterion share.
 
     sqrt(3/2) |dev(sigma - alpha)| <= Y(e) f(rate) g(T),   alpha_dot = 2/3 H_k eps_p_dot
     T_dot = heating w_p_dot

@@ -1,4 +1,4 @@
-"""What every mesh hands on: positions, corners of elements, and sets of nodes and of elements."""
+"""Data of every mesh: positions, corners of elements, and sets of nodes and of elements."""
 
 from dataclasses import dataclass, field
 

@@ -17,7 +17,7 @@ from crashsolve.foundation.record import Record
 
 ATTACHED_NODE = Record("""
     node  index     the attached node
-    body  index     what it is welded to
+    body  index     to which it is welded
     arm   m      3  position of the node from the mass centre, body axes
     rotation  1      4  unit quaternion, node to body
 """)

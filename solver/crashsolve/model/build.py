@@ -129,7 +129,7 @@ def _build(deck: Deck) -> tuple[Model, State]:
 
 
 def _arranged(model: Model, scene: Scene) -> State:
-    """The State, and what of the Model depends on the method. Writes: model."""
+    """The State, and the parts of the Model that depend on the method. Writes: model."""
     if scene.deck.control.solution == "quasi_static" and is_incremental(model.groups):
         # by steps from rest (statics/pseudo_transient.py)
         model.integrator = "newton"

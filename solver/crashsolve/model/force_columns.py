@@ -28,10 +28,10 @@ FORCE_OUTPUT = Record("""
     loss    J  energy lost in this step without a rate
 """)
 WORK = Record("""
-    given       J  work on its bodies so far
-    exchanged   J  what was taken and given, both positive
-    held_first  J  held before the first step
-    peak_force  N  largest force so far
+    given             J  work on its bodies so far
+    exchanged         J  what was taken and given, both positive
+    initially_stored  J  held before the first step
+    peak_force        N  largest force so far
 """)
 ON_TWO = Record("""
     force_a   N    3  on body a

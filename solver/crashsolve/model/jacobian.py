@@ -1,4 +1,4 @@
-"""The Jacobian of the joints as one dense matrix, for what is asked once and not in each step."""
+"""The Jacobian of the joints as one dense matrix, for computations outside the step."""
 
 from collections.abc import Sequence
 

@@ -148,7 +148,7 @@ class Group:
     @property
     def is_watched(self) -> bool:
         """Whether its laws are judged by the work that they do, see system/gain.py."""
-        return "held_first" in (self.history.dtype.names or ())
+        return "initially_stored" in (self.history.dtype.names or ())
 
     @property
     def stored_entry(self) -> int:

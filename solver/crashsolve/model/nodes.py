@@ -61,10 +61,10 @@ IMPLICIT_STAGE = STAGE + Record("""
     displacement_r  m        3  displacement since the start of the step
     change_v    m/s      3  change of velocity since then
     change_w    rad/s    3  change of angular velocity since then
-    right_r     m        3  what is missing in displacement_r
-    right_rotation  1        3  what is missing in turn
-    right_v     m/s      3  what is missing in change_v
-    right_w     rad/s    3  what is missing in change_w
+    right_r     m        3  residual of displacement_r
+    right_rotation  1        3  residual of rotation
+    right_v     m/s      3  residual of change_v
+    right_w     rad/s    3  residual of change_w
     slope_r     m/s      3  change of rate_r by the last correction
     slope_rotation  1/s      3  change of rate_rotation
     slope_v     m/s^2    3  change of rate_v

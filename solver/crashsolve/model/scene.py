@@ -1,4 +1,4 @@
-"""Scene: what a law's `build` may ask while cards become numbers (nodes, frames, curves, errors).
+"""Scene: nodes, frames, curves and errors for the `build` of laws, while cards become numbers.
 
 Frames: a body's own axes and origin are those of its card; inside, points are measured from the
 mass centre. Joints are placed at the start of the run, in world axes or in those of a body.

@@ -1,4 +1,4 @@
-"""Meshes that parts share: whose the elements are, the order of the nodes, and what a node has.
+"""Meshes that parts share: the part of each element, the order and the properties of nodes.
 
 Nodes stand in the order of the parts: those of the first, then what the second has besides, and so
 on. A part moves the nodes of its own range, and its elements act on all that they name. A node has
@@ -22,6 +22,8 @@ from crashsolve.model.checks.mesh_check import faults
 
 if TYPE_CHECKING:
     from crashsolve.deck.reading.items import Entry
+    from crashsolve.elements.shells.layout import DiscretisedShell
+    from crashsolve.meshes._mesh import Mesh
 
 # velocities of a node by two parts that differ by less than this share are the same
 SAME = 1e-9
@@ -29,9 +31,9 @@ SAME = 1e-9
 LISTED = 3
 
 
-def shared_meshes(scene: Scene) -> dict[str, Any]:
+def shared_meshes(scene: Scene) -> dict[str, Mesh]:
     """Shares of the meshes under `meshes`, by the name of the part."""
-    found: dict[str, Any] = {}
+    found: dict[str, Mesh] = {}
     for name, entry in scene.deck.entries["meshes"].items():
         parts = parts_of(name, scene)
         with scene.building(entry):
@@ -45,7 +47,7 @@ def shared_meshes(scene: Scene) -> dict[str, Any]:
     return found
 
 
-def _whole(entry: Entry, scene: Scene) -> Any:
+def _whole(entry: Entry, scene: Scene) -> Mesh:
     """The whole mesh, whose elements hang together."""
     try:
         whole = import_module(entry.module_name).build(entry.card, scene)
@@ -69,7 +71,7 @@ def _name_of(card: Card) -> str:
     return mesh.mesh if isinstance(mesh, Shared) else ""
 
 
-def _shares(name: str, whole: Any, parts: list[Entry], scene: Scene) -> dict[str, Any]:
+def _shares(name: str, whole: Mesh, parts: list[Entry], scene: Scene) -> dict[str, Mesh]:
     """The mesh as each of its parts has it."""
     owner = np.full(len(whole.quads), -1)
     for k, part in enumerate(parts):
@@ -88,7 +90,7 @@ def _shares(name: str, whole: Any, parts: list[Entry], scene: Scene) -> dict[str
     return _numbered(whole, owner, parts)
 
 
-def _elements(card: Shared, whole: Any, scene: Scene) -> np.ndarray:
+def _elements(card: Shared, whole: Mesh, scene: Scene) -> np.ndarray:
     """Numbers (n,) of the elements that a card names."""
     if card.elements:
         if card.elements not in whole.element_sets:
@@ -106,7 +108,7 @@ def _elements(card: Shared, whole: Any, scene: Scene) -> np.ndarray:
     return np.unique(own)
 
 
-def _middles(whole: Any) -> np.ndarray:
+def _middles(whole: Mesh) -> np.ndarray:
     """Means of the corners of the elements (m, 3) [m]."""
     middles: np.ndarray = whole.points[whole.quads].mean(axis=1)
     return middles
@@ -122,7 +124,7 @@ def _report_unowned(name: str, owner: np.ndarray, scene: Scene) -> None:
         scene.warn(f"mesh '{name}': {len(missing)} {noun} in no part and left out ({some})")
 
 
-def _numbered(whole: Any, owner: np.ndarray, parts: list[Entry]) -> dict[str, Any]:
+def _numbered(whole: Mesh, owner: np.ndarray, parts: list[Entry]) -> dict[str, Mesh]:
     """The mesh of each part, with the nodes in the order of the parts."""
     first = np.full(len(whole.points), len(parts))
     for k in reversed(range(len(parts))):
@@ -161,12 +163,13 @@ def join(scene: Scene) -> None:
             _join(entries, [scene.meshed(entry.name) for entry in entries], scene)
 
 
-def _join(entries: list[Entry], parts: list[Any], scene: Scene) -> None:
+def _join(entries: list[Entry], parts: list[DiscretisedShell], scene: Scene) -> None:
     n = len(parts[0].mesh.points)
-    corners, mass, inertia = (np.concatenate([p.lumps[k] for p in parts]) for k in range(3))
+    lumps = [part.lumps for part in parts if part.lumps is not None]
+    corners, mass, inertia = (np.concatenate(numbers) for numbers in zip(*lumps, strict=True))
     mass, inertia = np.bincount(corners, mass, n), np.bincount(corners, inertia, n)
     is_damped = any(part.is_damped for part in parts)
-    momentum = sum(part.momentum for part in parts)
+    momentum = sum((part.momentum for part in parts), np.zeros_like(parts[0].momentum))
     held, by = np.zeros(n, np.uint8), np.full(n, -1)
     velocity, spin = np.zeros((n, 3)), np.zeros((n, 3))
     for k, (entry, part) in enumerate(zip(entries, parts, strict=True)):
@@ -214,7 +217,7 @@ def _shown(x: np.ndarray) -> str:
     return "({}) m".format(", ".join(f"{value:.4g}" for value in x))
 
 
-def number_points(parts: list[Any]) -> int:
+def number_points(parts: list[DiscretisedShell]) -> int:
     """First point of each part's mesh among all, and the number of points. Writes: parts."""
     first, begun = 0, {}
     for part in parts:

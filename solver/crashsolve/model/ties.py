@@ -1,9 +1,9 @@
-"""Tied nodes: their rows for the step, and what their faces take over of them."""
+"""Tied nodes: their rows for the step, and their masses, which go to the faces."""
 
 from __future__ import annotations
 
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -11,12 +11,15 @@ from crashsolve.deck.building import Scene
 from crashsolve.foundation.point import ATTACHED, TIE
 from crashsolve.ties._faces import normal_rate
 
+if TYPE_CHECKING:
+    from crashsolve.elements.shells.layout import DiscretisedShell
+
 # velocities of a node and of its position that differ by less than this share are the same
 SAME = 1e-9
 
 
 def tie_nodes(scene: Scene) -> np.ndarray:
-    """Rows of TIE of all ties. Writes: parts in place, whose nodes ride, or bear others."""
+    """Rows of TIE of all ties. Writes: both parts in place."""
     table = [np.zeros(0, TIE.dtype)]
     entries = list(scene.deck.entries["ties"].values()) if not scene.errors else []
     for entry in entries:
@@ -37,13 +40,22 @@ def tie_nodes(scene: Scene) -> np.ndarray:
     return found
 
 
-def _sides(card: Any, scene: Scene) -> tuple[Any, Any]:
+class Tie(Protocol):
+    """Fields of a tie's card: the part of the nodes, and that of the faces."""
+
+    @property
+    def part(self) -> str: ...
+    @property
+    def to(self) -> str: ...
+
+
+def _sides(card: Tie, scene: Scene) -> tuple[DiscretisedShell, DiscretisedShell]:
     tied, _, _ = scene.skin(card.part, "part")
     bearing, _, _ = scene.skin(card.to, "to")
     return tied, bearing
 
 
-def _check_motion(rows: np.ndarray, card: Any, scene: Scene) -> None:
+def _check_motion(rows: np.ndarray, card: Tie, scene: Scene) -> None:
     """Nodes begin with the motion of their positions on the faces."""
     tied, bearing = _sides(card, scene)
     for row in rows:
@@ -58,7 +70,7 @@ def _check_motion(rows: np.ndarray, card: Any, scene: Scene) -> None:
             raise scene.fail(f"{message}; give both parts the same motion", "nodes")
 
 
-def _transfer_mass(rows: np.ndarray, card: Any, scene: Scene) -> None:
+def _transfer_mass(rows: np.ndarray, card: Tie, scene: Scene) -> None:
     """Mass, inertia and momenta of impulses go to the corners. Writes: both parts in place."""
     tied, bearing = _sides(card, scene)
     for row in rows:
@@ -76,7 +88,7 @@ def _transfer_mass(rows: np.ndarray, card: Any, scene: Scene) -> None:
         scene.tied_mass += float(tied.mass[node])
 
 
-def _refuse_chain(rows: np.ndarray, tied: set[int], card: Any, scene: Scene) -> None:
+def _refuse_chain(rows: np.ndarray, tied: set[int], card: Tie, scene: Scene) -> None:
     """A face that bears nodes has no corner that rides itself."""
     if tied.intersection(rows["corner"].ravel().tolist()):
         message = f"a face of '{card.to}' to which nodes are tied has a corner that is tied itself"

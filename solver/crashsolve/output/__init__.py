@@ -1,1 +1,3 @@
-"""Result files: histories, states, restart dumps, status, log and peaks."""
+"""Result files: histories, states, restart dumps, status, log and peaks; no choice of what is
+written.
+"""

@@ -1,4 +1,4 @@
-"""What is drawn: blocks of points and cells with the fields they carry."""
+"""Blocks of points and cells of pictures, with their fields."""
 
 from dataclasses import dataclass
 from typing import Literal, NamedTuple

@@ -1,4 +1,4 @@
-"""What a history holds: families of entities, each with the same columns.
+"""Families of channels of a history: entities with the same columns.
 
 A channel is one entity's one column and is named family.id.quantity.component; the component is
 left out for a scalar. Families carry the names crash engineers know from LS-DYNA's binout.

@@ -1,4 +1,4 @@
-"""What a run will write, before it writes it: bytes of the history and of the states.
+"""Predicted size of the files of a run: bytes of the history and of the states.
 
 Without headers, restart dumps and the log.
 """

@@ -31,7 +31,7 @@ from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, MaterialName, SectionName, Vec3, quantity, word
 from crashsolve.elements.beams import element, static_tangent
 from crashsolve.elements.beams.corotational import mean_frame
-from crashsolve.elements.beams.element import deformation, drag, pull, yield_rows
+from crashsolve.elements.beams.element import add_drag, damping_rows, deformation, element_forces
 from crashsolve.elements.beams.properties import (
     axes_of,
     damping_row,
@@ -41,7 +41,7 @@ from crashsolve.elements.beams.properties import (
     scaled,
     stiffness_row,
 )
-from crashsolve.elements.beams.tangent import bend_blocks
+from crashsolve.elements.beams.tangent import add_tangent_blocks
 from crashsolve.elements.damping import Damped, report_added_mass
 from crashsolve.foundation.angles import check_rotation_limit
 from crashsolve.foundation.kernels import kernel
@@ -127,7 +127,7 @@ PARAMETERS = Record("""
     quick_viscosity    N s^2/m^2     rho A b_2^2, of its square in compression
     rate_a             1/s^2         largest k times mobility at the first node
     rate_b             1/s^2         the same at the second
-    taut_a             1/(kg m)      what a tension of 1 N adds to it at the first node
+    taut_a             1/(kg m)      increase of that by a tension of 1 N, at the first node
     taut_b             1/(kg m)      the same at the second
 """)
 HISTORY = Record()
@@ -202,22 +202,25 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame(a, b)
     check_rotation_limit(curves, p.node_b, w)
-    pull(p, out, a, b, R, v, w)
-    drag(p, out, nodes)
+    element_forces(p, out, a, b, R, v, w)
+    add_drag(p, out, nodes)
 
 
 @kernel
 def tangent(p: Parameters, state: History, nodes, curves, rows, first):
-    """Derivatives of the forces by velocities; for those by positions see bend. Writes: rows."""
+    """Derivatives of the forces by velocities; for those by positions see tangent_blocks.
+
+    Writes: rows.
+    """
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame(a, b)
-    yield_rows(p, a, b, R, v, w, rows, first)
+    damping_rows(p, a, b, R, v, w, rows, first)
 
 
 @kernel
-def bend(p: Parameters, state: History, nodes, curves, slot, blocks):
+def tangent_blocks(p: Parameters, state: History, nodes, curves, slot, blocks):
     """Tangent by the positions. Writes: blocks."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame(a, b)
     strained = deformation(p, a, b, R, v, w)
-    bend_blocks(p, None, a, b, (R, v, w), strained, slot, blocks)
+    add_tangent_blocks(p, None, a, b, (R, v, w), strained, slot, blocks)

@@ -24,12 +24,12 @@ from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import word
 from crashsolve.elements.beams import element, fibres, properties
 from crashsolve.elements.beams.corotational import (
+    frame_lag,
     half_angle_over_sine,
     mean_frame,
     rotated_rate,
-    swing_of,
 )
-from crashsolve.elements.beams.tangent import bend_blocks
+from crashsolve.elements.beams.tangent import add_tangent_blocks
 from crashsolve.foundation.angles import check_rotation_limit
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import no_tangent
@@ -141,12 +141,12 @@ def force(
     out.loss = lost * p.length
     new.work = old.work + out.loss
     load = (add(f, lag), add(m, rotation), slow)
-    growth = element.act(p, out, a, b, (R, v, w), strained, load)
+    growth = element.apply_load(p, out, a, b, (R, v, w), strained, load)
     if not material.VON_MISES:
         growth *= fibres.stiffening(p, old, curves, strain, rate, material)
         a.stiffness += growth * p.rate_a
         b.stiffness += growth * p.rate_b
-    element.drag(p, out, nodes)
+    element.add_drag(p, out, nodes)
     out.plastic_work, out.plastic_strain = new.work, 0.0
     if material.VON_MISES:
         for i in range(p.count):
@@ -175,21 +175,24 @@ def yielding(p: Parameters, old: History, h, curves, strained, material):
 
 
 @kernel
-def bend(p: Parameters, state: History, h, nodes, curves, slot, blocks, material):
+def tangent_blocks(p: Parameters, state: History, h, nodes, curves, slot, blocks, material):
     """Tangent by the positions after a step of h. Writes: blocks."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame(a, b)
     strained = element.deformation(p, a, b, R, v, w)
     section = yielding(p, state, h, curves, strained, material)
-    bend_blocks(p, section, a, b, (R, v, w), strained, slot, blocks)
+    add_tangent_blocks(p, section, a, b, (R, v, w), strained, slot, blocks)
 
 
 @kernel
 def tangent(p: Parameters, state: History, nodes, curves, rows, first, material):
-    """Derivatives of the forces by velocities; for those by positions see bend. Writes: rows."""
+    """Derivatives of the forces by velocities; for those by positions see tangent_blocks.
+
+    Writes: rows.
+    """
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame(a, b)
-    element.yield_rows(p, a, b, R, v, w, rows, first)
+    element.damping_rows(p, a, b, R, v, w, rows, first)
     first += element.TANGENTS
     for k in range(RATES):
         no_tangent(rows[first + k])
@@ -210,5 +213,5 @@ def resist_rate(row, R, v, w, strained, flow, damping):
     bent = strained[5]
     f, m = scale(flow[0], bent[3]), add_scaled((0.0, flow[1], flow[2]), flow[0], bent[4])
     c = scale(0.5, cross(f, strained[0]))
-    m = add(rotated_rate(half_angle_over_sine(v, w), v, m), scale(2.0, swing_of(v, w, c)))
-    element.damp(row, R, f, sub(m, c), add(m, c), damping)
+    m = add(rotated_rate(half_angle_over_sine(v, w), v, m), scale(2.0, frame_lag(v, w, c)))
+    element.write_damping_row(row, R, f, sub(m, c), add(m, c), damping)

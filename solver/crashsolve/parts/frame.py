@@ -20,7 +20,7 @@ from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import MaterialName, SectionName, Vec3, quantity, word
 from crashsolve.elements.beams import element, properties, releases, static_tangent
 from crashsolve.elements.beams.corotational import mean_frame_of
-from crashsolve.elements.beams.tangent import bend_blocks
+from crashsolve.elements.beams.tangent import add_tangent_blocks
 from crashsolve.elements.damping import Damped, report_added_mass
 from crashsolve.foundation.angles import axes_at, check_rotation_limit
 from crashsolve.foundation.kernels import kernel
@@ -172,17 +172,17 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame_of(axes_at(a, p.rotation), axes_at(b, p.rotation))
     check_rotation_limit(curves, p.node_b, w)
-    element.pull(p, out, a, b, R, v, w)
-    element.drag(p, out, nodes)
+    element.element_forces(p, out, a, b, R, v, w)
+    element.add_drag(p, out, nodes)
 
 
 @kernel
-def bend(p: Parameters, state: History, nodes, curves, position, blocks):
+def tangent_blocks(p: Parameters, state: History, nodes, curves, position, blocks):
     """Tangent by the positions. Writes: blocks."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame_of(axes_at(a, p.rotation), axes_at(b, p.rotation))
     strained = element.deformation(p, a, b, R, v, w)
-    bend_blocks(p, None, a, b, (R, v, w), strained, position, blocks)
+    add_tangent_blocks(p, None, a, b, (R, v, w), strained, position, blocks)
 
 
 @kernel
@@ -190,4 +190,4 @@ def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Derivatives of the forces by velocities. Writes: rows."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame_of(axes_at(a, p.rotation), axes_at(b, p.rotation))
-    element.yield_rows(p, a, b, R, v, w, rows, first)
+    element.damping_rows(p, a, b, R, v, w, rows, first)

@@ -1,4 +1,4 @@
-"""Phases of a run: stretches of its time, each with its own method from sample to sample."""
+"""Phases of a run: intervals of its time, each with a condition; their engine is in recording/."""
 
 from typing import Any, Protocol
 
@@ -32,10 +32,10 @@ class PhasedEngine(Protocol):
     def raise_loads(self, share: float) -> None:
         """Applies a share of the loads without a curve. Writes: the Model, the State."""
 
-    def refuse_unrest(self, tolerance: float) -> None:
+    def require_equilibrium(self, tolerance: float) -> None:
         """Raises SolverError where a force is left above a share of the largest one."""
 
-    def set_velocities(self, given: Any) -> None:
+    def set_velocities(self, given: dict[str, np.ndarray] | None) -> None:
         """Sets velocities, None for zero. Writes: the State."""
 
 
@@ -46,14 +46,14 @@ class PhaseLaw(Built, Protocol):
     recording/phased.py; all phases step the same State of the same Model.
     """
 
-    def start(self, p: Columns, engine: PhasedEngine) -> Any:
+    def start(self, p: Columns, engine: PhasedEngine) -> None:
         """Before the initial state of a run that begins with it is evaluated. Writes: the State."""
 
-    def begin(self, p: Columns, engine: PhasedEngine) -> Any:
+    def begin(self, p: Columns, engine: PhasedEngine) -> None:
         """Before its first step. Writes: the State."""
 
-    def end(self, p: Columns, engine: PhasedEngine) -> Any:
-        """After its last step; raises SolverError where it has not reached what it promises."""
+    def end(self, p: Columns, engine: PhasedEngine) -> None:
+        """After its last step; raises SolverError where its condition is not met."""
 
 
 FAMILY = Family(

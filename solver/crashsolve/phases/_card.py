@@ -1,4 +1,4 @@
-"""What the cards of all phases have in common."""
+"""Fields that the cards of all phases share."""
 
 from crashsolve.deck.card import Card, quantity
 

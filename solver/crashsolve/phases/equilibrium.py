@@ -80,4 +80,4 @@ def after_step(p: Columns, engine: PhasedEngine) -> None:
 
 def end(p: Columns, engine: PhasedEngine) -> None:
     engine.halt()
-    engine.refuse_unrest(p["tolerance"])
+    engine.require_equilibrium(p["tolerance"])

@@ -1,1 +1,1 @@
-"""Photogrammetry: from points in the pictures of cameras to the posture of a chain of segments."""
+"""Photogrammetry: from points in pictures to the posture of a chain of segments; no run."""

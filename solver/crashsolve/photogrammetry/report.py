@@ -1,4 +1,4 @@
-"""What a posture comes to: the card for decks, tables of points and joints, and what is printed."""
+"""Results of a posture: the card for decks, tables of points and joints, and the printed report."""
 
 import csv
 import io

@@ -1,4 +1,4 @@
-"""What `crashsolve posture` is asked: a YAML file beside the tables of digitised points.
+"""The request of `crashsolve posture`: a YAML file beside the tables of digitised points.
 
 deck: occupant.yaml
 root: person_lower_torso

@@ -1,4 +1,4 @@
-"""Postures: where the bodies of a chain of joints are at the start."""
+"""Postures: initial configurations of chains of joints; no forces."""
 
 from typing import Protocol
 

@@ -1,1 +1,1 @@
-"""What a run records, and when: channels, samples, and the engine between samples."""
+"""Channels and samples of a run, and its engine between samples; files are in output/."""

@@ -1,9 +1,9 @@
-"""Samples at the steps of an interval in which contacts bore what its ends do not show.
+"""Samples at the steps of an interval whose ends miss forces of contact.
 
-A contact that touches and releases between two samples leaves nothing in them. Its peak and its
-impulse, which are of all steps, say so (march.py). Then the interval is run once more from its
-start, to the same bits, with a sample at every step, so that extremes, integrals and functions of
-all channels know what happened. Consequence to test: the peak of the samples is that of the steps,
+A contact that begins and ends between two samples is in none of them. Its peak and its impulse,
+which are of all steps, reveal it (march.py). Then the interval is run once more from its start, to
+the same bits, with a sample at every step, so that extremes, integrals and functions of all
+channels include it. Consequence to test: the peak of the samples is that of the steps,
 whatever their interval, and the run is as without.
 """
 
@@ -25,7 +25,8 @@ FREE_STEPS, SHARE = 4000, 0.05
 
 
 class Between:
-    """Watches the intervals of a run in time; `take` keeps the engine's present sample at a time.
+    """Watches the intervals of a run in time; `take` stores the present sample of the engine at a
+    time.
 
     `march` counts and watches them; `spent` (1,) are steps that were run once more.
     """
@@ -50,7 +51,7 @@ class Between:
         return {f"between/{name}": array for name, array in kept.items()}
 
     def recall(self, arrays: dict[str, np.ndarray]) -> None:
-        """Take up what `memory` gave away, if it had begun. Raises KeyError or ValueError."""
+        """Restore the arrays of `memory`, if it had begun. Raises KeyError or ValueError."""
         if self._begin is None or "between/watch" not in arrays:
             return
         found = {
@@ -67,12 +68,12 @@ class Between:
         self.is_marked = True
 
     def begin(self) -> None:
-        """The first interval begins, unless a restart has brought it back."""
+        """Begin the first interval, unless a restart has restored one."""
         if not self.is_marked:
             self.mark()
 
     def mark(self) -> None:
-        """An interval begins at the present sample."""
+        """Begin an interval at the present sample."""
         self.march.begin()
         self.is_marked = True
 
@@ -85,13 +86,13 @@ class Between:
             return
         self.spent += steps
         self._end.take()
-        self._begin.put_back()
+        self._begin.restore_copy()
         self.engine.revisit(until, ceil(steps / MOST_ROWS), self._sample)
-        self._end.put_back()
+        self._end.restore_copy()
 
     def _sample(self) -> None:
         """Take the present step as a sample."""
-        # the run itself has judged this interval already
+        # the run has checked this interval already
         with suppress(SolverError):
             self.engine.sample()
             self._take(float(self.engine.clock["time"]))

@@ -1,4 +1,4 @@
-"""From the State to arrays that bring it back, of a restart dump or of the last sample."""
+"""Arrays that restore the State, of a restart dump or of the last sample."""
 
 from typing import Any
 
@@ -25,7 +25,7 @@ def changing(engine: Engine) -> dict[str, np.ndarray]:
 
 
 def restore(engine: Engine, arrays: dict[str, np.ndarray]) -> None:
-    """Take up what `changing` gave away. Writes: the State, and the lists of near pairs.
+    """Restore the arrays of `changing`. Writes: the State, and the lists of near pairs.
 
     Raises KeyError, ValueError, TypeError or IndexError for arrays of another model.
     """
@@ -67,7 +67,7 @@ def _constant_arrays(engine: Engine) -> dict[str, np.ndarray]:
 
 
 def _lists(engine: Engine) -> list[ContactGroup]:
-    """Contact groups whose pairs come and go."""
+    """Contact groups with lists of near pairs."""
     return [c for c in engine.model.contact_groups if c.search is not None]
 
 
@@ -77,7 +77,7 @@ def _nodal(engine: Engine) -> list[Any]:
 
 
 def _plain(array: np.ndarray) -> np.ndarray:
-    """Bytes in place of columns, for a file that need not know them."""
+    """Bytes in place of columns, for a file without their definitions."""
     if array.dtype.names is None:
         return array
     return array.view(np.uint8).reshape(*array.shape, array.dtype.itemsize)
@@ -95,10 +95,10 @@ class Snapshot:
         self.engine = engine
         self._arrays: dict[str, np.ndarray] = {}
         self._pairs: list[tuple[np.ndarray, np.ndarray]] = []
-        # of which arrays the pairs are; lists of pairs are others whenever they are made anew
+        # number of the binding of arrays to which the copies belong
         self._bound = -1
         arrays = changing(engine).values()
-        # lists of nodes and faces are made anew by the step itself
+        # lists of nodes and faces are renewed by the step itself
         self.is_copied = not _nodal(engine) and all(a.flags.c_contiguous for a in arrays)
 
     def pieces(self) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -111,7 +111,7 @@ class Snapshot:
         return self._pairs
 
     def take(self) -> None:
-        """Keep what is now."""
+        """Store the present arrays."""
         if not self.is_copied:
             self._arrays = {name: a.copy() for name, a in changing(self.engine).items()}
             return
@@ -126,8 +126,8 @@ class Snapshot:
         """Keep what `arrays` of another snapshot gave."""
         self._arrays, self._bound = dict(arrays), -1
 
-    def put_back(self) -> None:
-        """Make what was kept the present."""
+    def restore_copy(self) -> None:
+        """Restore the stored arrays."""
         if self.is_copied and self._bound == self.engine.bindings:
             for now, kept in self._pairs:
                 now[...] = kept

@@ -1,4 +1,4 @@
-"""The engine of a deck: what goes from sample to sample."""
+"""Chooses the engine of a deck, which advances it from sample to sample."""
 
 from collections.abc import Callable
 
@@ -21,9 +21,10 @@ def engine_of(
     program: str = "",
     does: Callable[[str], None] = lambda _: None,
 ) -> Engine:
-    """Through time, or from equilibrium to equilibrium; `program`: of the deck's last.
+    """Engine in time, or of equilibria; `program`: the composed step of an earlier engine of the
+    deck.
 
-    `does` takes words for what lasts long beside compiling.
+    `does` receives words for activities that take long, beside compiling.
     """
     program = program or composed(model, deck.text)
     if not is_static(deck):
@@ -47,7 +48,7 @@ def engine_of(
 
 
 def _in_time(model: Model, state: State, program: str) -> Engine:
-    """Through time, in one go or in phases."""
+    """Engine in time, with phases or without."""
     if not model.phases:
         return Engine(model, state, program)
     from crashsolve.recording.phased import PhasedEngine

@@ -13,7 +13,7 @@ from crashsolve.model.contact import records
 from crashsolve.model.ledger import ENTRIES, IMBALANCE, LARGEST, MECHANICAL
 from crashsolve.model.model import Group, Joint, Model, State
 from crashsolve.output.channels import Column, Family
-from crashsolve.recording.kept import Columns, Kept, Source, identity, together
+from crashsolve.recording.kept import Columns, SampledTables, Source, identity, merged
 from crashsolve.recording.momenta import OF_NODES, Momenta
 from crashsolve.system.engine import Engine
 
@@ -87,11 +87,11 @@ class Histories:
         self._parts += [self._group(g) for g in engine.model.groups if hasattr(g.module, "OUTPUT")]
         if names is not None:
             self._parts = [part for part in self._parts if part[0].name in names]
-        # a family without entities leaves no trace
+        # a family without entities is not written
         self._parts = [part for part in self._parts if part[0].ids and part[0].columns]
-        # a table that several families are made of is kept once
-        sources = together(source for _, own, _ in self._parts for source in own)
-        self._kept = Kept(list(sources.values()))
+        # a table that several families use is stored once
+        sources = merged(source for _, own, _ in self._parts for source in own)
+        self._kept = SampledTables(list(sources.values()))
         numbers = {key: number for number, key in enumerate(sources)}
         self._positions = [
             [numbers[identity(source)] for source in own] for _, own, _ in self._parts
@@ -107,12 +107,12 @@ class Histories:
         return {"momenta/start": self._momenta.start, "momenta/largest": self._momenta.largest}
 
     @property
-    def kept(self) -> Kept:
+    def kept(self) -> SampledTables:
         """Tables of the samples taken."""
         return self._kept
 
     def take(self) -> bool:
-        """Keep what the present sample is made of; whether the block is full."""
+        """Store the tables of the present sample; returns whether the block is full."""
         self._kept.take()
         return self._kept.is_full
 
@@ -147,8 +147,8 @@ class Histories:
         *elements: np.ndarray,
     ) -> np.ndarray:
         linear, angular, *errors = self._momenta.of(sampled[:, 0], nodes[:, 1:], *elements)
-        lack, largest = ledger[:, IMBALANCE], ledger[:, LARGEST]
-        balance = np.divide(100.0 * lack, largest, out=np.zeros(len(lack)), where=largest > 0)
+        missing, largest = ledger[:, IMBALANCE], ledger[:, LARGEST]
+        balance = np.divide(100.0 * missing, largest, out=np.zeros(len(missing)), where=largest > 0)
         step, (residual, cycle) = clock["step"], (sampled[name] for name in ("residual", "cycle"))
         mechanical = sum(ledger[:, k] for k in MECHANICAL)
         scalars = [balance, *errors, residual[:, 0], step[:, 0], cycle[:, 0], mechanical]
@@ -173,8 +173,8 @@ class Histories:
         read = frozenset([*names, "A"] if has_origins else names)
 
         def values(nodes: np.ndarray) -> np.ndarray:
-            found = _flat(nodes[:, 1:count], names)
-            return _beside(found, _origins(nodes[:, 1:count], arms)) if has_origins else found
+            found = _stacked(nodes[:, 1:count], names)
+            return _side_by_side(found, _origins(nodes[:, 1:count], arms)) if has_origins else found
 
         return family, (Columns(self.engine.nodes, read),), values
 
@@ -192,7 +192,7 @@ class Histories:
     def _contacts(self) -> Part:
         columns = _columns(records.CARD_OUTPUT)
         history = [c for c in records.CARD_HISTORY.columns if c.name in CARD_COLUMNS]
-        columns += [column for c in history for column in _spread(c)]
+        columns += [column for c in history for column in _components(c)]
         family = Family("rcforc", tuple(self.engine.model.contacts), tuple(columns))
         state = self.engine.state
         return family, (state.cards, state.card_history, state.clock), self._cards
@@ -202,7 +202,7 @@ class Histories:
         # pairs farther apart than the margin of a list are not in it
         cards["depth"] = np.maximum(cards["depth"], -self._margin)
         names = [column.name for column in records.CARD_OUTPUT.columns]
-        return _beside(_flat(cards, names), _flat(now, CARD_COLUMNS))
+        return _side_by_side(_stacked(cards, names), _stacked(now, CARD_COLUMNS))
 
     def _margins(self) -> np.ndarray:
         """Margin of the list of near pairs of every contact card; infinite without a list."""
@@ -250,7 +250,7 @@ class Histories:
             return np.concatenate([meshed.gauge_values(blocks, row) for _, meshed, row in gauged])
 
         family = Family("elout-shell", tuple(names), tuple(columns))
-        # what has been kept is overwritten by later samples
+        # stored values are overwritten by later samples
         return [(family, (values,), np.copy)]
 
     def _cuts(self) -> list[Part]:
@@ -265,9 +265,9 @@ class Histories:
             return []
         from crashsolve.elements.shells.section_cut import CUT, OUTPUT
 
-        columns = [column for c in CUT.columns if c.name in OUTPUT for column in _spread(c)]
+        columns = [column for c in CUT.columns if c.name in OUTPUT for column in _components(c)]
         family = Family("secforc-shell", tuple(names), tuple(columns))
-        return [(family, (elements.cuts,), lambda cuts: _flat(cuts, OUTPUT))]
+        return [(family, (elements.cuts,), lambda cuts: _stacked(cuts, OUTPUT))]
 
     def _meshed(self) -> list[tuple[str, Any, Any]]:
         """Name, part in place and row of every part with points."""
@@ -286,7 +286,7 @@ class Histories:
         columns = tuple(_columns(group.module.OUTPUT))
         names = [c.name for c in group.module.OUTPUT.columns]
         family = Family(f"{word}-{group.type}", tuple(group.names), columns)
-        return family, (group.output,), lambda output: _flat(output, names)
+        return family, (group.output,), lambda output: _stacked(output, names)
 
 
 def _reactions(joints: list[Joint], nodes: np.ndarray, rows: np.ndarray) -> np.ndarray:
@@ -295,7 +295,7 @@ def _reactions(joints: list[Joint], nodes: np.ndarray, rows: np.ndarray) -> np.n
     firsts = np.cumsum([0, *(joint.rows for joint in joints[:-1])])
     own = np.concatenate([np.arange(j.first_row, j.first_row + j.rows) for j in joints])
     wrench = rows["D"][:, own, 6:] * rows["reaction"][:, own, None]
-    # nothing is 0, not -0
+    # 0 instead of -0
     values = np.add.reduceat(wrench, firsts, axis=1) + 0.0
     pointed = [k for k, joint in enumerate(joints) if "point_b" in joint.frame]
     if pointed:
@@ -307,10 +307,10 @@ def _reactions(joints: list[Joint], nodes: np.ndarray, rows: np.ndarray) -> np.n
 
 
 def _columns(record: Record) -> list[Column]:
-    return [column for c in record.columns for column in _spread(c)]
+    return [column for c in record.columns for column in _components(c)]
 
 
-def _spread(c: Any) -> list[Column]:
+def _components(c: Any) -> list[Column]:
     unit = "1" if c.unit == "count" else c.unit
     if c.size == 1:
         return [Column(c.name, "", unit, c.meaning)]
@@ -318,12 +318,12 @@ def _spread(c: Any) -> list[Column]:
     return [Column(c.name, part, unit, c.meaning) for part in parts]
 
 
-def _beside(*parts: np.ndarray) -> np.ndarray:
+def _side_by_side(*parts: np.ndarray) -> np.ndarray:
     """Columns of the same entities, each in one piece as `_flat` has them."""
     return np.concatenate([part.transpose(2, 0, 1) for part in parts]).transpose(1, 2, 0)
 
 
-def _flat(tables: np.ndarray, names: Iterable[str]) -> np.ndarray:
+def _stacked(tables: np.ndarray, names: Iterable[str]) -> np.ndarray:
     """Columns of tables (samples, n) as numbers (samples, n, total width).
 
     In memory a column stands in one piece, as it does in the history.

@@ -22,12 +22,12 @@ class Columns:
 
 Source = np.ndarray | Columns | Callable[[], np.ndarray]
 
-# [bytes] of a block, and samples in it: more would wait in memory for longer, and gain nothing
+# [bytes] of a block, and samples in it: larger ones are no faster
 MOST_BYTES, MOST_SAMPLES = 1 << 22, 256
 
 
-class Kept:
-    """Copies of tables, each of which stays where it is; others are asked for at every sample."""
+class SampledTables:
+    """Copies of tables at fixed addresses; other sources are called at every sample."""
 
     def __init__(self, sources: list[Source]) -> None:
         self._requested = [(i, s) for i, s in enumerate(sources) if callable(s)]
@@ -64,7 +64,7 @@ class Kept:
 
     @property
     def is_copied(self) -> bool:
-        """Whether nothing is asked for at a sample."""
+        """Whether copies alone are needed at a sample."""
         return not self._requested
 
     def tables(self) -> list[np.ndarray]:
@@ -73,8 +73,8 @@ class Kept:
         return [copies[:count] for copies in self._tables]
 
 
-def together(sources: Iterable[Source]) -> dict[int, Source]:
-    """Sources by the identity of their tables, with all columns that are asked of one together."""
+def merged(sources: Iterable[Source]) -> dict[int, Source]:
+    """Sources by the identity of their tables, each with all columns that are needed of it."""
     found: dict[int, Source] = {}
     for source in sources:
         known = found.get(identity(source))
@@ -90,7 +90,7 @@ def identity(source: Source) -> int:
 
 
 def _layout(source: Source) -> tuple[tuple[int, ...], np.dtype]:
-    """Shape and type of what is kept of a source."""
+    """Shape and type of the copies of a source."""
     if isinstance(source, Columns):
         names = [name for name in source.table.dtype.names or () if name in source.names]
         return source.table.shape, np.dtype([(n, source.table.dtype[n]) for n in names])

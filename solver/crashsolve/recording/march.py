@@ -1,13 +1,13 @@
-"""From sample to sample in compiled code, and what an interval between two of them hides.
+"""From sample to sample in compiled code; contacts within an interval that its samples miss.
 
 A sample in Python costs as much as tens of steps of a small scene. `march` calls the compiled step
-and copies tables by their addresses, so that it serves all scenes; it gives control back where a
-sample needs more than copies (`recording/marching.py`).
+and copies tables by their addresses, so that one machine code serves all scenes; it returns where
+a sample needs more than copies (`recording/marching.py`).
 
-An interval hides a touch when its ends do not show what a contact bore in it:
+An interval hides a contact when its ends show too little of the force in it:
 
-    peak:     the largest normal force has grown, and neither end shows SHOWN of it
-    impulse:  |dI - (F_0 + F_1) dt / 2| is more than PART of the sum of |dI| so far
+    peak:     the largest normal force has grown, and neither end shows SHOWN_SHARE of it
+    impulse:  |dI - (F_0 + F_1) dt / 2| is more than MISSING_SHARE of the sum of |dI| so far
 """
 
 from math import sqrt
@@ -19,9 +19,9 @@ from crashsolve.model.clock import REACHED, STOPS_AT_SAMPLE
 from crashsolve.model.ledger import LARGEST, is_spurious_energy
 from crashsolve.system.engine import FIRST_JUDGED
 
-SHOWN, PART = 0.9, 0.1
-# why `march` gave control back: all samples are done; the step did; the last interval hides
-# a touch; the last sample must be checked by the caller; the next step is longer than wanted
+SHOWN_SHARE, MISSING_SHARE = 0.9, 0.1
+# why `march` returned: all samples are done; the step returned; the last interval hides a contact;
+# the last sample must be checked by the caller; the next step is longer than wanted
 DONE, STEPPED, HIDDEN, SUSPECT, LONG = range(5)
 
 JOB = Record("""
@@ -89,7 +89,7 @@ PASSED = Record("""
 
 @entry
 def march(_, flag, scene):
-    """Samples at scene.times, one after the other. Writes: all of the State, what is kept."""
+    """Samples at scene.times, one after the other. Writes: all of the State, the copies."""
     job, clock = scene.job[0], scene.clock[0]
     begun = ticks()
     job.why, job.count, job.stepping = DONE, 0, 0
@@ -104,7 +104,7 @@ def march(_, flag, scene):
         job.stepping += ticks() - left
         if clock.status != REACHED:
             job.why = STEPPED
-        elif hides(clock, scene):
+        elif hides_contact(clock, scene):
             job.why = HIDDEN
         elif not sample(until, job, clock, scene):
             job.why = SUSPECT
@@ -117,26 +117,26 @@ def march(_, flag, scene):
 
 
 @entry
-def ask(_, flag, scene):
-    """Whether the interval that ends now hides a touch. Writes: watch, marks."""
-    hides(scene.clock[0], scene)
+def check_interval(_, flag, scene):
+    """Whether the interval that ends now hides a contact. Writes: watch, marks."""
+    hides_contact(scene.clock[0], scene)
 
 
 @entry
-def begin(_, flag, scene):
+def start_interval(_, flag, scene):
     """An interval begins. Writes: watch, marks, the snapshot."""
     begin_interval(scene.clock[0], scene)
 
 
 @entry
-def tally(_, flag, scene):
+def finish_interval(_, flag, scene):
     """An interval has ended. Writes: phase."""
     count_interval(scene.clock[0], scene)
 
 
 @kernel
 def copy(table, rows, k):
-    """Copy what a table of COPY says, for sample k. Writes: memory."""
+    """Copy the pieces in a table of COPY, for sample k. Writes: memory."""
     for i in range(rows):
         one = table[i]
         target, source = one.target + k * one.advance, one.source
@@ -167,7 +167,7 @@ def sample(until, job, clock, scene):
 
 @kernel
 def has_passed(passed, rows, current):
-    """Whether a body has passed the middle of what it strikes."""
+    """Whether a body has passed the middle of a struck body."""
     for i in range(rows):
         one = passed[i]
         for j in range(one.number):
@@ -177,7 +177,7 @@ def has_passed(passed, rows, current):
 
 
 @kernel
-def hides(clock, scene):
+def hides_contact(clock, scene):
     """Whether the ends of the interval show too little of any contact. Writes: watch, marks."""
     watch = scene.watch[0]
     if watch.is_asked or not watch.watches:
@@ -189,18 +189,18 @@ def hides(clock, scene):
     half = 0.5 * (clock.time - watch.time)
     for i in range(scene.job[0].cards):
         card, history, mark = scene.cards[i], scene.card_history[clock.current, i], scene.marks[i]
-        size, lack = 0.0, 0.0
+        size, missing = 0.0, 0.0
         for k in range(3):
             change = history.impulse[k] - mark.impulse[k]
             seen = half * (mark.force[k] + card.force[k])
             size += change * change
-            lack += (change - seen) * (change - seen)
+            missing += (change - seen) * (change - seen)
         known = mark.borne
         mark.borne += sqrt(size)
         shown = max(mark.normal, card.normal)
-        if history.peak_normal > mark.peak and shown < SHOWN * history.peak_normal:
+        if history.peak_normal > mark.peak and shown < SHOWN_SHARE * history.peak_normal:
             watch.hides = 1
-        if known > 0.0 and sqrt(lack) > PART * mark.borne:
+        if known > 0.0 and sqrt(missing) > MISSING_SHARE * mark.borne:
             watch.hides = 1
     return watch.hides
 
@@ -212,7 +212,7 @@ def begin_interval(clock, scene):
     watch.is_asked, watch.hides = 0, 0
     if not watch.watches:
         return
-    # when the loop is to pause depends on how fast it runs: no trace of that may reach a dump
+    # the pause depends on the speed of the machine, and must not enter a dump
     pause = clock.pause
     clock.pause = 0
     copy(scene.snapshot, scene.job[0].snapshot, 0)

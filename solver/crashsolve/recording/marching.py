@@ -1,9 +1,10 @@
-"""What the compiled loop from sample to sample is given (march.py): tables, and what to copy.
+"""Arguments of the compiled loop from sample to sample (march.py): tables, and what to copy.
 
-    copies before a sample, of the State;  rows kept of a sample;  a snapshot as an interval begins
+    copies of the State before a sample;  rows stored of a sample;  a snapshot at the start of an
+    interval
 
-They are made anew when tables are bound to other arrays. Where something must be asked of Python at
-every sample, no block is marched, and the run goes from one sample to the next. Consequence to
+They are renewed when tables are bound to other arrays. Where Python is needed at every sample, no
+block is run, and the run goes from one sample to the next. Consequence to
 test: the same bits as sample by sample.
 """
 
@@ -20,13 +21,13 @@ from crashsolve.compiler.table import Tables
 from crashsolve.foundation.rows import as_rows
 from crashsolve.model.model import Model
 from crashsolve.recording import march
-from crashsolve.recording.kept import Kept
+from crashsolve.recording.kept import SampledTables
 from crashsolve.system.engine import Engine
 
 if TYPE_CHECKING:
     from crashsolve.recording.changing import Snapshot
 
-ENTRIES = ("march", "ask", "begin", "tally")
+ENTRIES = ("march", "check_interval", "start_interval", "finish_interval")
 # samples of one block at most
 MOST = 256
 Pieces = Iterable[tuple[np.ndarray, np.ndarray]]
@@ -39,7 +40,7 @@ class March:
         """With a snapshot, intervals are watched, and it is taken as each begins."""
         self.engine, self.snapshot = engine, snapshot
         self._bound = -1
-        self._kept: Kept | None = None
+        self._kept: SampledTables | None = None
         state, control = engine.state, engine.model.control[0]
         self._job = np.zeros(1, march.JOB.dtype)
         self.job: Any = as_rows(self._job)[0]
@@ -57,8 +58,8 @@ class March:
         self._bind()
 
     def ask(self) -> bool:
-        """Whether the interval that ends now hides a touch."""
-        self._call("ask")
+        """Whether the samples miss a contact in the interval that ends now."""
+        self._call("check_interval")
         return bool(self.watch.hides)
 
     def begin(self) -> None:
@@ -67,31 +68,31 @@ class March:
             self._renew(self._kept)
             if self.snapshot is not None and not self.snapshot.is_copied:
                 self.snapshot.take()
-            self._call("begin")
+            self._call("start_interval")
 
-    def tally(self) -> None:
+    def finish_interval(self) -> None:
         """Count the interval that ends now."""
-        self._call("tally")
+        self._call("finish_interval")
 
-    def count_from_here(self) -> None:
+    def restart_count(self) -> None:
         """Count intervals from the present sample."""
         self.phase[...] = 0
-        self.tally()
+        self.finish_interval()
         for name in ("steps", "spans"):
             self.phase[name] = 0
 
-    def may_go(self, until: float, kept: Kept) -> bool:
+    def can_march(self, until: float, kept: SampledTables) -> bool:
         """Whether samples until then need copies alone."""
         is_able = self._is_plain and kept.is_copied and self.engine.addresses is not None
         if self.snapshot is not None:
             is_able = is_able and self.snapshot.is_copied
-        return is_able and self.engine.has_no_bend(until)
+        return is_able and self.engine.has_no_corner(until)
 
-    def go(self, times: np.ndarray, kept: Kept) -> tuple[int, float, int | None]:
-        """March through samples at times [s]; how many are done, and CPU time [s] of the steps.
+    def go(self, times: np.ndarray, kept: SampledTables) -> tuple[int, float, int | None]:
+        """Run a block of samples at times [s]; returns their number, and CPU time [s] of the steps.
 
-        Also the status with which the step gave control back before a sample, None where it did
-        not. It must be answered once the samples that are done are recorded: a dump may follow.
+        Also the status with which the step returned before a sample, None where it did not. It must
+        be handled after the samples that are done are recorded: a dump may follow.
         """
         begun, count = clock.process_time(), min(len(times), kept.room, MOST)
         self._renew(kept)
@@ -108,8 +109,8 @@ class March:
     def _call(self, name: str) -> None:
         self._entries[name](0.0, False, self._tables)
 
-    def _renew(self, kept: Kept | None) -> None:
-        """Copies of the arrays that there are now."""
+    def _renew(self, kept: SampledTables | None) -> None:
+        """Renew the copies for the present arrays."""
         if self._bound != self.engine.bindings or self._kept is not kept:
             self._kept = kept
             self._bind()

@@ -1,4 +1,4 @@
-"""Momentum and angular momentum of the whole model, and what of them is not accounted for."""
+"""Momentum and angular momentum of the model, and their errors."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ OF_NODES = frozenset({"r", "v", "L", "mass_inv"})
 
 
 class Momenta:
-    """Counts from the first sample: `start` (2, 3), and `largest` (2,) sums of sizes so far."""
+    """Errors since the first sample: `start` (2, 3), and `largest` (2,) sums of sizes so far."""
 
     def __init__(self) -> None:
         self.start, self.largest = np.full((2, 3), np.nan), np.zeros(2)
@@ -17,8 +17,8 @@ class Momenta:
     ) -> tuple[np.ndarray, ...]:
         """Both sums (k, 3) at k samples, and the errors (k,) of both.
 
-        An error is what neither the start nor impulses from outside account for, over the largest
-        sum of |m v|, or of |r| |m v| + |L|, so far. Writes: start, largest.
+        An error is the sum less that of the start and the external impulse, over the largest sum
+        of |m v|, or of |r| |m v| + |L|, so far. Writes: start, largest.
         """
         sums = _moments(nodes)
         if elements is not None:

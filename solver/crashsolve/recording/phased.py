@@ -1,7 +1,8 @@
-"""An engine whose run has phases: it stops at their ends, and hands the State on.
+"""The engine of a run in phases: it stops at their ends, and passes the State on.
 
-Between phases velocities may be taken away and given. Energy, impulse and angular impulse of such a
-change count as coming from outside, as those of a prescribed motion: energy in `driver_work`.
+Between phases velocities may be set to zero or to initial values. Energy, impulse and angular
+impulse of such a change count as external, as those of a prescribed motion: energy in
+`driver_work`.
 """
 
 from collections.abc import Iterator
@@ -22,15 +23,15 @@ from crashsolve.statics.loading import loads_without_curve
 from crashsolve.statics.stability import mass_matrix
 from crashsolve.system.engine import Engine
 
-# what a run with phases keeps beside the State
+# state of a run with phases beside the State
 MEMORY = Record("""
     phase     index     number of the present phase
     begun     flag      whether it has been begun
-    launched  flag      whether the velocities of the deck have been given
+    launched  flag      whether the velocities of the deck have been set
     kinetic   J         kinetic energy after the last step, 0 after a halt
     share     1         of the loads without a curve that acts
     halts     count     how often the motion was halted in this phase
-    taken     J         kinetic energy taken by that
+    taken     J         kinetic energy removed by that
 """)
 
 
@@ -55,19 +56,19 @@ class PhasedEngine(Engine):
         return self.model.phases[int(self.memory["phase"])]
 
     def start(self) -> None:
-        """The initial state, as the first phase wants it."""
+        """Prepare the initial state for the first phase."""
         self.phase.module.start(self.phase.p, self)
-        # the balance is counted from what there is then
+        # the balance is counted from this state
         self.clock.driver_work = 0.0
         super().start()
 
     def bind(self) -> None:
-        """Bind the tables, as every engine does; a dump does not contain the loads that act."""
+        """Bind the tables, and set the loads that act, which a dump does not contain."""
         super().bind()
         if hasattr(self, "memory"):
             self._set_loads()
 
-    def _go_by_corners(self, until: float, goal: float) -> None:
+    def _step_by_corners(self, until: float, goal: float) -> None:
         """Step to `until`, from one phase to the next. Raises SolverError."""
         while float(self.clock.time) < until:
             if self.clock.time >= self.phase.end and self.phase is not self.model.phases[-1]:
@@ -77,7 +78,7 @@ class PhasedEngine(Engine):
             if not self.memory["begun"]:
                 self._begin()
             end = self.phase.end
-            super()._go_by_corners(min(until, end), min(goal, end))
+            super()._step_by_corners(min(until, end), min(goal, end))
 
     def _begin(self) -> None:
         memory = self.memory
@@ -86,7 +87,7 @@ class PhasedEngine(Engine):
         self.on_message(f"phase '{self.phase.name}' begins at t = {float(self.clock.time):.6g} s")
 
     def _close(self) -> None:
-        """The end of a phase. Raises SolverError where it has not come to what it promises."""
+        """End a phase. Raises SolverError where its condition is not met."""
         self.phase.module.end(self.phase.p, self)
         if self.memory["halts"]:
             halts, taken = int(self.memory["halts"]), float(self.memory["taken"])
@@ -96,7 +97,7 @@ class PhasedEngine(Engine):
             )
 
     def finish(self) -> None:
-        """The last phase has ended too. Raises SolverError."""
+        """End the last phase. Raises SolverError."""
         super().finish()
         if self.memory["begun"]:
             self._close()
@@ -121,23 +122,24 @@ class PhasedEngine(Engine):
         return total + 0.5 * float((moving["v"] ** 2 / moving["mass_inv"][:, None]).sum())
 
     def halt(self) -> None:
-        """Take all velocities. Writes: the State."""
+        """Set all velocities to zero. Writes: the State."""
         self.memory["halts"] += 1
-        with self._by_hand() as taken:
+        with self._external_change() as taken:
             self.set_velocities(None)
         self.memory["taken"] -= taken[0]
 
     def launch(self) -> None:
-        """Give the velocities of the deck, once. Writes: the State."""
+        """Set the velocities of the deck, once. Writes: the State."""
         if not self.memory["launched"]:
             self.memory["launched"] = 1
-            with self._by_hand():
+            with self._external_change():
                 self.set_velocities(self.given)
 
     def raise_loads(self, share: float) -> None:
         """Apply a share of the loads without a curve. Writes: the Model, the State.
 
-        The ledger has the potential of the weight that acts: raising it is work from outside.
+        The ledger contains the potential of the weight that acts: raising the weight is external
+        work.
         """
         if share == self.memory["share"]:
             return
@@ -147,7 +149,7 @@ class PhasedEngine(Engine):
         self.clock.driver_work += self._potential() - before
 
     def _potential(self) -> float:
-        self._look_around()
+        self._evaluate_now()
         return float(self.ledger[energy.POTENTIAL])
 
     def _set_loads(self) -> None:
@@ -155,28 +157,28 @@ class PhasedEngine(Engine):
             column = group.parameters[group.module.AMPLITUDE]
             column[rises] = full[rises] * self.memory["share"]
 
-    def refuse_unrest(self, tolerance: float) -> None:
-        """Raises SolverError where a force is left above a share of the largest one of any law."""
-        self._look_around()
-        left = np.concatenate([self._left_on_bodies(), self._left_on_points()])
+    def require_equilibrium(self, tolerance: float) -> None:
+        """Raises SolverError where a residual force is above a share of the largest force."""
+        self._evaluate_now()
+        residuals = np.concatenate([self._residuals_on_bodies(), self._residuals_on_points()])
         largest = self._largest_force()
-        if not len(left) or left.max() <= tolerance * largest:
+        if not len(residuals) or residuals.max() <= tolerance * largest:
             return
-        worst, bodies = int(left.argmax()), len(self.model.bodies)
-        points = range(bodies, bodies + len(self.state.points))
+        worst, bodies = int(residuals.argmax()), len(self.model.bodies)
+        force, points = residuals[worst], range(bodies, bodies + len(self.state.points))
         node = [*self.free.tolist(), *points][worst]
         raise SolverError(
             float(self.clock.time),
             int(self.clock.cycle),
             f"body '{self.model.bodies[node]}'" if node < bodies else self.model.part_at(node),
-            f"phase '{self.phase.name}' does not end in equilibrium: {left[worst]:.3g} N on it are "
-            f"not balanced, {left[worst] / max(largest, 1e-300):.2g} of the largest force",
+            f"phase '{self.phase.name}' does not end in equilibrium: {force:.3g} N on it are not "
+            f"balanced, {force / max(largest, 1e-300):.2g} of the largest force",
             "let the phase last longer, support what moves freely, or raise its tolerance; where "
             "the method chooses its step, bound it by control.step_max",
         )
 
-    def _left_on_bodies(self) -> np.ndarray:
-        """Forces (free nodes,) in the last sample that nothing holds [N]; moments over the size."""
+    def _residuals_on_bodies(self) -> np.ndarray:
+        """Unbalanced forces (free nodes,) in the last sample [N]; moments over the model's size."""
         nodes = self.nodes[self.free]
         A, J = (nodes[name].reshape(-1, 3, 3) for name in ("A", "J"))
         inertia = np.matmul(np.matmul(A, J), A.transpose(0, 2, 1))
@@ -184,8 +186,8 @@ class PhasedEngine(Engine):
         forces = np.linalg.norm(nodes["v_dot"], axis=1) / nodes["mass_inv"]
         return np.maximum(forces, moments / self.model.size)
 
-    def _left_on_points(self) -> np.ndarray:
-        """Forces (points,) in the last sample along motions that nothing holds [N]."""
+    def _residuals_on_points(self) -> np.ndarray:
+        """Unbalanced forces (points,) in the last sample along free motions [N]."""
         points = self.state.points
         is_held = points["held"][:, None] & np.array([1, 2, 4]) != 0
         is_held |= (points["held"][:, None] & ATTACHED) != 0
@@ -207,36 +209,36 @@ class PhasedEngine(Engine):
         return max(*sizes, float(forces))
 
     @contextmanager
-    def _by_hand(self) -> Iterator[list[float]]:
-        """A change of velocities whose energy and impulses come from outside; yields the energy."""
+    def _external_change(self) -> Iterator[list[float]]:
+        """Book a change of velocities as external energy and impulse; yields the energy."""
         found = [0.0]
-        before = self._amounts()
+        before = self._energy_and_momenta()
         yield found
-        after = self._amounts()
+        after = self._energy_and_momenta()
         found[0] = after[0] - before[0]
         self.clock.driver_work += found[0]
         self.clock.impulse[:] += after[1] - before[1]
         self.clock.angular_impulse[:] += after[2] - before[2]
-        # dampers push no more, and stages begin anew
+        # forces of dampers change, and stages restart
         self._renew_forces()
         self.clock.kinked = 1
 
-    def _amounts(self) -> tuple[float, np.ndarray, np.ndarray]:
+    def _energy_and_momenta(self) -> tuple[float, np.ndarray, np.ndarray]:
         """Kinetic energy, momentum and angular momentum of the present state."""
-        self._look_around()
+        self._evaluate_now()
         elements = self.model.elements
         motion = () if elements is None else (elements.motion[None],)
         linear, angular, *_ = Momenta().of(self.sample_clock, self.nodes[None, 1:], *motion)
         return float(self.ledger[energy.KINETIC]), linear[0], angular[0]
 
-    def _look_around(self) -> None:
-        """A sample of the present state that the run does not count."""
+    def _evaluate_now(self) -> None:
+        """Evaluate a sample of the present state that is not part of the run."""
         for now, copy in self.copied:
             copy[:] = now
         self._advance(float(self.clock.time), True, self._sampled)
 
     def set_velocities(self, given: dict[str, np.ndarray] | None) -> None:
-        """All of them, or none, as far as joints allow. Writes: the State."""
+        """Set all velocities, or zero, as far as joints allow. Writes: the State."""
         nodes, points = self.state.nodes, self.state.points
         for name in ("v", "w"):
             nodes[name] = 0.0 if given is None else given[name]
@@ -253,14 +255,14 @@ class PhasedEngine(Engine):
         Writes: state.nodes.
         """
         nodes, free = self.state.nodes, self.free
-        self._look_around()
+        self._evaluate_now()
         D = jacobian(self.model.joints, self.rows, len(nodes))[:, free]
         D = D.reshape(len(D), 6 * len(free))
         nu = self.rows["nu"][whole_rows(self.model.joints)]
         given = np.hstack([nodes["v"][free], nodes["w"][free]]).ravel()
-        lacking = D @ given - nu
-        if not lacking.any():
+        residual = D @ given - nu
+        if not residual.any():
             return
         moved = np.linalg.solve(mass_matrix(nodes[free]), D.T)
-        given -= moved @ np.linalg.lstsq(D @ moved, lacking, rcond=1e-12)[0]
+        given -= moved @ np.linalg.lstsq(D @ moved, residual, rcond=1e-12)[0]
         nodes["v"][free], nodes["w"][free] = np.split(given.reshape(-1, 6), 2, axis=1)

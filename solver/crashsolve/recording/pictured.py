@@ -1,4 +1,4 @@
-"""The bodies, parts and contacts that the scenes of a report name, looked up in the model."""
+"""Checks that the model has the bodies, parts and contacts that the scenes of a report name."""
 
 from collections.abc import Iterator, Sequence
 from fnmatch import fnmatchcase
@@ -23,7 +23,7 @@ def look_up_pictured(deck: Deck, model: Model) -> None:
 
 
 def _problems_of(scene: Scene, deck: Deck, model: Model) -> Iterator[tuple[str, str]]:
-    """What is wrong with the names of a scene, and advice."""
+    """Errors of the names of a scene, with advice."""
     whole = [*model.bodies[1:], *deck.entries["parts"]]
     for word in scene.show:
         yield from _unknown("show", word, whole, "bodies and parts")
@@ -41,6 +41,6 @@ def _problems_of(scene: Scene, deck: Deck, model: Model) -> Iterator[tuple[str, 
 def _unknown(
     field: str, word: str, known: Sequence[str], what: str, has_globs: bool = True
 ) -> Iterator[tuple[str, str]]:
-    """A word that none of some names is, or with globs is like."""
+    """The problem of a word that matches none of the known names."""
     if not any(fnmatchcase(name, word) if has_globs else name == word for name in known):
         yield f"{field}: nothing is called '{word}'", choices(word, known, what)

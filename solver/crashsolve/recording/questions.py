@@ -1,7 +1,7 @@
-"""The channels that a deck asks about, looked up in those that its run will have.
+"""Checks that the channels named in a deck are among those of its run.
 
 They are those of expect and watch, of the figures of its report, and of the times of its scenes.
-Names, units and the samples that a function needs are looked at; a run may still be too short.
+Names, units and the sampling that a function needs are checked; a run may still be too short.
 """
 
 from collections.abc import Iterator, Sequence
@@ -25,7 +25,7 @@ from crashsolve.recording.samples import Channel, Samples, find
 from crashsolve.recording.sampling import Schedule
 
 # samples on which expressions are tried out before the run
-TRIED = 256
+TRIAL_SAMPLES = 256
 
 
 def look_up(deck: Deck, families: Sequence[Family]) -> dict[str, list[Channel]]:
@@ -43,7 +43,7 @@ def look_up(deck: Deck, families: Sequence[Family]) -> dict[str, list[Channel]]:
     for where, expression in _of_report(deck):
         try:
             if not _fits_some(expression, families):
-                _try_out(expression, find(expression, families), interval)
+                _evaluate_on_trial(expression, find(expression, families), interval)
         except ValueError as problem:
             message = f"output: report: {where}"
             diagnostics.append(
@@ -85,11 +85,11 @@ def _problems_of(
     found: dict[str, list[Channel]],
     deck: Deck,
 ) -> Iterator[str]:
-    """Errors of a question, by its fields; adds the channels it asks for to `found`."""
+    """Errors of a card, by its fields; adds its channels to `found`."""
     start = deck.control.start_time
     try:
         found[card.channel] = find(card.channel, families)
-        tried = _try_out(card.channel, found[card.channel], Schedule.of(deck).interval)
+        tried = _evaluate_on_trial(card.channel, found[card.channel], Schedule.of(deck).interval)
         if tried is not None and isinstance(card, Expect) and card.unit:
             unit = unit_of(card.statistic, tried.unit)
             if not is_convertible(card.unit, unit):
@@ -101,14 +101,16 @@ def _problems_of(
         yield f"statistic: '{card.statistic}' is before the run, from {start:g} s on"
 
 
-def _try_out(expression: str, channels: Sequence[Channel], interval: float) -> Series | None:
-    """The expression of made-up samples; None where they are too few for it.
+def _evaluate_on_trial(
+    expression: str, channels: Sequence[Channel], interval: float
+) -> Series | None:
+    """Evaluate the expression on trial samples; None where they are too few for it.
 
     Raises ChannelError where units do not fit, or samples are too far apart for a function.
 
-    The run may still be too short for one, which its results say.
+    The run may still be too short for a function, which its results report.
     """
-    count = np.arange(TRIED)
+    count = np.arange(TRIAL_SAMPLES)
     values = {c.name: 1.0 + 0.1 * np.cos(count + i) for i, c in enumerate(channels)}
     samples = Samples(interval * count, values, units={c.name: c.unit for c in channels})
     with suppress(TooShort):

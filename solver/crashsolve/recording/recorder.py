@@ -1,4 +1,4 @@
-"""Takes samples of an engine, and hands their channels to a history in blocks."""
+"""Takes samples of an engine, and writes their channels to a history in blocks."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from crashsolve.recording.histories import Histories
 
 
 class Recorder:
-    """Samples wait for their values until a block is full, or the history should be written."""
+    """Stores samples, and computes their values when a block is full or the history is due."""
 
     def __init__(self, histories: Histories, history: HistoryWriter) -> None:
         self.histories, self.history = histories, history
@@ -17,27 +17,27 @@ class Recorder:
         """Take the present sample. Raises OutputError."""
         self._times.append(time)
         if self.histories.take() or self.history.is_due():
-            self._transfer_mass()
+            self._write_block()
 
     def taken(self, times: list[float]) -> None:
-        """Samples at times [s] have been kept already. Raises OutputError."""
+        """Add samples at times [s] that have been stored already. Raises OutputError."""
         self._times += times
         if self.histories.kept.is_full or self.history.is_due():
-            self._transfer_mass()
+            self._write_block()
 
     def flush(self) -> None:
         """Write all samples taken. Raises OutputError."""
-        self._transfer_mass()
+        self._write_block()
         self.history.flush()
 
     def close(self) -> None:
         """Write all samples taken, and close the history."""
         try:
-            self._transfer_mass()
+            self._write_block()
         finally:
             self.history.close()
 
-    def _transfer_mass(self) -> None:
+    def _write_block(self) -> None:
         if self._times:
             times, self._times = np.array(self._times), []
             self.history.append(times, self.histories.values())

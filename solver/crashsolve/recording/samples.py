@@ -1,4 +1,4 @@
-"""The watched channels of a run: found in its families, sampled in memory or read from its file."""
+"""Samples of the watched channels of a run, from memory or from its file."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -21,7 +21,7 @@ OF_THE_RUN: tuple[str, ...] = (
     "cycle",
 )
 OF_THE_RUN += ("energy.imbalance", "energy.largest")
-# begins the name of a channel that keeps the largest value of any step
+# prefix of channels that contain the largest value of any step so far
 LARGEST_SO_FAR = "peak_"
 
 
@@ -52,7 +52,7 @@ class Channel:
 
     @property
     def course(self) -> "Channel | None":
-        """The channel whose largest value of any step this is; None of other channels."""
+        """The channel whose largest value this channel contains; None for other channels."""
         before, _, last = self.name.rpartition(".")
         if not last.startswith(LARGEST_SO_FAR):
             return None

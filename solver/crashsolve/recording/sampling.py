@@ -78,7 +78,7 @@ class Schedule:
         return self.time(k) >= self.end
 
     def plain_number(self, k: int) -> int | None:
-        """Number of intervals from the start to sample k; None of one that was asked for."""
+        """Number of intervals from the start to sample k; None for a requested one."""
         j = bisect_left(self.numbers, k)
         return None if k in self.numbers[j : j + 1] else k - j
 
@@ -105,7 +105,7 @@ def _ends_of_phases(deck: Deck) -> set[float]:
 
 
 def _requested(deck: Deck) -> set[float]:
-    """Moments [s] that the deck's own questions are about."""
+    """Moments [s] named by the cards expect and watch."""
     found: set[float] = set()
     cards: list[Expect | Watch] = [*deck.expect, *deck.watch]
     for card in cards:

@@ -1,4 +1,4 @@
-"""Cross sections of beams: areas, second moments, torsion and shear."""
+"""Cross sections of beams: areas, second moments, torsion and shear; no materials."""
 
 from typing import Any, Protocol
 

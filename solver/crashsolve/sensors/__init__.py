@@ -1,4 +1,4 @@
-"""Sensors: what is measured, not what acts."""
+"""Sensors: measurements at points of bodies; they exert no forces."""
 
 from typing import Protocol
 

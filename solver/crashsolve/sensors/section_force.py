@@ -1,4 +1,4 @@
-"""Section force: force and moment that a joint hands on from a to b, about a point.
+"""Section force: force and moment that a joint transmits from a to b, about a point.
 
     f = sum D_v^T lambda,   m = sum D_w^T lambda + (r_b - x) x f     over the rows of the joint
 

@@ -44,7 +44,7 @@ class EventStates:
         fields: Callable[[], dict[str, Any]],
     ) -> None:
         self.engine, self._schedule, self._fields = engine, schedule, fields
-        # phases hand on more than a State
+        # phases pass on more than a State
         is_plain = type(engine) is Engine and is_cheap(engine)
         self._watches, self._is_started = wanted and is_plain, False
         self._before: Snapshot | None = None
@@ -81,7 +81,7 @@ class EventStates:
         try:
             for name, (before, started, _) in self._found.items():
                 if name in times and not states.has(times[name]):
-                    before.put_back()
+                    before.restore_copy()
                     self._go_to(times[name], started)
                     self.engine.sample(times[name])
                     states.insert(times[name], self._fields())
@@ -90,7 +90,7 @@ class EventStates:
             pass
         finally:
             self.engine.on_pause = pause
-            end.put_back()
+            end.restore_copy()
             self.engine.sample(target)
 
     def _go_to(self, time: float, started: float) -> None:
@@ -152,7 +152,7 @@ class EventStates:
 
 
 def _stop(is_asked: Callable[[], bool]) -> Callable[[], None]:
-    """Callback at a pause: raises Abandoned where something is asked of the run."""
+    """Callback at a pause: raises Abandoned where there is a request to the run."""
 
     def pause() -> None:
         if is_asked():

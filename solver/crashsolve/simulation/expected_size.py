@@ -1,4 +1,6 @@
-"""What the output of a run will come to, said before the run, and refused where it cannot fit."""
+"""Expected size of the output of a run, reported before it, and refused where the disk is too
+small.
+"""
 
 from collections.abc import Iterable
 from pathlib import Path

@@ -59,7 +59,7 @@ def march(run: Run) -> None:
     run.events.begin()
     while target < end and not run.engine.is_complete:
         times, kept = _times_ahead(run, k), run.histories.kept
-        if marching.may_go(float(times[-1]), kept):
+        if marching.can_march(float(times[-1]), kept):
             count = _march_through(run, times)
             k += count
             target = run.schedule.time(k)
@@ -116,7 +116,7 @@ def _go_to(run: Run, target: float) -> float:
     run.between.fill(target)
     run.engine.sample(target)
     run.between.mark()
-    run.between.march.tally()
+    run.between.march.finish_interval()
     run.recorder.take(target)
     _after(run, target)
     run.cpu["output"] += time.process_time() - advanced

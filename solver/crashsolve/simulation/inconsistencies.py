@@ -1,4 +1,4 @@
-"""What a model may not be at its start: joints that do not close, contacts that touch already."""
+"""Inconsistencies of a model at its start: joints that do not close, contacts that penetrate."""
 
 from collections.abc import Iterator
 from typing import Any

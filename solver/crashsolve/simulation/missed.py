@@ -1,4 +1,4 @@
-"""Contacts that peaked between two samples: their true peaks, which are of all steps, say so."""
+"""Contacts whose peak lies between two samples, by the peaks of all steps."""
 
 from dataclasses import dataclass
 from pathlib import Path

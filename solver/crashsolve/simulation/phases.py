@@ -16,7 +16,7 @@ class ContactPhases:
 
     def __init__(self, march: March) -> None:
         self._counted = march.phase
-        march.count_from_here()
+        march.restart_count()
 
     @property
     def _steps(self) -> dict[str, int]:

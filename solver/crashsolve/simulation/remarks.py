@@ -1,4 +1,4 @@
-"""What a run met with, or never did: idle contacts and parts, lost elements, a collapsed step."""
+"""Remarks of a run: contacts and parts without effect, deleted elements, a collapsed step."""
 
 from pathlib import Path
 
@@ -76,7 +76,7 @@ def pressed_deep(engine: Engine) -> list[str]:
 
 
 def driven_deep(engine: Engine) -> list[str]:
-    """Contacts of points and of nodes of shells that went far into what they strike."""
+    """Contacts of points and of nodes of shells that penetrated deeply."""
     worst: dict[str, tuple[float, float, float]] = {}
     for g in engine.model.nodal_groups:
         p, deepest = g.arrays["p"][0], float(g.arrays["totals"]["deepest"][0])
@@ -196,7 +196,7 @@ def compressed(engine: Engine) -> list[str]:
 
 
 def crushed(engine: Engine) -> list[str]:
-    """Segments and beams that are shorter at the end than what a tube folds to."""
+    """Segments and beams that are shorter at the end than a fully folded tube."""
     found: list[tuple[float, str]] = []
     for g in engine.model.groups:
         names = g.output.dtype.names or () if "length" in (g.parameters.dtype.names or ()) else ()
@@ -284,7 +284,7 @@ def deleted(engine: Engine, history: Path) -> dict[str, Json]:
 
 
 class StepWatch:
-    """Notices an average step that has fallen to a thousandth of what it was."""
+    """Detects an average step that has fallen to a thousandth of its earlier value."""
 
     def __init__(self) -> None:
         self._longest = 0.0

@@ -1,4 +1,4 @@
-"""What a user may ask of a run: by signals, and by words in control.txt of the results folder.
+"""Requests of a user to a run: by signals, and by words in control.txt of the results folder.
 
 SIGTERM, SIGINT and SIGHUP, of a terminal that is closed, dump and stop, SIGUSR1 dumps and
 continues, SIGCONT is ignored (queues send it along). The words stop, dump and states do the same. A

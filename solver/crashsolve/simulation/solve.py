@@ -200,7 +200,7 @@ class Run:
                 act()
 
     def _begin(self, dump: Any) -> None:
-        """Take up the dump, if any; prepare the estimates; open the files."""
+        """Read the dump, if any; prepare the estimates; open the files."""
         # both measure from the start of the run, whatever a dump brings
         self._use_engine(self.engine)
         if self.deck.output.report:
@@ -357,7 +357,7 @@ class Run:
         self.log.line(f"restart dump {path.name} at t = {float(self.engine.clock['time']):.6g} s")
 
     def _restore(self, arrays: dict[str, np.ndarray], info: Json) -> float:
-        """Take up a dump; returns its time. Raises DeckError for the dump of another run."""
+        """Read a dump; returns its time. Raises DeckError for the dump of another run."""
         differ = differing(str(info.get("deck_text")), self.deck.text)
         if any(is_bound for _, is_bound in differ):
             names = ", ".join(name for name, is_bound in differ if is_bound)

@@ -1,4 +1,4 @@
-"""Springs: forces between two bodies that follow from their relative motion."""
+"""Springs: forces between bodies that follow from their relative motion; no contact."""
 
 from typing import Protocol
 

@@ -1,4 +1,4 @@
-"""Words that springs share: what they join, and how a force given by a curve behaves."""
+"""Words that springs share: their bodies and points, and forces given by a curve."""
 
 from pydantic import model_validator
 

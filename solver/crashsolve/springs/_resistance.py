@@ -112,7 +112,9 @@ def read(points: np.ndarray, start: int, x: np.ndarray) -> np.ndarray:
 
 
 def _check_hysteresis(card: Any, scene: Scene, only: int, k: float, steepest_slope: float) -> None:
-    """Energy is lost, never won: 0 <= u <= y and slopes below k, wherever the curves are read."""
+    """Refuse curves that would create energy: 0 <= u <= y and slopes below k is required
+    everywhere.
+    """
     if steepest_slope >= k:
         raise scene.fail(
             f"must exceed every slope of the curves; the largest is {steepest_slope:g}",

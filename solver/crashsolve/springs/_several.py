@@ -125,7 +125,7 @@ def direction(p, j, nodes):
 
 @kernel
 def pull_along(p, nodes, tension, stiffness, damping):
-    """Tension of the line on all its bodies, and what it resists. Writes: nodes."""
+    """Tension of the line on all its bodies, with its stiffness and damping. Writes: nodes."""
     # a row moves all of them at once: its rate is the sum over the points, not twice the largest
     share = 0.5 * p.count
     for j in range(p.count):

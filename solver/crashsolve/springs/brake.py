@@ -3,10 +3,10 @@
     f = K z + c z_dot while it holds,  z = s - s_p,   |f| <= F(t);   it slides (s_p follows) at F
 
 s is the displacement of b against a along an axis of a, or in the plane at right angles to it. The
-bristle z is elastic and the slider s_p moves only at the limit: what is held does not creep.
+bristle z is elastic and the slider s_p moves only at the limit: a held body does not creep.
 
 Consequence to test: a mass m sliding at v_0 stops after m v_0^2 / 2 F; below F it stays for ever.
-The energy lost is the work of f less what the bristle stores.
+The energy lost is the work of f less the energy of the bristle.
 
 Reference: Dahl (1968), A solid friction model, The Aerospace Corporation TOR-0158; with the
 elastic-perfectly plastic limit of Simo and Hughes (1998), Computational Inelasticity, 1.2.

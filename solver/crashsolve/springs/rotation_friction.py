@@ -8,7 +8,7 @@ cylindrical joint. It is the one expected from its course, right to second order
 phi(t) it is the brake of a wheel: M_0 is its torque at full pressure, and it locks at standstill.
 
 Consequence to test: a disc with the speed w_0 stops after J w_0 / M_0; below the limit it stays for
-ever. The energy lost is the work of M less what the bristle stores.
+ever. The energy lost is the work of M less the energy of the bristle.
 
 Reference: Dahl (1968), A solid friction model, The Aerospace Corporation TOR-0158; journal friction
 in joints: Haug, Wu and Yang (1986), Mechanism and Machine Theory 21, 401-406.

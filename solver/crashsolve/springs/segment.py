@@ -34,10 +34,10 @@ import numpy as np
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import MaterialName, SectionName, Vec3, quantity, word
 from crashsolve.elements.beams.corotational import (
+    frame_lag,
     half_angle_over_sine,
     mean_frame_of,
     rotated_rate,
-    swing_of,
 )
 from crashsolve.elements.beams.fibres import squares
 from crashsolve.foundation.angles import axes_at, check_rotation_limit
@@ -243,7 +243,7 @@ def deformation_of(p: Parameters, nodes):
     eta, spin = half_angle_over_sine(v, w), matvec_t(R, sub(vec(b.w), vec(a.w)))
     mean = scale(0.5, matvec_t(R, add(vec(a.w), vec(b.w))))
     u = matvec_t(R, x)
-    u_dot = sub(matvec_t(R, x_dot), cross(sub(mean, swing_of(v, w, spin)), u))
+    u_dot = sub(matvec_t(R, x_dot), cross(sub(mean, frame_lag(v, w, spin)), u))
     return Deformation(R, v, w, d_a, d_b, u, scale(2.0 * eta, v), u_dot, rotated_rate(eta, v, spin))
 
 
@@ -287,7 +287,7 @@ def act(p: Parameters, nodes, deformation, f, m):
     """The force f and the moments m, which belong to u and theta, on both bodies. Writes: nodes."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w, c = deformation.R, deformation.v, deformation.w, cross(deformation.u, f)
-    m = sub(rotated_rate(half_angle_over_sine(v, w), v, m), swing_of(v, w, c))
+    m = sub(rotated_rate(half_angle_over_sine(v, w), v, m), frame_lag(v, w, c))
     pull = matvec(R, f)
     apply_force(a, pull, deformation.d_a)
     apply_force(b, scale(-1.0, pull), deformation.d_b)
@@ -367,7 +367,7 @@ def shear_row(row, deformation, k):
     """Derivative of -u_k by the motions of both bodies. Writes: row."""
     e = unit(k)
     c = cross(deformation.u, e)
-    m = scale(-1.0, swing_of(deformation.v, deformation.w, c))
+    m = scale(-1.0, frame_lag(deformation.v, deformation.w, c))
     write(row, deformation.R, e, add_scaled(m, 0.5, c), add_scaled(scale(-1.0, m), 0.5, c))
     pull = matvec(deformation.R, e)
     rotation_a, rotation_b = cross(deformation.d_a, pull), cross(deformation.d_b, pull)

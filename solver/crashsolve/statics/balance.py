@@ -2,7 +2,7 @@
 
     |f| <= tolerance max(F, M / l)  and  |m| <= tolerance max(M, F l)
 
-f and m are what is left of forces and moments on any node, F and M the largest that the run has
+f and m are the residual force and moment on any node, F and M the largest that the run has
 met: before the nodes moved in a load step, and in the joints; l the model's size. What positions
 of sixteen digits cannot resolve, epsilon K l, is nothing.
 

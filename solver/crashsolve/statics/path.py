@@ -176,9 +176,9 @@ class PathEngine(StaticEngine):
             clock.time = time
             if time > self.end:
                 return 0
-            gone = self.change_from(start).ravel() * self._metric
-            excess = float(0.5 * (gone @ gone / step - step))
-            change = self._solve(time, gone / step, -excess)
+            secant = self.change_from(start).ravel() * self._metric
+            excess = float(0.5 * (secant @ secant / step - step))
+            change = self._solve(time, secant / step, -excess)
             moved = change[:-1].reshape(-1, 6)
             if not np.isfinite(change).all():
                 return 0
@@ -199,8 +199,8 @@ class PathEngine(StaticEngine):
 
     def _is_smooth(self, start: np.ndarray, start_time: float) -> bool:
         """Whether the direction of the path changes little over a step. Writes: direction."""
-        gone = self.change_from(start).ravel() * self._metric
-        ahead = self._solve(min(float(self.clock.time), self.end), gone, 1.0, is_tangent=True)
+        secant = self.change_from(start).ravel() * self._metric
+        ahead = self._solve(min(float(self.clock.time), self.end), secant, 1.0, is_tangent=True)
         if not np.isfinite(ahead).all():
             return False
         ahead[:-1] *= self._metric

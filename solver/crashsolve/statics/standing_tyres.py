@@ -41,7 +41,7 @@ class StandingTyres:
         self.patches = [
             (group, row, road)
             for group in model.groups
-            if hasattr(group.module, "patch_on")
+            if hasattr(group.module, "patch_of")
             for row, p in enumerate(group.parameters)
             for road in range(int(p["roads"]))
             if still[p["node"]] and still[p["road_node"][road]]
@@ -68,7 +68,7 @@ class StandingTyres:
         self, group: Group, row: int, road: int, nodes: np.ndarray, curves: np.ndarray
     ) -> Footprint:
         data = tuple(as_rows(part) for part in group.data) or None
-        at = group.module.patch_on(as_rows(group.parameters)[row], road, nodes, curves, data)
+        at = group.module.patch_of(as_rows(group.parameters)[row], road, nodes, curves, data)
         # deflections of the sample: within friction, and zero off the road
         found = group.history[1 - self.current]
         q = float(found["q_x"][row, road]), float(found["q_y"][row, road])

@@ -57,7 +57,7 @@ SUPPORT = (
 
 
 def begin_at_rest(engine: Engine, report: Callable[[str], None]) -> str:
-    """Move the nodes to equilibrium; returns what was moved. Writes: state.nodes.
+    """Move the nodes to equilibrium; returns the moved entities. Writes: state.nodes.
 
     `report` is called with a text at every iteration: one of many coordinates lasts seconds.
     Raises SolverError where there is no equilibrium.
@@ -136,7 +136,7 @@ class _EquilibriumSearch:
         self.nodes["v"] = self.nodes["w"] = self.nodes["L"] = 0.0
 
     def run(self, report: Callable[[str], None]) -> str:
-        """Move the nodes to equilibrium; returns what was moved, for the log."""
+        """Move the nodes to equilibrium; returns the moved entities, for the log."""
         first, iterations = self.nodes.copy(), 0
         for _ in range(SEARCHES if self.standing_tyres.patches else 1):
             self.standing_tyres.release(self.nodes)
@@ -186,7 +186,7 @@ class _EquilibriumSearch:
             self._find_near_pairs()
 
     def _is_allowed(self, state: "_RestState") -> bool:
-        """Whether what is left is no more than a run may begin with."""
+        """Whether the residual is small enough for the start of a run."""
         nodes = self.engine.nodes
         load = float(np.linalg.norm(nodes["external"][0, :3]))
         mass = float((1.0 / nodes["mass_inv"][self.free]).sum())

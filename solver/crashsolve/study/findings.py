@@ -77,7 +77,7 @@ class Finding:
         return error if error != error else max(error, self.doubts.get(trial.setting.series, 0.0))
 
     def is_doubtful(self, target: float) -> bool:
-        """Whether what is left in doubt of every series is more than a wanted error."""
+        """Whether the uncertainty of every series is larger than a wanted error."""
         judged = not self.is_absolute and self.diverges
         return judged and all(doubt > target for doubt in self.doubts.values())
 

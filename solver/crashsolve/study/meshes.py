@@ -1,4 +1,4 @@
-"""Meshes of a deck, finer and coarser: what divides its elements, and what a division would break.
+"""Meshes of a deck, finer and coarser: fields that divide elements, and limits of a division.
 
     beam                        mesh.division, so that the names of nodes stay where they are
     frame                       elements of each bar

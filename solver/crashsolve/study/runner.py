@@ -32,7 +32,7 @@ from crashsolve.study.table import csv_text, legend, text_table
 from crashsolve.study.trials import Trial, run_all
 from crashsolve.study.watch import Watch, ask, overall, watched
 
-# relative error that the last sentence is about where no target is asked for
+# relative error of the last sentence without a target
 USUAL = 0.05
 # an overall number whose estimated error is below this is worth naming
 CONVERGED = 0.01
@@ -62,12 +62,7 @@ def study(request: Request) -> int:
     Raises DeckError for a wrong deck or request, OutputError when the report cannot be written.
     """
     deck = read_deck(request.deck, request.overrides, refuses_ineffective=False)
-    own = [deck.control.integrator] if request.vary else []
-    if request.methods or own:
-        methods = [resolved(deck, method) for method in request.methods or own]
-        notes: list[str] = []
-    else:
-        methods, notes = suited(deck)
+    methods, notes = _methods(deck, request)
     meshes = request.meshes or _usual_meshes(deck, request)
     grid = settings(
         deck, list(dict.fromkeys(methods)), _steps(request, deck), request.tolerances, meshes,
@@ -87,11 +82,7 @@ def study(request: Request) -> int:
         jobs = max(request.jobs or cores(), 1)
         trials = run_all(request.deck, grid, request.overrides, request.folder, jobs, _report_trial)
         finished = [trial for trial in trials if trial.has_finished]
-        span = deck.control.end_time - deck.control.start_time
-        with ThreadPoolExecutor(jobs) as pool:
-            answers = pool.map(lambda trial: ask(trial.folder, [*watches, *more]), finished)
-            for trial, answer in zip(finished, answers, strict=True):
-                trial.step, trial.answers = span / max(trial.cycles, 1), answer
+        _measure(finished, [*watches, *more], deck, jobs)
         order = None if request.vary else order_of_mesh(deck)
         known = known or _most_expensive(request, finished)
         findings = [
@@ -101,6 +92,23 @@ def study(request: Request) -> int:
         extra = [find(watch, len(watches) + i, trials, None, order) for i, watch in enumerate(more)]
         _report(request, deck, trials, findings, extra)
         return ExitCode.NORMAL if finished else max(trial.code for trial in trials)
+
+
+def _methods(deck: Deck, request: Request) -> tuple[list[str], list[str]]:
+    """The methods of a study, and notes on those left out; with --vary that of the deck."""
+    own = [deck.control.integrator] if request.vary else []
+    if request.methods or own:
+        return [resolved(deck, method) for method in request.methods or own], []
+    return suited(deck)
+
+
+def _measure(finished: list[Trial], watches: list[Watch], deck: Deck, jobs: int) -> None:
+    """Read the watched numbers of finished runs. Writes: their steps and answers."""
+    span = deck.control.end_time - deck.control.start_time
+    with ThreadPoolExecutor(jobs) as pool:
+        answers = pool.map(lambda trial: ask(trial.folder, watches), finished)
+        for trial, answer in zip(finished, answers, strict=True):
+            trial.step, trial.answers = span / max(trial.cycles, 1), answer
 
 
 def _usual_meshes(deck: Deck, request: Request) -> str:
@@ -132,7 +140,7 @@ def _refuse_ineffective(request: Request, grid: Sequence[Setting]) -> None:
 
 
 def _steps(request: Request, deck: Deck) -> str | None:
-    """Steps that are asked for; where values of a field are compared, the deck's own."""
+    """Requested steps; where values of a field are compared, the deck's own."""
     if request.steps or request.tolerances or not request.vary:
         return request.steps
     return AUTO if deck.control.step == AUTO else repr(float(deck.control.step))
@@ -189,7 +197,7 @@ def _report(
     findings: list[Finding],
     extra: list[Finding],
 ) -> None:
-    """Write study.csv and study.png, print the table and what it says."""
+    """Write study.csv and study.png, print the table and its conclusions."""
     replace_text(request.folder / "study.csv", csv_text(trials, findings))
     title = deck.title or request.deck.stem
     missing = draw(request.folder / "study.png", title, trials, findings)
@@ -232,6 +240,11 @@ def _verdict(findings: list[Finding], trials: list[Trial], target: float) -> str
             cost = f"no more than {NOISE:g} s of CPU in steps, below which none is ranked"
         error = worst(findings, best)
         return f"target {target:g}: {best.setting.name}, {cost}, error {error:.2g}{left_out}"
+    return _advice(findings, trials, target, left_out)
+
+
+def _advice(findings: list[Finding], trials: list[Trial], target: float, left_out: str) -> str:
+    """The nearest setting where none meets the wanted error, and what would be needed."""
     text = f"target {target:g}: none of these settings meets it{left_out}"
     doubtful = [f.watch.name for f in findings if f.is_doubtful(target)]
     if doubtful:

@@ -1,4 +1,4 @@
-"""The words of `crashsolve sweep`, read without loading what they ask for."""
+"""The command line of `crashsolve sweep`, parsed without loading its modules."""
 
 import argparse
 from pathlib import Path

@@ -1,8 +1,8 @@
-"""The folder of a sweep: sweep.json with all its runs, and what each run has come to.
+"""The folder of a sweep: sweep.json with all its runs, and the status of each run.
 
 A run is marked by what it is made from: the deck with its includes and its own values, the other
 files that the deck reads, and the sources of crashsolve. A result with another mark does not count.
-What has become of a run, its own files tell: so nothing is lost with the process that started it.
+The status of a run is read from its files: so it survives the process that started the run.
 """
 
 import hashlib
@@ -226,7 +226,7 @@ def clear(sweep: Path, run: Run) -> None:
 
 
 def record(sweep: Path, run: Run, state: str, code: int | None = None, message: str = "") -> None:
-    """Write what a run is made from and what is known of it. Raises OutputError."""
+    """Write the input of a run and its status. Raises OutputError."""
     data: Json = {"mark": asdict(run.mark), "overrides": run.overrides, "state": state}
     data |= {"exit_code": code, "message": message}
     replace_text(run.folder(sweep) / RECORD, json.dumps(data, indent=1, ensure_ascii=False) + "\n")

@@ -115,7 +115,7 @@ class Measure(Card):
 
 
 class PlanCard(Card):
-    """A sweep: the deck, what is varied in it, and what is asked of every run."""
+    """A sweep: the deck, the varied parameters, and the measures of every run."""
 
     title: str = word("heading of table and pictures; that of the deck when empty", "")
     deck: FileName = word("deck to run, beside the plan")

@@ -46,7 +46,7 @@ class Request:
 
 
 def sweep(request: Request) -> int:
-    """Run what a plan asks for and is not there yet; the exit code is the largest of the runs'.
+    """Run those runs of a plan that have no results yet; the exit code is the largest of the runs'.
 
     Raises DeckError for a wrong plan or deck and for results of another, OutputError when the
     folder is in use or cannot be written.

@@ -1,4 +1,4 @@
-"""Attached nodes: nodes that move with a rigid body, and hand it the forces on them.
+"""Attached nodes: nodes that move with a rigid body, and transfer the forces on them to it.
 
     r = r_body + A s,   q = q_body q_s,   v = v_body + w x A s,   w = w_body
     f_body += f,   tau_body += tau + A s x f
@@ -17,7 +17,7 @@ from crashsolve.foundation.vec3 import add, cross, put, vec
 
 
 @kernel
-def carry(attached_nodes, nodes):
+def move_nodes(attached_nodes, nodes):
     """Configuration and velocity of every attached node from its body's. Writes: nodes."""
     for i in range(attached_nodes.shape[0]):
         attached_node = attached_nodes[i]
@@ -41,7 +41,7 @@ def carry(attached_nodes, nodes):
 
 
 @kernel
-def collect(attached_nodes, nodes):
+def transfer_forces(attached_nodes, nodes):
     """Forces and torques on attached nodes go to their bodies. Writes: nodes."""
     for i in range(attached_nodes.shape[0]):
         attached_node = attached_nodes[i]

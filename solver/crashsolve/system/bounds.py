@@ -136,7 +136,7 @@ def stiffest(engine: Engine, at: int) -> str:
 
 
 def _copies(engine: Engine) -> dict[str, np.ndarray]:
-    """All tables of the step, of which a sample may write what it likes; nothing acts in them."""
+    """Copies of all tables of the step, which a sample may overwrite."""
     m, s = engine.model, engine.state
     arrays = group_arrays(m, s) | m.saddle._asdict()
     arrays |= {"control": m.control, "curves": m.curves} | engine.tableau | engine.stages

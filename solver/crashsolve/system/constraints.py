@@ -19,13 +19,13 @@ def factor_constraints(rows, saddle, nodes):
     """Ambrosio (2003), Eq. 5: X = D M^-1, and the factor of S = D X^T. Writes: rows.X, saddle."""
     for k in range(rows.shape[0]):
         row = rows[k]
-        weigh(row.D, row.X, 0, nodes[row.node_a])
-        weigh(row.D, row.X, 6, nodes[row.node_b])
+        apply_inverse_mass(row.D, row.X, 0, nodes[row.node_a])
+        apply_inverse_mass(row.D, row.X, 6, nodes[row.node_b])
     factorise(saddle, rows, nodes)
 
 
 @kernel
-def weigh(D, X, c, body):
+def apply_inverse_mass(D, X, c, body):
     """Columns c to c + 5 of D M^-1. Writes: X."""
     X[c] = body.mass_inv * D[c]
     X[c + 1] = body.mass_inv * D[c + 1]

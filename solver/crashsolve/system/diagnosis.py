@@ -22,7 +22,7 @@ from crashsolve.model.clock import (
     VELOCITY,
 )
 from crashsolve.model.model import Model, State
-from crashsolve.system.gain import OVERSTATED, gained, gains, overstates
+from crashsolve.system.gain import OVERSTATED, energy_gain, has_gain, overstates
 from crashsolve.system.timestep import QUARTER
 
 # what helps most where a shell folds on itself: a node meets the nearer of two walls alone
@@ -309,7 +309,7 @@ def gaining_contact(model: Model, state: State, clock: np.void) -> Diagnosis:
     """A contact card whose normal force, or friction, has created energy."""
     number, is_friction = int(clock["index"]), float(clock["value"]) == 1.0
     card = state.card_history[int(clock["current"])][number]
-    held, exchanged = max(float(card["held_first"]), 0.0), float(card["exchanged"])
+    held, exchanged = max(float(card["initially_stored"]), 0.0), float(card["exchanged"])
     taken = 0.5 * (exchanged - float(card["work"]))
     gained = float(card["work"]) - held
     if is_friction:
@@ -340,10 +340,10 @@ def gaining_law(model: Model, state: State) -> Diagnosis:
 
 
 def _gain_of(now: Any, stored: float, limit: float) -> tuple[float, str]:
-    """What a law has created over what it took and gave, and in words."""
-    taken, held = 0.5 * float(now["exchanged"] - now["given"]), float(now["held_first"])
-    gain = float(gained(now, stored))
-    if overstates(now, stored, limit, 0.0) and not gains(now, stored, limit, 0.0):
+    """Energy that a law has created, over the energy it exchanged, and in words."""
+    taken, held = 0.5 * float(now["exchanged"] - now["given"]), float(now["initially_stored"])
+    gain = float(energy_gain(now, stored))
+    if overstates(now, stored, limit, 0.0) and not has_gain(now, stored, limit, 0.0):
         stated = stored + float(now["dissipated"])
         return 1.0 / (1.0 - OVERSTATED), (
             f"its force turns a velocity round in every step: it states to have lost and to hold "

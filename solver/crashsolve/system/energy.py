@@ -1,12 +1,12 @@
-"""The energy ledger: where the energy is, where it went, and what is unaccounted for.
+"""The energy ledger: stored, dissipated and external energy, and the imbalance.
 
     imbalance = kinetic + potential + stored + dissipated - work from outside - initial total
 
 Every law states its stored energy and the power it dissipates from its own formula; the imbalance
 is therefore a measure of the integration error and of any law that breaks its promise.
 
-It is compared with the largest energy so far. Where nothing moves, as under a load on what is
-wholly held, all energies are errors: the work of a force over a displacement below the
+It is compared with the largest energy so far. Where nothing moves, as under a load on a fully
+constrained body, all energies are errors: the work of a force over a displacement below the
 round-off of positions may be missing.
 """
 
@@ -25,7 +25,7 @@ from crashsolve.model.ledger import (
     PLASTIC,
     POTENTIAL,
 )
-from crashsolve.system.contact.touches import gaining_card, gaining_friction
+from crashsolve.system.contact.touches import card_with_energy_gain, card_with_friction_gain
 from crashsolve.system.kinetics import bad_node
 
 # over so much of the model's size, or turn in rad, the work of a force is round-off; equilibria
@@ -36,8 +36,8 @@ EPSILON = 4e-16
 
 
 @kernel
-def lose(clock, old, new, power, loss):
-    """Add up what a law dissipates over the step: power by its weights, and a loss in one piece.
+def add_dissipation(clock, old, new, power, loss):
+    """Add the dissipation of a law over the step: its power with the weights, and its loss.
 
     Writes: new.
     """
@@ -50,7 +50,7 @@ def lose(clock, old, new, power, loss):
 
 @kernel
 def clear_ledger(ledger):
-    """Zero what is summed anew; keep the initial and the largest energy. Writes: ledger."""
+    """Zero the sums of the ledger; keep the initial and the largest energy. Writes: ledger."""
     for k in range(INITIAL):
         ledger[k] = 0.0
 
@@ -73,7 +73,7 @@ def least_energy(control, nodes, unseen):
 def close_ledger(ledger, least, kicked):
     """Imbalance and largest energy, at least `least` [J], from the entries. Writes: ledger.
 
-    What of the imbalance the last half kick explains, `kicked` [J], is none.
+    The part of the imbalance explained by the last half kick, `kicked` [J], does not count.
     """
     total = ledger[KINETIC] + ledger[POTENTIAL]
     largest = max(ledger[LARGEST], ledger[KINETIC], abs(ledger[INITIAL]), least)
@@ -126,8 +126,8 @@ def check_contacts(clock, control, nodes, scene):
     """Stop at a contact that gives its bodies energy that it never took. Writes: clock."""
     if clock.status == RUNNING and control.energy_limit > 0.0:
         unseen, limit = unseen_distance(clock, control, nodes), control.energy_limit
-        card = gaining_card(clock.current, limit, unseen, scene.card_history)
-        rubbing = gaining_friction(clock.current, limit, unseen, scene.card_history)
+        card = card_with_energy_gain(clock.current, limit, unseen, scene.card_history)
+        rubbing = card_with_friction_gain(clock.current, limit, unseen, scene.card_history)
         if card >= 0 or rubbing >= 0:
             clock.status, clock.index = CONTACT_GAIN, card if card >= 0 else rubbing
             clock.value = 0.0 if card >= 0 else 1.0

@@ -115,7 +115,7 @@ class Engine:
             return None
         return step, self._present.pointer, self._sampled.pointer
 
-    def has_no_bend(self, until: float) -> bool:
+    def has_no_corner(self, until: float) -> bool:
         """Whether no curve of time has a corner or another bound on steps by `until` [s]."""
         is_free = self._is_free_of_curves()
         return is_free and self.clock["kinked"] != CORNER and self._next_corner(until) > until
@@ -200,12 +200,12 @@ class Engine:
 
     def advance(self, until: float) -> None:
         """Step to exactly `until` [s]. Raises SolverError at a numerical stop."""
-        self._go_by_corners(until, until)
+        self._step_by_corners(until, until)
 
     def reach(self, until: float) -> None:
         """Step to `until` [s], beyond it where samples may lie in a step. Raises SolverError."""
         end = float(self.model.control[0]["end"])
-        self._go_by_corners(until, max(until, end) if self.is_dense else until)
+        self._step_by_corners(until, max(until, end) if self.is_dense else until)
 
     def revisit(self, until: float, stride: int, look: Callable[[], None]) -> None:
         """Reach `until` [s] with a look every `stride` steps, but for the last."""
@@ -215,14 +215,14 @@ class Engine:
         finally:
             self.on_pause, self._stride = kept, 0
 
-    def _go_by_corners(self, until: float, goal: float) -> None:
+    def _step_by_corners(self, until: float, goal: float) -> None:
         """Step to `until`, one corner of a curve of time after the other."""
         clock = self.state.clock[0]
         while clock["time"] < until:
             if clock["kinked"] == CORNER:
-                self._rotate_corner()
+                self._renew_after_corner()
             corner = self._next_corner(until)
-            # stages at the end of a step are of what comes before a corner
+            # stages at the end of a step belong to the time before a corner
             end = nextafter(corner, -inf) if self.has_stages else corner
             change = self._next_curve_step(min(max(until, goal), end))
             self._step(min(until, end, change), min(goal, end, change))
@@ -247,7 +247,7 @@ class Engine:
             self.masses.find(s)
             self._renew_forces()
         elif status == REBUILD:
-            self._refuse_passing()
+            self._check_pass_through()
             renew(self.model.contact_groups, s)
             make_room(self.model.nodal_groups)
             self.bind()
@@ -286,7 +286,7 @@ class Engine:
         steps = self._curve_steps * (float(control["curve_share"]) * self._stages_see)
         at = max(int(np.searchsorted(starts, now, side="right")) - 1, 0)
         if control["fixed_step"] > 0.0:
-            # what is left but for round-off is one step
+            # the remaining time, but for round-off, is one step
             is_cut = steps[at] < min(control["fixed_step"], (1.0 - STAGNATION_RATIO) * (goal - now))
             return now + float(steps[at]) if is_cut else inf
         last = int(np.searchsorted(starts, goal, side="left"))
@@ -301,7 +301,7 @@ class Engine:
         change = float(starts[at + 1])
         return change if change - now > ROUND_OFF * abs(goal) else inf
 
-    def _rotate_corner(self) -> None:
+    def _renew_after_corner(self) -> None:
         """Renew forces after a step that ends at a corner, for methods that reuse them."""
         if self.has_stages:
             self._renew_forces()
@@ -346,7 +346,7 @@ class Engine:
         for name, kept in forces.items():
             points[name] = kept
         self.state.clock[0]["sampled"] = clock["time"]
-        self._refuse_passing()
+        self._check_pass_through()
         is_stopped = clock["status"] in STOPS_AT_SAMPLE
         is_judged = clock["cycle"] >= FIRST_JUDGED
         if is_stopped or (is_judged and energy.is_spurious_energy(self.ledger, self._limit)):
@@ -368,12 +368,12 @@ class Engine:
 
     def finish(self) -> None:
         """Judge the balance of the whole run, however few its steps. Raises SolverError."""
-        self._refuse_passing()
+        self._check_pass_through()
         if energy.is_broken(self.ledger, self._limit):
             raise diagnose(self.model, self.state, self.clock, self.ledger)
 
-    def _refuse_passing(self) -> None:
-        """Raises SolverError where a body has passed the middle of what it strikes."""
+    def _check_pass_through(self) -> None:
+        """Raises SolverError where a body has passed the middle of a struck body."""
         passed = passed_through(self.model, self.state)
         if passed is not None:
             raise passed

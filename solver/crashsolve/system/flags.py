@@ -41,8 +41,8 @@ def _of_pairs(
         met = group.history[name][current] != 0
         cards = {int(card) for card in group.parameters["card"][met]}
         # of pairs that have left the list of near ones, the card remembers
-        gone = left >> bits.index(name) & 1
-        cards |= {card for card in (group.search.cards() if group.search else ()) if gone[card]}
+        is_set = left >> bits.index(name) & 1
+        cards |= {card for card in (group.search.cards() if group.search else ()) if is_set[card]}
         found |= {(card, text) for card in cards}
     return found
 

@@ -1,9 +1,9 @@
-"""What a law between bodies gives them, and has taken: its own balance, in any frame.
+"""Energy balance of a single law between bodies, independent of the frame of reference.
 
     W = 1/2 sum (f_old + f_new) . u   over its bodies, u the displacement in the step
     gain = min(W - held at the start, W + held + lost - held at the start)
 
-Kick, drift, kick: half of the forces at both ends of a step act along what it moves, see
+Kick, drift, kick: half of the forces at both ends of a step act along its displacement, see
 contact/work.py. A law that is passed in too long a step, a stop or a tyre that is hit, gives more
 than it took; the balance of the whole may hide that behind other energy. Consequence to test: the
 gain of any step is that of the kinetic energy of two free bodies.
@@ -13,21 +13,21 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import add, dot, norm, put, sub, vec
 from crashsolve.system.contact.work import motion_of
 
-# share of what a law states to have lost and to hold that its bodies never gave
+# share of the stated loss and energy of a law that its bodies never supplied
 OVERSTATED = 0.9
 
 
 @kernel
-def acting(p, nodes):
+def applied_loads(p, nodes):
     """Forces and torques that have been applied to both bodies so far."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     return vec(a.force), vec(a.torque), vec(b.force), vec(b.torque)
 
 
 @kernel
-def note_work(p, old, new, before, h, nodes):
-    """Work over a step of h of what the law has added to `before`. Writes: new."""
-    now = acting(p, nodes)
+def record_work(p, old, new, before, h, nodes):
+    """Work over a step of h of the forces that the law has added to `before`. Writes: new."""
+    now = applied_loads(p, nodes)
     force_a, torque_a = sub(now[0], before[0]), sub(now[1], before[1])
     force_b, torque_b = sub(now[2], before[2]), sub(now[3], before[3])
     work = 0.0
@@ -46,7 +46,7 @@ def note_work(p, old, new, before, h, nodes):
 
 
 @kernel
-def keep_acting(p, count, new, nodes):
+def keep_applied_loads(p, count, new, nodes):
     """Forces and torques applied so far to the first `count` nodes of a law. Writes: new."""
     for j in range(count):
         body = nodes[p.node[j]]
@@ -56,8 +56,8 @@ def keep_acting(p, count, new, nodes):
 
 
 @kernel
-def note_work_of_several(p, count, old, new, h, nodes):
-    """The same of a law among several bodies, after keep_acting. Writes: new."""
+def record_work_of_several(p, count, old, new, h, nodes):
+    """The same of a law among several bodies, after keep_applied_loads. Writes: new."""
     work, largest = 0.0, 0.0
     for j in range(count):
         body, i = nodes[p.node[j]], 3 * j
@@ -93,27 +93,27 @@ def half_work(body, force, torque):
 
 
 @kernel
-def gained(now, stored):
-    """Energy [J] that a law has returned beyond what it took and stored."""
-    beyond = now.given - max(now.held_first, 0.0)
-    return min(beyond, now.given + stored + now.dissipated - now.held_first)
+def energy_gain(now, stored):
+    """Energy [J] that a law has returned beyond the energy it received and stored."""
+    beyond = now.given - max(now.initially_stored, 0.0)
+    return min(beyond, now.given + stored + now.dissipated - now.initially_stored)
 
 
 @kernel
 def overstates(now, stored, limit, unseen):
-    """Whether a law states that it lost and holds ten times what it was ever given.
+    """Whether the stated loss and energy of a law are ten times the energy it received.
 
     So does a damper that turns a velocity round in every step, with a force that has a bound.
     """
     stated = stored + now.dissipated
-    missing = now.given + stated - now.held_first
+    missing = now.given + stated - now.initially_stored
     least = max(limit * now.exchanged, unseen * now.peak_force)
     return missing > max(OVERSTATED * stated, least)
 
 
 @kernel
-def gains(now, stored, limit, unseen):
+def has_gain(now, stored, limit, unseen):
     """Whether that is more than `limit` of all taken and given, and than the largest force does
     over `unseen`, the round-off of positions [m].
     """
-    return gained(now, stored) > max(limit * now.exchanged, unseen * now.peak_force)
+    return energy_gain(now, stored) > max(limit * now.exchanged, unseen * now.peak_force)

@@ -37,7 +37,7 @@ def save(nodes):
 
 
 @kernel
-def kick_off(nodes, h):
+def first_kick(nodes, h):
     """First half kick by the applied forces alone. Writes: nodes.v_half, L_half."""
     for i in range(1, nodes.shape[0]):
         b = nodes[i]
@@ -98,7 +98,7 @@ def refresh(nodes):
 
 
 @kernel
-def kick_end(nodes, h):
+def second_kick(nodes, h):
     """Second half kick by the applied forces, from half step. Writes: nodes.v, L, w."""
     for i in range(1, nodes.shape[0]):
         b = nodes[i]
@@ -109,7 +109,7 @@ def kick_end(nodes, h):
 
 
 @kernel
-def take_deferred(nodes, sign):
+def apply_deferred(nodes, sign):
     """Leave out (-1) or put back (+1) the forces that began during the step. Writes: nodes."""
     for i in range(nodes.shape[0]):
         b = nodes[i]
@@ -118,7 +118,7 @@ def take_deferred(nodes, sign):
 
 
 @kernel
-def any_deferred(nodes):
+def has_deferred(nodes):
     """Whether a force began during the step."""
     for i in range(1, nodes.shape[0]):
         b = nodes[i]
@@ -129,7 +129,7 @@ def any_deferred(nodes):
 
 @kernel
 def clear_forces(nodes):
-    """Zero what a force pass sums. Writes: nodes."""
+    """Zero the sums of a force pass. Writes: nodes."""
     zero = (0.0, 0.0, 0.0)
     for i in range(nodes.shape[0]):
         b = nodes[i]

@@ -13,14 +13,14 @@ PASSED = 1e-9
 
 
 @kernel
-def open_bracket(h):
-    """Nothing known but the longest step [s]."""
+def new_bracket(h):
+    """Bracket between no step and the longest [s]."""
     return 0.0, h, 0.0, 0.0, 0.0, 0
 
 
 @kernel
 def first_gap(bracket, before, gap, control, share):
-    """Gaps at the start and at the end of the whole step; what may be passed is a share of both.
+    """Enter the gaps at both ends of the full step; a share of their difference may be passed.
 
     A long free flight must not spoil the impact at its end: never more than PASSED of the model.
     """
@@ -30,13 +30,13 @@ def first_gap(bracket, before, gap, control, share):
 
 
 @kernel
-def seek(bracket, h, trial, gap):
-    """Takes in the gap after `trial`. Returns the bracket, the next trial, whether it was the end.
+def narrow_bracket(bracket, h, trial, gap):
+    """Enter the gap after `trial`. Returns the bracket, the next trial, whether `trial` is the end.
 
-    h is the length of the whole step.
+    h is the length of the full step.
     """
     early, late, gap_early, gap_late, allowed, count = bracket
-    # touching sides with nothing between them are not yet in contact: 0 is before the onset
+    # surfaces at a gap of exactly 0 are not yet in contact: 0 is before the onset
     if gap > 0.0 or count == 0:
         late, gap_late = trial, gap
     else:

@@ -18,7 +18,7 @@ from crashsolve.model.implicit.compliance import (
     tangent_groups,
 )
 from crashsolve.model.model import Group, Model, State
-from crashsolve.system.contact.effective_mass import weighed_groups
+from crashsolve.system.contact.effective_mass import groups_with_effective_mass
 from crashsolve.threads.sharing import shared_arrays
 
 # groups by the functions of their laws
@@ -75,7 +75,7 @@ def placeholders(model: Model) -> dict[str, Any]:
         "TANGENTS": tuple(tangent_groups(model)),
         "CONTACTS": tuple(contacts),
         "UNILATERAL": tuple(c for c in contacts if c.is_unilateral),
-        "WEIGHED": weighed_groups(model),
+        "WEIGHED": groups_with_effective_mass(model),
         "SLIDING": tuple(model.groups_with_friction()),
         "TANGENT_CONTACTS": tuple(tangent_contacts(model)),
         "NODAL": tuple(nodal),

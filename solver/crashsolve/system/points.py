@@ -15,7 +15,7 @@ from crashsolve.model.clock import NOT_FINITE
 
 
 @apart
-def open_points(h, p, points):
+def first_kick_and_drift(h, p, points):
     """First kick and drift of the points of a part. Writes: points."""
     slow = 1.0 / (1.0 + 0.5 * p.drag * h)
     for i in range(p.first_point, p.first_point + p.point_count):
@@ -30,18 +30,18 @@ def open_points(h, p, points):
 
 
 @kernel
-def brake(clock, h, p, old, new, points):
+def apply_drag(clock, h, p, old, new, points):
     """Apply drag to the points of a part. Writes: clock, new."""
     lost = 0.0
     if p.drag > 0.0:
         for i in range(p.first_point, p.first_point + p.point_count):
             if points[i].held < ATTACHED:
-                lost += brake_point(clock, h * p.drag, points[i])
+                lost += drag_point(clock, h * p.drag, points[i])
     new.damped = old.damped + lost
 
 
 @kernel
-def brake_point(clock, share, b):
+def drag_point(clock, share, b):
     """Impulse of the drag on a point from outside; returns the energy lost. Writes: clock."""
     p, spin = scale(share / b.mass_inv, vec(b.v)), scale(share / b.J_inv, vec(b.w))
     rotation = add(cross(vec(b.r), p), spin)
@@ -52,7 +52,7 @@ def brake_point(clock, share, b):
 
 
 @kernel
-def carry(h, nodes, points, attached_points):
+def move_attached(h, nodes, points, attached_points):
     """Attached points follow their bodies; velocities are those of the step, as points have them.
 
     Writes: points.
@@ -91,7 +91,7 @@ def bound_rate(rate, b):
 
 
 @apart
-def close_points(clock, h, p, points):
+def second_kick(clock, h, p, points):
     """Second kick of the points of a part, whose bound of frequency may be the largest.
 
     Writes: clock, points.
@@ -109,19 +109,19 @@ def close_points(clock, h, p, points):
 
 
 @kernel
-def hold_all(nodes, points, holds):
+def transfer_reactions(nodes, points, holds):
     """Transfer the forces on held motions of the listed points to the ground.
 
     Writes: points, nodes.
     """
     for k in range(holds.shape[0]):
-        hold(points[holds[k].point], nodes[0])
+        transfer_reaction(points[holds[k].point], nodes[0])
 
 
 @kernel
-def hold(b, ground):
+def transfer_reaction(b, ground):
     """Take the held components from force and torque. Writes: b, ground."""
-    f, t = held_part(vec(b.force), b.held), held_part(vec(b.torque), b.held >> 3)
+    f, t = constrained_part(vec(b.force), b.held), constrained_part(vec(b.torque), b.held >> 3)
     put(b.force, sub(vec(b.force), f))
     put(b.torque, sub(vec(b.torque), t))
     # the reaction is -f, and its moment about the origin -r x f
@@ -132,7 +132,7 @@ def hold(b, ground):
 
 
 @inlined
-def held_part(u, bits):
+def constrained_part(u, bits):
     """Components of a vector whose bits are set."""
     return (
         u[0] if bits & 1 else 0.0,
@@ -142,18 +142,18 @@ def held_part(u, bits):
 
 
 @kernel
-def carry_attached(nodes, points):
+def transfer_attached_reactions(nodes, points):
     """Transfer the forces on held motions of attached points to the ground.
 
     Writes: points, nodes.
     """
     for i in range(points.shape[0]):
         if points[i].held % ATTACHED > 0:
-            hold(points[i], nodes[0])
+            transfer_reaction(points[i], nodes[0])
 
 
 @kernel
-def unload(clock, nodes, points, attached_points):
+def transfer_to_bodies(clock, nodes, points, attached_points):
     """Forces on attached points go to their bodies, their bound of frequency to the others'.
 
     Writes: nodes, points, clock.
@@ -171,7 +171,7 @@ def unload(clock, nodes, points, attached_points):
 
 
 @kernel
-def add_up_motion(points, total):
+def sum_momenta(points, total):
     """Momenta of the points that ride on no body. Writes: total."""
     zero = (0.0, 0.0, 0.0)
     put(total.linear, zero)
@@ -189,7 +189,7 @@ def add_up_motion(points, total):
 
 
 @kernel
-def guard(clock, nodes, points):
+def check_points(clock, nodes, points):
     """Stop at a point whose motion is not a finite number; its position follows those of the nodes.
 
     Writes: clock.

@@ -27,7 +27,7 @@ SLOW = 1.0
 def wanted_step(clock, control, nodes):
     """Next step [s]. Writes: clock.limit_node."""
     if control.fixed_step > 0.0:
-        note_swing(clock, nodes)
+        record_frequency(clock, nodes)
         return control.fixed_step
     fastest, at = 0.0, 0
     for i in range(1, nodes.shape[0]):
@@ -50,7 +50,7 @@ def wanted_step(clock, control, nodes):
 
 
 @kernel
-def note_swing(clock, nodes):
+def record_frequency(clock, nodes):
     """The body that springs and dampers move fastest for the step just taken. Writes: clock.
 
     (sqrt(omega^2 + (gamma/2)^2) + gamma/2) h reaches 2 where one spring and one damper on a body

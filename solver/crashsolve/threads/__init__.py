@@ -1,1 +1,1 @@
-"""Threads that share a step: who takes which piece, how one waits; no mechanics."""
+"""Threads that share a step: distribution of pieces, and waiting; no mechanics."""

@@ -1,4 +1,4 @@
-"""Ties: nodes of shells that ride on faces of others and hand them their forces."""
+"""Ties: nodes of shells that move with faces of others and transfer their forces; no release."""
 
 from typing import Protocol
 

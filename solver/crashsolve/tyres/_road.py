@@ -27,7 +27,7 @@ from crashsolve.foundation.motion import arm, world_position
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, norm, scale, sub
 
-MOST = 6  # roads of one tyre
+MAX_ROADS = 6  # roads of one tyre
 # cosine between normals of two roads above which they press a wheel from one side
 ONE_SIDE = 0.99
 STARTS = 3  # of the search on a curved piece of a profile
@@ -36,13 +36,13 @@ KINDS = {"plane": PLANE, "box": BOX, "mesh": MESH}
 
 ROADS = Record(f"""
     roads      count        how many
-    kind       flag   {MOST}  PLANE, BOX, MESH or PROFILE
-    road_node  index  {MOST}  body of each
-    road_at    m      {3 * MOST}  point or centre of each from its mass centre, body axes
-    road_axes  1      {9 * MOST}  its axes in the body, by rows; of a plane the normal is the third
-    road_half  m      {3 * MOST}  half edges of a box
-    road_root  index  {MOST}  first box of the tree of a mesh, or curve of a profile
-    thickness  m      {MOST}  of a mesh; infinite for a closed one
+    kind       flag   {MAX_ROADS}  PLANE, BOX, MESH or PROFILE
+    road_node  index  {MAX_ROADS}  body of each
+    road_at    m      {3 * MAX_ROADS}  point or centre of each from its mass centre, body axes
+    road_axes  1      {9 * MAX_ROADS}  axes in the body, by rows; the third is the normal of a plane
+    road_half  m      {3 * MAX_ROADS}  half edges of a box
+    road_root  index  {MAX_ROADS}  first box of the tree of a mesh, or curve of a profile
+    thickness  m      {MAX_ROADS}  of a mesh; infinite for a closed one
 """)
 
 
@@ -57,10 +57,13 @@ class Profile(Card):
 
 def road_columns(names: Sequence[str], profile: Profile | None, scene: Scene) -> Columns:
     """Columns of ROADS of some surfaces and a profile."""
-    if len(names) + (profile is not None) > MOST:
-        raise scene.fail(f"at most {MOST} roads; join meshes, or give other tyres theirs", "road")
+    if len(names) + (profile is not None) > MAX_ROADS:
+        raise scene.fail(
+            f"at most {MAX_ROADS} roads; join meshes, or give other tyres theirs", "road"
+        )
     shapes: Columns = {
-        column.name: np.zeros((MOST, max(column.size // MOST, 1))) for column in ROADS.columns[1:]
+        column.name: np.zeros((MAX_ROADS, max(column.size // MAX_ROADS, 1)))
+        for column in ROADS.columns[1:]
     }
     for i, name in enumerate(names):
         module, card = scene.law("surfaces", name)
@@ -119,7 +122,7 @@ def mesh_tables(cards: Sequence[Any], table: np.ndarray, scene: Scene) -> tuple[
 
 
 @kernel
-def above_road(p, i, nodes, x, curves, data):
+def road_distance(p, i, nodes, x, curves, data):
     """Distance of a world point x from road i [m], negative below, and the unit normal to x."""
     body = nodes[p.road_node[i]]
     at = (p.road_at[3 * i], p.road_at[3 * i + 1], p.road_at[3 * i + 2])
@@ -136,17 +139,17 @@ def above_road(p, i, nodes, x, curves, data):
     elif p.kind[i] == PROFILE:
         # its axes are rows of the ground
         y = matvec(axes, displacement)
-        distance, m = above_profile(curves, p.road_root[i], p.radius, y)
+        distance, m = profile_distance(curves, p.road_root[i], p.radius, y)
         return distance, matvec_t(axes, m)
     else:
         distance, m = 1e300, (0.0, 0.0, 1.0)
         if data is not None:
-            distance, m = above_mesh(p.road_root[i], p.thickness[i], y, data)
+            distance, m = mesh_distance(p.road_root[i], p.thickness[i], y, data)
     return distance, matvec(body.A, matvec(axes, m))
 
 
 @kernel
-def note_double(new, n, before):
+def record_double(new, n, before):
     """Normals of a road that presses the wheel and of the one before it. Writes: new."""
     if dot(n, before) > ONE_SIDE:
         new.doubled = 1
@@ -170,7 +173,7 @@ def road_axes(p, i):
 
 
 @kernel
-def above_profile(curves, curve, radius, y):
+def profile_distance(curves, curve, radius, y):
     """Distance of (s, across, z) from a profile, and the normal in its axes; exact up to `radius`.
 
     All pieces that may be nearer than the road straight below are searched, so that corners, steps
@@ -231,7 +234,7 @@ def nearest_on_piece(c, s, end, y, start):
 
 
 @kernel
-def above_mesh(root, thickness, y, data):
+def mesh_distance(root, thickness, y, data):
     """Distance of y from a mesh and the normal, in the axes of the mesh."""
     foot, found, at = nearest(data[0], data[1], root, y)
     displacement = sub(y, foot)

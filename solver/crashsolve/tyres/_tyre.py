@@ -39,7 +39,7 @@ from crashsolve.foundation.motion import (
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import Vector, add, add_scaled, cross, dot, scale, sub, vec
 from crashsolve.springs._resistance import steepest
-from crashsolve.tyres._road import MOST, PLANE, ROADS, Profile, above_road, road_columns
+from crashsolve.tyres._road import MAX_ROADS, PLANE, ROADS, Profile, road_columns, road_distance
 
 # cosine of the camber below which a wheel lies on its side, and is not on its tyre
 LYING = 0.1
@@ -125,10 +125,10 @@ TYRE = ROADS + Record("""
     C_y             N/rad     lateral force over slip at zero
     C_gamma         N/rad     lateral force over camber at zero
 """)
-DEFLECTED = Record(f"""
-    q_x    m  {MOST}  deflection of the carcass along the wheel, on each road
-    q_y    m  {MOST}  the same across
-    store  J  {MOST}  energy in it
+CARCASS = Record(f"""
+    q_x    m  {MAX_ROADS}  deflection of the carcass along the wheel, on each road
+    q_y    m  {MAX_ROADS}  the same across
+    store  J  {MAX_ROADS}  energy in it
     sunk   flag  whether its centre has been on a road or below it
     doubled  flag  whether two roads have pressed it from one side
 """)
@@ -213,12 +213,12 @@ class Patch(NamedTuple):
 
 
 @kernel
-def patch_on(p, i, nodes, curves, data):
+def patch_of(p, i, nodes, curves, data):
     """The Patch on road i; depth below zero where the wheel is off it, or lies on its side."""
     wheel, road = nodes[p.node], nodes[p.road_node[i]]
     u, hub = arm(wheel, vec(p.axis)), arm(wheel, vec(p.centre))
     centre = world_position(wheel, vec(p.centre))
-    d, n = above_road(p, i, nodes, centre, curves, data)
+    d, n = road_distance(p, i, nodes, centre, curves, data)
     camber = dot(u, n)
     upright = sqrt(max(1.0 - camber * camber, 0.0))
     lies = upright < LYING
@@ -234,7 +234,7 @@ def patch_on(p, i, nodes, curves, data):
     depth = -1.0 if lies else p.radius * upright - d
     tilt = (0.0, 0.0, 0.0)
     if depth > 0.0 and p.kind[i] != PLANE:
-        turning = normal_turning(p, i, nodes, centre, u, n, curves, data)
+        turning = normal_gradient(p, i, nodes, centre, u, n, curves, data)
         tilt = scale(-p.radius * camber / cosine, turning)
     return Patch(
         depth,
@@ -254,13 +254,13 @@ def patch_on(p, i, nodes, curves, data):
 
 
 @kernel
-def normal_turning(p, i, nodes, centre, u, n, curves, data):
+def normal_gradient(p, i, nodes, centre, u, n, curves, data):
     """Gradient of u . n over the centre, at rounded roads and edges [1/m].
 
     The distance from a road has a symmetric second derivative, so that it is that of n along u.
     """
     step = NEAR * p.radius
-    _, beside = above_road(p, i, nodes, add_scaled(centre, step, u), curves, data)
+    _, beside = road_distance(p, i, nodes, add_scaled(centre, step, u), curves, data)
     turning = scale(1.0 / step, sub(beside, n))
     # the normal jumps where two parts of a road are equally near
     is_jump = dot(turning, turning) * (0.1 * p.radius) ** 2 > 1.0
@@ -308,7 +308,7 @@ class Grip(NamedTuple):
 
 
 @kernel
-def grip_on(p, i, old, new, out, at, h, curves):
+def grip_of(p, i, old, new, out, at, h, curves):
     """The Grip on road i after a step h. Writes: new, out."""
     if old.sunk == 1 or at.depth >= p.radius:
         new.sunk = 1
@@ -367,9 +367,9 @@ def patch_length(p, at):
 
 
 @kernel
-def clear(p, new, out):
+def reset(p, new, out):
     """Reset before the roads are searched. Writes: new, out."""
-    for k in range(MOST):
+    for k in range(MAX_ROADS):
         new.q_x[k] = new.q_y[k] = new.store[k] = 0.0
     new.sunk = new.doubled = 0
     for k in range(3):
@@ -381,7 +381,7 @@ def clear(p, new, out):
 
 
 @kernel
-def bear(p, i, old, new, out, h, nodes, at, grip, F, M_z, store):
+def apply_patch_forces(p, i, old, new, out, h, nodes, at, grip, F, M_z, store):
     """Forces F = (F_x, F_y) and M_z of a patch on wheel and road. Writes: nodes, new, out."""
     wheel, road = nodes[p.node], nodes[p.road_node[i]]
     to_road = sub(vec(wheel.r), vec(road.r))
@@ -420,13 +420,13 @@ def bear(p, i, old, new, out, h, nodes, at, grip, F, M_z, store):
 
 
 @kernel
-def await_road(p, nodes, curves, data):
+def bound_step(p, nodes, curves, data):
     """A tyre off all roads bounds the step: nothing else shortens it before one is met.
 
     It will meet one in a point of its circle, not in the point of the road that is now below it.
     Writes: nodes.
     """
-    at, wheel = patch_on(p, 0, nodes, curves, data), nodes[p.node]
+    at, wheel = patch_of(p, 0, nodes, curves, data), nodes[p.node]
     load(wheel, at.bottom, at.n, p.stiffest, p.damping)
     load(wheel, at.bottom, at.x, p.C_x / p.sigma_x, p.still_damping)
     load(wheel, at.bottom, at.y, p.C_y / p.sigma_y, p.still_damping)

@@ -18,20 +18,20 @@ from math import copysign, sqrt
 from typing import TYPE_CHECKING
 
 from crashsolve.foundation.kernels import kernel
-from crashsolve.tyres._road import mesh_tables, note_double
+from crashsolve.tyres._road import mesh_tables, record_double
 from crashsolve.tyres._tyre import (
-    DEFLECTED,
+    CARCASS,
     FORCES_OF_TYRE,
     OUT_OF_RANGE,
     TYRE,
     TyreCard,
-    await_road,
-    bear,
-    clear,
+    apply_patch_forces,
+    bound_step,
     direction,
-    grip_on,
+    grip_of,
     patch_length,
-    patch_on,
+    patch_of,
+    reset,
     show,
     tyre_columns,
 )
@@ -46,7 +46,7 @@ class Fiala(TyreCard):
     """Tyre whose forces along and across the wheel follow from their own slips."""
 
 
-PARAMETERS, HISTORY, OUTPUT = TYRE, DEFLECTED, FORCES_OF_TYRE
+PARAMETERS, HISTORY, OUTPUT = TYRE, CARCASS, FORCES_OF_TYRE
 WARNINGS = OUT_OF_RANGE
 build, shared_tables = tyre_columns, mesh_tables
 
@@ -78,13 +78,13 @@ def carcass_energy(p: Parameters, grip):
 @kernel
 def roll(p: Parameters, old: History, new: History, out: Output, h, nodes, curves, data):
     """All roads of a tyre. Writes: nodes, new, out."""
-    clear(p, new, out)
+    reset(p, new, out)
     before = (0.0, 0.0, 0.0)
     for i in range(p.roads):
-        at = patch_on(p, i, nodes, curves, data)
-        grip = grip_on(p, i, old, new, out, at, h, curves)
+        at = patch_of(p, i, nodes, curves, data)
+        grip = grip_of(p, i, old, new, out, at, h, curves)
         if grip.F_z > 0.0:
-            note_double(new, at.n, before)
+            record_double(new, at.n, before)
             before = at.n
             length = patch_length(p, at)
             F_x, F_y, M_z, sliding = forces(
@@ -92,10 +92,10 @@ def roll(p: Parameters, old: History, new: History, out: Output, h, nodes, curve
             )
             M_z *= direction(p, at)
             store = carcass_energy(p, grip)
-            bear(p, i, old, new, out, h, nodes, at, grip, (F_x, F_y), M_z, store)
+            apply_patch_forces(p, i, old, new, out, h, nodes, at, grip, (F_x, F_y), M_z, store)
             show(out, at, grip, (F_x, F_y), M_z, sliding)
     if out.normal == 0.0:
-        await_road(p, nodes, curves, data)
+        bound_step(p, nodes, curves, data)
 
 
 @kernel

@@ -1,1 +1,1 @@
-"""One file for each function of channels; `channels/expression.py` says what it holds."""
+"""One file for each function of channels; `channels/expression.py` states its contents."""

@@ -70,7 +70,7 @@ def _grid(time: np.ndarray, cfc: int) -> np.ndarray | None:
     mean = _interval(time)
     if np.max(np.abs(steps - mean)) <= EQUAL * mean:
         return None
-    # sparse enough for memory, whatever the intervals are
+    # sparse enough for memory at any intervals
     step = max(float(np.median(steps)), mean / 4.0)
     grid: np.ndarray = time[0] + step * np.arange(math.ceil((time[-1] - time[0]) / step) + 1)
     return grid

@@ -1,1 +1,1 @@
-"""One file for each statistic; `channels/statistic.py` says what it may hold."""
+"""One file for each statistic; `channels/statistic.py` states its contents."""

@@ -42,7 +42,7 @@ def refined(series: Series, moment: float) -> float:
 
 
 def remark(series: Series, moment: float) -> str:
-    """Between which samples the line runs, and what it may be wrong by; "" where there is one."""
+    """Note on the samples between which a value is interpolated, and its error; "" at a sample."""
     after = _after(series, moment)
     if after == len(series.time):
         return ""

@@ -1,7 +1,7 @@
 """Operators on numbers, as in Python; division by zero gives infinity.
 
 Numbers of different kinds are brought to the one that holds both. Integers are those of the
-machine: 64 bits. COMPILER.md says what that means.
+machine: 64 bits. See COMPILER.md.
 """
 
 import ast
@@ -167,7 +167,7 @@ def _shift(text: Text, how: ast.operator, a: Value, b: Value) -> Value:
 
 
 def _divide(text: Text, how: ast.operator, a: Value, b: Value) -> Value:
-    """Quotient rounded down, or what is left, with the sign of the divisor; by zero both are 0."""
+    """Quotient rounded down, or the remainder with the sign of the divisor; by zero both are 0."""
     if a.kind != INT:
         raise Untranslatable("// and % are for integers")
     x, y = a.words[0], b.words[0]

@@ -1,8 +1,8 @@
 """One kernel: its statements, and the kinds of its variables.
 
-A variable has a position for every kind it takes. Where control comes together with numbers of
-different kinds in a variable, each is turned into the kind that holds them all. What the end of a
-loop brings back to its start is known late: then the function is translated again.
+A variable has a slot for every kind that it takes. Where branches with numbers of different kinds
+in a variable join, each is converted to the widest kind. The kinds at the end of a loop are known
+after its start has been translated: if they differ, the function is translated again.
 """
 
 import ast
@@ -153,7 +153,7 @@ class Function(Expressions):
             self.text.begin(edge.label)
             self.bound = dict(edge.bound)
             for name, kind in merged.items():
-                self._rotate_into(name, kind)
+                self._convert_variable(name, kind)
             bound |= self.bound
             self.text.go(end)
         self.bound = bound
@@ -173,7 +173,7 @@ class Function(Expressions):
             found[name] = widest
         return found
 
-    def _rotate_into(self, name: str, kind: Kind) -> None:
+    def _convert_variable(self, name: str, kind: Kind) -> None:
         """Convert a variable to the kind that it has on every branch."""
         had = self.bound.get(name)
         if kind == UNSET:
@@ -292,7 +292,7 @@ class Function(Expressions):
         loop = self._open(node)
         whether = self.condition(node.test)
         out = self._enter(whether)
-        self._rotation(node, loop)
+        self._iteration(node, loop)
         self._close(node, loop, out)
 
     def _enter(self, whether: Value) -> list[Edge]:
@@ -329,7 +329,7 @@ class Function(Expressions):
         now = text.load("i64", count)
         out = self._enter(Value(BOOL, (self._is_within(now, last.words[0], step),)))
         self.assign(node.target, Value(INT, (now,)))
-        self._rotation(node, loop)
+        self._iteration(node, loop)
         if not text.ended:
             after = text.value(f"add nsw i64 {now}, {step.words[0]}")
             text.store("i64", after, count)
@@ -354,26 +354,26 @@ class Function(Expressions):
         for item in self.value(node.iter).items:
             loop = Loop("", broken=broken)
             self.assign(node.target, item)
-            self._rotation(node, loop)
+            self._iteration(node, loop)
             if self.text.ended:
                 break
         if broken:
             self.join(broken + self.edge())
 
     def _open(self, node: ast.For | ast.While) -> Loop:
-        """Begin a loop: what is known of the variables whenever control gets here."""
+        """Begin a loop; returns the kinds of variables at its head."""
         if node.orelse:
             raise Untranslatable("loops of kernels have no `else`")
         self.bound = dict(self.bound)
         for name in list(self.bound):
             if (id(node), name) in self.wider:
-                self._rotate_into(name, self.wider[id(node), name])
+                self._convert_variable(name, self.wider[id(node), name])
         loop = Loop(self.text.new_label(), dict(self.bound))
         self.text.begin(loop.start)
         return loop
 
-    def _rotation(self, node: ast.For | ast.While, loop: Loop) -> None:
-        """The body of a loop, to where `continue` leads."""
+    def _iteration(self, node: ast.For | ast.While, loop: Loop) -> None:
+        """The body of a loop, up to the target of `continue`."""
         self.loops.append(loop)
         self.statements(node.body)
         self.loops.pop()
@@ -394,7 +394,7 @@ class Function(Expressions):
                 if widest != had.kind:
                     self.wider[id(node), name] = widest
                     raise Again
-                self._rotate_into(name, had.kind)
+                self._convert_variable(name, had.kind)
             gained = {name: p for name, p in self.bound.items() if name not in loop.started}
             self.text.go(loop.start)
         for edge in out:

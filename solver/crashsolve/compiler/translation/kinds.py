@@ -20,7 +20,7 @@ from crashsolve.compiler.table import Slot
 
 
 class Untranslatable(Exception):
-    """A kernel uses what the language of kernels does not have."""
+    """A construct that the language of kernels does not have."""
 
 
 @dataclass(frozen=True)

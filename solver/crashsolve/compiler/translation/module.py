@@ -46,7 +46,7 @@ class TranslationError(Exception):
 
 @dataclass(frozen=True)
 class Known:
-    """A translated kernel: its symbol, and the kind of what it returns."""
+    """A translated kernel: its symbol, and the kind of its result."""
 
     symbol: str
     returns: Kind
@@ -64,7 +64,9 @@ class Module:
         self._known: dict[tuple[FunctionType, tuple[Kind, ...]], Known | None] = {}
 
     def entry(self, function: FunctionType, name: str) -> None:
-        """A function of a number, a flag and the tables, that machine.py hands to Python."""
+        """A function of a number, a flag and the tables, which machine.py makes callable from
+        Python.
+        """
         self._translate(function, (FLOAT, BOOL, self.tables), name)
 
     def text(self) -> str:
@@ -123,7 +125,7 @@ class Module:
         """The function with its head."""
         how = function.compiled_as  # type: ignore[attr-defined]
         alone = " noalias" * (how == "blockwise")
-        # Python hands a truth over as a byte
+        # Python passes a truth value as a byte
         whole = " zeroext" * (how == "entry")
         marks = {"ptr": alone, "i1": whole}
         given = ", ".join(

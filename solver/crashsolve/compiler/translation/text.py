@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable
 
 # contraction and reciprocals only: NaN and infinity must keep their meaning for the guards.
 # Sums of several lanes are done side by side, in any order; elsewhere the order is that of the
-# source, so that compensated sums are what they are meant to be.
+# source, so that compensated sums are kept.
 FLAGS = "contract nsz arcp"
 FLAGS_OF_LANES = f"{FLAGS} reassoc"
 
@@ -33,7 +33,7 @@ class Text:
         return f"%v{self._names}"
 
     def new_label(self) -> str:
-        """A new name for a position to go to."""
+        """A new name of a target of jumps."""
         self._names += 1
         return f"b{self._names}"
 
@@ -62,7 +62,7 @@ class Text:
         self.put(f"store {word} {value}, ptr {slot}")
 
     def at(self, word: str, slot: str, count: str) -> str:
-        """Address of the count-th value from a position."""
+        """Address of the value number `count` from an address."""
         return self.value(f"{self._step} {word}, ptr {slot}, i64 {count}")
 
     def checked(self, slot: str, index: str, count: str) -> str:

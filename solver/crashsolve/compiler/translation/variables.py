@@ -1,4 +1,4 @@
-"""Variables of a kernel: where they are kept, and what is known of them where branches join."""
+"""Variables of a kernel: their storage, and their kinds where branches join."""
 
 from dataclasses import dataclass, field
 
@@ -49,7 +49,7 @@ class Loop:
 
 
 def wider(one: Kind, other: Kind) -> Kind:
-    """The kind that holds both, or that of what is lost."""
+    """The kind that holds both, or that of an undefined value."""
     for kind in (UNSET, LOST):
         if kind in (one, other):
             return kind

@@ -1,4 +1,4 @@
-"""Gap and normal between two shapes, one file a pair."""
+"""Gap and normal between two shapes, one file a pair; no forces."""
 
 from crashsolve.deck.family import ANY, Family
 from crashsolve.deck.roles import GapRoutine

@@ -2,10 +2,10 @@
 
     depth = - max over unit n of  (c_a - c_b) . n - h_a(n) - h_b(n),   h = sum_k sqrt(n^T E_k n)
 
-h is how far a body reaches along n. For bodies apart the maximum is unique and its value is their
-distance; for bodies that overlap it is the shortest exit, one top of several, looked for from
-the best of the directions in which edged bodies meet. Newton's method on the sphere of directions,
-damped until every step climbs. Point of contact: midway between the deepest points.
+h is the support function. For separated bodies the maximum is unique and its value is their
+distance; for bodies that overlap it is the shortest exit, one of several local maxima, searched
+from the best of the directions in which edged bodies meet, by Newton's method on the sphere of
+directions, damped until every step ascends. Point of contact: midway between the deepest points.
 Consequence to test: depth and normal of two spheres, and those of a brute-force search.
 
 References: Gilbert and Foo (1990), IEEE Trans. Robotics Autom. 6, 53-61 (support functions).
@@ -37,14 +37,14 @@ PARAMETERS = Record("""
 # directions are found to this angle [rad]; the depth is then right to its square
 ANGLE = 1e-10
 ITERATIONS = 60
-# rounding of edges beside ellipsoids, over the radius of the enclosing sphere; and most of it, over
-# the least half size
+# rounding of edges against ellipsoids, over the radius of the enclosing sphere; and its maximum,
+# over the least half size
 SHARP, THINNEST = 1e-5, 0.1
-# relative noise of a height, not to be taken for a descent
+# relative round-off of a separation
 ROUND_OFF = 1e-13
-# directions to start from, and climbs to different tops of bodies that overlap; cosine of the
+# directions to start from, and searches for different maxima of bodies that overlap; cosine of the
 # angle within which two searches have reached the same maximum
-STARTS, CLIMBS, ONE_TOP = 22, 4, 1.0 - 1e-8
+STARTS, SEARCHES, SAME_MAXIMUM = 22, 4, 1.0 - 1e-8
 
 
 def expand(elements: Any, shape: Any) -> list[Columns]:
@@ -55,8 +55,8 @@ def expand(elements: Any, shape: Any) -> list[Columns]:
 def expand_sharp(elements: Sequence[Columns], shape: ModuleType) -> list[Columns]:
     """Boxes or cylinders that meet ellipsoids, as sums of ellipsoids.
 
-    Roundness of an ellipsoid is enough for a touch: faces beside it are flat, but for what Newton's
-    method needs on sixteen digits.
+    The roundness of the ellipsoid is enough for a unique contact: the edges of the other shape are
+    only as round as Newton's method needs with sixteen digits.
     """
     found = []
     for element in elements:
@@ -86,37 +86,39 @@ def search(a, b, nodes, data):
     body_a, body_b = nodes[a.node], nodes[b.node]
     c = sub(world_position(body_a, vec(a.point)), world_position(body_b, vec(b.point)))
     best, n, next_maximum = -1e300, (0.0, 0.0, 1.0), -1e300
-    starts = first_starts(a, b, body_a, body_b, c)
-    for climb_number in range(CLIMBS):
-        k = of_start(starts, climb_number)
-        start = toward(direction(a, b, body_a, body_b, c, k), c) if k >= 0 else (0.0, 0.0, 1.0)
-        height, top = ascend(a, b, body_a, body_b, c, start)
-        if dot(top, n) < ONE_TOP:
+    starts = best_directions(a, b, body_a, body_b, c)
+    for climb_number in range(SEARCHES):
+        k = direction_number(starts, climb_number)
+        start = (
+            unit_towards(direction(a, b, body_a, body_b, c, k), c) if k >= 0 else (0.0, 0.0, 1.0)
+        )
+        height, n_maximum = find_maximum(a, b, body_a, body_b, c, start)
+        if dot(n_maximum, n) < SAME_MAXIMUM:
             next_maximum = max(next_maximum, min(best, height))
         if height > best:
-            best, n = height, top
-        # bodies apart have one top only
+            best, n = height, n_maximum
+        # separated bodies have a single maximum
         if best >= 0.0:
             break
-    depth, n, x = at_top(a, b, nodes, best, n)
+    depth, n, x = depth_at_maximum(a, b, nodes, best, n)
     return depth, n, x, best - next_maximum
 
 
 @kernel
 def follow(a, b, nodes, data, n):
-    """Gap at the top nearest to direction n."""
+    """Gap at the local maximum nearest to direction n."""
     body_a, body_b = nodes[a.node], nodes[b.node]
     c = sub(world_position(body_a, vec(a.point)), world_position(body_b, vec(b.point)))
-    best, n = ascend(a, b, body_a, body_b, c, n)
-    return at_top(a, b, nodes, best, n)
+    best, n = find_maximum(a, b, body_a, body_b, c, n)
+    return depth_at_maximum(a, b, nodes, best, n)
 
 
 @kernel
-def at_top(a, b, nodes, best, n):
-    """Depth, normal and point of contact at the top of direction n."""
+def depth_at_maximum(a, b, nodes, best, n):
+    """Depth, normal and point of contact at the maximum in direction n."""
     body_a, body_b = nodes[a.node], nodes[b.node]
-    x_a = sub(world_position(body_a, vec(a.point)), reach(a, body_a, n))
-    x_b = add(world_position(body_b, vec(b.point)), reach(b, body_b, n))
+    x_a = sub(world_position(body_a, vec(a.point)), support_point(a, body_a, n))
+    x_b = add(world_position(body_b, vec(b.point)), support_point(b, body_b, n))
     return -best, n, scale(0.5, add(x_a, x_b))
 
 
@@ -128,16 +130,19 @@ def bound(a, b, nodes, data):
     length = norm(c)
     if length == 0.0:
         return 1e300
-    best = apart(a, b, body_a, body_b, c, scale(1.0 / length, c))
+    best = separation_along(a, b, body_a, body_b, c, scale(1.0 / length, c))
     for k in range(3, 6):
         n = axis_of(a, b, body_a, body_b, k)
-        best = max(best, apart(a, b, body_a, body_b, c, n if dot(n, c) >= 0.0 else scale(-1.0, n)))
+        best = max(
+            best,
+            separation_along(a, b, body_a, body_b, c, n if dot(n, c) >= 0.0 else scale(-1.0, n)),
+        )
     return -best
 
 
 @kernel
-def first_starts(a, b, body_a, body_b, c):
-    """The CLIMBS directions along which the bodies are farthest apart; -1 without any.
+def best_directions(a, b, body_a, body_b, c):
+    """The SEARCHES directions with the largest separations; -1 without any.
 
     Of those with the same distance one is enough.
     """
@@ -146,7 +151,7 @@ def first_starts(a, b, body_a, body_b, c):
     for k in range(STARTS):
         n = direction(a, b, body_a, body_b, c, k)
         if norm(n) > 1e-6 * norm(c):
-            value = apart(a, b, body_a, body_b, c, toward(n, c))
+            value = separation_along(a, b, body_a, body_b, c, unit_towards(n, c))
             if value > one[0]:
                 one, two, three, four = (value, k), one, two, three
             elif two[0] < value < one[0]:
@@ -159,7 +164,7 @@ def first_starts(a, b, body_a, body_b, c):
 
 
 @kernel
-def of_start(starts, number):
+def direction_number(starts, number):
     """Direction from which the search of that number starts; -1 without any."""
     first, second, third, fourth = starts
     if number < 2:
@@ -168,7 +173,7 @@ def of_start(starts, number):
 
 
 @kernel
-def toward(n, c):
+def unit_towards(n, c):
     """Unit vector along n, to the side of c."""
     length = norm(n)
     return scale(1.0 / length if dot(n, c) >= 0.0 else -1.0 / length, n)
@@ -196,15 +201,15 @@ def axis_of(a, b, body_a, body_b, k):
 
 
 @kernel
-def ascend(a, b, body_a, body_b, c, n):
-    """Climb to the top nearest to direction n: its height and direction."""
-    separation = between(a, b, body_a, body_b, c, n)
+def find_maximum(a, b, body_a, body_b, c, n):
+    """The local maximum nearest to direction n: separation and direction."""
+    separation = separation_vector(a, b, body_a, body_b, c, n)
     best, damping, round_off = dot(separation, n), 0.0, ROUND_OFF * norm(c)
     for _ in range(ITERATIONS):
         s, t = tangents(n)
-        curved = add(bend(a, body_a, n, s, t), bend(b, body_b, n, s, t))
-        n_new, angle = climb(n, s, t, separation, curved, best, damping)
-        separation_new = between(a, b, body_a, body_b, c, n_new)
+        curved = add(support_hessian(a, body_a, n, s, t), support_hessian(b, body_b, n, s, t))
+        n_new, angle = newton_step(n, s, t, separation, curved, best, damping)
+        separation_new = separation_vector(a, b, body_a, body_b, c, n_new)
         value = dot(separation_new, n_new)
         if value >= best - round_off:
             n, best, separation = n_new, value, separation_new
@@ -217,19 +222,19 @@ def ascend(a, b, body_a, body_b, c, n):
 
 
 @kernel
-def between(a, b, body_a, body_b, c, n):
+def separation_vector(a, b, body_a, body_b, c, n):
     """Vector [m] from the farthest point of b along n to that of a against n."""
-    return sub(c, add(reach(a, body_a, n), reach(b, body_b, n)))
+    return sub(c, add(support_point(a, body_a, n), support_point(b, body_b, n)))
 
 
 @kernel
-def apart(a, b, body_a, body_b, c, n):
+def separation_along(a, b, body_a, body_b, c, n):
     """Separation of the bodies along n [m]."""
-    return dot(between(a, b, body_a, body_b, c, n), n)
+    return dot(separation_vector(a, b, body_a, body_b, c, n), n)
 
 
 @kernel
-def reach(shape, body, n):
+def support_point(shape, body, n):
     """Farthest point of the shape along n from its centre, world components."""
     u = matvec_t(body.A, n)
     total = (0.0, 0.0, 0.0)
@@ -240,16 +245,16 @@ def reach(shape, body, n):
 
 
 @kernel
-def climb(n, s, t, separation, bend, best, damping):
+def newton_step(n, s, t, separation, hessian, best, damping):
     """Next direction by a damped Newton step from n, and the angle to it [rad].
 
-    `separation`: from one farthest point to the other [m]; `bend`: second derivatives of both
-    reaches along the tangents s and t, (ss, st, tt) [m]; `best`: the height so far [m].
+    `separation`: from one farthest point to the other [m]; `hessian`: second derivatives of both
+    support functions along the tangents s and t, (ss, st, tt) [m]; `best`: the largest so far [m].
     """
-    m_ss, m_st, m_tt = bend[0] + best, bend[1], bend[2] + best
+    m_ss, m_st, m_tt = hessian[0] + best, hessian[1], hessian[2] + best
     lowest = 0.5 * (m_ss + m_tt) - sqrt(0.25 * (m_ss - m_tt) ** 2 + m_st * m_st)
-    size = bend[0] + bend[2]
-    # the curvature must be positive, or the step would go down
+    size = hessian[0] + hessian[2]
+    # the curvature must be positive, or the step would descend
     more = damping * size + max(0.0, 1e-6 * size - lowest)
     m_ss, m_tt = m_ss + more, m_tt + more
     g_s, g_t = dot(separation, s), dot(separation, t)
@@ -261,8 +266,8 @@ def climb(n, s, t, separation, bend, best, damping):
 
 
 @kernel
-def bend(shape, body, n, s, t):
-    """Second derivatives of the reach along the tangents s and t: (ss, st, tt) [m]."""
+def support_hessian(shape, body, n, s, t):
+    """Second derivatives of the support function along the tangents s and t: (ss, st, tt) [m]."""
     u, s_b, t_b = matvec_t(body.A, n), matvec_t(body.A, s), matvec_t(body.A, t)
     ss, st, tt = 0.0, 0.0, 0.0
     for k in range(shape.count):

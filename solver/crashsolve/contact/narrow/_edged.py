@@ -17,14 +17,14 @@ from typing import Any
 import numpy as np
 
 from crashsolve.contact.narrow._convex import (
-    CLIMBS,
     ITERATIONS,
-    ONE_TOP,
     ROUND_OFF,
-    climb,
+    SAME_MAXIMUM,
+    SEARCHES,
+    newton_step,
     tangents,
 )
-from crashsolve.contact.narrow._patch import ROWS, SPOT, axis_of, patch
+from crashsolve.contact.narrow._patch import PATCH_POINT, ROWS, axis_of, patch
 from crashsolve.deck.building import Columns
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import world_position
@@ -46,36 +46,36 @@ PARAMETERS = Record("""
     edge      m         rounding of the edges
     is_round  flag      a cylinder about axis 3, not a box
     alpha     m^2    3  of the three ellipsoids, across their axes
-    beta      m^2    3  what is more along them
+    beta      m^2    3  the same along them, less alpha
 """)
 # square of the least sine of the angle between two edges that span a direction
 PARALLEL = 1e-12
-# directions to start from, and how like the one before a start is that leads to the same top
-STARTS, ALIKE = 22, 1.0 - 1e-6
-# separations closer than this share of the distance are those of one direction named twice
-SAME = 1e-12
-# the last step of Newton's method turns by less than this share of edge / size [rad]: what it
-# leaves is its square times size / edge, so the position of contact is right to 1e-8 of a face
-LAST = 1e-4
-# least rounding of a box, in shares of what a cube of its width would have: Newton's method on
-# sixteen digits resolves no sharper edge; and most, in shares of its half thickness
-FINEST, THINNEST = 1e-6, 0.1
+# directions to start from, and cosine to an earlier start that leads to the same maximum
+STARTS, SAME_DIRECTION = 22, 1.0 - 1e-6
+# separations that differ by less than this share of the distance belong to one direction
+SAME_VALUE = 1e-12
+# the last step of Newton's method is smaller than this share of edge / size [rad]: the remaining
+# error is its square times size / edge, so the position of contact is right to 1e-8 of a face
+LAST_STEP = 1e-4
+# least rounding of a box, in shares of that of a cube of its width: Newton's method with sixteen
+# digits resolves no sharper edge; and the largest, in shares of its half thickness
+LEAST_ROUNDING, LARGEST_ROUNDING = 1e-6, 0.1
 # power of the ratio of widths by which a wider face is the flatter
-FLATTER = 4
+FLATNESS_POWER = 4
 # of a cap, on which the search does not start over the position of contact
-FLATTER_CAP = 1
-# share of a face within which the position is looked for
+FLATNESS_POWER_OF_CAP = 1
+# share of a face within which the position is searched
 OUTERMOST = 0.9999
 
 
 def expand(elements: Any, shape: Any, others: Any = ()) -> list[Columns]:
     """Elements of boxes or cylinders with the ellipsoids that they are sums of.
 
-    The rounding is a share of the least half size of a touch, of the element and of all `others`
-    that it may meet. An element whose faces are wider than those of the others is the plane of the
-    touch: of half width S to s its rounding is (s / S)^4 of that. A face that tilts by e x / S^2
+    The rounding is a share of the least half size of the element and of all `others` that it may
+    meet. An element whose faces are wider than those of the others acts as a plane: of half width S
+    to s its rounding is (s / S)^4 of that. A face that tilts by e x / S^2
     at x from its middle moves the centre of pressure of a face of half width s and rounding d upon
-    it by s^2 / d times as much, so that what is nearly as flat would tip what it carries.
+    it by s^2 / d times as much, so that a face nearly as flat would tip a body on it.
     """
     least = min((least_half(other) for other in others), default=np.inf)
     width = min((widest_half(other) for other in others), default=np.inf)
@@ -103,10 +103,14 @@ def widest_half(element: Columns) -> float:
 def _rounded(element: Columns, shape: Any, least: float, width: float) -> Columns:
     is_round, r = "radius" in element, element.get("radius")
     half = _half(element)
-    flatness = min(1.0, width / widest_half(element)) ** (FLATTER_CAP if is_round else FLATTER)
-    e = shape.ROUNDING * max(flatness * min(least, min(half)), FINEST * widest_half(element))
+    flatness = min(1.0, width / widest_half(element)) ** (
+        FLATNESS_POWER_OF_CAP if is_round else FLATNESS_POWER
+    )
+    e = shape.ROUNDING * max(
+        flatness * min(least, min(half)), LEAST_ROUNDING * widest_half(element)
+    )
     # of a sheet the latter may be more than it is thick
-    e = min(e, THINNEST * min(half))
+    e = min(e, LARGEST_ROUNDING * min(half))
     # semi-axes across and along; a cylinder is a disc and a needle
     across = [r - e, e, 0.0] if is_round else [e, e, e]
     along = [e, half[2] - e, 0.0] if is_round else half - 2.0 * e
@@ -118,7 +122,7 @@ def _rounded(element: Columns, shape: Any, least: float, width: float) -> Column
 
 def data(elements_a: object, elements_b: object) -> tuple[np.ndarray]:
     """Room for the points of one patch."""
-    return (np.zeros(ROWS, SPOT.dtype),)
+    return (np.zeros(ROWS, PATCH_POINT.dtype),)
 
 
 @kernel
@@ -163,61 +167,61 @@ def search(a, b, nodes, data):
     centre_a, centre_b = world_position(body_a, vec(a.point)), world_position(body_b, vec(b.point))
     c = sub(centre_a, centre_b)
     u, w = axes_of(a, body_a), axes_of(b, body_b)
-    # tops of two boxes are as high as their separation along an axis, but for what edges are cut
+    # maxima of two boxes equal their separation along an axis, but for the rounding
     are_boxes = a.is_round + b.is_round == 0
     allowed = 8.0 * (a.edge + b.edge) if are_boxes else 1e300
     cosines, c_u, c_w = cosines_of(u, w), along(u, c), along(w, c)
-    best, n, before, same = -1e300, (0.0, 0.0, 1.0), (0.0, 0.0, 0.0), SAME * norm(c)
+    best, n, before, same = -1e300, (0.0, 0.0, 1.0), (0.0, 0.0, 0.0), SAME_VALUE * norm(c)
     leading, last, next_maximum = (1e300, 0, 1e300, 0), last_step(a, b), -1e300
-    for trial in range(CLIMBS):
+    for trial in range(SEARCHES):
         if trial % 2 == 0 and are_boxes:
-            leading = next_axes(a, b, cosines, c_u, c_w, leading[2] - same, same)
+            leading = next_box_axes(a, b, cosines, c_u, c_w, leading[2] - same, same)
         elif trial % 2 == 0:
-            leading = next_starts(a, b, u, w, c, leading[2] - same, same)
+            leading = next_directions(a, b, u, w, c, leading[2] - same, same)
         value, k = (leading[0], leading[1]) if trial % 2 == 0 else (leading[2], leading[3])
-        # of two that hardly differ one is enough
+        # a start close to an earlier one is skipped
         if value < best - allowed:
             next_maximum = max(next_maximum, value)
             break
         k = wider_face(a, b, cosines, k) if are_boxes and k < 6 else k
-        start = toward(direction(u, w, c, k), c)
-        if dot(start, before) < ALIKE:
+        start = unit_towards(direction(u, w, c, k), c)
+        if dot(start, before) < SAME_DIRECTION:
             before = start
-            start = over_the_position(a, b, u, w, c, k, start) if are_boxes and k < 6 else start
-            height, top = ascend(a, b, u, w, c, start, last)
-            if dot(top, n) < ONE_TOP:
+            start = normal_above(a, b, u, w, c, k, start) if are_boxes and k < 6 else start
+            height, n_maximum = find_maximum(a, b, u, w, c, start, last)
+            if dot(n_maximum, n) < SAME_MAXIMUM:
                 next_maximum = max(next_maximum, min(best, height))
             if height > best:
-                best, n = height, top
-            # bodies apart have one top only
+                best, n = height, n_maximum
+            # separated bodies have a single maximum
             if best >= 0.0:
                 break
-    depth, n, x = at_top(a, b, u, w, centre_a, centre_b, n)
+    depth, n, x = depth_at_maximum(a, b, u, w, centre_a, centre_b, n)
     return depth, n, x, best - next_maximum
 
 
 @kernel
 def follow(a, b, nodes, data, n):
-    """Gap at the top nearest to direction n."""
+    """Gap at the local maximum nearest to direction n."""
     body_a, body_b = nodes[a.node], nodes[b.node]
     centre_a, centre_b = world_position(body_a, vec(a.point)), world_position(body_b, vec(b.point))
     c = sub(centre_a, centre_b)
     u, w = axes_of(a, body_a), axes_of(b, body_b)
-    _, n = ascend(a, b, u, w, c, n, last_step(a, b))
-    return at_top(a, b, u, w, centre_a, centre_b, n)
+    _, n = find_maximum(a, b, u, w, c, n, last_step(a, b))
+    return depth_at_maximum(a, b, u, w, centre_a, centre_b, n)
 
 
 @kernel
 def last_step(a, b):
-    """Angle by which the last step of Newton's method turns at most [rad]."""
-    return LAST * min(a.edge / a.radius, b.edge / b.radius)
+    """Largest angle of the last step of Newton's method [rad]."""
+    return LAST_STEP * min(a.edge / a.radius, b.edge / b.radius)
 
 
 @kernel
-def at_top(a, b, u, w, centre_a, centre_b, n):
-    """Depth, normal and point of contact at the top of direction n."""
-    x_a = sub(centre_a, reach(a, u, n))
-    x_b = add(centre_b, reach(b, w, n))
+def depth_at_maximum(a, b, u, w, centre_a, centre_b, n):
+    """Depth, normal and point of contact at the maximum in direction n."""
+    x_a = sub(centre_a, support_point(a, u, n))
+    x_b = add(centre_b, support_point(b, w, n))
     return dot(sub(x_b, x_a), n), n, scale(0.5, add(x_a, x_b))
 
 
@@ -234,7 +238,7 @@ def cosines_of(u, w):
 
 
 @kernel
-def take_in(leading, value, k, same):
+def insert_value(leading, value, k, same):
     """The two largest of some values and which they are; two that differ by `same` are one."""
     first, of_first, second, of_second = leading
     if value > first:
@@ -247,7 +251,7 @@ def take_in(leading, value, k, same):
 
 
 @kernel
-def next_axes(a, b, cosines, c_u, c_w, limit, same):
+def next_box_axes(a, b, cosines, c_u, c_w, limit, same):
     """The two largest separations of two boxes below `limit` [m], and along which axes they are.
 
     0 to 2 are normals of a, 3 to 5 of b, 6 + 3 i + j is across edges i of a and j of b.
@@ -257,12 +261,12 @@ def next_axes(a, b, cosines, c_u, c_w, limit, same):
         r = cosines[i]
         value = abs(c_u[i]) - p[i] - q[0] * abs(r[0]) - q[1] * abs(r[1]) - q[2] * abs(r[2])
         if value < limit:
-            leading = take_in(leading, value, i, same)
+            leading = insert_value(leading, value, i, same)
     for j in range(3):
         r = (cosines[0][j], cosines[1][j], cosines[2][j])
         value = abs(c_w[j]) - q[j] - p[0] * abs(r[0]) - p[1] * abs(r[1]) - p[2] * abs(r[2])
         if value < limit:
-            leading = take_in(leading, value, 3 + j, same)
+            leading = insert_value(leading, value, 3 + j, same)
     for i in range(3):
         k, m = (i + 1) % 3, (i + 2) % 3
         for j in range(3):
@@ -273,14 +277,14 @@ def next_axes(a, b, cosines, c_u, c_w, limit, same):
                 value -= q[(j + 1) % 3] * abs(cosines[i][(j + 2) % 3])
                 value -= q[(j + 2) % 3] * abs(cosines[i][(j + 1) % 3])
                 value /= sqrt(square)
-                # a direction that is a face's too starts over the position on it, see gap
+                # a direction that is also a normal of a face starts above the point on it, see gap
                 if value < limit and abs(value - leading[0]) > same:
-                    leading = take_in(leading, value, 6 + 3 * i + j, same)
+                    leading = insert_value(leading, value, 6 + 3 * i + j, same)
     return leading
 
 
 @kernel
-def next_starts(a, b, u, w, c, limit, same):
+def next_directions(a, b, u, w, c, limit, same):
     """The two largest separations below `limit` [m], and along which directions they are."""
     leading, size = (-1e300, 0, -1e300, 0), norm(c)
     for k in range(STARTS):
@@ -290,12 +294,12 @@ def next_starts(a, b, u, w, c, limit, same):
             n = scale(1.0 / sqrt(square), n)
             value = abs(dot(c, n)) - extent_of(a, u, n) - extent_of(b, w, n)
             if value < limit:
-                leading = take_in(leading, value, k, same)
+                leading = insert_value(leading, value, k, same)
     return leading
 
 
 @kernel
-def toward(n, c):
+def unit_towards(n, c):
     """Unit vector along n, to the side of c."""
     length = norm(n)
     return scale(1.0 / length if dot(n, c) >= 0.0 else -1.0 / length, n)
@@ -306,26 +310,26 @@ def wider_face(a, b, cosines, k):
     """The face of the larger box, of two that lie flat on each other."""
     for i in range(3):
         for j in range(3):
-            if (k == i or k == 3 + j) and abs(cosines[i][j]) > ALIKE:
+            if (k == i or k == 3 + j) and abs(cosines[i][j]) > SAME_DIRECTION:
                 return i if a.radius > b.radius else 3 + j
     return k
 
 
 @kernel
-def over_the_position(a, b, u, w, c, k, n):
+def normal_above(a, b, u, w, c, k, n):
     """Normal of a rounded face where the other box is nearest to it, for the normal n of the face.
 
-    Newton's method comes there too, in small steps.
+    Newton's method would reach it too, in small steps.
     """
     if k < 3:
-        return bent(a, u, k, sub(c, reach(b, w, n)), n, -1.0)
-    return bent(b, w, k - 3, sub(c, reach(a, u, n)), n, 1.0)
+        return rounded_normal(a, u, k, sub(c, support_point(b, w, n)), n, -1.0)
+    return rounded_normal(b, w, k - 3, sub(c, support_point(a, u, n)), n, 1.0)
 
 
 @kernel
-def bent(shape, u, k, separation, n, sign):
+def rounded_normal(shape, u, k, separation, n, sign):
     """Normal of the rounded face k at the position `separation` from the centre. See
-    over_the_position.
+    normal_above.
     """
     rotated = n
     for j in range(3):
@@ -363,7 +367,7 @@ def direction(u, w, c, k):
 
 
 @kernel
-def reach(shape, u, n):
+def support_point(shape, u, n):
     """Farthest point of the shape along n from its centre, world components."""
     e = (u[2], u[2], u[2]) if shape.is_round == 1 else u
     total, even = (0.0, 0.0, 0.0), 0.0
@@ -379,7 +383,7 @@ def reach(shape, u, n):
 
 
 @kernel
-def survey(shape, u, n, s, t):
+def support_and_hessian(shape, u, n, s, t):
     """Farthest point along n [m] and its second derivatives along s and t: (ss, st, tt) [m]."""
     e = (u[2], u[2], u[2]) if shape.is_round == 1 else u
     total, ss, st, tt, even = (0.0, 0.0, 0.0), 0.0, 0.0, 0.0, 0.0
@@ -400,30 +404,37 @@ def survey(shape, u, n, s, t):
 
 
 @kernel
-def around(a, b, u, w, c, n, s, t):
+def separation_and_hessian(a, b, u, w, c, n, s, t):
     """Vector [m] from the farthest point of b along n to that of a against n, and the second
     derivatives of both.
     """
-    x_a, bend_a = survey(a, u, n, s, t)
-    x_b, bend_b = survey(b, w, n, s, t)
+    x_a, bend_a = support_and_hessian(a, u, n, s, t)
+    x_b, bend_b = support_and_hessian(b, w, n, s, t)
     return sub(c, add(x_a, x_b)), add(bend_a, bend_b)
 
 
 @kernel
-def ascend(a, b, u, w, c, n, last):
-    """Climb to the top nearest to direction n: its height before the last step, its direction."""
+def find_maximum(a, b, u, w, c, n, last):
+    """The local maximum nearest to direction n: separation before the last step, direction."""
     s, t = tangents(n)
-    separation, bend = around(a, b, u, w, c, n, s, t)
+    separation, hessian = separation_and_hessian(a, b, u, w, c, n, s, t)
     best, damping, round_off = dot(separation, n), 0.0, ROUND_OFF * norm(c)
     for _ in range(ITERATIONS):
-        n_new, angle = climb(n, s, t, separation, bend, best, damping)
+        n_new, angle = newton_step(n, s, t, separation, hessian, best, damping)
         if angle < last:
             return best, n_new
         s_new, t_new = tangents(n_new)
-        separation_new, bend_new = around(a, b, u, w, c, n_new, s_new, t_new)
+        separation_new, bend_new = separation_and_hessian(a, b, u, w, c, n_new, s_new, t_new)
         value = dot(separation_new, n_new)
         if value >= best - round_off:
-            n, s, t, separation, bend, best = n_new, s_new, t_new, separation_new, bend_new, value
+            n, s, t, separation, hessian, best = (
+                n_new,
+                s_new,
+                t_new,
+                separation_new,
+                bend_new,
+                value,
+            )
             damping *= 0.1
         else:
             damping = max(4.0 * damping, 1e-3)

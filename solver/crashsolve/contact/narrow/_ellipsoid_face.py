@@ -18,100 +18,101 @@ References: Boyd and Vandenberghe (2004), Convex Optimization, 3.2.5 and 9.5.
 from math import sqrt
 
 from crashsolve.contact.narrow._convex import tangents
-from crashsolve.contact.narrow._face import nearest_on_face, over_corners, point_of
+from crashsolve.contact.narrow._face import corner_weights, nearest_on_face, point_of
 from crashsolve.contact.narrow.sphere_ellipsoid import from_ellipsoid
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import add_scaled, dot, norm, scale, sub
 
 ITERATIONS = 60  # four to eight do
-# of the longest semi-axis: what is gained below it is noise
+# of the longest semi-axis: smaller gains are round-off
 ROUND_OFF = 1e-15
-# of a semi-axis: by which another triangle must promise to be nearer
-NOISE = 1e-12
-# of the shortest semi-axis: nearer to a middle from which no exit is shortest
+# of a semi-axis: least gain for which another triangle is searched
+GAIN = 1e-12
+# of the shortest semi-axis: distance from the centre below which no exit is the shortest
 NO_DISTANCE = 1e-9
 
 
 @kernel
 def nearest_to_ellipsoid(s, far, a, b, c, d):
-    """Weights N of the corners, seen in the axes of the ellipsoid from its centre; where it is.
+    """Weights N of the corners, given in the axes of the ellipsoid from its centre; and the
+    feature.
 
     The position is INSIDE, EDGE + k or CORNER + k. Also the signed distance, and the normal there.
-    Of a face farther than `far` any position does, and the distance is one that it is beyond.
+    For a face farther than `far` the position is any, and the distance a lower bound.
     """
-    N, position, least, m = descend(s, far, a, b, c, d)
+    N, position, least, m = nearest_by_newton(s, far, a, b, c, d)
     at, middle = point_of(N, a, b, c, d), point_of((0.25, 0.25, 0.25, 0.25), a, b, c, d)
     for k in range(4):
-        # a warped face may have a second valley
+        # a warped face may have a second minimum
         p, q = (a, b) if k == 0 else ((b, c) if k == 1 else ((c, d) if k == 2 else (d, a)))
-        if at_least(least, m, at, p, q, middle, middle) < least - NOISE * s[0] and least < far:
-            M, _, other, m_other = descend(s, far, p, q, middle, middle)
+        if lower_bound(least, m, at, p, q, middle, middle) < least - GAIN * s[0] and least < far:
+            M, _, other, m_other = nearest_by_newton(s, far, p, q, middle, middle)
             if other < least:
-                N, position = over_corners(k, M[0], M[1], M[2] + M[3])
+                N, position = corner_weights(k, M[0], M[1], M[2] + M[3])
                 least, m = other, m_other
     return N, position, least, m
 
 
 @kernel
-def at_least(d, m, at, a, b, c, e):
+def lower_bound(d, m, at, a, b, c, e):
     """Lower bound of the distance within the corners: d is convex, and m its slope."""
     lowest = min(dot(m, sub(a, at)), dot(m, sub(b, at)), dot(m, sub(c, at)), dot(m, sub(e, at)))
     return d + lowest
 
 
 @kernel
-def descend(s, far, a, b, c, d):
-    """From the position that touches first if the ellipsoid grows, down to one that none is
-    below.
-    """
-    N, _, position = nearest_on_face(shrink(s, a), shrink(s, b), shrink(s, c), shrink(s, d))
+def nearest_by_newton(s, far, a, b, c, d):
+    """The minimum by Newton's method, from the position touched first by a growing ellipsoid."""
+    N, _, position = nearest_on_face(
+        to_unit_sphere(s, a), to_unit_sphere(s, b), to_unit_sphere(s, c), to_unit_sphere(s, d)
+    )
     at = point_of(N, a, b, c, d)
     least, m = from_ellipsoid(s, at)
-    beyond = at_least(least, m, at, a, b, c, d)
+    beyond = lower_bound(least, m, at, a, b, c, d)
     if beyond > far:
         return N, position, beyond, m
     noise = ROUND_OFF * max(s[0], s[1], s[2])
     for _ in range(ITERATIONS):
-        N_new, position_new = stretched(s, at, least, m, a, b, c, d)
+        N_new, position_new = newton_position(s, at, least, m, a, b, c, d)
         new, m_new = from_ellipsoid(s, point_of(N_new, a, b, c, d))
         if new > least + noise:
-            N_new, position_new = from_ball(s, at, least, m, a, b, c, d)
+            N_new, position_new = ball_position(s, at, least, m, a, b, c, d)
             new, m_new = from_ellipsoid(s, point_of(N_new, a, b, c, d))
         if new > least + noise:
             break
         gain = least - new
         N, position, at, least, m = N_new, position_new, point_of(N_new, a, b, c, d), new, m_new
-        # the last step of Newton's gains nothing in distance, but the digits of the position
+        # the last Newton step improves only the digits of the position
         if gain <= noise:
             break
     return N, position, least, m
 
 
 @kernel
-def shrink(s, x):
+def to_unit_sphere(s, x):
     """Coordinates in which the ellipsoid is the unit sphere."""
     return x[0] / s[0], x[1] / s[1], x[2] / s[2]
 
 
 @kernel
-def stretched(s, at, d, m, a, b, c, e):
+def newton_position(s, at, d, m, a, b, c, e):
     """Newton's next point: weights and position."""
     low = min(s[0], s[1], s[2])
     t, u, R_t, R_u = curvatures(s, add_scaled(at, -d, m), m)
     r = max(d + low, NO_DISTANCE * low)
     k_t, k_u = sqrt(r / max(R_t + d, NO_DISTANCE * low)), sqrt(r / max(R_u + d, NO_DISTANCE * low))
     N, _, position = nearest_on_face(
-        stretch(sub(a, at), m, t, u, r, k_t, k_u),
-        stretch(sub(b, at), m, t, u, r, k_t, k_u),
-        stretch(sub(c, at), m, t, u, r, k_t, k_u),
-        stretch(sub(e, at), m, t, u, r, k_t, k_u),
+        scaled_coordinates(sub(a, at), m, t, u, r, k_t, k_u),
+        scaled_coordinates(sub(b, at), m, t, u, r, k_t, k_u),
+        scaled_coordinates(sub(c, at), m, t, u, r, k_t, k_u),
+        scaled_coordinates(sub(e, at), m, t, u, r, k_t, k_u),
     )
     return N, position
 
 
 @kernel
-def stretch(x, m, t, u, r, k_t, k_u):
-    """y of a corner, x from the position at hand."""
+def scaled_coordinates(x, m, t, u, r, k_t, k_u):
+    """y of a corner at x from the present position."""
     return dot(x, m) + r, k_t * dot(x, t), k_u * dot(x, u)
 
 
@@ -121,10 +122,10 @@ def curvatures(s, x, m):
     [m].
     """
     v, w = tangents(m)
-    slope = norm(shrink(s, shrink(s, x)))
-    S_vv = dot(shrink(s, v), shrink(s, v)) / slope
-    S_vw = dot(shrink(s, v), shrink(s, w)) / slope
-    S_ww = dot(shrink(s, w), shrink(s, w)) / slope
+    slope = norm(to_unit_sphere(s, to_unit_sphere(s, x)))
+    S_vv = dot(to_unit_sphere(s, v), to_unit_sphere(s, v)) / slope
+    S_vw = dot(to_unit_sphere(s, v), to_unit_sphere(s, w)) / slope
+    S_ww = dot(to_unit_sphere(s, w), to_unit_sphere(s, w)) / slope
     middle, half = 0.5 * (S_vv + S_ww), 0.5 * (S_vv - S_ww)
     mohr_radius = sqrt(half * half + S_vw * S_vw)
     # half the angle by which the larger curvature is turned from v
@@ -137,8 +138,8 @@ def curvatures(s, x, m):
 
 
 @kernel
-def from_ball(s, at, d, m, a, b, c, e):
-    """The position nearest to a ball that fits into the foot of c: weights, where it is."""
+def ball_position(s, at, d, m, a, b, c, e):
+    """The position nearest to the ball inscribed at the foot of c: weights, and feature."""
     low, high = min(s[0], s[1], s[2]), max(s[0], s[1], s[2])
     z = add_scaled(at, -d - low * low / high, m)
     N, _, position = nearest_on_face(sub(a, z), sub(b, z), sub(c, z), sub(e, z))

@@ -4,7 +4,7 @@
     c = sum N_k x_k,   |x - c| the least of the four triangles
 
 A flat face is itself; a warped one is folded along lines to its middle, the same from whichever
-corner one starts, and meets its neighbours without a slit. Consequence to test: no point of the
+corner one starts, and without gaps to its neighbours. Consequence to test: no point of the
 face is nearer, and N_k >= 0 add up to 1.
 
 Reference: Ericson (2005), Real-Time Collision Detection, 5.1.5.
@@ -70,12 +70,12 @@ def nearest_on_face(a, b, c, d):
         square = dot(x, x)
         if square < least:
             least, at, first, second, middle = square, k, u, v, w
-    N, position = over_corners(at, first, second, middle)
+    N, position = corner_weights(at, first, second, middle)
     return N, least, position
 
 
 @kernel
-def over_corners(k, first, second, middle):
+def corner_weights(k, first, second, middle):
     """Weights N of the corners, and the position, from those of a triangle: side k and middle."""
     share = 0.25 * middle
     N = (
@@ -95,6 +95,6 @@ def over_corners(k, first, second, middle):
 
 
 @kernel
-def across(a, b, c, d):
+def normal_vector(a, b, c, d):
     """Normal of a face, twice as long as its area."""
     return cross(sub(c, a), sub(d, b))

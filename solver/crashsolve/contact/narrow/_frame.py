@@ -7,27 +7,27 @@ from crashsolve.foundation.vec3 import add_scaled, sub, vec
 
 
 @kernel
-def into(shape, body, x):
+def to_shape_axes(shape, body, x):
     """World direction x in the axes of the shape."""
     return matvec_t(shape.axes, matvec_t(body.A, x))
 
 
 @kernel
-def out_of(shape, body, y):
+def to_world_axes(shape, body, y):
     """Direction y in the axes of the shape, in the world."""
     return matvec(body.A, matvec(shape.axes, y))
 
 
 @kernel
-def seen_from(shape, body, x):
+def local_position(shape, body, x):
     """World point x from the centre of the shape, in its axes."""
-    return into(shape, body, sub(x, world_position(body, vec(shape.point))))
+    return to_shape_axes(shape, body, sub(x, world_position(body, vec(shape.point))))
 
 
 @kernel
-def centre_seen(a, b, nodes):
+def local_centre(a, b, nodes):
     """Centre of the sphere a from that of the shape b, in its axes [m]."""
-    return seen_from(b, nodes[b.node], world_position(nodes[a.node], vec(a.point)))
+    return local_position(b, nodes[b.node], world_position(nodes[a.node], vec(a.point)))
 
 
 @kernel
@@ -36,5 +36,5 @@ def touch_of_sphere(a, b, nodes, distance, m):
 
     Its centre is `distance` [m] away from the shape b along m, in the axes of b.
     """
-    n, centre = out_of(b, nodes[b.node], m), world_position(nodes[a.node], vec(a.point))
+    n, centre = to_world_axes(b, nodes[b.node], m), world_position(nodes[a.node], vec(a.point))
     return a.radius - distance, n, add_scaled(centre, -a.radius, n)

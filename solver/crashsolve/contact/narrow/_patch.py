@@ -1,4 +1,4 @@
-"""Where two flat sides press on each other: an area about the centre of pressure.
+"""Area of contact of two flat faces: a polygon about the centre of pressure.
 
 Each body presses with the part of its face, cap or lateral surface that is symmetric about the
 centre of pressure x: half sizes h_k - |x_k|, not below the rounding of its edges. The patch is what
@@ -22,7 +22,7 @@ from crashsolve.foundation.motion import world_position
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, cross, dot, norm, scale, sub, vec
 
-SPOT = Record("""
+PATCH_POINT = Record("""
     u      m     corner of the patch from its middle, along the first tangent
     v      m     along the second
     point  m  3  where the force acts, world axes
@@ -31,8 +31,8 @@ SPOT = Record("""
 # rows of a polygon, and of three: of both sides, and one to work on
 CORNERS = 24
 ROWS = 3 * CORNERS
-# where corners press, in shares of their distance
-DRAWN_IN = sqrt(1.0 / 3.0)
+# lever of the forces of the corners, in shares of their distance
+PRESSURE_LEVER = sqrt(1.0 / 3.0)
 # an octagon whose area is as far from its middle, on the mean, as that of a disc of radius 1
 OCTAGON = 1.0530118888486155
 DIAGONAL = sqrt(0.5)
@@ -49,10 +49,10 @@ def patch(a, b, nodes, data, n, x):
         count = cut(spots, count, CORNERS + k, CORNERS + (k + 1) % count_b)
     for k in range(count):
         spot = spots[k]
-        offset = add(scale(DRAWN_IN * spot.u, s), scale(DRAWN_IN * spot.v, t))
+        offset = add(scale(PRESSURE_LEVER * spot.u, s), scale(PRESSURE_LEVER * spot.v, t))
         for j in range(3):
             spot.point[j] = x[j] + offset[j]
-    return count, share_out(spots, count)
+    return count, set_shares(spots, count)
 
 
 @kernel
@@ -64,7 +64,7 @@ def outline(shape, body, n, x, s, t, spots, first):
     if shape.is_round == 1 and abs(m[2]) > DIAGONAL:
         r = OCTAGON * max(edge, half[0] - sqrt(d[0] * d[0] + d[1] * d[1]))
         return octagon(spots, first, r)
-    # the axis most along the normal, and what is left along the other two
+    # the axis most along the normal, and the extents along the other two
     k = 0 if abs(m[0]) > abs(m[1]) else 1
     k = 2 if abs(m[2]) > abs(m[k]) else k
     i, j = (k + 1) % 3, (k + 2) % 3
@@ -111,7 +111,8 @@ def parallelogram(spots, first, p, q):
 
 @kernel
 def cut(spots, count, i, j):
-    """Keep of the first polygon what is left of the line from row i to row j; number of corners.
+    """Cut the first polygon along the line from row i to row j, keeping its left side; returns the
+    number of corners.
 
     Writes: spots.
     """
@@ -143,7 +144,7 @@ def cut(spots, count, i, j):
 
 
 @kernel
-def share_out(spots, count):
+def set_shares(spots, count):
     """Shares of the corners by the sides next to them; mean distance of the area [m].
 
     Writes: spots.

@@ -8,10 +8,10 @@ gap = _edged.gap
 
 
 def expand_a(elements, others=()):
-    """Each cylinder with the ellipsoids it is a sum of; `others`: what it may meet."""
+    """Each cylinder as a sum of ellipsoids; `others`: elements that it may meet."""
     return _edged.expand(elements, cylinder, others)
 
 
 def expand_b(elements, others=()):
-    """Each box with the ellipsoids it is a sum of; `others`: what it may meet."""
+    """Each box with the ellipsoids of which it is a sum; `others`: elements that it may meet."""
     return _edged.expand(elements, box, others)

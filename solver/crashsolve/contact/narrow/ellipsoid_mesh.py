@@ -16,9 +16,9 @@ References: `_ellipsoid_face.py` (d on a triangle), `sphere_mesh.py` (tree, insi
 from math import sqrt
 
 from crashsolve.contact.narrow import _tree
-from crashsolve.contact.narrow._ellipsoid_face import descend
+from crashsolve.contact.narrow._ellipsoid_face import nearest_by_newton
 from crashsolve.contact.narrow._face import CORNER, EDGE, INSIDE
-from crashsolve.contact.narrow._frame import into, out_of, seen_from
+from crashsolve.contact.narrow._frame import local_position, to_shape_axes, to_world_axes
 from crashsolve.contact.narrow.sphere_mesh import FACE, beyond, outward
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import world_position
@@ -34,7 +34,7 @@ def gap(a, b, nodes, data):
     """Depth [m] (negative: a gap), unit normal out of b, point of contact; world components."""
     body = nodes[b.node]
     centre = world_position(nodes[a.node], vec(a.point))
-    y, axes = seen_from(b, body, centre), axes_seen(a, b, nodes)
+    y, axes = local_position(b, body, centre), axes_seen(a, b, nodes)
     found, at, d, m = least_distance(data[0], data[1], b.root, vec(a.semi), y, axes)
     out, is_open = outward(data[1][found], at)
     inside = not is_open and dot(out, m) > 0.0
@@ -47,11 +47,11 @@ def gap(a, b, nodes, data):
     height = dot(sub(y, vec(data[1][found].i)), N) if on_face else reach + d
     if inside and not on_face:
         height = -height
-    n = out_of(b, body, N)
+    n = to_world_axes(b, body, N)
     if height < -b.thickness:
         # the distance to the back
         return b.thickness + height, scale(-1.0, n), centre
-    return reach - height, n, add_scaled(centre, -1.0 / reach, out_of(b, body, lever))
+    return reach - height, n, add_scaled(centre, -1.0 / reach, to_world_axes(b, body, lever))
 
 
 @kernel
@@ -59,9 +59,9 @@ def axes_seen(a, b, nodes):
     """Axes of the ellipsoid in those of the mesh."""
     of_a, of_b = nodes[a.node], nodes[b.node]
     return (
-        into(b, of_b, out_of(a, of_a, (1.0, 0.0, 0.0))),
-        into(b, of_b, out_of(a, of_a, (0.0, 1.0, 0.0))),
-        into(b, of_b, out_of(a, of_a, (0.0, 0.0, 1.0))),
+        to_shape_axes(b, of_b, to_world_axes(a, of_a, (1.0, 0.0, 0.0))),
+        to_shape_axes(b, of_b, to_world_axes(a, of_a, (0.0, 1.0, 0.0))),
+        to_shape_axes(b, of_b, to_world_axes(a, of_a, (0.0, 0.0, 1.0))),
     )
 
 
@@ -112,7 +112,7 @@ def nearer(tree, triangles, first, last, s, y, axes, before):
             p = seen(axes, sub(vec(triangles[k].i), y))
             q = seen(axes, sub(vec(triangles[k].j), y))
             r = seen(axes, sub(vec(triangles[k].l), y))
-            _, position, d, m_k = descend(s, best, p, q, r, r)
+            _, position, d, m_k = nearest_by_newton(s, best, p, q, r, r)
             if d < best:
                 best, found, at, m = d, k, feature(position), unseen(axes, m_k)
         i += 1

@@ -7,7 +7,7 @@ Point of contact: the deepest of the ellipsoid, c - E n / sqrt(n^T E n).
 
 from math import sqrt
 
-from crashsolve.contact.narrow._frame import into, out_of
+from crashsolve.contact.narrow._frame import to_shape_axes, to_world_axes
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, world_position
 from crashsolve.foundation.vec3 import add_scaled, dot, sub, vec
@@ -23,9 +23,9 @@ def gap(a, b, nodes, data):
     centre = world_position(body, vec(a.point))
     origin = world_position(nodes[b.node], vec(b.point))
     n = arm(nodes[b.node], vec(b.normal))
-    m = into(a, body, n)
+    m = to_shape_axes(a, body, n)
     s = a.semi
     lever = (s[0] * s[0] * m[0], s[1] * s[1] * m[1], s[2] * s[2] * m[2])
     reach = sqrt(dot(lever, m))
     depth = reach - dot(sub(centre, origin), n)
-    return depth, n, add_scaled(centre, -1.0 / reach, out_of(a, body, lever))
+    return depth, n, add_scaled(centre, -1.0 / reach, to_world_axes(a, body, lever))

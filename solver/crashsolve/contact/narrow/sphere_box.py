@@ -8,7 +8,7 @@ Point of contact: the deepest of the sphere, c - r n.
 
 from math import copysign
 
-from crashsolve.contact.narrow._frame import centre_seen, into, touch_of_sphere
+from crashsolve.contact.narrow._frame import local_centre, to_shape_axes, touch_of_sphere
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import norm, scale, unit, vec
 
@@ -19,7 +19,7 @@ IS_DISTANCE = True
 @kernel
 def gap(a, b, nodes, data):
     """Depth [m] (negative: a gap), unit normal out of b, point of contact; world components."""
-    distance, m = from_box(b.half, centre_seen(a, b, nodes))
+    distance, m = from_box(b.half, local_centre(a, b, nodes))
     return touch_of_sphere(a, b, nodes, distance, m)
 
 
@@ -28,7 +28,7 @@ def gap_by(a, b, nodes, data, normal):
     """Depth, normal and point as of gap by the face nearest to `normal`, and the depth beyond its
     middle [m].
     """
-    y, m = centre_seen(a, b, nodes), into(b, nodes[b.node], vec(normal))
+    y, m = local_centre(a, b, nodes), to_shape_axes(b, nodes[b.node], vec(normal))
     size = max(abs(m[0]), abs(m[1]), abs(m[2]))
     k = 0 if abs(m[0]) == size else (1 if abs(m[1]) == size else 2)
     side = copysign(1.0, m[k])

@@ -8,7 +8,12 @@ goes on. Point of contact: the deepest of the sphere, c - r n.
 
 from math import copysign, inf, sqrt
 
-from crashsolve.contact.narrow._frame import centre_seen, into, out_of, touch_of_sphere
+from crashsolve.contact.narrow._frame import (
+    local_centre,
+    to_shape_axes,
+    to_world_axes,
+    touch_of_sphere,
+)
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import dot, unit, vec
 
@@ -21,7 +26,7 @@ AXIS = 0.8
 @kernel
 def gap(a, b, nodes, data):
     """Depth [m] (negative: a gap), unit normal out of b, point of contact; world components."""
-    distance, m = from_cylinder(b.radius, b.half_length, centre_seen(a, b, nodes))
+    distance, m = from_cylinder(b.radius, b.half_length, local_centre(a, b, nodes))
     return touch_of_sphere(a, b, nodes, distance, m)
 
 
@@ -30,7 +35,7 @@ def gap_by(a, b, nodes, data, normal):
     """Depth, normal and point as of gap by the lateral surface or cap nearest to `normal`, and the
     depth beyond its middle [m].
     """
-    y, m = centre_seen(a, b, nodes), into(b, nodes[b.node], vec(normal))
+    y, m = local_centre(a, b, nodes), to_shape_axes(b, nodes[b.node], vec(normal))
     radial, rho = sqrt(m[0] * m[0] + m[1] * m[1]), sqrt(y[0] * y[0] + y[1] * y[1])
     if radial >= abs(m[2]) and rho > 0.0:
         distance = rho - b.radius
@@ -50,7 +55,7 @@ def middle(a, b, nodes, n):
     """Depth beyond which the lateral surface has no exit that is the right one; none for the caps
     [m].
     """
-    axis = out_of(b, nodes[b.node], unit(2))
+    axis = to_world_axes(b, nodes[b.node], unit(2))
     return a.radius + AXIS * b.radius if abs(dot(n, axis)) < 0.5 else inf
 
 

@@ -11,7 +11,7 @@ References: Eberly (2013), Distance from a point to an ellipse, an ellipsoid, or
 
 from math import copysign
 
-from crashsolve.contact.narrow._frame import centre_seen, touch_of_sphere
+from crashsolve.contact.narrow._frame import local_centre, touch_of_sphere
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import dot, norm, scale, sub
 
@@ -25,7 +25,7 @@ ITERATIONS = 60  # six do in most places
 @kernel
 def gap(a, b, nodes, data):
     """Depth [m] (negative: a gap), unit normal out of b, point of contact; world components."""
-    distance, m = from_ellipsoid(b.semi, centre_seen(a, b, nodes))
+    distance, m = from_ellipsoid(b.semi, local_centre(a, b, nodes))
     return touch_of_sphere(a, b, nodes, distance, m)
 
 

@@ -22,7 +22,7 @@ Graph. 11, 243-253 (signs).
 from math import sqrt
 
 from crashsolve.contact.narrow import _tree
-from crashsolve.contact.narrow._frame import into, out_of, seen_from
+from crashsolve.contact.narrow._frame import local_position, to_shape_axes, to_world_axes
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import world_position
 from crashsolve.foundation.vec3 import add_scaled, cross, dot, norm, scale, sub, vec
@@ -38,7 +38,7 @@ def gap(a, b, nodes, data):
     """Depth [m] (negative: a gap), unit normal out of b, point of contact; world components."""
     body = nodes[b.node]
     centre = world_position(nodes[a.node], vec(a.point))
-    y = seen_from(b, body, centre)
+    y = local_position(b, body, centre)
     foot, found, at = nearest(data[0], data[1], b.root, y)
     offset = sub(y, foot)
     distance = norm(offset)
@@ -46,7 +46,7 @@ def gap(a, b, nodes, data):
     inside = not is_open and dot(offset, m) < 0.0
     if distance > 0.0:
         m = scale(-1.0 / distance if inside else 1.0 / distance, offset)
-    n = out_of(b, body, m)
+    n = to_world_axes(b, body, m)
     if inside and distance > b.thickness:
         # the distance to the back
         return b.thickness - distance, scale(-1.0, n), centre
@@ -63,12 +63,12 @@ def gap_by(a, b, nodes, data, normal):
     """
     body = nodes[b.node]
     centre = world_position(nodes[a.node], vec(a.point))
-    y, m = seen_from(b, body, centre), into(b, body, vec(normal))
+    y, m = local_position(b, body, centre), to_shape_axes(b, body, vec(normal))
     foot, distance = nearest_facing(data[0], data[1], b.root, y, m)
     _, opposite = nearest_facing(data[0], data[1], b.root, y, scale(-1.0, m))
     if distance > 0.0 and distance < 1e300:
         m = scale(1.0 / distance, sub(foot, y))
-    n = out_of(b, body, m)
+    n = to_world_axes(b, body, m)
     depth = a.radius + distance if distance < 1e300 else -1.0
     over = distance - min(opposite, b.thickness)
     return depth, n, add_scaled(centre, -a.radius, n), over

@@ -1,4 +1,4 @@
-"""Normal force laws of contact."""
+"""Normal force laws of contact; no friction and no gaps."""
 
 from crashsolve.deck.family import ANY, Family
 from crashsolve.deck.roles import NormalLaw

@@ -1,4 +1,4 @@
-"""What is asked of a curve of force over penetration that has an unloading of its own."""
+"""Requirements on a curve of force over penetration with a separate curve of unloading."""
 
 import numpy as np
 

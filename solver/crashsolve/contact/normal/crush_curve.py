@@ -48,7 +48,7 @@ PARAMETERS = Record("""
 """)
 HISTORY = Record("""
     crush        m  deepest loading so far, d
-    recoverable  J  energy that the end gives back
+    recoverable  J  recoverable energy of the end
 """)
 
 

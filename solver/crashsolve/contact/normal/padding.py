@@ -50,7 +50,7 @@ PARAMETERS = Record("""
 HISTORY = Record("""
     slider          m  s
     unloading_work  J  P
-    recoverable     J  energy that the padding gives back
+    recoverable     J  recoverable energy of the padding
 """)
 
 

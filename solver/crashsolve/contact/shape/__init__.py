@@ -1,4 +1,4 @@
-"""Shapes a surface may have."""
+"""Shapes of surfaces: their cards and elements; the gap between two is in contact/narrow."""
 
 from crashsolve.deck.family import ANY, Family
 from crashsolve.deck.roles import Shape

@@ -90,7 +90,7 @@ class Deck:
 
     @cached_property
     def threads(self) -> int:
-        """Threads that share the steps: what the deck says, else what the job was given.
+        """Threads that share the steps: those of the deck, else those given to the job.
 
         Raises DeckErrors where the job was given no number.
         """
@@ -160,6 +160,28 @@ class _Reader:
         self.parameters = Parameters(self.items["parameters"], others, self.diagnostics, units)
         self.contexts = {file: self.context(file, table) for file, table in self.tables.items()}
 
+    def check_all_names(self, entries: dict[str, dict[str, Entry]]) -> None:
+        """Refuse names in cards that no entry has. Writes: diagnostics."""
+        for group in entries.values():
+            for entry in group.values():
+                self.check_names(entry.item, _names(entry.card))
+        for item, names in self.unread:
+            self.check_names(item, names)
+
+    def check_control(
+        self, control: Control, entries: dict[str, dict[str, Entry]], has_questions: bool
+    ) -> None:
+        """Refuse an accuracy without channels, and threads without work. Writes: diagnostics."""
+        item = self.items["control"][""]
+        if control.accuracy and not has_questions:
+            advice = "name channels under watch or expect"
+            self.refuse(
+                item, Diagnostic(("accuracy",), "needs channels whose error counts", advice)
+            )
+        may_share = bool(entries["contacts"]) or _has_blocks(entries)
+        if (control.threads or 1) > 1 and not self.unread_parts and not may_share:
+            self.refuse(item, UNSHARED)
+
     def deck(self) -> Deck:
         """The whole deck; raises DeckErrors."""
         self.expand()
@@ -176,22 +198,9 @@ class _Reader:
         self.unread_parts = set(self.items["parts"]) - set(entries["parts"]) | self.unwritten
         self.nodes = part_nodes(entries["parts"], self.items["bodies"], self.diagnostics)
         entries["joints"] |= joints_of_parts(entries, self.diagnostics)
-        for group in entries.values():
-            for entry in group.values():
-                self.check_names(entry.item, _names(entry.card))
-        for item, names in self.unread:
-            self.check_names(item, names)
-        if control and control.accuracy and not (watch or expect):
-            advice = "name channels under watch or expect"
-            item = self.items["control"][""]
-            self.refuse(
-                item, Diagnostic(("accuracy",), "needs channels whose error counts", advice)
-            )
-        is_known = not self.unread_parts
-        threads = control.threads if control else None
-        may_share = bool(entries["contacts"]) or _has_blocks(entries)
-        if threads and threads > 1 and is_known and not may_share:
-            self.refuse(self.items["control"][""], UNSHARED)
+        self.check_all_names(entries)
+        if control:
+            self.check_control(control, entries, has_questions=bool(watch or expect))
         if self.diagnostics or not control or not output:
             raise DeckErrors(self.in_order())
         words = control.unused(output.history.interval is not None)
@@ -331,7 +340,7 @@ class _Reader:
     def card(
         self, item: Item, kind: type[AnyCard], without: str = "", is_certain: bool = True
     ) -> AnyCard | None:
-        """The card an item holds; None after reporting what is wrong with it.
+        """The card of an item; None after reporting its errors.
 
         Of a card whose kind is not certain, nothing is missed.
         """

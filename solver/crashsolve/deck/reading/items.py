@@ -1,4 +1,4 @@
-"""What the files of a deck define: items under keywords, each with its positions."""
+"""Items that the files of a deck define under keywords, each with its positions."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

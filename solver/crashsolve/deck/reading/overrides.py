@@ -37,7 +37,7 @@ def set_fields(
 ) -> dict[str, str]:
     """Write values into their items; returns those of parameters.
 
-    What is wrong with a path goes to `errors`. Writes: items, tables.
+    Errors of a path go to `errors`. Writes: items, tables.
     """
     parameters: dict[str, str] = {}
     for name, text in overrides.items():

@@ -1,4 +1,4 @@
-"""A deck read for many runs, of which some have no use for what is set for others.
+"""A deck read for many runs, some of which do not use the settings of others.
 
 Where a structure is compared as beams and as shells, `across` is set for the shells. A run is given
 what changes its deck; what changes none of them is refused.

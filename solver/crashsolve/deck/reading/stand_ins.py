@@ -89,7 +89,7 @@ class StandIns:
         return [card.name for card in made]
 
     def _of(self, entry: Entry, faces_balls: bool) -> list[Made]:
-        """What is made of an entry, once. Raises Problem."""
+        """The cards that replace an entry, made once. Raises Problem."""
         key = (entry.name, faces_balls)
         if key not in self._made:
             make = import_module(entry.module_name).surfaces

@@ -1,4 +1,4 @@
-"""What is set from outside the deck and changes nothing: the run would be the same without it.
+"""Settings from outside the deck without effect: the run would be the same without them.
 
 A parameter must be read by a card, other than the title, or by a parameter that is read. A word of
 a card must be one that the deck's choices use: `across` of a structure is not where it has no

@@ -1,4 +1,4 @@
-"""What a deck expects of its own run: a deck is also its own test."""
+"""Card `expect`: expected results of a deck, which make it a test."""
 
 from collections.abc import Mapping
 from typing import Any, Literal

@@ -1,4 +1,4 @@
-"""What a run writes, how often, and the figures of its report."""
+"""Card `output`: files of a run, their intervals, and the figures of its report."""
 
 import math
 import re

@@ -1,4 +1,4 @@
-"""What a deck wants to know: numbers whose error a run estimates, though it expects no value."""
+"""Card `watch`: numbers whose error a run estimates, without an expected value."""
 
 from typing import ClassVar
 

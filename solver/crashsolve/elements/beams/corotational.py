@@ -73,6 +73,6 @@ def rotated_rate(eta, v, s):
 
 
 @kernel
-def swing_of(v, w, s):
+def frame_lag(v, w, s):
     """g x s, the lag of the spin of R behind the mean spin [rad/s], axes of R."""
     return cross(scale(0.5 / (1.0 + w), v), s)

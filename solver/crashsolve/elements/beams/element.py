@@ -1,6 +1,6 @@
 """Element of a beam: deformation in its co-rotational frame, forces and moments on its nodes.
 
-    f = K u + what damping adds,   m = K_r theta + what damping adds
+f = K u + damping forces,   m = K_r theta + damping moments
 
 through the derivatives of u and theta (beam.py, corotational.py, bowing.py), with the bound of the
 step that the element sets. Consequence to test: forces are the gradient of the energy.
@@ -9,7 +9,7 @@ References: those of the beam.
 """
 
 from crashsolve.elements.beams.bowing import bowed, stretched
-from crashsolve.elements.beams.corotational import half_angle_over_sine, rotated_rate, swing_of
+from crashsolve.elements.beams.corotational import frame_lag, half_angle_over_sine, rotated_rate
 from crashsolve.elements.beams.tangent import slope_of_viscosity
 from crashsolve.elements.damping import apply_drag
 from crashsolve.foundation.columns import add_to, matvec, matvec_t
@@ -21,18 +21,18 @@ TANGENTS = 6
 
 
 @kernel
-def pull(p, out, a, b, R, v, w):
+def element_forces(p, out, a, b, R, v, w):
     """Forces on the nodes a and b of an element whose frame is R. Writes: a, b, out."""
-    strained = deformation(p, a, b, R, v, w)
-    _, u, theta, u_dot, theta_dot, _, _ = strained
-    f, energy, power = answer(p.stiffness, p.damping, u, u_dot)
-    slow = p.viscosity - p.quick_viscosity * min(u_dot[0], 0.0)
-    f, power = (f[0] + slow * u_dot[0], f[1], f[2]), power + slow * u_dot[0] * u_dot[0]
-    m, bending, turning = answer(p.rotational_stiffness, p.damping, theta, theta_dot)
+    deformed = deformation(p, a, b, R, v, w)
+    _, u, theta, u_dot, theta_dot, _, _ = deformed
+    f, energy, power = damped_force(p.stiffness, p.damping, u, u_dot)
+    viscosity = p.viscosity - p.quick_viscosity * min(u_dot[0], 0.0)
+    f, power = (f[0] + viscosity * u_dot[0], f[1], f[2]), power + viscosity * u_dot[0] * u_dot[0]
+    m, bending, turning = damped_force(p.rotational_stiffness, p.damping, theta, theta_dot)
     out.stored = energy + bending
     out.power = power + turning
     out.loss = 0.0
-    act(p, out, a, b, (R, v, w), strained, (f, m, slow))
+    apply_load(p, out, a, b, (R, v, w), deformed, (f, m, viscosity))
 
 
 @kernel
@@ -44,7 +44,7 @@ def deformation(p, a, b, R, v, w):
     mean = scale(0.5, matvec_t(R, add(vec(a.w), vec(b.w))))
     theta, theta_dot = scale(2.0 * eta, v), rotated_rate(eta, v, spin)
     y_dot = matvec_t(R, sub(vec(b.v), vec(a.v)))
-    y_dot = sub(y_dot, cross(sub(mean, swing_of(v, w, spin)), y))
+    y_dot = sub(y_dot, cross(sub(mean, frame_lag(v, w, spin)), y))
     e, bent = stretched(p, y, theta)
     e_dot = dot(bent[3], y_dot) + dot(bent[4], theta_dot)
     u, u_dot = (e, y[1], y[2]), (e_dot, y_dot[1], y_dot[2])
@@ -52,21 +52,21 @@ def deformation(p, a, b, R, v, w):
 
 
 @kernel
-def act(p, out, a, b, frame, strained, load):
+def apply_load(p, out, a, b, frame, deformed, load):
     """Apply the force f [N] and moments m [N m] conjugate to u and theta to both nodes.
 
-    `frame`: R, v and w of corotational.py; `strained` is what deformation() returns; `load`: f, m
-    and the viscosity of the stretch [N s/m]. Returns by how much the element is stiffer than a
-    straight one. Writes: a, b, out.
+    `frame`: R, v and w of corotational.py; `deformed` is what deformation() returns; `load`: f, m
+    and the viscosity of the stretch [N s/m]. Returns the ratio of its stiffness to that
+    of a straight one. Writes: a, b, out.
     """
-    (R, v, w), (f, m, slow) = frame, load
-    y, u, theta, _, _, bent, _ = strained
+    (R, v, w), (f, m, viscosity) = frame, load
+    y, u, theta, _, _, bent, _ = deformed
     eta, tension = half_angle_over_sine(v, w), f[0]
     f = add_scaled((0.0, f[1], f[2]), tension, bent[3])
     m = add_scaled(m, tension, bent[4])
-    # the force acts in both nodes; half of its moment about the other falls to each
+    # the force acts at both nodes, each of which bears half of its moment about the other
     c = scale(0.5, cross(f, y))
-    m = add(rotated_rate(eta, v, m), scale(2.0, swing_of(v, w, c)))
+    m = add(rotated_rate(eta, v, m), scale(2.0, frame_lag(v, w, c)))
     put(out.force, f)
     put(out.moment_a, sub(m, c))
     put(out.moment_b, add(m, c))
@@ -77,24 +77,24 @@ def act(p, out, a, b, frame, strained, load):
     add_to(a.torque, matvec(R, sub(m, c)))
     add_to(b.force, scale(-1.0, f))
     add_to(b.torque, matvec(R, scale(-1.0, add(m, c))))
-    # rows of a bent or stretched element are longer than those of a straight one; that of its
-    # the stretch adds as much as twice the tension of its bow
+    # the gradients of a bent or stretched element are larger than those of a straight one; that of
+    # its stretch adds up to twice the stretch by bending
     growth = eta**4 * max(1.0, dot(y, y) / (p.length * p.length))
     bow, taut = 2.0 * growth * bowed(y, theta, bent), growth * max(tension, 0.0)
-    add_bounds(p, a, growth * p.rate_a, bow * p.taut_a, taut * p.taut_a, slow)
-    add_bounds(p, b, growth * p.rate_b, bow * p.taut_b, taut * p.taut_b, slow)
+    add_bounds(p, a, growth * p.rate_a, bow * p.taut_a, taut * p.taut_a, viscosity)
+    add_bounds(p, b, growth * p.rate_b, bow * p.taut_b, taut * p.taut_b, viscosity)
     return growth
 
 
 @kernel
-def drag(p, out, nodes):
+def add_drag(p, out, nodes):
     """Drag on both nodes. Writes: nodes, out."""
     if p.drag_a > 0.0:
         out.power += apply_drag(nodes, p.node_a, p.drag_a) + apply_drag(nodes, p.node_b, p.drag_b)
 
 
 @kernel
-def answer(stiffness, damping, x, x_dot):
+def damped_force(stiffness, damping, x, x_dot):
     """Force K (x + beta x_dot), stored energy [J] and power lost [W]."""
     k = vec(stiffness)
     f = (k[0] * x[0], k[1] * x[1], k[2] * x[2])
@@ -109,13 +109,13 @@ def add_bounds(p, body, rate, bow, taut, viscosity):
 
     Writes: body.
     """
-    strained = rate + p.stiffness[0] * bow
-    body.stiffness += strained + taut
-    body.damping += p.damping * strained + viscosity * (body.mass_inv + bow)
+    deformed = rate + p.stiffness[0] * bow
+    body.stiffness += deformed + taut
+    body.damping += p.damping * deformed + viscosity * (body.mass_inv + bow)
 
 
 @kernel
-def yield_rows(p, a, b, R, v, w, rows, first):
+def damping_rows(p, a, b, R, v, w, rows, first):
     """Rows of the damping of an element whose frame is R. Writes: rows."""
     for k in range(TANGENTS):
         no_tangent(rows[first + k])
@@ -126,17 +126,17 @@ def yield_rows(p, a, b, R, v, w, rows, first):
     for k in range(3):
         e = bent[3] if k == 0 else unit(k)
         c = scale(0.5, cross(e, y))
-        m = scale(2.0, swing_of(v, w, c))
+        m = scale(2.0, frame_lag(v, w, c))
         if k == 0:
             m = add(m, rotated_rate(eta, v, bent[4]))
-        damp(rows[first + k], R, e, sub(m, c), add(m, c), p.damping * p.stiffness[k])
+        write_damping_row(rows[first + k], R, e, sub(m, c), add(m, c), p.damping * p.stiffness[k])
         m = rotated_rate(eta, v, unit(k))
-        damp(rows[first + 3 + k], R, ZERO, m, m, p.damping * p.rotational_stiffness[k])
+        write_damping_row(rows[first + 3 + k], R, ZERO, m, m, p.damping * p.rotational_stiffness[k])
     rows[first].damping += slope_of_viscosity(p, u_dot[0])
 
 
 @kernel
-def damp(row, R, f, m_a, m_b, damping):
+def write_damping_row(row, R, f, m_a, m_b, damping):
     """Tangent of a unit force f with moments m_a and m_b at the ends, axes of R. Writes: row."""
     f, m_a, m_b = matvec(R, f), matvec(R, m_a), matvec(R, m_b)
     for k in range(3):

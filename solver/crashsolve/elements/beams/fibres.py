@@ -50,12 +50,12 @@ def resultants(p, old, new, h, curves, strain, rate, material):
         eps = strain[0] + z * strain[1] - y * strain[2]
         fast = rate[0] + z * rate[1] - y * rate[2]
         if material.VON_MISES:
-            sigma, held, gone = flow_on(law, old, new, i, eps, h)
+            sigma, elastic, loss = yield_fibre(law, old, new, i, eps, h)
         else:
-            sigma, held, gone = material.fibre(p.material, old, new, i, eps, fast, h, curves)
+            sigma, elastic, loss = material.fibre(p.material, old, new, i, eps, fast, h, curves)
         new.stress[i] = sigma
-        stored += held * A
-        lost += gone * A
+        stored += elastic * A
+        lost += loss * A
         N, M_y, M_z = N + sigma * A, M_y + sigma * z * A, M_z - sigma * y * A
     return N, M_y, M_z, stored, lost
 
@@ -68,19 +68,19 @@ def stiffening(p, old, curves, strain, rate, material):
         y, z = p.y[i], p.z[i]
         eps = strain[0] + z * strain[1] - y * strain[2]
         fast = rate[0] + z * rate[1] - y * rate[2]
-        _, softer, _ = material.fibre_tangent(p.material, old, i, eps, fast, curves)
-        most = max(most, -softer / p.material.young)
+        _, reduction, _ = material.fibre_tangent(p.material, old, i, eps, fast, curves)
+        most = max(most, -reduction / p.material.young)
     return most
 
 
 @inlined
-def flow_on(law, old, new, i, eps, h):
+def yield_fibre(law, old, new, i, eps, h):
     """Stress [Pa], stored and lost energy [J/m^3] of a fibre that yields by von Mises' stress.
 
     `law`: the material's parameters, the curves of the deck, its module. Writes: new.
     """
     m, curves, material = law
-    xi, rate, _ = flow_of(m, old, i, eps, h, curves, material)
+    xi, rate, _ = trial_state(m, old, i, eps, h, curves, material)
     g = h * rate
     step = g if xi > 0.0 else -g
     new.plastic[i], new.hardening[i] = old.plastic[i] + step, old.hardening[i] + g
@@ -93,7 +93,7 @@ def flow_on(law, old, new, i, eps, h):
 
 
 @inlined
-def flow_of(m, old, i, eps, h, curves, material):
+def trial_state(m, old, i, eps, h, curves, material):
     """Trial stress less H_k eps_p, rate of the plastic strain without sign, factor of heat."""
     xi = m.young * (eps - old.plastic[i]) - m.kinematic * old.plastic[i]
     heat, falls = 1.0, m.young + m.kinematic
@@ -106,23 +106,23 @@ def flow_of(m, old, i, eps, h, curves, material):
 
 @kernel
 def moduli(p, old, h, curves, strain, rate, material):
-    """What N, M_y, M_z at the end of a step have besides E times area and second moments.
+    """Inelastic parts of N, M_y, M_z at the end of a step, beside E times area and second moments.
 
     Their values (3), and their derivatives by `strain` and by `rate` (upper halves, 6 each).
     """
-    m, lack, by_strain, by_rate = p.material, (0.0, 0.0, 0.0), NONE, NONE
+    m, inelastic_part, by_strain, by_rate = p.material, (0.0, 0.0, 0.0), NONE, NONE
     for i in range(p.count):
         A, arm = p.area[i], (1.0, p.z[i], -p.y[i])
         eps, speed = dot(arm, strain), dot(arm, rate)
         if material.VON_MISES:
-            inelastic, softer = flow_tangent(m, old, i, eps, h, curves, material)
+            inelastic, reduction = flow_tangent(m, old, i, eps, h, curves, material)
             faster = 0.0
         else:
-            inelastic, softer, faster = material.fibre_tangent(m, old, i, eps, speed, curves)
-        lack = add_scaled(lack, -m.young * A * inelastic, arm)
-        by_strain = add_square(by_strain, -A * softer, arm)
+            inelastic, reduction, faster = material.fibre_tangent(m, old, i, eps, speed, curves)
+        inelastic_part = add_scaled(inelastic_part, -m.young * A * inelastic, arm)
+        by_strain = add_square(by_strain, -A * reduction, arm)
         by_rate = add_square(by_rate, A * faster, arm)
-    return lack, by_strain, by_rate
+    return inelastic_part, by_strain, by_rate
 
 
 @kernel
@@ -130,7 +130,7 @@ def flow_tangent(m, old, i, eps, h, curves, material):
     """Of a fibre that yields by von Mises' stress: strain less stress / E; E less the slope of its
     stress.
     """
-    xi, rate, heat = flow_of(m, old, i, eps, h, curves, material)
+    xi, rate, heat = trial_state(m, old, i, eps, h, curves, material)
     if rate == 0.0:
         return old.plastic[i], 0.0
     factor = material.rate_factor(m, rate) if m.rated == 1 else 1.0
@@ -163,13 +163,13 @@ def scaled(s, C):
 def squares(C):
     """A symmetric matrix as a sum of squares: L D L^T, D (3), and L_21, L_31, L_32.
 
-    What is negative of it, as of fibres that turn back, is left out.
+    Negative terms, as of fibres that unload, are left out.
     """
     if not C[0] > 0.0:
         return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     l_21, l_31 = C[1] / C[0], C[2] / C[0]
     d_2, l_32 = C[3] - l_21 * C[1], 0.0
-    # fibres of one height have nothing but round-off there
+    # where all fibres have one height, this is round-off
     if d_2 > ROUND_OFF * C[3]:
         l_32 = (C[4] - l_31 * C[1]) / d_2
     else:

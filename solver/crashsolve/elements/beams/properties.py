@@ -5,21 +5,32 @@
 Consequence to test: the stiffness of one straight element is exact.
 """
 
-from typing import Any
+from typing import Protocol
 
 import numpy as np
 
 from crashsolve.deck.building import Columns, Scene
-from crashsolve.deck.card import Card
+from crashsolve.deck.card import Vec3
 from crashsolve.elements.beams.bowing import coefficient
 from crashsolve.elements.beams.frequency_bound import fastest_rates, rate_of_tension
-from crashsolve.elements.damping import coefficients, mass_factors
+from crashsolve.elements.damping import Damped, coefficients, mass_factors
 from crashsolve.foundation.orientation import perpendicular
 from crashsolve.materials import elastic
 
 
+class Beam(Protocol):
+    """Fields of a beam's card that its section needs."""
+
+    @property
+    def section(self) -> str: ...
+    @property
+    def material(self) -> str: ...
+    @property
+    def side(self) -> Vec3 | None: ...
+
+
 def halves(
-    card: Card, section: Columns, material: Columns, length: float, scene: Scene
+    card: Damped, section: Columns, material: Columns, length: float, scene: Scene
 ) -> tuple[float, np.ndarray]:
     """Mass [kg] and inertia (3, 3) [kg m^2] of half an element, axes of the section."""
     mass, factor = scaled(card, section, material, np.array([length]), scene)
@@ -28,7 +39,7 @@ def halves(
 
 
 def scaled(
-    card: Any, section: Columns, material: Columns, lengths: np.ndarray, scene: Scene
+    card: Damped, section: Columns, material: Columns, lengths: np.ndarray, scene: Scene
 ) -> tuple[np.ndarray, np.ndarray]:
     """Masses of elements of these lengths [kg], and the factors by which they are heavier."""
     mass = material["density"] * section["area"] * lengths
@@ -55,7 +66,7 @@ def stiffness_row(section: Columns, material: Columns, length: float) -> Columns
     }
 
 
-def damping_row(card: Any, section: Columns, material: Columns, scene: Scene) -> Columns:
+def damping_row(card: Damped, section: Columns, material: Columns, scene: Scene) -> Columns:
     """Damping and viscosity of an element."""
     b_1, b_2_squared = coefficients(card, scene)
     per_length = material["density"] * section["area"]
@@ -68,7 +79,7 @@ def damping_row(card: Any, section: Columns, material: Columns, scene: Scene) ->
 
 
 def ends_row(
-    card: Any, row: Columns, nodes: tuple[int, int], scene: Scene, T: np.ndarray, half: float
+    card: Damped, row: Columns, nodes: tuple[int, int], scene: Scene, T: np.ndarray, half: float
 ) -> Columns:
     """Nodes of an element with half its mass each, drag on them and its bound of the step.
 
@@ -95,12 +106,12 @@ def rotary_inertia(section: Columns, material: Columns) -> np.ndarray:
     return material["density"] * np.diag([R_y + R_z, R_y, R_z])
 
 
-def laws(card: Any, scene: Scene) -> tuple[Columns, Columns]:
+def laws(card: Beam, scene: Scene) -> tuple[Columns, Columns]:
     """Section and material of a card."""
     law, material_card = scene.law("materials", card.material)
     word = law.__name__.rpartition(".")[2]
     if not hasattr(card, "fibres") and word != "elastic":
-        advice = "say type: fibre_beam for one that yields"
+        advice = "use type: fibre_beam for one that yields"
         raise scene.fail(f"needs a material of type elastic; or {advice}", "material")
     if law.FIBRE is None:
         raise scene.fail(f"type {word} is for shells; strains of beams are small", "material")
@@ -113,15 +124,13 @@ def laws(card: Any, scene: Scene) -> tuple[Columns, Columns]:
     return law.build(section_card, material["poisson"]), material
 
 
-def axes_of(card: Any, along: np.ndarray, section: Columns, scene: Scene) -> np.ndarray:
+def axes_of(card: Beam, along: np.ndarray, section: Columns, scene: Scene) -> np.ndarray:
     """Axes of the section of an element as columns (3, 3): along it, y, z."""
     if card.side is None:
         I_y, I_z = section["second"]
         if abs(I_y - I_z) > 1e-9 * I_z:
-            message = (
-                "this section has I_y and I_z that differ: say by side where its y axis points"
-            )
-            raise scene.fail(message, "section")
+            message = "this section has I_y and I_z that differ: state the direction of its y axis"
+            raise scene.fail(f"{message} by the word side", "section")
         side = perpendicular(along)
     else:
         side = scene.unit(card.side, "side")

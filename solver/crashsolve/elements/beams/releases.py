@@ -1,4 +1,4 @@
-"""Ends of bars that are hinged to their point, or lie beside it: nodes of their own, and joints.
+"""Ends of bars that are hinged to their point, or offset from it: separate nodes, and joints.
 
     rotations free  none    one        two          three
     joint           weld    revolute   universal    spherical
@@ -9,7 +9,8 @@ test: two clamped arms hinged to each other bend as two cantilevers; a pull besi
 P e.
 """
 
-from typing import Any, Literal
+from collections.abc import Sequence
+from typing import Literal, Protocol
 
 import numpy as np
 
@@ -22,7 +23,7 @@ JOINTS = ("weld", "revolute", "universal", "spherical")
 
 
 class End(Card):
-    """An end of a bar with a node of its own: P_bark_start or P_bark_end."""
+    """An end of a bar with a separate node, P_barK_start or P_barK_end for bar K of part P."""
 
     bar: int = word("number of the bar, from 1", ge=1)
     point: int = word("number of the point at this end", ge=1)
@@ -34,12 +35,25 @@ class End(Card):
     )
 
 
-def is_first(card: Any, end: End) -> bool:
+class Bars(Protocol):
+    """Fields of a frame's card that its ends need."""
+
+    @property
+    def points(self) -> Sequence[Vec3]: ...
+    @property
+    def bars(self) -> Sequence[tuple[int, int]]: ...
+    @property
+    def ends(self) -> Sequence[End]: ...
+    @property
+    def side(self) -> Vec3 | None: ...
+
+
+def is_first(card: Bars, end: End) -> bool:
     """Whether this is the first end of its bar."""
     return bool(card.bars[end.bar - 1][0] == end.point)
 
 
-def names(card: Any, part: str) -> list[str]:
+def names(card: Bars, part: str) -> list[str]:
     """Names of the nodes of released ends."""
     found = []
     for end in card.ends:
@@ -49,33 +63,33 @@ def names(card: Any, part: str) -> list[str]:
     return found
 
 
-def position(card: Any, end: End) -> np.ndarray:
+def position(card: Bars, end: End) -> np.ndarray:
     """Position (3,) of an end at the start [m]."""
     return np.asarray(card.points[end.point - 1]) + np.asarray(end.offset)
 
 
-def tip(card: Any, bar: int, point: int) -> np.ndarray:
+def tip(card: Bars, bar: int, point: int) -> np.ndarray:
     """Position (3,) of the end of a bar, number from 1, at a point [m]."""
     own = [end for end in card.ends if (end.bar, end.point) == (bar, point)]
     return position(card, own[0]) if own else np.asarray(card.points[point - 1])
 
 
-def start(card: Any, bar: int) -> np.ndarray:
+def start(card: Bars, bar: int) -> np.ndarray:
     """Position (3,) of the beginning of a bar [m]."""
     return tip(card, bar, card.bars[bar - 1][0])
 
 
-def along(card: Any, bar: int) -> np.ndarray:
+def along(card: Bars, bar: int) -> np.ndarray:
     """Vector (3,) from the beginning to the end of a bar [m]."""
     return tip(card, bar, card.bars[bar - 1][1]) - start(card, bar)
 
 
-def fault(card: Any) -> str:
-    """Message of what is wrong with the ends; empty where they are right."""
+def fault(card: Bars) -> str:
+    """Message on the first error in the ends; empty without one."""
     seen = set()
     count = len(card.points)
     if not all(1 <= point <= count for bar in card.bars for point in bar):
-        return f"bars join points that are not there: points are 1 to {count}"
+        return f"bars join points that do not exist: points are 1 to {count}"
     for end in card.ends:
         if end.bar > len(card.bars) or end.point not in card.bars[end.bar - 1]:
             return f"bar {end.bar} does not end in point {end.point}"
@@ -90,7 +104,7 @@ def fault(card: Any) -> str:
     return ""
 
 
-def joints(card: Any, part: str) -> dict[str, tuple[str, Columns]]:
+def joints(card: Bars, part: str) -> dict[str, tuple[str, Columns]]:
     """Joints between the ends and their points: type and words by name."""
     found: dict[str, tuple[str, Columns]] = {}
     if fault(card):
@@ -110,8 +124,8 @@ def joints(card: Any, part: str) -> dict[str, tuple[str, Columns]]:
     return found
 
 
-def _axes(card: Any, end: End) -> np.ndarray:
-    """Axes of the bar as rows; any three where the bar has none, which is refused elsewhere."""
+def _axes(card: Bars, end: End) -> np.ndarray:
+    """Axes of the bar as rows; unit axes where the bar has none, which is refused elsewhere."""
     x = along(card, end.bar)
     length = float(np.linalg.norm(x))
     if not length > 0.0:

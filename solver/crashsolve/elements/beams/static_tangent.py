@@ -7,7 +7,7 @@ rotations of these.
 
 in axes of R, with the spins s of b over a and w_0 of the mean (`corotational.py`): the whole
 derivative, with present bending and rotation; U'' is that of the energy by y and theta. For
-all elements at once, in numpy, where statics asks for it. Consequence to test: central differences
+all elements at once, in numpy, for statics. Consequence to test: central differences
 of the forces.
 
 Reference: Crisfield (1990), A consistent co-rotational formulation for non-linear,
@@ -19,7 +19,7 @@ import numpy as np
 from crashsolve.foundation.orientation import matrices, products
 from crashsolve.foundation.rows import Table
 
-# rotations below: T and g are those of none, to round-off
+# [rad] smaller rotations count as zero in T and g
 SMALL = 1e-8
 
 
@@ -37,7 +37,7 @@ def forces_by_motions(
     N = axial * e
     f = N[:, None] * slopes[:, :3] + shear * y
     m = N[:, None] * slopes[:, 3:] + p["rotational_stiffness"] * theta
-    # of the strains y and theta: those of the stretch, and what resists them by itself
+    # by the strains y and theta: of shear and bending, then of the stretch
     own = np.hstack([shear, p["rotational_stiffness"]])[:, :, None] * np.eye(6)
     own += N[:, None, None] * bent + axial[:, None, None] * slopes[:, :, None] * slopes[:, None]
     return by_motions(R, y, theta, f, m, own)
@@ -46,7 +46,9 @@ def forces_by_motions(
 def strains(
     q_a: np.ndarray, q_b: np.ndarray, displacement: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """R (n, 3, 3), y and theta (n, 3) of elements whose ends are oriented and apart like this."""
+    """R (n, 3, 3), y and theta (n, 3) of elements with these orientations and distances of the
+    ends.
+    """
     R, theta = _halfway(q_a, q_b)
     return R, np.einsum("nji,nj->ni", R, displacement), theta
 
@@ -117,7 +119,7 @@ def skew(v: np.ndarray) -> np.ndarray:
 
 
 def _rotating(theta: np.ndarray, m: np.ndarray) -> tuple[np.ndarray, ...]:
-    """T, the derivative of T m by theta with m held, g, and the derivative of g by theta."""
+    """T, the derivative of T m by theta at constant m, g, and the derivative of g by theta."""
     angle = np.linalg.norm(theta, axis=1)[:, None, None]
     rotation, is_small = np.maximum(angle, SMALL), angle < SMALL
     half, n = 0.5 * rotation, theta / rotation[:, 0]

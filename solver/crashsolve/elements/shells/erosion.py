@@ -1,4 +1,4 @@
-"""Elements whose layers have all failed: deleted, with what is lost by that.
+"""Deletion of elements whose layers have all failed, and the energy lost by that.
 
 An element is deleted when the plastic strain of all its layers has reached that of failure. Its
 thickness is 0 from then on, and it keeps no stress. Its mass stays with its nodes, which fly on, so

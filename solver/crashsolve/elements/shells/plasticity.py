@@ -170,7 +170,10 @@ def modes_at(work, e, zeta):
 
 @blockwise
 def evaluate_lines(blocks, at, slots, to, m):
-    """Yield stress, its slope, what is beyond it; in how many lanes something is. Writes: slots."""
+    """Yield stress, its slope, and the excess over it; number of lanes with an excess.
+
+    Writes: slots.
+    """
     start, slope, has_curve = m.yield_stress, m.isotropic, m.curve > 0
     line, count = at + LANES * m.line_row, 0.0
     for e in range(LANES):

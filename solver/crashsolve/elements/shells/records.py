@@ -1,4 +1,4 @@
-"""Named rows of the blocks of shell elements: what a block keeps, and works with.
+"""Named rows of the blocks of shell elements: their state and their work space.
 
 A block holds sixteen elements side by side: each number is a row of lanes. Of a block that keeps
 its numbers from step to step, BLOCK comes first, then the layers of every point of the plane, then

@@ -19,7 +19,7 @@ from crashsolve.materials._von_mises import LAYER, resistance
 PASSES = 50
 # of the yield stress: some units of round-off
 CLOSE = 1e-14
-# what may be left where it falls no further, by round-off of large slopes
+# allowed residual where it falls no further, by round-off of large slopes
 STILL = 1e-10
 # step of Householder's method over 1 / c2 + g whose fourth power is below round-off
 NEAR = 2e-4
@@ -27,7 +27,7 @@ NEAR = 2e-4
 
 @blockwise
 def evaluate_tangents(blocks, at, slots, to, h, m, curves, material):
-    """Tangent of the yield stress at the present strain, what is beyond it. Writes: slots."""
+    """Tangent of the yield stress at the present strain, and the excess over it. Writes: slots."""
     c1, c2 = softening(m)
     scaled, rated = m.heating > 0.0, m.rated == 1
     for e in range(LANES):
@@ -75,7 +75,7 @@ def count_yielding(slots, to):
 
 @blockwise
 def largest_residual(slots, to):
-    """Largest of what is beyond yield, or was returned too far."""
+    """Largest residual of the yield condition, of either sign."""
     largest = -1.0
     for e in range(LANES):
         gap = slots[to + LANES * SLOT.residual + e]

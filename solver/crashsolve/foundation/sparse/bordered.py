@@ -78,15 +78,7 @@ def plan(
     `ends` are the nodes of all rows, those of the joints first. Returns the matrix, and the block
     of two nodes.
     """
-    moving = {node: k for k, node in enumerate(nodes)}
-    graph: list[set[int]] = [set() for _ in range(len(nodes) + len(joints))]
-    edges = [(moving[a], moving[b]) for a, b in pairs if a in moving and b in moving]
-    for k, (_, own) in enumerate(joints, start=len(nodes)):
-        edges += [(k, moving[node]) for node in own if node in moving]
-    for a, b in edges:
-        if a != b:
-            graph[a].add(b)
-            graph[b].add(a)
+    graph = _graph(nodes, pairs, joints)
     order, below = minimum_degree(graph, [1] * len(graph), len(nodes))
     position = {key: p for p, key in enumerate(order)}
     entries = np.cumsum([0, *(rows * len(own) // 2 for rows, own in joints)])
@@ -104,6 +96,22 @@ def plan(
     found = {(names[q], names[p]): block for (q, p), block in address.items()}
     slots = np.array(_positions(ends, joints, found), SLOT.dtype)
     return Bordered(columns, blocks, np.array(updates, UPDATE.dtype), slots), found
+
+
+def _graph(
+    nodes: list[int], pairs: set[tuple[int, int]], joints: list[tuple[int, tuple[int, ...]]]
+) -> list[set[int]]:
+    """Neighbours of all nodes, and behind them of all joints, by their numbers in this list."""
+    moving = {node: k for k, node in enumerate(nodes)}
+    graph: list[set[int]] = [set() for _ in range(len(nodes) + len(joints))]
+    edges = [(moving[a], moving[b]) for a, b in pairs if a in moving and b in moving]
+    for k, (_, own) in enumerate(joints, start=len(nodes)):
+        edges += [(k, moving[node]) for node in own if node in moving]
+    for a, b in edges:
+        if a != b:
+            graph[a].add(b)
+            graph[b].add(a)
+    return graph
 
 
 def _addresses(

@@ -1,1 +1,1 @@
-"""What is refused, or warned of, in a model before it runs."""
+"""Checks of a model before it runs: errors and warnings; those of single cards are in deck/."""

@@ -1,4 +1,5 @@
-"""Whether the inertia of a body fits what is fixed to it: a wrong unit is the common error.
+"""Whether the inertia of a body fits the points and surfaces on it; a wrong unit is the common
+error.
 
     k_i = sqrt(I_i / m)
 

@@ -52,7 +52,9 @@ def refuse_several(model: Model, deck: Deck) -> None:
     The matrix of all nodes has no blocks for the parts of one row.
     """
     method = import_module(f"crashsolve.integrators.{model.integrator}")
-    has_blocks = bool(model.elements) or any(hasattr(g.module, "bend") for g in model.groups)
+    has_blocks = bool(model.elements) or any(
+        hasattr(g.module, "tangent_blocks") for g in model.groups
+    )
     if not hasattr(method, "T") or not has_blocks:
         return
     some = {

@@ -1,4 +1,4 @@
-"""What a quasi-static solution cannot have yet: path-dependent laws, and what moves by itself."""
+"""Refuses models that a quasi-static solution does not support: path-dependent, or free to move."""
 
 from collections.abc import Iterator
 from typing import Any

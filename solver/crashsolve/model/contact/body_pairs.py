@@ -1,4 +1,4 @@
-"""Pairs of a group that follow each other on the same two bodies, under one card."""
+"""Consecutive pairs of a group on the same two bodies, under one card."""
 
 from __future__ import annotations
 
@@ -14,24 +14,25 @@ if TYPE_CHECKING:
 
 # see system/contact/body_pairs.py
 BODY_PAIR = Record("""
-    first                index     first pair
-    end                  index     first pair after it
-    card                 index     contact card of all of them
-    node_a               index     body of side a
-    node_b               index     body of side b
-    reach_a              m         how far an element of side a reaches from the mass centre at most
-    reach_b              m         the same for side b
-    thick                m         least half thickness of both sides
-    rests                flag      none is looked at
-    depth                m         of the deepest, as they were last looked at
-    gone                 m         how far the bodies have approached each other since, at most
-    dissipated           J         by the normal forces of all
-    friction_dissipated  J         by their friction
+    first                index  first pair
+    end                  index  first pair after it
+    card                 index  contact card of all of them
+    node_a               index  body of side a
+    node_b               index  body of side b
+    reach_a              m      largest extent of the elements of side a from the mass centre
+    reach_b              m      the same for side b
+    thick                m      least half thickness of both sides
+    rests                flag   none is looked at
+    depth                m      of the deepest, at the last evaluation
+    approached           m      bound of the approach of the bodies since
+    dissipated           J      by the normal forces of all
+    friction_dissipated  J      by their friction
 """)
 
 
 def rest_together(groups: Iterable[ContactGroup]) -> None:
-    """Find pairs on the same bodies where a group has one list of pairs that rest while apart.
+    """Find pairs on the same bodies of a group with one list of pairs that are skipped while
+    separated.
 
     Writes: groups.
     """
@@ -41,7 +42,7 @@ def rest_together(groups: Iterable[ContactGroup]) -> None:
 
 
 def body_pairs_of(group: ContactGroup, pairs: np.ndarray) -> np.ndarray:
-    """Which of these pairs of a group are on the same bodies; all are yet to be looked at."""
+    """Which of these pairs of a group are on the same bodies; none is evaluated yet."""
     ends = [group.elements_a["node"][pairs["a"]], group.elements_b["node"][pairs["b"]]]
     keys = np.stack([pairs["card"], *ends])
     first = np.flatnonzero(np.diff(keys, axis=1, prepend=-1).any(axis=0))

@@ -28,12 +28,19 @@ from crashsolve.deck.family import check_law
 from crashsolve.foundation.record import Record
 from crashsolve.model.attachments import IMPLICIT
 from crashsolve.model.contact import records
-from crashsolve.model.contact.doubles import warn_of_doubles
+from crashsolve.model.contact.doubles import warn_of_common_pairs
 from crashsolve.model.contact.floor import speed_floor
 from crashsolve.model.contact.groups import ContactGroup, NodalGroup
 from crashsolve.model.contact.holes import warn_of_holes
 from crashsolve.model.contact.node_to_surface import NodalBuilder
-from crashsolve.model.contact.pairs import ENDLESS, Block, Elements, Pairing, Search, resting
+from crashsolve.model.contact.pairs import (
+    INFINITE_EXTENT,
+    Block,
+    Elements,
+    Pairing,
+    Search,
+    resting,
+)
 from crashsolve.model.materials import refuse_different
 from crashsolve.model.scene import Scene
 
@@ -79,7 +86,7 @@ def build_contacts(deck: Deck, scene: Scene) -> tuple[list[ContactGroup], list[N
             surfaces[name] = Surface(entry, rank, scene)
     scene.surfaces = surfaces
     for entry in deck.entries["contacts"].values():
-        meet(entry.card, surfaces)
+        measure_opposite_sides(entry.card, surfaces)
     builders: dict[str, GroupBuilder] = {}
     nodal = NodalBuilder(scene)
     for index, entry in enumerate(deck.entries["contacts"].values()):
@@ -90,7 +97,7 @@ def build_contacts(deck: Deck, scene: Scene) -> tuple[list[ContactGroup], list[N
     for name, entry in deck.entries["contacts"].items():
         sides = [[surfaces[word] for word in names] for names in (entry.card.a, entry.card.b)]
         warn_of_holes(name, sides, scene)
-    warn_of_doubles(deck.entries["contacts"], scene)
+    warn_of_common_pairs(deck.entries["contacts"], scene)
     nodes = scene.placed_nodes()
     is_implicit = deck.control.integrator in IMPLICIT
     groups = [builder.finish(nodes, is_implicit) for builder in builders.values()]
@@ -121,23 +128,35 @@ def _add_card(
     for some_a in sides[0].values():
         for some_b in sides[1].values():
             if {some_a[0].shape, some_b[0].shape} & LEAN:
-                if _torsion_radius(card) is not None:
-                    raise scene.fail(
-                        "is for rigid shapes; leave it out: friction at many points of a shell "
-                        "resists a spin without it",
-                        "torsion_radius",
-                    )
+                _refuse_torsion(card, scene)
                 for a, b in product(some_a, some_b):
                     nodal.add(index, entry, a, b, gap_routine)
                 continue
             narrow, swapped = gap_routine(some_a[0], some_b[0], scene)
-            home = _home_of_gap(narrow)
-            key = "_".join([_leaf(home.__name__), *(_leaf(type(law).__module__) for law in laws)])
-            if _torsion_radius(card) is not None:
-                key += "_torsion"
-            if key not in builders:
-                builders[key] = GroupBuilder(key, home, laws)
-            builders[key].add(index, entry, narrow, swapped, (some_a, some_b), on_both, scene)
+            builder = _builder_of(_home_of_gap(narrow), card, laws, builders)
+            builder.add(index, entry, narrow, swapped, (some_a, some_b), on_both, scene)
+
+
+def _refuse_torsion(card: Any, scene: Scene) -> None:
+    """Raises the error of a card whose torsion_radius has no effect."""
+    if _torsion_radius(card) is not None:
+        raise scene.fail(
+            "is for rigid shapes; leave it out: friction at many points of a shell resists a spin "
+            "without it",
+            "torsion_radius",
+        )
+
+
+def _builder_of(
+    home: Any, card: Any, laws: list[Any], builders: dict[str, GroupBuilder]
+) -> GroupBuilder:
+    """The builder of the group with this gap routine and these laws. Writes: builders."""
+    key = "_".join([_leaf(home.__name__), *(_leaf(type(law).__module__) for law in laws)])
+    if _torsion_radius(card) is not None:
+        key += "_torsion"
+    if key not in builders:
+        builders[key] = GroupBuilder(key, home, laws)
+    return builders[key]
 
 
 def _torsion_radius(card: Card) -> float | None:
@@ -185,7 +204,7 @@ def gap_routine(a: Surface, b: Surface, scene: Scene) -> tuple[Any, bool]:
     )
 
 
-def meet(card: Any, surfaces: dict[str, Surface]) -> None:
+def measure_opposite_sides(card: Any, surfaces: dict[str, Surface]) -> None:
     """Report the surfaces of each side of a card the thinnest box or cylinder of the other, and
     the narrowest.
 
@@ -234,7 +253,7 @@ class Side:
                 # a part that is a ball says how large it is
                 own = radius if is_whole else part.get("radius", radius)
                 reach = float(np.linalg.norm(at)) + own
-                self._reaches.append(reach if np.isfinite(reach) else ENDLESS)
+                self._reaches.append(reach if np.isfinite(reach) else INFINITE_EXTENT)
         self.surfaces[name] = range(first, len(self.elements))
         self._of.extend([surface] * len(self.surfaces[name]))
         self._rounds.setdefault(str(surface.radius), len(self._rounds))
@@ -328,9 +347,9 @@ class GroupBuilder:
         """The group with its pairs, all of them or the near ones."""
         parameters, history = records.PARAMETERS, records.HISTORY
         if self._have_ends():
-            history = history + records.WAY
+            history = history + records.FACE_HISTORY
             if hasattr(self.home, "search"):
-                history = history + records.SEARCHED
+                history = history + records.EXIT_LEAD
         for module in self.modules:
             parameters, history = parameters + module.PARAMETERS, history + module.HISTORY
         if "torsion_radius" in self.laws[0]:
@@ -340,7 +359,7 @@ class GroupBuilder:
         if len(self.modules) > 1 and (
             "torsion_radius" in self.laws[0] or hasattr(self.home, "patch")
         ):
-            history = history + records.SPUN
+            history = history + records.SPIN_RADIUS
         elements = (self.sides[0].elements, self.sides[1].elements)
         # the arrays of all elements come first: they may note in an element where its part starts
         data = getattr(self.home, "data", lambda *_: ())(*elements)

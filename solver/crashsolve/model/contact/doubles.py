@@ -7,7 +7,7 @@ from typing import Any
 from crashsolve.model.scene import Scene
 
 
-def warn_of_doubles(entries: dict[str, Any], scene: Scene) -> None:
+def warn_of_common_pairs(entries: dict[str, Any], scene: Scene) -> None:
     """Warn of every two contact cards that have a pair of surfaces in common."""
     named = defaultdict(list)
     for name, entry in entries.items():

@@ -1,4 +1,4 @@
-"""Closing speed below which a touch counts as resting, where the deck gives none."""
+"""Closing speed below which a contact counts as resting, where the deck gives none."""
 
 from math import sqrt
 

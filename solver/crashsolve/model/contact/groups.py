@@ -19,7 +19,9 @@ def is_damper(friction: object) -> bool:
 
 
 class Touching:
-    """What groups of contacts say of their laws; a group has a gap routine, friction, histories."""
+    """Properties of a group of contacts by its laws; a group has a gap routine, friction,
+    histories.
+    """
 
     narrow: StepGap | None
     friction: StepFriction | None
@@ -36,7 +38,7 @@ class Touching:
 
     @property
     def has_core_depth(self) -> bool:
-        """Whether its gap routine can say how deep the middle of a round face is."""
+        """Whether its gap routine has the depth of the middle of a round face."""
         return self.keeps_faces and hasattr(self.narrow, "middle")
 
     @property
@@ -68,16 +70,18 @@ class ContactGroup(Touching):
     output: np.ndarray
     search: Any | None  # of the near pairs; None when all pairs are kept
     # of many pairs, see model/contact/pieces.py
-    pieces: Any = None
-    sums: Any = None  # of a piece, as a card has them
-    counts: Any = None
-    loads: Any = None  # on bodies, body by body
-    applied: Any = None  # whether there is such a load now
-    load_rows: Any = None  # of pair i those of loads 2 i on side a and 2 i + 1 on side b
-    bearers: Any = None
-    ranges: Any = None  # pieces of the bodies
-    # of few pairs that are left alone while apart: model/contact/body_pairs.py
-    body_pairs: Any = None
+    pieces: np.ndarray | None = None
+    sums: np.ndarray | None = None  # of a piece, as a card has them
+    counts: np.ndarray | None = None
+    loads: np.ndarray | None = None  # on bodies, body by body
+    applied: np.ndarray | None = None  # whether there is such a load now
+    load_rows: np.ndarray | None = (
+        None  # of pair i those of loads 2 i on side a and 2 i + 1 on side b
+    )
+    bearers: np.ndarray | None = None
+    ranges: np.ndarray | None = None  # pieces of the bodies
+    # of few pairs that are skipped while separated: model/contact/body_pairs.py
+    body_pairs: np.ndarray | None = None
 
     @property
     def in_pieces(self) -> bool:
@@ -128,7 +132,7 @@ class ContactGroup(Touching):
 
     @property
     def follows_exit(self) -> bool:
-        """Whether a touch is followed along its exit, and others are searched for now and then."""
+        """Whether a contact follows its exit, and others are searched from time to time."""
         return "sure" in (self.history.dtype.names or ())
 
     @property
@@ -174,7 +178,7 @@ class NodalGroup(Touching):
     friction: StepFriction | None
     arrays: dict[str, np.ndarray]  # see model/contact/node_to_surface.py
     is_smooth: bool = False  # normals of faces from a continuous field
-    can_fail: bool = False  # whether faces may vanish
+    can_fail: bool = False  # whether elements may be deleted
 
     # outputs of a run
     CHANGING: ClassVar = (
@@ -186,7 +190,7 @@ class NodalGroup(Touching):
         "first",
         "near",
         "wait",
-        "gone",
+        "deleted",
         "balls",
     )
 
@@ -224,5 +228,5 @@ class NodalGroup(Touching):
         return self.arrays
 
     def changing(self) -> dict[str, np.ndarray]:
-        """Arrays that a restart must bring back."""
+        """Arrays that a restart must restore."""
         return {name: self.arrays[name] for name in self.CHANGING if name in self.arrays}

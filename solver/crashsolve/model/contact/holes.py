@@ -1,20 +1,21 @@
-"""Holes between nodes or points, through which what they shall meet would pass unmet.
+"""Holes between nodes or points, through which the opposite side of a contact could pass.
 
-Nodes and points are met one by one. A ball that meets the middle between four of them touches none
+Nodes and points touch individually. A ball between four of them touches none
 while its radius and theirs are less than the distance to the nearest: the radius of the hole.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import product
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, Scene
+from crashsolve.deck.reading.items import Entry
 
 # of the radius of a hole: a probe that just fits is not reported
 FITS = 1e-6
-# points of a set are all looked at up to so many, and some of them beyond
+# points of a set that are all examined; of larger sets a part is
 MANY = 2000
 INSTEAD = {
     "points": "say faces instead of nodes, or refine its mesh",
@@ -22,7 +23,20 @@ INSTEAD = {
 }
 
 
-def warn_of_holes(contact: str, sides: list[list[Any]], scene: Scene) -> None:
+class Surface(Protocol):
+    """A surface and its elements (model/contact/build.py, node_to_surface.py)."""
+
+    @property
+    def entry(self) -> Entry: ...
+    @property
+    def module(self) -> Any: ...
+    @property
+    def shape(self) -> str: ...
+    @property
+    def elements(self) -> list[Columns]: ...
+
+
+def warn_of_holes(contact: str, sides: Sequence[Sequence[Surface]], scene: Scene) -> None:
     """Warn of every two surfaces of a card of which one fits between the points of the other."""
     for a, b in product(*sides):
         for probes, other in ((a, b), (b, a)):
@@ -39,12 +53,12 @@ def warn_of_holes(contact: str, sides: list[list[Any]], scene: Scene) -> None:
             )
 
 
-def own_radius(surface: Any) -> float:
+def own_radius(surface: Surface) -> float:
     """Distance of the surface from its points [m]."""
     return float(getattr(surface.entry.card, "radius", 0.0))
 
 
-def hole(surface: Any, scene: Scene) -> float:
+def hole(surface: Surface, scene: Scene) -> float:
     """Radius of the largest ball that touches no point as it passes between them [m]; 0: none."""
     if surface.shape == "points":
         mesh = scene.skin(surface.entry.card.part, "part")[0].mesh
@@ -58,8 +72,8 @@ def hole(surface: Any, scene: Scene) -> float:
     return 0.5 * max(_second_least(np.linalg.norm(positions - x, axis=1)) for x in some)
 
 
-def half_width(surface: Any, scene: Scene) -> float | None:
-    """Half of the middle one of three extents [m]: what passes a hole; None of infinite ones."""
+def half_width(surface: Surface, scene: Scene) -> float | None:
+    """Half of the middle one of three extents [m], which must pass a hole; None if infinite."""
     if surface.shape in ("points", "faces"):
         meshed = scene.skin(surface.entry.card.part, "part")[0]
         if surface.shape == "points":
@@ -70,7 +84,7 @@ def half_width(surface: Any, scene: Scene) -> float | None:
     return min(float(surface.module.half_width(element)) for element in surface.elements)
 
 
-def _positions(surface: Any, scene: Scene) -> Iterator[np.ndarray]:
+def _positions(surface: Surface, scene: Scene) -> Iterator[np.ndarray]:
     nodes = scene.placed_nodes()
     for element in surface.elements:
         node = element["node"]

@@ -1,4 +1,4 @@
-"""Which faces of a shell lie beside each other, and which its own nodes never meet."""
+"""Neighbours of the faces of a shell, and the faces that its own nodes never meet."""
 
 from itertools import permutations
 from typing import Any
@@ -140,5 +140,5 @@ def chosen(
 
 
 def nothing(count: int) -> tuple[np.ndarray, np.ndarray]:
-    """No face is spared."""
+    """No face is excluded."""
     return np.zeros(count + 1, np.int64), np.zeros(1, np.int64)

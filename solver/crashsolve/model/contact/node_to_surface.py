@@ -38,17 +38,17 @@ if TYPE_CHECKING:
     from crashsolve.elements.shells.layout import DiscretisedShell
     from crashsolve.model.scene import Scene
 
-# lists of near faces: their margin over the mean radius of a face, and the faces of a probe that
-# there is room for at first
+# lists of near faces: their margin over the mean radius of a face, and the initial room for the
+# faces of a probe
 MARGIN, ROOM = 1.0, 24
-# a node meets no faces of its own surface that are nearer along it than so many gaps: bent round as
-# tightly as its thickness allows a surface touches itself after pi/2 of them, and in its own plane
-# it would have to be crushed to 0.4 of its length
+# a node meets no faces of its own surface within so many gaps along it: a surface bent as tightly
+# as its thickness allows touches itself after pi/2 gaps, and in its plane it would have to be
+# crushed to 0.4 of its length
 FOLDED = 2.5
-# gaps of a surface with itself over the width of its faces: beyond this a node leaves hundreds of
-# faces alone, which is no shell that could fold
+# gaps of a surface with itself over the width of its faces: beyond this a node would exclude
+# hundreds of faces, which is no shell that could fold
 THICKEST = 6.0
-# share of the gap by which a step may bring two sides nearer
+# share of the gap by which a step may reduce the distance of two sides
 REACH = 0.5
 # shapes that press on shapes, and on faces
 PRESSING = (("points", "sphere"), ("points", "sphere", "ellipsoid"))
@@ -86,18 +86,18 @@ PARAMETERS = Record("""
     first_beside  index  of records of walls beside the nearest
 """)
 TOTALS = Record("""
-    fastest        m/s    largest closing speed that there can be
-    travel         m      sum of that over the steps
-    listed         m      the same when lists were made
-    pairs          count  in the lists
-    searches       count  lists made
-    stored         J      recoverable energy
-    dissipated     J      lost by the normal force
-    bristled       J      recoverable energy of friction
-    friction_loss  J      lost by friction
-    depth          m      deepest touch
-    deepest        m      the same of all steps
-    passed         s      time at which a probe has passed through faces; 0: none has
+    fastest         m/s    largest closing speed that there can be
+    travel          m      sum of that over the steps
+    listed          m      the same when lists were made
+    pairs           count  in the lists
+    searches        count  lists made
+    stored          J      recoverable energy
+    dissipated      J      lost by the normal force
+    bristle_energy  J      recoverable energy of friction
+    friction_loss   J      lost by friction
+    depth           m      deepest touch
+    deepest         m      the same of all steps
+    passed          s      time at which a probe has passed through faces; 0: none has
 """)
 PROBE_STATE = Record("""
     active        flag      touching
@@ -110,9 +110,9 @@ PROBE_STATE = Record("""
     normal        1      3  towards the probe
     N             1      4  weights of the corners
 """)
-RUB = Record("""
+FRICTION_STATE = Record("""
     friction_force  N  3  friction on the probe
-    bristled  J     recoverable energy of friction
+    bristle_energy  J     recoverable energy of friction
 """)
 # of probes on faces, in the record of the nearest wall on a side
 BESIDE = Record("beside  count  other walls touched on this side, while it is active")
@@ -129,7 +129,7 @@ HIT = Record("""
     normal    1      3  towards the side where the probe belongs
     N         1      4  weights of the corners
 """)
-# of probes that a piece has looked at
+# of the probes that a piece has searched
 LOOK = Record("""
     first  index  of those that touch, or have touched
     count  count  of these
@@ -143,7 +143,7 @@ STIFFNESS_BOUND = Record("""
     pressed      m/s^2  sum of normal force times N / m, where friction acts
     was_pressed  m/s^2  the same in the last step
 """)
-TOUCHED = Record("""
+TOTALS_OF_STEP = Record("""
     count       count  points that are touched
     rate        1/s^2  largest bound of squared frequency of these
     damping     1/s    largest sum of c N / m
@@ -156,7 +156,7 @@ TOUCHED = Record("""
 
 @dataclass
 class Probes:
-    """The side that presses: rows of PROBE, their radius, their part if they are shell points."""
+    """The side of the probes: rows of PROBE, their radius, their part if they are shell points."""
 
     rows: np.ndarray
     radius: float
@@ -208,7 +208,7 @@ class NodalBuilder:
             raise self.scene.fail(f"{message}; {advice}", "a")
 
     def _law(self, entry: Entry) -> Any:
-        """Module of the normal law; what nodal contact lacks is refused."""
+        """Module of the normal law; laws that nodal contact does not support are refused."""
         if not hasattr(entry.card, "normal"):
             message = "holds nodes that are bodies; shell nodes and faces need a law of force"
             raise self.scene.fail(f"{message}: type: force, normal: {{type: penalty}}")
@@ -244,10 +244,11 @@ class NodalBuilder:
             probe_state = probe_state + records.FACE
         rows = probe_states * n
         if probe_states == 2:
-            # a record that is none, and one for what is left
+            # an empty record, and one for contacts that end
             probe_state, rows = probe_state + BESIDE, WALLS * rows + 1
         if friction is not None:
-            record, probe_state = record + friction.PARAMETERS, probe_state + RUB + friction.HISTORY
+            record = record + friction.PARAMETERS
+            probe_state = probe_state + FRICTION_STATE + friction.HISTORY
         p = np.zeros(1, record.dtype)
         for name, value in values.items():
             p[name] = value
@@ -266,38 +267,38 @@ class NodalBuilder:
             "probe_states": np.zeros((2, rows), probe_state.dtype),
             "slot_in_use": np.zeros(probe_states * n, np.int64),
             "due": np.zeros(n),
-            # threads look before the first one presses
+            # threads search before the first one computes forces
             "found": np.zeros((n if threads > 1 else 1, 2 * WALLS), HIT.dtype),
         } | shared
 
     def _on_shape(self, probes: Probes, a: Any, b: Any, routine: Any) -> Any:
         """Points against a rigid shape: its own gap routine, with copies of its bodies."""
-        seen = Seen("sphere", a.entry)
+        seen = SurfaceOfProbes("sphere", a.entry)
         narrow, swapped = routine(seen, b, self.scene)
         if swapped or hasattr(narrow, "expand_a"):
             message = f"nodes of shells cannot press on a {b.entry.type}; give it another shape"
             raise self.scene.fail(message, "b")
         bodies = sorted({int(element["node"]) for element in b.elements})
         # a probe stands for a body; for each thread there is one
-        pens = self.scene.threads
-        frames = np.zeros(pens + len(bodies), NODE.dtype)
+        first_body = self.scene.threads
+        frames = np.zeros(first_body + len(bodies), NODE.dtype)
         frames["A"][:] = np.eye(3).ravel()
-        home = np.array([0] * pens + bodies)
+        home = np.array([0] * first_body + bodies)
         expand = getattr(narrow, "expand_b", lambda elements: elements)
         elements = [part for e in b.elements for part in expand([e])]
-        pen = {"node": 0, "point": (0.0, 0.0, 0.0), "radius": probes.radius}
-        all_pens = [pen | {"node": k} for k in range(pens)]
-        data = getattr(narrow, "data", lambda *_: ())([pen], elements)
+        probe_element = {"node": 0, "point": (0.0, 0.0, 0.0), "radius": probes.radius}
+        balls = [probe_element | {"node": k} for k in range(first_body)]
+        data = getattr(narrow, "data", lambda *_: ())([probe_element], elements)
         shape = import_module(f"crashsolve.contact.shape.{b.shape}")
         record = getattr(narrow, "PARAMETERS_B", shape.PARAMETERS)
         own = {
-            "a": table_of(all_pens, import_module("crashsolve.contact.shape.sphere").PARAMETERS),
+            "a": table_of(balls, import_module("crashsolve.contact.shape.sphere").PARAMETERS),
             "b": table_of(elements, record),
             "frames": frames,
             "home": home,
             **{f"data_{k}": array for k, array in enumerate(data)},
         }
-        own["b"]["node"] = [pens + bodies.index(int(e["node"])) for e in elements]
+        own["b"]["node"] = [first_body + bodies.index(int(e["node"])) for e in elements]
         thick = min(
             (b.module.half_thickness(e) for e in b.elements if hasattr(b.module, "half_thickness")),
             default=inf,
@@ -349,7 +350,7 @@ class NodalBuilder:
             "starts": np.zeros(buckets + 1, np.int64),
             "sorted": np.zeros(count, np.int64),
             "beside": faces_beside(quads),
-            "gone": np.zeros(count, np.int64),
+            "deleted": np.zeros(count, np.int64),
             "around_first": around[0],
             "around": around[1],
             "spared_first": spared[0],
@@ -411,7 +412,7 @@ class Touching:
 
 
 @dataclass
-class Seen:
+class SurfaceOfProbes:
     """A surface as gap routines see it."""
 
     shape: str
@@ -429,7 +430,7 @@ def table_of(rows: list[Columns], record: Record) -> np.ndarray:
 def loads_of_points(count: int) -> dict[str, np.ndarray]:
     """Stiffness that all groups together add to points."""
     return {
-        "touched": np.zeros(1, TOUCHED.dtype),
+        "touched": np.zeros(1, TOTALS_OF_STEP.dtype),
         "stiffened": np.zeros(count, STIFFNESS_BOUND.dtype),
         "touched_points": np.zeros(count, np.int64),
     }

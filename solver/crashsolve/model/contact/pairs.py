@@ -2,8 +2,8 @@
 
 A group with few possible pairs keeps them all. One with many keeps those whose bounding spheres
 come within a margin, of each other or of a plane at rest, and renews the list when an element has
-moved by half the margin. A pair that stays in the list keeps its history; what a pair that leaves
-has lost goes to its contact card.
+moved by half the margin. A pair that stays in the list keeps its history; the losses of a pair that
+leaves are added to its contact card.
 """
 
 from __future__ import annotations
@@ -19,20 +19,20 @@ from crashsolve.model.contact.groups import ContactGroup
 from crashsolve.model.contact.pieces import cut
 from crashsolve.model.model import State
 
-# more possible pairs than this, and a group looks for the near ones; implicit methods, which find
-# no tangents for pairs that come and go, look at many more, and those whose pairs are left alone
-# while they are apart (system/contact/resting.py), which costs less than new lists
+# a group with more possible pairs than this keeps lists of the near ones; implicit methods, whose
+# tangents need fixed pairs, from many more on, and groups whose pairs are skipped while separated
+# (system/contact/resting.py), which costs less than new lists
 SEARCH_ABOVE, SEARCH_ABOVE_IMPLICIT, SEARCH_ABOVE_RESTING = 180, 500, 1000
 # margin of the list of near pairs, in shares of the mean radius of the bounding spheres; planes
 # have few near pairs
 MARGIN, MARGIN_OF_PLANES = 0.5, 4.0
-# share of the slack by which every pair outside the list is apart when the list is renewed: of a
-# margin of two, each of both elements has gone 0.7, and a step of 0.2, at most
+# share of the slack by which every pair outside the list is separated when the list is renewed: of
+# a margin of two, each of both elements has moved by 0.7, and in a step by 0.2, at most
 # (system/contact/touches.py)
-APART = 0.2
+SEPARATION_OF_OTHERS = 0.2
 # extent of infinite elements [m]: finite, so that its product with no rotation is 0
-ENDLESS = 1e300
-SEEN = Record("r  m  3  centre of an element when the list was made")
+INFINITE_EXTENT = 1e300
+CENTRE_AT_SEARCH = Record("r  m  3  centre of an element when the list was made")
 
 
 @dataclass
@@ -122,7 +122,7 @@ class Pairing:
 
 
 class Search:
-    """The list of near pairs of a group, and where its elements were when it was made."""
+    """The list of near pairs of a group, and the centres of its elements when it was made."""
 
     def __init__(self, pairing: Pairing) -> None:
         self.pairing = pairing
@@ -130,14 +130,16 @@ class Search:
         share = MARGIN_OF_PLANES if np.isinf(pairing.sides[1].radius).all() else MARGIN
         self.margin = share * float(radii[np.isfinite(radii)].mean())
         self.slack = np.array([0.5 * self.margin])
-        self.seen = tuple(np.zeros(len(side.centre), SEEN.dtype) for side in pairing.sides)
+        self.seen = tuple(
+            np.zeros(len(side.centre), CENTRE_AT_SEARCH.dtype) for side in pairing.sides
+        )
 
     def cards(self) -> list[int]:
         """Contact cards whose pairs are in the list."""
         return sorted({block.card for block in self.pairing.blocks})
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """Arrays by which the step knows when pairs must be searched again."""
+        """Arrays from which the step determines when pairs must be searched again."""
         return {"seen_a": self.seen[0], "seen_b": self.seen[1], "slack": self.slack}
 
     def look(self, nodes: Any) -> np.ndarray:
@@ -164,14 +166,17 @@ class Search:
 
 
 def resting(count: int, dtype: Any, search: Search | None) -> np.ndarray:
-    """Both sides of the history of pairs that are apart, by so much at least."""
+    """Both sides of the history of separated pairs with at least this gap."""
     history = np.zeros((2, count), dtype)
-    history["depth"] = -APART * search.slack[0] if search else 0.0
+    history["depth"] = -SEPARATION_OF_OTHERS * search.slack[0] if search else 0.0
     return history
 
 
 def renew(groups: list[ContactGroup], state: State) -> None:
-    """New lists of near pairs. Writes: groups, and the losses of those that left to the cards."""
+    """Renew the lists of near pairs.
+
+    Writes: groups, and the losses of pairs that left to the cards.
+    """
     current = int(state.clock[0]["current"])
     for group in groups:
         if group.search is not None:
@@ -181,7 +186,7 @@ def renew(groups: list[ContactGroup], state: State) -> None:
 def _renew(group: ContactGroup, search: Search, state: State, current: int) -> None:
     rows = search.look(state.nodes)
     before, after = (_identity(group, p) for p in (group.parameters, rows))
-    # both lists are in ascending order: what stays is in the same order in both
+    # both lists are in ascending order, and so are the pairs that stay
     at = np.searchsorted(after, before)
     kept = np.append(after, -1)[at] == before
     history = resting(len(rows), group.history.dtype, search)

@@ -1,4 +1,4 @@
-"""Many contact pairs in pieces, which one thread or several do side by side.
+"""Many contact pairs in pieces, which one thread or several evaluate.
 
 A pair writes its own rows alone: histories, output, and a load for either of its bodies. Sums over
 the pairs of a contact card are taken piece by piece, those on a body pair by pair, in the order of
@@ -34,7 +34,7 @@ PIECE = Record("""
     nearest  m      largest depth that begins in a step; negative is a gap
     before   m      the same at the start of the step
 """)
-BEARER = Record("""
+BODY_OF_LOADS = Record("""
     node   index  body that pairs press on
     first  index  of its loads
     end    index  first load after them
@@ -101,7 +101,7 @@ def _bodies(nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     load_rows = np.empty(len(nodes), np.int64)
     load_rows[order] = np.arange(len(nodes))
     first = np.flatnonzero(np.diff(nodes[order], prepend=-1))
-    bearers = np.zeros(len(first), BEARER.dtype)
+    bearers = np.zeros(len(first), BODY_OF_LOADS.dtype)
     bearers["node"], bearers["first"] = nodes[order[first]], first
     bearers["end"] = np.append(first, len(nodes))[1:]
     return load_rows, bearers

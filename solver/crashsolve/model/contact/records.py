@@ -1,4 +1,4 @@
-"""What a contact pair and a contact card carry, beside the columns of the laws of the pair."""
+"""Records of a contact pair and of a contact card, beside the columns of the laws of the pair."""
 
 from crashsolve.foundation.record import Record
 
@@ -9,20 +9,20 @@ PARAMETERS = Record("""
     order        count  +1 when a is on side a of the card, -1 when on side b
     speed_floor  m/s    closing speed below which a touch counts as resting
     thick        m      half thickness of both sides where they are thinnest; infinite with a plane
-    spread_a     m      how much farther the element on side a reaches than it is thick
+    spread_a     m      extent of the element on side a beyond its thickness
     spread_b     m      the same for side b
 """)
-# of pairs whose gap is bounded by how far they have moved
+# of pairs whose gap is bounded by their motion
 RESTING = Record("""
-    reach_a  m  how far the element on side a reaches from the mass centre of its body
+    reach_a  m  extent of the element on side a from the mass centre of its body
     reach_b  m  the same for side b
 """)
 # of pairs whose exit is searched for in several directions (system/contact/exits.py)
-SEARCHED = Record("sure  m  what the exit may yet lose of its lead before others are looked at")
+EXIT_LEAD = Record("sure  m  remaining lead of the exit, after which others are searched")
 # of cards that give it
 TORSION = Record("torsion_radius  m  at which friction resists a spin about the normal")
 # of pairs whose friction resists a spin
-SPUN = Record("radius  m  at which it does, at the last step")
+SPIN_RADIUS = Record("radius  m  at which it does, at the last step")
 HISTORY = Record("""
     active               flag     touching
     depth                m        penetration; negative is a gap
@@ -33,16 +33,16 @@ HISTORY = Record("""
     friction_power       W        its present rate
     push                 N     3  normal force on side a
     friction_force       N     3  friction on side a
-    bristled             J        recoverable energy of friction
+    bristle_energy       J        recoverable energy of friction
     position             m     3  point of contact
 """)
 # of pairs whose sides have an end (system/contact/pass_through.py)
 FACE = Record("""
-    held    flag  continues with its own face though another is nearer
-    passed  s     time at which one side has passed the middle of the other; 0: it has not;
+    held    flag  retains its face though another is nearer
+    passed  s     time at which one side passed the middle of the other; 0: it did not;
                   negative: by its back
 """)
-WAY = Record("normal  1  3  out of b") + FACE
+FACE_HISTORY = Record("normal  1  3  out of b") + FACE
 OUTPUT = Record("""
     force            N  3  on side a
     point            m  3  point of contact
@@ -61,24 +61,24 @@ CARD_OUTPUT = Record("""
     dissipated           J       energy lost by the normal force
     friction_dissipated  J       energy lost by friction
 """)
-# sums of many pairs, in pieces, before bodies and cards get them (model/contact/pieces.py)
+# sums of many pairs in pieces, which are then added to bodies and cards (model/contact/pieces.py)
 LOAD = Record("""
-    force        N      3  on one of the bodies of a pair
-    torque       N m    3  about its mass centre
-    deferred_force  N      3  part of force that began during the step
+    force            N      3  on one of the bodies of a pair
+    torque           N m    3  about its mass centre
+    deferred_force   N      3  part of force that began during the step
     deferred_torque  N m    3  part of torque that began during the step
-    stiffness    1/s^2     sum of k times mobility, for the stable step
-    damping      1/s       sum of c times mobility
-    pressed      m/s^2     normal force times mobility along the slip, where friction acts
+    stiffness        1/s^2     sum of k times mobility, for the stable step
+    damping          1/s       sum of c times mobility
+    pressed          m/s^2     normal force times mobility along the slip, where friction acts
 """)
 COUNTS = Record("""
-    late           N      3  part of the force on side a that began during the step
-    onsets         count     number of onsets
-    peak_share     1         largest depth over the half thicknesses of both sides
-    held           J         recoverable energy of the normal force
-    bristled       J         recoverable energy of friction
-    work           J         of the normal force on both sides
-    friction_work  J         of friction on both sides
+    late            N      3  part of the force on side a that began during the step
+    onsets          count     number of onsets
+    peak_share      1         largest depth over the half thicknesses of both sides
+    held            J         recoverable energy of the normal force
+    bristle_energy  J         recoverable energy of friction
+    work            J         of the normal force on both sides
+    friction_work   J         of friction on both sides
 """)
 CARD_HISTORY = Record("""
     force_before              N      3  force on side a at the last step
@@ -91,28 +91,28 @@ CARD_HISTORY = Record("""
     onsets                    count     number of onsets
     fastest                   m/s       largest impact speed of any step
     held                      J         recoverable energy of the normal force
-    bristled                  J         recoverable energy of friction
+    bristle_energy            J         recoverable energy of friction
     work                      J         of the normal force on both sides
     friction_work             J         of friction on both sides
-    held_first                J         held before the first step
-    handled                   J         most that the normal force has held and lost so far
-    friction_handled          J         most that friction has
-    exchanged                 J         what the normal force took and gave, both positive
-    friction_exchanged        J         what friction did
+    initially_stored          J         stored before the first step
+    largest_energy            J         largest energy stored and lost by the normal force so far
+    largest_friction_energy   J         the same of friction
+    exchanged                 J         sum of the sizes of the work of the normal force
+    friction_exchanged        J         the same of friction
     given                     W         power of the normal force on both sides, in steps of stages
     friction_given            W         that of friction
-    given_so_far              J         their work in the step
-    friction_given_so_far     J         the same of friction
+    work_in_step              J         their work in the step
+    friction_work_in_step     J         the same of friction
     touches                   count     times the card has begun to touch
     first_touch               s         when that was first; before the start of the run where it
                                         never was
     last_release              s         when it last ceased to touch; the same
-    duration                  s         for how long it has touched
+    duration                  s         duration of contact
     in_touch                  flag      whether it touches
     begun                     s         since when
-    lasted                    s         for how long it had touched by the last release
+    lasted                    s         duration of contact by the last release
     deepest                   m         depth of the deepest pair
-    left_dissipated           J         lost by the normal force of pairs that are not near any more
+    left_dissipated           J         lost by the normal force of pairs that left the list
     left_friction_dissipated  J         lost by their friction
     left_warnings             flag      bit k: such a pair met the k-th of the WARNINGS and
                                         REMARKS of its normal law

@@ -1,1 +1,3 @@
-"""What implicit integrators need of a model beside its tables."""
+"""Tables of implicit integrators, made once: rows, blocks and their pattern; their solution is in
+system/implicit.
+"""

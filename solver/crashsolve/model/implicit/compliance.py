@@ -26,7 +26,7 @@ def tangent_groups(model: Model) -> list[Any]:
 
 def has_nodal_tangents(model: Model) -> bool:
     """Whether there are elements whose tangents are blocks of their nodes."""
-    return bool(model.elements) or any(hasattr(g.module, "bend") for g in model.groups)
+    return bool(model.elements) or any(hasattr(g.module, "tangent_blocks") for g in model.groups)
 
 
 def tangent_contacts(model: Model) -> list[Any]:

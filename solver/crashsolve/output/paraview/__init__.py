@@ -1,1 +1,1 @@
-"""What viewers open the states by: the index in XDMF, and a script for ParaView."""
+"""Files with which viewers open the states: the index in XDMF, and a script for ParaView."""

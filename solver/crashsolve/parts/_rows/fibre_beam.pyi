@@ -16,7 +16,7 @@ class Parameters(Row, Protocol):
     quick_viscosity: float  # [N s^2/m^2] rho A b_2^2, of its square in compression
     rate_a: float  # [1/s^2] largest k times mobility at the first node
     rate_b: float  # [1/s^2] the same at the second
-    taut_a: float  # [1/(kg m)] what a tension of 1 N adds to it at the first node
+    taut_a: float  # [1/(kg m)] increase of that by a tension of 1 N, at the first node
     taut_b: float  # [1/(kg m)] the same at the second
     count: int  # [count] fibres
     y: Numbers[float]  # [m] positions along y of the section

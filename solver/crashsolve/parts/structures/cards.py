@@ -1,4 +1,4 @@
-"""A structure written out in ordinary cards: bodies at its points, and what each member becomes.
+"""A structure written out in ordinary cards: bodies at its points, and the cards of each member.
 
 The file of a description has `stub`, the length of a member that belongs to the body at its end,
 beside the rigid joint, `cards` of a member, whose names begin with that of the member, and WORDS,

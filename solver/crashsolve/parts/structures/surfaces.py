@@ -1,4 +1,4 @@
-"""Surfaces of a structure: what stands for all its members where a contact names the structure.
+"""Surfaces of a structure, for all its members, where a contact names the structure.
 
     rigid, hinges, segments   the outline of the section over each rigid length: a cylinder if it is
                               round, else a box

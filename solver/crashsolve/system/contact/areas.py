@@ -1,4 +1,4 @@
-"""Contact over an area: a force shared out over points, friction that resists a spin.
+"""Contact over an area: pressure distributed over points, friction that resists a spin.
 
 Friction sees the slip and r w_n at once, w_n the spin of a over b about the normal and r the radius
 with which friction resists it, as one vector with the spin along the normal:
@@ -6,8 +6,8 @@ with which friction resists it, as one vector with the spin along the normal:
     v + r w_n n  ->  t + t_n n      force t along the surface, torque r t_n n
 
 so that any law of friction keeps its limit, its regularisation and its energy: |t + t_n n| <= mu N,
-the ellipsoidal limit surface. Consequence to test: spun alone, an even disc is resisted by 2/3 mu N
-R.
+the ellipsoidal limit surface. Consequence to test: pure spin of an evenly pressed disc is resisted
+by 2/3 mu N R.
 
 References: Howe and Cutkosky (1996), Int. J. Robotics Research 15, 557-572.
 """
@@ -17,36 +17,36 @@ from crashsolve.foundation.columns import add_to, matvec
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import add_deferred, apply_force, apply_torque, point_tangent
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, put, scale, sub, vec
-from crashsolve.system.contact.touches import closing, count_stiffness, pair_mobility
-from crashsolve.system.contact.work import begin_push, displacement_from
+from crashsolve.system.contact.touches import add_pair_stiffness, closing_motion, pair_mobility
+from crashsolve.system.contact.work import add_end_work, displacement_from
 
-# what a law receives that lays its memory into the plane: along the normal it is that of a spin
+# normal passed to laws that project their history onto the plane: its normal part is that of a spin
 NO_ROTATION = (0.0, 0.0, 0.0)
 
 
 @kernel
-def sliding(a, b, slip, n, radius):
+def combined_slip(a, b, slip, n, radius):
     """Slip of a over b and, along the normal, that of the spin at the radius [m/s]."""
     return add_scaled(slip, radius * dot(sub(vec(a.w), vec(b.w)), n), n)
 
 
 @kernel
 def along_surface(friction_force, n):
-    """The part of friction or sliding that is no spin."""
+    """The part of friction or slip without that of the spin."""
     return add_scaled(friction_force, -dot(friction_force, n), n)
 
 
 @kernel
 def sliding_displacement(motion, displacement, n, radius):
-    """Displacement of a over b in a step, `displacement` in a position of both, as sliding has it
-    [m].
+    """Displacement of a over b in a step [m], with that of the spin along the normal as in
+    combined_slip; `displacement`: of the point of contact.
     """
     return add_scaled(along_surface(displacement, n), radius * dot(motion[2], n), n)
 
 
 @kernel
-def end_first_half(h, old, motion, a, card):
-    """Work of the forces of the start of the step, of which that of friction is returned [J].
+def add_first_half_work(h, old, motion, a, card):
+    """Work of the forces at the start of the step; returns that of friction [J].
 
     Writes: card.
     """
@@ -64,21 +64,24 @@ def end_first_half(h, old, motion, a, card):
 
 
 @kernel
-def begin_second_half(
+def add_second_half_work(
     applied, pair, sliding, x, friction_force, sliding_displacement, radius, card
 ):
-    """Work of the forces at the end of the step, which are kept for the next. Writes: new, card."""
+    """Work of the forces at the end of the step, which are stored for the next.
+
+    Writes: new, card.
+    """
     out, new = pair.out, pair.new
-    begin_push(applied, sliding.displacement, sliding.f, sliding.n, x, out, new, card)
+    add_end_work(applied, sliding.displacement, sliding.f, sliding.n, x, out, new, card)
     card.friction_work += 0.5 * applied * dot(friction_force, sliding_displacement)
-    card.bristled += out.friction_stored
+    card.bristle_energy += out.friction_stored
     put(new.friction_force, friction_force)
-    new.bristled, new.radius = out.friction_stored, radius
+    new.bristle_energy, new.radius = out.friction_stored, radius
 
 
 @kernel
 def twist(a, b, friction_force, n, radius, applied):
-    """Torque of friction about the normal, on a and against it on b. Writes: a, b."""
+    """Apply the torque of friction about the normal to a, and its opposite to b. Writes: a, b."""
     moment = scale(radius * dot(friction_force, n), n)
     apply_torque(a, moment)
     apply_torque(b, scale(-1.0, moment))
@@ -91,19 +94,19 @@ def twist(a, b, friction_force, n, radius, applied):
 def friction_mobility(a, b, d_a, d_b, u, n, radius):
     """Mobilities of both sides for friction along u, slip and spin of length 1 [1/kg]."""
     force, moment = along_surface(u, n), scale(radius * dot(u, n), n)
-    return respond(a, d_a, force, moment), respond(b, d_b, force, moment)
+    return response(a, d_a, force, moment), response(b, d_b, force, moment)
 
 
 @kernel
-def respond(body, d, force, moment):
-    """Acceleration of a body by a force at d with a torque, along both [1/kg]."""
+def response(body, d, force, moment):
+    """Mobility of a body for a unit force at d together with a torque [1/kg]."""
     rotation = add(cross(d, force), moment)
     return dot(force, force) * body.mass_inv + dot(rotation, matvec(body.W, rotation))
 
 
 @kernel
-def press_over_area(pair, totals, spots, count, n, x, applied, push):
-    """Normal force in the points of an area, where closing speeds differ from that of its middle.
+def distribute_pressure(pair, totals, spots, count, n, x, applied, push):
+    """Normal forces at the points of an area, whose closing speeds differ from that of its middle.
 
     Laws are linear in the speed where they press. Returns the force [N], the power that the
     differences dissipate [W] and the point of the line on which all of it acts. Writes: totals.
@@ -113,7 +116,7 @@ def press_over_area(pair, totals, spots, count, n, x, applied, push):
     total, power, moment = 0.0, -f * rate, NO_ROTATION
     for k in range(count):
         y, share = vec(spots[k].point), spots[k].share
-        rate_k, _, d_a, d_b = closing(a, b, y, n)
+        rate_k, _, d_a, d_b = closing_motion(a, b, y, n)
         f_k = share * max(0.0, f + damping * (rate_k - rate))
         own = scale(f_k, n)
         apply_force(on_a, own, d_a)
@@ -122,7 +125,7 @@ def press_over_area(pair, totals, spots, count, n, x, applied, push):
             add_deferred(on_a, scale(1.0 - applied, own), d_a)
             add_deferred(on_b, scale(applied - 1.0, own), d_b)
         mob_a, mob_b = pair_mobility(a, b, d_a, d_b, n)
-        count_stiffness(on_a, on_b, mob_a, mob_b, share * most_stiffness, share * most_damping)
+        add_pair_stiffness(on_a, on_b, mob_a, mob_b, share * most_stiffness, share * most_damping)
         total += f_k
         power += f_k * rate_k
         moment = add_scaled(moment, f_k, y)
@@ -131,7 +134,7 @@ def press_over_area(pair, totals, spots, count, n, x, applied, push):
 
 @kernel
 def add_pressure(f, n, out):
-    """Sum f of the normal forces of an area on side a, beside its friction. Writes: out."""
+    """Add the sum f of the normal forces of an area on side a to its friction. Writes: out."""
     for k in range(3):
         out.force[k] += f * n[k]
 

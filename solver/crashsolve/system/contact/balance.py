@@ -1,9 +1,9 @@
-"""The balance of each contact card: what its forces have taken from both sides is held, or lost.
+"""Energy balance of each contact card: the work done by both sides is stored, or dissipated.
 
-    lack = stored + dissipated + work of the forces on both sides
+    missing = stored + dissipated + work of the forces on both sides
 
-once for the normal force and once for friction. That of the whole scene may hide it: a contact
-holds little of the energy of a crash.
+once for the normal force and once for friction. The balance of the scene may hide it: a contact
+stores little of the energy of a crash.
 """
 
 import numpy as np
@@ -12,35 +12,37 @@ from crashsolve.model.ledger import LARGEST
 from crashsolve.model.model import Model, State
 from crashsolve.system.diagnosis import advice_on_gain
 
-# of the most that the normal force or the friction of a card has held and lost
+# of the largest energy that the normal force or the friction of a card has stored and dissipated
 UNBALANCED = 0.02
-# of the largest energy of the scene: less makes no difference to any result
+# of the largest energy of the scene: less is ignored
 NEGLIGIBLE = 1e-5
 FRICTION = "friction"
 
 
 def contact_warnings(model: Model, state: State, ledger: np.ndarray) -> list[str]:
-    """Warnings of contacts whose forces have done other work than they have stored and lost."""
+    """Warnings of contacts whose forces did other work than they have stored and dissipated."""
     current, found = int(state.clock["current"][0]), []
     least = NEGLIGIBLE * float(ledger[LARGEST])
     unknown = _of_unknown_friction(model)
     for card in sorted(_measured(model)):
-        for what, lack, handled in lacks(state.card_history[current, card], state.cards[card]):
+        for what, missing, largest_energy in missing_energies(
+            state.card_history[current, card], state.cards[card]
+        ):
             is_known = what != FRICTION or card not in unknown
-            if is_known and abs(lack) > max(UNBALANCED * handled, least):
-                found.append(_warning(model, card, what, lack, handled))
+            if is_known and abs(missing) > max(UNBALANCED * largest_energy, least):
+                found.append(_warning(model, card, what, missing, largest_energy))
     return found
 
 
-def lacks(now: np.void, out: np.void) -> list[tuple[str, float, float]]:
+def missing_energies(now: np.void, out: np.void) -> list[tuple[str, float, float]]:
     """For normal force and friction of a card: its name, missing energy [J] and largest energy
     exchanged [J].
     """
-    pushed = now["held"] + out["dissipated"] + now["work"] - now["held_first"]
-    friction_loss = now["bristled"] + out["friction_dissipated"] + now["friction_work"]
+    pushed = now["held"] + out["dissipated"] + now["work"] - now["initially_stored"]
+    friction_loss = now["bristle_energy"] + out["friction_dissipated"] + now["friction_work"]
     return [
-        ("normal force", float(pushed), float(now["handled"])),
-        (FRICTION, float(friction_loss), float(now["friction_handled"])),
+        ("normal force", float(pushed), float(now["largest_energy"])),
+        (FRICTION, float(friction_loss), float(now["largest_friction_energy"])),
     ]
 
 
@@ -59,16 +61,16 @@ def _of_unknown_friction(model: Model) -> set[int]:
     return {int(card) for g in spun for card in g.parameters["card"]}
 
 
-def _warning(model: Model, card: int, what: str, lack: float, handled: float) -> str:
-    share = 100.0 * abs(lack) / handled if handled > 0.0 else 100.0
+def _warning(model: Model, card: int, what: str, missing: float, largest_energy: float) -> str:
+    share = 100.0 * abs(missing) / largest_energy if largest_energy > 0.0 else 100.0
     is_by_safety = model.integrator == "rattle"
     shorter = (
         "control.safety or control.step" if is_by_safety else "control.tolerance or control.step"
     )
     helps = advice_on_gain(model, card) or f"halve {shorter}"
-    verb = "made" if lack > 0.0 else "lost"
+    verb = "made" if missing > 0.0 else "lost"
     return (
-        f"contact '{model.contacts[card]}': its {what} has {verb} {abs(lack):.3g} J that nothing "
-        f"accounts for, {share:.2g} % of the {handled:.3g} J it stored and dissipated; "
-        f"{helps}, and compare the results"
+        f"contact '{model.contacts[card]}': its {what} has {verb} {abs(missing):.3g} J that "
+        f"nothing accounts for, {share:.2g} % of the {largest_energy:.3g} J it stored and "
+        f"dissipated; {helps}, and compare the results"
     )

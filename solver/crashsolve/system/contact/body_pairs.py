@@ -1,10 +1,11 @@
-"""Pairs of elements on the same two bodies, which rest together while all of them are apart.
+"""Pairs of elements on the same two bodies, which are skipped together while all are separated.
 
-    depth <= depth_before + gone,   gone = sum over steps of the largest approach of both bodies
+    depth <= depth_before + approached,   approached = sum over steps of the largest approach of
+    both bodies
 
-The bound of resting.py for the elements that reach farthest. While it is negative by AHEAD steps
-none of the pairs is looked at: their depths stay as they were when this rest began, and are brought
-up to date when it ends. Consequence to test: the same bits as without.
+The bound of resting.py for the elements farthest from the mass centres. While it is negative by
+STEPS_AHEAD steps all of the pairs are skipped: their depths are kept from the last evaluation, and
+updated when skipping ends. Consequence to test: the same bits as without.
 """
 
 from crashsolve.foundation.kernels import kernel
@@ -13,34 +14,34 @@ from crashsolve.system.contact import resting
 
 
 @kernel
-def stay_apart(both, h, deepest, nodes):
-    """Whether nothing is asked of the pairs of two bodies in this step, none of which can have met.
+def can_skip_all(both, h, deepest, nodes):
+    """Whether all pairs of two bodies are skipped in this step, as none can have met.
 
-    Of a sample nothing is asked of those below the `deepest` of their card [m]. Writes: both.gone.
+    At a sample those below the `deepest` of their card [m] are skipped. Writes: both.approached.
     """
     if both.rests == 0:
         return False
     approach = 0.0
     if h > 0.0:
         approach = resting.largest_approach(both, nodes[both.node_a], nodes[both.node_b])
-    ahead = both.depth + both.gone + (1.0 + resting.AHEAD) * approach
-    if ahead > resting.unasked_depth(h, deepest):
+    ahead = both.depth + both.approached + (1.0 + resting.STEPS_AHEAD) * approach
+    if ahead > resting.skip_depth(h, deepest):
         return False
-    both.gone += approach
+    both.approached += approach
     return True
 
 
 @kernel
 def are_below(both, limit, nodes):
-    """Whether no pair of two bodies at rest is deeper than `limit` [m] after the step tried."""
+    """Whether no pair of two skipped bodies is deeper than `limit` [m] after the trial step."""
     if both.rests == 0:
         return False
     approach = resting.largest_approach(both, nodes[both.node_a], nodes[both.node_b])
-    return both.depth + both.gone + approach <= limit
+    return both.depth + both.approached + approach <= limit
 
 
 @kernel
-def closing_at_most(both, nodes):
+def closing_speed_bound(both, nodes):
     """Upper bound of the closing speed of any two elements of two bodies [m/s]."""
     a, b = nodes[both.node_a], nodes[both.node_b]
     spin = norm(vec(a.w)) * both.reach_a + norm(vec(b.w)) * both.reach_b
@@ -48,9 +49,12 @@ def closing_at_most(both, nodes):
 
 
 @kernel
-def begin_rest(both, current, history):
-    """None of these pairs was looked at in a step that ends. Writes: both, history.depth."""
-    both.rests, both.gone, both.depth = 1, 0.0, -1e300
+def begin_skipping(both, current, history):
+    """Begin to skip these pairs, all separated in the step that ends.
+
+    Writes: both, history.depth.
+    """
+    both.rests, both.approached, both.depth = 1, 0.0, -1e300
     both.dissipated = both.friction_dissipated = 0.0
     for i in range(both.first, both.end):
         old, new = history[current, i], history[1 - current, i]
@@ -62,10 +66,10 @@ def begin_rest(both, current, history):
 
 
 @kernel
-def end_rest(both, history):
-    """Each pair is looked at by itself from now on. Writes: both, history.depth."""
+def end_skipping(both, history):
+    """End skipping: each pair is evaluated by itself from now on. Writes: both, history.depth."""
     if both.rests == 1:
         for i in range(both.first, both.end):
-            history[0, i].depth += both.gone
-            history[1, i].depth += both.gone
-        both.rests, both.gone = 0, 0.0
+            history[0, i].depth += both.approached
+            history[1, i].depth += both.approached
+        both.rests, both.approached = 0, 0.0

@@ -1,18 +1,17 @@
-"""Effective masses of touches whose damping is to return a restitution.
+"""Effective masses of contacts whose damping realises a coefficient of restitution.
 
-Positions in which two bodies strike each other at once push each other, and so does what joints
-hold together with them: a box on its corners, a ball welded to another. Each is damped as a lone
-one with
+Simultaneous points of contact of two bodies interact, also through joints: a box on its corners, a
+ball welded to another. Each is damped as a single contact with the mass
 
     m_i = k_i u_i / a_i,   a_i = sum_j W_ij s_j k_j u_j
 
-over the touches j between the same two sides; k is the stiffness of the law, s the share of its
+over the contacts j between the same two sides; k is the stiffness of the law, s the share of its
 force that acts, u the closing speed (the depth, where nothing closes), and W_ij the acceleration of
-position i along its normal by a unit force at position j, reactions of joints included. Touches of
-two bodies that push to opposite sides do not count for each other, and no mass is more than both
-sides have altogether, or than that of the position alone. They are found when a touch begins, and
-one that began before keeps the larger of both: it may have begun alone. Consequence to test: a box
-on any number of corners, and a body within joints, return the restitution of a lone ball.
+position i along its normal by a unit force at position j, reactions of joints included. Contacts of
+two bodies that push to opposite sides do not count for each other, and no mass exceeds that of
+both sides together, or that of the point alone. They are computed at an onset; contacts that began
+earlier keep the larger of both values. Consequence to test: a box on any number of corners, and a
+body within joints, have the restitution of a single ball.
 """
 
 from collections import defaultdict
@@ -23,16 +22,16 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.rows import as_rows
 from crashsolve.model.contact.groups import ContactGroup
 from crashsolve.model.model import Model, State
-from crashsolve.system.contact.initial_penetration import Touch, touches_of
+from crashsolve.system.contact.initial_penetration import Touch, initial_touches
 
 # singular values below this share of the largest are those of redundant constraints: S loses
 # twice the digits of D
 REDUNDANT = 1e-11
 
 
-def weighed_groups(model: Model) -> tuple[ContactGroup, ...]:
-    """Groups with a restitution whose law asks for the mass of the whole touch, and have more than
-    lone bodies.
+def groups_with_effective_mass(model: Model) -> tuple[ContactGroup, ...]:
+    """Groups with a restitution whose contacts may interact: of bodies with several elements, or
+    with joints.
     """
     asking = [group for group in model.contact_groups if _has_restitution(group)]
     if not asking:
@@ -66,8 +65,8 @@ def _bodies(elements: np.ndarray) -> set[int]:
 
 
 @kernel
-def has_unweighed(params, history, current):
-    """Whether a touch has begun whose effective mass is wanted and not known yet."""
+def needs_effective_mass(params, history, current):
+    """Whether a contact has begun whose effective mass is needed and not known yet."""
     for i in range(history.shape[1]):
         now = history[current, i]
         if now.active == 1 and now.mass_ratio == 0.0 and params[i].damping_ratio > 0.0:
@@ -76,33 +75,33 @@ def has_unweighed(params, history, current):
 
 
 class EffectiveMasses:
-    """Finds the masses of touches of a model as they begin."""
+    """Finds the effective masses of the contacts of a model as they begin."""
 
     def __init__(self, model: Model) -> None:
         self.model = model
-        self.groups, self.joined = weighed_groups(model), _joined(model)
+        self.groups, self.joined = groups_with_effective_mass(model), _joined(model)
         self.clusters = _clusters(model) if self.groups else np.zeros(0, int)
 
     def find(self, state: State) -> bool:
-        """Find the effective masses of touches that have begun; returns whether there were any.
+        """Find the effective masses of contacts that have begun; returns whether there were any.
 
         Writes: their histories.
         """
         current = int(state.clock[0]["current"])
         sides = [self._sides(group) for group in self.groups]
-        new = [_new(group, current) for group in self.groups]
+        new = [_new_touches(group, current) for group in self.groups]
         wanted = {tuple(row) for pairs, rows in zip(new, sides, strict=True) for row in rows[pairs]}
         if not wanted:
             return False
         found: dict[tuple[int, int], list[Touch]] = defaultdict(list)
         for group, rows in zip(self.groups, sides, strict=True):
             chosen = [i for i, row in enumerate(rows.tolist()) if tuple(row) in wanted]
-            for touch in touches_of(group, as_rows(state.nodes), chosen):
+            for touch in initial_touches(group, as_rows(state.nodes), chosen):
                 found[tuple(rows[touch.pair].tolist())].append(touch)
         for key, touches in found.items():
             self._weigh(key, touches, current, state)
         for group, pairs in zip(self.groups, new, strict=True):
-            # one that has parted again when it is looked at was as if alone
+            # one that has separated again counts as a single contact
             ratio = group.history["mass_ratio"]
             ratio[current, pairs[ratio[current, pairs] == 0.0]] = 1.0
         return True
@@ -118,7 +117,10 @@ class EffectiveMasses:
     def _weigh(
         self, key: tuple[int, int], touches: list[Touch], current: int, state: State
     ) -> None:
-        """Writes: the histories of all touches between two clusters, if one has begun."""
+        """Set the masses of all contacts between two clusters, if one has begun.
+
+        Writes: histories.
+        """
         histories = [touch.group.history["mass_ratio"] for touch in touches]
         known = np.array(
             [row[current, touch.pair] for row, touch in zip(histories, touches, strict=True)]
@@ -128,7 +130,7 @@ class EffectiveMasses:
         within = np.flatnonzero(np.isin(self.clusters, [side for side in key if side]))
         is_free = not self.joined & set(within.tolist())
         if is_free and len(touches) == 1 and touches[0].share == 1.0:
-            # a lone touch of free bodies
+            # a single contact of free bodies
             ratios = np.ones(1)
         else:
             ratios = _ratios(touches, known == 0.0, within, self.model, state)
@@ -137,14 +139,14 @@ class EffectiveMasses:
             row[:, touch.pair] = ratio
 
 
-def _new(group: ContactGroup, current: int) -> np.ndarray:
-    """Pairs whose touch has begun and whose mass is wanted."""
+def _new_touches(group: ContactGroup, current: int) -> np.ndarray:
+    """Pairs whose contact has begun and whose mass is needed."""
     history, wanted = group.history[current], group.parameters["damping_ratio"] > 0.0
     return np.flatnonzero((history["active"] == 1) & (history["mass_ratio"] == 0.0) & wanted)
 
 
 def _clusters(model: Model) -> np.ndarray:
-    """Number of what each node is joined to; the ground joins nothing."""
+    """Cluster number of each node: nodes connected by joints, but not through the ground."""
     number = np.arange(len(model.mass))
     for joint in model.joints:
         ends = number[[node for node in joint.nodes if node]]
@@ -155,7 +157,7 @@ def _clusters(model: Model) -> np.ndarray:
 def _ratios(
     touches: list[Touch], is_new: np.ndarray, within: np.ndarray, model: Model, state: State
 ) -> np.ndarray:
-    """Effective masses of the touches between two sides over those of two bodies alone [1]."""
+    """Effective masses of the contacts between two sides over those of two free bodies [1]."""
     speeds = np.array([max(touch.rate, 0.0) for touch in touches])
     if not speeds[is_new].any():
         speeds = np.array([touch.depth for touch in touches])
@@ -166,7 +168,7 @@ def _ratios(
     least = np.minimum(own, _least_mobility(within, model)) * shares * springs
     response = np.maximum(_one_sided(touches, mobility) @ (shares * springs), least)
     ratios = np.ones(len(touches))
-    # what joints hold fast along the normal does not close
+    # a point that joints hold along the normal does not close
     moves = own > REDUNDANT * alone
     ratios[moves] = alone[moves] / (own * shares)[moves]
     pressed = moves & (response > 0.0)
@@ -184,7 +186,7 @@ def _least_mobility(within: np.ndarray, model: Model) -> float:
 
 
 def _one_sided(touches: list[Touch], mobility: np.ndarray) -> np.ndarray:
-    """Mobilities without those of touches that push the same two bodies to opposite sides."""
+    """Mobilities without those of contacts that push the same two bodies to opposite sides."""
     normals = np.array([touch.normal for touch in touches])
     bodies = np.array([touch.bodies for touch in touches])
     same = (bodies[:, None] == bodies[None, :]).all(axis=2)
@@ -194,7 +196,7 @@ def _one_sided(touches: list[Touch], mobility: np.ndarray) -> np.ndarray:
 def _mobility(
     touches: list[Touch], within: np.ndarray, model: Model, state: State
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Accelerations along the normals by unit forces there [1/kg]: bodies alone, and in joints."""
+    """Accelerations along the normals by unit forces there [1/kg]: free bodies, and with joints."""
     first = {int(node): 6 * i for i, node in enumerate(within)}
     inverse = np.zeros((6 * len(within), 6 * len(within)))
     for node, i in first.items():

@@ -1,15 +1,15 @@
-"""Impact speeds of the touches that a run begins with.
+"""Impact speeds of contacts that penetrate at the start of a run.
 
-Several positions of a body that are set into another push it out together: a box on its corners, a
-mesh, balls on one body. Each has the impact speed of the free impact in which all went as deep: of
-one alone with the effective mass
+Several points of a body that penetrate another at the start push it out together: a box on its
+corners, a mesh, balls on one body. Each has the impact speed of the free impact that reaches the
+same depths: that of a single point with the effective mass
 
     m_i = f_i / a_i,   a_i = sum_j f_j n_i . (acceleration of point i by a unit force at point j)
 
-with f = K d^n, over the touches j of the same two bodies that push to the same side, n_i . n_j > 0.
-What others push deeper meanwhile is as heavy as both bodies are without turning, at most. One touch
-alone has its own effective mass. Consequence to test: a box set in flat leaves with the speed of a
-ball set in as deep.
+with f = K d^n, over the contacts j of the same two bodies that push to the same side,
+n_i . n_j > 0. No effective mass exceeds that of both bodies without rotation. A single contact has
+its own effective mass. Consequence to test: a box that penetrates with a face leaves with the speed
+of a ball at the same depth.
 """
 
 from collections import defaultdict
@@ -20,7 +20,7 @@ import numpy as np
 
 from crashsolve.foundation.rows import as_rows
 from crashsolve.model.model import ContactGroup, Model, State
-from crashsolve.system.contact.touches import closing
+from crashsolve.system.contact.touches import closing_motion
 
 # [N] that stands for none, of depths whose power is below the numbers of a machine
 LEAST = 1e-200
@@ -28,7 +28,7 @@ LEAST = 1e-200
 
 @dataclass
 class Touch:
-    """A position in which the run begins with two bodies pressed together."""
+    """A point of contact that penetrates at the start."""
 
     group: ContactGroup
     pair: int
@@ -46,7 +46,10 @@ class Touch:
         return float(p["stiffness"]) * self.depth ** float(p["exponent"])
 
     def come_with(self, mass: float) -> None:
-        """Take the impact speed of a free impact with a mass [kg]. Writes: history of the pair."""
+        """Set the impact speed to that of a free impact with a mass [kg].
+
+        Writes: history of the pair.
+        """
         p = as_rows(self.group.parameters)[self.pair]
         history = as_rows(self.group.history)[:, self.pair]
         before = np.zeros_like(history)[0]
@@ -55,14 +58,15 @@ class Touch:
 
 
 def find_impact_speeds(model: Model, state: State) -> bool:
-    """Find the impact speeds of touches that begin compressed; returns whether there are any.
+    """Find the impact speeds of contacts that penetrate at the start; returns whether there are
+    any.
 
     Writes: their histories.
     """
     found: dict[tuple[int, int], list[Touch]] = defaultdict(list)
     for group in model.contact_groups:
         if "damping_speed" in (group.history.dtype.names or ()):
-            for touch in touches_of(group, as_rows(state.nodes)):
+            for touch in initial_touches(group, as_rows(state.nodes)):
                 found[touch.bodies].append(touch)
     for (a, b), touches in found.items():
         for touch, mass in zip(touches, _masses(state.nodes[[a, b]], touches), strict=True):
@@ -70,7 +74,7 @@ def find_impact_speeds(model: Model, state: State) -> bool:
     return bool(found)
 
 
-def touches_of(
+def initial_touches(
     group: ContactGroup, nodes: np.ndarray, pairs: Sequence[int] | None = None
 ) -> Iterator[Touch]:
     """Touches of a group, or of some of its pairs; the body with the lower number first."""
@@ -85,7 +89,7 @@ def touches_of(
         depth, n, x = group.narrow.gap(a, b, nodes, tuple(data))
         if depth <= 0.0:
             continue
-        rate, _, *arms = closing(nodes[a.node], nodes[b.node], x, n)
+        rate, _, *arms = closing_motion(nodes[a.node], nodes[b.node], x, n)
         share = float(a.share) if group.has_shares else 1.0
         bodies, normal = (int(a.node), int(b.node)), np.array(n)
         if bodies[0] > bodies[1]:
@@ -95,15 +99,15 @@ def touches_of(
 
 
 def _masses(nodes: np.ndarray, touches: list[Touch]) -> np.ndarray:
-    """Masses with which the touches of two bodies came in [kg], over the shares of their force."""
+    """Effective masses of the contacts of two bodies [kg], over the shares of their force."""
     normals = np.array([touch.normal for touch in touches])
     alike, free = normals @ normals.T, nodes["mass_inv"].sum()
-    ease = free * alike
+    compliance = free * alike
     for side, node in enumerate(nodes):
         levers = np.cross([touch.arms[side] for touch in touches], normals)
-        ease += levers @ node["W"].reshape(3, 3) @ levers.T
-    ease[alike <= 0.0] = 0.0
-    # the law computes the whole spring, the bodies receive their share
+        compliance += levers @ node["W"].reshape(3, 3) @ levers.T
+    compliance[alike <= 0.0] = 0.0
+    # the law computes the force of the full surface, the bodies receive their share
     springs = np.array([max(touch.spring, LEAST) for touch in touches])
     pushes = springs * [touch.share for touch in touches]
-    return np.asarray(springs / np.maximum(ease @ pushes, free * pushes))
+    return np.asarray(springs / np.maximum(compliance @ pushes, free * pushes))

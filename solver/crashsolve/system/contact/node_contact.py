@@ -2,9 +2,9 @@
 
     due:  a probe at a distance d from contact is searched again when sum 2 |v|_max h has grown by d
 
-Most probes are far from contact in most steps; a step pays for the search of the others alone. A
-probe has a slot for each side of a surface, with two records that alternate: the accepted one, and
-that of the present force pass. Consequence to test: the same forces as with a search of all probes
+Most probes are far from contact in most steps, and only the others are searched. A probe has a
+slot for each side of a surface, with two records that alternate: the accepted one, and that of the
+present force pass. Consequence to test: the same forces as with a search of all probes
 in all steps.
 """
 
@@ -24,13 +24,13 @@ from crashsolve.foundation.motion import (
 from crashsolve.foundation.point import ATTACHED
 from crashsolve.foundation.vec3 import add, add_scaled, dot, norm, put, scale, sub, vec
 
-# mobility below which two sides cannot move [1/kg]
+# least mobility of two sides [1/kg], against division by zero
 STUCK = 1e-30
 
 
 @kernel
-def open_loads(scene):
-    """Nothing touches yet, and no speed is known. Writes: scene.touched, stiffened."""
+def clear_loads(scene):
+    """Zero the sums of a force pass. Writes: scene.touched, stiffened."""
     total = scene.touched[0]
     for j in range(total.count):
         at = scene.stiffened[scene.touched_points[j]]
@@ -41,8 +41,8 @@ def open_loads(scene):
 
 
 @kernel
-def close_loads(scene):
-    """Contact makes the mesh stiffer where it touches: bound there. Writes: scene.touched.
+def sum_stiffness_bounds(scene):
+    """Bound of the squared frequency of points in contact. Writes: scene.touched.
 
     omega^2 <= max_i (sum omega_e^2 m_ei + 2 sum k N_i) / m_i, the first as in points.py, the second
     since (x - sum N_i x_i)^2 <= 2 x^2 + 2 sum N_i x_i^2; dampers as in timestep.py.
@@ -68,18 +68,18 @@ def shorten_step(clock, scene):
 
 
 @kernel
-def where(probe, h, nodes, points):
+def position_and_velocity(probe, h, nodes, points):
     """Position and velocity of a probe; of a point, that at the end of the step as predicted."""
     if probe.point >= 0:
         b = points[probe.point]
-        return vec(b.r), predicted(b, h)
+        return vec(b.r), predicted_velocity(b, h)
     body = nodes[probe.node]
     d = arm(body, vec(probe.at))
     return point_at(body, d), point_velocity(body, d)
 
 
 @kernel
-def predicted(b, h):
+def predicted_velocity(b, h):
     """Velocity of a point at the end of the step, by the forces so far."""
     if b.held >= ATTACHED:
         return vec(b.v)
@@ -88,7 +88,7 @@ def predicted(b, h):
 
 @kernel
 def free_part(held, u):
-    """A vector along or about the world axes, less what is held."""
+    """A vector along or about the world axes, without its constrained components."""
     if held & 7 == 0:
         return u
     return (
@@ -110,12 +110,12 @@ def fastest(h, p, probes, nodes, scene):
 
 @kernel
 def fastest_point(p, scene):
-    """Largest speed of the points of the faces, which another group may have found already.
+    """Largest speed of the points of the faces; another group may have computed it in this pass.
 
     Writes: scene.touched.
     """
     if not is_fastest_known(p, scene):
-        note_fastest(p, fastest_of(p.first_point, p.point_count, scene.points), scene)
+        store_fastest(p, fastest_of(p.first_point, p.point_count, scene.points), scene)
     return scene.touched[0].speed
 
 
@@ -127,8 +127,8 @@ def is_fastest_known(p, scene):
 
 
 @kernel
-def note_fastest(p, speed, scene):
-    """Keep the largest speed of the points of a contact. Writes: scene.touched."""
+def store_fastest(p, speed, scene):
+    """Store the largest speed of the points of a contact. Writes: scene.touched."""
     total = scene.touched[0]
     total.first_seen, total.seen, total.speed = p.first_point, p.point_count, speed
 
@@ -177,40 +177,41 @@ def limit_closing(clock, p, totals):
 
 
 @kernel
-def open_pass(totals):
-    """Nothing is stored. Writes: totals."""
-    totals.stored = totals.bristled = totals.depth = 0.0
+def clear_sums(totals):
+    """Zero the sums of a force pass. Writes: totals."""
+    totals.stored = totals.bristle_energy = totals.depth = 0.0
 
 
 @kernel
-def settle(slot_in_use, j):
-    """Accept what was found in the last step; returns the number of that record. Writes: turns."""
+def accept_record(slot_in_use, j):
+    """Accept the record of the last step; returns its number. Writes: slot_in_use."""
     if slot_in_use[j] > 1:
         slot_in_use[j] = 3 - slot_in_use[j]
     return slot_in_use[j]
 
 
 @kernel
-def swap_slot(h, slot_in_use, j):
-    """Mark the touches found in this step for acceptance; those of a sample never are.
+def mark_for_acceptance(h, slot_in_use, j):
+    """Mark the record of this step for acceptance; those of a sample never are.
 
-    Writes: turns.
+    Writes: slot_in_use.
     """
     if h > 0.0:
         slot_in_use[j] += 2
 
 
 @kernel
-def leave(clock, totals, old, new):
-    """A record is free again. Writes: totals, new."""
+def release_record(clock, totals, old, new):
+    """Clear a record. Writes: totals, new."""
     totals.dissipated += clock.lead * old.power
     new.active = 0
     new.power = new.depth = new.impact_speed = new.force = new.stored = 0.0
 
 
 @kernel
-def closing(v, v_other, hit, h, old, w):
-    """Closing speed; the force of the last step stands for the present one, not known yet.
+def closing_speed(v, v_other, hit, h, old, w):
+    """Closing speed; the force of the last step is used for the present one, which is not known
+    yet.
 
     w is the acceleration of the points over that force [1/kg].
     """
@@ -218,39 +219,39 @@ def closing(v, v_other, hit, h, old, w):
 
 
 @kernel
-def give(b, n):
-    """Acceleration of a point along n over a force there [1/kg]; 0 along what is held."""
+def mobility_along(b, n):
+    """Acceleration of a point along n per unit force [1/kg]; 0 along constrained axes."""
     return b.mass_inv * dot(free_part(b.held, n), n)
 
 
 @kernel
-def predicts(b, n):
-    """Acceleration of a point over a force on it [1/kg] where its velocity is predicted; 0 of
+def predicted_mobility(b, n):
+    """Acceleration of a point per unit force [1/kg] where its velocity is predicted; 0 for
     points attached to bodies.
     """
-    return give(b, n) if b.held < ATTACHED else 0.0
+    return mobility_along(b, n) if b.held < ATTACHED else 0.0
 
 
 @kernel
-def probe_predicts(probe, hit, points):
-    """Acceleration of a probe over a force on it [1/kg] where its velocity is predicted."""
-    return predicts(points[probe.point], vec(hit.normal)) if probe.point >= 0 else 0.0
+def predicted_probe_mobility(probe, hit, points):
+    """Acceleration of a probe per unit force [1/kg] where its velocity is predicted."""
+    return predicted_mobility(points[probe.point], vec(hit.normal)) if probe.point >= 0 else 0.0
 
 
 @kernel
 def mobility_of(probe, hit, nodes, points):
-    """Acceleration of a probe over a force along the normal [1/kg]."""
+    """Acceleration of a probe per unit force along the normal [1/kg]."""
     if probe.point >= 0:
-        return give(points[probe.point], vec(hit.normal))
+        return mobility_along(points[probe.point], vec(hit.normal))
     body = nodes[probe.node]
     return mobility(body, arm(body, vec(probe.at)), vec(hit.normal))
 
 
 @kernel
-def note(clock, h, p, totals, card, touch, f, energies):
+def add_touch(clock, h, p, totals, card, touch, f, energies):
     """Add a probe that touches to the sums of card and ledger. Writes: totals, card, new.
 
-    `energies` are what its normal force f stores [J], its power [W] and its loss [J].
+    `energies`: stored energy [J], power [W] and loss [J] of its normal force f.
     """
     old, new, hit = touch.old, touch.new, touch.hit
     stored, power, loss = energies
@@ -273,23 +274,23 @@ def note(clock, h, p, totals, card, touch, f, energies):
 
 
 @kernel
-def close_pass(totals, card, count):
+def add_energies(totals, card, count):
     """Energies of the group to its card. Writes: card, count."""
     count.held += totals.stored
-    count.bristled += totals.bristled
+    count.bristle_energy += totals.bristle_energy
     card.depth = max(card.depth, 0.0)
-    card.stored += totals.stored + totals.bristled
+    card.stored += totals.stored + totals.bristle_energy
     card.dissipated += totals.dissipated
     card.friction_dissipated += totals.friction_loss
 
 
 @kernel
-def push_probe(probe, f, k, c, hit, nodes, scene):
+def apply_to_probe(probe, f, k, c, hit, nodes, scene):
     """Force f along the normal on a probe. Writes: nodes, scene.points, stiffened, touched."""
     n = vec(hit.normal)
     if probe.point >= 0:
         add_to(scene.points[probe.point].force, scale(f, n))
-        count(probe.point, 1.0, k, c, scene)
+        add_point_stiffness(probe.point, 1.0, k, c, scene)
         return
     body = nodes[probe.node]
     d = arm(body, vec(probe.at))
@@ -298,13 +299,13 @@ def push_probe(probe, f, k, c, hit, nodes, scene):
 
 
 @kernel
-def count(i, share, k, c, scene):
+def add_point_stiffness(i, share, k, c, scene):
     """Report a contact on a point to the step control. Writes: scene.stiffened, touched."""
-    load(i, share * scene.points[i].mass_inv, k, c, scene)
+    add_mobility_stiffness(i, share * scene.points[i].mass_inv, k, c, scene)
 
 
 @kernel
-def load(i, w, k, c, scene):
+def add_mobility_stiffness(i, w, k, c, scene):
     """Report a contact on a point of mobility w [1/kg] to the step control.
 
     Writes: scene.stiffened, touched.
@@ -319,39 +320,40 @@ def load(i, w, k, c, scene):
     total.damping = max(total.damping, at.damping)
 
 
-# --- rigid shapes: their own gap routines, with the probe as a body among copies of bodies -------
+# --- rigid shapes: their gap routines, with the probe as a body among copies of bodies -----------
 
 
 @kernel
-def open_shapes(h, p, totals, probes, nodes, scene, copies):
-    """Copies of the bodies with the shapes, behind those for probes; how far probes have gone.
+def update_shapes(h, p, totals, probes, nodes, scene, copies):
+    """Update the copies of the bodies with the shapes, behind those for probes, and the travel of
+    probes.
 
-    `copies`: their table, in which they begin after so many, and the bodies that they are of.
+    `copies`: their table, the first row of a body, and the nodes of the bodies.
 
     Writes: totals, frames.
     """
-    open_pass(totals)
-    speed, (frames, pens, home) = 0.0, copies
-    for k in range(pens, frames.shape[0]):
+    clear_sums(totals)
+    speed, (frames, first_body, home) = 0.0, copies
+    for k in range(first_body, frames.shape[0]):
         frame, body = frames[k], nodes[home[k]]
         put(frame.r, vec(body.r))
         for j in range(9):
             frame.A[j] = body.A[j]
         speed = max(speed, norm(vec(body.v)) + norm(vec(body.w)) * p.extent)
     totals.fastest = fastest(h, p, probes, nodes, scene) + speed
-    # how far a shape moves is known too late: shapes that do are looked at in every step
+    # the motion of a shape is known too late: moving shapes are searched in every step
     totals.travel = totals.travel + h * totals.fastest if speed == 0.0 else 1e300
 
 
 @kernel
-def pose(frame, x, hit):
-    """The probe as a body, and nothing found yet. Writes: frame, hit."""
+def place_probe(frame, x, hit):
+    """Place the body that stands for the probe, and reset `hit`. Writes: frame, hit."""
     put(frame.r, x)
     hit.depth = -1e300
 
 
 @kernel
-def deeper(hit, e, depth, n):
+def keep_deepest(hit, e, depth, n):
     """Keep the deepest of the shapes. Writes: hit."""
     if depth > hit.depth:
         hit.depth, hit.face = depth, e
@@ -359,8 +361,8 @@ def deeper(hit, e, depth, n):
 
 
 @kernel
-def wait_for(i, hit, totals, due):
-    """A probe that is apart waits until it can have gone so far. Writes: due."""
+def set_due(i, hit, totals, due):
+    """The travel at which a separated probe is due again. Writes: due."""
     due[i] = totals.travel + max(-hit.depth, 0.0)
 
 
@@ -372,12 +374,12 @@ def body_velocity(body, x):
 
 @kernel
 def body_mobility(body, x, hit):
-    """Acceleration of a body at a position over a force along the normal [1/kg]."""
+    """Acceleration of a body at a position per unit force along the normal [1/kg]."""
     return mobility(body, sub(x, vec(body.r)), vec(hit.normal))
 
 
 @kernel
-def push_body(body, x, f, k, c, hit, mob):
+def apply_to_body(body, x, f, k, c, hit, mob):
     """Minus a force f along the normal at x. Writes: body."""
     apply_force(body, scale(-f, vec(hit.normal)), sub(x, vec(body.r)))
     add_stiffness_bound(body, mob, k, c)

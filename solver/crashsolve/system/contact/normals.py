@@ -1,13 +1,13 @@
-"""Touch of a surface along normals that turn without a jump from face to face.
+"""Contact of a surface along a field of normals that is continuous from face to face.
 
     x = sum N_k (x_k + lambda n_k),   n = sum N_k n_k / |sum N_k n_k|,   d = lambda |sum N_k n_k|
 
 N_k are bilinear in a quadrilateral and linear in a triangle; n_k is the normal at a corner, that of
 the faces there weighted by angle. The position is found by Newton's method from the nearest one,
-over a side where it lies in the next face. The force acts along the line through x and c as before,
-so momenta are kept to round-off; the energy of a touch is kept as far as n is normal to the face.
-An ellipsoid is the ball that touches within it at the foot with this normal (`ellipsoids.py`), and
-its centre x turns with n. Consequence to test: on a faceted cylinder the force points to the axis,
+across an edge where it lies in the next face. The force acts along the line through x and c as
+before, so momenta are conserved to round-off; energy is conserved as far as n is normal to the
+face. An ellipsoid is represented by the ball at the foot with this normal (`ellipsoids.py`), whose
+centre x depends on n. Consequence to test: on a faceted cylinder the force points to the axis,
 wherever it is touched.
 
 Reference: Puso and Laursen (2004), Computer Methods in Applied Mechanics and Engineering 193,
@@ -19,27 +19,29 @@ from math import sqrt
 from crashsolve.contact.narrow._face import CORNER, point_of
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, put, scale, sub
-from crashsolve.system.contact.ellipsoids import to_centre, to_centre_by
-from crashsolve.system.contact.projection import outward, seen_from
+from crashsolve.system.contact.ellipsoids import centre_from_ball, change_of_centre
+from crashsolve.system.contact.projection import relative_corners, surface_normal
 
-PASSES = 20
-FACES = 4  # that are tried, the nearest first
+MAX_ITERATIONS = 20
+MAX_FACES = 4  # that are tried, the nearest first
 # of the gap: the root is as good as round-off allows
-CLOSED = 1e-13
-OVER = 1.0 + 1e-9  # a position so far beyond a side still belongs to the face
+RELATIVE_RESIDUAL = 1e-13
+BORDER = 1.0 + 1e-9  # a position so far beyond a side still belongs to the face
 
 
 @kernel
-def smoothen(i, x, pen, p, mesh, spared, found):
+def apply_field(i, x, ellipsoid_data, p, mesh, spared, found):
     """Normals, weights and depths of both sides by the field of normals. Writes: found.
 
-    x is a probe's position, or the centre of the ellipsoid of `pen`, else None. Where a
+    x is a probe's position, or the centre of the ellipsoid of `ellipsoid_data`, else None. Where a
     line along the field would pass a free border the nearest point stays.
     """
     for s in range(2):
         if found[s].face >= 0:
             sign = 1.0 if s == 0 else -1.0
-            f, xi, eta, distance, n = along_field(i, x, pen, sign, p, found[s], mesh, spared)
+            f, xi, eta, distance, n = solve_along_field(
+                i, x, ellipsoid_data, sign, p, found[s], mesh, spared
+            )
             if f < 0:
                 continue
             N, size = shape(f >= p.quads, xi, eta), norm(n)
@@ -51,21 +53,21 @@ def smoothen(i, x, pen, p, mesh, spared, found):
 
 
 @kernel
-def along_field(i, x, pen, sign, p, hit, mesh, spared):
-    """Face (-1: none), xi, eta, lambda and field of normals of the position from which x is
-    seen.
+def solve_along_field(i, x, ellipsoid_data, sign, p, hit, mesh, spared):
+    """Face (-1: none), xi, eta, lambda and field of normals of the position whose normal leads to
+    x.
     """
     f = hit.face
     xi, eta = natural_coordinates(f >= p.quads, hit.N)
-    for _ in range(FACES):
-        is_found, xi, eta, distance, n = root(x, pen, sign, p, f, xi, eta, mesh)
+    for _ in range(MAX_FACES):
+        is_found, xi, eta, distance, n = newton(x, ellipsoid_data, sign, p, f, xi, eta, mesh)
         if not is_found:
             break
-        side, over = beyond(f >= p.quads, xi, eta)
-        if over <= OVER:
+        side, over = distance_beyond(f >= p.quads, xi, eta)
+        if over <= BORDER:
             return f, xi, eta, distance, n
         f = mesh[2][4 * f + side]
-        if f < 0 or is_spared(i, f, spared):
+        if f < 0 or is_excluded(i, f, spared):
             break
         xi = eta = 1.0 / 3.0 if f >= p.quads else 0.0
     return -1, 0.0, 0.0, 0.0, (0.0, 0.0, 0.0)
@@ -80,9 +82,9 @@ def natural_coordinates(is_triangle, N):
 
 
 @kernel
-def beyond(is_triangle, xi, eta):
-    """The side beyond which a position lies farthest, and how far from the opposite: 1 on the
-    side.
+def distance_beyond(is_triangle, xi, eta):
+    """The edge beyond which a position lies farthest, and its distance from the opposite one, 1 on
+    the edge.
     """
     first = 1.0 - 2.0 * eta if is_triangle else -eta
     second = 2.0 * (xi + eta) - 1.0 if is_triangle else xi
@@ -99,7 +101,7 @@ def beyond(is_triangle, xi, eta):
 
 
 @kernel
-def is_spared(i, f, spared):
+def is_excluded(i, f, spared):
     """Whether a face is one that a probe does not meet."""
     (first, faces), is_one = spared, False
     for k in range(first[i], first[i + 1]):
@@ -108,38 +110,38 @@ def is_spared(i, f, spared):
 
 
 @kernel
-def root(x, pen, sign, p, f, xi, eta, mesh):
-    """Newton's method within a face: whether it ends, xi, eta, lambda, field of normals."""
-    a, b, c, d = seen_from(x, p, f, mesh)
+def newton(x, ellipsoid_data, sign, p, f, xi, eta, mesh):
+    """Newton's method within a face: whether it converges, xi, eta, lambda, field of normals."""
+    a, b, c, d = relative_corners(x, p, f, mesh)
     n_a, n_b = corner_normal(p, f, 0, mesh), corner_normal(p, f, 1, mesh)
     n_c, n_d = corner_normal(p, f, 2, mesh), corner_normal(p, f, 3, mesh)
     distance, n, is_triangle = 0.0, n_a, f >= p.quads
-    for k in range(PASSES):
+    for k in range(MAX_ITERATIONS):
         N = shape(is_triangle, xi, eta)
         n = point_of(N, n_a, n_b, n_c, n_d)
-        aside = (0.0, 0.0, 0.0)
-        if pen is not None:
-            aside = scale(sign, to_centre(pen, n))
+        offset = (0.0, 0.0, 0.0)
+        if ellipsoid_data is not None:
+            offset = scale(sign, centre_from_ball(ellipsoid_data, n))
         if k == 0:
-            distance = -dot(add(point_of(N, a, b, c, d), aside), n) / dot(n, n)
+            distance = -dot(add(point_of(N, a, b, c, d), offset), n) / dot(n, n)
         u, v = add_scaled(a, distance, n_a), add_scaled(b, distance, n_b)
         w, y = add_scaled(c, distance, n_c), add_scaled(d, distance, n_d)
-        miss = add(point_of(N, u, v, w, y), aside)
-        if dot(miss, miss) <= (CLOSED * p.gap) ** 2:
+        residual = add(point_of(N, u, v, w, y), offset)
+        if dot(residual, residual) <= (RELATIVE_RESIDUAL * p.gap) ** 2:
             return True, xi, eta, distance, n
         by_xi, by_eta = slopes(is_triangle, xi, eta, u, v, w, y)
-        if pen is not None:
+        if ellipsoid_data is not None:
             n_xi, n_eta = slopes(is_triangle, xi, eta, n_a, n_b, n_c, n_d)
-            by_xi = add_scaled(by_xi, sign, to_centre_by(pen, n, n_xi))
-            by_eta = add_scaled(by_eta, sign, to_centre_by(pen, n, n_eta))
+            by_xi = add_scaled(by_xi, sign, change_of_centre(ellipsoid_data, n, n_xi))
+            by_eta = add_scaled(by_eta, sign, change_of_centre(ellipsoid_data, n, n_eta))
         plane = cross(by_xi, by_eta)
         volume = dot(plane, n)
-        # lines along the field meet: no position on the face is the one
+        # lines along the field intersect: no position of the face is unique
         if not abs(volume) > 1e-12 * sqrt(dot(plane, plane) * dot(n, n)):
             break
-        xi -= dot(miss, cross(by_eta, n)) / volume
-        eta -= dot(miss, cross(n, by_xi)) / volume
-        distance -= dot(miss, plane) / volume
+        xi -= dot(residual, cross(by_eta, n)) / volume
+        eta -= dot(residual, cross(n, by_xi)) / volume
+        distance -= dot(residual, plane) / volume
         if not max(abs(xi), abs(eta)) < 10.0:
             break
     return False, xi, eta, distance, n
@@ -160,7 +162,7 @@ def shape(is_triangle, xi, eta):
 
 @kernel
 def slopes(is_triangle, xi, eta, a, b, c, d):
-    """Derivatives by xi and eta of what the corners have."""
+    """Derivatives by xi and eta of a field given at the corners."""
     if is_triangle:
         return sub(b, a), sub(c, a)
     by_xi = scale(0.25, add_scaled(scale(1.0 - eta, sub(b, a)), 1.0 + eta, sub(c, d)))
@@ -170,5 +172,5 @@ def slopes(is_triangle, xi, eta, a, b, c, d):
 @kernel
 def corner_normal(p, f, k, mesh):
     """Unit normal of the surface at a corner of a face."""
-    n = outward(p, f, CORNER + k, mesh)
+    n = surface_normal(p, f, CORNER + k, mesh)
     return scale(1.0 / norm(n), n)

@@ -1,4 +1,4 @@
-"""A contact pair in the step, as its kernels hand it on."""
+"""Data of a contact pair in the step, as its kernels pass them on."""
 
 from typing import Any, NamedTuple
 
@@ -20,7 +20,7 @@ class Pair(NamedTuple):
 
 
 class Ends(NamedTuple):
-    """A pair of elements before it is known to touch."""
+    """A pair of elements before its gap is known."""
 
     p: Row  # row of parameters
     old: Row  # history: accepted, and new
@@ -32,13 +32,13 @@ class Ends(NamedTuple):
 class Totals(NamedTuple):
     """Sums to which a pair adds."""
 
-    on_a: Row  # forces on both bodies: the bodies, or loads of the pair's own
+    on_a: Row  # forces on both bodies: the bodies, or separate loads of the pair
     on_b: Row
-    card: Row  # its contact card, and what that remembers, or such of its piece
+    card: Row  # its contact card and the history of that, or those of its piece
     count: Any
 
 
-class Meeting(NamedTuple):
+class ContactPoint(NamedTuple):
     """Point of contact of two elements, and the slip of a over b in the step."""
 
     depth: float  # [m]
@@ -56,7 +56,7 @@ class Slide(NamedTuple):
     displacement: Vector | None  # of a over b in the step [m]; None where power is summed
     n: Vector  # unit normal
     mass: float  # of both sides along n [kg]
-    ease: float  # slip that friction takes per newton in half a step [s/kg]
+    compliance: float  # slip that friction takes per newton in half a step [s/kg]
 
 
 class Sliding(NamedTuple):
@@ -71,8 +71,8 @@ class Sliding(NamedTuple):
     d_b: Vector
 
 
-class Push(NamedTuple):
-    """A normal force and what it does to the step."""
+class NormalResponse(NamedTuple):
+    """A normal force, and its bounds for the step control."""
 
     f: float  # [N]
     rate: float  # closing speed [m/s]
@@ -87,7 +87,7 @@ class Closing(NamedTuple):
     rate: float  # closing speed [m/s]
     mass: float  # of both sides along n [kg]
     applied: float  # share of the force that counts in the step
-    corners: int  # of the area over which the sides press; 0 in a point
+    corners: int  # of the area of contact; 0 in a point
 
 
 class Friction(NamedTuple):
@@ -96,23 +96,23 @@ class Friction(NamedTuple):
     t: Vector  # force on side a [N]
     # the same with the moment about the normal; None in a point
     force: tuple[Vector, Vector] | None
-    displacement: Vector | None  # and what both work over; None in a point
+    displacement: Vector | None  # along which both do work; None in a point
     power: float  # lost [W]
     loss: float  # in the step [J]
 
 
-class Seen(NamedTuple):
-    """The touch that a probe has found among the shapes."""
+class ProbeHit(NamedTuple):
+    """The contact of a probe with the shape in which it is deepest."""
 
     x: Vector  # its position [m]
     v: Vector  # its velocity [m/s]
     hit: Row  # the deepest shape
-    held: bool  # whether it continues with the face that it touched before
-    over: float  # how far it is past the middle of that [m]
+    held: bool  # whether it retains the face that it touched before
+    over: float  # its distance beyond the middle of that [m]
 
 
 class Touch(NamedTuple):
-    """A probe that touches, or has touched."""
+    """A probe in contact, or in contact at the start of the step."""
 
     number: int  # of its record
     probe: Row
@@ -120,11 +120,11 @@ class Touch(NamedTuple):
     v: Vector  # its velocity [m/s]
     old: Row  # its records: accepted, and new
     new: Row
-    hit: Row  # what it touches
+    hit: Row  # the face or shape in contact
     past: Vector  # its displacement over that in the step, where it touched before [m]
 
 
-class Pressing(NamedTuple):
+class ProbeResponse(NamedTuple):
     """Normal force that presses a probe on a surface."""
 
     f: float  # normal force [N]

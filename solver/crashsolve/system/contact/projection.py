@@ -2,14 +2,14 @@
 
     d = |x - c|,   n = (x - c) / d,   depth = gap - d,   f n on the probe, -f N_k n on the corners
 
-c is the nearest point of the mid-surface on either side of which the probe may be, and on either
-side it meets one face: the nearest. Which side a probe is on is seen when it comes nearer than the
-gap, by the normal there (of both faces at a common side, of all at a common corner, weighted by
-angle), and remembered: should it be driven through the mid-surface, x - c turns over from one step
-to the next, and depth = gap + d pushes it back. No step brings two sides nearer by more than half
-of the gap, so none is passed unseen; a face that was farther, or is seen from the side touched, is
-not crossed: it is the other wall of a fold. Consequence to test: momentum and angular momentum
-are kept to round-off, since f acts along the line through x and c.
+c is the nearest point of the mid-surface. A probe may be on either side of it, and meets one face
+on each side: the nearest. Its side is determined when it comes nearer than the gap, by the normal
+there (of both faces at a common edge, of all at a common corner, weighted by angle), and stored: if
+the probe is driven through the mid-surface, x - c reverses from one step to the next, and
+depth = gap + d pushes it back. No step brings two sides nearer by more than half of the gap, so no
+crossing is missed; a face that was farther, or is on the side in contact, has not been crossed: it
+is the other wall of a fold. Consequence to test: momentum and angular momentum are conserved to
+round-off, since f acts along the line through x and c.
 
 References: Baerentzen and Aanaes (2005), IEEE Transactions on Visualization and Computer Graphics
 11, 243-253.
@@ -18,8 +18,15 @@ References: Baerentzen and Aanaes (2005), IEEE Transactions on Visualization and
 from math import acos, sqrt
 from typing import NamedTuple
 
-from crashsolve.contact.cells import WALLS, corner_points, list_near, measure, sort
-from crashsolve.contact.narrow._face import CORNER, EDGE, INSIDE, across, nearest_on_face, point_of
+from crashsolve.contact.cells import WALLS, bound_faces, corner_points, list_near, sort_faces
+from crashsolve.contact.narrow._face import (
+    CORNER,
+    EDGE,
+    INSIDE,
+    nearest_on_face,
+    normal_vector,
+    point_of,
+)
 from crashsolve.elements.shells.records import BLOCK
 from crashsolve.foundation.columns import add_to
 from crashsolve.foundation.kernels import kernel
@@ -27,42 +34,41 @@ from crashsolve.foundation.point import LANES
 from crashsolve.foundation.rows import Rows
 from crashsolve.foundation.vec3 import add, add_scaled, dot, norm, put, scale, sub, vec
 from crashsolve.system.contact.node_contact import (
-    count,
+    accept_record,
+    add_point_stiffness,
+    clear_sums,
     fastest,
-    give,
-    open_pass,
-    predicted,
-    predicts,
-    settle,
-    where,
+    mobility_along,
+    position_and_velocity,
+    predicted_mobility,
+    predicted_velocity,
 )
 
 # a distance of this share of the gap has no direction
 NO_DISTANCE = 1e-9
-# of `reach`, the distance from which a face may be crossed in a step: the speed that bounds a step
-# may grow within it
+# of `reach`, the distance from which a face may be crossed in a step: speeds may grow within it
 CROSSED = 1.5
 
 
 @kernel
-def open_faces(h, p, totals, probes, nodes, scene, near_faces):
-    """Sum how far all have moved; renew the lists where that exceeds their margin.
+def update_face_lists(h, p, totals, probes, nodes, scene, near_faces):
+    """Add to the travel of all; renew the lists where it exceeds their margin.
 
     Writes: totals, near_faces.
     """
     points, corners = scene.points, scene.corners
-    open_pass(totals)
+    clear_sums(totals)
     totals.fastest = 2.0 * fastest(h, p, probes, nodes, scene)
     totals.travel += h * totals.fastest
     if totals.travel <= totals.listed + p.margin:
         return
     (cells, starts, sorted_faces), (first, _, _, due), _ = near_faces
     reach = p.gap + p.over + p.margin
-    width = measure(p, points, corners, cells) + reach
-    sort(p, width, cells, starts, sorted_faces)
+    width = bound_faces(p, points, corners, cells) + reach
+    sort_faces(p, width, cells, starts, sorted_faces)
     total = 0
     for i in range(probes.shape[0]):
-        x, _ = where(probes[i], 0.0, nodes, points)
+        x, _ = position_and_velocity(probes[i], 0.0, nodes, points)
         first[i], due[i] = min(total, p.room), totals.travel
         total = list_near(i, x, p, totals.travel, reach, width, near_faces, total)
     first[probes.shape[0]] = min(total, p.room)
@@ -71,34 +77,37 @@ def open_faces(h, p, totals, probes, nodes, scene, near_faces):
 
 
 @kernel
-def remove_near_faces(p, blocks, gone):
-    """Faces of elements that are deleted can be met no more. Writes: gone."""
+def remove_near_faces(p, blocks, deleted):
+    """Remove the faces of deleted elements from contact. Writes: deleted."""
     for f in range(p.face_count):
         first, stride, k = p.first_number, p.stride, f
         if f >= p.quads:
             first, stride, k = p.first_third, p.stride_third, f - p.quads
         t = blocks[first + k // LANES * stride + LANES * BLOCK.thickness + k % LANES]
-        gone[f] = 1 if t == 0.0 else 0
+        deleted[f] = 1 if t == 0.0 else 0
 
 
 @kernel
-def drop_energy(h, totals, old, stored, gone):
+def add_lost_energy(h, totals, old, stored, deleted):
     """Count the stored energy of a touch that is lost with an element. Writes: totals."""
-    if h > 0.0 and old.active == 1 and gone[old.face] == 1:
+    if h > 0.0 and old.active == 1 and deleted[old.face] == 1:
         totals.dissipated += old.stored - stored
 
 
 @kernel
-def note_lost(clock, h, p, totals, old, mesh):
-    """A probe behind its own face, which no face holds any more, has passed. Writes: totals."""
+def record_pass(clock, h, p, totals, old, mesh):
+    """Record the time at which a probe behind its face has passed through the surface.
+
+    Writes: totals.
+    """
     is_behind = old.depth > p.gap and mesh[5][old.face] == 0
     if h > 0.0 and is_behind and totals.passed == 0.0:
         totals.passed = clock.time + h
 
 
 @kernel
-def is_crowded(p, totals):
-    """Whether the lists fill more than half of their room: time for more."""
+def needs_room(p, totals):
+    """Whether the lists fill more than half of their room."""
     return 2 * totals.pairs > p.room
 
 
@@ -106,60 +115,63 @@ class Sides(NamedTuple):
     """Touches of probes, on both sides of the faces."""
 
     states: Rows  # before and after the step, `WALLS` for each side of each probe
-    slot_in_use: int  # which of both is from before
+    slot_in_use: int  # which of both is the accepted one
     found: Rows  # the nearest faces of one probe
 
 
 @kernel
-def look(i, x, p, totals, sides, mesh, lists):
+def find_nearest_faces(i, x, p, totals, sides, mesh, lists):
     """The nearest face on either side of a probe at x, nearer than the gap. Writes: sides, lists.
 
-    A face that is farther waits until all can have gone so far.
+    A face that is farther is due when the travel may have closed its gap.
     """
     first, near, wait, due = lists
     soonest = 1e300
-    is_deep = begin_look(i, p, sides)
+    is_deep = reset_found(i, p, sides)
     for k in range(first[i], first[i + 1]):
         f = near[k]
         if mesh[5][f] == 1:
             continue
         if wait[k] <= totals.travel or is_deep:
-            a, b, c, d = seen_from(x, p, f, mesh)
+            a, b, c, d = relative_corners(x, p, f, mesh)
             N, square, spot = nearest_on_face(a, b, c, d)
             distance = sqrt(square)
             wait[k] = totals.travel + max(distance - p.gap, 0.0)
-            # a probe that has been driven through is not released behind
+            # a probe that has been driven through the surface is not released behind it
             if distance < p.gap or is_deep:
                 to = point_of(N, a, b, c, d)
-                take(i, p, (f, N, spot), distance, to, sides, mesh)
+                keep_nearest(i, p, (f, N, spot), distance, to, sides, mesh)
         soonest = min(soonest, wait[k])
     due[i] = soonest
     report_depth(p, sides.found)
 
 
 @kernel
-def begin_look(i, p, sides):
-    """Nothing is found; whether the probe is so deep that no face waits. Writes: sides."""
+def reset_found(i, p, sides):
+    """Reset the faces found; returns whether the probe is so deep that all faces are due.
+
+    Writes: sides.
+    """
     is_deep, (probe_states, slot_in_use, found) = False, sides
     for s in range(2):
         found[s].distance, found[s].face, found[s].depth = p.gap + p.margin, -1, 0.0
         found[s].beside, found[s].weight = 0, 1.0
-        old = probe_states[settle(slot_in_use, 2 * i + s), 2 * i + s]
+        old = probe_states[accept_record(slot_in_use, 2 * i + s), 2 * i + s]
         is_deep = is_deep or (old.active == 1 and old.depth > 0.5 * p.gap)
     return is_deep
 
 
 @kernel
 def report_depth(p, found):
-    """Depth of what is found, from its distance. Writes: found."""
+    """Depths of the faces found, from their distances. Writes: found."""
     for s in range(2):
         if found[s].face >= 0:
             found[s].depth = p.gap - (-1.0 if found[s].crossed == 1 else 1.0) * found[s].distance
 
 
 @kernel
-def seen_from(x, p, f, mesh):
-    """Corners of a face from a position."""
+def relative_corners(x, p, f, mesh):
+    """Corners of a face relative to a position."""
     points, at = mesh[0], corner_points(p, f, mesh[1])
     return (
         sub(vec(points[at[0]].r), x),
@@ -170,14 +182,14 @@ def seen_from(x, p, f, mesh):
 
 
 @kernel
-def take(i, p, face, distance, to, sides, mesh):
-    """Keep a face that is the nearest on its side so far, at a distance [m]; `to` leads to it.
+def keep_nearest(i, p, face, distance, to, sides, mesh):
+    """Store a face if it is the nearest on its side, at a distance [m]; `to` is the vector to it.
 
-    `face`: its number, the shares of its corners at the nearest point, which feature that is.
+    `face`: its number, the weights of its corners at the nearest point, the feature of that.
     Writes: sides.found.
     """
     (f, N, spot), (probe_states, slot_in_use, found) = face, sides
-    s, crossed = side(i, p, f, spot, to, probe_states, slot_in_use, mesh)
+    s, crossed = side_of(i, p, f, spot, to, probe_states, slot_in_use, mesh)
     hit = found[s]
     if distance >= hit.distance or (distance >= p.gap and crossed == 0):
         return
@@ -197,20 +209,20 @@ def take(i, p, face, distance, to, sides, mesh):
 
 
 @kernel
-def side(i, p, f, spot, to, probe_states, slot_in_use, mesh):
+def side_of(i, p, f, spot, to, probe_states, slot_in_use, mesh):
     """Side of a face on which a probe is, 0 that of the normal; 1 if it has crossed from there."""
-    up = touched_beside(2 * i, p, f, probe_states, slot_in_use, mesh)
-    down = touched_beside(2 * i + 1, p, f, probe_states, slot_in_use, mesh)
+    up = adjacent_touch(2 * i, p, f, probe_states, slot_in_use, mesh)
+    down = adjacent_touch(2 * i + 1, p, f, probe_states, slot_in_use, mesh)
     is_up, is_down = up >= 0, down >= 0
-    there = 0 if dot(to, outward(p, f, spot, mesh)) <= 0.0 else 1
+    there = 0 if dot(to, surface_normal(p, f, spot, mesh)) <= 0.0 else 1
     if is_up == is_down:
         return there, 0
     s = 0 if is_up else 1
     kept = probe_states[slot_in_use[2 * i + s], up if is_up else down]
     if dot(to, vec(kept.normal)) <= 0.0:
         return s, 0
-    # the other wall of a fold is seen from the same side, or from too far to be crossed in a
-    # step; round a free border it is no crossing
+    # the other wall of a fold is on the same side, or too far to be crossed in a step; the way
+    # around a free border is no crossing
     is_deep = kept.depth > p.gap - CROSSED * p.reach
     if there != s and is_deep and not on_border(p, f, spot, mesh):
         return s, 1
@@ -224,21 +236,21 @@ def row_of(p, j, w):
 
 
 @kernel
-def touched_beside(j, p, f, probe_states, slot_in_use, mesh):
-    """Row of the deepest touch, on side j of all probes, of a face beside another; -1: none."""
+def adjacent_touch(j, p, f, probe_states, slot_in_use, mesh):
+    """Row of the deepest contact, on side j of all probes, with a face beside another; -1: none."""
     now, best, depth = slot_in_use[j], -1, -1e300
     if probe_states[now, j].active == 0:
         return best
     for w in range(1 + probe_states[now, j].beside):
         at = row_of(p, j, w)
         old = probe_states[now, at]
-        if old.depth > depth and are_kin(p, f, old.face, mesh):
+        if old.depth > depth and share_corner(p, f, old.face, mesh):
             best, depth = at, old.depth
     return best
 
 
 @kernel
-def are_kin(p, f, g, mesh):
+def share_corner(p, f, g, mesh):
     """Whether two faces have a corner in common."""
     a, b = corner_points(p, f, mesh[1]), corner_points(p, g, mesh[1])
     for m in range(4):
@@ -254,7 +266,7 @@ def on_border(p, f, spot, mesh):
     if spot == INSIDE:
         return False
     if spot < CORNER:
-        return over_side(f, spot - EDGE, mesh) < 0
+        return adjacent_face(f, spot - EDGE, mesh) < 0
     first, faces = mesh[3], mesh[4]
     point = corner_points(p, f, mesh[1])[spot - CORNER]
     own = point - p.first_own
@@ -262,7 +274,7 @@ def on_border(p, f, spot, mesh):
         g = faces[k]
         at, last = corner_points(p, g, mesh[1]), 3
         for c in range(4):
-            ends = over_side(g, c, mesh) < 0 or over_side(g, last, mesh) < 0
+            ends = adjacent_face(g, c, mesh) < 0 or adjacent_face(g, last, mesh) < 0
             if mesh[5][g] == 0 and at[c] == point and ends:
                 return True
             last = c
@@ -270,8 +282,8 @@ def on_border(p, f, spot, mesh):
 
 
 @kernel
-def over_side(f, k, mesh):
-    """The face across a side; -1: none. Over its side of no length a triangle has itself."""
+def adjacent_face(f, k, mesh):
+    """The face across an edge; -1: none. Across its edge of no length a triangle has itself."""
     g = mesh[2][4 * f + k]
     return -1 if g < 0 or mesh[5][g] == 1 else g
 
@@ -280,20 +292,20 @@ def over_side(f, k, mesh):
 def face_normal(p, f, mesh):
     """Unit normal of a face."""
     points, at = mesh[0], corner_points(p, f, mesh[1])
-    n = across(
+    n = normal_vector(
         vec(points[at[0]].r), vec(points[at[1]].r), vec(points[at[2]].r), vec(points[at[3]].r)
     )
     return scale(1.0 / norm(n), n)
 
 
 @kernel
-def outward(p, f, spot, mesh):
+def surface_normal(p, f, spot, mesh):
     """Normal of the surface at a position of a face."""
     n = face_normal(p, f, mesh)
     if spot == INSIDE:
         return n
     if spot < CORNER:
-        g = over_side(f, spot - EDGE, mesh)
+        g = adjacent_face(f, spot - EDGE, mesh)
         return n if g < 0 else add(n, face_normal(p, g, mesh))
     first, faces = mesh[3], mesh[4]
     point = corner_points(p, f, mesh[1])[spot - CORNER]
@@ -323,16 +335,16 @@ def angle_at(p, f, point, mesh):
 
 @kernel
 def face_velocity(p, hit, h, points, corners):
-    """Velocity of the position of a face that is touched."""
+    """Velocity of the point of a face in contact."""
     at, v = corner_points(p, hit.face, corners), (0.0, 0.0, 0.0)
     for k in range(4):
-        v = add_scaled(v, hit.N[k], predicted(points[at[k]], h))
+        v = add_scaled(v, hit.N[k], predicted_velocity(points[at[k]], h))
     return v
 
 
 @kernel
 def face_mobility(p, hit, points, corners):
-    """Acceleration of that position over a force on it [1/kg], and what points predict of it."""
+    """Acceleration of that point per unit force [1/kg], and the predicted part of it."""
     at, n, w, predicted_w = (
         corner_points(p, hit.face, corners),
         vec(hit.normal),
@@ -341,15 +353,15 @@ def face_mobility(p, hit, points, corners):
     )
     for k in range(4):
         b, square = points[at[k]], hit.N[k] * hit.N[k]
-        w += square * give(b, n)
-        predicted_w += square * predicts(b, n)
+        w += square * mobility_along(b, n)
+        predicted_w += square * predicted_mobility(b, n)
     return w, predicted_w
 
 
 @kernel
-def push_face(p, hit, f, k, c, scene):
-    """Minus a force f along the normal, on the corners. Writes: scene.points, stiffened."""
+def apply_to_face(p, hit, f, k, c, scene):
+    """Apply minus a force f along the normal to the corners. Writes: scene.points, stiffened."""
     at = corner_points(p, hit.face, scene.corners)
     for j in range(4):
         add_to(scene.points[at[j]].force, scale(-f * hit.N[j], vec(hit.normal)))
-        count(at[j], hit.N[j], k, c, scene)
+        add_point_stiffness(at[j], hit.N[j], k, c, scene)

@@ -1,4 +1,4 @@
-"""Pairs that are left alone until they may have met.
+"""Pairs that are skipped until they may have met.
 
     depth <= depth_before + |dr_a - dr_b - tau_b x (r_a - r_b)| + |tau_a - tau_b| R_a
                           + tau_a^2 R_a + tau_b^2 (R_a + |r_a - r_b|)
@@ -8,20 +8,21 @@ along the axis of rotation, R how far an element reaches from the mass centre of
 body b, no point of a moves farther. The first line is exact for small rotations; R v - v differs
 from tau x v by tau^2 |v| at most. Body b is the one whose element reaches farther, so that what is
 carried along in a fast vehicle stays apart from its walls. As long as that bound is negative no gap
-is looked for, and what a pair remembers stays as it is; at samples all gaps are. Consequence to
-test: the same results as without.
+is computed, and the history of the pair does not change; at samples all gaps are computed.
+Consequence to test: the same results as without.
 """
 
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import cross, dot, norm, put, scale, sub, vec
 from crashsolve.system.points import half_rotation
 
-# steps like this one that must still be free: a gap is known when the step that closes it begins
-AHEAD = 4.0
+# steps like this one that must still be free: the gap must be known when the step that closes it
+# begins
+STEPS_AHEAD = 4.0
 
 
 @kernel
-def note_motion(nodes):
+def record_motion(nodes):
     """Record displacement and rotation of every body since the start of the step. Writes: nodes."""
     for i in range(1, nodes.shape[0]):
         b = nodes[i]
@@ -33,12 +34,12 @@ def note_motion(nodes):
 def largest_approach(p, a, b):
     """Largest decrease of the gap of a pair on bodies a and b in the step [m]."""
     if p.reach_a <= p.reach_b:
-        return motion_seen_from(a, b, p.reach_a)
-    return motion_seen_from(b, a, p.reach_b)
+        return relative_motion_bound(a, b, p.reach_a)
+    return relative_motion_bound(b, a, p.reach_b)
 
 
 @kernel
-def motion_seen_from(a, b, reach):
+def relative_motion_bound(a, b, reach):
     """Bounds of displacement [m] of points within `reach` of the mass centres of bodies a and b."""
     offset, of_a, of_b = sub(vec(a.r), vec(b.r)), vec(a.rotated), vec(b.rotated)
     travel = sub(sub(vec(a.moved), vec(b.moved)), cross(of_b, offset))
@@ -47,17 +48,18 @@ def motion_seen_from(a, b, reach):
 
 
 @kernel
-def unasked_depth(h, deepest):
-    """Depth below which nothing is asked of a pair apart [m]: of samples the deepest is."""
+def skip_depth(h, deepest):
+    """Depth below which a separated pair is skipped [m]: at samples, the deepest."""
     return min(0.0, deepest) if h == 0.0 else 0.0
 
 
 @kernel
-def rests(h, old, new, displacement):
-    """Whether a pair that has gone `displacement` is apart, and nothing is asked about its gap.
+def can_skip(h, old, new, displacement):
+    """Whether a pair whose gap has changed by at most `displacement` is surely separated and
+    skipped.
 
-    Both histories are those of a pair apart, so but for the depth there is nothing to write.
+    Both histories are those of a separated pair, so only the depth has to be written.
     """
     if h == 0.0 or old.active == 1 or new.active == 1:
         return False
-    return old.depth + (1.0 + AHEAD) * displacement <= 0.0
+    return old.depth + (1.0 + STEPS_AHEAD) * displacement <= 0.0

@@ -1,11 +1,11 @@
-"""When a contact card begins and ceases to touch, and how long it has done so.
+"""Times of onset and release of each contact card, and its duration of contact.
 
     t = t_1 - h d_1 / (d_1 - d_0)     d: depth of the deepest pair at both ends of the step
 
-An onset is the end of a step, and so is a release where the method chooses its steps: there t is
-exact to what those searches leave. The explicit steps of rattle go over a release, which is then
-known to a (t_1 - t) (t - t_0) / 2 v, a the change of the relative speed v; where several pairs
-touch in turn, to a step. Nodes of shells state no gap, and their times are those of the steps.
+An onset is the end of a step, and so is a release where the method controls its steps: there t is
+exact to the tolerance of those searches. The explicit steps of rattle pass a release, whose error
+is then a (t_1 - t) (t - t_0) / 2 v, a the relative acceleration, v the relative speed; where
+several pairs touch in turn, it is a step. Nodes of shells have no gap, and the times of steps.
 Consequence to test: half a vibration on a linear spring.
 """
 

@@ -1,7 +1,7 @@
 """Bookkeeping of contact pairs: onset, slip, application of the force, sums per contact card.
 
-The closing speed is latched at the first evaluation that touches, which the integrator has placed
-at the true onset. A pair that separates forgets it.
+The closing speed is latched at the first evaluation in contact, which the integrator has located
+at the true onset. It is reset when the pair separates.
 """
 
 from math import sqrt
@@ -19,22 +19,22 @@ from crashsolve.foundation.motion import (
 )
 from crashsolve.foundation.vec3 import add_scaled, dot, norm, scale, sub, vec
 
-# share of the half thickness of both sides by which a step may bring two that are apart together;
-# spheres of radius R that meet by less than 6e-4 R as they pass may still not be detected
-SEEN = 0.05
-# energy made by friction that nothing shows, over what the normal force took and gave
+# share of the half thickness of both sides by which the gap may close in a step; spheres of
+# radius R that overlap by less than 6e-4 R as they pass each other may still not be detected
+LARGEST_CLOSING = 0.05
+# unaccounted energy of friction that is ignored, over the energy exchanged by the normal force
 NEGLIGIBLE = 1e-4
 
 
 @kernel
-def open_cards(cards):
+def clear_cards(cards):
     """Zero the sums of a force pass. Writes: cards."""
     for k in range(cards.shape[0]):
-        open_card(cards[k])
+        clear_card(cards[k])
 
 
 @kernel
-def open_card(c):
+def clear_card(c):
     """Zero the sums of a card, or of a piece of its pairs. Writes: c."""
     for j in range(3):
         c.force[j] = 0.0
@@ -44,8 +44,8 @@ def open_card(c):
 
 
 @kernel
-def open_load(load):
-    """Zero what a pair of its own adds to. Writes: load."""
+def clear_load(load):
+    """Zero the loads of a single pair. Writes: load."""
     for k in range(3):
         load.force[k] = load.torque[k] = 0.0
         load.deferred_force[k] = load.deferred_torque[k] = 0.0
@@ -53,25 +53,28 @@ def open_load(load):
 
 
 @kernel
-def note_applied(applied, load_rows, i, now):
-    """Whether pair i has loads. Writes: applied, and no word that threads share without need."""
+def mark_applied(applied, load_rows, i, now):
+    """Mark whether pair i has loads.
+
+    Writes: applied, only where it changes, as threads share it.
+    """
     for k in (2 * i, 2 * i + 1):
         if applied[load_rows[k]] != now:
             applied[load_rows[k]] = now
 
 
 @kernel
-def open_count(c):
-    """Zero what a piece of pairs adds to what its card remembers. Writes: c."""
+def clear_counts(c):
+    """Zero the sums of a piece of pairs for the history of its card. Writes: c."""
     for j in range(3):
         c.late[j] = 0.0
     c.onsets = 0
-    c.peak_share = c.work = c.friction_work = c.held = c.bristled = 0.0
+    c.peak_share = c.work = c.friction_work = c.held = c.bristle_energy = 0.0
 
 
 @kernel
-def take_load(body, load):
-    """Add what a pair presses to a body. Writes: body."""
+def add_load(body, load):
+    """Add the loads of a pair to a body. Writes: body."""
     add_to(body.force, vec(load.force))
     add_to(body.torque, vec(load.torque))
     add_to(body.deferred_force, vec(load.deferred_force))
@@ -82,8 +85,8 @@ def take_load(body, load):
 
 
 @kernel
-def take_sums(card, history, sums, counts):
-    """Add what a piece of the pairs of a card comes to. Writes: card, history."""
+def add_sums(card, history, sums, counts):
+    """Add the sums of a piece of the pairs of a card. Writes: card, history."""
     add_to(card.force, vec(sums.force))
     card.normal += sums.normal
     card.tangential += sums.tangential
@@ -99,11 +102,11 @@ def take_sums(card, history, sums, counts):
     history.work += counts.work
     history.friction_work += counts.friction_work
     history.held += counts.held
-    history.bristled += counts.bristled
+    history.bristle_energy += counts.bristle_energy
 
 
 @kernel
-def close_cards(clock, cards, history):
+def finish_cards(clock, cards, history):
     """Peaks, impulses and losses per contact card. Writes: history, cards."""
     for k in range(cards.shape[0]):
         c, old, new = cards[k], history[clock.current, k], history[1 - clock.current, k]
@@ -120,18 +123,18 @@ def close_cards(clock, cards, history):
         new.peak_normal = max(old.peak_normal, c.normal)
         new.peak_depth = max(old.peak_depth, c.depth)
         new.fastest = max(old.fastest, c.impact_speed)
-        pushed, friction_loss = new.held + c.dissipated, new.bristled + c.friction_dissipated
-        new.handled = max(old.handled, abs(pushed))
-        new.friction_handled = max(old.friction_handled, abs(friction_loss))
+        pushed, friction_loss = new.held + c.dissipated, new.bristle_energy + c.friction_dissipated
+        new.largest_energy = max(old.largest_energy, abs(pushed))
+        new.largest_friction_energy = max(old.largest_friction_energy, abs(friction_loss))
         new.exchanged = old.exchanged + abs(new.work - old.work)
-        rubbed = abs(new.friction_work - old.friction_work)
-        new.friction_exchanged = old.friction_exchanged + rubbed
+        friction_change = abs(new.friction_work - old.friction_work)
+        new.friction_exchanged = old.friction_exchanged + friction_change
         if clock.cycle == 0:
-            new.held_first = pushed + new.work
+            new.initially_stored = pushed + new.work
 
 
 @kernel
-def closing(a, b, x, n):
+def closing_motion(a, b, x, n):
     """Closing speed, slip velocity of a over b, and arms to the point of contact."""
     d_a = sub(x, vec(a.r))
     d_b = sub(x, vec(b.r))
@@ -159,8 +162,8 @@ def latch(p, old, new, depth, rate, count):
 
 
 @kernel
-def separate(clock, old, new, out, depth, x):
-    """No contact: histories and outputs are reset. Writes: new, out."""
+def reset_pair(clock, old, new, out, depth, x):
+    """Reset histories and outputs of a pair without contact. Writes: new, out."""
     new.active = 0
     new.depth = depth
     new.impact_speed = 0.0
@@ -186,19 +189,19 @@ def applied_fraction(old, depth, rate, h):
 
 
 @kernel
-def begun_before(clock, old, h):
-    """0 of a contact that begins at the end of the step, 1 of any other.
+def onset_factor(clock, old, h):
+    """0 for a contact that begins at the end of the step, 1 for any other.
 
-    A step ends where a contact begins. What jumps there must not act in a stage at its end: that
-    has the weight of all of the step, and no step to the onset would be short enough. A stage
-    within the step takes the force of what it meets: a contact that begins and ends within the
-    step shows in the error of the step.
+    A step ends where a contact begins. A force that jumps there must not act in a stage at the end:
+    it would have the weight of the full step, and no step to the onset would be short enough. A
+    stage within the step includes it: a contact that begins and ends within the step shows in the
+    error of the step.
     """
     return 0.0 if clock.ends == 1 and old.active == 0 and h > 0.0 else 1.0
 
 
 @kernel
-def touch(pair, totals, sliding, applied, f, t, x):
+def apply_contact_force(pair, totals, sliding, applied, f, t, x):
     """Normal force f and friction t on both sides, at the position x. Writes: totals, out."""
     a, b, out, d_a, d_b = totals.on_a, totals.on_b, pair.out, sliding.d_a, sliding.d_b
     total = add_scaled(t, f, sliding.n)
@@ -213,7 +216,7 @@ def touch(pair, totals, sliding, applied, f, t, x):
 
 
 @kernel
-def count_stiffness(a, b, mob_a, mob_b, stiffness, damping):
+def add_pair_stiffness(a, b, mob_a, mob_b, stiffness, damping):
     """Contact stiffness for the step control. Writes: a, b."""
     add_stiffness_bound(a, mob_a, stiffness, damping)
     add_stiffness_bound(b, mob_b, stiffness, damping)
@@ -221,14 +224,14 @@ def count_stiffness(a, b, mob_a, mob_b, stiffness, damping):
 
 @kernel
 def clear_friction_stiffness(nodes):
-    """Friction has not been counted in this pass. Writes: nodes."""
+    """Start the sums of friction stiffness of this force pass. Writes: nodes."""
     for i in range(nodes.shape[0]):
         nodes[i].was_pressed, nodes[i].pressed = nodes[i].pressed, 0.0
 
 
 @kernel
-def ease_of_pair(clock, h, pair, totals, mob_a, mob_b, f):
-    """Decrease of the slip of a pair in half a step, over its friction [s/kg].
+def friction_compliance(clock, h, pair, totals, mob_a, mob_b, f):
+    """Decrease of the slip of a pair in half a step per unit of its friction [s/kg].
 
     All friction on both bodies together decreases the slip; this pair has the share of its normal
     force f in the sum of f w over the last step. Writes: totals.
@@ -242,8 +245,8 @@ def ease_of_pair(clock, h, pair, totals, mob_a, mob_b, f):
 
 
 @kernel
-def along(t, slip, n):
-    """Unit vector of the friction t, or of the slip; the normal when there is neither."""
+def unit_slip(t, slip, n):
+    """Unit vector of the friction t, else of the slip, else the normal."""
     size = norm(t)
     if size > 0.0:
         return scale(1.0 / size, t)
@@ -252,16 +255,16 @@ def along(t, slip, n):
 
 
 @kernel
-def ahead(old, slip, n):
-    """Unit vector along which friction will act, as far as it is known beforehand."""
-    return along(vec(old.friction_force), slip, n)
+def predicted_direction(old, slip, n):
+    """Unit vector along which friction is predicted to act."""
+    return unit_slip(vec(old.friction_force), slip, n)
 
 
 @kernel
-def has_left_list(clock, elements, nodes, seen, slack):
-    """Whether an element has gone far since its list of near pairs was made.
+def needs_new_list(clock, elements, nodes, seen, slack):
+    """Whether an element has moved far since its list of near pairs was made.
 
-    The next step is cut so that none can go farther than `slack` before this is asked again.
+    The next step is cut so that none can move farther than `slack` before the next check.
     Writes: clock.next_step.
     """
     farthest, fastest = 0.0, 0.0
@@ -279,7 +282,7 @@ def has_left_list(clock, elements, nodes, seen, slack):
 
 
 @kernel
-def closing_at_most(p, a, b, nodes):
+def closing_speed_bound(p, a, b, nodes):
     """Upper bound of the closing speed of two elements [m/s]."""
     m, w = nodes[a.node], nodes[b.node]
     v_a = point_velocity(m, arm(m, vec(a.point)))
@@ -288,10 +291,10 @@ def closing_at_most(p, a, b, nodes):
 
 
 @kernel
-def dissipate(clock, old, new, applied, power, loss, friction_power, friction_loss):
+def add_dissipation(clock, old, new, applied, power, loss, friction_power, friction_loss):
     """Add up the energy lost over the step, as system/energy.py does for others.
 
-    What friction that begins within the step loses has the share of its force. Writes: new.
+    The loss by friction that begins within the step is scaled as its force. Writes: new.
     """
     if clock.opens == 1:
         new.dissipated = old.dissipated + clock.lead * old.power
@@ -307,7 +310,7 @@ def dissipate(clock, old, new, applied, power, loss, friction_power, friction_lo
 
 
 @kernel
-def sum_card(c, history, order, applied, f, t, new, out):
+def add_to_card(c, history, order, applied, f, t, new, out):
     """Add one touching pair to its contact card. Writes: c, history."""
     for k in range(3):
         c.force[k] += order * out.force[k]
@@ -321,80 +324,84 @@ def sum_card(c, history, order, applied, f, t, new, out):
 
 
 @kernel
-def sum_apart(c, new, n):
-    """Add a pair apart, and its depth, unless that is a bound, without a normal. Writes: c."""
+def add_separated(c, new, n):
+    """Add a separated pair, and its depth, unless that is only a bound (without a normal).
+
+    Writes: c.
+    """
     if dot(n, n) > 0.0:
         c.depth = max(c.depth, new.depth)
-    sum_losses(c, new)
+    add_losses(c, new)
 
 
 @kernel
-def sum_losses(c, new):
+def add_losses(c, new):
     """Add the losses of one pair to its contact card. Writes: c."""
     c.dissipated += new.dissipated
     c.friction_dissipated += new.friction_dissipated
 
 
 @kernel
-def carry_onsets(current, history):
+def copy_onsets(current, history):
     """Onset counts start from those of the accepted state. Writes: history."""
     for k in range(history.shape[1]):
         new = history[1 - current, k]
         old = history[current, k]
-        new.onsets, new.held_first = old.onsets, old.held_first
+        new.onsets, new.initially_stored = old.onsets, old.initially_stored
         new.peak_share = old.peak_share
         new.work, new.friction_work = old.work, old.friction_work
-        new.held = new.bristled = new.given = new.friction_given = 0.0
+        new.held = new.bristle_energy = new.given = new.friction_given = 0.0
         for j in range(3):
             new.late[j] = 0.0
 
 
 @kernel
-def note_power(applied, f, rate, t, slip, out, count):
+def record_power(applied, f, rate, t, slip, out, count):
     """Record power and stored energy of the forces of a pair in a stage. Writes: count.
 
-    Methods of stages sum it with the weights of the stages, as what is lost.
+    Methods with stages sum it with the weights of the stages, as losses.
     """
     count.given -= applied * f * rate
     count.friction_given += applied * dot(t, slip)
     count.held += out.stored
-    count.bristled += out.friction_stored
+    count.bristle_energy += out.friction_stored
 
 
 @kernel
-def add_powers(clock, history):
+def integrate_powers(clock, history):
     """Work of all forces in the stages of a step so far. Writes: history."""
     for k in range(history.shape[1]):
         old, new = history[clock.current, k], history[1 - clock.current, k]
         if clock.opens == 1:
-            new.given_so_far = clock.lead * old.given
-            new.friction_given_so_far = clock.lead * old.friction_given
-        new.given_so_far += clock.share * new.given
-        new.friction_given_so_far += clock.share * new.friction_given
-        new.work = old.work + new.given_so_far
-        new.friction_work = old.friction_work + new.friction_given_so_far
+            new.work_in_step = clock.lead * old.given
+            new.friction_work_in_step = clock.lead * old.friction_given
+        new.work_in_step += clock.share * new.given
+        new.friction_work_in_step += clock.share * new.friction_given
+        new.work = old.work + new.work_in_step
+        new.friction_work = old.friction_work + new.friction_work_in_step
 
 
 @kernel
-def gaining_card(current, limit, unseen, history):
-    """Card whose normal force gave its bodies more than it took and held at the start; -1: none.
+def card_with_energy_gain(current, limit, unseen, history):
+    """First card whose normal force did more work on the bodies than it had stored at the start;
+    -1: none.
 
-    The work is that on both sides, so neither the frame nor any other energy matters. What is
-    missing counts where it is more than `limit` of all that was taken and given, and more than the
-    largest force does over `unseen`, the round-off of positions [m].
+    The work is that on both sides, so it does not depend on the frame of reference. A gain counts
+    where it exceeds `limit` times the energy exchanged, and the work of the largest force over
+    `unseen`, the round-off of positions [m].
     """
     for k in range(history.shape[1]):
         card = history[current, k]
-        gained = card.work - max(card.held_first, 0.0)
+        gained = card.work - max(card.initially_stored, 0.0)
         if gained > max(limit * card.exchanged, unseen * card.peak_normal):
             return k
     return -1
 
 
 @kernel
-def gaining_friction(current, limit, unseen, history):
-    """The same of friction, which begins with nothing held; less than NEGLIGIBLE of what the normal
-    force exchanged is none.
+def card_with_friction_gain(current, limit, unseen, history):
+    """The same for friction, which begins without stored energy; less than NEGLIGIBLE of the energy
+    exchanged by the normal force is ignored.
     """
     for k in range(history.shape[1]):
         card = history[current, k]

@@ -1,11 +1,11 @@
-"""Bookkeeping of unilateral constraints: pairs held, impulses in both halves of a step, losses.
+"""Unilateral constraints within a step: active pairs, impulses in both halves, losses.
 
-    v_half = v + h/2 M^-1 g + M^-1 P        P >= 0 such that nothing held goes deeper in the drift
-    v_new = v_half + h/2 M^-1 g_new + M^-1 P_new         such that nothing held approaches
+    v_half = v + h/2 M^-1 g + M^-1 P        P >= 0 such that no active pair goes deeper in the drift
+    v_new = v_half + h/2 M^-1 g_new + M^-1 P_new         such that no active pair approaches
 
-The drift ends where something new touches; what does is held after the second half. Impulses on
-several pairs of one body are found by sweeps (Gauss-Seidel), which end at once where each pair has
-a node of its own. Between impacts the order is that of the step, 2.
+The drift ends at the onset of a new contact, which is active after the second half. Impulses on
+several pairs of one body are found by sweeps (Gauss-Seidel); one sweep is enough where no node has
+two pairs. Between impacts the order is that of the step, 2.
 """
 
 from typing import NamedTuple
@@ -17,13 +17,13 @@ from crashsolve.foundation.columns import add_to, matvec
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import apply_force, mobility
 from crashsolve.foundation.vec3 import ZERO, add, add_scaled, cross, dot, norm, put, scale, sub, vec
-from crashsolve.system.contact.touches import along, separate, sum_losses
+from crashsolve.system.contact.touches import add_losses, reset_pair, unit_slip
 from crashsolve.system.kinetics import drift_body
 
-PASSES = 20  # over the drift, until gaps on curved surfaces are closed
+MAX_ITERATIONS = 20  # over the drift, until gaps on curved surfaces are closed
 SWEEPS = 200  # over the pairs, until their impulses agree
-SETTLED = 1e-14  # change of an impulse in a sweep, over the largest, that is round-off
-CLOSED = 1e-12  # gap of what is held, in model sizes
+CONVERGED = 1e-14  # change of an impulse in a sweep, over the largest, that is round-off
+LARGEST_GAP = 1e-12  # gap of an active pair, in model sizes
 
 
 class Pairs(NamedTuple):
@@ -36,8 +36,8 @@ class Pairs(NamedTuple):
 
 
 @kernel
-def forget(current, history):
-    """No impulses yet. Writes: new history."""
+def clear_impulses(current, history):
+    """Zero the impulses of a step. Writes: new history."""
     for i in range(history.shape[1]):
         new = history[1 - current, i]
         put(new.opening, ZERO)
@@ -52,14 +52,14 @@ def velocity(is_half, b, d):
 
 
 @kernel
-def over(is_half, here, m, w):
+def relative_velocity(is_half, here, m, w):
     """Velocity of side a over side b in their point of contact [m/s]."""
     return sub(velocity(is_half, m, vec(here.arm_a)), velocity(is_half, w, vec(here.arm_b)))
 
 
 @kernel
-def give(is_half, b, P, d):
-    """Impulse P in the point d from the mass centre. Writes: b."""
+def apply_impulse(is_half, b, P, d):
+    """Apply an impulse P at d from the mass centre. Writes: b."""
     v, L = (b.v_half, b.L_half) if is_half else (b.v, b.L)
     add_to(v, scale(b.mass_inv, P))
     if b.mass_inv > 0.0:
@@ -68,7 +68,7 @@ def give(is_half, b, P, d):
 
 @kernel
 def sweep(is_half, is_impulse, current, pairs, nodes, change, most):
-    """New impulses of every pair that is held, one after the other; at an impact of new ones too.
+    """New impulses of every active pair, one after the other; at an impact of new ones too.
 
     Takes and returns the largest change and the largest impulse [N s]. Writes: history, nodes.
     """
@@ -81,8 +81,8 @@ def sweep(is_half, is_impulse, current, pairs, nodes, change, most):
         P = new.opening if is_half else (new.impulse if is_impulse else new.closing)
         m, w = nodes[elements[0][p.a].node], nodes[elements[1][p.b].node]
         d_a, d_b, n = vec(here.arm_a), vec(here.arm_b), vec(here.normal)
-        u = over(is_half, here, m, w)
-        slip = along(ZERO, add_scaled(u, -dot(u, n), n), n)
+        u = relative_velocity(is_half, here, m, w)
+        slip = unit_slip(ZERO, add_scaled(u, -dot(u, n), n), n)
         wanted = unilateral_impulse(
             p,
             vec(P),
@@ -94,15 +94,15 @@ def sweep(is_half, is_impulse, current, pairs, nodes, change, most):
         )
         more = sub(wanted, vec(P))
         put(P, wanted)
-        give(is_half, m, more, d_a)
-        give(is_half, w, scale(-1.0, more), d_b)
+        apply_impulse(is_half, m, more, d_a)
+        apply_impulse(is_half, w, scale(-1.0, more), d_b)
         change, most = max(change, norm(more)), max(most, norm(wanted))
     return change, most
 
 
 @kernel
 def drift_held(current, h, params, history, elements, nodes):
-    """Move the bodies of all held pairs by their momenta at half step. Writes: nodes.r, q, A."""
+    """Move the bodies of all active pairs by their momenta at half step. Writes: nodes.r, q, A."""
     for i in range(params.shape[0]):
         if history[current, i].active == 0:
             continue
@@ -112,8 +112,9 @@ def drift_held(current, h, params, history, elements, nodes):
 
 
 @kernel
-def aim(old, new, depth, h):
-    """Correct the velocity that closes the gap over a drift; returns what it was [m]. Writes: new.
+def correct_lift(old, new, depth, h):
+    """Correct the velocity that closes the gap over a drift; returns the size of the gap [m].
+    Writes: new.
 
     A pair without an impulse may separate.
     """
@@ -124,27 +125,27 @@ def aim(old, new, depth, h):
 
 
 @kernel
-def hold_open_friction(current, params, history, elements, nodes):
+def add_friction_loss(current, params, history, elements, nodes):
     """Friction's loss in the first half: impulse times mean velocity. Writes: new history."""
     for i in range(params.shape[0]):
         p, old, new = params[i], history[current, i], history[1 - current, i]
         if old.active == 1:
             m, w = nodes[elements[0][p.a].node], nodes[elements[1][p.b].node]
-            u = add(over(False, old, m, w), over(True, old, m, w))
-            new.friction_loss = -0.5 * dot(across(vec(new.opening), vec(old.normal)), u)
+            u = add(relative_velocity(False, old, m, w), relative_velocity(True, old, m, w))
+            new.friction_loss = -0.5 * dot(tangential_part(vec(new.opening), vec(old.normal)), u)
 
 
 @kernel
-def across(x, n):
+def tangential_part(x, n):
     """Part of a vector across the unit vector n."""
     return add_scaled(x, -dot(x, n), n)
 
 
 @kernel
-def look(clock, h, pair, meeting):
-    """Whether a pair is held after the drift, and where. Writes: pair.new, out.
+def update_pair(clock, h, pair, meeting):
+    """Whether a pair is active after the drift, and its point of contact. Writes: pair.new, out.
 
-    A pair held before is released where it has no impulse and a gap has opened. A sample changes
+    An active pair is released where it has no impulse and its gap is open. A sample changes
     nothing.
     """
     old, new, out, m, w = pair.old, pair.new, pair.out, pair.a, pair.b
@@ -163,16 +164,17 @@ def look(clock, h, pair, meeting):
     put(new.closing, ZERO)
     put(new.impulse, ZERO)
     is_held, speed = new.active, old.impact_speed
-    separate(clock, old, new, out, depth, x)
+    reset_pair(clock, old, new, out, depth, x)
     new.active = is_held
     new.impact_speed = speed if is_held == 1 else 0.0
 
 
 @kernel
-def note_reactions(h, current, params, history, elements, nodes):
-    """Reactions and friction's loss of what is held in the second half. Writes: new history.
+def record_reactions(h, current, params, history, elements, nodes):
+    """Reactions of the active pairs in the second half, and their loss by friction. Writes: new
+    history.
 
-    Returns the number of pairs that have just touched; their velocity is kept for `note_impulses`.
+    Returns the number of new pairs; their velocity is stored for `record_impulses`.
     """
     count = 0
     for i in range(params.shape[0]):
@@ -180,34 +182,38 @@ def note_reactions(h, current, params, history, elements, nodes):
         if new.active == 0:
             continue
         m, w = nodes[elements[0][p.a].node], nodes[elements[1][p.b].node]
-        put(new.met, over(False, new, m, w))
+        put(new.met, relative_velocity(False, new, m, w))
         if old.active == 0:
             count += 1
             continue
         put(new.reaction, scale(2.0 / h, vec(new.closing)))
-        u = add(over(True, new, m, w), vec(new.met))
-        new.friction_loss -= 0.5 * dot(across(vec(new.closing), vec(new.normal)), u)
+        u = add(relative_velocity(True, new, m, w), vec(new.met))
+        new.friction_loss -= 0.5 * dot(tangential_part(vec(new.closing), vec(new.normal)), u)
     return count
 
 
 @kernel
-def note_impulses(current, params, history, elements, nodes, cards):
+def record_impulses(current, params, history, elements, nodes, cards):
     """Losses of impacts, by their impulses times mean velocities. Writes: new history, cards."""
     for i in range(params.shape[0]):
         p, old, new = params[i], history[current, i], history[1 - current, i]
         if new.active == 0:
             continue
         m, w = nodes[elements[0][p.a].node], nodes[elements[1][p.b].node]
-        u, n, P = add(over(False, new, m, w), vec(new.met)), vec(new.normal), vec(new.impulse)
+        u, n, P = (
+            add(relative_velocity(False, new, m, w), vec(new.met)),
+            vec(new.normal),
+            vec(new.impulse),
+        )
         new.dissipated -= 0.5 * dot(P, n) * dot(u, n)
-        new.friction_loss -= 0.5 * dot(across(P, n), u)
+        new.friction_loss -= 0.5 * dot(tangential_part(P, n), u)
         if old.active == 0:
             new.impact_speed = max(-dot(vec(new.met), n), 0.0)
             cards[1 - current, p.card].onsets += 1
 
 
 @kernel
-def settle(h, clock, pairs, nodes, cards, card_history):
+def finish_pairs(h, clock, pairs, nodes, cards, card_history):
     """Sums of every pair: losses, impulses, outputs; at a sample, forces. Writes: all of these."""
     params, history, output, elements = pairs
     for i in range(params.shape[0]):
@@ -228,7 +234,7 @@ def settle(h, clock, pairs, nodes, cards, card_history):
             sum_force(card, p.order, R, vec(new.normal), new.impact_speed)
             card_new.peak_normal = max(card_new.peak_normal, card.normal)
         card.depth = max(card.depth, new.depth)
-        sum_losses(card, new)
+        add_losses(card, new)
 
 
 @kernel
@@ -237,14 +243,16 @@ def sum_force(card, order, R, n, impact_speed):
     for k in range(3):
         card.force[k] += order * R[k]
     card.normal += dot(R, n)
-    card.tangential += norm(across(R, n))
+    card.tangential += norm(tangential_part(R, n))
     card.impact_speed = max(card.impact_speed, impact_speed)
     card.touching += 1.0
 
 
 @kernel
 def sum_impulse(clock, p, old, new, at_a, at_b, nodes, card):
-    """Impulses of a step on the card, and on the model where the ground gave them. Writes: both."""
+    """Add the impulses of a step to the card, and to those on the model where one side is the
+    ground. Writes: both.
+    """
     first = vec(new.opening)
     last = add(vec(new.closing), vec(new.impulse))
     total = add(first, last)

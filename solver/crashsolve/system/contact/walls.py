@@ -1,11 +1,11 @@
 """Several walls that one probe touches on the same side of a surface: a crease, a closing fold.
 
-    stored = 1/2 k M^2,   M = (delta_1^p + delta_2^p)^(1/p),   p = 2 / s,   of more than two those
-                           that are least apart first, and their M with the others
+    stored = 1/2 k M^2,   M = (delta_1^p + delta_2^p)^(1/p),   p = 2 / s;   more than two are
+                           joined in the order of their separation, by their M
     f_i = w_i k delta_i,   w_i = (delta_i / M)^(p - 2)
     s = c / FAR between 0 and 1,   c = (d_i - d_j n_i . n_j) / gap,   d_i <= d_j
 
-A probe that met the nearest face alone would rattle in a crease: the force jumps from one normal to
+With the nearest face alone, a probe would chatter in a crease: the force jumps from one normal to
 the other with each step, and steps of finite length create energy by that. c says how
 far the farther of two faces rises above the plane across the normal of the nearer, in gaps. In
 flat and convex surfaces it does not rise, s = 0, and M is the depth of the nearest alone; walls of
@@ -22,87 +22,87 @@ from crashsolve.contact.cells import WALLS
 from crashsolve.contact.narrow._face import nearest_on_face, point_of
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import dot, put, scale, vec
-from crashsolve.system.contact.projection import NO_DISTANCE, row_of, seen_from, side
+from crashsolve.system.contact.projection import NO_DISTANCE, relative_corners, row_of, side_of
 
-# of the gap, by which the farther wall rises above the plane of the nearer: both are two
-FAR = 0.1
-# of that: both are one, since what is left of the crease is nothing
-LEAST = 2e-3
+# of the gap: a wall that rises so far above the plane of the nearer is separate from it
+FULL_SEPARATION = 0.1
+# of that: below, both are one wall
+LEAST_SEPARATION = 2e-3
 # above any separation of two walls, from 0 to 1
-FARTHEST = 2.0
+ABOVE_SEPARATION = 2.0
 # above any cosine of two normals
-SAME_FACE = 4.0
+ABOVE_COSINE = 4.0
 
 
 @kernel
-def number_of(s, w):
-    """Row of what is found of the wall w on a side; those of the nearest come first."""
+def row_of_wall(s, w):
+    """Row of the wall w on a side in `found`; those of the nearest come first."""
     return s if w == 0 else 2 + (WALLS - 1) * s + w - 1
 
 
 @kernel
-def look_for_walls(i, x, p, totals, sides, mesh, lists):
-    """The walls beside the nearest, on both sides. Writes: sides.found."""
+def find_walls(i, x, p, totals, sides, mesh, lists):
+    """Find the walls beside the nearest, on both sides. Writes: sides.found."""
     for s in range(2):
         nearest = sides.found[s]
         has_normal = nearest.distance > NO_DISTANCE * p.gap
         if nearest.depth > 0.0 and nearest.crossed == 0 and has_normal:
-            look_beside(i, s, x, p, totals, sides, mesh, lists)
+            find_adjacent_walls(i, s, x, p, totals, sides, mesh, lists)
 
 
 @kernel
-def look_beside(i, s, x, p, totals, sides, mesh, lists):
+def find_adjacent_walls(i, s, x, p, totals, sides, mesh, lists):
     """Walls beside the nearest on one side, first those with most energy. Writes: sides.found."""
     found, count = sides.found, 1
     for w in range(1, WALLS):
-        if count == w and find_wall(i, s, w, x, p, totals, sides, mesh, lists):
+        if count == w and find_next_wall(i, s, w, x, p, totals, sides, mesh, lists):
             count += 1
     found[s].beside = count - 1
-    share_out(s, count, p, found)
+    distribute_force(s, count, p, found)
 
 
 @kernel
-def share_out(s, count, p, found):
-    """Weights of the forces of all walls; those that are least apart are joined first.
+def distribute_force(s, count, p, found):
+    """Weights of the forces of all walls; those with the least separation are merged first.
 
-    Groups of walls are as far apart as the two of their walls that are least apart.
+    The separation of two groups is the least of their walls.
 
     Writes: found.
     """
     for w in range(count):
-        hit = found[number_of(s, w)]
+        hit = found[row_of_wall(s, w)]
         hit.group, hit.joined = w, hit.depth
     for _ in range(count - 1):
-        least, one, two = FARTHEST, 0, 0
+        least, one, two = ABOVE_SEPARATION, 0, 0
         for v in range(count):
             for w in range(v + 1, count):
-                a, b = found[number_of(s, v)], found[number_of(s, w)]
+                a, b = found[row_of_wall(s, v)], found[row_of_wall(s, w)]
                 if a.group != b.group:
                     apart = separation_of(p, a, b)
                     if apart < least:
                         least, one, two = apart, v, w
-        join(s, count, least, found[number_of(s, one)], found[number_of(s, two)], found)
+        merge_groups(s, count, least, found[row_of_wall(s, one)], found[row_of_wall(s, two)], found)
 
 
 @kernel
-def join(s, count, apart, one, two, found):
-    """Make one group of those of two walls, so far apart. Writes: found."""
+def merge_groups(s, count, apart, one, two, found):
+    """Merge the groups of two walls with this separation. Writes: found."""
     group, other = one.group, two.group
-    share, share_of_other, depth = shares(one.joined, two.joined, apart)
+    share, share_of_other, depth = merged_weights(one.joined, two.joined, apart)
     for w in range(count):
-        hit = found[number_of(s, w)]
+        hit = found[row_of_wall(s, w)]
         if hit.group == group or hit.group == other:
             hit.weight *= share if hit.group == group else share_of_other
             hit.group, hit.joined = group, depth
 
 
 @kernel
-def shares(one, two, apart):
+def merged_weights(one, two, apart):
     """Weights of two depths [m] and the depth M of both [m]."""
-    power = 2.0 / max(apart, LEAST)
+    power = 2.0 / max(apart, LEAST_SEPARATION)
     low, high = min(one, two), max(one, two)
-    whole = high * (1.0 + (low / high) ** power) ** (1.0 / power)
-    return (one / whole) ** (power - 2.0), (two / whole) ** (power - 2.0), whole
+    combined = high * (1.0 + (low / high) ** power) ** (1.0 / power)
+    return (one / combined) ** (power - 2.0), (two / combined) ** (power - 2.0), combined
 
 
 @kernel
@@ -116,20 +116,20 @@ def separation_between(p, distance, n, other):
     """Separation, 0 to 1, of a wall with this distance and normal from another."""
     cosine = dot(n, vec(other.normal))
     low, high = min(distance, other.distance), max(distance, other.distance)
-    return min(max((low - high * cosine) / (FAR * p.gap), 0.0), 1.0)
+    return min(max((low - high * cosine) / (FULL_SEPARATION * p.gap), 0.0), 1.0)
 
 
 @kernel
-def find_wall(i, s, w, x, p, totals, sides, mesh, lists):
-    """Whether there is one more wall beside w others, which is kept. Writes: sides.found."""
+def find_next_wall(i, s, w, x, p, totals, sides, mesh, lists):
+    """Whether there is one more wall beside w others; store it. Writes: sides.found."""
     first, near, wait, _ = lists
-    best, hit = 0.0, sides.found[number_of(s, w)]
+    best, hit = 0.0, sides.found[row_of_wall(s, w)]
     for k in range(first[i], first[i + 1]):
         f = near[k]
-        # what waits is farther than the gap
+        # a face that is not due yet is farther than the gap
         if mesh[5][f] == 1 or wait[k] > totals.travel or f == sides.found[s].face:
             continue
-        a, b, c, d = seen_from(x, p, f, mesh)
+        a, b, c, d = relative_corners(x, p, f, mesh)
         N, square, spot = nearest_on_face(a, b, c, d)
         distance = sqrt(square)
         if distance >= p.gap or distance <= NO_DISTANCE * p.gap:
@@ -137,18 +137,18 @@ def find_wall(i, s, w, x, p, totals, sides, mesh, lists):
         to = point_of(N, a, b, c, d)
         n, depth = scale(-1.0 / distance, to), p.gap - distance
         apart = separation_from(s, w, p, distance, n, sides.found)
-        if apart < LEAST or apart * depth * depth <= best:
+        if apart < LEAST_SEPARATION or apart * depth * depth <= best:
             continue
-        on, crossed = side(i, p, f, spot, to, sides.states, sides.slot_in_use, mesh)
+        on, crossed = side_of(i, p, f, spot, to, sides.states, sides.slot_in_use, mesh)
         if on == s and crossed == 0:
             best = apart * depth * depth
-            keep(hit, p, f, N, distance, n)
+            store_wall(hit, p, f, N, distance, n)
     return best > 0.0
 
 
 @kernel
-def keep(hit, p, f, N, distance, n):
-    """Remember a wall; its weight follows. Writes: hit."""
+def store_wall(hit, p, f, N, distance, n):
+    """Store a wall; its weight follows. Writes: hit."""
     hit.face, hit.distance, hit.depth, hit.crossed = f, distance, p.gap - distance, 0
     hit.weight = 1.0
     put(hit.normal, n)
@@ -163,36 +163,36 @@ def separation_from(s, w, p, distance, n, found):
     """Separation of a wall from w others, from 0 to 1."""
     apart = 1.0
     for v in range(w):
-        apart = min(apart, separation_between(p, distance, n, found[number_of(s, v)]))
+        apart = min(apart, separation_between(p, distance, n, found[row_of_wall(s, v)]))
     return apart
 
 
 @kernel
-def touching(s, found):
-    """Walls that a probe touches on a side."""
+def wall_count(s, found):
+    """Number of walls that a probe touches on a side."""
     return 1 + found[s].beside if found[s].depth > 0.0 else 0
 
 
 @kernel
-def touched(old):
-    """Walls that it has touched, of which `old` is the record of the first."""
+def old_wall_count(old):
+    """Number of walls that it touched before, of which `old` is the record of the first."""
     return 1 + old.beside if old.active == 1 else 0
 
 
 @kernel
-def pair_up(p, j, s, count, before, found, probe_states, slot_in_use):
+def match_walls(p, j, s, count, before, found, probe_states, slot_in_use):
     """Number of the wall touched before that each of `count` continues: the same face, or the
     nearest normal.
 
     Returns the sum of 2^r over the walls r that continue. Writes: found.
     """
     for w in range(count):
-        found[number_of(s, w)].partner = -1
+        found[row_of_wall(s, w)].partner = -1
     taken = 0
     for _ in range(min(count, before)):
         best, hit_of_best, old_of_best = -2.0, 0, 0
         for w in range(count):
-            hit = found[number_of(s, w)]
+            hit = found[row_of_wall(s, w)]
             if hit.partner >= 0:
                 continue
             for r in range(before):
@@ -201,9 +201,9 @@ def pair_up(p, j, s, count, before, found, probe_states, slot_in_use):
                 old = probe_states[slot_in_use[j], row_of(p, j, r)]
                 alike = dot(vec(old.normal), vec(hit.normal))
                 if old.face == hit.face:
-                    alike += SAME_FACE
+                    alike += ABOVE_COSINE
                 if alike > best:
                     best, hit_of_best, old_of_best = alike, w, r
-        found[number_of(s, hit_of_best)].partner = old_of_best
+        found[row_of_wall(s, hit_of_best)].partner = old_of_best
         taken += 1 << old_of_best
     return taken

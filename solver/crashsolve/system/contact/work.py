@@ -1,12 +1,12 @@
-"""Work of contact forces on both sides over a step, and how far both slide over each other in it.
+"""Work of contact forces on both sides over a step, and their relative displacement in it.
 
     W = 1/2 (f_old . u_old + f_new . u_new),   u the displacement of side a over side b in the step
 
-Kick, drift, kick: half of the force at the start and half of that at the end act along what the
-step moves, so W is to the bit the kinetic energy that points get from the contact, whatever else
-acts and however fast they swing. u_old is that of the position that was touched, u_new of that
-which is. Velocities at the end of a step, predicted before all forces are known, would not do: near
-the stable step they have little to do with the displacement.
+Kick, drift, kick: half of the force at the start and half of that at the end act along the
+displacement of the step, so W is to the bit the kinetic energy that points receive from the
+contact, whatever other forces act. u_old is that of the point of contact at the start, u_new of
+that at the end. Velocities at the end of a step, predicted before all forces are known, cannot
+replace it: near the stable step they differ much from the mean over the step.
 """
 
 from crashsolve.contact.cells import corner_points
@@ -15,8 +15,8 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, put, scale, sub, vec
 from crashsolve.system.points import half_rotation
 
-# a pair that has not moved
-STILL = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+# of a pair that has not moved
+NO_MOTION = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
 @kernel
@@ -29,26 +29,28 @@ def along_plane(u, n):
 def motion_of(body):
     """Displacement of the mass centre over the step [m], and the rotation of the body [rad].
 
-    The rotation is that of the drift, along which torques work. What it moves d by has no part
-    along d: a normal force through the centre of a ball does no work by its spin.
+    The rotation is that of the drift, along which torques do work. The displacement of a point at d
+    is perpendicular to d: a normal force through the centre of a ball does no work by its spin.
     """
     return sub(vec(body.r), vec(body.start_r)), scale(2.0, half_rotation(body.start_q, body.q))
 
 
 @kernel
-def moved(body, d):
-    """Displacement over the step of what is d from the mass centre, at its start or at its end."""
+def displacement_at(body, d):
+    """Displacement over the step of the point at d from the mass centre, at its start or at its
+    end.
+    """
     displacement, rotation = motion_of(body)
     return add(displacement, cross(rotation, d))
 
 
 @kernel
-def of_load(acting, body):
+def load_work(acting, body):
     """Half of the work of a force with its arm, and of a torque, over the step [J].
 
     The halves of the forces at the start and at the end of a step add up to the kinetic energy that
-    the body gets from them, to the bit. Powers of predicted velocities do not: a force that rises
-    from nothing within a step has none.
+    the body receives from them, to the bit. Powers of predicted velocities do not: a force that
+    rises from zero within a step has none.
     """
     f, d, torque = acting
     displacement, angle = motion_of(body)
@@ -66,7 +68,7 @@ def motion_over(h, old, depth, a, b, of_b):
     if that position were fixed in both [m]; rotation [rad].
     """
     if h == 0.0 or (old.active == 0 and depth <= 0.0):
-        return STILL
+        return NO_MOTION
     displacement, rotation = motion_of(a)
     if of_b == 0:
         # the ground
@@ -80,26 +82,27 @@ def motion_over(h, old, depth, a, b, of_b):
 
 @kernel
 def displacement_from(motion, a, x):
-    """Displacement of a over b of what touched at x at the start of the step."""
+    """Displacement of a over b of the point of contact x at the start of the step."""
     return add(motion[0], cross(motion[2], sub(x, vec(a.start_r))))
 
 
 @kernel
 def displacement_to(motion, a, x):
-    """Displacement of a over b of the point that touches at x at the end of the step."""
+    """Displacement of a over b of the point of contact x at the end of the step."""
     return add(motion[1], cross(motion[2], sub(x, vec(a.r))))
 
 
 @kernel
-def end_push(h, old, motion, a, card):
+def add_start_work(h, old, motion, a, card):
     """Work of the normal force of the start of the step. Writes: card."""
     if old.active == 1 and h > 0.0:
         card.work += 0.5 * dot(vec(old.push), displacement_from(motion, a, vec(old.position)))
 
 
 @kernel
-def begin_push(applied, u, f, n, x, out, new, card):
-    """Work of that at its end, which is kept for the next; see begin_second_half.
+def add_end_work(applied, u, f, n, x, out, new, card):
+    """Work of the normal force at the end of the step, stored for the next; see
+    add_second_half_work.
 
     Writes: new, card.
     """
@@ -110,7 +113,7 @@ def begin_push(applied, u, f, n, x, out, new, card):
 
 
 @kernel
-def of_push(old, motion, a, push, n, u):
+def normal_work(old, motion, a, push, n, u):
     """Work of the normal force on both sides in both halves of the step [J]; `push` at its end."""
     work = 0.5 * push * dot(n, u)
     if old.active == 1:
@@ -119,8 +122,8 @@ def of_push(old, motion, a, push, n, u):
 
 
 @kernel
-def end_first_half(h, old, motion, a, card):
-    """Work of the forces of the start of the step, of which that of friction is returned [J].
+def add_first_half_work(h, old, motion, a, card):
+    """Work of the forces at the start of the step; returns that of friction [J].
 
     Writes: card.
     """
@@ -134,26 +137,26 @@ def end_first_half(h, old, motion, a, card):
 
 
 @kernel
-def begin_second_half(applied, pair, sliding, x, t, card):
-    """Work of the forces at the end of the step, which are kept for the next.
+def add_second_half_work(applied, pair, sliding, x, t, card):
+    """Work of the forces at the end of the step, which are stored for the next.
 
     `applied` is the share of them that acts in this step, x where they act, t the friction.
     Writes: new, card.
     """
     u, out, new = sliding.displacement, pair.out, pair.new
-    begin_push(applied, u, sliding.f, sliding.n, x, out, new, card)
+    add_end_work(applied, u, sliding.f, sliding.n, x, out, new, card)
     card.friction_work += 0.5 * applied * dot(t, u)
-    card.bristled += out.friction_stored
+    card.bristle_energy += out.friction_stored
     put(new.friction_force, t)
-    new.bristled = out.friction_stored
+    new.bristle_energy = out.friction_stored
 
 
 @kernel
-def part_pair(old, new, friction_loss):
-    """Friction ends: what its bristle held is lost, less its last work. Writes: new."""
+def end_friction(old, new, friction_loss):
+    """End of friction: the energy of its bristle is lost, less its last work. Writes: new."""
     put(new.friction_force, (0.0, 0.0, 0.0))
-    new.bristled = 0.0
-    new.friction_dissipated += old.bristled - friction_loss
+    new.bristle_energy = 0.0
+    new.friction_dissipated += old.bristle_energy - friction_loss
 
 
 # --- probes on faces of shells and on shapes -----------------------------------------------------
@@ -179,13 +182,13 @@ def displacement_of_probe(probe, d, is_past, h, nodes, points):
         return scale(h, add(vec(b.v), cross(vec(b.w), d)))
     body = nodes[probe.node]
     if is_past:
-        return moved(body, add(matvec(body.start_A, vec(probe.at)), d))
-    return moved(body, add(matvec(body.A, vec(probe.at)), d))
+        return displacement_at(body, add(matvec(body.start_A, vec(probe.at)), d))
+    return displacement_at(body, add(matvec(body.A, vec(probe.at)), d))
 
 
 @kernel
 def displacement_over_face(p, probe, touch, is_past, h, nodes, points, corners):
-    """Displacement of a probe over the face at which it touches, or touched at the start."""
+    """Displacement of a probe over the face in contact at the end, or at the start (`is_past`)."""
     if h == 0.0:
         return 0.0, 0.0, 0.0
     d, e = arms(p, touch)
@@ -201,28 +204,28 @@ def displacement_over_face(p, probe, touch, is_past, h, nodes, points, corners):
 
 @kernel
 def displacement_over_body(p, probe, touch, is_past, position, h, nodes, points):
-    """Displacement of a probe over the body of a shape;
+    """Displacement of a probe over the body of a shape.
 
-    `position`: its arm, and the probe at the end [m].
+    `position`: the body, and the position of the probe at the end [m].
     """
     if h == 0.0:
         return 0.0, 0.0, 0.0
     (body, x), (d, _) = position, arms(p, touch)
     return sub(
         displacement_of_probe(probe, d, is_past, h, nodes, points),
-        moved(body, sub(add(x, d), vec(body.r))),
+        displacement_at(body, sub(add(x, d), vec(body.r))),
     )
 
 
 @kernel
-def push_along(touch, u, card):
+def add_normal_work(touch, u, card):
     """Work of the normal force of a touch, in one half of the step. Writes: card."""
     card.work += 0.5 * touch.force * dot(vec(touch.normal), u)
 
 
 @kernel
 def add_friction_work(touch, u, card):
-    """Work of its friction, which is returned [J]. Writes: card."""
+    """Work of its friction; returns it [J]. Writes: card."""
     work = 0.5 * dot(vec(touch.friction_force), u)
     card.friction_work += work
     return work

@@ -1,1 +1,1 @@
-"""Implicit integrators: stages, their linear equations and their iteration."""
+"""Equations of implicit steps: stages, linear systems, iteration; the methods are integrators/."""

@@ -4,8 +4,8 @@
     (I - h t_ii J) dY_i = h sum_j a_ij k_j - (Y_i - y) + h sum_(j<i) t_ij J dY_j
 
 One stage after the other is solved, with real numbers and a matrix of one stage's size. Consequence
-to test: for the methods of Radau the error falls to at most 0.37 of itself with every pass, on any
-linear problem whose exact solution does not grow, and to 0.15 on a damper.
+to test: for the methods of Radau the error falls to at most 0.37 of itself with every iteration, on
+any linear problem whose exact solution does not grow, and to 0.15 on a damper.
 
 Reference: van der Houwen and de Swart (1997), SIAM J. Sci. Comput. 18, 41-55.
 """
@@ -17,7 +17,7 @@ from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, put, s
 
 
 @kernel
-def keep_spin_rates(nodes, stages, i):
+def store_spin_rates(nodes, stages, i):
     """Angular accelerations of all bodies at stage i. Writes: stages."""
     for n in range(1, nodes.shape[0]):
         b = nodes[n]
@@ -26,8 +26,8 @@ def keep_spin_rates(nodes, stages, i):
 
 
 @kernel
-def keep_past(stages):
-    """Accelerations of the step before, by which the next is guessed. Writes: stages.past_*."""
+def save_accelerations(stages):
+    """Accelerations of the previous step, which predict the next. Writes: stages.past_*."""
     for i in range(1, stages.shape[0]):
         for n in range(1, stages.shape[1]):
             s = stages[i, n]
@@ -36,8 +36,8 @@ def keep_past(stages):
 
 
 @kernel
-def guess(nodes, stages, A, C, h, ratio):
-    """All stages as the polynomial through the last step's accelerations has them.
+def predict_stages(nodes, stages, A, C, h, ratio):
+    """Predict all stages by the polynomial through the accelerations of the last step.
 
     `ratio` is the length of this step over that one; 0 holds the accelerations of the start.
     Writes: stages.
@@ -49,7 +49,7 @@ def guess(nodes, stages, A, C, h, ratio):
             _, _, change_v, change_w = sum_rates(stages, n, A, i, h)
             put(stages[i, n].change_v, change_v)
             put(stages[i, n].change_w, change_w)
-            guess_rates(nodes[n], stages[i, n], C[i] * h)
+            predict_rates(nodes[n], stages[i, n], C[i] * h)
         for i in range(1, stages.shape[0]):
             displacement_r, rotation, _, _ = sum_rates(stages, n, A, i, h)
             put(stages[i, n].displacement_r, displacement_r)
@@ -97,14 +97,14 @@ def add_rates(r, g, v, w, t, s):
 
 
 @kernel
-def guess_rates(b, s, t):
+def predict_rates(b, s, t):
     """Velocity, and rate of the Cayley vector, of a stage at time t. Writes: s."""
     put(s.rate_r, add(vec(b.start_v), vec(s.change_v)))
     start = matvec_t(b.start_A, start_spin(b))
     omega, g = add(start, matvec_t(b.start_A, vec(s.change_w))), scale(0.5 * t, start)
     # the spin is in the axes of the start, hence the sign of the cross product
-    turning = add_scaled(sub(omega, cross(g, omega)), dot(g, omega), g)
-    put(s.rate_rotation, scale(0.5, turning))
+    rate = add_scaled(sub(omega, cross(g, omega)), dot(g, omega), g)
+    put(s.rate_rotation, scale(0.5, rate))
 
 
 @kernel
@@ -114,8 +114,8 @@ def start_spin(b):
 
 
 @kernel
-def stand(nodes, stages, i):
-    """Put all bodies where stage i is at present. Writes: nodes."""
+def move_to_stage(nodes, stages, i):
+    """Move all bodies to the present configuration of stage i. Writes: nodes."""
     for n in range(1, nodes.shape[0]):
         b, s = nodes[n], stages[i, n]
         put(b.r, add(vec(b.start_r), vec(s.displacement_r)))
@@ -128,7 +128,7 @@ def stand(nodes, stages, i):
 
 
 @kernel
-def miss(nodes, stages, A, T, i, h):
+def stage_residual(nodes, stages, A, T, i, h):
     """Residual of stage i, with the corrections of the stages before it. Writes: stages.right_*."""
     count = stages.shape[0]
     for n in range(1, nodes.shape[0]):
@@ -149,8 +149,8 @@ def miss(nodes, stages, A, T, i, h):
 
 
 @kernel
-def weigh_estimate(nodes, stages, E, i, h):
-    """The difference from the embedded method as what stage i misses. Writes: stages.right_*."""
+def embedded_difference(nodes, stages, E, i, h):
+    """The difference from the embedded method as residual of stage i. Writes: stages.right_*."""
     for n in range(1, nodes.shape[0]):
         s, zero = stages[i, n], (0.0, 0.0, 0.0)
         r, g, v, w = zero, zero, zero, zero
@@ -163,7 +163,7 @@ def weigh_estimate(nodes, stages, E, i, h):
 
 
 @kernel
-def improve(nodes, stages, i):
+def correct_stage(nodes, stages, i):
     """Add the correction to stage i. Writes: stages."""
     for n in range(1, nodes.shape[0]):
         s = stages[i, n]

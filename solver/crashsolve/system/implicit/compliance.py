@@ -20,10 +20,15 @@ from crashsolve.foundation.columns import add_to, matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.sparse.saddle import assemble, eliminate, solve_rows
 from crashsolve.foundation.vec3 import norm, put, scale, vec
-from crashsolve.system.constraints import weigh
-from crashsolve.system.implicit.stages import add_column, along_row, rotated_by, rotation_rate_of
+from crashsolve.system.constraints import apply_inverse_mass
+from crashsolve.system.implicit.stages import (
+    add_column,
+    along_row,
+    rotation_of_change,
+    rotation_rate_of,
+)
 
-# 1 / sigma of a row without stiffness or with a negative one: it takes no part
+# 1 / sigma of a row without stiffness, or with a negative one, which has no effect
 NO_PART = 1e150
 
 
@@ -40,20 +45,20 @@ def linearise(rows, compliant, nodes, velocity, position):
             for j in range(12):
                 row.D[j] = rows[k].D[j]
         else:
-            lean(row, velocity, position)
-        weigh(row.D, row.X, 0, a)
-        weigh(row.D, row.X, 6, b)
+            combine_tangents(row, velocity, position)
+        apply_inverse_mass(row.D, row.X, 0, a)
+        apply_inverse_mass(row.D, row.X, 6, b)
 
 
 @kernel
-def lean(row, velocity, position):
+def combine_tangents(row, velocity, position):
     """D becomes B, and G becomes (k D + c G) / (c + k t), t = position / velocity. Writes: row."""
     D, G, k, c = row.D, row.G, row.stiffness, row.damping
-    ease = velocity * c + position * k
+    sigma_over_t = velocity * c + position * k
     for j in range(12):
         d, g = D[j], G[j]
-        D[j] = d + c * position / ease * g if ease > 0.0 else d
-        G[j] = velocity * (k * d + c * g) / ease if ease > 0.0 else 0.0
+        D[j] = d + c * position / sigma_over_t * g if sigma_over_t > 0.0 else d
+        G[j] = velocity * (k * d + c * g) / sigma_over_t if sigma_over_t > 0.0 else 0.0
 
 
 @kernel
@@ -66,12 +71,12 @@ def factor_compliant(saddle, compliant, joint_rows, position, velocity):
         if c.entry >= joint_rows:
             for i in range(c.rows):
                 at = c.first + (c.rows + 1) * i
-                blocks[at] += give(compliant[c.entry + i], position, velocity)
+                blocks[at] += compliance_of(compliant[c.entry + i], position, velocity)
     eliminate(saddle)
 
 
 @kernel
-def give(row, position, velocity):
+def compliance_of(row, position, velocity):
     """1 / sigma of a row [1/kg]."""
     sigma = position * row.stiffness + velocity * row.damping
     return 1.0 / sigma if sigma > 1.0 / NO_PART else NO_PART
@@ -79,13 +84,13 @@ def give(row, position, velocity):
 
 @kernel
 def solve_stage(nodes, stages, i, compliant, saddle, joint_rows, t):
-    """Correction of stage i for what it misses, in place of it. Writes: stages.right_*, slope_*."""
+    """Correction of stage i, in place of its residual. Writes: stages.right_*, slope_*."""
     for k in range(joint_rows, compliant.shape[0]):
         row = compliant[k]
-        row.right = -missed_along(row, 0, row.node_a, nodes, stages, i)
-        row.right -= missed_along(row, 6, row.node_b, nodes, stages, i)
+        row.right = -residual_along(row, 0, row.node_a, nodes, stages, i)
+        row.right -= residual_along(row, 6, row.node_b, nodes, stages, i)
     solve_rows(saddle, compliant, 1.0)
-    gather_kicks(stages, i, compliant)
+    sum_row_impulses(stages, i, compliant)
     for n in range(1, nodes.shape[0]):
         b, s = nodes[n], stages[i, n]
         add_to(s.right_v, vec(s.slope_v))
@@ -99,7 +104,7 @@ def solve_stage(nodes, stages, i, compliant, saddle, joint_rows, t):
 
 
 @kernel
-def gather_kicks(stages, i, compliant):
+def sum_row_impulses(stages, i, compliant):
     """Sum the impulses of all rows on each body. Writes: stages.slope_v, slope_w."""
     zero = (0.0, 0.0, 0.0)
     for n in range(stages.shape[1]):
@@ -113,18 +118,18 @@ def gather_kicks(stages, i, compliant):
 
 
 @kernel
-def missed_along(row, c, node, nodes, stages, i):
-    """One side of B b + (k D + c G) a / (c + k t) of a row, for what stage i misses."""
+def residual_along(row, c, node, nodes, stages, i):
+    """One body's part of B b + (k D + c G) a / (c + k t) of a row, for the residual of stage i."""
     if node == 0:
         return 0.0
     s = stages[i, node]
-    rotation = matvec(nodes[node].A, rotated_by(vec(s.right_rotation), vec(s.rotation)))
+    rotation = matvec(nodes[node].A, rotation_of_change(vec(s.right_rotation), vec(s.rotation)))
     return along_row(row.D, c, s.right_v, s.right_w) + along_row(row.G, c, s.right_r, rotation)
 
 
 @kernel
-def ask_rates(rows, compliant, stages, t):
-    """Multipliers answer for D v - nu over t, and for missing accelerations. Writes: compliant."""
+def set_rate_right_sides(rows, compliant, stages, t):
+    """Right sides for D v - nu over t, and for residuals of accelerations. Writes: compliant."""
     for k in range(compliant.shape[0]):
         row = compliant[k]
         # the ground has no residual
@@ -136,10 +141,10 @@ def ask_rates(rows, compliant, stages, t):
 
 
 @kernel
-def answer_rows(nodes, rows, stages, compliant, saddle):
+def solve_corrections(nodes, rows, stages, compliant, saddle):
     """Corrections of multipliers and accelerations. Writes: rows.trial, stages.right_*, slope_*."""
     solve_rows(saddle, compliant, 1.0)
-    gather_kicks(stages, 1, compliant)
+    sum_row_impulses(stages, 1, compliant)
     for k in range(rows.shape[0]):
         rows[k].trial += compliant[k].delta
     for n in range(1, nodes.shape[0]):
@@ -149,10 +154,10 @@ def answer_rows(nodes, rows, stages, compliant, saddle):
 
 
 @kernel
-def close_at_end(stages, compliant, saddle, size):
+def correct_closure(stages, compliant, saddle, size):
     """Displacements onto Phi = 0. Returns the largest, in the model's size. Writes: stages."""
     solve_rows(saddle, compliant, 1.0)
-    gather_kicks(stages, 1, compliant)
+    sum_row_impulses(stages, 1, compliant)
     worst = 0.0
     for n in range(1, stages.shape[1]):
         end = stages[1, n]

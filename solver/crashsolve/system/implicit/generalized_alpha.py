@@ -61,8 +61,8 @@ def open_accelerations(stages, smooth):
 
 
 @kernel
-def guess_end(stages, ratio):
-    """Accelerations at the end on the line through the last two. Writes: stages."""
+def predict_end(stages, ratio):
+    """Predict accelerations at the end on the line through the last two. Writes: stages."""
     for n in range(1, stages.shape[1]):
         s, end = stages[0, n], stages[1, n]
         put(end.closing_r, (0.0, 0.0, 0.0))
@@ -75,13 +75,16 @@ def guess_end(stages, ratio):
 def mean_of(now, before, mean, weights, ratio):
     """a_1, and a_0 for the length of this step, `ratio` times the last."""
     start = add_scaled(before, ratio, sub(mean, before))
-    new, old, kept, _, _ = weights
-    return add_scaled(add_scaled(scale(kept, start), old, before), new, now), start
+    new, old, reuses_factors, _, _ = weights
+    return add_scaled(add_scaled(scale(reuses_factors, start), old, before), new, now), start
 
 
 @kernel
-def stand_at_end(nodes, stages, weights, h, ratio):
-    """Put all bodies where the accelerations of the end lead. Writes: nodes, stages."""
+def move_to_end(nodes, stages, weights, h, ratio):
+    """Move all bodies to the configuration that follows from the accelerations of the end.
+
+    Writes: nodes, stages.
+    """
     _, _, _, t, tt = weights
     for n in range(1, nodes.shape[0]):
         b, s, end = nodes[n], stages[0, n], stages[1, n]
@@ -106,33 +109,33 @@ def stand_at_end(nodes, stages, weights, h, ratio):
 
 @kernel
 def spin(b, w):
-    """Rotate a body by w in its present configuration. Writes: b.W, w, L."""
+    """Set the angular velocity of a body at its present configuration. Writes: b.W, w, L."""
     write_world_tensor(b.A, b.J_inv, b.W)
     put(b.w, w)
     put(b.L, matvec(b.A, matvec(b.J, matvec_t(b.A, w))))
 
 
 @kernel
-def missing_accelerations(nodes, stages):
+def acceleration_residual(nodes, stages):
     """M^-1 (g + D^T lambda) - v_dot of all bodies. Writes: stages.right_v, right_w."""
     for n in range(1, nodes.shape[0]):
         b, end = nodes[n], stages[1, n]
         force = add(vec(b.force), vec(b.joint_force))
         torque = add(vec(b.torque), vec(b.joint_torque))
         put(end.right_v, sub(scale(b.mass_inv, force), vec(end.rate_v)))
-        turning = matvec(b.W, sub(torque, cross(vec(b.w), vec(b.L))))
-        put(end.right_w, sub(turning, vec(end.rate_w)))
+        rate = matvec(b.W, sub(torque, cross(vec(b.w), vec(b.L))))
+        put(end.right_w, sub(rate, vec(end.rate_w)))
 
 
 @kernel
-def ask_positions(rows, compliant):
-    """Phi of joints is to vanish, and springs resist. Writes: compliant."""
+def set_position_right_sides(rows, compliant):
+    """Right sides for Phi = 0 of joints; none of springs. Writes: compliant."""
     for k in range(compliant.shape[0]):
         compliant[k].right = -rows[k].phi if k < rows.shape[0] else 0.0
 
 
 @kernel
-def improve_accelerations(stages, t, tt, size, speed):
+def correct_accelerations(stages, t, tt, size, speed):
     """Add the corrections. Returns the largest, in the model's size and speed. Writes: stages."""
     worst = 0.0
     for n in range(1, stages.shape[1]):
@@ -147,8 +150,8 @@ def improve_accelerations(stages, t, tt, size, speed):
 
 
 @kernel
-def miss_estimate(nodes, stages, h, before, smooth):
-    """The step less that of the parabola through three accelerations, as what the end misses.
+def estimate_residual(nodes, stages, h, before, smooth):
+    """The step less that of the parabola through three accelerations, as residual of the end.
 
     `before` is the length of the last step; after a kink the parabola is a line, and the estimate
     of lower order. Writes: stages.right_*.
@@ -167,10 +170,10 @@ def miss_estimate(nodes, stages, h, before, smooth):
 @kernel
 def parabola(past, start, end, h, before, smooth):
     """Changes of velocity and of displacement by accelerations on a parabola."""
-    bend = scale(1.0 / h, sub(end, start))
+    curvature = scale(1.0 / h, sub(end, start))
     if smooth:
-        bend = sub(bend, scale(1.0 / before, sub(start, past)))
-    bend = scale(1.0 / (h + before), bend)
-    v = add_scaled(scale(0.5 * h, add(start, end)), -(h**3) / 6.0, bend)
+        curvature = sub(curvature, scale(1.0 / before, sub(start, past)))
+    curvature = scale(1.0 / (h + before), curvature)
+    v = add_scaled(scale(0.5 * h, add(start, end)), -(h**3) / 6.0, curvature)
     r = add_scaled(scale(h * h / 3.0, start), h * h / 6.0, end)
-    return v, add_scaled(r, -(h**4) / 12.0, bend)
+    return v, add_scaled(r, -(h**4) / 12.0, curvature)

@@ -2,7 +2,7 @@
 
     (M + t C + t^2 K) dv - D^T m = M b - t K a - C_G a,   D dv = D b
 
-with a and b what is missing in positions and velocities (compliance.py). In compliance.py every
+with the residuals a and b of positions and velocities (compliance.py). In compliance.py every
 spring is a row of the matrix; an element of a shell has thirteen rows, and shares each of its nodes
 with three others, so that here nodes are the unknowns: 6 of them where there are 13 rows. Rows hold
 no more of a tangent than D^T k D; blocks also hold its part by the rotation of forces. K
@@ -18,21 +18,21 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.rotation import write_world_tensor
 from crashsolve.foundation.sparse.bordered import assemble, factorise, solve
 from crashsolve.foundation.vec3 import norm, put, scale, sub, vec
-from crashsolve.system.implicit.compliance import lean
-from crashsolve.system.implicit.stages import along_row, rotated_by, rotation_rate_of
+from crashsolve.system.implicit.compliance import combine_tangents
+from crashsolve.system.implicit.stages import along_row, rotation_of_change, rotation_rate_of
 
 
 @kernel
-def open_blocks(nodes, matrix):
+def clear_matrix(nodes, matrix):
     """Masses of the nodes, and no stiffness yet. Writes: matrix."""
-    weigh(nodes, matrix.columns)
+    set_masses(nodes, matrix.columns)
     for e in range(matrix.blocks.shape[0]):
         for k in range(36):
             matrix.blocks[e].stiff[k] = matrix.blocks[e].stiff_above[k] = 0.0
 
 
 @kernel
-def weigh(nodes, columns):
+def set_masses(nodes, columns):
     """Masses and inertias of the nodes at their present configuration. Writes: columns."""
     for p in range(columns.shape[0]):
         c = columns[p]
@@ -51,51 +51,51 @@ def linearise(rows, compliant, nodes, velocity, position):
             for j in range(12):
                 row.D[j] = rows[k].D[j]
         else:
-            lean(row, velocity, position)
+            combine_tangents(row, velocity, position)
 
 
 @kernel
 def factor_compliant(matrix, compliant, joint_rows, position, velocity):
-    """Factor of the whole matrix. Writes: matrix, compliant.X."""
+    """Factor of the global matrix. Writes: matrix, compliant.X."""
     assemble(matrix, compliant, joint_rows, position, velocity)
     factorise(matrix)
 
 
 @kernel
-def ask_rates(rows, compliant, stages, t):
-    """Multipliers answer for D v - nu over t. Writes: compliant."""
+def set_rate_right_sides(rows, compliant, stages, t):
+    """Right sides for D v - nu over t. Writes: compliant."""
     for k in range(rows.shape[0]):
         compliant[k].right = -rows[k].right / t
 
 
 @kernel
-def answer_rows(nodes, rows, stages, compliant, matrix):
+def solve_corrections(nodes, rows, stages, compliant, matrix):
     """Corrections of multipliers and accelerations. Writes: rows.trial, stages.right_*."""
     for p in range(matrix.columns.shape[0]):
         c = matrix.columns[p]
         if c.node > 0:
             end = stages[1, c.node]
-            ask(c, scale(c.mass, vec(end.right_v)), matvec(c.J, vec(end.right_w)))
+            set_right_side(c, scale(c.mass, vec(end.right_v)), matvec(c.J, vec(end.right_w)))
     solve_with(matrix, compliant, rows.shape[0])
     for k in range(rows.shape[0]):
         rows[k].trial += compliant[k].delta
     for p in range(matrix.columns.shape[0]):
         c = matrix.columns[p]
         if c.node > 0:
-            v, w = answer(c)
+            v, w = solution_of(c)
             put(stages[1, c.node].right_v, v)
             put(stages[1, c.node].right_w, w)
 
 
 @kernel
-def ask(c, f, torque):
+def set_right_side(c, f, torque):
     """Right side of a node. Writes: c.work."""
     for k in range(3):
         c.work[k], c.work[3 + k] = f[k], torque[k]
 
 
 @kernel
-def answer(c):
+def solution_of(c):
     """Solution of a node: of its position and of its configuration."""
     return (c.work[0], c.work[1], c.work[2]), (c.work[3], c.work[4], c.work[5])
 
@@ -121,16 +121,16 @@ def solve_with(matrix, compliant, joint_rows):
 
 
 @kernel
-def close_at_end(stages, compliant, matrix, size):
+def correct_closure(stages, compliant, matrix, size):
     """Displacements onto Phi = 0. Returns the largest, in the model's size. Writes: stages."""
     columns, zero, worst = matrix.columns, (0.0, 0.0, 0.0), 0.0
     for p in range(columns.shape[0]):
         if columns[p].node > 0:
-            ask(columns[p], zero, zero)
+            set_right_side(columns[p], zero, zero)
     solve_with(matrix, compliant, 0)
     for p in range(columns.shape[0]):
         if columns[p].node > 0:
-            r, w = answer(columns[p])
+            r, w = solution_of(columns[p])
             end = stages[1, columns[p].node]
             add_to(end.closing_r, r)
             add_to(end.closing_w, w)
@@ -142,21 +142,21 @@ def close_at_end(stages, compliant, matrix, size):
 
 @kernel
 def solve_stage(nodes, stages, i, compliant, matrix, joint_rows, t):
-    """Correction of stage i for what it misses, in place of it. Writes: stages.right_*, slope_*."""
+    """Correction of stage i, in place of its residual. Writes: stages.right_*, slope_*."""
     columns = matrix.columns
     for p in range(columns.shape[0]):
         c = columns[p]
         if c.node > 0:
             s = stages[i, c.node]
-            ask(c, scale(c.mass, vec(s.right_v)), matvec(c.J, vec(s.right_w)))
-    resist_elements(nodes, stages, i, matrix, t)
+            set_right_side(c, scale(c.mass, vec(s.right_v)), matvec(c.J, vec(s.right_w)))
+    subtract_element_stiffness(nodes, stages, i, matrix, t)
     for k in range(joint_rows):
         row = compliant[k]
         a, b = stages[i, row.node_a], stages[i, row.node_b]
         row.right = along_row(row.D, 0, a.right_v, a.right_w)
         row.right += along_row(row.D, 6, b.right_v, b.right_w)
     for k in range(joint_rows, compliant.shape[0]):
-        resist_row(nodes, stages, i, compliant[k], matrix.slots[k], matrix)
+        subtract_spring_stiffness(nodes, stages, i, compliant[k], matrix.slots[k], matrix)
     solve_with(matrix, compliant, joint_rows)
     for p in range(columns.shape[0]):
         c = columns[p]
@@ -165,7 +165,7 @@ def solve_stage(nodes, stages, i, compliant, matrix, joint_rows, t):
 
 
 @kernel
-def resist_elements(nodes, stages, i, matrix, t):
+def subtract_element_stiffness(nodes, stages, i, matrix, t):
     """Subtract t K a of the elements. Writes: matrix.columns.work."""
     columns, blocks = matrix.columns, matrix.blocks
     for p in range(columns.shape[0]):
@@ -196,12 +196,14 @@ def resist_elements(nodes, stages, i, matrix, t):
 
 @kernel
 def displacement(body, s):
-    """Missing displacement and rotation of a body, world axes."""
-    return vec(s.right_r), matvec(body.A, rotated_by(vec(s.right_rotation), vec(s.rotation)))
+    """Residual displacement and rotation of a body, world axes."""
+    return vec(s.right_r), matvec(
+        body.A, rotation_of_change(vec(s.right_rotation), vec(s.rotation))
+    )
 
 
 @kernel
-def resist_row(nodes, stages, i, row, slot, matrix):
+def subtract_spring_stiffness(nodes, stages, i, row, slot, matrix):
     """Subtract X (G a) of a spring. Writes: matrix.columns.work."""
     if row.stiffness == 0.0 and row.damping == 0.0:
         return
@@ -234,7 +236,7 @@ def along_pair(D, c, x, y):
 @kernel
 def correct(b, s, c, t):
     """Corrections of one body at its stage (see collocation.py). Writes: s."""
-    v, w = answer(c)
+    v, w = solution_of(c)
     put(s.slope_v, scale(1.0 / t, sub(v, vec(s.right_v))))
     put(s.slope_w, scale(1.0 / t, sub(w, vec(s.right_w))))
     put(s.right_v, v)

@@ -5,8 +5,7 @@
 
 g is the Cayley vector of the rotation since the start of the step (tangent of half the angle), so
 every order of the method holds for rotations and the quaternion stays of unit length. Row 0 of the
-table, the ground's, keeps what comes from outside: force, torque, and the power of prescribed
-motions.
+table, the ground's, holds external force and torque, and the power of prescribed motions.
 
 Reference: Hairer, Lubich and Wanner (2006), Geometric Numerical Integration, IV.8.
 """
@@ -22,11 +21,11 @@ from crashsolve.system.constraints import clear_joint_forces, driver_power
 
 EPSILON = 2.0**-52
 SAFETY = 0.8  # of the step at which the error is the tolerance
-STILL = 1e-50  # [m/s] a body so slow does not move: squares of less have no digits
+LEAST_SPEED = 1e-50  # [m/s] a slower body counts as at rest: squares of less underflow
 
 
 @kernel
-def keep_rates(nodes, rows, stages, i):
+def store_rates(nodes, rows, stages, i):
     """The rates of all bodies at stage i. Writes: stages."""
     for n in range(1, nodes.shape[0]):
         b, s = nodes[n], stages[i, n]
@@ -34,7 +33,7 @@ def keep_rates(nodes, rows, stages, i):
         put(s.rate_rotation, rotation_rate_of(matvec_t(b.A, vec(b.w)), vec(s.rotation)))
         put(s.rate_v, scale(b.mass_inv, add(vec(b.force), vec(b.joint_force))))
         put(s.rate_L, add(vec(b.torque), vec(b.joint_torque)))
-    keep_outside(nodes, rows, stages, i)
+    store_external(nodes, rows, stages, i)
 
 
 @kernel
@@ -44,23 +43,23 @@ def rotation_rate_of(omega, g):
 
 
 @kernel
-def rotated_by(g_change, g):
+def rotation_of_change(g_change, g):
     """The rotation in body axes that changes the Cayley vector g by a given amount."""
     return scale(2.0 / (1.0 + dot(g, g)), sub(g_change, cross(g, g_change)))
 
 
 @kernel
-def keep_outside(nodes, rows, stages, i):
-    """Force, torque and power from outside at stage i. Writes: stages."""
-    ground, outside = nodes[0], stages[i, 0]
+def store_external(nodes, rows, stages, i):
+    """External force, torque and power at stage i. Writes: stages."""
+    ground, external_row = nodes[0], stages[i, 0]
     for k in range(3):
-        outside.rate_v[k] = ground.external[k] - ground.force[k] - ground.joint_force[k]
-        outside.rate_L[k] = ground.external[3 + k] - ground.torque[k] - ground.joint_torque[k]
-    outside.rate_r[0] = driver_power(rows)
+        external_row.rate_v[k] = ground.external[k] - ground.force[k] - ground.joint_force[k]
+        external_row.rate_L[k] = ground.external[3 + k] - ground.torque[k] - ground.joint_torque[k]
+    external_row.rate_r[0] = driver_power(rows)
 
 
 @kernel
-def reach(nodes, stages, A, i, h):
+def advance_to_stage(nodes, stages, A, i, h):
     """Move all bodies from the start of the step to stage i. Writes: nodes, stages."""
     first = stages.shape[0] * i
     for n in range(1, nodes.shape[0]):
@@ -69,7 +68,7 @@ def reach(nodes, stages, A, i, h):
         g = (0.0, 0.0, 0.0)
         for j in range(i):
             a, s = h * A[first + j], stages[j, n]
-            # half of a tableau of high order
+            # as is half of a tableau of high order
             if a == 0.0:
                 continue
             r = add_scaled(r, a, vec(s.rate_r))
@@ -123,7 +122,7 @@ def spin_round_off(nodes):
 @kernel
 def reference_speed(clock):
     """Speed to which the error of a step is compared [m/s]: 1 m/s as long as nothing moves."""
-    return clock.fastest if clock.fastest > STILL else 1.0
+    return clock.fastest if clock.fastest > LEAST_SPEED else 1.0
 
 
 @kernel
@@ -154,14 +153,14 @@ def estimate(nodes, stages, count, E, errors, k, h):
         put(e.v, v)
         put(e.w, matvec(b.W, L))
         # of the rotation, from that of its Cayley vector
-        whole = vec(stages[count - 1, n].rotation)
-        share = 2.0 / (1.0 + dot(whole, whole))
-        put(e.rotation, scale(share, matvec(b.A, sub(g, cross(whole, g)))))
+        rotation = vec(stages[count - 1, n].rotation)
+        share = 2.0 / (1.0 + dot(rotation, rotation))
+        put(e.rotation, scale(share, matvec(b.A, sub(g, cross(rotation, g)))))
 
 
 @kernel
 def project_estimate(errors, k, nodes, rows, saddle):
-    """Leave out of an estimate what the projection takes away: D e = 0. Writes: errors, rows."""
+    """Project an estimate as the step is projected: D e = 0. Writes: errors, rows."""
     project_pair(errors, k, rows, saddle, True)
     project_pair(errors, k, rows, saddle, False)
 
@@ -234,19 +233,19 @@ def deviation(e, size, speed):
 
 
 @kernel
-def add_outside(clock, stages, A, i, h):
-    """Impulses from outside and the work of prescribed motions up to stage i. Writes: clock."""
+def add_external(clock, stages, A, i, h):
+    """External impulses and the work of prescribed motions up to stage i. Writes: clock."""
     first = stages.shape[0] * i
     for j in range(stages.shape[0]):
-        a, outside = h * A[first + j], stages[j, 0]
-        add_to(clock.impulse, scale(a, vec(outside.rate_v)))
-        add_to(clock.angular_impulse, scale(a, vec(outside.rate_L)))
-        clock.driver_work += a * outside.rate_r[0]
+        a, external_row = h * A[first + j], stages[j, 0]
+        add_to(clock.impulse, scale(a, vec(external_row.rate_v)))
+        add_to(clock.angular_impulse, scale(a, vec(external_row.rate_L)))
+        clock.driver_work += a * external_row.rate_r[0]
 
 
 @kernel
-def note_kick(clock, nodes):
-    """Add what the ground has given to put velocities onto the joints. Writes: clock.kick."""
+def record_kick(clock, nodes):
+    """Add the impulse of the ground in the projection of velocities. Writes: clock.kick."""
     ground = nodes[0]
     for k in range(3):
         clock.kick[k] -= ground.joint_force[k]
@@ -255,29 +254,29 @@ def note_kick(clock, nodes):
 
 @kernel
 def add_kick(clock, sign):
-    """Count that among the impulses from outside, or no more (-1). Writes: clock."""
+    """Add that to the external impulses, or subtract it (-1). Writes: clock."""
     for k in range(3):
         clock.impulse[k] += sign * clock.kick[k]
         clock.angular_impulse[k] += sign * clock.kick[3 + k]
 
 
 @kernel
-def weigh_part(A, D, terms, last, sample, part):
+def set_dense_weights(A, D, terms, last, sample, part):
     """Weights of all rates in the dense output at a part of the step, as those of a further stage.
 
     Hairer, Norsett and Wanner (1993), II.6. The cubic through both ends of the step comes first,
     then the terms D, by turns a power of part and of 1 - part higher. Writes: A, last row.
     """
-    rest = 1.0 - part
+    remainder = 1.0 - part
     for j in range(sample):
         a = A[(sample + 1) * last + j]
         first = 1.0 if j == 0 else 0.0
         end = 1.0 if j == last else 0.0
-        weight = part * (a + rest * (first - a + part * (2.0 * a - first - end)))
-        power = part * part * rest * rest
+        weight = part * (a + remainder * (first - a + part * (2.0 * a - first - end)))
+        power = part * part * remainder * remainder
         for k in range(terms):
             weight += power * D[sample * k + j]
-            power *= part if k % 2 == 0 else rest
+            power *= part if k % 2 == 0 else remainder
         A[(sample + 1) * sample + j] = weight
 
 

@@ -23,7 +23,7 @@ def gaps_of(group, piece, current, nodes, floor, deepest, scene):
         for k in range(group.body_pairs.shape[0]):
             both = group.body_pairs[k]
             if not body_pairs.are_below(both, max(deepest, floor), nodes):
-                body_pairs.end_rest(both, group.history)
+                body_pairs.end_skipping(both, group.history)
                 deepest = gaps_of_some(
                     group, both.first, both.end, current, nodes, floor, deepest, scene
                 )
@@ -59,20 +59,20 @@ def gaps_of_some(group, first, end, current, nodes, floor, deepest, scene):
 
 
 @stage
-def apart_before(group, piece, current, deepest, scene):
+def depth_before(group, piece, current, deepest, scene):
     """The largest depth at the start of the step, of pairs that may meet in it [m]."""
     if group.body_pairs is not None:
         for k in range(group.body_pairs.shape[0]):
             both = group.body_pairs[k]
             if both.rests == 0:
-                deepest = apart_some(group, both.first, both.end, current, deepest, scene)
+                deepest = depth_of_some(group, both.first, both.end, current, deepest, scene)
         return deepest
     first, end = ends_of(group, piece, group.history.shape[1], scene)
-    return apart_some(group, first, end, current, deepest, scene)
+    return depth_of_some(group, first, end, current, deepest, scene)
 
 
 @stage
-def apart_some(group, first, end, current, deepest, scene):
+def depth_of_some(group, first, end, current, deepest, scene):
     """The largest depth of some pairs that follow each other [m]."""
     history = group.history
     for i in range(first, end):

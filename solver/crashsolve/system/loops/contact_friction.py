@@ -1,7 +1,7 @@
 """Friction of one contact pair: of its slip, or of its slip and its spin together.
 
-In steps of kicks what is a damper near rest stops a slip at most, and is no stiffness for the
-length of the step; any other friction is.
+In steps of kicks, friction that damps near rest stops a slip at most, and does not limit the
+length of the step; any other friction does.
 """
 
 from crashsolve.foundation.kernels import stage
@@ -15,20 +15,20 @@ def friction_in_point(group, clock, h, pair, totals, sliding, curves):
     """Friction against the slip: force, power, loss without a rate. Writes: new, out, totals."""
     p, old, new, out, m, w = pair.p, pair.old, pair.new, pair.out, pair.a, pair.b
     n, slip, displacement, f, mass, d_a, d_b = sliding
-    ease = 0.0
+    compliance = 0.0
     if KICK_DRIFT_KICK and group.friction_damps:
-        u = touches.ahead(old, slip, n)
+        u = touches.predicted_direction(old, slip, n)
         mob_t, mob_u = touches.pair_mobility(m, w, d_a, d_b, u)
-        ease = touches.ease_of_pair(clock, h, pair, totals, mob_t, mob_u, f)
+        compliance = touches.friction_compliance(clock, h, pair, totals, mob_t, mob_u, f)
     slid = work.along_plane(displacement, n) if KICK_DRIFT_KICK else None
-    slide = Slide(f, slip, slid, n, mass, ease)
+    slide = Slide(f, slip, slid, n, mass, compliance)
     t, out.friction_stored, power, loss, t_k, t_c = group.friction.friction_force(
         p, old, new, slide, curves
     )
     if not (KICK_DRIFT_KICK and group.friction_damps):
-        u = touches.along(t, slip, n)
+        u = touches.unit_slip(t, slip, n)
         mob_t, mob_u = touches.pair_mobility(m, w, d_a, d_b, u)
-        touches.count_stiffness(totals.on_a, totals.on_b, mob_t, mob_u, t_k, t_c)
+        touches.add_pair_stiffness(totals.on_a, totals.on_b, mob_t, mob_u, t_k, t_c)
     return t, power, loss
 
 
@@ -40,21 +40,21 @@ def friction_in_area(group, clock, h, pair, totals, sliding, motion, radius, cur
     """
     p, old, new, out, m, w = pair.p, pair.old, pair.new, pair.out, pair.a, pair.b
     n, slip, displacement, f, mass, d_a, d_b = sliding
-    slip = areas.sliding(m, w, slip, n, radius)
-    ease = 0.0
+    slip = areas.combined_slip(m, w, slip, n, radius)
+    compliance = 0.0
     sliding_displacement = (
         areas.sliding_displacement(motion, displacement, n, radius) if KICK_DRIFT_KICK else None
     )
     if KICK_DRIFT_KICK and group.friction_damps:
-        u = touches.ahead(old, slip, n)
+        u = touches.predicted_direction(old, slip, n)
         mob_t, mob_u = areas.friction_mobility(m, w, d_a, d_b, u, n, radius)
-        ease = touches.ease_of_pair(clock, h, pair, totals, mob_t, mob_u, f)
-    slide = Slide(f, slip, sliding_displacement, areas.NO_ROTATION, mass, ease)
+        compliance = touches.friction_compliance(clock, h, pair, totals, mob_t, mob_u, f)
+    slide = Slide(f, slip, sliding_displacement, areas.NO_ROTATION, mass, compliance)
     friction_force, out.friction_stored, power, loss, t_k, t_c = group.friction.friction_force(
         p, old, new, slide, curves
     )
     if not (KICK_DRIFT_KICK and group.friction_damps):
-        u = touches.along(friction_force, slip, n)
+        u = touches.unit_slip(friction_force, slip, n)
         mob_t, mob_u = areas.friction_mobility(m, w, d_a, d_b, u, n, radius)
-        touches.count_stiffness(totals.on_a, totals.on_b, mob_t, mob_u, t_k, t_c)
+        touches.add_pair_stiffness(totals.on_a, totals.on_b, mob_t, mob_u, t_k, t_c)
     return friction_force, sliding_displacement, power, loss

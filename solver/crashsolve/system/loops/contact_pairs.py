@@ -19,11 +19,11 @@ from crashsolve.system.contact import (
 )
 from crashsolve.system.contact.pair import (
     Closing,
+    ContactPoint,
     Ends,
     Friction,
-    Meeting,
+    NormalResponse,
     Pair,
-    Push,
     Sliding,
     Totals,
 )
@@ -39,17 +39,17 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
         for k in range(group.body_pairs.shape[0]):
             both = group.body_pairs[k]
             card = scene.cards[both.card]
-            if body_pairs.stay_apart(both, h, card.depth, nodes):
-                touches.sum_losses(card, both)
+            if body_pairs.can_skip_all(both, h, card.depth, nodes):
+                touches.add_losses(card, both)
                 continue
             # a sample changes no more than what the next step writes anew
             if h > 0.0:
-                body_pairs.end_rest(both, group.history)
+                body_pairs.end_skipping(both, group.history)
             evaluated = some_pairs(
                 group, piece, both.first, both.end, clock, h, nodes, curves, scene
             )
             if h > 0.0 and evaluated == 0:
-                body_pairs.begin_rest(both, clock.current, group.history)
+                body_pairs.begin_skipping(both, clock.current, group.history)
     else:
         first, end = ends_of(group, piece, group.parameters.shape[0], scene)
         some_pairs(group, piece, first, end, clock, h, nodes, curves, scene)
@@ -68,51 +68,51 @@ def some_pairs(group, piece, first, end, clock, h, nodes, curves, scene):
         old, new = history[clock.current, i], history[1 - clock.current, i]
         a, b = group.elements_a[p.a], group.elements_b[p.b]
         m, w = nodes[a.node], nodes[b.node]
-        totals = totals_of(group, piece, i, clock, p, m, w, scene)
+        totals = sums_of(group, piece, i, clock, p, m, w, scene)
         card, count, displacement = totals.card, totals.count, 0.0
         if KICK_DRIFT_KICK and (group.rests or group.follows_exit):
             displacement = resting.largest_approach(p, m, w)
-        if KICK_DRIFT_KICK and group.rests and resting.rests(h, old, new, displacement):
+        if KICK_DRIFT_KICK and group.rests and resting.can_skip(h, old, new, displacement):
             new.depth = old.depth + displacement
-            touches.sum_losses(card, new)
+            touches.add_losses(card, new)
             continue
         evaluated += 1
         depth, n, x = gap(group, h, card, Ends(p, old, new, a, b), displacement, nodes, scene)
         held, stored = False, out.stored
         if group.keeps_faces:
-            depth, n, x, held = kept_face(
+            depth, n, x, held = retained_face(
                 group, clock, h, Ends(p, old, new, a, b), depth, n, x, nodes, scene
             )
         elif group.has_ends:
-            pass_through.note_escape(clock, h, p, old, new, depth, n)
+            pass_through.record_round(clock, h, p, old, new, depth, n)
         motion = work.motion_over(h, old, depth, m, w, b.node) if KICK_DRIFT_KICK else None
-        friction_loss = first_half_ended(group, h, old, motion, m, count)
+        friction_loss = end_first_half(group, h, old, motion, m, count)
         if group.in_pieces and THREADS:
-            touches.note_applied(group.applied, group.load_rows, i, 1 if depth > 0.0 else 0)
+            touches.mark_applied(group.applied, group.load_rows, i, 1 if depth > 0.0 else 0)
         if depth <= 0.0:
-            touches.separate(clock, old, new, out, depth, x)
+            touches.reset_pair(clock, old, new, out, depth, x)
             released = 0.0
             if group.keeps_faces:
                 released = pass_through.released_energy(clock, h, old, n, stored)
-            part(group, p, old, new, released, friction_loss)
-            touches.sum_apart(card, new, n)
+            end_contact(group, p, old, new, released, friction_loss)
+            touches.add_separated(card, new, n)
             continue
-        pair, meeting = Pair(p, old, new, out, a, b, m, w), Meeting(depth, n, x, motion)
-        press(group, clock, h, pair, totals, meeting, nodes, curves, scene)
+        pair, meeting = Pair(p, old, new, out, a, b, m, w), ContactPoint(depth, n, x, motion)
+        apply_forces(group, clock, h, pair, totals, meeting, nodes, curves, scene)
         if group.keeps_faces and old.held == 1 and not held:
             # it leaves its own face sideways, deep within
             new.dissipated += max(
                 pass_through.released_energy(clock, h, old, n, stored) - out.stored, 0.0
             )
-        touches.sum_losses(card, new)
+        touches.add_losses(card, new)
     return evaluated
 
 
 @stage
-def totals_of(group, piece, i, clock, p, m, w, scene):
+def sums_of(group, piece, i, clock, p, m, w, scene):
     """The sums to which pair i adds. Of many pairs each has loads, and each piece sums, of its own.
 
-    One thread hands loads on at once, and needs those of one pair alone.
+    A single thread adds loads to bodies at once, and needs those of one pair only.
     """
     if group.in_pieces and THREADS:
         on_a, on_b = group.loads[group.load_rows[2 * i]], group.loads[group.load_rows[2 * i + 1]]
@@ -131,21 +131,21 @@ def gap(group, h, card, ends, displacement, nodes, scene):
     p, old, new, a, b = ends
     if hasattr(group.narrow, "bound") and old.active == 0:
         depth = group.narrow.bound(a, b, nodes, group.data)
-        if depth <= resting.unasked_depth(h, card.depth):
+        if depth <= resting.skip_depth(h, card.depth):
             return depth, areas.NO_ROTATION, areas.NO_ROTATION
     if KICK_DRIFT_KICK and group.follows_exit:
-        new.sure = exits.lead_left(h, old, displacement)
+        new.sure = exits.remaining_lead(h, old, displacement)
         if new.sure > 0.0:
             n = exits.carried_normal(h, old, nodes[b.node])
             return group.narrow.follow(a, b, nodes, group.data, n)
         depth, n, x, lead = group.narrow.search(a, b, nodes, group.data)
-        new.sure = exits.lead_found(p, lead)
+        new.sure = exits.trusted_lead(p, lead)
         return depth, n, x
     return group.narrow.gap(a, b, nodes, group.data)
 
 
 @stage
-def kept_face(group, clock, h, ends, depth, n, x, nodes, scene):
+def retained_face(group, clock, h, ends, depth, n, x, nodes, scene):
     """Depth, normal and position of a pair by the face that it keeps, and whether that continues.
 
     Writes: new.
@@ -156,29 +156,29 @@ def kept_face(group, clock, h, ends, depth, n, x, nodes, scene):
         v_a = pass_through.velocity_at(nodes[a.node], x)
         v_b = pass_through.velocity_at(nodes[b.node], x)
         kept = group.narrow.gap_by(a, b, nodes, group.data, old.normal)
-        if pass_through.keeps_face(old, v_a, v_b, n, kept):
+        if pass_through.retains_face(old, v_a, v_b, n, kept):
             held = True
             depth, n, x, over = kept
     if group.has_core_depth and depth > a.radius:
         over = max(over, depth - group.narrow.middle(a, b, nodes, n))
-    pass_through.note_face(clock, h, p, old, new, held, over, depth, n)
+    pass_through.record_face(clock, h, p, old, new, held, over, depth, n)
     return depth, n, x, held
 
 
 @stage
-def first_half_ended(group, h, old, motion, m, count):
+def end_first_half(group, h, old, motion, m, count):
     """Loss by friction in the half of a step in which the last forces end [J]. Writes: count."""
     if KICK_DRIFT_KICK and group.resists_spin:
-        return areas.end_first_half(h, old, motion, m, count)
+        return areas.add_first_half_work(h, old, motion, m, count)
     if KICK_DRIFT_KICK and group.friction:
-        return work.end_first_half(h, old, motion, m, count)
+        return work.add_first_half_work(h, old, motion, m, count)
     if KICK_DRIFT_KICK:
-        work.end_push(h, old, motion, m, count)
+        work.add_start_work(h, old, motion, m, count)
     return 0.0
 
 
 @stage
-def part(group, p, old, new, released, friction_loss):
+def end_contact(group, p, old, new, released, friction_loss):
     """The laws of a pair that is apart; `released` by a face that it kept [J]. Writes: new."""
     group.normal.release(p, old, new)
     if group.keeps_faces:
@@ -186,64 +186,64 @@ def part(group, p, old, new, released, friction_loss):
     if group.friction:
         group.friction.release(p, old, new)
     if group.friction and KICK_DRIFT_KICK:
-        work.part_pair(old, new, friction_loss)
+        work.end_friction(old, new, friction_loss)
 
 
 @stage
-def press(group, clock, h, pair, totals, meeting, nodes, curves, scene):
+def apply_forces(group, clock, h, pair, totals, meeting, nodes, curves, scene):
     """Forces of one pair in touch, also of many. Writes: as press_pair, nodes."""
     if group.in_pieces:
-        touches.open_load(totals.on_a)
-        touches.open_load(totals.on_b)
-    press_pair(group, clock, h, pair, totals, meeting, nodes, curves, scene)
+        touches.clear_load(totals.on_a)
+        touches.clear_load(totals.on_b)
+    apply_pair_forces(group, clock, h, pair, totals, meeting, nodes, curves, scene)
     if group.in_pieces and not THREADS:
-        touches.take_load(pair.a, totals.on_a)
-        touches.take_load(pair.b, totals.on_b)
+        touches.add_load(pair.a, totals.on_a)
+        touches.add_load(pair.b, totals.on_b)
 
 
 @stage
-def press_pair(group, clock, h, pair, totals, meeting, nodes, curves, scene):
+def apply_pair_forces(group, clock, h, pair, totals, meeting, nodes, curves, scene):
     """Forces of one pair in touch. Writes: totals, output, new history."""
     p, old, new, out, _, _, m, w = pair
     card, count = totals.card, totals.count
     depth, n, x, motion = meeting
-    rate, slip, d_a, d_b = touches.closing(m, w, x, n)
+    rate, slip, d_a, d_b = touches.closing_motion(m, w, x, n)
     touches.latch(p, old, new, depth, rate, count)
     if group.has_ends and not group.keeps_faces:
         count.peak_share = max(count.peak_share, depth / p.thick)
     mob_a, mob_b = touches.pair_mobility(m, w, d_a, d_b, n)
     mass = 1.0 / (mob_a + mob_b)
     corners, radius = patch_of(group, pair, meeting, nodes, scene)
-    applied = share_of_step(clock, h, old, depth, rate)
-    f, power, loss, k, c, x = push_of(
+    applied = fraction_of_step(clock, h, old, depth, rate)
+    f, power, loss, k, c, x = normal_force_of(
         group, h, pair, totals, meeting, Closing(rate, mass, applied, corners), curves, scene
     )
     closing_rate = rate
     if group.is_flat:
-        closing_rate, slip, d_a, d_b = touches.closing(m, w, x, n)
+        closing_rate, slip, d_a, d_b = touches.closing_motion(m, w, x, n)
     displacement = work.displacement_to(motion, m, x) if KICK_DRIFT_KICK else None
     if KICK_DRIFT_KICK and group.loses_work and h > 0.0:
         power, loss = 0.0, work_lost(group, pair, meeting, applied * f, displacement)
     sliding = Sliding(n, slip, displacement, f, mass, d_a, d_b)
-    friction = resistance(group, clock, h, pair, totals, sliding, motion, radius, curves)
+    friction = friction_of(group, clock, h, pair, totals, sliding, motion, radius, curves)
     if group.is_flat:
-        touches.touch(pair, totals, sliding, applied, 0.0, friction.t, x)
+        touches.apply_contact_force(pair, totals, sliding, applied, 0.0, friction.t, x)
         areas.add_pressure(f, n, out)
     else:
-        touches.touch(pair, totals, sliding, applied, f, friction.t, x)
-        touches.count_stiffness(totals.on_a, totals.on_b, mob_a, mob_b, k, c)
+        touches.apply_contact_force(pair, totals, sliding, applied, f, friction.t, x)
+        touches.add_pair_stiffness(totals.on_a, totals.on_b, mob_a, mob_b, k, c)
     if group.resists_spin:
         areas.twist(totals.on_a, totals.on_b, friction.force, n, radius, applied)
-    touches.dissipate(clock, old, new, applied, power, loss, friction.power, friction.loss)
-    touches.sum_card(card, count, p.order, applied, f, friction.t, new, out)
+    touches.add_dissipation(clock, old, new, applied, power, loss, friction.power, friction.loss)
+    touches.add_to_card(card, count, p.order, applied, f, friction.t, new, out)
     if KICK_DRIFT_KICK:
         begin_second_half(group, applied, pair, sliding, x, friction, radius, count)
     else:
-        touches.note_power(applied, f, closing_rate, friction.t, slip, out, count)
+        touches.record_power(applied, f, closing_rate, friction.t, slip, out, count)
 
 
 @stage
-def push_of(group, h, pair, totals, meeting, closing, curves, scene):
+def normal_force_of(group, h, pair, totals, meeting, closing, curves, scene):
     """Normal force [N], its power [W] and loss [J], bounds for the step control, and position.
 
     Writes: out.stored, new; of a flat pair totals.
@@ -256,11 +256,11 @@ def push_of(group, h, pair, totals, meeting, closing, curves, scene):
     )
     if group.is_flat:
         _, c_now = group.normal.normal_tangent(pair.p, pair.new, depth, rate, mass, curves)
-        spots, push = group.data[0], Push(f, rate, c_now, k, c)
-        f, more, x = areas.press_over_area(pair, totals, spots, corners, n, x, applied, push)
+        spots, push = group.data[0], NormalResponse(f, rate, c_now, k, c)
+        f, more, x = areas.distribute_pressure(pair, totals, spots, corners, n, x, applied, push)
         power += more
     elif group.has_shares:
-        # what the law returns is for the whole surface, of which this is one element
+        # the law returns the force of the full surface, of which this is one element
         share = pair.first.share
         f, out.stored, power = share * f, share * out.stored, share * power
         loss, k, c = share * loss, share * k, share * c
@@ -268,7 +268,7 @@ def push_of(group, h, pair, totals, meeting, closing, curves, scene):
 
 
 @stage
-def resistance(group, clock, h, pair, totals, sliding, motion, radius, curves):
+def friction_of(group, clock, h, pair, totals, sliding, motion, radius, curves):
     """Friction of the pair. Writes: out, new."""
     pair.out.friction_stored = 0.0
     if group.resists_spin:
@@ -284,15 +284,15 @@ def resistance(group, clock, h, pair, totals, sliding, motion, radius, curves):
 
 @stage
 def begin_second_half(group, applied, pair, sliding, x, friction, radius, count):
-    """Note what the forces of the second half of a step begin with. Writes: out, new, count."""
+    """Store the forces with which the second half of a step begins. Writes: out, new, count."""
     if group.resists_spin:
-        areas.begin_second_half(
+        areas.add_second_half_work(
             applied, pair, sliding, x, friction.force, friction.displacement, radius, count
         )
     elif group.friction:
-        work.begin_second_half(applied, pair, sliding, x, friction.t, count)
+        work.add_second_half_work(applied, pair, sliding, x, friction.t, count)
     else:
-        work.begin_push(
+        work.add_end_work(
             applied, sliding.displacement, sliding.f, sliding.n, x, pair.out, pair.new, count
         )
 
@@ -303,7 +303,7 @@ def work_lost(group, pair, meeting, push, displacement):
     growth = pair.new.recoverable - pair.old.recoverable
     if group.has_shares:
         growth *= pair.first.share
-    done = work.of_push(pair.old, meeting.motion, pair.a, push, meeting.n, displacement)
+    done = work.normal_work(pair.old, meeting.motion, pair.a, push, meeting.n, displacement)
     return -done - growth
 
 
@@ -321,8 +321,8 @@ def patch_of(group, pair, meeting, nodes, scene):
 
 
 @stage
-def share_of_step(clock, h, old, depth, rate):
+def fraction_of_step(clock, h, old, depth, rate):
     """Fraction of the force of a pair in the step in which it begins to touch."""
     if KICK_DRIFT_KICK:
         return touches.applied_fraction(old, depth, rate, h)
-    return touches.begun_before(clock, old, h)
+    return touches.onset_factor(clock, old, h)

@@ -22,7 +22,7 @@ def contact_tangents(group, first, clock, nodes, curves, compliant, scene):
             depth, n, x, _ = group.narrow.gap_by(a, b, nodes, group.data, old.normal)
         depth = max(depth, 0.0)
         m, w = nodes[a.node], nodes[b.node]
-        rate, slip, d_a, d_b = touches.closing(m, w, x, n)
+        rate, slip, d_a, d_b = touches.closing_motion(m, w, x, n)
         mob_a, mob_b = touches.pair_mobility(m, w, d_a, d_b, n)
         mass = 1.0 / (mob_a + mob_b)
         k, c = group.normal.normal_tangent(p, old, depth, rate, mass, curves)
@@ -45,15 +45,15 @@ def contact_tangents(group, first, clock, nodes, curves, compliant, scene):
             radius = p.torsion_radius
         if group.resists_spin:
             row = at + 3 if group.is_flat else at + 1
-            slip = areas.sliding(m, w, slip, n, radius)
+            slip = areas.combined_slip(m, w, slip, n, radius)
             c, c_across = group.friction.friction_tangent(p, f, slip)
-            u = touches.along((0.0, 0.0, 0.0), slip, n)
+            u = touches.unit_slip((0.0, 0.0, 0.0), slip, n)
             u_1, u_2 = areas.tangents(u)
             areas.friction_tangent_row(compliant[row], u, n, radius, d_a, d_b, c)
             areas.friction_tangent_row(compliant[row + 1], u_1, n, radius, d_a, d_b, c_across)
             areas.friction_tangent_row(compliant[row + 2], u_2, n, radius, d_a, d_b, c_across)
         elif group.friction:
             c, c_across = group.friction.friction_tangent(p, f, slip)
-            u = touches.along((0.0, 0.0, 0.0), slip, n)
+            u = touches.unit_slip((0.0, 0.0, 0.0), slip, n)
             point_tangent(compliant[at + 1], u, d_a, d_b, 0.0, c)
             point_tangent(compliant[at + 2], cross(n, u), d_a, d_b, 0.0, c_across)

@@ -16,11 +16,11 @@ from crashsolve.threads import jobs
 def move_elements(clock, h, nodes, scene):
     """Motion of the points, and forces of the elements between them. Writes: scene.points."""
     if ASSEMBLED:
-        points.carry(h, nodes, scene.points, scene.attached_points)
+        points.move_attached(h, nodes, scene.points, scene.attached_points)
         elements(clock, h, scene)
     else:
         open_points(clock, h, scene)
-        points.carry(h, nodes, scene.points, scene.attached_points)
+        points.move_attached(h, nodes, scene.points, scene.attached_points)
         if TIES:
             ties.carry_tied(h, scene.points, scene.ties)
         clock.element_rate = 0.0
@@ -37,33 +37,33 @@ def move_elements(clock, h, nodes, scene):
 def move_points(clock, h, nodes, scene):
     """Second kick of the points, at the end of a force pass. Writes: scene.points, nodes."""
     if ASSEMBLED:
-        points.carry_attached(nodes, scene.points)
-        points.unload(clock, nodes, scene.points, scene.attached_points)
+        points.transfer_attached_reactions(nodes, scene.points)
+        points.transfer_to_bodies(clock, nodes, scene.points, scene.attached_points)
     else:
         if TIES:
             ties.unload_tied(scene.points, scene.ties)
-        points.unload(clock, nodes, scene.points, scene.attached_points)
-        points.hold_all(nodes, scene.points, scene.holds)
+        points.transfer_to_bodies(clock, nodes, scene.points, scene.attached_points)
+        points.transfer_reactions(nodes, scene.points, scene.holds)
         close_points(clock, h, scene)
 
 
 @kernel
 def elements(clock, h, scene):
-    """Forces after a step of h from what elements kept before it. Writes: points, lanes."""
-    stiffness.begin_again(h, clock, scene)
+    """Forces after a step of h from the state of the elements before it. Writes: points, lanes."""
+    stiffness.restart_elements(h, clock, scene)
     deform(clock, h, scene)
 
 
 @kernel
-def keep_elements(scene):
+def save_elements(scene):
     """Copy the blocks of elements at the start of a step. Writes: lanes_before."""
     if ELEMENTS:
-        stiffness.keep(scene)
+        stiffness.save_blocks(scene)
 
 
 @stage
 def open_points(clock, h, scene):
-    """First kick and drift of the points, and what drag takes. Writes: scene.points, clock."""
+    """First kick and drift of the points, and the loss by drag. Writes: scene.points, clock."""
     if THREADS:
         share(jobs.OPEN, scene.pieces.shape[0], clock, h, scene)
     for group in ELEMENTS:
@@ -71,8 +71,8 @@ def open_points(clock, h, scene):
         for i in range(p.shape[0]):
             old, new = history[clock.current, i], history[1 - clock.current, i]
             if not THREADS:
-                points.open_points(h, p[i], scene.points)
-            points.brake(clock, h, p[i], old, new, scene.points)
+                points.first_kick_and_drift(h, p[i], scene.points)
+            points.apply_drag(clock, h, p[i], old, new, scene.points)
 
 
 @stage
@@ -95,4 +95,4 @@ def close_points(clock, h, scene):
         for group in ELEMENTS:
             p = group.parameters
             for i in range(p.shape[0]):
-                points.close_points(clock, h, p[i], scene.points)
+                points.second_kick(clock, h, p[i], scene.points)

@@ -26,7 +26,7 @@ from crashsolve.system.energy import (
     least_energy,
     unseen_distance,
 )
-from crashsolve.system.gain import gains, overstates
+from crashsolve.system.gain import has_gain, overstates
 from crashsolve.system.kinetics import kinetic_energy
 from crashsolve.system.placeholders import (
     ASSEMBLED,
@@ -50,7 +50,7 @@ def energy(clock, nodes, scene, ledger):
     add_laws(clock, scene, ledger)
     add_elements(clock, scene, ledger)
     if ELEMENTS:
-        points.guard(clock, nodes, scene.points)
+        points.check_points(clock, nodes, scene.points)
     add_contacts(clock, scene, ledger)
     add_nodal_contacts(scene, ledger)
     ledger[DRIVER_WORK] = clock.driver_work
@@ -150,7 +150,7 @@ def add_nodal_contacts(scene, ledger):
         ledger[CONTACT_STORED] += group.totals[0].stored
         ledger[CONTACT_DISSIPATED] += group.totals[0].dissipated
         if group.friction:
-            ledger[FRICTION_STORED] += group.totals[0].bristled
+            ledger[FRICTION_STORED] += group.totals[0].bristle_energy
             ledger[FRICTION_DISSIPATED] += group.totals[0].friction_loss
 
 
@@ -163,7 +163,7 @@ def check_laws(clock, control, nodes, scene):
             for i in range(group.output.shape[0]):
                 now, stored = group.history[clock.current, i], group.output[i].stored
                 limit = control.energy_limit
-                creates = gains(now, stored, limit, unseen)
+                creates = has_gain(now, stored, limit, unseen)
                 if creates or overstates(now, stored, limit, unseen):
                     clock.status = LAW_GAIN
 

@@ -2,7 +2,7 @@
 
 from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.system.contact import areas, body_pairs, node_contact, projection, touches
-from crashsolve.system.loops.approach import apart_before, gaps_of
+from crashsolve.system.loops.approach import depth_before, gaps_of
 from crashsolve.system.loops.many_pairs import before_of_pieces
 from crashsolve.system.loops.pieces import approach_in_pieces
 from crashsolve.system.placeholders import BRANCHES, CONTACTS, NODAL, SLIDING
@@ -32,7 +32,7 @@ def approach_before(clock, scene):
         if group.in_pieces:
             deepest = before_of_pieces(group, deepest, scene)
         else:
-            deepest = apart_before(group, 0, clock.current, deepest, scene)
+            deepest = depth_before(group, 0, clock.current, deepest, scene)
     return min(deepest, 0.0)
 
 
@@ -57,7 +57,7 @@ def event(current, h, nodes, curves, scene):
                 if pairs.keeps_faces and old.held == 1:
                     depth, n, x, _ = pairs.narrow.gap_by(a, b, nodes, pairs.data, old.normal)
                 if depth > 0.0:
-                    _, slip, _, _ = touches.closing(nodes[a.node], nodes[b.node], x, n)
+                    _, slip, _, _ = touches.closing_motion(nodes[a.node], nodes[b.node], x, n)
                     if pairs.is_flat:
                         count, radius = pairs.narrow.patch(a, b, nodes, pairs.data, n, x)
                         if pairs.has_radius:
@@ -65,7 +65,7 @@ def event(current, h, nodes, curves, scene):
                     elif pairs.has_radius:
                         radius = p.torsion_radius
                     if pairs.resists_spin:
-                        slip = areas.sliding(nodes[a.node], nodes[b.node], slip, n, radius)
+                        slip = areas.combined_slip(nodes[a.node], nodes[b.node], slip, n, radius)
                     past = h * pairs.friction.regime_left(p, old, slip)  # type: ignore[union-attr]
                     farthest = max(farthest, past)
     return farthest
@@ -78,13 +78,13 @@ def need_rebuild(clock, nodes, scene):
     for probes in NODAL:
         node_contact.limit_closing(clock, probes.p[0], probes.totals[0])
         if probes.narrow is None:
-            stale |= projection.is_crowded(probes.p[0], probes.totals[0])
+            stale |= projection.needs_room(probes.p[0], probes.totals[0])
     for group in CONTACTS:
         if group.search is not None:
-            stale |= touches.has_left_list(
+            stale |= touches.needs_new_list(
                 clock, group.elements_a, nodes, group.seen_a, group.slack[0]
             )
-            stale |= touches.has_left_list(
+            stale |= touches.needs_new_list(
                 clock, group.elements_b, nodes, group.seen_b, group.slack[0]
             )
         elif group.looks_ahead:
@@ -102,10 +102,10 @@ def limit_closing(group, clock, nodes, scene):
     if group.body_pairs is not None:
         for k in range(group.body_pairs.shape[0]):
             both = group.body_pairs[k]
-            at_most = body_pairs.closing_at_most(both, nodes)
-            distance = touches.SEEN * both.thick - both.depth - both.gone
+            at_most = body_pairs.closing_speed_bound(both, nodes)
+            distance = touches.LARGEST_CLOSING * both.thick - both.depth - both.approached
             if both.rests == 0 or at_most * clock.next_step > distance:
-                body_pairs.end_rest(both, group.history)
+                body_pairs.end_skipping(both, group.history)
                 limit_some(group, both.first, both.end, at_most, clock, nodes, scene)
     else:
         limit_some(group, 0, group.parameters.shape[0], 1e300, clock, nodes, scene)
@@ -122,15 +122,15 @@ def limit_some(group, first, end, at_most, clock, nodes, scene):
         p, now = params[i], history[clock.current, i]
         if now.active == 1:
             continue
-        distance = touches.SEEN * p.thick - now.depth
+        distance = touches.LARGEST_CLOSING * p.thick - now.depth
         # that is enough for most, and costs little
         if at_most * clock.next_step <= distance:
             continue
         a, b = group.elements_a[p.a], group.elements_b[p.b]
-        speed = touches.closing_at_most(p, a, b, nodes)
+        speed = touches.closing_speed_bound(p, a, b, nodes)
         if group.rests and speed * clock.next_step > distance:
             # the stored value is only a bound
             depth, _, _ = group.narrow.gap(a, b, nodes, group.data)
-            distance = touches.SEEN * p.thick - depth
+            distance = touches.LARGEST_CLOSING * p.thick - depth
         if speed * clock.next_step > distance:
             clock.next_step = distance / speed

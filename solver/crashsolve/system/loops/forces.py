@@ -6,9 +6,14 @@ The order is fixed: what elements and nodes of shells do stands before what need
 from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.system import attachments
 from crashsolve.system.contact import node_contact, resting, surface_friction, times, touches
-from crashsolve.system.contact.work import of_load
-from crashsolve.system.energy import lose
-from crashsolve.system.gain import acting, keep_acting, note_work, note_work_of_several
+from crashsolve.system.contact.work import load_work
+from crashsolve.system.energy import add_dissipation
+from crashsolve.system.gain import (
+    applied_loads,
+    keep_applied_loads,
+    record_work,
+    record_work_of_several,
+)
 from crashsolve.system.loops.contact_pairs import contact_pairs
 from crashsolve.system.loops.elements import move_elements, move_points
 from crashsolve.system.loops.nodal.node_to_shape import node_to_shape
@@ -36,9 +41,9 @@ from crashsolve.system.placeholders import (
 def force_pass(clock, time, h, nodes, rows, curves, scene):
     """Applied forces at the end of a step of length h. Writes: nodes, outputs, new histories."""
     if ATTACHMENTS:
-        attachments.carry(scene.attached_nodes, nodes)
+        attachments.move_nodes(scene.attached_nodes, nodes)
         if RESTING and h > 0.0:
-            resting.note_motion(nodes)
+            resting.record_motion(nodes)
     if ELEMENTS:
         move_elements(clock, h, nodes, scene)
     apply_laws(clock, time, h, nodes, rows, curves, scene)
@@ -52,7 +57,7 @@ def force_pass(clock, time, h, nodes, rows, curves, scene):
     if NODAL:
         node_contact.shorten_step(clock, scene)
     if ATTACHMENTS:
-        attachments.collect(scene.attached_nodes, nodes)
+        attachments.transfer_forces(scene.attached_nodes, nodes)
 
 
 @stage
@@ -66,11 +71,11 @@ def apply_laws(clock, time, h, nodes, rows, curves, scene):
             work_of_load = 0.0
             if works and hasattr(group.law, "present"):
                 body = nodes[p[i].node]
-                work_of_load = of_load(group.law.present(p[i], o, body.start_A), body)
+                work_of_load = load_work(group.law.present(p[i], o, body.start_A), body)
             if group.is_watched and group.joins_several:
-                keep_acting(p[i], group.most_nodes, new, nodes)
+                keep_applied_loads(p[i], group.most_nodes, new, nodes)
             elif group.is_watched:
-                before = acting(p[i], nodes)
+                before = applied_loads(p[i], nodes)
             if group.materials:
                 for number, material in group.materials:
                     if p[i].law == number:
@@ -98,15 +103,16 @@ def apply_laws(clock, time, h, nodes, rows, curves, scene):
                 group.law.add_up(p[i], o, h, nodes, scene.block_sums)
             if works and hasattr(group.law, "present"):
                 body = nodes[p[i].node]
-                work_of_load += of_load(group.law.present(p[i], o, body.A), body)
+                work_of_load += load_work(group.law.present(p[i], o, body.A), body)
                 o.power, o.loss = 0.0, work_of_load
-            lose(clock, old, new, o.power, o.loss)
+            add_dissipation(clock, old, new, o.power, o.loss)
             if group.is_watched:
                 if group.joins_several:
-                    note_work_of_several(p[i], group.most_nodes, old, new, h, nodes)
+                    record_work_of_several(p[i], group.most_nodes, old, new, h, nodes)
                 else:
-                    note_work(p[i], old, new, before, h, nodes)
-                new.held_first = o.stored if clock.cycle == 0 and h == 0.0 else old.held_first
+                    record_work(p[i], old, new, before, h, nodes)
+                is_first = clock.cycle == 0 and h == 0.0
+                new.initially_stored = o.stored if is_first else old.initially_stored
             if DENSE:
                 group.powers[clock.stage * p.shape[0] + i] = o.power
     for group in FOLLOWERS:
@@ -119,8 +125,8 @@ def apply_laws(clock, time, h, nodes, rows, curves, scene):
 @stage
 def apply_contacts(clock, time, h, nodes, curves, scene):
     """Forces of all contacts. Writes: nodes, scene.cards, outputs, new histories."""
-    touches.open_cards(scene.cards)
-    touches.carry_onsets(clock.current, scene.card_history)
+    touches.clear_cards(scene.cards)
+    touches.copy_onsets(clock.current, scene.card_history)
     if KICK_DRIFT_KICK and PAIR_DAMPERS:
         touches.clear_friction_stiffness(nodes)
     for group in CONTACTS:
@@ -133,8 +139,8 @@ def apply_contacts(clock, time, h, nodes, curves, scene):
     if NODAL:
         apply_nodal_contacts(clock, h, nodes, curves, scene)
     if not KICK_DRIFT_KICK:
-        touches.add_powers(clock, scene.card_history)
-    touches.close_cards(clock, scene.cards, scene.card_history)
+        touches.integrate_powers(clock, scene.card_history)
+    touches.finish_cards(clock, scene.cards, scene.card_history)
     times.time_cards(time, h, clock, scene.cards, scene.card_history)
 
 
@@ -143,10 +149,10 @@ def apply_nodal_contacts(clock, h, nodes, curves, scene):
     """Forces of contacts of the nodes of shells. Writes: as above, scene.points."""
     if NODAL_DAMPERS:
         surface_friction.clear_friction_stiffness(h, scene)
-    node_contact.open_loads(scene)
+    node_contact.clear_loads(scene)
     for group in NODAL:
         if group.narrow is None:
             node_to_surface(group, clock, h, nodes, curves, scene)
         else:
             node_to_shape(group, clock, h, nodes, curves, scene)
-    node_contact.close_loads(scene)
+    node_contact.sum_stiffness_bounds(scene)

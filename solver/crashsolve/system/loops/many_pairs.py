@@ -1,4 +1,4 @@
-"""Many contact pairs in pieces: what each piece is, and what is put together of all of them.
+"""Many contact pairs in pieces: the work of each piece, and the sums of all.
 
 One thread does the pieces one after the other, and adds the loads of each pair to its bodies at
 once. Several do the pieces side by side (pieces.py), and bodies add up their loads afterwards, in
@@ -8,15 +8,15 @@ Consequence to test: the same bits for any number of threads.
 
 from crashsolve.foundation.kernels import apart, kernel
 from crashsolve.system.contact import touches
-from crashsolve.system.loops.approach import apart_before, gaps_of
+from crashsolve.system.loops.approach import depth_before, gaps_of
 from crashsolve.system.loops.contact_pairs import contact_pairs
 
 
 @apart
 def press_piece(group, k, clock, h, scene):
     """Forces of some pairs. Writes: loads, applied, sums, counts, outputs, new histories."""
-    touches.open_card(group.sums[k])
-    touches.open_count(group.counts[k])
+    touches.clear_card(group.sums[k])
+    touches.clear_counts(group.counts[k])
     contact_pairs(group, k, clock, h, scene.nodes, scene.curves, scene)
 
 
@@ -28,16 +28,16 @@ def bear_piece(group, k, scene):
         body = scene.nodes[bearer.node]
         for at in range(bearer.first, bearer.end):
             if group.applied[at] == 1:
-                touches.take_load(body, group.loads[at])
+                touches.add_load(body, group.loads[at])
 
 
 @kernel
 def sum_pieces(group, clock, scene):
-    """Add what the pieces come to to the contact cards. Writes: scene.cards, card_history."""
+    """Add the sums of the pieces to the contact cards. Writes: scene.cards, card_history."""
     for k in range(group.pieces.shape[0]):
         card = group.pieces[k].card
         history = scene.card_history[1 - clock.current, card]
-        touches.take_sums(scene.cards[card], history, group.sums[k], group.counts[k])
+        touches.add_sums(scene.cards[card], history, group.sums[k], group.counts[k])
 
 
 @apart
@@ -45,7 +45,7 @@ def approach_piece(group, k, clock, floor, scene):
     """Largest depth of some pairs at both ends of a step. Writes: pieces."""
     piece = group.pieces[k]
     piece.nearest = gaps_of(group, k, clock.current, scene.nodes, floor, -1e300, scene)
-    piece.before = apart_before(group, k, clock.current, -1e300, scene)
+    piece.before = depth_before(group, k, clock.current, -1e300, scene)
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""Jobs in pieces, for several threads: what each piece is, who does it, and the loop of a thread.
+"""Jobs in pieces, for several threads: the work of each piece, and the loop of a thread.
 
 The first thread calls the others to a job, and takes part (threads/worker.py).
 """
@@ -13,7 +13,7 @@ from crashsolve.system.loops.many_pairs import (
     press_piece,
     sum_pieces,
 )
-from crashsolve.system.loops.nodal.searches import look_at_faces, look_at_shapes
+from crashsolve.system.loops.nodal.searches import search_faces, search_shapes
 from crashsolve.system.placeholders import (
     CONTACTS,
     ELEMENT_LOADS,
@@ -49,7 +49,7 @@ def find_fastest(p, clock, h, scene):
     """Largest speed of the points that contact asks for, unless it is known. Writes: touched."""
     if not node_contact.is_fastest_known(p, scene):
         share(jobs.SPEED, scene.pieces.shape[0], clock, h, scene)
-        node_contact.note_fastest(p, jobs.largest_speed(p, scene), scene)
+        node_contact.store_fastest(p, jobs.largest_speed(p, scene), scene)
 
 
 @kernel
@@ -156,7 +156,7 @@ def open_piece(k, h, scene):
     at = k
     for group in ELEMENTS:
         if at >= 0 and at < group.pieces.shape[0]:
-            points.open_points(h, group.pieces[at], scene.points)
+            points.first_kick_and_drift(h, group.pieces[at], scene.points)
         at -= group.pieces.shape[0]
 
 
@@ -179,7 +179,7 @@ def close_piece(k, clock, h, scene):
     at = k
     for group in ELEMENTS:
         if at >= 0 and at < group.pieces.shape[0]:
-            points.close_points(clock, h, group.pieces[at], scene.points)
+            points.second_kick(clock, h, group.pieces[at], scene.points)
         at -= group.pieces.shape[0]
     scene.pieces[k].rate = clock.element_rate
 
@@ -214,13 +214,13 @@ def look_for(group, k, me, scene):
         if group.due[i] > group.totals[0].travel:
             continue
         if group.narrow is None:
-            look_at_faces(group, i, group.found[i], scene.nodes, scene)
+            search_faces(group, i, group.found[i], scene.nodes, scene)
             touches = node_contact.touches_faces(
                 group.found[i], group.probe_states, group.slot_in_use, i
             )
         else:
             hit = group.found[i, 0]
-            look_at_shapes(group, i, group.a[me], (0.0, 0.0, 0.0), hit, scene.nodes, scene)
+            search_shapes(group, i, group.a[me], (0.0, 0.0, 0.0), hit, scene.nodes, scene)
             touches = hit.depth > 0.0 or group.probe_states[group.slot_in_use[i], i].active == 1
         if touches:
             group.seen[one.first + count].probe = i
@@ -239,7 +239,7 @@ def deform_part(group, p, clock, h, scene):
 
 @kernel
 def load_piece(k, job, scene):
-    """Some blocks of the load that is asked for. Writes: scene.points, block_sums."""
+    """Some blocks of the requested load. Writes: scene.points, block_sums."""
     i = job.entry
     for number, group in enumerate(ELEMENT_LOADS):
         if job.group == number:

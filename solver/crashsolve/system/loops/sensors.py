@@ -10,7 +10,7 @@ from crashsolve.system.placeholders import CUTS, ELEMENTS, SENSORS
 def measure(time, nodes, rows, curves, scene):
     """Readings of all sensors. Writes: outputs."""
     if ELEMENTS:
-        points.add_up_motion(scene.points, scene.motion[0])
+        points.sum_momenta(scene.points, scene.motion[0])
     if CUTS:
         cut_elements(scene)
     for group in SENSORS:

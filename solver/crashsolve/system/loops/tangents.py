@@ -27,13 +27,13 @@ def tangents(clock, nodes, curves, compliant, scene):
 
 
 @kernel
-def bend(h, clock, nodes, curves, matrix, scene):
+def assemble_stiffness(h, clock, nodes, curves, matrix, scene):
     """Tangents of shells after a step of h; geometric stiffness of others. Writes: matrix."""
-    global_matrix.open_blocks(nodes, matrix)
+    global_matrix.clear_matrix(nodes, matrix)
     if ELEMENTS:
         add_element_stiffness(h, nodes, matrix, scene)
     for k, group in enumerate(TANGENTS):
-        if hasattr(group.law, "bend"):
+        if hasattr(group.law, "tangent_blocks"):
             p, history, out = group.parameters, group.history, group.output
             first = scene.tangents[k].first
             for i in range(p.shape[0]):
@@ -42,11 +42,11 @@ def bend(h, clock, nodes, curves, matrix, scene):
                 if group.materials:
                     for number, material in group.materials:
                         if p[i].law == number:
-                            group.fibre_law.bend(
+                            group.fibre_law.tangent_blocks(
                                 p[i], old, h, nodes, curves, slot, matrix.blocks, material
                             )
                 else:
-                    group.law.bend(p[i], old, nodes, curves, slot, matrix.blocks)
+                    group.law.tangent_blocks(p[i], old, nodes, curves, slot, matrix.blocks)
         if hasattr(group.law, "geometric_stiffness"):
             p, out = group.parameters, group.output
             first = scene.tangents[k].first
@@ -58,8 +58,8 @@ def bend(h, clock, nodes, curves, matrix, scene):
 @stage
 def add_element_stiffness(h, nodes, matrix, scene):
     """Stiffness of shells after a step of h. Writes: matrix."""
-    stiffness.take_back(h, scene)
-    stiffness.reach(nodes, scene)
+    stiffness.restore_elements(h, scene)
+    stiffness.update_arms(nodes, scene)
     for group in ELEMENTS:
         p = group.parameters
         for i in range(p.shape[0]):
@@ -70,10 +70,10 @@ def add_element_stiffness(h, nodes, matrix, scene):
 
 
 @kernel
-def renew(h, clock, nodes, compliant, matrix, t, tt, scene):
-    """All tangents and the factor, at the present position. Writes: matrix, compliant."""
+def update_tangents(h, clock, nodes, compliant, matrix, t, tt, scene):
+    """Renew all tangents and the factor, at the present position. Writes: matrix, compliant."""
     rows, curves = scene.rows, scene.curves
     tangents(clock, nodes, curves, compliant, scene)
-    bend(h, clock, nodes, curves, matrix, scene)
+    assemble_stiffness(h, clock, nodes, curves, matrix, scene)
     global_matrix.linearise(rows, compliant, nodes, t, tt)
     global_matrix.factor_compliant(matrix, compliant, rows.shape[0], tt, t)

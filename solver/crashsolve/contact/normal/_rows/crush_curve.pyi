@@ -8,6 +8,6 @@ class Parameters(ContactParameters):
 
 class History(ContactHistory):
     crush: float  # [m] deepest loading so far, d
-    recoverable: float  # [J] energy that the end gives back
+    recoverable: float  # [J] recoverable energy of the end
 
 class Output(ContactOutput): ...

@@ -10,6 +10,6 @@ class Parameters(ContactParameters):
 class History(ContactHistory):
     slider: float  # [m] s
     unloading_work: float  # [J] P
-    recoverable: float  # [J] energy that the padding gives back
+    recoverable: float  # [J] recoverable energy of the padding
 
 class Output(ContactOutput): ...

@@ -1,6 +1,6 @@
 """Block after block through the elements of one kind: forces, energies, deletion.
 
-What is the same for all kinds. A kind is a module (`reduced`, `full`, `triangle`) with
+Functions common to all kinds. A kind is a module (`reduced`, `full`, `triangle`) with
 
     CORNERS, POINTS       of an element: its corners, and its points in the plane
     span(p)               where its elements lie in a part

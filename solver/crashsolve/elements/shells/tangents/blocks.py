@@ -1,6 +1,6 @@
 """Block after block through the elements of one kind: the columns of their tangents.
 
-What is the same for all kinds. A kind is a module (`reduced`, `full`, `triangle`) that has the
+Functions common to all kinds. A kind is a module (`reduced`, `full`, `triangle`) that has the
 CORNERS, `span` and `strain` of its elements (elements/shells/forces/blocks.py) and
 
     DAMPING                                where in `base` the tangent of damping belongs

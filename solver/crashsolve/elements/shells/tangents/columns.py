@@ -1,4 +1,5 @@
-"""What the tangents of shells share: rows of numbers, corner rotations, blocks of the matrix.
+"""Common functions of the tangents of shells: rows of numbers, corner rotations, blocks of the
+matrix.
 
 A tangent is made for sixteen elements at a time, a column for every motion of every corner: what is
 found once for all columns is `base`, what belongs to the present one is its `change`. A corner with

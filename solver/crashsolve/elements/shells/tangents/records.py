@@ -1,6 +1,6 @@
 """Named rows that the tangents of shells work with, sixteen elements side by side.
 
-What is found once for all columns of a tangent is BASE, what belongs to the present one its CHANGE.
+BASE is computed once for all columns of a tangent, CHANGE for the present column.
 """
 
 from crashsolve.foundation.record import Record, rows_of

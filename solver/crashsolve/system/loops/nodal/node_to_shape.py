@@ -2,8 +2,8 @@
 
 from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.system.contact import node_contact, pass_through, surface_friction, touches, work
-from crashsolve.system.contact.pair import Pressing, Seen, Touch
-from crashsolve.system.loops.nodal.searches import look_at_shapes
+from crashsolve.system.contact.pair import ProbeHit, ProbeResponse, Touch
+from crashsolve.system.loops.nodal.searches import search_shapes
 from crashsolve.system.loops.nodal.surface_friction import friction_on_shape
 from crashsolve.system.loops.pieces import find_fastest, share_looks
 from crashsolve.system.placeholders import THREADS
@@ -14,36 +14,36 @@ def node_to_shape(group, clock, h, nodes, curves, scene):
     """Forces of all probes of a group. Writes: scene.points, cards, loads, probe_states, nodes."""
     p, totals, probes, due = group.p[0], group.totals[0], group.probes, group.due
     card, counts = scene.cards[p.card], scene.card_history[1 - clock.current]
-    pens = group.a.shape[0]
+    first_body = group.a.shape[0]
     if THREADS:
         find_fastest(p, clock, h, scene)
-    copies = (group.frames, pens, group.home)
-    node_contact.open_shapes(h, p, totals, probes, nodes, scene, copies)
+    copies = (group.frames, first_body, group.home)
+    node_contact.update_shapes(h, p, totals, probes, nodes, scene, copies)
     if THREADS and not group.keeps_faces:
         share_looks(group, clock, h, scene)
         for k in range(group.looks.shape[0]):
             one = group.looks[k]
             for j in range(one.first, one.first + one.count):
                 i = group.seen[j].probe
-                x, v = node_contact.where(probes[i], h, nodes, scene.points)
-                seen = Seen(x, v, group.found[i, 0], False, -1.0)
-                touch_shape(group, clock, h, i, seen, nodes, curves, scene)
+                x, v = node_contact.position_and_velocity(probes[i], h, nodes, scene.points)
+                nearest = ProbeHit(x, v, group.found[i, 0], False, -1.0)
+                apply_shape_forces(group, clock, h, i, nearest, nodes, curves, scene)
     else:
         for i in range(probes.shape[0]):
             if due[i] <= totals.travel:
-                x, v = node_contact.where(probes[i], h, nodes, scene.points)
+                x, v = node_contact.position_and_velocity(probes[i], h, nodes, scene.points)
                 hit = group.found[0, 0]
-                held, over = look_at_shapes(group, i, group.a[0], v, hit, nodes, scene)
-                seen = Seen(x, v, hit, held, over)
-                touch_shape(group, clock, h, i, seen, nodes, curves, scene)
-    node_contact.close_pass(totals, card, counts[p.card])
+                held, over = search_shapes(group, i, group.a[0], v, hit, nodes, scene)
+                nearest = ProbeHit(x, v, hit, held, over)
+                apply_shape_forces(group, clock, h, i, nearest, nodes, curves, scene)
+    node_contact.add_energies(totals, card, counts[p.card])
 
 
 @kernel
-def touch_shape(group, clock, h, i, seen, nodes, curves, scene):
+def apply_shape_forces(group, clock, h, i, nearest, nodes, curves, scene):
     """Forces of one probe on the shape it has found, or left. Writes: as above."""
     p, probes, shapes, points = group.p[0], group.probes, group.b, scene.points
-    x, v, hit = seen.x, seen.v, seen.hit
+    x, v, hit = nearest.x, nearest.v, nearest.hit
     now, count = group.slot_in_use[i], scene.card_history[1 - clock.current, p.card]
     old, new = group.probe_states[now, i], group.probe_states[1 - now, i]
     past = (0.0, 0.0, 0.0)
@@ -52,34 +52,34 @@ def touch_shape(group, clock, h, i, seen, nodes, curves, scene):
         past = work.displacement_over_body(
             p, probes[i], old, True, (home_before, x), h, nodes, points
         )
-        work.push_along(old, past, count)
+        work.add_normal_work(old, past, count)
     touch = Touch(i, probes[i], x, v, old, new, hit, past)
     if hit.depth > 0.0:
-        press_on_shape(group, clock, h, touch, seen, nodes, curves, scene)
-        node_contact.swap_slot(h, group.slot_in_use, i)
+        apply_forces_on_shape(group, clock, h, touch, nearest, nodes, curves, scene)
+        node_contact.mark_for_acceptance(h, group.slot_in_use, i)
     elif old.active == 1:
-        leave_shape(group, clock, h, touch, seen, count, scene)
+        end_shape_contact(group, clock, h, touch, nearest, count, scene)
 
 
 @stage
-def leave_shape(group, clock, h, touch, seen, count, scene):
+def end_shape_contact(group, clock, h, touch, nearest, count, scene):
     """A probe leaves a shape. Writes: totals, probe_states, count."""
     p, totals = group.p[0], group.totals[0]
     old, new, hit = touch.old, touch.new, touch.hit
-    node_contact.leave(clock, totals, old, new)
-    node_contact.swap_slot(h, group.slot_in_use, touch.number)
+    node_contact.release_record(clock, totals, old, new)
+    node_contact.mark_for_acceptance(h, group.slot_in_use, touch.number)
     group.normal.release(p, old, new)
     if group.keeps_faces:
-        pass_through.note_probe(clock, h, p, old, new, hit, seen.held, seen.over)
+        pass_through.record_probe(clock, h, p, old, new, hit, nearest.held, nearest.over)
     elif group.has_ends:
-        pass_through.note_round_probe(clock, h, p, old, new, hit)
+        pass_through.record_round_probe(clock, h, p, old, new, hit)
     if group.friction:
-        surface_friction.leave(h, totals, touch.past, old, new, count)
+        surface_friction.end_friction(h, totals, touch.past, old, new, count)
         group.friction.release(p, old, new)
 
 
 @stage
-def press_on_shape(group, clock, h, touch, seen, nodes, curves, scene):
+def apply_forces_on_shape(group, clock, h, touch, nearest, nodes, curves, scene):
     """Forces of one probe on one shape. Writes: scene.points, cards, loads, probe_states, nodes."""
     p, totals = group.p[0], group.totals[0]
     _, probe, x, v, old, new, hit, _ = touch
@@ -89,21 +89,21 @@ def press_on_shape(group, clock, h, touch, seen, nodes, curves, scene):
     body = nodes[group.home[group.b[hit.face].node]]
     mob = node_contact.body_mobility(body, x, hit)
     mass = 1.0 / max(mob + node_contact.mobility_of(probe, hit, nodes, points), node_contact.STUCK)
-    w = node_contact.probe_predicts(probe, hit, points)
-    rate = node_contact.closing(v, node_contact.body_velocity(body, x), hit, h, old, w)
+    w = node_contact.predicted_probe_mobility(probe, hit, points)
+    rate = node_contact.closing_speed(v, node_contact.body_velocity(body, x), hit, h, old, w)
     touches.latch(p, old, new, hit.depth, rate, counts[p.card])
     if group.keeps_faces:
-        pass_through.note_probe(clock, h, p, old, new, hit, seen.held, seen.over)
+        pass_through.record_probe(clock, h, p, old, new, hit, nearest.held, nearest.over)
     elif group.has_ends:
-        pass_through.note_round_probe(clock, h, p, old, new, hit)
+        pass_through.record_round_probe(clock, h, p, old, new, hit)
     f, stored, power, loss, k, c = group.normal.normal_force(
         p, old, new, h, hit.depth, rate, mass, curves
     )
     displacement = work.displacement_over_body(p, probe, hit, False, (body, x), h, nodes, points)
     if group.friction:
-        pressing = Pressing(f, mass, displacement)
+        pressing = ProbeResponse(f, mass, displacement)
         friction_on_shape(group, clock, h, touch, pressing, nodes, scene)
-    node_contact.push_probe(probe, f, k, c, hit, nodes, scene)
-    node_contact.push_body(body, x, f, k, c, hit, mob)
-    node_contact.note(clock, h, p, totals, card, touch, f, (stored, power, loss))
-    work.push_along(new, displacement, count)
+    node_contact.apply_to_probe(probe, f, k, c, hit, nodes, scene)
+    node_contact.apply_to_body(body, x, f, k, c, hit, mob)
+    node_contact.add_touch(clock, h, p, totals, card, touch, f, (stored, power, loss))
+    work.add_normal_work(new, displacement, count)

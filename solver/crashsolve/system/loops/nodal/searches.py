@@ -15,52 +15,52 @@ from crashsolve.system.contact import (
 
 
 @apart
-def look_at_faces(group, i, found, nodes, scene):
+def search_faces(group, i, found, nodes, scene):
     """The nearest face on either side of a probe. Writes: found, lists, turns, balls."""
     p, totals, points = group.p[0], group.totals[0], scene.points
-    sides, gone = projection.Sides(group.probe_states, group.slot_in_use, found), group.gone
+    sides, deleted = projection.Sides(group.probe_states, group.slot_in_use, found), group.deleted
     lists = (group.first, group.near, group.wait, group.due)
-    mesh = (points, scene.corners, group.beside, group.around_first, group.around, gone)
+    mesh = (points, scene.corners, group.beside, group.around_first, group.around, deleted)
     spared = (group.spared_first, group.spared)
     if group.is_round:
         ellipsoid = group.ellipsoids[i]
-        ellipsoids.look(i, p, totals, ellipsoid, nodes, sides, mesh, lists)
+        ellipsoids.find_nearest_faces(i, p, totals, ellipsoid, nodes, sides, mesh, lists)
         if group.is_smooth:
-            x, pen = ellipsoids.pen_of(ellipsoid, nodes)
-            normals.smoothen(i, x, pen, p, mesh, spared, found)
+            x, probe_element = ellipsoids.centre_of(ellipsoid, nodes)
+            normals.apply_field(i, x, probe_element, p, mesh, spared, found)
     else:
-        x, _ = node_contact.where(group.probes[i], 0.0, nodes, points)
-        projection.look(i, x, p, totals, sides, mesh, lists)
+        x, _ = node_contact.position_and_velocity(group.probes[i], 0.0, nodes, points)
+        projection.find_nearest_faces(i, x, p, totals, sides, mesh, lists)
         if group.is_smooth:
-            normals.smoothen(i, x, None, p, mesh, spared, found)
+            normals.apply_field(i, x, None, p, mesh, spared, found)
         else:
-            walls.look_for_walls(i, x, p, totals, sides, mesh, lists)
+            walls.find_walls(i, x, p, totals, sides, mesh, lists)
 
 
 @apart
-def look_at_shapes(group, i, pen, v, hit, nodes, scene):
+def search_shapes(group, i, probe_element, v, hit, nodes, scene):
     """The shape in which a probe of velocity v is deepest; whether it continues with its own face,
     and how far it is past the middle of that. Writes: hit, turns, due, a copy of a body.
     """
     p, totals, frames, shapes = group.p[0], group.totals[0], group.frames, group.b
-    x, _ = node_contact.where(group.probes[i], 0.0, nodes, scene.points)
-    node_contact.pose(frames[pen.node], x, hit)
-    old = group.probe_states[node_contact.settle(group.slot_in_use, i), i]
+    x, _ = node_contact.position_and_velocity(group.probes[i], 0.0, nodes, scene.points)
+    node_contact.place_probe(frames[probe_element.node], x, hit)
+    old = group.probe_states[node_contact.accept_record(group.slot_in_use, i), i]
     held, over = False, -1.0
     for e in range(shapes.shape[0]):
-        depth, n, _ = group.narrow.gap(pen, shapes[e], frames, group.data)
+        depth, n, _ = group.narrow.gap(probe_element, shapes[e], frames, group.data)
         if (
             group.keeps_faces
             and old.face == e
             and pass_through.is_another_face(old, depth, n, p.gap)
         ):
             u = node_contact.body_velocity(nodes[group.home[shapes[e].node]], x)
-            kept = group.narrow.gap_by(pen, shapes[e], frames, group.data, old.normal)
-            if pass_through.keeps_face(old, v, u, n, kept):
+            kept = group.narrow.gap_by(probe_element, shapes[e], frames, group.data, old.normal)
+            if pass_through.retains_face(old, v, u, n, kept):
                 held = True
                 depth, n, _, over = kept
         if group.has_core_depth and old.face == e and depth > p.gap:
-            over = max(over, depth - group.narrow.middle(pen, shapes[e], frames, n))
-        node_contact.deeper(hit, e, depth, n)
-    node_contact.wait_for(i, hit, totals, group.due)
+            over = max(over, depth - group.narrow.middle(probe_element, shapes[e], frames, n))
+        node_contact.keep_deepest(hit, e, depth, n)
+    node_contact.set_due(i, hit, totals, group.due)
     return held, over

@@ -12,18 +12,18 @@ def friction_on_face(group, clock, h, touch, pressing, nodes, scene):
     _, probe, _, v, old, _, hit, _ = touch
     points, corners = scene.points, scene.corners
     d, e = work.arms(p, hit)
-    a = surface_friction.probe_predicts(probe, d, old, points)
+    a = surface_friction.predicted_probe_acceleration(probe, d, old, points)
     v_a = surface_friction.probe_velocity(probe, v, d, h, nodes, points)
-    a = surface_friction.face_predicts(p, hit, e, old, a, points, corners)
+    a = surface_friction.predicted_face_acceleration(p, hit, e, old, a, points, corners)
     v_b = surface_friction.face_velocity(p, hit, e, h, points, corners)
-    slip, n = surface_friction.slipping(v_a, v_b, hit, h, a)
-    ease = 0.0
+    slip, n = surface_friction.slip_velocity(v_a, v_b, hit, h, a)
+    compliance = 0.0
     if group.friction_damps:
-        ahead = touches.ahead(old, slip, n)
+        ahead = touches.predicted_direction(old, slip, n)
         rates = surface_friction.pressed_on_face(h, p, touch, (d, e), ahead, f, nodes, scene)
-        ease = surface_friction.ease_under(clock, h, rates, f)
+        compliance = surface_friction.friction_compliance(clock, h, rates, f)
     t, _, t_k, t_c = friction_force(
-        group, clock, h, touch, pressing, (slip, n, ease, d), nodes, scene
+        group, clock, h, touch, pressing, (slip, n, compliance, d), nodes, scene
     )
     surface_friction.add_friction_to_face(p, hit, t, e, t_k, t_c, scene)
 
@@ -35,39 +35,40 @@ def friction_on_shape(group, clock, h, touch, pressing, nodes, scene):
     _, probe, x, v, old, _, hit, _ = touch
     body = nodes[group.home[group.b[hit.face].node]]
     points = scene.points
-    d, y = surface_friction.on_shape(p, hit, x)
-    a = surface_friction.probe_predicts(probe, d, old, points)
+    d, y = surface_friction.position_on_shape(p, hit, x)
+    a = surface_friction.predicted_probe_acceleration(probe, d, old, points)
     v_a = surface_friction.probe_velocity(probe, v, d, h, nodes, points)
     v_b = node_contact.body_velocity(body, y)
-    slip, n = surface_friction.slipping(v_a, v_b, hit, h, a)
-    ease = 0.0
+    slip, n = surface_friction.slip_velocity(v_a, v_b, hit, h, a)
+    compliance = 0.0
     if group.friction_damps:
-        ahead = touches.ahead(old, slip, n)
+        ahead = touches.predicted_direction(old, slip, n)
         rates = surface_friction.pressed_on_shape(h, touch, body, (d, y), ahead, f, nodes, scene)
-        ease = surface_friction.ease_under(clock, h, rates, f)
+        compliance = surface_friction.friction_compliance(clock, h, rates, f)
     t, ahead, t_k, t_c = friction_force(
-        group, clock, h, touch, pressing, (slip, n, ease, d), nodes, scene
+        group, clock, h, touch, pressing, (slip, n, compliance, d), nodes, scene
     )
     surface_friction.add_friction_to_body(body, y, t, ahead, t_k, t_c)
 
 
 @kernel
 def friction_force(group, clock, h, touch, pressing, sliding, nodes, scene):
-    """Friction of a probe that slides with (velocity, normal, ease, arm of the probe) on anything.
+    """Friction of a probe that slides with (velocity, normal, compliance, arm of the probe) on
+    anything.
 
     Returns the force on the probe [N], its direction, and its stiffness and damping.
     Writes: scene.points, loads, totals, cards, new.
     """
     p, totals = group.p[0], group.totals[0]
     _, probe, _, _, old, new, _, past = touch
-    (f, mass, displacement), (slip, n, ease, d) = pressing, sliding
+    (f, mass, displacement), (slip, n, compliance, d) = pressing, sliding
     card, count = scene.cards[p.card], scene.card_history[1 - clock.current][p.card]
-    slide = Slide(f, slip, work.along_plane(displacement, n), n, mass, ease)
+    slide = Slide(f, slip, work.along_plane(displacement, n), n, mass, compliance)
     laws = group.friction.friction_force(p, old, new, slide, scene.curves)
     t, t_stored, _, t_loss, t_k, t_c = laws
-    ahead = touches.along(t, slip, n)
+    ahead = touches.unit_slip(t, slip, n)
     surface_friction.add_friction_to_probe(probe, t, ahead, d, t_k, t_c, nodes, scene)
-    surface_friction.note(h, p, totals, card, t, t_stored, t_loss, new)
+    surface_friction.add_friction(h, p, totals, card, t, t_stored, t_loss, new)
     if old.active == 1:
         work.add_friction_work(old, past, count)
     work.add_friction_work(new, displacement, count)
