@@ -1,6 +1,6 @@
 """Batch solver for the impact of rigid and flexible multibody systems."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from crashsolve.scripting import run as run
@@ -8,7 +8,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     """`run` for scripts, loaded when it is asked for."""
     if name == "run":
         from crashsolve.scripting import run

@@ -78,7 +78,7 @@ def _ended(code: int) -> str:
     return f"killed by signal {-code}" if code < 0 else f"exit code {code}"
 
 
-def _written(deck: Mapping[str, Any], folder: Path) -> Path:
+def _written(deck: Mapping[str, object], folder: Path) -> Path:
     """The deck as a file of the results folder. JSON is YAML; raises TypeError for other values."""
     text = json.dumps(deck, indent=1, default=_plain, allow_nan=False)
     folder.mkdir(parents=True, exist_ok=True)
@@ -92,7 +92,7 @@ def _text(value: object) -> str:
     return value if isinstance(value, str) else json.dumps(value, default=_plain, allow_nan=False)
 
 
-def _plain(value: object) -> Any:
+def _plain(value: object) -> object:
     """Numbers and arrays of numpy, and paths, as JSON has them."""
     if isinstance(value, Path):
         return str(value)

@@ -92,7 +92,7 @@ def _description(own: Json, positions: Sequence[str], values: Sequence[Json]) ->
     )
 
 
-def _shown(value: object, among: Sequence[Any]) -> str:
+def _shown(value: object, among: Sequence[object]) -> str:
     """A value with as many digits as distinguish it from the others; - where a deck has none."""
     if isinstance(value, float):
         for digits in (5, 9, 17):

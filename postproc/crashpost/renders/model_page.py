@@ -90,7 +90,7 @@ NEAR = 1.7
 WIDTH, COLOURS = 0.004, 16
 
 
-def write_page(result: Result, path: Path, **appearance: Any) -> str:
+def write_page(result: Result, path: Path, **appearance: object) -> str:
     """Write the page and state what is on it; raises PostError."""
     text, words = page(result, **appearance)
     try:

@@ -98,7 +98,7 @@ def _strongest(result: Result) -> str:
     return f"rcforc.{name}.normal" if name and largest[name] > 0 else ""
 
 
-def _in_order(result: Result, states: States, at: Sequence[Any]) -> list[Any]:
+def _in_order(result: Result, states: States, at: Sequence[object]) -> list[Any]:
     from crashpost.results.moments import moment
 
     last = float(states.times[-1])
@@ -132,7 +132,7 @@ def appearance(scene: Json) -> Json:
     return {"show": tuple(scene.get("show") or ()), **words}
 
 
-def check_magnify(value: Any) -> None:
+def check_magnify(value: object) -> None:
     """Raises PostError for what no displacement can be multiplied by."""
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     if not is_number or not (isfinite(value) and value > 0):

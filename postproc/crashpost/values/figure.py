@@ -168,7 +168,7 @@ def _fields(record: type, entry: object, location: str) -> Json:
     }
 
 
-def _typed(value: Any, name: str, location: str) -> Any:
+def _typed(value: Any, name: str, location: str) -> object:
     try:
         if name in ("x_range", "y_range", "during", "over"):
             return _pair(value)

@@ -130,7 +130,7 @@ class Program:
         if self._is_new(word, (module, name)):
             self._imports[word] = (module, name)
 
-    def _is_new(self, word: str, meaning: tuple[Any, ...]) -> bool:
+    def _is_new(self, word: str, meaning: tuple[object, ...]) -> bool:
         """Whether a name of the text has no meaning yet. Raises SpecialiseError for two."""
         known = self._meanings.setdefault(word, meaning)
         if known is meaning:

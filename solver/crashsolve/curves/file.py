@@ -11,7 +11,6 @@ import math
 import re
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from pydantic import ValidationInfo, model_validator
@@ -33,7 +32,7 @@ class File(PointsCard):
 
     @model_validator(mode="before")
     @classmethod
-    def _units_by_use(cls, given: object, info: ValidationInfo) -> Any:
+    def _units_by_use(cls, given: object, info: ValidationInfo) -> object:
         """Units that are not given are those of the deck's file, where the use states which."""
         if not isinstance(given, Mapping):
             return given

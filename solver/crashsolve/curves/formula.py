@@ -13,7 +13,6 @@ References: de Boor, A Practical Guide to Splines (1978), chapter IV.
 import math
 from collections.abc import Mapping
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from pydantic import ValidationInfo, model_validator
@@ -51,7 +50,7 @@ class Formula(CurveCard):
 
     @model_validator(mode="before")
     @classmethod
-    def _ends_to_si(cls, given: object, info: ValidationInfo) -> Any:
+    def _ends_to_si(cls, given: object, info: ValidationInfo) -> object:
         if not isinstance(given, Mapping):
             return given
         context = info.context or Context()

@@ -28,7 +28,7 @@ class Table(PointsCard):
 
     @model_validator(mode="before")
     @classmethod
-    def _points_to_si(cls, given: Any, info: ValidationInfo) -> Any:
+    def _points_to_si(cls, given: Any, info: ValidationInfo) -> object:
         """Points in SI, with the units that they then have."""
         points = given.get("points") if isinstance(given, Mapping) else None
         if not isinstance(points, list | tuple) or not all(map(_is_pair, points)):

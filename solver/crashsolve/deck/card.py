@@ -119,7 +119,7 @@ def existing_file(text: str, info: ValidationInfo) -> str:
 FileName = Annotated[str, AfterValidator(existing_file)]
 
 
-def number_as_name(value: object) -> Any:
+def number_as_name(value: object) -> object:
     """A whole number as text: sets of mesh files may have numbers for names."""
     return str(value) if type(value) is int else value
 
@@ -150,7 +150,7 @@ class Card(BaseModel):
     )
 
     @classmethod
-    def __pydantic_init_subclass__(cls, **_: Any) -> None:
+    def __pydantic_init_subclass__(cls, **_: object) -> None:
         """Raises TypeError for fields without a declaration: manual and reader ask it for all."""
         plain = [name for name, info in cls.model_fields.items() if not info.json_schema_extra]
         if plain:
@@ -197,11 +197,11 @@ def law_class(folder: str, word: object) -> type[Card]:
     return card
 
 
-def _as_tuple(value: object) -> Any:
+def _as_tuple(value: object) -> object:
     return tuple(_as_tuple(part) for part in value) if isinstance(value, list) else value
 
 
-def _open_law(value: object, folder: str, context: Context) -> Any:
+def _open_law(value: object, folder: str, context: Context) -> object:
     """Card of a nested law written `{type: word, ...}`."""
     if value is None or isinstance(value, Card):
         return value
@@ -222,7 +222,7 @@ def _open_law(value: object, folder: str, context: Context) -> Any:
 
 
 def _further_diagnostics(
-    folder: str, near: str, fields: Mapping[str, Any], context: Context
+    folder: str, near: str, fields: Mapping[str, object], context: Context
 ) -> list[Diagnostic]:
     """Further errors of a card with a mistyped type, if the one most like it is meant."""
     if not near:
@@ -237,7 +237,7 @@ def _further_diagnostics(
     return []
 
 
-def _unit(field: Declared, earlier: Mapping[str, Any]) -> str:
+def _unit(field: Declared, earlier: Mapping[str, object]) -> str:
     """Unit of a field, which may depend on fields declared before it."""
     try:
         return field.unit.format(**earlier)
@@ -247,7 +247,7 @@ def _unit(field: Declared, earlier: Mapping[str, Any]) -> str:
 
 def _to_si(
     value: object, field: Declared, unit: str, context: Context, at: tuple[int, ...] = ()
-) -> Any:
+) -> object:
     """Numbers and texts such as "54 km/h", alone or in nested tuples, as numbers in SI."""
     if isinstance(value, tuple):
         parts = enumerate(value)

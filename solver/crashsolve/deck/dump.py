@@ -73,7 +73,7 @@ def as_text(deck: Dumped) -> str:
 _PLAIN = re.compile(r"[^\W\d][\w.-]*( [\w.-]+)*")
 
 
-def _lines(data: Mapping[str, Any], indent: str = "") -> Iterator[str]:
+def _lines(data: Mapping[str, object], indent: str = "") -> Iterator[str]:
     """Lines of a table: tables within tables, rows of lists; all else on the line of its key."""
     for word, value in data.items():
         head = f"{indent}{_flow(word)}:"

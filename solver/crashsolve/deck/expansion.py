@@ -66,7 +66,7 @@ def stands_for_many(item: Item) -> bool:
 def expand(
     entry: Any,
     laws: Mapping[str, Mapping[str, Any]],
-    control: Any,
+    control: object,
     items: Items,
     refuse: Callable[[Item, Diagnostic], None],
 ) -> bool:

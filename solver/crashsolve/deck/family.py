@@ -136,13 +136,13 @@ def _is_word(value: object) -> bool:
     return isinstance(value, str) and value.isidentifier()
 
 
-def _are_words(values: Any) -> bool:
+def _are_words(values: object) -> bool:
     """Whether these are words in a tuple, none of them twice."""
     is_tuple = isinstance(values, tuple) and all(_is_word(word) for word in values)
     return is_tuple and len(set(values)) == len(values)
 
 
-def _are_paths(values: Any) -> bool:
+def _are_paths(values: object) -> bool:
     """Whether these are words, or paths of words such as contact/normal, none of them twice."""
     is_tuple = isinstance(values, tuple) and all(isinstance(word, str) for word in values)
     return is_tuple and _are_words(tuple(word.replace("/", "_") for word in values))
@@ -155,7 +155,7 @@ def provided(law: type) -> tuple[str, ...]:
     return tuple(dict.fromkeys(n for n in found if not n.startswith("_")))
 
 
-def constants(law: Any) -> tuple[str, ...]:
+def constants(law: object) -> tuple[str, ...]:
     """Constants that a law must have, by the Protocol of its family."""
     return tuple(dict.fromkeys(n for part in _roles(law) for n in part.__annotations__))
 

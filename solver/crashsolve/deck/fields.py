@@ -12,7 +12,7 @@ from pydantic.fields import FieldInfo
 
 from crashsolve.channels.units import parse_unit
 
-REQUIRED: Any = ...
+REQUIRED: object = ...
 BOUNDS = {
     "gt": (operator.gt, "greater than"),
     "ge": (operator.ge, "at least"),
@@ -61,7 +61,7 @@ def Law(folder: str, meaning: str = "", default: object = REQUIRED) -> Any:
     return _noted(default, {}, law=folder, meaning=meaning)
 
 
-def _noted(default: object, bounds: Mapping[str, float | None], **notes: str) -> Any:
+def _noted(default: object, bounds: Mapping[str, float | None], **notes: str) -> object:
     given: Any = {name: bound for name, bound in bounds.items() if bound is not None}
     return Field(default=default, json_schema_extra={**notes, "bounds": given})
 

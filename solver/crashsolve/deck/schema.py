@@ -323,12 +323,12 @@ def _kind_of(field: Declared) -> str:
     return _marked(field.info.metadata) or _kind(field.info.annotation)
 
 
-def _is_set_name(marks: Iterable[Any]) -> bool:
+def _is_set_name(marks: Iterable[object]) -> bool:
     """Whether a text may be written as a whole number."""
     return any(isinstance(m, BeforeValidator) and m.func is number_as_name for m in marks)
 
 
-def _marked(marks: Iterable[Any]) -> str:
+def _marked(marks: Iterable[object]) -> str:
     """Meaning of a text by the marks of its annotation: a name, or a file."""
     if _is_set_name(marks):
         return "text or whole number"

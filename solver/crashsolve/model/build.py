@@ -406,7 +406,7 @@ def _state(model: Model, scene: Scene) -> State:
     )
 
 
-def _method(model: Model) -> Any:
+def _method(model: Model) -> object:
     module = import_module(f"crashsolve.integrators.{model.integrator}")
     methods.refuse_incomplete_method(module)
     return module

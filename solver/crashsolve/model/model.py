@@ -41,7 +41,7 @@ class Group:
     pieces: Any = None  # the parameters of pieces of its entries, for several threads
     spans: Any = None  # which of these are an entry's, of loads on elements
     materials: tuple[tuple[int, Any], ...] = ()  # laws that its kernels call, by p.law
-    powers: Any = None  # of all stages of a step with dense output, entry by entry
+    powers: np.ndarray | None = None  # of all stages of a step with dense output, entry by entry
     data: tuple[np.ndarray, ...] = ()  # further tables that its kernels read, see shared_tables
 
     @property

@@ -7,7 +7,7 @@ process is killed, the file is a valid HDF5 file and its rows are whole.
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -116,7 +116,7 @@ def _refuse_malformed(path: Path, group: "h5py.Group", family: Family) -> None:
 
 
 def reserve(
-    group: "h5py.Group", name: str, shape: tuple[int, ...], kind: str = "<f8", **fill: Any
+    group: "h5py.Group", name: str, shape: tuple[int, ...], kind: str = "<f8", **fill: object
 ) -> "h5py.Dataset":
     """Create a contiguous dataset whose position in the file is fixed at once."""
     from h5py import h5d, h5p

@@ -7,7 +7,7 @@ import socket
 import threading
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from crashsolve.output.files import Json, replace_text
 
@@ -59,7 +59,7 @@ def write_status(path: Path | str, status: Status) -> None:
         replace_text(Path(path), text)
 
 
-def _finite(value: object) -> Any:
+def _finite(value: object) -> object:
     if isinstance(value, dict):
         return {name: _finite(part) for name, part in value.items()}
     if isinstance(value, list | tuple):

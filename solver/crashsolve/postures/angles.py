@@ -8,8 +8,6 @@ Without rates the chain moves as one rigid body: v = v_0 + w x (x - x_0). Conseq
 joints close to round-off, and the zero posture leaves the bodies where their cards have them.
 """
 
-from typing import Any
-
 import numpy as np
 from pydantic import model_validator
 
@@ -79,7 +77,7 @@ def build(card: Angles, scene: Scene) -> None:
         scene.r[node], scene.v[node], scene.w[node] = motion.x, motion.v, motion.w
 
 
-def _card(turned: Turned, i: int, scene: Scene) -> Any:
+def _card(turned: Turned, i: int, scene: Scene) -> object:
     """The card of a joint, which must move with its bodies."""
     card = scene.joint_entry(turned.joint).card
     if getattr(card, "frame", "world") == "world":

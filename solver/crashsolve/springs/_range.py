@@ -7,7 +7,7 @@ e is the angle past the limit and d the transition over which stiffness and damp
 nothing. m and its slope are continuous, and c acts past the limit alone.
 """
 
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from pydantic import model_validator
 
@@ -87,7 +87,7 @@ class _Curve:
     def __init__(self, card: RangeCard, acts: str) -> None:
         self._card, self.acts = card, acts
 
-    def __getattr__(self, name: str) -> Any:
+    def __getattr__(self, name: str) -> object:
         return getattr(self._card, name)
 
 

@@ -12,7 +12,7 @@ measure:
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from pydantic import ValidationError, field_validator, model_validator
 
@@ -127,7 +127,7 @@ class PlanCard(Card):
 
     @field_validator("vary", "measure")
     @classmethod
-    def _some(cls, value: object) -> Any:
+    def _some(cls, value: object) -> object:
         if not value:
             refuse("is empty")
         return value

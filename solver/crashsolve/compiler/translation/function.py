@@ -52,7 +52,7 @@ class Function(Expressions):
     """The text of a kernel for arguments of given kinds."""
 
     def __init__(
-        self, tree: ast.FunctionDef, function: FunctionType, kinds: tuple[Kind, ...], module: Any
+        self, tree: ast.FunctionDef, function: FunctionType, kinds: tuple[Kind, ...], module: object
     ) -> None:
         if getattr(function, "compiled_as", "") == "blockwise":
             self.flags = FLAGS_OF_LANES

@@ -374,7 +374,7 @@ class _Reader:
                     found.setdefault(name, set()).add(axes)
         return {name: some.pop() if len(some) == 1 else None for name, some in found.items()}
 
-    def substituted(self, item: Item) -> Any:
+    def substituted(self, item: Item) -> object:
         """The value of an item with its expressions worked out; a missing one is an empty table."""
         value = Table(str(item.file)) if item.value is None else item.value
         return self.parameters.substitute(value, item.title, item.at)

@@ -64,7 +64,7 @@ class Parameters:
         for name in self._in_order():
             self._value(name)
 
-    def substitute(self, value: object, card: str, where: Position) -> Any:
+    def substitute(self, value: object, card: str, where: Position) -> object:
         """The value with every expression in it worked out, or BROKEN where that fails."""
         if isinstance(value, str):
             if "${" not in value:
@@ -138,7 +138,7 @@ class Parameters:
         parts = _EXPRESSION.findall(text)
         return [n for part in parts for n in _NAME.findall(part) if n in self.items]
 
-    def _text(self, text: str, card: str, where: Position) -> Any:
+    def _text(self, text: str, card: str, where: Position) -> object:
         """Number of a text that is one expression, else text with numbers put in."""
         try:
             whole = _EXPRESSION.fullmatch(text.strip())
@@ -210,7 +210,7 @@ class Parameters:
             self.pending.pop()
         return self.values[name]
 
-    def _worked_out(self, name: str) -> Any:
+    def _worked_out(self, name: str) -> object:
         item = self.items[name]
         card = item.title
         if not _NAME.fullmatch(name) or name in FUNCTIONS or name in CONSTANTS:
@@ -266,7 +266,7 @@ def _factors(units: object) -> list[float]:
     return found
 
 
-def _derived_unit(expression: Expression, names: Mapping[str, Any]) -> Unit | None:
+def _derived_unit(expression: Expression, names: Mapping[str, object]) -> Unit | None:
     """Unit of an expression where its bare numbers are pure; None without any."""
     units = {}
     for name, number in names.items():

@@ -23,8 +23,8 @@ class StandIns:
     def __init__(
         self,
         entries: list[Entry],
-        laws: Mapping[str, Mapping[str, Any]],
-        control: Any,
+        laws: Mapping[str, Mapping[str, object]],
+        control: object,
         items: Items,
         refuse: Callable[[Item, Diagnostic], None],
     ) -> None:
@@ -57,7 +57,7 @@ class StandIns:
             advice = "name the nodes of one and the faces of the other, as surfaces of their own"
             self.refuse(contact, Diagnostic((), message, advice))
 
-    def _is_one(self, name: Any) -> bool:
+    def _is_one(self, name: object) -> bool:
         """Whether a name in a contact is that of an entry, and of no surface."""
         return isinstance(name, str) and name in self.entries and name not in self.items["surfaces"]
 
@@ -96,7 +96,7 @@ class StandIns:
             self._made[key] = make(entry.name, entry.card, self.laws, self.control, faces_balls)
         return self._made[key]
 
-    def _type(self, name: Any) -> str:
+    def _type(self, name: object) -> str:
         """Type of the surface of a name; nothing if it is no surface."""
         item = self.items["surfaces"].get(name) if isinstance(name, str) else None
         value = item.value if item else None

@@ -137,7 +137,7 @@ class Control(Card):
 
     @model_validator(mode="before")
     @classmethod
-    def _keep_stated_steps(cls, given: object) -> Any:
+    def _keep_stated_steps(cls, given: object) -> object:
         """Rattle for a deck that states steps and no method, or seeks equilibria."""
         if not isinstance(given, Mapping) or "integrator" in given:
             return given

@@ -1,7 +1,7 @@
 """Card `expect`: expected results of a deck, which make it a test."""
 
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import Literal
 
 from pydantic import ValidationInfo, field_validator, model_validator
 
@@ -39,7 +39,7 @@ class Expect(Card):
 
     @model_validator(mode="before")
     @classmethod
-    def _to_si(cls, given: object, info: ValidationInfo) -> Any:
+    def _to_si(cls, given: object, info: ValidationInfo) -> object:
         if not isinstance(given, Mapping):
             return given
         fields = dict(given)

@@ -205,7 +205,7 @@ class Scene(Card):
 
     @field_validator("at", mode="before")
     @classmethod
-    def _known_moments(cls, given: Any) -> Any:
+    def _known_moments(cls, given: Any) -> object:
         """Times as words; a bare number is refused where its unit would be unclear."""
         if not _is_list(given):
             return given
