@@ -128,7 +128,7 @@ def _parser(requested: Sequence[str]) -> argparse.ArgumentParser:
         from crashsolve.sweep.command import add_arguments
 
         add_arguments(sweep)
-    _posture_arguments(commands)
+        _posture_arguments(commands)
     _document_arguments(commands)
     add_completion(commands)
     commands.choices["completion"].set_defaults(act=lambda options: _completion(parser, options))

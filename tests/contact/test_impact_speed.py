@@ -3,6 +3,7 @@
 import json
 from math import sqrt
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,6 +14,8 @@ from touching import Contact, pressed_apart
 
 from crashpost.results.result import Result
 from crashsolve.contact.normal._restitution import damping_factor, returned
+from crashsolve.model.nodes import NODE
+from crashsolve.system.contact.initial_penetration import Touch, _masses
 
 LAWS = (
     "lankarani_nikravesh",
@@ -233,3 +236,18 @@ def test_bodies_within_joints_have_the_floor_of_a_slow_model(tmp_path: Path) -> 
     back = last(Result(tmp_path / "out"), "rbdout.a.velocity.z") / 5e-4
     # steps of the default length err by less than 1e-3
     assert back == pytest.approx(0.2, abs=1e-3)
+
+
+def test_depths_without_any_force_come_with_the_mass_of_others(tmp_path: Path) -> None:
+    """1e-300 m to the power of 1.5 is zero: as deep as nothing, but a touch."""
+    nodes = np.zeros(2, NODE.dtype)
+    nodes["mass_inv"] = [1.0, 0.5]
+    law = SimpleNamespace(
+        parameters=np.array([(K, N)], [("stiffness", float), ("exponent", float)])
+    )
+    arms = np.zeros(3), np.zeros(3)
+    masses = [
+        _masses(nodes, [Touch(law, 0, (1, 2), depth, 0.0, 1.0, np.eye(3)[2], arms)])  # type: ignore[arg-type]
+        for depth in (1e-300, 1e-3)
+    ]
+    assert masses[0] == pytest.approx(masses[1], rel=1e-14)

@@ -113,3 +113,13 @@ def test_lengths_whose_powers_no_machine_holds_are_refused(tmp_path: Path, radiu
     )
     with pytest.raises(DeckErrors, match="radius: is a length of more than"):
         build(read_deck(deck))
+
+
+@pytest.mark.parametrize(
+    "card", ["mass: 1e300, inertia: [1, 1, 1]", "mass: 2e60, inertia: [1, 1, 1]"]
+)
+def test_masses_whose_powers_no_machine_holds_are_refused(tmp_path: Path, card: str) -> None:
+    deck = tmp_path / "deck.yaml"
+    deck.write_text(f"control: {{end_time: 1}}\nbodies: {{b: {{{card}}}}}\n")
+    with pytest.raises(DeckErrors, match=r"mass: is a mass of more than 1e\+60 kg"):
+        build(read_deck(deck))

@@ -8,6 +8,14 @@ import numpy as np
 import pytest
 from command import crashsolve, datasets
 
+from crashsolve.deck.reading.deck import read_deck
+from crashsolve.model.build import build
+from crashsolve.model.contact.node_to_surface import make_room
+from crashsolve.recording.changing import Snapshot, changing
+from crashsolve.recording.engines import engine_of
+
+DECKS = Path(__file__).parents[2] / "decks"
+
 # a bar that yields as a ball strikes it, on a floor that a second ball touches from the start, and
 # two cylinders, of which the one that is farther from the floor lands as the run ends
 DECK = """\
@@ -125,3 +133,25 @@ def test_a_run_with_states_at_events_goes_on(results: dict[str, Path], tmp_path:
     again = crashsolve(deck, "-o", folder, "--set", "output.restart.every=0.05", "--restart")
     assert again.returncode == 0, again.stderr
     assert set(times_of_states(folder)) <= set(before)
+
+
+def test_what_is_restored_may_be_restored_once_more() -> None:
+    """Two events in one interval begin at the same sample; shells gave the second another begin."""
+    deck = read_deck(DECKS / "verification/contact/faces.yaml")
+    engine = engine_of(deck, *build(deck))
+    engine.start()
+    before = Snapshot(engine)
+    before.take()
+    kept = {name: array.copy() for name, array in changing(engine).items()}
+    for _ in range(2):
+        # what a step does: in place, and by longer lists in place of short ones
+        group = next(g for g in engine.model.nodal_groups if g.narrow is None)
+        group.arrays["totals"]["pairs"] = group.arrays["p"]["room"]
+        make_room(engine.model.nodal_groups)
+        group.arrays["probe_states"]["depth"] = 1.0
+        before.restore_copy()
+        now = changing(engine)
+        assert now.keys() == kept.keys()
+        for name, array in now.items():
+            np.testing.assert_array_equal(array, kept[name], name)
+        assert group.arrays["p"]["room"][0] == len(group.arrays["near"])

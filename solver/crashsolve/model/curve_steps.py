@@ -25,6 +25,8 @@ from crashsolve.model.model import Model
 PER_PERIOD, NOTHING = 40, 1e-8
 # a stated step of so many times the longest hardly sees a curve, or misses it
 HARDLY, MISSED = 4.0, 16.0
+# steps in a piece of a curve at least
+CUTS = 4
 # steps in a slope of a curve of so few straight pieces: the work of a load over slopes of unlike
 # steps is wrong by up to 1 / LINE^2, which must be below control.energy_limit
 LINE, FEW_LINES = 8, 16
@@ -54,10 +56,12 @@ def steps_by_curves(model: Model, parts: float = 0.0) -> tuple[np.ndarray, np.nd
     is_stated = float(control["fixed_step"]) > 0.0
     shortest = NO_TIME * float(control["end"] - control["start"])
     curves, firsts = model.curves, sorted(curves_of_time(model))
-    if is_stated:
-        found = [_of_straight(curves, first) for first in firsts]
-    else:
-        found = [_lone(curves, first, parts) or _steps(curves, first) for first in firsts]
+    found = [
+        _of_straight(curves, first, CUTS if is_stated else parts)
+        if is_stated or (parts and _is_lone_pulse(curves, first))
+        else _steps(curves, first)
+        for first in firsts
+    ]
     found = [(x, h) for x, h in found if np.isfinite(h).any()]
     if not found:
         return np.zeros(0), np.zeros(0)
@@ -91,22 +95,18 @@ def warn_of_unseen(model: Model) -> list[str]:
     ]
 
 
-def _of_straight(curves: np.ndarray, first: int) -> tuple[np.ndarray, np.ndarray]:
-    """The same of the straight pieces of a curve: from the start of each, and from its end."""
+def _of_straight(curves: np.ndarray, first: int, parts: float) -> tuple[np.ndarray, np.ndarray]:
+    """The same of the straight pieces of a curve that rise or fall, cut into `parts` each."""
     points = curves[first : curves[first]["last"] + 1]
     x, c = points["x"].copy(), points["c"][:-1]
     is_cut = (c[:, 1] != 0.0) & (c[:, 2] == 0.0) & (c[:, 3] == 0.0)
-    return _merged(x, np.r_[np.where(is_cut, 0.25 * np.diff(x), np.inf), np.inf])
+    return _merged(x, np.r_[np.where(is_cut, np.diff(x) / parts, np.inf), np.inf])
 
 
-def _lone(curves: np.ndarray, first: int, parts: float) -> tuple[np.ndarray, np.ndarray] | None:
-    """The same of the few slopes of a lone pulse; None for other curves."""
-    points = curves[first : curves[first]["last"] + 1]
-    c = points["c"][:-1]
-    if not parts or len(c) > FEW_LINES or c[:, 2:].any():
-        return None
-    each = np.where(c[:, 1] != 0.0, np.diff(points["x"]) / parts, np.inf)
-    return points["x"].copy(), np.r_[each, np.inf]
+def _is_lone_pulse(curves: np.ndarray, first: int) -> bool:
+    """Whether a curve has few pieces, all of them straight."""
+    c = curves[first : curves[first]["last"]]["c"]
+    return len(c) <= FEW_LINES and not c[:, 2:].any()
 
 
 def _steps(
@@ -156,7 +156,7 @@ def _bound(pieces: _Pieces, begin: float, end: float) -> float:
     first = int(np.searchsorted(pieces.x, begin, side="right")) - 1
     last = max(int(np.searchsorted(pieces.x, end, side="left")), first + 1)
     bend, third = pieces.bend[first:last].max(), pieces.third[first:last].max()
-    by_piece = 0.25 * float(np.diff(pieces.x[first : last + 1]).min())
+    by_piece = float(np.diff(pieces.x[first : last + 1]).min()) / CUTS
     if bend == 0.0 or third == 0.0:
         return by_piece if pieces.rise[first:last].max() > 0.0 else np.inf
     by_shape = 2.0 * pi / PER_PERIOD * bend / third

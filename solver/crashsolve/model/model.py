@@ -121,14 +121,19 @@ class Group:
     @property
     def tangent_parts(self) -> int:
         """Rows of two bodies each that every row of its tangents is made of."""
-        nodes = self.parameters.dtype["node"] if self.joins_several else None
-        return nodes.shape[0] // 2 if nodes is not None else 1
+        return self.most_nodes // 2 if self.joins_several else 1
 
     @property
     def joins_several(self) -> bool:
         """Whether an entry acts on any number of bodies: `node` then is a column of several."""
+        return self.most_nodes > 0
+
+    @property
+    def most_nodes(self) -> int:
+        """Entries of that column; 0 for a law without one."""
         names = self.parameters.dtype.names or ()
-        return "node" in names and bool(self.parameters.dtype["node"].shape)
+        shape = self.parameters.dtype["node"].shape if "node" in names else ()
+        return int(shape[0]) if shape else 0
 
     @property
     def tangent_rows(self) -> int:

@@ -35,11 +35,13 @@ def restore(engine: Engine, arrays: dict[str, np.ndarray]) -> None:
             raise ValueError(f"{name} has the shape {found.shape}, not {array.shape}")
         array[...] = found
     for group in _lists(engine):
-        rows = _columns(arrays[f"pairs/{group.word}"], group.parameters.dtype)
-        take_pairs(group, rows, _columns(arrays[f"history/{group.word}"], group.history.dtype))
+        rows = _columns(arrays[f"pairs/{group.word}"], group.parameters.dtype).copy()
+        history = _columns(arrays[f"history/{group.word}"], group.history.dtype).copy()
+        take_pairs(group, rows, history)
     for nodal in _nodal(engine):
         for name, array in nodal.changing().items():
-            nodal.arrays[name] = _columns(arrays[f"{name}/{nodal.word}"], array.dtype)
+            # the step goes on in it, and what is restored may be wanted once more
+            nodal.arrays[name] = _columns(arrays[f"{name}/{nodal.word}"], array.dtype).copy()
     engine.bind()
 
 
@@ -125,7 +127,7 @@ class Snapshot:
         self._arrays, self._bound = dict(arrays), -1
 
     def restore_copy(self) -> None:
-        """Restore the stored arrays; lists of pairs only once for every `take`."""
+        """Restore the stored arrays."""
         # pairs that are not looked at in a sample keep the force that they had
         for group in self.engine.model.contact_groups:
             group.output["force"] = 0.0

@@ -171,7 +171,7 @@ def has_passed(passed, rows, current):
     for i in range(rows):
         one = passed[i]
         for j in range(one.number):
-            if number_at(one.address + current * one.half + j * one.stride) > 0.0:
+            if number_at(one.address + current * one.half + j * one.stride) != 0.0:
                 return True
     return False
 

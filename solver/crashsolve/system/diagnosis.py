@@ -1,6 +1,7 @@
 """Why the compiled loop stopped: location, likely cause and advice, as the user reads them."""
 
-from typing import Any
+from math import isfinite
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,6 +27,20 @@ from crashsolve.system.timestep import QUARTER
 
 # what helps most where a shell folds on itself: a node meets the nearer of two walls alone
 OWN_FACES = "where a shell folds on itself take smaller elements, or ring: 1 of its faces"
+# of a ball on several faces, whose forces are not wholly the gradient of their energy (walls.py)
+IN_A_DENT = (
+    "where a ball lies on several faces of a dent no step helps, as its forces leave out how the "
+    "dent sharpens: judge this by the energy balance of the model"
+)
+# of a body that meets the back of an open mesh
+FROM_BEHIND = (
+    "its faces bear on the side out of which their normals point alone, and it would be pushed "
+    "out through all of their thickness"
+)
+OTHER_SIDE = (
+    "give the corners of the faces in the opposite order, to bear on the side that is struck; or "
+    "close the mesh, to bear on both"
+)
 # location, likely cause, advice
 Diagnosis = tuple[str, str, str]
 
@@ -73,56 +88,68 @@ def diagnose(model: Model, state: State, clock: np.void, ledger: np.ndarray) -> 
     return SolverError(float(clock["time"]), int(clock["cycle"]), *found)
 
 
+class _Passed(NamedTuple):
+    """A pair of which one side has passed the other."""
+
+    time: float  # [s]
+    location: str
+    what: str
+    cause: str = "the contact is too soft for this speed, or the step too long"
+    advice: str = "make the contact stiffer"
+    helps_step: bool = True  # a shorter step may help too
+
+
 def passed_through(model: Model, state: State) -> SolverError | None:
     """The error for the first pair of bodies of which one has passed the middle of the other."""
-    first: tuple[float, str, str] | None = None
-    for location, time, what in _passed_pairs(model, state) + _passed_nodes(model):
-        if first is None or time < first[0]:
-            first = time, location, what
-    if first is None:
+    found = _passed_pairs(model, state) + _passed_nodes(model)
+    if not found:
         return None
-    time, location, what = first
-    cause = f"{what}: the contact is too soft for this speed, or the step too long"
-    advice = f"make the contact stiffer; or {closer(model, state)}"
-    return SolverError(time, int(state.clock[0]["cycle"]), location, cause, advice)
+    first = min(found, key=lambda one: one.time)
+    advice = f"{first.advice}; or {closer(model, state)}" if first.helps_step else first.advice
+    cause, cycle = f"{first.what}: {first.cause}", int(state.clock[0]["cycle"])
+    return SolverError(first.time, cycle, first.location, cause, advice)
 
 
-def _passed_pairs(model: Model, state: State) -> list[tuple[str, float, str]]:
-    """Contact, time and words for pairs of elements on bodies."""
+def _passed_pairs(model: Model, state: State) -> list[_Passed]:
+    """Pairs of elements on bodies."""
     current, found = int(state.clock[0]["current"]), []
     for group in model.contact_groups:
         if "passed" not in (group.history.dtype.names or ()):
             continue
         history = group.history[current]
-        for i in np.flatnonzero(history["passed"] > 0.0):
-            p = group.parameters[i]
-            a, b = group.elements_a[p["a"]]["node"], group.elements_b[p["b"]]["node"]
-            names = [f"'{model.bodies[node]}'" if node else "the ground" for node in (a, b)]
-            what = f"{names[0]} has passed the middle of what it strikes on {names[1]}"
+        for i in np.flatnonzero(history["passed"]):
+            p, time = group.parameters[i], float(history["passed"][i])
+            a, b = group.elements_a[p["a"]], group.elements_b[p["b"]]
+            names = [
+                f"'{model.bodies[side['node']]}'" if side["node"] else "the ground"
+                for side in (a, b)
+            ]
             card = f"contact '{model.contacts[p['card']]}'"
-            found.append((card, float(history["passed"][i]), what))
+            is_open = "thickness" in (b.dtype.names or ()) and isfinite(b["thickness"])
+            if time < 0.0 and is_open:
+                what = f"{names[0]} has come from behind the open mesh on {names[1]}"
+                found.append(_Passed(-time, card, what, FROM_BEHIND, OTHER_SIDE, helps_step=False))
+            else:
+                what = f"{names[0]} has passed the middle of what it strikes on {names[1]}"
+                found.append(_Passed(abs(time), card, what))
     return found
 
 
-def _passed_nodes(model: Model) -> list[tuple[str, float, str]]:
-    """Contact, time and words for nodes of shells on rigid shapes, and for nodes and balls on
-    faces.
-    """
+def _passed_nodes(model: Model) -> list[_Passed]:
+    """Nodes of shells on rigid shapes, and nodes and balls on faces."""
     found = []
     for group in model.nodal_groups:
         location = f"contact '{group.card}'"
         if group.narrow is None:
-            times, what = (
-                group.arrays["totals"]["passed"],
-                "a node or ball has passed through faces",
-            )
+            what = "a node or ball has passed through faces"
+            times = group.arrays["totals"]["passed"]
         elif group.has_ends:
             what = "a node has passed the middle of what it strikes"
             times = group.arrays["probe_states"]["passed"]
         else:
             continue
         if times.any():
-            found.append((location, float(times[times > 0.0].min()), what))
+            found.append(_Passed(float(np.abs(times[times != 0.0]).min()), location, what))
     return found
 
 
@@ -269,10 +296,13 @@ def velocity_error(model: Model, state: State) -> np.ndarray:
     return np.abs(total)
 
 
-def of_own_faces(model: Model, card: int) -> bool:
-    """Whether a contact card is one of a shell with itself."""
-    own = (group for group in model.nodal_groups if group.meets_itself)
-    return any(int(group.arrays["p"]["card"][0]) == card for group in own)
+def advice_on_gain(model: Model, card: int) -> str:
+    """What to know of a contact card that creates energy, where steps help little; or nothing."""
+    groups = [g for g in model.nodal_groups if int(g.arrays["p"]["card"][0]) == card]
+    if any(group.meets_itself for group in groups):
+        return OWN_FACES
+    has_balls = any(g.narrow is None and g.arrays["p"]["share"][0] > 0.0 for g in groups)
+    return IN_A_DENT if has_balls else ""
 
 
 def gaining_contact(model: Model, state: State, clock: np.void) -> Diagnosis:
@@ -290,15 +320,14 @@ def gaining_contact(model: Model, state: State, clock: np.void) -> Diagnosis:
         f"{force} has created energy: it has given its bodies {gained:.3g} J more than it took "
         f"from them ({taken:.3g} J) and stored at the start ({held:.3g} J)"
     )
-    shorter = closer(model, state)
-    if of_own_faces(model, number):
-        shorter = f"{OWN_FACES}; or {shorter}"
-    advice = f"{shorter}; control.energy_limit sets the bound"
+    known, shorter = advice_on_gain(model, number), closer(model, state)
+    advice = f"{known}; or {shorter}" if known else shorter
+    advice += "; control.energy_limit sets the bound"
     return f"contact '{model.contacts[number]}'", cause, advice
 
 
 def gaining_law(model: Model, state: State) -> Diagnosis:
-    """The spring, hinge or tyre that has created most energy over what it took and gave."""
+    """The spring, belt, hinge or tyre that has created most energy over what it took and gave."""
     current, most, where, why = int(state.clock[0]["current"]), 0.0, "", ""
     limit = float(model.control[0]["energy_limit"])
     for group in (g for g in model.force_groups() if g.is_watched):

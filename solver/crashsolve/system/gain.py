@@ -1,6 +1,6 @@
-"""Energy balance of a single law between two bodies, independent of the frame of reference.
+"""Energy balance of a single law between bodies, independent of the frame of reference.
 
-    W = 1/2 (f_old . u_old + f_new . u_new)   of both bodies, u the displacement in the step
+    W = 1/2 sum (f_old + f_new) . u   over its bodies, u the displacement in the step
     gain = min(W - held at the start, W + held + lost - held at the start)
 
 Kick, drift, kick: half of the forces at both ends of a step act along its displacement, see
@@ -38,13 +38,51 @@ def record_work(p, old, new, before, h, nodes):
         if p.node_b != 0:
             force, torque = add(force_b, vec(old.force_b)), add(torque_b, vec(old.torque_b))
             work += half_work(nodes[p.node_b], force, torque)
-    new.given = old.given + work
-    new.exchanged = old.exchanged + abs(work)
-    new.peak_force = max(old.peak_force, norm(force_a), norm(force_b))
+    add_work(old, new, work, max(norm(force_a), norm(force_b)))
     put(new.force_a, force_a)
     put(new.torque_a, torque_a)
     put(new.force_b, force_b)
     put(new.torque_b, torque_b)
+
+
+@kernel
+def keep_applied_loads(p, count, new, nodes):
+    """Forces and torques applied so far to the first `count` nodes of a law. Writes: new."""
+    for j in range(count):
+        body = nodes[p.node[j]]
+        for c in range(3):
+            new.forces[3 * j + c] = body.force[c]
+            new.torques[3 * j + c] = body.torque[c]
+
+
+@kernel
+def record_work_of_several(p, count, old, new, h, nodes):
+    """The same of a law among several bodies, after keep_applied_loads. Writes: new."""
+    work, largest = 0.0, 0.0
+    for j in range(count):
+        body, i = nodes[p.node[j]], 3 * j
+        is_new = p.node[j] != 0
+        for k in range(j):
+            is_new = is_new and p.node[k] != p.node[j]
+        for c in range(3):
+            new.forces[i + c] = body.force[c] - new.forces[i + c] if is_new else 0.0
+            new.torques[i + c] = body.torque[c] - new.torques[i + c] if is_new else 0.0
+        force = (new.forces[i], new.forces[i + 1], new.forces[i + 2])
+        torque = (new.torques[i], new.torques[i + 1], new.torques[i + 2])
+        largest = max(largest, norm(force))
+        if h > 0.0 and is_new:
+            before = (old.forces[i], old.forces[i + 1], old.forces[i + 2])
+            turned = (old.torques[i], old.torques[i + 1], old.torques[i + 2])
+            work += half_work(body, add(force, before), add(torque, turned))
+    add_work(old, new, work, largest)
+
+
+@kernel
+def add_work(old, new, work, force):
+    """Add the work of a step [J], and the largest force in it [N]. Writes: new."""
+    new.given = old.given + work
+    new.exchanged = old.exchanged + abs(work)
+    new.peak_force = max(old.peak_force, force)
 
 
 @kernel

@@ -21,9 +21,10 @@ if TYPE_CHECKING:
     from crashsolve.model.model import Model, State
 
 BEYOND = ("its numbers are too large or too small to compute with", "check powers and units")
-WORDS = "give a length that a run can compute with; check powers and units"
 # of a model: the fourth power of more is beyond a machine, and that of a stiffness with it [m]
 LONGEST = 1e40
+# the square of more in a sum with such powers is beyond a machine [kg]; the universe has 1e53 kg
+HEAVIEST = 1e60
 # of velocities that a deck starts with [m/s, rad/s]: light has 3e8 m/s
 FASTEST = 1e12
 # what they raise in Python and in its libraries
@@ -32,7 +33,7 @@ BEYOND_NUMBERS = (ArithmeticError, np.linalg.LinAlgError)
 
 def refuse_beyond(deck: Deck, model: Model, state: State) -> None:
     """Raise DeckErrors naming the cards whose numbers came out as none."""
-    found = [*_too_long(deck), *_too_fast(deck)]
+    found = [*_too_large(deck), *_too_fast(deck)]
     for group in model.groups:
         entries = deck.entries[group.keyword]
         for i in _rows_without_numbers(group.parameters):
@@ -72,10 +73,12 @@ def _larger(deck: Deck, units: tuple[str, ...], most: float) -> Iterator[tuple[A
                     yield entry, name, unit
 
 
-def _too_long(deck: Deck) -> Iterator[DeckError]:
-    """Cards with lengths whose powers overflow."""
-    for entry, name, _ in _larger(deck, ("m",), LONGEST):
-        yield deck.error(entry, name, f"is a length of more than {LONGEST:g} m", WORDS)
+def _too_large(deck: Deck) -> Iterator[DeckError]:
+    """Cards with lengths or masses whose powers overflow."""
+    for unit, most, what in (("m", LONGEST, "length"), ("kg", HEAVIEST, "mass")):
+        for entry, name, _ in _larger(deck, (unit,), most):
+            advice = f"give a {what} that a run can compute with; check powers and units"
+            yield deck.error(entry, name, f"is a {what} of more than {most:g} {unit}", advice)
 
 
 def _too_fast(deck: Deck) -> Iterator[DeckError]:

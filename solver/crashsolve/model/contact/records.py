@@ -39,7 +39,8 @@ HISTORY = Record("""
 # of pairs whose sides have an end (system/contact/pass_through.py)
 FACE = Record("""
     held    flag  retains its face though another is nearer
-    passed  s     time at which one side passed the middle of the other; 0: it did not
+    passed  s     time at which one side passed the middle of the other; 0: it did not;
+                  negative: by its back
 """)
 FACE_HISTORY = Record("normal  1  3  out of b") + FACE
 OUTPUT = Record("""

@@ -10,7 +10,7 @@ import numpy as np
 
 from crashsolve.model.ledger import LARGEST
 from crashsolve.model.model import Model, State
-from crashsolve.system.diagnosis import OWN_FACES, of_own_faces
+from crashsolve.system.diagnosis import advice_on_gain
 
 # of the largest energy that the normal force or the friction of a card has stored and dissipated
 UNBALANCED = 0.02
@@ -67,7 +67,7 @@ def _warning(model: Model, card: int, what: str, missing: float, largest_energy:
     shorter = (
         "control.safety or control.step" if is_by_safety else "control.tolerance or control.step"
     )
-    helps = OWN_FACES if of_own_faces(model, card) else f"halve {shorter}"
+    helps = advice_on_gain(model, card) or f"halve {shorter}"
     verb = "made" if missing > 0.0 else "lost"
     return (
         f"contact '{model.contacts[card]}': its {what} has {verb} {abs(missing):.3g} J that "

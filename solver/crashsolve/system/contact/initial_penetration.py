@@ -22,6 +22,9 @@ from crashsolve.foundation.rows import as_rows
 from crashsolve.model.model import ContactGroup, Model, State
 from crashsolve.system.contact.touches import closing_motion
 
+# [N] that stands for none, of depths whose power is below the numbers of a machine
+LEAST = 1e-200
+
 
 @dataclass
 class Touch:
@@ -105,6 +108,6 @@ def _masses(nodes: np.ndarray, touches: list[Touch]) -> np.ndarray:
         compliance += levers @ node["W"].reshape(3, 3) @ levers.T
     compliance[alike <= 0.0] = 0.0
     # the law computes the force of the full surface, the bodies receive their share
-    springs = np.array([touch.spring for touch in touches])
+    springs = np.array([max(touch.spring, LEAST) for touch in touches])
     pushes = springs * [touch.share for touch in touches]
     return np.asarray(springs / np.maximum(compliance @ pushes, free * pushes))

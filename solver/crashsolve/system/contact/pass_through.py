@@ -54,7 +54,7 @@ def record_face(clock, h, p, old, new, held, over, depth, n):
     """
     new.held = 1 if held else 0
     has_passed = over > 0.0 or is_opposite(old, n) or has_jumped(p, old, depth, n, SQUARE)
-    record_pass(clock, h, p, old, new, depth, has_passed)
+    record_pass(clock, h, p, old, new, depth, n, has_passed)
     put(new.normal, n)
 
 
@@ -67,7 +67,7 @@ def record_round(clock, h, p, old, new, depth, n):
     new.held = 0
     is_deep = depth > MIDDLE * p.thick
     has_passed = is_deep or is_opposite(old, n) or has_jumped(p, old, depth, n, ROTATED)
-    record_pass(clock, h, p, old, new, depth, has_passed)
+    record_pass(clock, h, p, old, new, depth, n, has_passed)
     put(new.normal, n)
 
 
@@ -102,13 +102,17 @@ def has_jumped(p, old, depth, n, cosine):
 
 
 @kernel
-def record_pass(clock, h, p, old, new, depth, has_passed):
-    """Record the time at which a pair first passed the middle, or began beyond it. Writes: new."""
+def record_pass(clock, h, p, old, new, depth, n, has_passed):
+    """Record the time at which a pair first passed the middle, or began beyond it. Writes: new.
+
+    Negative where it began at the back of an open mesh, out of which the normal was before.
+    """
     new.passed = old.passed
     if old.active == 0:
         has_passed = h > 0.0 and depth > SUDDEN * p.thick
     if has_passed and old.passed == 0.0:
-        new.passed = max(clock.time + h, 1e-300)
+        time = max(clock.time + h, 1e-300)
+        new.passed = -time if old.active == 0 and is_opposite(old, n) else time
 
 
 @kernel

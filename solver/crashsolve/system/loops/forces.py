@@ -8,7 +8,12 @@ from crashsolve.system import attachments
 from crashsolve.system.contact import node_contact, resting, surface_friction, times, touches
 from crashsolve.system.contact.work import load_work
 from crashsolve.system.energy import add_dissipation
-from crashsolve.system.gain import applied_loads, record_work
+from crashsolve.system.gain import (
+    applied_loads,
+    keep_applied_loads,
+    record_work,
+    record_work_of_several,
+)
 from crashsolve.system.loops.contact_pairs import contact_pairs
 from crashsolve.system.loops.elements import move_elements, move_points
 from crashsolve.system.loops.nodal.node_to_shape import node_to_shape
@@ -67,7 +72,9 @@ def apply_laws(clock, time, h, nodes, rows, curves, scene):
             if works and hasattr(group.law, "present"):
                 body = nodes[p[i].node]
                 work_of_load = load_work(group.law.present(p[i], o, body.start_A), body)
-            if group.is_watched:
+            if group.is_watched and group.joins_several:
+                keep_applied_loads(p[i], group.most_nodes, new, nodes)
+            elif group.is_watched:
                 before = applied_loads(p[i], nodes)
             if group.materials:
                 for number, material in group.materials:
@@ -100,10 +107,12 @@ def apply_laws(clock, time, h, nodes, rows, curves, scene):
                 o.power, o.loss = 0.0, work_of_load
             add_dissipation(clock, old, new, o.power, o.loss)
             if group.is_watched:
-                record_work(p[i], old, new, before, h, nodes)
-                new.initially_stored = (
-                    o.stored if clock.cycle == 0 and h == 0.0 else old.initially_stored
-                )
+                if group.joins_several:
+                    record_work_of_several(p[i], group.most_nodes, old, new, h, nodes)
+                else:
+                    record_work(p[i], old, new, before, h, nodes)
+                is_first = clock.cycle == 0 and h == 0.0
+                new.initially_stored = o.stored if is_first else old.initially_stored
             if DENSE:
                 group.powers[clock.stage * p.shape[0] + i] = o.power
     for group in FOLLOWERS:
