@@ -164,6 +164,40 @@ def test_what_has_no_equilibrium_is_refused(tmp_path: Path, message: str) -> Non
         solved(tmp_path, REFUSED[message])
 
 
+def test_a_spring_that_begins_to_act_is_no_instability(tmp_path: Path) -> None:
+    """Differences to one side give K = [[0, -k], [0, k]], of which the even part is indefinite."""
+    text = """
+bodies: {a: {mass: 1, inertia: [1, 1, 1]}, b: {mass: 1, inertia: [1, 1, 1], position: [1, 0, 0]}}
+curves: {rope: {points: [[0, 0], [1, 1e4]]}}
+joints:
+  slide_a: {type: prismatic, b: a, at: [0, 0, 0], axis: [1, 0, 0]}
+  slide_b: {type: prismatic, b: b, at: [1, 0, 0], axis: [1, 0, 0]}
+springs: {rope: {type: curve, a: a, b: b, curve: rope, acts: tension}}
+"""
+    _, far = swing(solved(tmp_path, text), "rbdout.b.position.x")
+    assert far < 1e-8
+
+
+def test_a_load_that_follows_the_motion_is_no_instability_below_flutter(tmp_path: Path) -> None:
+    """Ziegler's column with masses 9 and 1 flutters from P l = 4 k on; from 2 k on K's even part
+    is indefinite, though its determinant stays k^2.
+    """
+    text = """
+bodies:
+  low: {mass: 9, inertia: [1e-4, 1e-4, 1e-4], position: [0, 0, 1]}
+  high: {mass: 1, inertia: [1e-4, 1e-4, 1e-4], position: [0, 0, 2]}
+joints:
+  foot: {type: revolute, b: low, at: [0, 0, 0], axis: [0, 1, 0]}
+  knee: {type: revolute, a: low, b: high, at: [0, 0, 1], axis: [0, 1, 0]}
+springs:
+  at_foot: {type: torsional, a: ground, b: low, axis: [0, 1, 0], stiffness: 100}
+  at_knee: {type: torsional, a: low, b: high, axis: [0, 1, 0], stiffness: 100}
+loads: {thrust: {type: force, body: high, force: [0, 0, -300], axes: body}}
+"""
+    _, far = swing(solved(tmp_path, text, weight=""), "rbdout.high.position.x")
+    assert far < 1e-8
+
+
 def test_shells_are_not_moved(tmp_path: Path) -> None:
     text = """
 materials: {m: {type: elastic, young: 2e11, poisson: 0.3, density: 7850}}

@@ -40,6 +40,32 @@ def velocity_change(folder: Path, step: str) -> np.ndarray:
     return np.array([v[-1] - v[0] for v in found])
 
 
+def test_a_wheel_that_begins_in_a_kerb_is_reported(tmp_path: Path) -> None:
+    """Its foot is 0.2 m ahead, and a kerb of 0.1 m reaches to within the radius of 0.3 m."""
+    text = DECK.replace("start: equilibrium, step: STEP", "step: 1e-4").replace("0.12", "1e-3")
+    deck, higher = tmp_path / "deck.yaml", text.replace("2, 0.03]", "2, 0.1]")
+    deck.write_text(higher.replace("0.015]", "0.05]"), "utf-8")
+    done = crashsolve(deck, "-o", tmp_path / "out")
+    assert "tyre 't' is pressed by" in done.stdout + done.stderr
+    deck.write_text(text, "utf-8")
+    done = crashsolve(deck, "-o", tmp_path / "out")
+    assert "is pressed by" not in done.stdout + done.stderr
+
+
+def test_a_wheel_that_passes_a_thin_wall_within_a_step_is_reported(tmp_path: Path) -> None:
+    """At 60 m/s the wall of 0.2 mm is passed in a step of 6 mm; the tyre cannot stop 41 kg."""
+    text = DECK.replace("start: equilibrium, step: STEP", "step: 1e-4").replace("0.12", "0.02")
+    text = text.replace("[5, 0, 0]", "[60, 0, 0]").replace("[2, 2, 0.03]", "[2e-4, 2, 1]")
+    deck = tmp_path / "deck.yaml"
+    deck.write_text(text.replace("[1.2, 0, 0.015]", "[0.5, 0, 0.5]"), "utf-8")
+    done = crashsolve(deck, "-o", tmp_path / "out")
+    found = Result(tmp_path / "out")
+    # it has come out behind
+    assert found.series("rbdout.wheel.position.x").values[-1] > 0.6
+    assert found.series("rbdout.wheel.velocity.x").values[-1] > 0.0
+    assert "tyre 't': the wheel centre has sunk to the road" in done.stdout + done.stderr
+
+
 @pytest.mark.long
 def test_a_kerb_gives_the_same_impulse_at_three_steps(tmp_path: Path) -> None:
     changes = [velocity_change(tmp_path, step) for step in ("2e-4", "1e-4", "5e-5")]

@@ -34,11 +34,28 @@ STEPS, COLLAPSED = 20, 1e-3
 
 def pressed_at_start(engine: Engine) -> list[str]:
     """Contacts that touch when the run begins, with the energy that sets their bodies in motion."""
-    return [
+    return overloaded_tyres(engine) + [
         f"contact '{name}' touches at the start: it begins up to {card['depth']:.3g} m deep, with "
         f"a stored energy of {card['stored']:.6g} J"
         for name, card in zip(engine.model.contacts, engine.state.cards, strict=True)
         if card["touching"] and card["depth"] > 0.0
+    ]
+
+
+def overloaded_tyres(engine: Engine) -> list[str]:
+    """Tyres that begin with more than twice all loads together: a wheel stands in an obstacle.
+
+    Where no load acts, as on a test rig, the force is meant.
+    """
+    load = float(np.linalg.norm(engine.state.nodes["external"][0, :3]))
+    return [
+        f"tyre '{name}' is pressed by {force:.4g} N at the start, and all loads together are "
+        f"{load:.4g} N: its wheel begins in an obstacle, or too low on the road; move it, or say "
+        "control: {start: equilibrium}"
+        for group in engine.model.groups
+        if group.keyword == "tyres"
+        for name, force in zip(group.names, group.output["normal"], strict=True)
+        if force > 2.0 * load > 0.0
     ]
 
 

@@ -26,6 +26,7 @@ from crashsolve.foundation.errors import SolverError
 from crashsolve.model.contact.pairs import renew
 from crashsolve.model.jacobian import jacobian, null_space, whole_rows
 from crashsolve.statics.motions import largest_motion, move, perturb
+from crashsolve.statics.stability import ALIKE
 from crashsolve.statics.standing_tyres import StandingTyres
 from crashsolve.system.engine import Engine
 
@@ -225,11 +226,11 @@ class _EquilibriumSearch:
             M[i, 3:, i, 3:] = turned[i]
         return M.reshape(6 * n, 6 * n)
 
-    def _tangent(self, g: np.ndarray) -> np.ndarray:
-        """dg/dq (6 n, 6 n) by differences."""
+    def _tangent(self, g: np.ndarray, step: float = STEP) -> np.ndarray:
+        """dg/dq (6 n, 6 n) by differences, to one side."""
         nodes, columns = self.nodes.copy(), np.empty((g.size, g.size))
         for k in range(g.size):
-            i, size = self.free[k // 6], STEP * (self.model.size if k % 6 < 3 else 1.0)
+            i, size = self.free[k // 6], step * (self.model.size if k % 6 < 3 else 1.0)
             saved = nodes[i].copy()
             perturb(nodes[i], k % 6, size)
             columns[:, k] = (self._forces(nodes) - g) / size
@@ -277,18 +278,28 @@ class _EquilibriumSearch:
         Z = correction.Z
         if not Z.shape[1]:
             return
-        K, M = -Z.T @ correction.G @ Z, Z.T @ self._mass() @ Z
+        # to both sides: a spring that begins to act here has the mean of its stiffnesses, where
+        # differences to one side have it for the motion of one end and not for that of the other
+        G = 0.5 * (correction.G + self._tangent(correction.state.g, -STEP))
+        K, M = -Z.T @ G @ Z, Z.T @ self._mass() @ Z
         half = np.linalg.inv(np.linalg.cholesky(0.5 * (M + M.T)))
-        values, modes = np.linalg.eigh(half @ (0.5 * (K + K.T)) @ half.T)
+        K = half @ K @ half.T
+        values, modes = np.linalg.eigh(0.5 * (K + K.T))
         # differences err by a share of the stiffest mode
-        if values[0] < -max(GROWTH**2, ROUND_OFF * values[-1]):
-            mode = np.abs((Z @ half.T @ modes[:, 0]).reshape(-1, 6))
+        limit = max(GROWTH**2, ROUND_OFF * values[-1])
+        if values[0] < -limit and np.abs(K - K.T).max() > ALIKE * values[-1]:
+            # loads that follow the motion: only a real eigenvalue is left without vibration
+            values, modes = np.linalg.eig(K)
+            values = np.where(np.abs(values.imag) < limit, values.real, np.inf)
+        k = values.argmin()
+        if values[k] < -limit:
+            mode = np.abs((Z @ half.T @ modes[:, k].real).reshape(-1, 6))
             mode[:, 3:] *= self.model.size
             node = int(self.free[mode.max(axis=1).argmax()])
             raise self._refusal(
                 node,
                 "the equilibrium is unstable: a disturbance grows as "
-                f"exp({(-values[0]) ** 0.5:.3g} t)",
+                f"exp({(-values[k]) ** 0.5:.3g} t)",
             )
 
     def _accept(self, D: np.ndarray) -> None:

@@ -133,8 +133,8 @@ CARCASS = Record(f"""
     doubled  flag  whether two roads have pressed it from one side
 """)
 OUT_OF_RANGE = {
-    "sunk": "the wheel centre has sunk to the road: the tyre is too soft for its load; give "
-    "rim_radius and rim_stiffness, or a stiffening curve",
+    "sunk": "the wheel centre has sunk to the road: the tyre is too soft for its load, or for what "
+    "it struck, which it may have passed; give rim_radius and rim_stiffness, or a stiffening curve",
     "doubled": "two roads pressed it from one side, and their forces were added: where they lie in "
     "one plane its load is too high; define them as one box, one mesh or one profile",
 }
@@ -310,7 +310,8 @@ class Grip(NamedTuple):
 @kernel
 def grip_of(p, i, old, new, out, at, h, curves):
     """The Grip on road i after a step h. Writes: new, out."""
-    if old.sunk == 1 or at.depth >= p.radius:
+    # also within a step, in which it may pass a thin road and come out behind it
+    if old.sunk == 1 or at.depth + h * abs(at.closing) >= p.radius:
         new.sunk = 1
     if old.doubled == 1:
         new.doubled = 1
