@@ -82,12 +82,20 @@ def gap(a, b, nodes, data):
 
 @kernel
 def bound(a, b, nodes, data):
-    """Depth that the bodies do not exceed [m]: by the ball around a and the box around the mesh."""
+    """Depth that the bodies do not exceed [m]: by the ball around a, and the box around the mesh or
+    its nearest triangle.
+    """
     y = seen_from(b, nodes[b.node], world_position(nodes[a.node], vec(a.point)))
     ball = norm(vec(a.half)) if a.what == RIDGES else abs(a.rho)
     # an open mesh is solid beyond its triangles
     solid = b.thickness if b.thickness < inf else 0.0
     apart = sqrt(beyond(data[0][b.root], y)) - ball - solid
+    if apart <= 0.0 and a.what != POINT:
+        foot, found, at = nearest(data[0], data[1], b.root, y)
+        out, is_open = outward(data[1][found], at)
+        offset = sub(y, foot)
+        if not is_open and dot(offset, out) > 0.0:
+            apart = norm(offset) - ball
     return -apart if apart > 0.0 else inf
 
 
