@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.contact.narrow import _ridges, _tree, sphere_mesh
-from crashsolve.contact.narrow._frame import into, out_of, seen_from
+from crashsolve.contact.narrow._frame import local_position, to_shape_axes, to_world_axes
 from crashsolve.contact.narrow.cylinder_plane import lowest
 from crashsolve.contact.narrow.sphere_mesh import FACE, beyond, by_facing, nearest, outward
 from crashsolve.contact.shape import mesh
@@ -69,15 +69,19 @@ def gap(a, b, nodes, data):
     if a.what == POINT:
         return sphere_mesh.gap(a, b, nodes, data)
     body = nodes[b.node]
-    y = seen_from(b, body, world_position(nodes[a.node], vec(a.point)))
-    axes = axes_seen(a, b, nodes)
+    y = local_position(b, body, world_position(nodes[a.node], vec(a.point)))
+    axes = axes_of_body(a, b, nodes)
     if a.what == RIDGES and b.ridge_root >= 0:
         depth, N, x = _ridges.deepest(data[2], data[3], a, b.ridge_root, y, axes)
     elif a.what == RIDGES:
         depth, N, x = off(data[0], data[1], b, y)
     else:
         depth, N, x = of_rim(data[0], data[1], a, b, y, axes)
-    return depth, out_of(b, body, N), add(world_position(body, vec(b.point)), out_of(b, body, x))
+    return (
+        depth,
+        to_world_axes(b, body, N),
+        add(world_position(body, vec(b.point)), to_world_axes(b, body, x)),
+    )
 
 
 @kernel
@@ -85,7 +89,7 @@ def bound(a, b, nodes, data):
     """Depth that the bodies do not exceed [m]: by the ball around a, and the box around the mesh or
     its nearest triangle.
     """
-    y = seen_from(b, nodes[b.node], world_position(nodes[a.node], vec(a.point)))
+    y = local_position(b, nodes[b.node], world_position(nodes[a.node], vec(a.point)))
     ball = norm(vec(a.half)) if a.what == RIDGES else abs(a.rho)
     # an open mesh is solid beyond its triangles
     solid = b.thickness if b.thickness < inf else 0.0
@@ -107,15 +111,18 @@ def gap_by(a, b, nodes, data, normal):
     if a.what == POINT:
         return sphere_mesh.gap_by(a, b, nodes, data, normal)
     body = nodes[b.node]
-    y, m = seen_from(b, body, world_position(nodes[a.node], vec(a.point))), into(b, body, normal)
+    y, m = (
+        local_position(b, body, world_position(nodes[a.node], vec(a.point))),
+        to_shape_axes(b, body, normal),
+    )
     if a.what == RIDGES:
         return -1.0, vec(normal), y, -1.0
-    axes = axes_seen(a, b, nodes)
+    axes = axes_of_body(a, b, nodes)
     y, _ = position(a.rho, y, axes, m)
     distance, m, over = by_facing(data[0], data[1], b, y, m)
     depth = distance if distance < 1e300 else -1.0
-    x = add(world_position(body, vec(b.point)), out_of(b, body, y))
-    return depth, out_of(b, body, m), x, over
+    x = add(world_position(body, vec(b.point)), to_world_axes(b, body, y))
+    return depth, to_world_axes(b, body, m), x, over
 
 
 @kernel
@@ -125,13 +132,13 @@ def middle(a, b, nodes, n):
 
 
 @kernel
-def axes_seen(a, b, nodes):
+def axes_of_body(a, b, nodes):
     """Axes of the body in those of the mesh."""
     of_a, of_b = nodes[a.node], nodes[b.node]
     return (
-        into(b, of_b, out_of(a, of_a, (1.0, 0.0, 0.0))),
-        into(b, of_b, out_of(a, of_a, (0.0, 1.0, 0.0))),
-        into(b, of_b, out_of(a, of_a, (0.0, 0.0, 1.0))),
+        to_shape_axes(b, of_b, to_world_axes(a, of_a, (1.0, 0.0, 0.0))),
+        to_shape_axes(b, of_b, to_world_axes(a, of_a, (0.0, 1.0, 0.0))),
+        to_shape_axes(b, of_b, to_world_axes(a, of_a, (0.0, 0.0, 1.0))),
     )
 
 
