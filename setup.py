@@ -9,7 +9,7 @@ from setuptools.command.build_py import build_py
 ROOT = Path(__file__).resolve().parent
 # folder in the package: where it is here, and which of its files go along
 BROUGHT = {
-    "decks": (ROOT / "decks", ("*.yaml", "*.csv", "*.inp", "*.obj", "*.md", "*.sh")),
+    "decks": (ROOT / "decks", ("*.yaml", "*.csv", "*.inp", "*.obj", "*.stl", "*.md", "*.sh")),
     "manual": (ROOT / "solver", ("*.md",)),
 }
 

@@ -126,6 +126,15 @@ def test_the_pretensioner_winds_in_until_its_force_is_that_of_the_webbing(tmp_pa
     assert law.out.pay_out == -s
 
 
+def test_the_pretensioner_winds_in_no_more_slack_than_its_curve_is_long(tmp_path: Path) -> None:
+    words = "lock_time: 0, pretensioner: {time: 0.005, curve: winding, duration: 0.005}"
+    law = belt(tmp_path, words, slack=0.3)
+    go(law, 0.0, steps=12)
+    # the curve ends at 0.1 m; the last digits of a route of 2 m
+    assert law.out.pay_out == pytest.approx(-0.1, abs=1e-14)
+    assert law.out.force[0] == 0.0 and law.out.locked == 1
+
+
 @pytest.mark.parametrize(
     "words",
     [

@@ -225,10 +225,11 @@ WRONG = {
         "{type: cone_stop, joint: ball, axis: [0, 0, 0], toward: [2, 4, 0], pointer: [1, 1, 0],"
         " half_angles: [1, 1, 1, 1], stiffness: 5}"
     ),
-    "half_angles: must be at most 2.9 rad": f"{{{CONE}, half_angles: [1, 1, 3, 1], stiffness: 5}}",
+    "half angles must be at most 2.9 rad": f"{{{CONE}, half_angles: [1, 1, 3, 1], stiffness: 5}}",
     "half_angles: must be greater than 0": f"{{{CONE}, half_angles: [1, 1, 0, 1], stiffness: 5}}",
     "table: azimuths must rise": f"{{{CONE}, table: [[1, 1], [0.5, 1]], stiffness: 5}}",
     "table: needs 2 to 24 azimuths, has 1": f"{{{CONE}, table: [[1, 1]], stiffness: 5}}",
+    "table: needs 2 to 24 azimuths, has 0": f"{{{CONE}, table: [], stiffness: 5}}",
     "unloading needs a curve": (
         f"{{{CONE}, half_angles: [1, 1, 1, 1], stiffness: 5, unloading_stiffness: 9}}"
     ),

@@ -54,18 +54,22 @@ def test_on_a_tilt_table_rigid_wheels_lift_at_half_the_track_over_the_height(
     result = run(tmp_path / "out", slope=0.5 * lift, **RIGID)
     names = ("front_right", "rear_right")
     high = sum(result.series(f"tyrout.tyre_{name}.normal").values for name in names)
-    # what is left of the load falls in proportion to the slope; springs of 1e7 N/m give by 1 mm of
-    # 0.6 m
+    # what is left of the load falls in proportion to the slope, to none where the wheels lift;
+    # springs of 1e7 N/m give by 1 mm of 0.6 m
     found = 0.5 * lift / (1 - high / static)
     assert found == pytest.approx(np.full(len(high), lift), rel=2e-3)
 
 
-def test_a_steeper_table_is_refused(tmp_path: Path) -> None:
-    slope = 1.05 * TRACK / 2 / centre_of_mass()
+@pytest.mark.parametrize("share", [0.995, 1.005])
+def test_it_has_an_equilibrium_up_to_where_the_wheels_lift(share: float, tmp_path: Path) -> None:
+    """To 0.5 %, twice what springs of 1e7 N/m give."""
+    slope = share * TRACK / 2 / centre_of_mass()
     words = [word for name, value in RIGID.items() for word in ("--set", f"{name}={value}")]
     done = crashsolve(DECK, "-o", tmp_path / "out", "--set", f"slope={slope}", *words)
+    # near the end it is there, but a lightly loaded wheel does not stay in it
     assert done.returncode == 4
-    assert "there is no equilibrium" in done.stderr + done.stdout
+    message = "there is no equilibrium" if share > 1.0 else "the equilibrium is unstable"
+    assert message in done.stderr + done.stdout
 
 
 def linear_model() -> tuple[np.ndarray, np.ndarray, np.ndarray]:

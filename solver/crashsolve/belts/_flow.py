@@ -15,7 +15,7 @@ Reference: OpenRadioss theory manual, slip ring elements.
 
 from math import exp
 
-from crashsolve.belts._spool import FREE, LOCKED, PULLING, choose_mode, spool_force
+from crashsolve.belts._spool import FREE, LOCKED, PULLING, choose_mode, spool_force, stroke_left
 from crashsolve.belts._webbing import segment_force
 from crashsolve.foundation.kernels import kernel
 
@@ -195,7 +195,7 @@ def solve_spool(p, old, new, out, curves):
     q = new.flow[0]
     low, high = q - 0.99 * new.webbing[0], q + p.total
     if new.mode == PULLING:
-        high = 0.0
+        low, high = max(low, -stroke_left(p, old, curves)), 0.0
         if low > 0.0 or pay_out(p, 0.0, old, new, out, curves) >= 0.0:
             pay_out(p, 0.0, old, new, out, curves)
             return
@@ -234,7 +234,10 @@ def spool_row(p, old, new, out, curves):
         # slack: as much as makes it taut
         length = max(out.length[0], p.shortest)
         taut = (length - new.residual[0]) / (1.0 + F / p.k)
-        return 1.0, 0.0, taut - new.webbing[0]
+        change = taut - new.webbing[0]
+        if new.mode == PULLING:
+            change = max(change, -stroke_left(p, old, curves) - new.flow[0])
+        return 1.0, 0.0, change
     return max(g + slope, 0.1 * g), -g, T - F
 
 

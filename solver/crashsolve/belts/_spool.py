@@ -160,6 +160,12 @@ def spool_force(p, old, mode, q, curves):
 
 
 @kernel
+def stroke_left(p, old, curves):
+    """Webbing that the pretensioner may yet wind in: to the end of its curve [m]."""
+    return max(0.0, curves[curves[p.pretensioner].last].x - old.wound_in)
+
+
+@kernel
 def update_spool(p, old, new, nodes, q, h, curves):
     """Update the history of the spool by a step with the flow q. Writes: new, curves."""
     new.wound_in = old.wound_in + max(-q, 0.0) if new.mode == PULLING else old.wound_in

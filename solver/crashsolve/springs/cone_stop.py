@@ -74,13 +74,16 @@ class ConeStop(RangeCard):
     def _check_cone(self) -> ConeStop:
         if (self.half_angles is None) == (self.table is None):
             raise ValueError("needs one of half_angles and table")
-        if max(half for _, half in self.limits()) > LARGEST:
-            raise ValueError(f"half_angles: must be at most {LARGEST} rad; leave the stop out")
-        if min(half for _, half in self.limits()) <= 0.0:
-            raise ValueError("table: every half angle must be positive")
         azimuths = [azimuth for azimuth, _ in self.limits()]
         if not 2 <= len(azimuths) <= MOST:
             raise ValueError(f"table: needs 2 to {MOST} azimuths, has {len(azimuths)}")
+        given = "half_angles" if self.table is None else "table"
+        if max(half for _, half in self.limits()) > LARGEST:
+            raise ValueError(
+                f"{given}: half angles must be at most {LARGEST} rad; leave the stop out"
+            )
+        if min(half for _, half in self.limits()) <= 0.0:
+            raise ValueError("table: every half angle must be positive")
         if sorted(set(azimuths)) != azimuths or azimuths[-1] - azimuths[0] >= 2.0 * pi:
             raise ValueError("table: azimuths must rise, within one revolution")
         return self

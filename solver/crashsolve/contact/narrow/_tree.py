@@ -7,15 +7,15 @@ import numpy as np
 from crashsolve.deck.building import Columns
 from crashsolve.foundation.record import Record
 
-# triangles in the smallest boxes
+# triangles, or edges, in the smallest boxes
 LEAF = 4
 
 BOX = Record("""
     low    m      3  lower corner
     high   m      3  upper corner
     skip   index     next box when this one is too far
-    first  index     first triangle
-    count  count     triangles; 0 for a box of boxes
+    first  index     first of what it holds
+    count  count     how much it holds; 0 for a box of boxes
 """)
 TRIANGLE = Record("""
     i        m      3  first corner, shape axes
@@ -36,7 +36,8 @@ def data(elements_a: Any, elements_b: Any) -> tuple[np.ndarray, np.ndarray]:
     first_box = first_triangle = 0
     for element in elements_b:
         table = _triangles(element)
-        tree, order = _tree(table)
+        corners = np.stack([table[name] for name in "ijl"], axis=1)
+        tree, order = grow(corners.min(axis=1), corners.max(axis=1))
         tree["skip"] += first_box
         tree["first"] += first_triangle
         element["root"] = first_box
@@ -78,10 +79,11 @@ def _mark_open(table: np.ndarray, faces: np.ndarray, edges: np.ndarray) -> None:
     table["is_open"][:, 3:] = np.isin(faces, rim)
 
 
-def _tree(table: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Boxes in the order of a walk through them, and the order of the triangles."""
-    corners = np.stack([table[name] for name in "ijl"], axis=1)
-    low, high = corners.min(axis=1), corners.max(axis=1)
+def grow(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Boxes in the order of a walk through them, and the order of what they hold.
+
+    `low`, `high` (n, 3): corners of what they hold.
+    """
     boxes: list[list[Any]] = []
     order: list[int] = []
 
@@ -99,5 +101,5 @@ def _tree(table: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             split(part[half[len(part) // 2 :]])
         box[2] = len(boxes)
 
-    split(np.arange(len(table)))
+    split(np.arange(len(low)))
     return np.array([tuple(box) for box in boxes], BOX.dtype), np.array(order)

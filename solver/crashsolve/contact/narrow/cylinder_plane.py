@@ -66,11 +66,16 @@ def gap(a, b, nodes, data):
     centre = world_position(body, vec(a.point))
     origin = world_position(nodes[b.node], vec(b.point))
     n, e = arm(nodes[b.node], vec(b.normal)), arm(body, vec(a.axis))
+    down = lowest(n, e, arm(body, vec(a.side)))
+    depth = a.rho * dot(add_scaled(n, -dot(n, e), e), down) - dot(sub(centre, origin), n)
+    return depth, n, add_scaled(centre, -a.rho, down)
+
+
+@kernel
+def lowest(n, e, side):
+    """Direction across the axis e against which a rim is lowest over a plane of the normal n."""
     t = add_scaled(n, -dot(n, e), e)
-    side = arm(body, vec(a.side))
     even = max(0.0, 1.0 - sqrt(dot(t, t)) / UPRIGHT)
     down = add_scaled(t, 0.1 * UPRIGHT * even * even, side)
     length = sqrt(dot(down, down))
-    down = scale(1.0 / length, down) if length > 0.0 else side
-    depth = a.rho * dot(t, down) - dot(sub(centre, origin), n)
-    return depth, n, add_scaled(centre, -a.rho, down)
+    return scale(1.0 / length, down) if length > 0.0 else side

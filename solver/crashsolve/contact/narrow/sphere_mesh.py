@@ -64,14 +64,22 @@ def gap_by(a, b, nodes, data, normal):
     body = nodes[b.node]
     centre = world_position(nodes[a.node], vec(a.point))
     y, m = local_position(b, body, centre), to_shape_axes(b, body, vec(normal))
-    foot, distance = nearest_facing(data[0], data[1], b.root, y, m)
-    _, opposite = nearest_facing(data[0], data[1], b.root, y, scale(-1.0, m))
-    if distance > 0.0 and distance < 1e300:
-        m = scale(1.0 / distance, sub(foot, y))
+    distance, m, over = by_facing(data[0], data[1], b, y, m)
     n = to_world_axes(b, body, m)
     depth = a.radius + distance if distance < 1e300 else -1.0
-    over = distance - min(opposite, b.thickness)
     return depth, n, add_scaled(centre, -a.radius, n), over
+
+
+@kernel
+def by_facing(tree, triangles, b, y, m):
+    """Distance of y from the triangles that face m, the direction there, the depth beyond the
+    middle [m].
+    """
+    foot, distance = nearest_facing(tree, triangles, b.root, y, m)
+    _, opposite = nearest_facing(tree, triangles, b.root, y, scale(-1.0, m))
+    if distance > 0.0 and distance < 1e300:
+        m = scale(1.0 / distance, sub(foot, y))
+    return distance, m, distance - min(opposite, b.thickness)
 
 
 @kernel
