@@ -2,8 +2,8 @@
 
 VENV   ?= .venv
 PYTHON ?= python3
-# one more than cores: tests wait for the processes that they start
-JOBS   ?= 3
+# twice the cores: tests wait for the processes that they start
+JOBS   ?= 4
 DECK   ?= decks/scenes/train_test.yaml
 
 BIN     := $(VENV)/bin

@@ -22,7 +22,7 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> Copy:
     return Copy(tmp_path_factory.mktemp("adding"))
 
 
-@pytest.mark.parametrize("walk", first_quick(WALKS, 3))
+@pytest.mark.parametrize("walk", first_quick(WALKS))
 def test_a_walk_has_the_stated_result(copy: Copy, walk: str, tmp_path: Path) -> None:
     (deck,) = copy.add(files(walk))
     done = copy.crashsolve(deck, "-o", tmp_path, "--set", "control.estimate=off")

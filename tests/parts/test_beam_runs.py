@@ -26,6 +26,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     return deck, folder / "whole"
 
 
+@pytest.mark.long
 def test_a_flight_goes_on_from_its_dump_to_the_same_bits(
     whole: tuple[Path, Path], tmp_path: Path
 ) -> None:

@@ -97,6 +97,7 @@ def test_energies_of_the_parts_are_those_of_the_whole(both: tuple[Result, Result
         assert parts == pytest.approx(whole, rel=1e-12), word
 
 
+@pytest.mark.long
 def test_pictures_show_each_part_with_its_own_nodes(both: tuple[Result, Result]) -> None:
     states = [States(run.folder) for run in both]
     low, top = (states[1].positions(-1, f"part_{name}") for name in ("low", "top"))
@@ -201,6 +202,7 @@ def test_the_mesh_of_all_parts_is_made_coarser_at_once(tmp_path: Path) -> None:
     }
 
 
+@pytest.mark.long
 def test_parts_of_a_mesh_do_not_touch_at_their_seam(tmp_path: Path) -> None:
     scene = two_parts(end_time=1e-4)
     scene["surfaces"] = {

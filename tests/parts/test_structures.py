@@ -267,6 +267,7 @@ contacts: {c: {a: [striker], b: [fender], normal: {type: penalty, stiffness: 1e8
 )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "word, speed", first_quick([("hinges", -15), ("hinges", -0.2), ("segments", -15)])
 )

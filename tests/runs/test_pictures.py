@@ -9,7 +9,6 @@ import h5py
 import numpy as np
 import pytest
 from command import crashsolve, datasets
-from quick import first_quick
 
 from crashpost.results.result import Result
 
@@ -31,7 +30,8 @@ def channel(folder: Path, name: str, time: float) -> float:
     return float(values[np.argmin(np.abs(times - time))])
 
 
-@pytest.mark.parametrize("time", first_quick([0.05, 0.25, 0.5]))
+@pytest.mark.long
+@pytest.mark.parametrize("time", [0.05, 0.25, 0.5])
 def test_bodies_and_forces_are_drawn_as_the_histories_say(
     time: float, mechanism: Path, uninterrupted: dict[Path, Path]
 ) -> None:

@@ -16,6 +16,7 @@ FRAMES = Path(__file__).resolve().parents[2] / "decks" / "scenes" / "structures"
 WORDS = ["rigid", "hinges", "segments", "beams", "shells"]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", first_quick(("cantilever", "portal", "rollover")))
 def test_a_frame_of_hinges_meets_its_expectations(name: str, tmp_path: Path) -> None:
     done = crashsolve(FRAMES / f"{name}.yaml", "-o", tmp_path, "--set", "control.estimate=off")

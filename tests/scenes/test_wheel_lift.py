@@ -10,6 +10,7 @@ LIFTED = 3.0 * MASS * GRAVITY
 RAIL_SIDE = 0.7525
 
 
+@pytest.mark.long
 def test_a_car_pulled_up_leaves_the_rails_and_falls_free_of_them(tmp_path: Path) -> None:
     scene = one_car(0.0, mu=0.0)
     scene["loads"] = {"crane": {"type": "force", "body": "car", "force": [0, 0, LIFTED]}}

@@ -73,7 +73,7 @@ def length(result: Result, channel: str) -> np.ndarray:
     return np.hypot.reduce([result.series(f"{channel}.{c}").values for c in "xyz"])
 
 
-@pytest.mark.parametrize("seed", first_quick(FEW, 3))
+@pytest.mark.parametrize("seed", first_quick(FEW))
 def test_a_model_drawn_at_random_ends_or_says_why_not(seed: int, tmp_path: Path) -> None:
     judge(seed, tmp_path)
 

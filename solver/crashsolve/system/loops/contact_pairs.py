@@ -112,8 +112,7 @@ def some_pairs(group, piece, first, end, approached, clock, h, nodes, curves, sc
             and resting.is_at_end_of_step(h, clock)
             and resting.is_below(old, new, approached, card.depth)
         ):
-            # a step that begins anew at a sample takes over what the sample has
-            new.depth = old.depth
+            new.depth = old.depth  # a step may begin anew here
             touches.add_losses(card, old)
             continue
         evaluated += 1
