@@ -38,3 +38,14 @@ def touch_of_sphere(a, b, nodes, distance, m):
     """
     n, centre = to_world_axes(b, nodes[b.node], m), world_position(nodes[a.node], vec(a.point))
     return a.radius - distance, n, add_scaled(centre, -a.radius, n)
+
+
+@kernel
+def axes_of_a(a, b, nodes):
+    """Axes of the shape on side a in those of the shape on side b."""
+    of_a, of_b = nodes[a.node], nodes[b.node]
+    return (
+        to_shape_axes(b, of_b, to_world_axes(a, of_a, (1.0, 0.0, 0.0))),
+        to_shape_axes(b, of_b, to_world_axes(a, of_a, (0.0, 1.0, 0.0))),
+        to_shape_axes(b, of_b, to_world_axes(a, of_a, (0.0, 0.0, 1.0))),
+    )

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from crashsolve.contact.narrow import _ridges, _tree, sphere_mesh
-from crashsolve.contact.narrow._frame import local_position, to_shape_axes, to_world_axes
+from crashsolve.contact.narrow._frame import axes_of_a, local_position, to_shape_axes, to_world_axes
 from crashsolve.contact.narrow.cylinder_plane import lowest
 from crashsolve.contact.narrow.sphere_mesh import FACE, beyond, by_facing, nearest, outward
 from crashsolve.contact.shape import mesh
@@ -70,7 +70,7 @@ def gap(a, b, nodes, data):
         return sphere_mesh.gap(a, b, nodes, data)
     body = nodes[b.node]
     y = local_position(b, body, world_position(nodes[a.node], vec(a.point)))
-    axes = axes_of_body(a, b, nodes)
+    axes = axes_of_a(a, b, nodes)
     if a.what == RIDGES and b.ridge_root >= 0:
         depth, N, x = _ridges.deepest(data[2], data[3], a, b.ridge_root, y, axes)
     elif a.what == RIDGES:
@@ -117,7 +117,7 @@ def gap_by(a, b, nodes, data, normal):
     )
     if a.what == RIDGES:
         return -1.0, vec(normal), y, -1.0
-    axes = axes_of_body(a, b, nodes)
+    axes = axes_of_a(a, b, nodes)
     y, _ = position(a.rho, y, axes, m)
     distance, m, over = by_facing(data[0], data[1], b, y, m)
     depth = distance if distance < 1e300 else -1.0
@@ -129,17 +129,6 @@ def gap_by(a, b, nodes, data, normal):
 def middle(a, b, nodes, n):
     """Depth beyond which an edge has no exit that is the right one; none for positions [m]."""
     return MIDDLE * min(a.half[0], a.half[1], a.half[2]) if a.what == RIDGES else inf
-
-
-@kernel
-def axes_of_body(a, b, nodes):
-    """Axes of the body in those of the mesh."""
-    of_a, of_b = nodes[a.node], nodes[b.node]
-    return (
-        to_shape_axes(b, of_b, to_world_axes(a, of_a, (1.0, 0.0, 0.0))),
-        to_shape_axes(b, of_b, to_world_axes(a, of_a, (0.0, 1.0, 0.0))),
-        to_shape_axes(b, of_b, to_world_axes(a, of_a, (0.0, 0.0, 1.0))),
-    )
 
 
 @kernel

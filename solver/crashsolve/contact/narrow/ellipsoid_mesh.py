@@ -18,7 +18,7 @@ from math import sqrt
 from crashsolve.contact.narrow import _tree
 from crashsolve.contact.narrow._ellipsoid_face import nearest_by_newton
 from crashsolve.contact.narrow._face import CORNER, EDGE, INSIDE
-from crashsolve.contact.narrow._frame import local_position, to_shape_axes, to_world_axes
+from crashsolve.contact.narrow._frame import axes_of_a, local_position, to_world_axes
 from crashsolve.contact.narrow.sphere_mesh import FACE, beyond, outward
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import world_position
@@ -34,7 +34,7 @@ def gap(a, b, nodes, data):
     """Depth [m] (negative: a gap), unit normal out of b, point of contact; world components."""
     body = nodes[b.node]
     centre = world_position(nodes[a.node], vec(a.point))
-    y, axes = local_position(b, body, centre), axes_seen(a, b, nodes)
+    y, axes = local_position(b, body, centre), axes_of_a(a, b, nodes)
     found, at, d, m = least_distance(data[0], data[1], b.root, vec(a.semi), y, axes)
     out, is_open = outward(data[1][found], at)
     inside = not is_open and dot(out, m) > 0.0
@@ -52,17 +52,6 @@ def gap(a, b, nodes, data):
         # the distance to the back
         return b.thickness + height, scale(-1.0, n), centre
     return reach - height, n, add_scaled(centre, -1.0 / reach, to_world_axes(b, body, lever))
-
-
-@kernel
-def axes_seen(a, b, nodes):
-    """Axes of the ellipsoid in those of the mesh."""
-    of_a, of_b = nodes[a.node], nodes[b.node]
-    return (
-        to_shape_axes(b, of_b, to_world_axes(a, of_a, (1.0, 0.0, 0.0))),
-        to_shape_axes(b, of_b, to_world_axes(a, of_a, (0.0, 1.0, 0.0))),
-        to_shape_axes(b, of_b, to_world_axes(a, of_a, (0.0, 0.0, 1.0))),
-    )
 
 
 @kernel
