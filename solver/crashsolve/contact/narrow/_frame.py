@@ -3,7 +3,7 @@
 from crashsolve.foundation.columns import matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import world_position
-from crashsolve.foundation.vec3 import add_scaled, sub, vec
+from crashsolve.foundation.vec3 import add_scaled, dot, scale, sub, vec
 
 
 @kernel
@@ -49,3 +49,15 @@ def axes_of_a(a, b, nodes):
         to_shape_axes(b, of_b, to_world_axes(a, of_a, (0.0, 1.0, 0.0))),
         to_shape_axes(b, of_b, to_world_axes(a, of_a, (0.0, 0.0, 1.0))),
     )
+
+
+@kernel
+def into_axes(axes, x):
+    """Components of x along three unit vectors, those of axes_of_a: from axes of b to axes of a."""
+    return dot(axes[0], x), dot(axes[1], x), dot(axes[2], x)
+
+
+@kernel
+def out_of_axes(axes, z):
+    """The vector of the components z along three unit vectors: from axes of a to axes of b."""
+    return add_scaled(add_scaled(scale(z[0], axes[0]), z[1], axes[1]), z[2], axes[2])

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.contact.narrow._frame import into_axes, out_of_axes
 from crashsolve.contact.narrow._tree import BOX, grow
 from crashsolve.contact.narrow.sphere_box import from_box
 from crashsolve.contact.narrow.sphere_cylinder import from_cylinder
@@ -115,26 +116,14 @@ def deepest(tree, segments, a, root, y, axes):
             continue
         for k in range(box.first, box.first + box.count):
             middle, half = vec(segments[k].middle), vec(segments[k].half)
-            m, g = to_body_axes(axes, sub(middle, y)), to_body_axes(axes, half)
+            m, g = into_axes(axes, sub(middle, y)), into_axes(axes, half)
             depth, N, t = exit_of(a, m, g)
             if depth > best and depth < 0.0:
                 depth, N, t = distance_of(a, m, g)
             if depth > best:
-                best, n, x = depth, to_mesh_axes(axes, N), add_scaled(middle, t, half)
+                best, n, x = depth, out_of_axes(axes, N), add_scaled(middle, t, half)
         i += 1
     return best, n, x
-
-
-@kernel
-def to_body_axes(axes, x):
-    """A direction of the mesh in the axes of the body."""
-    return dot(axes[0], x), dot(axes[1], x), dot(axes[2], x)
-
-
-@kernel
-def to_mesh_axes(axes, z):
-    """A direction of the body in the axes of the mesh."""
-    return add_scaled(add_scaled(scale(z[0], axes[0]), z[1], axes[1]), z[2], axes[2])
 
 
 @kernel

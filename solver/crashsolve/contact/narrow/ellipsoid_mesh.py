@@ -18,11 +18,17 @@ from math import sqrt
 from crashsolve.contact.narrow import _tree
 from crashsolve.contact.narrow._ellipsoid_face import nearest_by_newton
 from crashsolve.contact.narrow._face import CORNER, EDGE, INSIDE
-from crashsolve.contact.narrow._frame import axes_of_a, local_position, to_world_axes
+from crashsolve.contact.narrow._frame import (
+    axes_of_a,
+    into_axes,
+    local_position,
+    out_of_axes,
+    to_world_axes,
+)
 from crashsolve.contact.narrow.sphere_mesh import FACE, beyond, outward
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import world_position
-from crashsolve.foundation.vec3 import add, add_scaled, dot, norm, scale, sub, vec
+from crashsolve.foundation.vec3 import add_scaled, dot, norm, scale, sub, vec
 
 # cosine between the normals that meet at an edge or corner above which it lies within a flat face
 FLAT = 1.0 - 1e-12
@@ -55,22 +61,10 @@ def gap(a, b, nodes, data):
 
 
 @kernel
-def seen(axes, x):
-    """A direction of the mesh in the axes of the ellipsoid."""
-    return dot(axes[0], x), dot(axes[1], x), dot(axes[2], x)
-
-
-@kernel
-def unseen(axes, z):
-    """A direction of the ellipsoid in the axes of the mesh."""
-    return add(add(scale(z[0], axes[0]), scale(z[1], axes[1])), scale(z[2], axes[2]))
-
-
-@kernel
 def levered(s, axes, n):
     """E n."""
-    z = seen(axes, n)
-    return unseen(axes, (s[0] * s[0] * z[0], s[1] * s[1] * z[1], s[2] * s[2] * z[2]))
+    z = into_axes(axes, n)
+    return out_of_axes(axes, (s[0] * s[0] * z[0], s[1] * s[1] * z[1], s[2] * s[2] * z[2]))
 
 
 @kernel
@@ -98,12 +92,12 @@ def nearer(tree, triangles, first, last, s, y, axes, before):
             i = box.skip
             continue
         for k in range(box.first, box.first + box.count):
-            p = seen(axes, sub(vec(triangles[k].i), y))
-            q = seen(axes, sub(vec(triangles[k].j), y))
-            r = seen(axes, sub(vec(triangles[k].l), y))
+            p = into_axes(axes, sub(vec(triangles[k].i), y))
+            q = into_axes(axes, sub(vec(triangles[k].j), y))
+            r = into_axes(axes, sub(vec(triangles[k].l), y))
             _, position, d, m_k = nearest_by_newton(s, best, p, q, r, r)
             if d < best:
-                best, found, at, m = d, k, feature(position), unseen(axes, m_k)
+                best, found, at, m = d, k, feature(position), out_of_axes(axes, m_k)
         i += 1
     return found, at, best, m
 
