@@ -141,7 +141,7 @@ class Bench:
         node_contact.clear_loads(g)
         projection.update_face_lists(
             *(0.0, g.p[0], g.totals[0], g.probes, g.nodes, g),
-            Near(g.grid, g.lists, (g.spared_first, g.spared)),
+            Near(g.grid, g.lists, (g.excluded_first, g.spared)),
         )
 
     def look(self, x: Any, h: float = 1.0, is_smooth: bool = False) -> Any:
@@ -154,7 +154,7 @@ class Bench:
         sides = projection.Sides(g.probe_states, g.slot_in_use, g.found[0])
         projection.find_nearest_faces(0, position, g.p[0], g.totals[0], sides, g.mesh, g.lists)
         if is_smooth:
-            spared = (g.spared_first, g.spared)
+            spared = (g.excluded_first, g.spared)
             normals.apply_field(0, position, None, g.p[0], g.mesh, spared, g.found[0])
         hits = []
         for s in range(2):

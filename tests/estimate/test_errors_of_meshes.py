@@ -196,7 +196,7 @@ surfaces:
 contacts: {c: {a: [s], b: [p], normal: NORMAL, friction: FRICTION}}
 watch: [rbdout.b.position.x]
 """
-COULOMB = "{type: coulomb, coefficient: 0.3, none_below: 1e-3, full_above: 1e-2}"
+COULOMB = "{type: coulomb, friction_coefficient: 0.3, none_below: 1e-3, full_above: 1e-2}"
 
 
 @pytest.mark.parametrize(

@@ -363,7 +363,7 @@ def test_sets_of_a_listed_mesh_may_have_numbers(tmp_path: Path) -> None:
         "sets": [{"name": 3, "nodes": [1, 2]}],
     }
     part = meshed(tmp_path, square, supports=[{"nodes": 3, "motions": ["x"]}])
-    assert list(part.held) == [1, 1, 0, 0]
+    assert list(part.fixed) == [1, 1, 0, 0]
 
 
 def test_no_mutated_file_ends_in_anything_but_a_mesh_or_a_refusal(tmp_path: Path) -> None:

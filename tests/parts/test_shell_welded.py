@@ -40,7 +40,7 @@ def model_of(folder: Path, text: str = DECK) -> tuple[Any, Any]:
 
 def totals(model: Any, state: Any) -> tuple[float, np.ndarray, np.ndarray]:
     """Mass, mass centre and inertia about the origin of all that moves."""
-    nodes, points = state.nodes[1:], state.points[state.points["held"] < 64]
+    nodes, points = state.nodes[1:], state.points[state.points["fixed"] < 64]
     m = np.concatenate([1.0 / nodes["mass_inv"], 1.0 / points["mass_inv"]])
     x = np.concatenate([nodes["r"], points["r"]])
     A = nodes["A"].reshape(-1, 3, 3)

@@ -73,7 +73,7 @@ def moments(state: Any, model: Any) -> tuple[float, np.ndarray, np.ndarray, np.n
     points = state.points
     if len(points):
         alone = points["mass_inv"] > 0.0
-        alone &= points["held"] < 64
+        alone &= points["fixed"] < 64
         mass = np.append(mass, 1.0 / points["mass_inv"][alone])
         r, v = np.vstack([r, points["r"][alone]]), np.vstack([v, points["v"][alone]])
         J_points = 1.0 / points["J_inv"][alone]

@@ -335,7 +335,7 @@ def test_mass_and_momentum_of_impulses_go_to_the_faces(tmp_path: Path) -> None:
     impulse = {"low": [0.2, -1, -1], "high": [1, 1, 1], "speed": 3.0}
     scene["parts"]["fine"]["impulses"] = [impulse]
     model, state = built(tmp_path, scene)
-    free = state.points["held"] == 0
+    free = state.points["fixed"] == 0
     mass = 1.0 / state.points["mass_inv"][free]
     half = 7850 * 0.002 * 0.04
     assert mass.sum() == pytest.approx(2 * half, rel=1e-12)

@@ -137,7 +137,7 @@ def relax_rings(p, old, new, out, curves):
 
 
 @kernel
-def pass_through(p, j, q, old, new, out, curves):
+def apply_flow(p, j, q, old, new, out, curves):
     """Gives ring j the flow q. Writes: new, out."""
     new.flow[j] = q
     fill_one(p, j - 1, old, new, out, curves)
@@ -151,7 +151,7 @@ def solve_ring(p, j, old, new, out, curves):
     # all that either side can give
     low, high = start - new.webbing[j], start + new.webbing[j - 1]
     if low < 0.0 and high > 0.0:
-        pass_through(p, j, 0.0, old, new, out, curves)
+        apply_flow(p, j, 0.0, old, new, out, curves)
         if out.force[j] > c * out.force[j - 1]:
             low = 0.0
         elif out.force[j - 1] > c * out.force[j]:
@@ -162,7 +162,7 @@ def solve_ring(p, j, old, new, out, curves):
     onwards = low >= 0.0
     q = min(max(start, low), high)
     for _ in range(HALVINGS):
-        pass_through(p, j, q, old, new, out, curves)
+        apply_flow(p, j, q, old, new, out, curves)
         T_a, T_b = out.force[j - 1], out.force[j]
         g_a, g_b = new.softens[j - 1], new.softens[j]
         excess = T_b - c * T_a if onwards else c * T_b - T_a

@@ -19,7 +19,7 @@ from crashsolve.belts._wrap import (
     over_cylinder,
     over_ellipsoid,
     over_sphere,
-    passing,
+    straight_arc,
 )
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, SurfaceName, Vec3, quantity, word
@@ -286,7 +286,7 @@ def wrap_surface(p, j, old, new, nodes):
     arc = arc_on(p, j, old, y_a, y_b)
     if arc.touches == -2 or (arc.touches == 1 and old.touches[j] == -2):
         # it has slipped off, until it is clear of the surface
-        arc = passing(-2, y_a, y_b, 0.5, 0.0)
+        arc = straight_arc(-2, y_a, y_b, 0.5, 0.0)
         new.slipped = 1
     put_triple(new.arrive, j, add(centre, matvec(body.A, matvec(axes, arc.first))))
     put_triple(new.leave, j, add(centre, matvec(body.A, matvec(axes, arc.last))))

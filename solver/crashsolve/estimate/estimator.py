@@ -24,7 +24,7 @@ from crashsolve.estimate.mesh import LEAST, SHARE, Meshes, coarse_runs, with_mes
 from crashsolve.foundation.errors import SolverError
 from crashsolve.model.build import build
 from crashsolve.model.curve_steps import unseen
-from crashsolve.model.integrator_selection import settled
+from crashsolve.model.integrator_selection import with_chosen_method
 from crashsolve.output.channels import Family
 from crashsolve.recording.engines import is_static
 from crashsolve.recording.histories import families_of
@@ -192,7 +192,7 @@ def _without(found: Estimate, words: Sequence[str]) -> Estimate:
 def estimate_in_memory(deck: Deck) -> tuple[Samples, list[Estimate], float]:
     """A run without files: its samples, its estimates, and their price over that of the run."""
     model, state = build(deck)
-    deck = deck if is_static(deck) else settled(deck, model)
+    deck = deck if is_static(deck) else with_chosen_method(deck, model)
     estimator = Estimator(deck, families_of(model, state))
     main = estimator.companions.run(1.0)
     others = estimator.companion_runs(1.0, main.cycles, [])

@@ -123,15 +123,15 @@ def flow_rate(m, size, falls, e, limit, heat, h, before, curves, material):
     least, most, near = 0.0, INFINITE, NEAR_BENT if material.SMOOTH else NEAR
     for _ in range(PASSES):
         factor = material.rate_factor(m, r) if m.rated == 1 else 1.0
-        held = resistance(m, e, r, heat, h, factor, curves, material)
-        gap, flow = size - falls * r - held[0], held[0]
+        strength = resistance(m, e, r, heat, h, factor, curves, material)
+        gap, flow = size - falls * r - strength[0], strength[0]
         if gap <= CLOSE * flow and (r == 0.0 or gap >= -CLOSE * flow):
             break
         if gap > 0.0:
             least = r
         else:
             most = r
-        ahead = r + correction(gap, falls, held)
+        ahead = r + correction(gap, falls, strength)
         if not least < ahead < most:
             ahead = 0.5 * (least + min(most, size / falls))
         is_near, r = abs(ahead - r) <= near * r, ahead
@@ -150,8 +150,8 @@ def first_rate(m, size, falls, e, limit, heat, h, before, curves, material):
         return 0.0
     r, stress = before
     if r > 0.0 and stress > limit:
-        held = resistance(m, e, r, heat, h, stress / limit, curves, material)
-        step = correction(size - falls * r - held[0], falls, held)
+        strength = resistance(m, e, r, heat, h, stress / limit, curves, material)
+        step = correction(size - falls * r - strength[0], falls, strength)
         if abs(step) < 0.5 * r:
             return r + step
     at_once, slowed = (size - limit) / falls, material.rate_of(m, size / limit)
@@ -159,10 +159,10 @@ def first_rate(m, size, falls, e, limit, heat, h, before, curves, material):
 
 
 @inlined
-def correction(gap, falls, held):
+def correction(gap, falls, strength):
     """Step of Halley's method for the rate."""
-    steep = falls + held[1]
-    return gap * steep / (steep * steep + max(0.5 * gap * held[2], -0.5 * steep * steep))
+    steep = falls + strength[1]
+    return gap * steep / (steep * steep + max(0.5 * gap * strength[2], -0.5 * steep * steep))
 
 
 @inlined

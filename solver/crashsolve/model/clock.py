@@ -32,8 +32,8 @@ CORNER = 2
 CLOCK = Record("""
     time             s         present time
     step             s         last step taken
-    loads_at_start        W/s    f . M^-1 f of all loads at the start of the run
-    kicked_over           s      length of the last step that was not a sample
+    loads_at_start   W/s       f . M^-1 f of all loads at the start of the run
+    kicked_over      s         length of the last step that was not a sample
     next_step        s         step wanted by stability and accuracy
     goal             s         time on which a step must end; samples before it may lie within steps
     sampled          s         time of the last sample

@@ -102,7 +102,7 @@ def resolve(control: np.ndarray) -> None:
     c["step_max"] = min(c["step_max"], (c["end"] - c["start"]) / LEAST_STEPS or 1.0)
 
 
-def settled(deck: Deck, model: Model) -> Any:
+def with_chosen_method(deck: Deck, model: Model) -> Any:
     """The deck with the method of its model: runs beside this one must not choose anew."""
     resolves = bool(model.control[0]["resolves"])
     chosen = {"integrator": model.integrator, "resolve": resolves}

@@ -30,7 +30,7 @@ PIECE = Record("""
     speed          m/s    the largest of them
 """)
 ORIGINAL = Record("""
-    point  index  whose forces a replica collects
+    point      index  whose forces a replica collects
     is_damped  flag   whether its element has damping
 """)
 SPAN = Record("""

@@ -84,7 +84,7 @@ def _transfer_mass(rows: np.ndarray, card: Tie, scene: Scene) -> None:
             np.add.at(whole, corners, share)
             for part in scene.on_mesh_of(bearing):
                 part.momentum = whole
-        tied.held[node] = ATTACHED
+        tied.fixed[node] = ATTACHED
         scene.tied_mass += float(tied.mass[node])
 
 

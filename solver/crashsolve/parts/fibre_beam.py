@@ -127,7 +127,7 @@ def force(
     k, k_r = p.stiffness, p.rotational_stiffness
     f, m = (N, k[1] * u[1], k[2] * u[2]), (k_r[0] * theta[0], M_y, M_z)
     elastic = k[1] * u[1] * u[1] + k[2] * u[2] * u[2] + k_r[0] * theta[0] * theta[0]
-    slow = p.viscosity - p.quick_viscosity * min(u_dot[0], 0.0)
+    slow = p.viscosity - p.quadratic_viscosity * min(u_dot[0], 0.0)
     lag = (
         (p.damping * k[0] + slow) * u_dot[0],
         p.damping * k[1] * u_dot[1],
@@ -202,13 +202,13 @@ def tangent(p: Parameters, state: History, nodes, curves, rows, first, material)
     strained = element.deformation(p, a, b, R, v, w)
     _, _, by_rate = yielding(p, state, 0.0, curves, strained, material)
     weight, side = fibres.squares(by_rate)
-    resist_rate(rows[first], R, v, w, strained, (1.0, side[0], side[1]), weight[0])
-    resist_rate(rows[first + 1], R, v, w, strained, (0.0, 1.0, side[2]), weight[1])
-    resist_rate(rows[first + 2], R, v, w, strained, (0.0, 0.0, 1.0), weight[2])
+    add_rate_tangent(rows[first], R, v, w, strained, (1.0, side[0], side[1]), weight[0])
+    add_rate_tangent(rows[first + 1], R, v, w, strained, (0.0, 1.0, side[2]), weight[1])
+    add_rate_tangent(rows[first + 2], R, v, w, strained, (0.0, 0.0, 1.0), weight[2])
 
 
 @kernel
-def resist_rate(row, R, v, w, strained, flow, damping):
+def add_rate_tangent(row, R, v, w, strained, flow, damping):
     """Tangent of N, M_y and M_z in this proportion. Writes: row."""
     bent = strained[5]
     f, m = scale(flow[0], bent[3]), add_scaled((0.0, flow[1], flow[2]), flow[0], bent[4])

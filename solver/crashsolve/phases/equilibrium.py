@@ -74,8 +74,8 @@ def after_step(p: Columns, engine: PhasedEngine) -> None:
         kinetic = 0.0
     memory["kinetic"] = kinetic
     if memory["share"] < 1.0:
-        passed = float(engine.clock["time"]) - float(engine.model.control[0]["start"])
-        engine.raise_loads(min(ceil(STEPS * passed / _rise(p, engine)) / STEPS, 1.0))
+        elapsed = float(engine.clock["time"]) - float(engine.model.control[0]["start"])
+        engine.raise_loads(min(ceil(STEPS * elapsed / _rise(p, engine)) / STEPS, 1.0))
 
 
 def end(p: Columns, engine: PhasedEngine) -> None:

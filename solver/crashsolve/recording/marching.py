@@ -182,7 +182,7 @@ def _passed(model: Model) -> np.ndarray:
     """Rows of PASSED: times at which pairs passed, of every group that notes them."""
     found = []
     for group in model.contact_groups:
-        if "passed" in (group.history.dtype.names or ()) and group.history.shape[1]:
-            column, (half, stride) = group.history["passed"], group.history.strides
+        if "pass_time" in (group.history.dtype.names or ()) and group.history.shape[1]:
+            column, (half, stride) = group.history["pass_time"], group.history.strides
             found.append((column.ctypes.data, stride, group.history.shape[1], half))
     return np.array(found, march.PASSED.dtype)

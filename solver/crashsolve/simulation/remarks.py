@@ -32,7 +32,7 @@ OF_BEAMS = ("strain", "curvature")
 STEPS, COLLAPSED = 20, 1e-3
 
 
-def pressed_at_start(engine: Engine) -> list[str]:
+def touching_at_start(engine: Engine) -> list[str]:
     """Contacts that touch when the run begins, with the energy that sets their bodies in motion."""
     return overloaded_tyres(engine) + [
         f"contact '{name}' touches at the start: it begins up to {card['depth']:.3g} m deep, with "
@@ -59,7 +59,7 @@ def overloaded_tyres(engine: Engine) -> list[str]:
     ]
 
 
-def settling(engine: Engine) -> list[str]:
+def contacts_without_depth(engine: Engine) -> list[str]:
     """Contacts that begin without any depth between bodies at rest, while loads act."""
     model, state = engine.model, engine.state
     loaded = any(group.keyword == "loads" for group in model.groups)
@@ -80,10 +80,10 @@ def settling(engine: Engine) -> list[str]:
     ]
 
 
-def pressed_deep(engine: Engine) -> list[str]:
+def deep_round_contacts(engine: Engine) -> list[str]:
     """Contacts of round sides so deep that one can slip by the other: no other check finds this."""
     now = engine.state.card_history[int(engine.clock["current"])]
-    return driven_deep(engine) + [
+    return deep_points(engine) + [
         f"contact '{name}': the penetration reached {100.0 * share:.0f} % of the half thicknesses "
         "of both sides; such a soft contact hardly keeps one body from passing through the other: "
         "make the contact stiffer"
@@ -92,7 +92,7 @@ def pressed_deep(engine: Engine) -> list[str]:
     ]
 
 
-def driven_deep(engine: Engine) -> list[str]:
+def deep_points(engine: Engine) -> list[str]:
     """Contacts of points and of nodes of shells that penetrated deeply."""
     worst: dict[str, tuple[float, float, float]] = {}
     for g in engine.model.nodal_groups:
@@ -112,7 +112,7 @@ def driven_deep(engine: Engine) -> list[str]:
 
 def range_warnings(engine: Engine) -> list[str]:
     """Warnings of laws outside their range of validity."""
-    found = (read_beyond, pressed_deep, hourglass_share, crushed_hinges, compressed, crushed)
+    found = (read_beyond, deep_round_contacts, hourglass_share, crushed_hinges, compressed, crushed)
     return [text for of in found for text in of(engine)]
 
 

@@ -12,7 +12,7 @@ Consequence to test: rows and blocks together are the derivative of the force.
 from typing import NamedTuple
 
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.sparse.bordered import resist_far, resist_own
+from crashsolve.foundation.sparse.bordered import subtract_coupling, subtract_own
 from crashsolve.foundation.vec3 import ZERO, Vector, add, cross, dot, scale, sub, unit
 from crashsolve.springs._between import SHORTEST, line_of_action
 
@@ -52,10 +52,10 @@ def rotation_end(own, far, k, end, blocks):
     swung = cross(direction, end.d) if k >= 3 else ZERO
     f = rotated(end.u, end.tension / end.length, direction if k < 3 else swung)
     on_own = add(cross(end.d, f), cross(swung, scale(end.tension, end.u)))
-    resist_own(blocks[own], k, f, on_own)
+    subtract_own(blocks[own], k, f, on_own)
     if across >= 0:
         back = scale(-1.0, f)
-        resist_far(blocks[across], k, is_column, back, cross(end.d_far, back))
+        subtract_coupling(blocks[across], k, is_column, back, cross(end.d_far, back))
 
 
 @kernel

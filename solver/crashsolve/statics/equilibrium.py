@@ -349,14 +349,14 @@ class StaticEngine(Engine):
     ) -> tuple[np.ndarray, np.ndarray]:
         """Matrix (6 n, 6 n) and right side (6 n,) of Newton's equation, of dg/dq in columns."""
         scale = self._constraint_stiffness(columns) / max(np.abs(D).max(initial=0.0) ** 2, 1e-300)
-        held = np.einsum("mi,mj->ij", D, D)
-        return columns - scale * held, -g + scale * np.einsum("mi,m->i", D, phi)
+        penalty = np.einsum("mi,mj->ij", D, D)
+        return columns - scale * penalty, -g + scale * np.einsum("mi,m->i", D, phi)
 
     def _constraint_stiffness(self, columns: np.ndarray) -> float:
         """The scale [N/m] of constraint rows, above round-off also where drivers hold all nodes."""
-        own, held = self.nodes[self.free], np.abs(self.rows["reaction"]).max(initial=0.0)
+        own, reaction = self.nodes[self.free], np.abs(self.rows["reaction"]).max(initial=0.0)
         stiffest = (own["stiffness"] / own["mass_inv"]).max(initial=0.0)
-        largest = max(np.abs(columns).max(initial=0.0), stiffest, held / self.model.size)
+        largest = max(np.abs(columns).max(initial=0.0), stiffest, reaction / self.model.size)
         # larger than the stiffness, which softening might cancel otherwise
         return 10.0 * float(largest) or 1.0
 
@@ -399,8 +399,8 @@ class StaticEngine(Engine):
         moved = np.einsum("mni,nij->mnj", D.reshape(-1, len(nodes), 6), mobility).reshape(D.shape)
         rows = np.einsum("mi,ki->mk", moved, D)
         rows += SHARED * np.abs(rows).max(initial=0.0) * np.eye(len(D))
-        held = eliminate(rows, np.einsum("mi,ik->mk", moved, columns))
-        return columns - np.einsum("mi,mk->ik", D, held)
+        eliminated = eliminate(rows, np.einsum("mi,ik->mk", moved, columns))
+        return columns - np.einsum("mi,mk->ik", D, eliminated)
 
     def _beams(self) -> np.ndarray:
         """The derivative (6 n, 6 n) of the forces of beam elements alone."""

@@ -49,7 +49,7 @@ def passes_limit_point(
         # near a limit point the tangent of the lower equilibrium overestimates the change
         return True
     if change <= FAR * forward + NOWHERE:
-        return missing > WHOLE and _leads_elsewhere(engine, start, start_time, target, change)
+        return missing > WHOLE and _ends_elsewhere(engine, start, start_time, target, change)
     tangent = engine.tangent
     backward = engine.size_of(engine.correction(start_time))
     # as it was: loads of the target, and its tangent
@@ -57,10 +57,10 @@ def passes_limit_point(
     engine.tangent = tangent
     if change > FAR * max(forward, backward):
         return True
-    return missing > WHOLE and _leads_elsewhere(engine, start, start_time, target, change)
+    return missing > WHOLE and _ends_elsewhere(engine, start, start_time, target, change)
 
 
-def _leads_elsewhere(
+def _ends_elsewhere(
     engine: Any, start: np.ndarray, start_time: float, target: float, change: float
 ) -> bool:
     """Whether the way back from an equilibrium ends far from the nodes where it began."""

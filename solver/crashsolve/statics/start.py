@@ -104,7 +104,7 @@ class _Correction:
         return np.asarray((closing + free).reshape(-1, 6))
 
 
-def _held_inverse(matrix: np.ndarray, M: np.ndarray, tau: float) -> np.ndarray:
+def _constrained_inverse(matrix: np.ndarray, M: np.ndarray, tau: float) -> np.ndarray:
     """Inverse of `matrix` but for motions that nothing holds, which keep their coordinates."""
     half = np.linalg.inv(np.linalg.cholesky(0.5 * (M + M.T)))
     U, values, V = np.linalg.svd(half @ matrix @ half.T)
@@ -243,7 +243,7 @@ class _EquilibriumSearch:
         mass = self._mass()
         matrix = Z.T @ (mass / tau**2 - G) @ Z
         if self.drifts:
-            inverse = _held_inverse(matrix, Z.T @ mass @ Z, tau)
+            inverse = _constrained_inverse(matrix, Z.T @ mass @ Z, tau)
         else:
             inverse = np.linalg.pinv(matrix, rcond=1e-15)
         found = _Correction(state, Z, G, inverse, np.zeros((0, 6)), 0.0)

@@ -140,7 +140,7 @@ def refinement_of(curve: Curve, refinements: Sequence[Refinement]) -> Refinement
     return next((x for x in refinements if any(c is curve for c in x.curves)), None)
 
 
-def doubt(source: Source) -> tuple[bool, float]:
+def sort_key(source: Source) -> tuple[bool, float]:
     """Divergence and error, by which sources are ordered, the best first."""
     error = source.convergence.error
     return source.convergence.diverges, error if isfinite(error) else float("inf")

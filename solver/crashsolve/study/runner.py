@@ -246,7 +246,7 @@ def _verdict(findings: list[Finding], trials: list[Trial], target: float) -> str
 def _advice(findings: list[Finding], trials: list[Trial], target: float, left_out: str) -> str:
     """The nearest setting where none meets the wanted error, and what would be needed."""
     text = f"target {target:g}: none of these settings meets it{left_out}"
-    doubtful = [f.watch.name for f in findings if f.is_doubtful(target)]
+    doubtful = [f.watch.name for f in findings if f.is_uncertain(target)]
     if doubtful:
         return f"{text}; not to be trusted: {', '.join(doubtful)}"
     usable = [trial for trial in trials if isfinite(worst(findings, trial))]

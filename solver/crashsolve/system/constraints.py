@@ -53,7 +53,7 @@ def scatter(rows, nodes):
         # rows of a joint have the same nodes, and add up before these are written
         pushes = (ZERO, ZERO, ZERO, ZERO)
         while k < count and rows[k].node_a == node_a and rows[k].node_b == node_b:
-            pushes = pushed_more(pushes, rows[k].D, rows[k].delta)
+            pushes = add_row_forces(pushes, rows[k].D, rows[k].delta)
             k += 1
         a, b = nodes[node_a], nodes[node_b]
         add_to(a.joint_force, pushes[0])
@@ -63,7 +63,7 @@ def scatter(rows, nodes):
 
 
 @inlined
-def pushed_more(pushes, D, multiplier):
+def add_row_forces(pushes, D, multiplier):
     """Force and torque on a, and on b, with those of one more row."""
     return (
         add_scaled(pushes[0], multiplier, (D[0], D[1], D[2])),

@@ -65,7 +65,7 @@ def diagnose(model: Model, state: State, clock: np.void, ledger: np.ndarray) -> 
         found = broken_velocities(model, state)
     elif status == UNSOLVED:
         cause = f"the equations of a step have no solution (the next step would be {step:.3g} s)"
-        found = "the model", cause, pass_it(model, state)
+        found = "the model", cause, advice_on_step(model, state)
     elif status == UNHELD:
         lack = f"{float(clock['value']):.3g} m"
         cause = f"nodes of unilateral constraints leave their surface by {lack}"
@@ -75,9 +75,9 @@ def diagnose(model: Model, state: State, clock: np.void, ledger: np.ndarray) -> 
     elif status == STEP_TOO_SMALL:
         found = collapsed_step(model, state, int(clock["limit_node"]), step)
     elif status == CONTACT_GAIN:
-        found = gaining_contact(model, state, clock)
+        found = find_contact_gain(model, state, clock)
     elif status == LAW_GAIN:
-        found = gaining_law(model, state)
+        found = find_law_gain(model, state)
     elif status == CURVE_END:
         found = curve_end(model, clock)
     else:
@@ -114,11 +114,11 @@ def _passed_pairs(model: Model, state: State) -> list[_Passed]:
     """Pairs of elements on bodies."""
     current, found = int(state.clock[0]["current"]), []
     for group in model.contact_groups:
-        if "passed" not in (group.history.dtype.names or ()):
+        if "pass_time" not in (group.history.dtype.names or ()):
             continue
         history = group.history[current]
-        for i in np.flatnonzero(history["passed"]):
-            p, time = group.parameters[i], float(history["passed"][i])
+        for i in np.flatnonzero(history["pass_time"]):
+            p, time = group.parameters[i], float(history["pass_time"][i])
             a, b = group.elements_a[p["a"]], group.elements_b[p["b"]]
             names = [
                 f"'{model.bodies[side['node']]}'" if side["node"] else "the ground"
@@ -142,10 +142,10 @@ def _passed_nodes(model: Model) -> list[_Passed]:
         location = f"contact '{group.card}'"
         if group.narrow is None:
             what = "a node or ball has passed through faces"
-            times = group.arrays["totals"]["passed"]
+            times = group.arrays["totals"]["pass_time"]
         elif group.has_ends:
             what = "a node has passed the middle of what it strikes"
-            times = group.arrays["probe_states"]["passed"]
+            times = group.arrays["probe_states"]["pass_time"]
         else:
             continue
         if times.any():
@@ -160,7 +160,7 @@ def closer(model: Model, state: State) -> str:
     return "take a shorter step: reduce control.safety or control.step"
 
 
-def pass_it(model: Model, state: State) -> str:
+def advice_on_step(model: Model, state: State) -> str:
     """Advice where no step of a method succeeds."""
     look = "look for a singular configuration, or a jump in a curve or law; integrator: rattle"
     if chooses_step(model, state):
@@ -212,7 +212,7 @@ def collapsed_step(model: Model, state: State, limit_node: int, step: float) -> 
     return (
         "the model",
         f"no step is short enough for control.tolerance (the next would be {step:.3g} s)",
-        pass_it(model, state),
+        advice_on_step(model, state),
     )
 
 
@@ -299,26 +299,26 @@ def velocity_error(model: Model, state: State) -> np.ndarray:
 def advice_on_gain(model: Model, card: int) -> str:
     """What to know of a contact card that creates energy, where steps help little; or nothing."""
     groups = [g for g in model.nodal_groups if int(g.arrays["p"]["card"][0]) == card]
-    if any(group.meets_itself for group in groups):
+    if any(group.is_self_contact for group in groups):
         return OWN_FACES
     has_balls = any(g.narrow is None and g.arrays["p"]["share"][0] > 0.0 for g in groups)
     return IN_A_DENT if has_balls else ""
 
 
-def gaining_contact(model: Model, state: State, clock: np.void) -> Diagnosis:
+def find_contact_gain(model: Model, state: State, clock: np.void) -> Diagnosis:
     """A contact card whose normal force, or friction, has created energy."""
     number, is_friction = int(clock["index"]), float(clock["value"]) == 1.0
     card = state.card_history[int(clock["current"])][number]
-    held, exchanged = max(float(card["initially_stored"]), 0.0), float(card["exchanged"])
+    initial, exchanged = max(float(card["initially_stored"]), 0.0), float(card["exchanged"])
     taken = 0.5 * (exchanged - float(card["work"]))
-    gained = float(card["work"]) - held
+    gained = float(card["work"]) - initial
     if is_friction:
         gained, exchanged = float(card["friction_work"]), float(card["friction_exchanged"])
-        taken, held = 0.5 * (exchanged - gained), 0.0
+        taken, initial = 0.5 * (exchanged - gained), 0.0
     force = "friction" if is_friction else "the normal force"
     cause = (
         f"{force} has created energy: it has given its bodies {gained:.3g} J more than it took "
-        f"from them ({taken:.3g} J) and stored at the start ({held:.3g} J)"
+        f"from them ({taken:.3g} J) and stored at the start ({initial:.3g} J)"
     )
     known, shorter = advice_on_gain(model, number), closer(model, state)
     advice = f"{known}; or {shorter}" if known else shorter
@@ -326,7 +326,7 @@ def gaining_contact(model: Model, state: State, clock: np.void) -> Diagnosis:
     return f"contact '{model.contacts[number]}'", cause, advice
 
 
-def gaining_law(model: Model, state: State) -> Diagnosis:
+def find_law_gain(model: Model, state: State) -> Diagnosis:
     """The spring, belt, hinge or tyre that has created most energy over what it took and gave."""
     current, most, where, why = int(state.clock[0]["current"]), 0.0, "", ""
     limit = float(model.control[0]["energy_limit"])
@@ -341,15 +341,18 @@ def gaining_law(model: Model, state: State) -> Diagnosis:
 
 def _gain_of(now: Any, stored: float, limit: float) -> tuple[float, str]:
     """Energy that a law has created, over the energy it exchanged, and in words."""
-    taken, held = 0.5 * float(now["exchanged"] - now["given"]), float(now["initially_stored"])
+    taken, initial = (
+        0.5 * float(now["exchanged"] - now["work_done"]),
+        float(now["initially_stored"]),
+    )
     gain = float(energy_gain(now, stored))
     if overstates(now, stored, limit, 0.0) and not has_gain(now, stored, limit, 0.0):
         stated = stored + float(now["dissipated"])
         return 1.0 / (1.0 - OVERSTATED), (
             f"its force turns a velocity round in every step: it states to have lost and to hold "
-            f"{stated:.3g} J, and has been given {held - float(now['given']):.3g} J"
+            f"{stated:.3g} J, and has been given {initial - float(now['work_done']):.3g} J"
         )
     return gain / max(float(now["exchanged"]), 1e-300), (
         f"its force has created energy: it has given its bodies {gain:.3g} J more than it took "
-        f"from them ({taken:.3g} J) and stored at the start ({held:.3g} J)"
+        f"from them ({taken:.3g} J) and stored at the start ({initial:.3g} J)"
     )

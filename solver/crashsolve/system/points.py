@@ -35,7 +35,7 @@ def apply_drag(clock, h, p, old, new, points):
     lost = 0.0
     if p.drag > 0.0:
         for i in range(p.first_point, p.first_point + p.point_count):
-            if points[i].held < ATTACHED:
+            if points[i].fixed < ATTACHED:
                 lost += drag_point(clock, h * p.drag, points[i])
     new.damped = old.damped + lost
 
@@ -121,7 +121,7 @@ def transfer_reactions(nodes, points, holds):
 @kernel
 def transfer_reaction(b, ground):
     """Take the held components from force and torque. Writes: b, ground."""
-    f, t = constrained_part(vec(b.force), b.held), constrained_part(vec(b.torque), b.held >> 3)
+    f, t = constrained_part(vec(b.force), b.fixed), constrained_part(vec(b.torque), b.fixed >> 3)
     put(b.force, sub(vec(b.force), f))
     put(b.torque, sub(vec(b.torque), t))
     # the reaction is -f, and its moment about the origin -r x f
@@ -148,7 +148,7 @@ def transfer_attached_reactions(nodes, points):
     Writes: points, nodes.
     """
     for i in range(points.shape[0]):
-        if points[i].held % ATTACHED > 0:
+        if points[i].fixed % ATTACHED > 0:
             transfer_reaction(points[i], nodes[0])
 
 
@@ -179,7 +179,7 @@ def sum_momenta(points, total):
     total.linear_size = total.angular_size = 0.0
     for i in range(points.shape[0]):
         b = points[i]
-        if b.held >= ATTACHED:
+        if b.fixed >= ATTACHED:
             continue
         r, p, spin = vec(b.r), scale(1.0 / b.mass_inv, vec(b.v)), scale(1.0 / b.J_inv, vec(b.w))
         add_to(total.linear, p)

@@ -134,8 +134,8 @@ def flow_tangent(m, old, i, eps, h, curves, material):
     if rate == 0.0:
         return old.plastic[i], 0.0
     factor = material.rate_factor(m, rate) if m.rated == 1 else 1.0
-    held = resistance(m, old.hardening[i], rate, heat, h, factor, curves, material)
-    share = m.young * h / ((m.young + m.kinematic) * h + held[1])
+    strength = resistance(m, old.hardening[i], rate, heat, h, factor, curves, material)
+    share = m.young * h / ((m.young + m.kinematic) * h + strength[1])
     return old.plastic[i] + (h * rate if xi > 0.0 else -h * rate), m.young * share
 
 

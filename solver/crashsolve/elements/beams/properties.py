@@ -74,7 +74,7 @@ def damping_row(card: Damped, section: Columns, material: Columns, scene: Scene)
     return {
         "damping": card.damping,
         "viscosity": b_1 * per_length * speed,
-        "quick_viscosity": b_2_squared * per_length,
+        "quadratic_viscosity": b_2_squared * per_length,
     }
 
 
@@ -95,7 +95,7 @@ def ends_row(
             f"node_{end}": node,
             f"drag_{end}": card.drag * half / masses[k],
             f"rate_{end}": rates[k],
-            f"taut_{end}": rate_of_tension(row, masses[k], J),
+            f"tension_rate_{end}": rate_of_tension(row, masses[k], J),
         }
     return ends
 

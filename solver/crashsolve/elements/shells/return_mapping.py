@@ -49,8 +49,8 @@ def at_rate(m, e, grown, heat, h, curves, material):
     """Yield stress after a growth of the plastic strain in a step of h, and its slope by that."""
     rate = grown / h
     factor = material.rate_factor(m, rate)
-    held = resistance(m, e, rate, heat, h, factor, curves, material)
-    return held[0], held[1] / h
+    strength = resistance(m, e, rate, heat, h, factor, curves, material)
+    return strength[0], strength[1] / h
 
 
 @inlined
@@ -123,7 +123,7 @@ def return_to_tangents(blocks, at, slots, to, h, m, curves, material):
     for _ in range(PASSES):
         note_sides(slots, to)
         iterate(slots, to, 1, m)
-        stay_between(slots, to)
+        bisect_root(slots, to)
         evaluate_tangents(blocks, at, slots, to, h, m, curves, material)
         largest = largest_residual(slots, to)
         if has_converged(largest, before):
@@ -142,7 +142,7 @@ def note_sides(slots, to):
 
 
 @blockwise
-def stay_between(slots, to):
+def bisect_root(slots, to):
     """Half way between what holds the root where a tangent leads beyond, as at a corner of a law.
 
     Writes: slots.

@@ -26,9 +26,9 @@ from crashsolve.model.contact.near_faces import (
     excluded_faces,
     faces_around,
     faces_beside,
+    faces_within_reach,
     merged,
     nothing,
-    spare_along,
 )
 from crashsolve.model.nodes import NODE
 from crashsolve.model.partition import PIECES
@@ -97,7 +97,7 @@ TOTALS = Record("""
     friction_loss   J      lost by friction
     depth           m      deepest touch
     deepest         m      the same of all steps
-    passed          s      time at which a probe has passed through faces; 0: none has
+    pass_time       s      time at which a probe has passed through faces; 0: none has
 """)
 PROBE_STATE = Record("""
     active        flag      touching
@@ -327,10 +327,10 @@ class NodalBuilder:
         ).max(axis=1)
         gap = probes.radius + 0.5 * (card.thickness or meshed.card.thickness)
         around = faces_around(quads, len(meshed.mass))
-        spared = nothing(len(probes.rows))
+        excluded = nothing(len(probes.rows))
         if is_own:
             self._refuse_too_thick(gap, meshed, card.part)
-            spared = self._excluded_faces(meshed, probes.meshed.used, card.ring, FOLDED * gap)
+            excluded = self._excluded_faces(meshed, probes.meshed.used, card.ring, FOLDED * gap)
         room = ROOM * len(probes.rows)
         buckets = 1 << int(2 * count - 1).bit_length()
         values = {
@@ -353,8 +353,8 @@ class NodalBuilder:
             "deleted": np.zeros(count, np.int64),
             "around_first": around[0],
             "around": around[1],
-            "spared_first": spared[0],
-            "spared": spared[1],
+            "excluded_first": excluded[0],
+            "excluded": excluded[1],
             **round_ones,
         }
         if round_ones:
@@ -367,7 +367,7 @@ class NodalBuilder:
         quads, points = np.concatenate([meshed.mesh.quads, *others]), meshed.mesh.points
         around = faces_around(quads, len(points))
         near = excluded_faces(quads, around, ring)
-        found = merged(near, spare_along(points, quads, around, reach))
+        found = merged(near, faces_within_reach(points, quads, around, reach))
         return found if not others else chosen(*found, nodes, len(meshed.mesh.quads))
 
     def _refuse_too_thick(self, gap: float, meshed: DiscretisedShell, part: str) -> None:

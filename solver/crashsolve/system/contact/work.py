@@ -107,7 +107,7 @@ def add_end_work(applied, u, f, n, x, out, new, card):
     Writes: new, card.
     """
     card.work += 0.5 * applied * f * dot(n, u)
-    card.held += out.stored
+    card.stored += out.stored
     put(new.push, scale(f, n))
     put(new.position, x)
 

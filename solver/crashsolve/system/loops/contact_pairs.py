@@ -37,7 +37,7 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
     """Forces of the pairs of a group, or of a piece. Writes: totals, outputs, new histories."""
     if group.body_pairs is not None:
         if resting.is_at_end_of_step(h, clock):
-            look_at_deepest(group, clock, nodes, scene)
+            evaluate_deepest(group, clock, nodes, scene)
         for k in range(group.body_pairs.shape[0]):
             both = group.body_pairs[k]
             card = scene.cards[both.card]
@@ -58,7 +58,7 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
 
 
 @apart
-def look_at_deepest(group, clock, nodes, scene):
+def evaluate_deepest(group, clock, nodes, scene):
     """Depth of a pair of each card that may be the deepest, so that a sample looks at few others.
 
     The pairs of a card follow each other. Writes: cards.depth.
@@ -68,7 +68,7 @@ def look_at_deepest(group, clock, nodes, scene):
         number, bound, at = pairs[k].card, -1e300, 0
         while k < pairs.shape[0] and pairs[k].card == number:
             both = pairs[k]
-            if both.rests == 0 or both.depth + both.approached > bound:
+            if both.skipped == 0 or both.depth + both.approached > bound:
                 for i in range(both.first, both.end):
                     depth = history[clock.current, i].depth + both.approached
                     if depth > bound:
@@ -100,15 +100,20 @@ def some_pairs(group, piece, first, end, approached, clock, h, nodes, curves, sc
         m, w = nodes[a.node], nodes[b.node]
         totals = sums_of(group, piece, i, clock, p, m, w, scene)
         card, count, displacement = totals.card, totals.count, 0.0
-        if KICK_DRIFT_KICK and (group.rests or group.follows_exit) and h > 0.0:
+        if KICK_DRIFT_KICK and (group.skips_pairs or group.follows_exit) and h > 0.0:
             displacement = resting.largest_approach(p, m, w)
-        if KICK_DRIFT_KICK and group.rests and h > 0.0 and resting.can_skip(old, new, displacement):
+        if (
+            KICK_DRIFT_KICK
+            and group.skips_pairs
+            and h > 0.0
+            and resting.can_skip(old, new, displacement)
+        ):
             new.depth = old.depth + displacement
             touches.add_losses(card, new)
             continue
         if (
             KICK_DRIFT_KICK
-            and group.rests
+            and group.skips_pairs
             and resting.is_at_end_of_step(h, clock)
             and resting.is_below(old, new, approached, card.depth)
         ):
@@ -138,7 +143,7 @@ def some_pairs(group, piece, first, end, approached, clock, h, nodes, curves, sc
             continue
         pair, meeting = Pair(p, old, new, out, a, b, m, w), ContactPoint(depth, n, x, motion)
         apply_forces(group, clock, h, pair, totals, meeting, nodes, curves, scene)
-        if group.keeps_faces and old.held == 1 and not held:
+        if group.keeps_faces and old.retains_face == 1 and not held:
             # it leaves its own face sideways, deep within
             new.dissipated += max(
                 pass_through.released_energy(clock, h, old, n, stored) - out.stored, 0.0

@@ -8,9 +8,9 @@ from crashsolve.system import points
 from crashsolve.system.contact import node_contact
 from crashsolve.system.loops.many_pairs import (
     approach_piece,
-    bear_piece,
+    load_bodies_piece,
     nearest_of_pieces,
-    press_piece,
+    pair_forces_piece,
     sum_pieces,
 )
 from crashsolve.system.loops.nodal.searches import search_faces, search_shapes
@@ -36,7 +36,7 @@ def share(number, pieces, clock, h, scene):
 
 
 @kernel
-def share_looks(group, clock, h, scene):
+def share_search(group, clock, h, scene):
     """Look for the probes of a group with all threads. Writes: group.found, seen, looks."""
     for number, other in enumerate(NODAL):
         if other is group:
@@ -79,7 +79,7 @@ def contact_in_pieces(group, clock, h, scene):
         share(jobs.BEAR, group.ranges.shape[0], clock, h, scene)
     else:
         for k in range(group.pieces.shape[0]):
-            press_piece(group, k, clock, h, scene)
+            pair_forces_piece(group, k, clock, h, scene)
     sum_pieces(group, clock, scene)
 
 
@@ -122,7 +122,7 @@ def do_piece(k, me, clock, scene):
     if ELEMENT_LOADS and job.number == jobs.LOAD:
         load_piece(k, job, scene)
     elif NODAL and job.number == jobs.LOOK:
-        look_piece(k, me, job.group, scene)
+        search_piece(k, me, job.group, scene)
     elif NODAL and job.number == jobs.SPEED:
         speed_piece(k, scene)
     elif ELEMENTS and job.number == jobs.OPEN:
@@ -143,9 +143,9 @@ def pairs_piece(k, job, scene):
     for number, group in enumerate(CONTACTS):
         if group.in_pieces and job.group == number:
             if job.number == jobs.PRESS:
-                press_piece(group, k, scene.leader[0], job.h, scene)
+                pair_forces_piece(group, k, scene.leader[0], job.h, scene)
             elif job.number == jobs.BEAR:
-                bear_piece(group, k, scene)
+                load_bodies_piece(group, k, scene)
             else:
                 approach_piece(group, k, scene.leader[0], job.floor, scene)
 
@@ -197,15 +197,15 @@ def speed_piece(k, scene):
 
 
 @kernel
-def look_piece(k, me, number, scene):
+def search_piece(k, me, number, scene):
     """Search with some probes of a contact. Writes: group.found, seen, looks."""
     for number_of, group in enumerate(NODAL):
         if number == number_of and not group.keeps_faces:
-            look_for(group, k, me, scene)
+            search_probes(group, k, me, scene)
 
 
 @kernel
-def look_for(group, k, me, scene):
+def search_probes(group, k, me, scene):
     """Look for those probes of a range that are due. Writes: group.found, seen, looks."""
     one, last, count = group.looks[k], group.probes.shape[0], 0
     if k + 1 < group.looks.shape[0]:

@@ -292,9 +292,9 @@ def stiffness_moved(flat, moved, area, grown_by, p, t):
 
 
 @inlined
-def enter_shear(change, e, stiff):
+def set_shear_changes(change, e, stiff):
     """Set the change of the trial transverse shear at a point. Writes: change."""
-    at, to = LANES * (CHANGE.strain + 10) + e, LANES * (CHANGE.enters + SHEAR_IN) + e
+    at, to = LANES * (CHANGE.strain + 10) + e, LANES * (CHANGE.point_strain + SHEAR_IN) + e
     change[to], change[to + LANES] = stiff * change[at], stiff * change[at + LANES]
 
 

@@ -48,7 +48,7 @@ CHANGE = rows_of(
         across        1               strain across the thickness
         sums          N/m, N       8  over the points
         relaxed       1               share of all that is relaxed
-        enters        1       {SIDE}  at a point of the plane
-        comes         Pa m    {SIDE}  out of it
+        point_strain  1       {SIDE}  strains and curvatures at a point of the plane
+        point_stress  Pa m    {SIDE}  resultants of that point
     """)
 )

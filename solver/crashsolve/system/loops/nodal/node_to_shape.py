@@ -5,7 +5,7 @@ from crashsolve.system.contact import node_contact, pass_through, surface_fricti
 from crashsolve.system.contact.pair import ProbeHit, ProbeResponse, Touch
 from crashsolve.system.loops.nodal.searches import search_shapes
 from crashsolve.system.loops.nodal.surface_friction import friction_on_shape
-from crashsolve.system.loops.pieces import find_fastest, share_looks
+from crashsolve.system.loops.pieces import find_fastest, share_search
 from crashsolve.system.placeholders import THREADS
 
 
@@ -20,7 +20,7 @@ def node_to_shape(group, clock, h, nodes, curves, scene):
     copies = (group.frames, first_body, group.home)
     node_contact.update_shapes(h, p, totals, probes, nodes, scene, copies)
     if THREADS and not group.keeps_faces:
-        share_looks(group, clock, h, scene)
+        share_search(group, clock, h, scene)
         for k in range(group.looks.shape[0]):
             one = group.looks[k]
             for j in range(one.first, one.first + one.count):

@@ -21,18 +21,18 @@ def search_faces(group, i, found, nodes, scene):
     sides, deleted = projection.Sides(group.probe_states, group.slot_in_use, found), group.deleted
     lists = (group.first, group.near, group.wait, group.due)
     mesh = (points, scene.corners, group.beside, group.around_first, group.around, deleted)
-    spared = (group.spared_first, group.spared)
+    excluded = (group.excluded_first, group.excluded)
     if group.is_round:
         ellipsoid = group.ellipsoids[i]
         ellipsoids.find_nearest_faces(i, p, totals, ellipsoid, nodes, sides, mesh, lists)
         if group.is_smooth:
             x, probe_element = ellipsoids.centre_of(ellipsoid, nodes)
-            normals.apply_field(i, x, probe_element, p, mesh, spared, found)
+            normals.apply_field(i, x, probe_element, p, mesh, excluded, found)
     else:
         x, _ = node_contact.position_and_velocity(group.probes[i], 0.0, nodes, points)
         projection.find_nearest_faces(i, x, p, totals, sides, mesh, lists)
         if group.is_smooth:
-            normals.apply_field(i, x, None, p, mesh, spared, found)
+            normals.apply_field(i, x, None, p, mesh, excluded, found)
         else:
             walls.find_walls(i, x, p, totals, sides, mesh, lists)
 
