@@ -69,7 +69,7 @@ def needed(path: Path) -> list[Path]:
 
 
 def write(path: Path, folder: Path) -> list[Path]:
-    """Copy a deck with all that it needs; returns what was written.
+    """Copy a deck with the files that it includes; returns the files written.
 
     Raises: OutputError, DeckError.
     """

@@ -451,6 +451,6 @@ def test_deep_contact_with_a_shell_is_reported_at_the_end(tmp_path: Path) -> Non
     depth = Result(tmp_path).series("rcforc.ball.peak_depth").values[-1]
     # the ball of 8 mm and half of the shell's 4 mm; the dart is met as stiffly as ever
     assert depth > 5e-3
-    text = f"contact 'ball': points went {depth:.3g} m deep into the body they struck, "
+    text = f"contact 'ball': points penetrated {depth:.3g} m deep into the body they struck, "
     assert any(f"{text}{100 * depth / 0.01:.0f} % of the 0.01 m" in line for line in warned)
     assert not any("'dart'" in line for line in warned)

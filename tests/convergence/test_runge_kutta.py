@@ -341,7 +341,9 @@ def test_a_law_that_counts_in_whole_steps_is_refused(tmp_path: Path) -> None:
             "rest": {"a": ["skin"], "b": ["floor"], "normal": normal, "friction": friction}
         },
     }
-    with pytest.raises(DeckErrors, match="friction: 'bristle' counts in whole steps, integrator"):
+    with pytest.raises(
+        DeckErrors, match="friction: 'bristle' is computed in whole steps, integrator"
+    ):
         run(tmp_path, scene, 1.0, integrator="dormand_prince_5")
 
 

@@ -183,7 +183,7 @@ def test_a_given_mesh_in_odd_rows_says_why_it_is_left_out(tmp_path: Path) -> Non
     model, state = build(deck)
     found = Estimator(settled(deck, model), families_of(model, state)).mesh_runs(1.0, inf)
     assert not found.runs
-    assert "the error estimates leave the mesh out" in found.problem
+    assert "the error estimates do not cover the mesh" in found.problem
     assert "rows of even numbers" in found.problem
 
 

@@ -43,7 +43,7 @@ WRONG = {
     "never yields": f"{BENDING}, curve: straight",
     "must not fall below 0, as it does at 0.2": f"{BENDING}, curve: below",
     "must rise from 0": f"{BENDING}, curve: down",
-    "would continue below 0; say extrapolate: hold": f"{BENDING}, curve: falling_on",
+    "would continue below 0; set extrapolate: hold": f"{BENDING}, curve: falling_on",
     "more steeply than the elastic stiffness 1000": f"{BENDING}, curve: stiffening",
     "more steeply than the elastic stiffness 900": f"{BENDING}, curve: good, stiffness: 900",
     "rises with the elastic stiffness 1000 again": f"{BENDING}, curve: again",
@@ -84,7 +84,7 @@ WRONG = {
     "that of a rectangular_tube": (
         f"{BENDING}, curve: {{section: bar, material: steel, length: 0.2, model: kecman}}"
     ),
-    "the tubes behind this model": (
+    "the tests behind this model": (
         f"{BENDING}, curve: {{section: thin, material: steel, length: 0.2, model: kecman}}"
     ),
     "beyond 0.89": f"{BENDING}, curve: {{{TUBE}, model: kecman, until: 1}}",

@@ -265,7 +265,7 @@ WRONG = {
     "threads: 2, end": ("threads: 1.5, end", "control: threads: must be a whole number"),
     "{threads: 2,": (
         "{threads: 2, integrator: generalized_alpha, step: 1e-5,",
-        "threads: only explicit steps are shared; say integrator: rattle",
+        "threads: only explicit steps are shared; set integrator: rattle",
     ),
     DECK[DECK.index("parts:") :]: (
         "",

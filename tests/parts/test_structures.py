@@ -378,7 +378,7 @@ WRONG = {
     "divisions: 12": ("divisions: 0", "divisions: must be at least 1, not 0"),
     "{name: D, at: [0.9, 0.8, 0.3], joint: 0.1}": (
         "{name: D, at: [0.9, 0.8, 1.24]}",
-        "leave nothing of it between",
+        "leave no length of it between them",
     ),
     # with joints of their own, members in one line were taken for two that pass each other
     "{name: D, at: [0.9, 0.8, 0.3], ": (

@@ -292,8 +292,14 @@ def test_a_tie_shortens_no_step_of_equal_elements(tmp_path: Path) -> None:
 WRONG: dict[str, tuple[dict[str, Any], str]] = {
     "far": ({"mesh": grid(0.203, 3)}, "0.003 m from the nearest face of 'coarse', more than 0.002"),
     "beside": ({"mesh": grid(0.3, 3)}, "lies beside all faces of 'coarse'; leave it out"),
-    "held": ({"supports": [{"nodes": "v0"}]}, "(0.2, 0, 0) m is held, named, welded or tied alr"),
-    "named": ({"nodes": [{"name": "n", "at": [0.2, 0, 0]}]}, "is held, named, welded or tied alr"),
+    "held": (
+        {"supports": [{"nodes": "v0"}]},
+        "(0.2, 0, 0) m is supported, named, welded or tied alr",
+    ),
+    "named": (
+        {"nodes": [{"name": "n", "at": [0.2, 0, 0]}]},
+        "is supported, named, welded or tied alr",
+    ),
     "fast": (
         {"velocity": [0, 0, 1]},
         "nodes begin 1 m/s and 0 rad/s faster than their faces; give",

@@ -41,7 +41,7 @@ WRONG = {
     "varied and set": ("deck: wagon.yaml", "deck: wagon.yaml\nset: {mass: 1}", "'mass' is given"),
     "a count of a drawn range": ('"15 km/h"', '"15 km/h", count: 3', "count: belongs to a grid"),
     "a range in a list": ("type: sobol, runs: 4", "type: list", "does not go with design: list"),
-    "a range without count": ("type: sobol, runs: 4", "type: grid", "say count: 5"),
+    "a range without count": ("type: sobol, runs: 4", "type: grid", "write count: 5"),
     "a seed of a grid": ("sobol, runs: 4", "grid, seed: 2", "the values alone say what is run"),
     "two headings": (MEASURE, MEASURE.replace("]", "]\nx: 1")[:-5].replace(
         "max}", "max}, {channel: rcforc.buffer.normal, statistic: max}"), "is a heading already"),

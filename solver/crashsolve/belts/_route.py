@@ -143,7 +143,7 @@ def check_route(route: tuple[Fitting, ...]) -> None:
 
 
 def route_columns(route: tuple[Fitting, ...], scene: Scene) -> Columns:
-    """Columns of ROUTE but for what depends on lengths."""
+    """Columns of ROUTE, except those that depend on lengths."""
     columns: Columns = {c.name: np.zeros((MOST, max(c.size // MOST, 1))) for c in TABLES}
     for i, fitting in enumerate(route):
         if fitting.wrap is not None:

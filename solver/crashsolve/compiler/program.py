@@ -1,7 +1,7 @@
 """Program: the functions that some entry points reach, specialised, as one module.
 
 Modules of some packages are copied, function by function, others are imported; every name has one
-meaning. compiler/specialise.py states what replaces placeholders.
+meaning. compiler/specialise.py states the values that replace placeholders.
 """
 
 import ast

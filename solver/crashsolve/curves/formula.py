@@ -4,7 +4,7 @@
     between two of them |cubic - expression| <= 1e-9 of the largest |y| there, or 1e-15 of the
     largest of all, beside the round-off of x
 
-Breakpoints halve until that holds, kinks included. `segments` are what they begin with: every one
+Breakpoints halve until that holds, kinks included. `segments` is their initial number: every one
 is evaluated at many points, so that a narrow pulse is found; a narrower one needs more of them.
 Consequence to test: a power, a root and a fast sine have their own values everywhere.
 References: de Boor, A Practical Guide to Splines (1978), chapter IV.

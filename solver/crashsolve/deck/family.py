@@ -1,9 +1,9 @@
-"""Families of laws: what a folder states of itself, so that nothing outside it need know it.
+"""Families of laws: the declaration of a folder, so that no code outside needs to know it.
 
 A folder of the package with `FAMILY = Family(...)` in its `__init__.py` is a family: its files are
 types, and its name is a keyword of decks, or its types stand within the cards of others. What else
 a scene asks of it is declared there, all of it: a declaration that is missing, or a law that does
-not provide what the family promises, is one error at import, in words.
+not provide all that its family promises, is one error at import, in words.
 """
 
 import re
@@ -62,8 +62,9 @@ class Family:
         missing = [f.name for f in fields(self) if getattr(self, f.name) is _Missing]
         if missing:
             raise FamilyError(
-                f"a family must declare {', '.join(missing)}: see the fields of Family in "
-                f"{PACKAGE}/deck/family.py for what each one answers"
+                f"a family must declare {', '.join(missing)}: see the meaning of the fields of "
+                "Family in "
+                f"{PACKAGE}/deck/family.py"
             )
         wrong = [
             f"{name} must be {meant}, not {getattr(self, name)!r}"
@@ -167,7 +168,7 @@ def _roles(law: Any) -> list[Any]:
 
 
 def check_law(module: Any) -> None:
-    """Raises FamilyError for a law that does not provide what its family promises."""
+    """Raises FamilyError for a law that lacks a part of the Protocol of its family."""
     package, *folders, _ = module.__name__.split(".")
     folder = "/".join(folders) if package == PACKAGE else ""
     family = next((f for f in families().values() if f.folder == folder), None)
@@ -207,7 +208,9 @@ def _check_words(module: Any, family: Family) -> None:
 
 
 def check_arguments(module: Any, wanted: dict[str, Any]) -> None:
-    """Raises FamilyError for functions of a law that do not take what those of a Protocol take."""
+    """Raises FamilyError for functions of a law whose arguments differ from those of the
+    Protocol.
+    """
     for name, function in wanted.items():
         if not isinstance(getattr(module, name), FunctionType):
             raise FamilyError(f"{module.__name__}: {name} must be a function")

@@ -110,7 +110,7 @@ class SiFloat(float):
 class Context:
     """Properties of the file of a card: units of bare numbers, and folder.
 
-    `symbols` are those units by name; `axes` the units of x and y of a curve by what uses it.
+    `symbols` are those units by name; `axes` the units of x and y of a curve by its use.
     """
 
     units: Mapping[str, Unit] = field(default_factory=lambda: SI)

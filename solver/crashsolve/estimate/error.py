@@ -1,7 +1,7 @@
 """The estimated error of one watched number, from coarser runs, a finer one, and its own samples.
 
     two coarser runs    error = |x1 - x2| / ((h2/h1)^p - 1), the observed order p as in a study;
-                        at least a quarter of what |x2 - x4| says with the method's order,
+                        at least a quarter of the value of |x2 - x4| by the method's order,
                         all of it where p is none; more where p is greater than any order of the
                         method: as many times as the last difference is too small, up to four
     one coarser run     the same with the method's order
@@ -144,7 +144,7 @@ class Judge:
         except ValueError as problem:
             return Estimate(watch, None, "", None, 0.0, f"not estimated: {problem}")
         if any(channel.is_of_the_run for channel in channels):
-            how = "not estimated: it is a measure of the run's errors itself"
+            how = "not estimated: it measures the errors of the run itself"
             return Estimate(watch, value, unit, None, size, how, is_wanted=False)
         try:
             sampling_error = _sampling_error(watch, series, main)

@@ -3,7 +3,7 @@
 A method of order 2 gets two coarser runs, of twice and four times the step: they cost about three
 quarters of the run, and show whether the order holds. Those that choose their step by its error
 get one finer run, of half the step or of a tolerance divided by 8 (order 2) or 32, for 1.5 to 2
-times the run: what they lose at kinks, at impacts and by round-off follows no order, and on the
+times the run: their errors at kinks, at impacts and by round-off have no order, and on the
 battery of benchmarks/estimates coarser runs held for three quarters of the numbers of higher order.
 A finer run also serves where coarser steps are unstable, and for equilibria: one of twice the load
 steps. After a long run companions may cost as much as it did and no more: a method that chooses its

@@ -30,8 +30,8 @@ TOO_FAR, NOTABLE = 0.5, 0.05
 # share of the cost of the run, and CPU time [s], that its coarser meshes may cost unasked
 SHARE, LEAST = 0.25, 0.3
 OVER_BUDGET = (
-    "the error estimates leave the mesh out: a run on elements twice as long would cost more than "
-    "a quarter of this one; control.estimate: mesh makes it all the same"
+    "the error estimates do not cover the mesh: a run on elements twice as long would cost "
+    "more than a quarter of this one; control.estimate: mesh makes it nevertheless"
 )
 
 
@@ -62,13 +62,13 @@ def coarse_runs(
         except BudgetExceeded:
             problem = OVER_BUDGET
         except ValueError as why:
-            problem = f"the error estimates leave the mesh out: {why}"
+            problem = f"the error estimates do not cover the mesh: {why}"
         except SolverError as error:
             problem = f"the run on elements {factor} times as long stopped: {error.cause}"
         except CrashsolveError as error:
             reason = str(error).splitlines()[0]
             problem = (
-                f"the error estimates leave the mesh out; on elements {factor} times as long: "
+                f"the error estimates do not cover the mesh; on elements {factor} times as long: "
                 f"{reason}"
             )
         else:

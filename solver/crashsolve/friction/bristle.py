@@ -1,4 +1,4 @@
-"""Stick and slip by an elastic bristle: what sticks does not creep.
+"""Stick and slip by an elastic bristle: a contact that sticks does not creep.
 
     z = z_old + slip over the step, kept tangential and cut to |z| <= mu N / k
     f = -(k z + c v), cut to mu N,   mu = mu_d + (mu_s - mu_d) exp(-(v/v_s)^2)

@@ -118,7 +118,7 @@ def curve(
     a, b, t = sides(section, card.about, field, scene)
     if not BENT[0] <= a / t <= BENT[1] or not 1.0 / ASPECT <= a / b <= ASPECT:
         raise scene.fail(
-            f"a / t = {a / t:.4g} and a / b = {a / b:.4g}; the tubes behind this model have a / t "
+            f"a / t = {a / t:.4g} and a / b = {a / b:.4g}; the tests behind this model have a / t "
             f"from {BENT[0]:g} to {BENT[1]:g} and a / b from 1/3 to 3",
             field,
         )

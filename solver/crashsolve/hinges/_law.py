@@ -154,7 +154,7 @@ def plastic_displacement(p, old, c, side, x, phi, curves):
 
 @kernel
 def hardened(p, c, x_p, curves):
-    """Area under X up to x_p: what kinematic hardening stores [J]."""
+    """Area under X up to x_p: the energy stored by kinematic hardening [J]."""
     if p.cyclic != KINEMATIC:
         return 0.0
     own = p.backbone[2 * c if x_p > 0.0 else 2 * c + 1]

@@ -116,8 +116,8 @@ def flow_rate(m, size, falls, e, limit, heat, h, before, curves, material):
 
         size - falls r - heat Y(e + h r) f(r) = 0,   limit = heat Y(e)
 
-    Halley's method, and halves of what holds the root where its step leaves that: the slopes of
-    powers of strain and rate are infinite at none.
+    Halley's method, with bisection of the bracket of the root where its step leaves that: the
+    slopes of powers of strain and rate are infinite at none.
     """
     r = first_rate(m, size, falls, e, limit, heat, h, before, curves, material)
     least, most, near = 0.0, INFINITE, NEAR_BENT if material.SMOOTH else NEAR

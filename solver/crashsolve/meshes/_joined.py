@@ -16,7 +16,7 @@ from crashsolve.meshes._mesh import Mesh
 
 # what a node was before its mesh was divided
 CORNER, SIDE, MIDDLE = range(3)
-ROWS = "its elements do not lie in rows of even numbers, which could be joined by twos"
+ROWS = "its elements do not lie in rows of even numbers, that could be joined in pairs"
 
 
 def joined(mesh: Mesh, factor: int) -> Mesh:

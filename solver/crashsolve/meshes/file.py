@@ -1,7 +1,7 @@
 """Mesh from a file that meshio reads: .inp, .bdf, .msh, .vtu and others; its sets are kept.
 
 Nodes, elements and sets are read, and the rest is passed over with a warning. What would move or
-make nodes and elements there, or what cannot be understood, is refused with its line
+make nodes and elements there, or that are not understood, are refused with their line
 (foundation/mesh_files/reading.py). Consequence to test: a mesh written and read is the same.
 """
 

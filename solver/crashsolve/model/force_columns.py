@@ -55,7 +55,7 @@ def history_of_force(keyword: str, module: ModuleType, scene: Scene) -> Record:
 
 
 def _on_bodies(parameters: Record) -> Record | None:
-    """Columns of what acts on the bodies of a law: on two, or on those of a column of several."""
+    """Columns of the actions on the bodies of a law: on two, or on those of a column of several."""
     columns = parameters.dtype
     names = columns.names or ()
     if "node" in names and columns["node"].shape:

@@ -2,7 +2,7 @@
 
 `integrator: auto`
 
-    law that counts in whole steps          rattle
+    law that is computed in whole steps          rattle
     contacts that keep lists of near pairs  rattle: events too many to be located one by one
     stiff                                   radau_iia_5, or generalized_alpha where 1e-3 is enough
     contacts, or laws with corners          dormand_prince_5
@@ -12,7 +12,8 @@
 
     rigid bodies, smooth, without contacts  dormand_prince_8
     and curves
-    anything else                           rattle: of order 2, and passes what others stop at
+    anything else                           rattle: of order 2, and passes corners at which others
+    stop
 
 Steps of the default resolve every vibration, whatever the error of a step is compared with
 (`resolve`): in a model of kilometres 1e-6 of its size is all that a small oscillator does.
@@ -48,7 +49,7 @@ class Choice(NamedTuple):
 def _only_for_rattle(model: Model, stepwise: list[str]) -> Choice | None:
     """The choice of rattle where no other method serves; None where one does."""
     if stepwise:
-        return Choice("rattle", f"'{stepwise[0]}' counts in whole steps")
+        return Choice("rattle", f"'{stepwise[0]}' is computed in whole steps")
     if model.phases:
         return Choice("rattle", "phases look at the motion after short steps")
     if len(model.attached_nodes):
@@ -161,7 +162,7 @@ def _world_tensors(nodes: Any) -> np.ndarray:
 
 
 def _evaluate(group: Group, state: State, model: Model, nodes: np.ndarray) -> None:
-    """Forces and stiffness of one group, on copies of what it would write. Writes: nodes."""
+    """Forces and stiffness of one group, on copies of the tables that it writes. Writes: nodes."""
     force = group.module.force
     old, new = as_rows(group.history.copy())
     out = as_rows(group.output.copy())

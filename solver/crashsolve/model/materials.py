@@ -32,7 +32,7 @@ def laws_of(entries: "list[Entry]", scene: "Scene") -> list[Any]:
 
 
 def refuse_incomplete(law: Any) -> None:
-    """Raises FamilyError for a material that lacks what its kind of law provides."""
+    """Raises FamilyError for a material that lacks a part of its Protocol."""
     kind = VonMisesLaw if law.VON_MISES else GeneralLaw
     needless = {"update", "energy"}
     if law.VON_MISES:
@@ -82,7 +82,7 @@ def fill(record: Any, values: Columns) -> None:
 def refuse_different(
     module: ModuleType, record: Record, values: Columns, later: tuple[str, ...] = ()
 ) -> None:
-    """Raises FamilyError unless what `build` of a law returned fits its PARAMETERS.
+    """Raises FamilyError unless the columns that `build` of a law returned fit its PARAMETERS.
 
     A column that it left out would be 0 without a word; `later` are those that others fill.
     """

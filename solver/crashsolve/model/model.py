@@ -1,4 +1,4 @@
-"""Model: what never changes during a run. State: all that changes. Both are arrays with meaning."""
+"""Model: the constant data of a run. State: all that changes. Both are arrays with meaning."""
 
 from dataclasses import dataclass, field
 from importlib import import_module
@@ -163,7 +163,7 @@ class Group:
 
 @dataclass
 class Joint:
-    """Rows of one joint, and what they join; its point and axis in body axes."""
+    """Rows of one joint, and its bodies; its point and axis in body axes."""
 
     name: str
     type: str

@@ -1,4 +1,4 @@
-"""The node table and the constraint rows: what every body is, and what every joint asks of it.
+"""The node table and the constraint rows: the columns of every body and of every joint.
 
 Every body is a node, a point with a triad; node 0 is the ground. World components unless said.
 """

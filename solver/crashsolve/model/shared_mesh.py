@@ -1,6 +1,6 @@
 """Meshes that parts share: the part of each element, the order and the properties of nodes.
 
-Nodes stand in the order of the parts: those of the first, then what the second has besides, and so
+Nodes are in the order of the parts: those of the first, then the others of the second, and so
 on. A part moves the nodes of its own range, and its elements act on all that they name. A node has
 mass, inertia, supports and momentum of all its parts. Consequence to test: mass and momentum of a
 mesh are those of its parts' elements.
@@ -38,7 +38,7 @@ def shared_meshes(scene: Scene) -> dict[str, Mesh]:
         parts = parts_of(name, scene)
         with scene.building(entry):
             if isinstance(entry.card, Shared):
-                raise scene.fail("holds no nodes of its own; say shared in the parts", "type")
+                raise scene.fail("has no nodes of its own; use type shared in the parts", "type")
             if not parts:
                 scene.warn(f"mesh '{name}' is named by no part and left out")
                 continue
@@ -194,10 +194,10 @@ def _refuse_fixed(part: Any, fixed: Any, entries: Any, by: Any, both: Any, scene
     clash &= part.fixed[both] > 0
     if clash.any():
         node = both[np.argmax(clash)]
-        message = f"its node at {_shown(part.mesh.points[node])} is held, welded or named here"
+        message = f"its node at {_shown(part.mesh.points[node])} is supported, welded or named here"
         message = f"{message} and in '{entries[by[node]].name}'"
         field = "welded" if part.card.welded else "nodes" if part.card.nodes else "supports"
-        raise scene.fail(f"{message}; say so in one of them", field)
+        raise scene.fail(f"{message}; state it in one of them", field)
 
 
 def _refuse_apart(part: Any, motion: Any, entries: Any, by: Any, both: Any, scene: Scene) -> None:

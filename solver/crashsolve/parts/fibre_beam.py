@@ -4,12 +4,12 @@
     V_y = k_y u_y,   V_z = k_z u_z,   M_x = G J theta_x / l
 
 at the one point of an element, its middle. Shear and torsion are elastic, and torsion is free of
-warping; so is what varies along the element (the term l^3 / 12 E I of the beam). A hinge forms in
-the middle of an element: a cantilever of length L bears M_p / (L - l / 2) at its end. Elastic, it
-is the beam. Implicit steps have the tangent of the step as it is computed: the beam's, with the
-forces that there are, and what the fibres change it by (beams/tangent.py). Consequence to test: the
-limit moment of a rectangle is Y b h^2 / 4, and its moment beyond yield 1 - (kappa_Y / kappa)^2 / 3
-of it.
+warping; so is the bending that varies along the element (the term l^3 / 12 E I of the beam). A
+hinge forms in the middle of an element: a cantilever of length L bears M_p / (L - l / 2) at its
+end. Elastic, it is the beam. Implicit steps have the tangent of the step as it is computed: the
+beam's, with the present forces, and the changes by the fibres (beams/tangent.py). Consequence to
+test: the limit moment of a rectangle is Y b h^2 / 4, and its moment beyond yield 1 - (kappa_Y /
+kappa)^2 / 3 of it.
 
 References: those of the beam and of beams/fibres.py.
 """
@@ -155,7 +155,7 @@ def force(
 
 @kernel
 def at_section(p: Parameters, strained):
-    """Stretch and bending of the section, and their rates; of what element.deformation states."""
+    """Stretch and bending of the section, and their rates, from element.deformation."""
     _, u, theta, u_dot, theta_dot, _, _ = strained
     per = 1.0 / p.length
     strain = (per * u[0], per * theta[1], per * theta[2])

@@ -9,7 +9,7 @@
 At every point there is a rigid body, named after it, whose origin and axes stay those of the point
 whatever is chosen: joints, contacts, masses, loads and sensors of the deck are attached to it. It
 is the rigid joint of the members that meet there: of each member the length r from the point on
-belongs to it, and what deforms begins behind. Where nothing else is said,
+belongs to it, and the deformable part begins behind it. Where nothing else is said,
 
     r = h / 2 max(1, 1 / tan(alpha / 2))
 

@@ -27,7 +27,7 @@ UNDETERMINED = 1.0
 
 
 class FitError(Exception):
-    """Points that do not determine a chain; the message says why, `advice` what would help."""
+    """Points that do not determine a chain; the message has the cause, `advice` the remedy."""
 
     def __init__(self, message: str, advice: str = "") -> None:
         super().__init__(message)
@@ -202,7 +202,7 @@ def _nearest_rotation(x: Array, y: Array) -> Array:
 
 
 def _covariance(chain: Chain, J: Array, names: Sequence[str]) -> Array:
-    """(J^T J)^-1. Raises FitError naming what is not determined."""
+    """(J^T J)^-1. Raises FitError naming the unknowns that are not determined."""
     _, s, V = np.linalg.svd(J, full_matrices=False)
     loose = [k for k in range(len(s)) if not s[k] * UNDETERMINED > 1.0]
     if loose:

@@ -84,7 +84,7 @@ def _landmarks(requested: Requested, scene: Scene, reached: set[int]) -> dict[st
         if name not in scene.names:
             problem = f"unknown body '{name}'"
         elif scene.names.index(name) not in reached:
-            problem = f"'{name}' does not hang on '{requested.card.root}'"
+            problem = f"'{name}' is not connected to '{requested.card.root}'"
         if problem:
             errors.append(DeckError(path, row.line, None, row.names["point"], problem))
             continue

@@ -193,7 +193,7 @@ def _check(requested: Requested, frames: tuple[Frame, ...], error: float, volume
                 worst = int(np.argmax(np.abs(point.residuals).max(axis=1)))
                 row = point.rows[worst]
                 size = float(np.linalg.norm(point.residuals[worst]))
-                problem = f"its images do not belong together: {size:.3g} from where camera "
+                problem = f"its images contradict each other: {size:.3g} from where camera "
                 problem += f"'{row.names['camera']}' would see it, and the error of images is "
                 problem += f"{error:.3g}"
                 advice = "look for a point that was confused with another"

@@ -123,7 +123,7 @@ class Snapshot:
         return self._arrays
 
     def recall(self, arrays: dict[str, np.ndarray]) -> None:
-        """Keep what `arrays` of another snapshot gave."""
+        """Restore the values of `arrays` of another snapshot."""
         self._arrays, self._bound = dict(arrays), -1
 
     def restore_copy(self) -> None:

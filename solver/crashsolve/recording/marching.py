@@ -1,4 +1,4 @@
-"""Arguments of the compiled loop from sample to sample (march.py): tables, and what to copy.
+"""Arguments of the compiled loop from sample to sample (march.py): tables, and the copies to make.
 
     copies of the State before a sample;  rows stored of a sample;  a snapshot at the start of an
     interval

@@ -34,7 +34,7 @@ class Reached(Exception):
 
 
 class EventStates:
-    """Copies of the State before events of a run in time; `fields` makes what a state holds."""
+    """Copies of the State before events of a run in time; `fields` makes the fields of a state."""
 
     def __init__(
         self,

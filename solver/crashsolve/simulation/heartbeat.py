@@ -19,7 +19,7 @@ LOOK = 0.2
 
 
 class Heartbeat:
-    """Reports what a run is doing, by `print_line(text)`, while nothing else is reported."""
+    """Reports the activity of a run, by `print_line(text)`, while nothing else is reported."""
 
     def __init__(self, doing: str, print_line: Callable[[str], None]) -> None:
         self.print_line = print_line

@@ -102,7 +102,7 @@ def deep_points(engine: Engine) -> list[str]:
         one, name = (deepest / thick, deepest, thick), engine.model.contacts[p["card"]]
         worst[name] = max(worst.get(name, one), one)
     return [
-        f"contact '{name}': points went {depth:.3g} m deep into the body they struck, "
+        f"contact '{name}': points penetrated {depth:.3g} m deep into the body they struck, "
         f"{100.0 * share:.0f} % of the {thick:.3g} m from its surface to its middle; beyond the "
         "middle they come out on the other side: make the contact stiffer, or that body thicker"
         for name, (share, depth, thick) in worst.items()
@@ -158,9 +158,9 @@ def hourglass_share(engine: Engine) -> list[str]:
     if at_most <= MUCH_HOURGLASS * internal or internal <= STORED * float(engine.ledger[LARGEST]):
         return []
     return [
-        f"hourglass modes hold {at_most:.4g} J, {100.0 * at_most / internal:.3g} % of the internal "
-        f"energy, {internal:.4g} J: more than {100.0 * MUCH_HOURGLASS:.0f} % is a sign that the "
-        "mesh is too coarse for this deformation; take smaller elements, or element: "
+        f"hourglass modes store {at_most:.4g} J, {100.0 * at_most / internal:.3g} % of the "
+        f"internal energy, {internal:.4g} J: more than {100.0 * MUCH_HOURGLASS:.0f} % is a sign "
+        "that the mesh is too coarse for this deformation; take smaller elements, or element: "
         "fully_integrated"
     ]
 
@@ -180,7 +180,7 @@ def crushed_hinges(engine: Engine) -> list[str]:
     if not count:
         return []
     share, name, force = worst
-    others = f" ({count - 1} other hinges are beyond theirs too)" if count > 1 else ""
+    others = f" ({count - 1} other hinges exceed theirs too)" if count > 1 else ""
     return [
         f"hinge '{name}' carried {force:.4g} N along its beam, {share:.3g} times the force at "
         f"which its section yields{others}: hinges bend and do not shorten, so that such a force "
@@ -203,7 +203,7 @@ def compressed(engine: Engine) -> list[str]:
     if not found:
         return []
     name, (share, force) = max(found.items(), key=lambda one: one[1])
-    others = f" ({len(found) - 1} other members are beyond theirs too)" if len(found) > 1 else ""
+    others = f" ({len(found) - 1} other members exceed theirs too)" if len(found) > 1 else ""
     return [
         f"member '{name}' was compressed by {force:.4g} N, {share:.3g} times its Euler load "
         f"with hinged ends{others}: a perfectly straight member does not buckle in a computation; "
@@ -233,8 +233,8 @@ def crushed(engine: Engine) -> list[str]:
     return [
         f"element '{name}' is {100.0 * share:.3g} % shorter than at the start{others}: a tube "
         f"folds to some {100.0 * (1.0 - FOLDED):.0f} % of its length and then bears any force, "
-        f"which segments and beams do not know; {how}, and the run too soft from there on; take "
-        "deformation: shells with self_contact, a longer member, or less energy"
+        f"which segments and beams do not represent; {how}, and the model is too soft from "
+        "there on; take deformation: shells with self_contact, a longer member, or less energy"
     ]
 
 

@@ -58,8 +58,8 @@ class Requests:
     def catch(self) -> None:
         """Keep signals for the next pause; a second interrupt from the keyboard ends at once.
 
-        Raises KeyboardInterrupt where one has come before and was lost: Python drops what is raised
-        while it disposes of an object.
+        Raises KeyboardInterrupt where one has come before and was lost: Python drops exceptions
+        raised while it disposes of an object.
         """
         if _interrupts:
             raise KeyboardInterrupt

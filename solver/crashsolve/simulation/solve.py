@@ -188,7 +188,7 @@ class Run:
                     path.unlink(missing_ok=True)
 
     def _fail(self, error: Exception) -> None:
-        """Report the error and save what can be saved; the first error is the one that counts."""
+        """Report the error and save the results so far; the first error is the one that counts."""
         code, message = ExitCode.INTERNAL, f"internal: {error!r}"
         if isinstance(error, MemoryError):
             code, message = ExitCode.OUTPUT, out_of_memory()

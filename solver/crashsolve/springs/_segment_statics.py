@@ -54,7 +54,7 @@ def predict(
     """Predict the plastic flow of segments over motions `displacement` (n, 6) of all nodes, to
     first order. Writes: new.
 
-    Bodies that rotate stretch what is between them by the square of their rotations, which is no
+    Rotations of bodies stretch the beam between them by their squares, which is no
     flow.
     """
     k, trial, change = _trials(p, state, nodes, displacement)

@@ -3,7 +3,7 @@
     (N / A)^2 + (M_y / Z_y)^2 + (M_z / Z_z)^2 <= Y(e)^2 (1 + (rate / D)^(1/q))^2
 
 rate is that of the plastic strain e over the step. The return to it is one step of backward Euler;
-what is lost in a step is the mean of the forces over the plastic displacement, because bodies
+the loss in a step is the mean force times the plastic displacement, because bodies
 receive the mean of the forces before and after it.
 
 References: Powell and Chen (1986), ASCE J. Eng. Mech. 112, 627-641; Simo and Hughes (1998),
@@ -24,7 +24,7 @@ NO_STEP, FLOWS, FROZEN = 0, 1, 2
 
 @kernel
 def resisting(p, old, new, h, q, curves):
-    """N, M_y, M_z, the energy they store and what is lost in the step. Writes: new.
+    """N, M_y, M_z, their stored energy and the loss in the step. Writes: new.
 
     `q` is the stretch and both bends [m, rad].
     """

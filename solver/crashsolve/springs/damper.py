@@ -78,8 +78,8 @@ def _check(points: np.ndarray, start: int, name: str, scene: Scene) -> None:
     if (rate * force).min() < 0.0:
         worst = rate.ravel()[(rate * force).argmin()]
         raise scene.fail(
-            f"curve '{name}' drives at {worst:.6g} m/s instead of damping; force and rate must "
-            "have the same sign",
+            f"curve '{name}' adds energy at {worst:.6g} m/s instead of dissipating it; force "
+            "and rate must have the same sign",
             "curve",
         )
 

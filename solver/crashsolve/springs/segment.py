@@ -6,7 +6,7 @@
     1 / k_y = l^3 / (12 E I_z) + l / (kappa_y G A),   1 / k_z = l^3 / (12 E I_y) + l / (kappa_z G A)
 
 of a beam of the length l, cut in its middle, each half of which has become rigid; x_a and x_b are
-the two sides of the cut. Shear and what moments change by along l bend one spring: so a straight
+the two sides of the cut. Shear, and the change of moments along l, bend one spring: so a straight
 chain of any number of segments has the elastic stiffness of Timoshenko's beam. A material that
 yields limits tension and both moments together,
 

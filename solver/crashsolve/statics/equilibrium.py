@@ -3,7 +3,7 @@
     g(q) = M (v_dot, w_dot) at rest,   Phi(q) = 0
     (dg/dq - s D^T D) delta = -g + s D^T Phi
 
-A sample at rest gives g, the forces less what the joints hold of them: what vanishes in
+A sample at rest gives g, the forces less the reactions of the joints, which vanishes in
 equilibrium. As D M^-1 g = 0 in any configuration, both sides of Newton's equation part into g and
 Phi; s only balances them. The tangent is the whole one, by differences of samples, with the turning
 of forces and the reactions of joints, so that corrections fall quadratically. Equilibrium is a

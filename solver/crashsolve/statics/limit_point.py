@@ -1,10 +1,10 @@
 """Whether a load step has passed a limit point, and found an equilibrium far beyond it.
 
-Along a path of equilibria the change of configuration lies between what the tangents at both ends
-give for the change of the load, in steps that are short enough. An equilibrium beyond a limit point
-is farther away than both say, or the way back leads elsewhere: under the load of the start, from
-the equilibrium found, to another one than the start. Consequence to test: Williams' toggle stops at
-its limit load, with any number of load steps.
+Along a path of equilibria the change of configuration lies between those that the tangents at both
+ends give for the change of the load, in steps that are short enough. An equilibrium beyond a limit
+point is farther away than both say, or the way back leads elsewhere: under the load of the start,
+from the equilibrium found, to another one than the start. Consequence to test: Williams' toggle
+stops at its limit load, with any number of load steps.
 
 Reference: Crisfield (1991), Non-linear Finite Element Analysis of Solids and Structures 1, ch. 9.
 """

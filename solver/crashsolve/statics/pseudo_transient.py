@@ -3,12 +3,12 @@
     2 M / h^2 delta = g(q + delta)         h is not a time, but says how little inertia may hold
 
 One step leaves 1 / (1 + (omega h)^2 / 2) of the distance to equilibrium in a vibration of frequency
-omega (`integrators/_rest_stage.py`), so the displacements of two steps give what is left after
+omega (`integrators/_rest_stage.py`), so the displacements of two steps give the rest after
 them. h begins at so many periods of the fastest vibration, and grows where steps converge slowly;
-it does not depend on the time of the run. Inertia holds what no stiffness does, as some spins of
-the nodes of a shell about its normal. Elements of shells and fibre beams strain along the path from
-equilibrium to equilibrium, as plasticity requires. Consequence to test: the answer does not depend
-on end_time.
+it does not depend on the time of the run. Inertia restrains motions without stiffness, as some
+spins of the nodes of a shell about its normal. Elements of shells and fibre beams strain along the
+path from equilibrium to equilibrium, as plasticity requires. Consequence to test: the answer does
+not depend on end_time.
 
 Reference: Crisfield (1991), Non-linear Finite Element Analysis of Solids and Structures, vol. 1, 9.
 """

@@ -86,7 +86,7 @@ class StandingTyres:
     def _moved(self, node: int, point: np.ndarray, nodes: np.ndarray) -> np.ndarray:
         """Displacement of a point of a body since it was accepted, to first order (3,) [m].
 
-        A wheel that rolls by any angle so moves it not at all: r theta is what its centre goes.
+        A wheel that rolls by any angle thus does not move it: its centre moves by r theta.
         """
         before, now = self.nodes[node], nodes[node]
         q = quaternion_of(now["A"].reshape(3, 3) @ before["A"].reshape(3, 3).T)

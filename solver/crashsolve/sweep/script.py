@@ -94,7 +94,7 @@ def _ranges(numbers: Sequence[int]) -> str:
 
 
 def submit(path: Path) -> str:
-    """Hand the script to sbatch; returns what it says. Raises DeckError when it refuses."""
+    """Hand the script to sbatch; returns its answer. Raises DeckError when it refuses."""
     try:
         done = subprocess.run(["sbatch", str(path)], capture_output=True, text=True)
     except FileNotFoundError:

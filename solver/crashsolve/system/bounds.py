@@ -1,7 +1,7 @@
 """What sets the step, and why: in words, for the log and status.json.
 
 The forces on the body with the least stable step are examined one by one: a sample of copies, in
-which nothing else acts, states what one spring, contact or element of a beam adds to its bound
+which nothing else acts, gives the part of one spring, contact or element of a beam in its bound
 
     omega = sqrt(2 k w + (c w)^2) + c w,   w the mobility of the body where it acts  (timestep.py)
 
@@ -82,7 +82,7 @@ class StepBound:
         return 1.0 / max(vibration, rotation, 1.0 / float(c["step_max"]))
 
     def _stable(self, engine: Engine) -> tuple[float, str]:
-        """The step [s] that stiffness and rotations allow, and what bounds it."""
+        """The step [s] that stiffness and rotations allow, and the cause of its bound."""
         clock, control = engine.clock, engine.model.control[0]
         rotation, spin = float(control["rotation"]), 0
         h, at, text = float(control["step_max"]), int(clock["limit_node"]), "samples"
@@ -108,14 +108,14 @@ class StepBound:
 
 
 def _speeds(nodes: np.ndarray) -> np.ndarray:
-    """Bound of the frequency [rad/s] of every node by what acts on it."""
+    """Bound of the frequency [rad/s] of every node by the laws that act on it."""
     damping = nodes["damping"]
     found: np.ndarray = np.sqrt(2.0 * nodes["stiffness"] + damping**2) + damping
     return found
 
 
 def stiffest(engine: Engine, at: int) -> str:
-    """The body or element that has the least stable step, and what makes it so."""
+    """The body or element that has the least stable step, and the cause of it."""
     model = engine.model
     name = limiter(model, at)
     if at < 0:
@@ -207,6 +207,6 @@ def _only(group: Any, rows: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def _bound(nodes: np.ndarray, at: int) -> tuple[float, bool]:
-    """Bound [rad/s] of the frequency of a body by what acts on it; whether it is a damper."""
+    """Bound [rad/s] of the frequency of a body by a law that acts on it; whether it is a damper."""
     is_damped = float(nodes["damping"][at]) ** 2 > 2.0 * float(nodes["stiffness"][at])
     return float(_speeds(nodes)[at]), is_damped

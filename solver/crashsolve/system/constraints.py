@@ -193,7 +193,7 @@ def extrapolate_trial(rows, ratio):
     """First guess of lambda, `ratio` the new step over the last. Writes: rows.trial.
 
     A drift closes positions at its end, so that its lambda differs from that of the kick at its
-    start by a term in proportion to the step, and by what the drift before had left open. The kick
+    start by a term in proportion to the step, and by the residual of the drift before. The kick
     has neither; the line through the last two drifts would have twice of the latter.
     """
     for k in range(rows.shape[0]):

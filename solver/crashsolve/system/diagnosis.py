@@ -29,17 +29,17 @@ from crashsolve.system.timestep import QUARTER
 OWN_FACES = "where a shell folds on itself take smaller elements, or ring: 1 of its faces"
 # of a ball on several faces, whose forces are not wholly the gradient of their energy (walls.py)
 IN_A_DENT = (
-    "where a ball lies on several faces of a dent no step helps, as its forces leave out how the "
-    "dent sharpens: judge this by the energy balance of the model"
+    "where a ball touches several faces in a hollow, shorter steps do not help, as its forces "
+    "neglect how the hollow changes its shape: judge this by the energy balance of the model"
 )
 # of a body that meets the back of an open mesh
 FROM_BEHIND = (
-    "its faces bear on the side out of which their normals point alone, and it would be pushed "
+    "its faces resist on the side of their outward normals alone, and it would be pushed "
     "out through all of their thickness"
 )
 OTHER_SIDE = (
-    "give the corners of the faces in the opposite order, to bear on the side that is struck; or "
-    "close the mesh, to bear on both"
+    "give the corners of the faces in the opposite order, to resist on the side that is struck; or "
+    "close the mesh, to resist on both"
 )
 # location, likely cause, advice
 Diagnosis = tuple[str, str, str]
@@ -56,7 +56,7 @@ def diagnose(model: Model, state: State, clock: np.void, ledger: np.ndarray) -> 
         name = f"body '{model.bodies[at]}'" if at < len(model.bodies) else model.part_at(at)
         found = (
             name,
-            "its motion has diverged: positions or velocities are no finite numbers",
+            "its motion has diverged: positions or velocities are not finite",
             closer(model, state),
         )
     elif status == POSITION:
@@ -154,7 +154,7 @@ def _passed_nodes(model: Model) -> list[_Passed]:
 
 
 def closer(model: Model, state: State) -> str:
-    """Advice for shorter steps, by what sets the step of the method."""
+    """Advice for shorter steps, by the setting that limits the step of the method."""
     if chooses_step(model, state):
         return "take shorter steps: reduce control.tolerance or control.step_max"
     return "take a shorter step: reduce control.safety or control.step"
@@ -187,7 +187,7 @@ def broken_velocities(model: Model, state: State) -> Diagnosis:
     """Velocities that cannot be brought onto D v = nu."""
     speed = velocity_error(model, state) / state.rows["scale"]
     cause = (
-        f"the velocities do not fit the joints (error {speed.max():.3g} of the model's size in a "
+        f"the velocities violate the joints (error {speed.max():.3g} of the model's size in a "
         "second): they contradict each other, or the configuration is singular"
     )
     advice = "remove a joint or a driver; integrator: rattle passes singular configurations"
@@ -244,7 +244,7 @@ def curve_end(model: Model, clock: np.void) -> Diagnosis:
     name = next(n for n, start in model.curve_names.items() if start == first)
     last = curves[int(curves[first]["last"])]["x"]
     cause = f"read at {x:.6g}, outside its range {curves[first]['x']:.6g} to {last:.6g}"
-    advice = "extend the curve, or say extrapolate: hold or linear on its card"
+    advice = "extend the curve, or set extrapolate: hold or linear on its card"
     times = 0.5 * float(clock["step"]) * float(clock["element_rate"]) ** 0.5
     if model.integrator == "rattle" and times > 1.0:
         cause += f", with a step {times:.2g} times the one that is sure to be stable"
@@ -255,7 +255,7 @@ def curve_end(model: Model, clock: np.void) -> Diagnosis:
             f"deformed to {x:.6g}, beyond the end of its curve, {last:.6g} (plastic displacement "
             "or plastic work)"
         )
-        advice = f"extend its {field}, or say extrapolate: hold; a hinge about two axes rotates "
+        advice = f"extend its {field}, or set extrapolate: hold; a hinge about two axes rotates "
         return f"hinge '{hinge}'", cause, f"{advice}by 3 rad at most"
     return f"curve '{name}'", cause, advice
 
@@ -327,7 +327,7 @@ def find_contact_gain(model: Model, state: State, clock: np.void) -> Diagnosis:
 
 
 def find_law_gain(model: Model, state: State) -> Diagnosis:
-    """The spring, belt, hinge or tyre that has created most energy over what it took and gave."""
+    """The spring, belt, hinge or tyre that has created most energy over the energy it exchanged."""
     current, most, where, why = int(state.clock[0]["current"]), 0.0, "", ""
     limit = float(model.control[0]["energy_limit"])
     for group in (g for g in model.force_groups() if g.is_watched):
@@ -349,8 +349,8 @@ def _gain_of(now: Any, stored: float, limit: float) -> tuple[float, str]:
     if overstates(now, stored, limit, 0.0) and not has_gain(now, stored, limit, 0.0):
         stated = stored + float(now["dissipated"])
         return 1.0 / (1.0 - OVERSTATED), (
-            f"its force turns a velocity round in every step: it states to have lost and to hold "
-            f"{stated:.3g} J, and has been given {initial - float(now['work_done']):.3g} J"
+            f"its force reverses a velocity in every step: it reports as dissipated and stored "
+            f"{stated:.3g} J, and has received {initial - float(now['work_done']):.3g} J"
         )
     return gain / max(float(now["exchanged"]), 1e-300), (
         f"its force has created energy: it has given its bodies {gain:.3g} J more than it took "

@@ -409,7 +409,7 @@ class Engine:
         ]
 
     def assembly_errors(self) -> list[tuple[str, str]]:
-        """Joints that do not fit the initial configuration or velocity: (joint, what is wrong)."""
+        """Joints that the initial configuration or velocity violates: (joint, cause)."""
         rows, found = self.state.rows, []
         gap = np.abs(rows["phi"]) / rows["scale"]
         speed = velocity_error(self.model, self.state)

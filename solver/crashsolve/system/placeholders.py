@@ -1,9 +1,9 @@
-"""Placeholders: names in loops and integrators that stand for what a scene brings.
+"""Placeholders: names in loops and integrators that stand for the groups of a scene.
 
 `compose` gives them their values for a deck (`placeholders`) and copies the loops for them: blocks
 that the scene has no use for are left out, and `for group in JOINTS:` stands once for every group.
 Here they have their types and meanings, for readers and for the checks. Consequence: nothing in
-the compiled step asks what kind of scene it is in.
+the compiled step tests the kind of its scene.
 """
 
 from importlib import import_module

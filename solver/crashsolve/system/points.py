@@ -83,7 +83,7 @@ def half_rotation(old, new):
 
 @kernel
 def bound_rate(rate, b):
-    """The larger of a squared frequency and of what the elements share out to a point.
+    """The larger of a squared frequency and of the share of the elements at a point.
 
     K <= sum omega_e^2 M_e, a diagonal matrix, so omega^2 <= max_i sum omega_e^2 m_ei / m_i.
     """

@@ -133,7 +133,7 @@ CARCASS = Record(f"""
     doubled  flag  whether two roads have pressed it from one side
 """)
 OUT_OF_RANGE = {
-    "sunk": "the wheel centre has sunk to the road: the tyre is too soft for its load, or for what "
+    "sunk": "the wheel centre has reached the road: the tyre is too soft for its load, or for what "
     "it struck, which it may have passed; give rim_radius and rim_stiffness, or a stiffening curve",
     "doubled": "two roads pressed it from one side, and their forces were added: where they lie in "
     "one plane its load is too high; define them as one box, one mesh or one profile",

@@ -3,7 +3,7 @@
     clip = max over s of  min of x from s to s + duration
 
 as the "3 ms clip" of SAE J1727 is defined, exact for straight lines between the samples, and of
-second order in their interval for what is behind them. It counts one unbroken span; limits of
+second order in their interval for the filtered signal. It counts one unbroken span; limits of
 regulations that add up several, as FMVSS 208 does for the thorax, may be higher. Until a duration
 has passed it is the least value so far.
 

@@ -48,7 +48,10 @@ def build(card: Penalty, scene: Scene, pair: Pair) -> Columns:
         return {"stiffness": card.stiffness}
     shell = getattr(pair, "membrane", None)
     if shell is None:
-        raise scene.fail("no shell touches here from which to take it; give stiffness", "normal")
+        raise scene.fail(
+            "no shell takes part in this contact, from which it could be taken; give stiffness",
+            "normal",
+        )
     return {"stiffness": (SHARE if card.share is None else card.share) * shell}
 
 

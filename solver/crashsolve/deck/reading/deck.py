@@ -123,7 +123,7 @@ def read_deck(
     """The deck in a file; `overrides` replace parameters, and fields such as `control.step`.
 
     Raises DeckErrors with all errors, overrides that change nothing among them if it
-    `refuses_ineffective`: one of many runs may have no use for what others need.
+    `refuses_ineffective`: a value may be without effect in one of many runs.
     """
     deck = _Reader(Path(path), overrides or {}).deck()
     if deck.ineffective and refuses_ineffective:

@@ -55,7 +55,7 @@ def deformation(p, a, b, R, v, w):
 def apply_load(p, out, a, b, frame, deformed, load):
     """Apply the force f [N] and moments m [N m] conjugate to u and theta to both nodes.
 
-    `frame`: R, v and w of corotational.py; `deformed` is what deformation() returns; `load`: f, m
+    `frame`: R, v and w of corotational.py; `deformed` is the result of deformation(); `load`: f, m
     and the viscosity of the stretch [N s/m]. Returns the ratio of its stiffness to that
     of a straight one. Writes: a, b, out.
     """

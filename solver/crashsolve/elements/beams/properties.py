@@ -129,8 +129,10 @@ def axes_of(card: Beam, along: np.ndarray, section: Columns, scene: Scene) -> np
     if card.side is None:
         I_y, I_z = section["second"]
         if abs(I_y - I_z) > 1e-9 * I_z:
-            message = "this section has I_y and I_z that differ: state the direction of its y axis"
-            raise scene.fail(f"{message} by the word side", "section")
+            message = (
+                "this section has I_y and I_z that differ: give side, the direction of its y axis"
+            )
+            raise scene.fail(message, "section")
         side = perpendicular(along)
     else:
         side = scene.unit(card.side, "side")

@@ -45,7 +45,7 @@ class DiscretisedShell:
         self.card = card
         self.layer_rows = self.law.layer_rows(self.material)
         if self.law.LARGE_STRAIN and not card.thinning:
-            raise scene.fail("at large strain a shell needs true: it gets thinner", "thinning")
+            raise scene.fail("must be true at large strain, where a shell gets thinner", "thinning")
         self.can_fail = getattr(self.material, "failure_strain", None) is not None
         if self.can_fail and not self.law.VON_MISES:
             message = f"material '{card.material}' has failure_strain, and no law that fails by it"
@@ -97,7 +97,7 @@ class DiscretisedShell:
         return squared
 
     def _refuse_explicit(self, scene: Scene) -> None:
-        """Refuse what only explicit methods can do."""
+        """Refuse features of explicit methods under another method."""
         control = scene.deck.control
         method = f"integrator {control.integrator}"
         if control.solution == "quasi_static":
@@ -111,8 +111,8 @@ class DiscretisedShell:
         }
         for field, (is_given, words) in given.items():
             if is_given:
-                message = f"{words} is for explicit steps, and {method} takes none"
-                raise scene.fail(f"{message}; say integrator: rattle", field)
+                message = f"{words} is for explicit steps, and {method} has none"
+                raise scene.fail(f"{message}; set integrator: rattle", field)
 
     def _refuse_bad(self, x: np.ndarray, normal: np.ndarray, scene: Scene) -> None:
         """Refuse elements that are not convex: all corners must have one sense of rotation."""
@@ -168,7 +168,7 @@ class DiscretisedShell:
         for node, index in zip(self.card.nodes, self.named, strict=True):
             if fixed[index]:
                 message = (
-                    f"node '{node.name}' is held; say traces if you only want its history, and "
+                    f"node '{node.name}' is supported; use traces for its history alone, and "
                     "load it in its other directions by a nodal_force on a set of nodes"
                 )
                 raise scene.fail(message, "nodes")
@@ -176,7 +176,7 @@ class DiscretisedShell:
         for k, weld in enumerate(self.card.welded):
             own = self.set_of(weld.nodes, f"welded.{k}.nodes", scene)
             if fixed[own].any():
-                message = "some of these nodes are held, welded or named otherwise already"
+                message = "some of these nodes are supported, welded or named already"
                 raise scene.fail(message, f"welded.{k}.nodes")
             fixed[own] = ATTACHED
         return fixed

@@ -143,7 +143,7 @@ def note_sides(slots, to):
 
 @blockwise
 def bisect_root(slots, to):
-    """Half way between what holds the root where a tangent leads beyond, as at a corner of a law.
+    """Bisect the bracket of the root where a tangent leads out of it, as at a corner of a law.
 
     Writes: slots.
     """

@@ -4,7 +4,7 @@
 
 x is the mean of all corners of the cut elements. Which elements a plane cuts is found at the start
 and stays. They are computed once more at every sample, so that steps cost nothing. Consequence to
-test: f and m are all that changes the momenta of what lies in front.
+test: f and m alone change the momenta of the part in front.
 """
 
 from crashsolve.elements.shells.forces.corners import corner

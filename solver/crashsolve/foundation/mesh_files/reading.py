@@ -1,7 +1,7 @@
 """Meshes read from files: points, elements of four or three corners, and sets by name.
 
 meshio reads them. What it loses of Abaqus and Nastran files is read beside it, from their lines
-(abaqus.py, nastran.py), and compared with what it finds: identifiers of nodes and elements, and
+(abaqus.py, nastran.py), and compared with its result: identifiers of nodes and elements, and
 sets. What cannot be understood is refused with its line. Consequence to test: a set holds the same
 elements however they are spread over blocks.
 """
@@ -34,7 +34,7 @@ class MeshFile:
     """Points (n, 3) as they stand in the file; elements (m, 4) by points, and their kinds.
 
     A triangle names its last corner twice; elements of other kinds are rows of -1. `firsts` has
-    the line where each kind occurs first, `passed_over` what of the file has been left unread.
+    the line where each kind occurs first, `passed_over` the parts of the file that were not read.
     """
 
     points: np.ndarray
@@ -49,7 +49,8 @@ class MeshFile:
 
 @dataclass
 class Lines:
-    """Content of the lines of a file: a text that meshio reads in full, and what meshio would lose.
+    """Content of the lines of a file: a text that meshio reads in full, and the data that meshio
+    would lose.
 
     Elements by identifier: their kind and, of quadrilaterals and triangles, their nodes. Sets hold
     identifiers.
@@ -153,7 +154,9 @@ def _points(found: "meshio.Mesh") -> np.ndarray:
 
 
 def _elements(found: "meshio.Mesh") -> tuple[np.ndarray, np.ndarray]:
-    """Corners (m, 4), rows of -1 for what has neither four nor three, and kinds of all blocks."""
+    """Corners (m, 4), rows of -1 for cells with neither four nor three corners, and kinds of all
+    blocks.
+    """
     corners, kinds = [np.zeros((0, 4), int)], [np.zeros(0, object)]
     for block in found.cells:
         cells = np.asarray(block.data)

@@ -59,7 +59,9 @@ SLOT = Record("""
 
 
 class Bordered(NamedTuple):
-    """Columns in the order of elimination, their blocks, what adds to which block, and the rows."""
+    """Columns in the order of elimination, their blocks, the updates of each block, and the
+    rows.
+    """
 
     columns: np.ndarray
     blocks: np.ndarray

@@ -135,7 +135,7 @@ def elimination(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Levels, their lines and updates, and the targets of these (see saddle.py).
 
-    `unread` is the number that takes what nothing asks for. Writes: line of the columns.
+    `unread` is the number that takes values which are never read. Writes: line of the columns.
     """
     levels: list[tuple[int, ...]] = []
     lines: list[tuple[int, ...]] = []

@@ -87,7 +87,7 @@ PAIR = Record("""
 
 
 class Saddle(NamedTuple):
-    """Columns in the order of elimination, and what adds to which of their numbers.
+    """Columns in the order of elimination, and the updates of their numbers.
 
     `blocks` (numbers,) are the numbers of all columns, and a last one that nothing reads; `targets`
     are places among them.

@@ -28,7 +28,7 @@ class Touching:
 
     @property
     def has_ends(self) -> bool:
-        """Whether a touch may end on the other side of what it is with."""
+        """Whether a contact may end on the other side of its partner."""
         raise NotImplementedError
 
     @property

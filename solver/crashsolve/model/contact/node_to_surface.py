@@ -1,7 +1,7 @@
 """Build of contact of shell nodes with shapes, and of nodes and balls with the faces of shells.
 
 One group for each pair of surfaces of a card. Its arrays go to the compiled step under the group's
-word; see node_contact.py and projection.py in system/contact/ for what happens to them there.
+word; see node_contact.py and projection.py in system/contact/ for their equations.
 """
 
 from __future__ import annotations
@@ -203,8 +203,8 @@ class NodalBuilder:
     def _refuse_implicit(self) -> None:
         method = self.scene.deck.control.integrator
         if method in IMPLICIT:
-            message = f"nodes and faces of shells touch in explicit steps, {method} takes none"
-            advice = "name the node that is hit, and say point_set; or integrator: rattle"
+            message = f"nodes and faces of shells touch in explicit steps, and {method} has none"
+            advice = "name the node that is hit, and use a point_set; or integrator: rattle"
             raise self.scene.fail(f"{message}; {advice}", "a")
 
     def _law(self, entry: Entry) -> Any:
@@ -320,7 +320,7 @@ class NodalBuilder:
             t = card.thickness or meshed.card.thickness
             message = f"the nodes of '{probes.part}' have no thickness of their own, and its walls "
             message += "would meet half a thickness deep"
-            raise self.scene.fail(f"{message}; say radius: {0.5 * t:g} in '{a.entry.name}'", "a")
+            raise self.scene.fail(f"{message}; set radius: {0.5 * t:g} in '{a.entry.name}'", "a")
         quads, count = meshed.mesh.quads, len(meshed.area)
         radius = np.linalg.norm(
             meshed.mesh.points[quads] - meshed.mesh.points[quads].mean(axis=1)[:, None], axis=2

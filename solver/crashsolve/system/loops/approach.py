@@ -17,7 +17,8 @@ def ends_of(group, piece, count, scene):
 def gaps_of(group, piece, current, nodes, floor, deepest, scene):
     """The largest depth of the pairs of a group, or of a piece of it, and of another [m].
 
-    Of what did not touch at the start of the step; see approach in events.py. Writes: body_pairs.
+    Of pairs that did not touch at the start of the step; see approach in events.py. Writes:
+    body_pairs.
     """
     if group.body_pairs is not None:
         for k in range(group.body_pairs.shape[0]):

@@ -10,10 +10,10 @@ from crashsolve.system.placeholders import BRANCHES, CONTACTS, NODAL, SLIDING
 
 @kernel
 def approach(clock, nodes, scene, floor):
-    """Largest depth of what did not touch at the start of the step [m]; negative is a gap.
+    """Largest depth of pairs that did not touch at the start of the step [m]; negative is a gap.
 
-    Where ends of contacts are located too: and largest gap of what did touch. What is not above
-    `floor` need not be known.
+    Where ends of contacts are located too: and largest gap of those that did touch. A depth not
+    above `floor` need not be known.
     """
     deepest = -1e300
     for group in CONTACTS:
@@ -26,7 +26,7 @@ def approach(clock, nodes, scene, floor):
 
 @kernel
 def approach_before(clock, scene):
-    """The largest depth at the start of the step [m], of what did not touch."""
+    """The largest depth at the start of the step [m], of pairs that did not touch."""
     deepest = -1e300
     for group in CONTACTS:
         if group.in_pieces:

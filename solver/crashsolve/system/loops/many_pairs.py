@@ -22,7 +22,7 @@ def pair_forces_piece(group, k, clock, h, scene):
 
 @apart
 def load_bodies_piece(group, k, scene):
-    """Add to some bodies what their pairs press, pair by pair. Writes: scene.nodes."""
+    """Add to some bodies the forces of their pairs, pair by pair. Writes: scene.nodes."""
     for j in range(group.ranges[k].first, group.ranges[k].end):
         bearer = group.bearers[j]
         body = scene.nodes[bearer.node]

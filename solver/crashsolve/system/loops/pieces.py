@@ -27,7 +27,7 @@ from crashsolve.threads import jobs, worker
 
 @kernel
 def share(number, pieces, clock, h, scene):
-    """Do all pieces of a job, with all threads. Writes: what the job writes."""
+    """Do all pieces of a job, with all threads. Writes: the tables of the job."""
     scene.job[0].number, scene.job[0].h = number, h
     called = worker.call(pieces, scene.job[0].threads, scene.queues)
     do_pieces(0, called, clock, scene)
@@ -65,7 +65,9 @@ def share_load(group, span, entry, clock, h, scene):
 
 @kernel
 def collect_in_pieces(first, pieces, clock, h, scene):
-    """Give what corners that stand for others got to these, for some pieces. Writes: points."""
+    """Give the forces of replicas of corners to their originals, for some pieces. Writes:
+    points.
+    """
     scene.job[0].entry = first
     share(jobs.TAKE, pieces, clock, h, scene)
 
@@ -106,7 +108,7 @@ def note_contact(group, scene):
 
 @kernel
 def do_pieces(me, called, clock, scene):
-    """Pieces of a job until none is left, by the thread `me`. Writes: what the job writes."""
+    """Pieces of a job until none is left, by the thread `me`. Writes: the tables of the job."""
     threads = scene.job[0].threads
     k = worker.next_piece(me, called, threads, scene.queues)
     while k >= 0:
@@ -117,7 +119,7 @@ def do_pieces(me, called, clock, scene):
 
 @kernel
 def do_piece(k, me, clock, scene):
-    """One piece of the present job. Writes: what the job writes."""
+    """One piece of the present job. Writes: the tables of the job."""
     job = scene.job[0]
     if ELEMENT_LOADS and job.number == jobs.LOAD:
         load_piece(k, job, scene)
@@ -139,7 +141,7 @@ def do_piece(k, me, clock, scene):
 
 @kernel
 def pairs_piece(k, job, scene):
-    """Some pairs of a contact, or some of their bodies. Writes: what the job writes."""
+    """Some pairs of a contact, or some of their bodies. Writes: the tables of the job."""
     for number, group in enumerate(CONTACTS):
         if group.in_pieces and job.group == number:
             if job.number == jobs.PRESS:

@@ -7,9 +7,10 @@ its sum,
 
 a = (D - E) / 2 and b = (D + E) / 2 of the positions point from side to side. The axes turn with the
 polar rotation of the plane's deformation. In a warped element the corners lie beside the mean plane
-by z and -z: a surface through them has in its middle the strains of D and E, and what turning adds
-to H is no strain, so that the moments are in balance. Transverse shear is that of the four sides
-(assumed strain). Forces are the transpose of strains, so that a rigid motion does no work.
+by z and -z: a surface through them has in its middle the strains of D and E, and those that
+rotations add to H is no strain, so that the moments are in balance. Transverse shear is that of the
+four sides (assumed strain). Forces are the transpose of strains, so that a rigid motion does no
+work.
 
 References: Belytschko, Lin and Tsay (1984), Explicit algorithms for the nonlinear dynamics of
 shells, Computer Methods in Applied Mechanics and Engineering 42, 225-251. Belytschko and Leviathan

@@ -1,8 +1,8 @@
 """Common functions of the tangents of shells: rows of numbers, corner rotations, blocks of the
 matrix.
 
-A tangent is made for sixteen elements at a time, a column for every motion of every corner: what is
-found once for all columns is `base`, what belongs to the present one is its `change`. A corner with
+A tangent is made for sixteen elements at a time, a column for every motion of every corner: data
+common to all columns are `base`, those of the present one are its `change`. A corner with
 the Cayley vector c of the step, which turns by dtheta at its end, has
 
     2 dc = dtheta + dtheta x c + (c . dtheta) c

@@ -2,8 +2,8 @@
 
     d eps_x = d eps_x0 + h_x dq_x + dh_x q_x - nu (h_y dq_y + dh_y q_y)
 
-at each point, with the tangent of its own layers; what acts on q is summed over the points with the
-slopes h of the end of the step. Consequence to test: central differences of the forces.
+at each point, with the tangent of its own layers; the action on q is summed over the points with
+the slopes h of the end of the step. Consequence to test: central differences of the forces.
 
 References: those of elements/full.py and layers.py.
 """
