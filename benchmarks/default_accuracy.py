@@ -97,7 +97,7 @@ class Stopwatch:
 
 
 def with_defaults(deck: Deck, words: dict[str, str]) -> Deck:
-    """The deck without what it says about methods and steps, or with other words for it."""
+    """The deck without its settings of methods and steps, or with others."""
     kept = {k: v for k, v in deck.control.model_dump(exclude_unset=True).items() if k not in CHOSEN}
     return replace(deck, control=Control(**kept, **words))
 
@@ -172,7 +172,7 @@ springs:
 
 
 def runs(paths: list[Path], words: dict[str, str]) -> Iterator[tuple[str, Run | str]]:
-    """Every deck and scene with what it came to, or why it did not."""
+    """Every deck and scene with its result, or the cause of its failure."""
     watch = Stopwatch()
     # an error by the mesh is none of the steps
     scenes = [s for kind in kinds() for s in kind if not s.name.startswith("meshes")]

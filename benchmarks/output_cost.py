@@ -28,8 +28,8 @@ FEW = 25
 
 @dataclass(frozen=True)
 class Case:
-    """A deck, its text or what writes it, how much of it is run here, and how long a whole run
-    lasts [s].
+    """A deck, its text or the function that writes it, the part of it that is run here, and how
+    long a whole run lasts [s].
     """
 
     deck: str | Callable[[], Path]

@@ -1,4 +1,4 @@
-"""What several threads bring: share of a step that they do, what pieces cost, speed by the clock.
+"""Gain by several threads: their share of a step, cost of pieces, speed by the clock.
 
     python benchmarks/threads.py [SCENE ...] [THREADS ...]        all scenes, and 2, when absent
 
@@ -54,7 +54,7 @@ SPHERES, FALLEN, WATCHED = (1000, 4000), 0.15, 0.09
 TUBE_END, TUBE_STRETCHES = 8e-3, 32
 # runs of the command, of which the fastest counts
 WHOLE = 2
-# seconds between two looks at what a run is doing, on average
+# seconds between two samples of the activity of a run, on average
 LOOK = 2e-3
 
 
@@ -68,7 +68,7 @@ class Alone(Engine):
 
 
 class Watched:
-    """A run, with what its stretches have taken [s]: CPU of its first thread, of all, the clock."""
+    """A run, with the times of its sections [s]: CPU of its first thread, of all, the clock."""
 
     def __init__(self, deck: Deck, threads: int, alone: bool = False) -> None:
         control = deck.control.model_copy(update={"threads": threads})
@@ -120,7 +120,7 @@ def measure(name: str, path: Path, times: np.ndarray, threads: list[int]) -> Non
         for run in (one, *several.values()):
             run.advance(until)
         for run in alone.values():
-            # looks disturb what is measured
+            # samples disturb the measurement
             (run.advance if k % 2 else run.watched)(until)
     steps = int(one.engine.clock["cycle"]) - begun
     print(f"{name}, {steps} steps, {1e6 * sum(one.first) / steps:.0f} us of CPU each")

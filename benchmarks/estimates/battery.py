@@ -32,7 +32,7 @@ CHOOSERS = (
 # and those for scenes whose steps stiffness would bound
 STIFF = CHOOSERS[2:]
 LIMITS = {"control.step": "auto", "control.energy_limit": "off"}
-# an error below this share of the scale is round-off, and what joints are closed to
+# an error below this share of the scale is round-off, and the tolerance of the joints
 ROUND_OFF = 1e-10
 FACTOR = 10.0
 

@@ -67,7 +67,7 @@ class Point:
 
 @dataclass
 class Trial:
-    """One method at one value, with what its runs have taken so far."""
+    """One method at one value, with the times of its runs so far."""
 
     problem: Problem
     method: Method

@@ -15,7 +15,7 @@ from crashsolve.output.files import reported
 PLAN = ".plan.yaml"
 PACKAGE = Path(__file__).resolve().parent
 REPOSITORY = PACKAGE.parents[1]
-# of a page its heading; of a deck its title, else what its first comment says
+# of a page its heading; of a deck its title, else its first comment
 TITLES = {".md": (r"^# +(.+)$",), ".yaml": (r"^title: *(.+)$", r"^# (?!long$)(.+)$")}
 
 

@@ -177,7 +177,7 @@ def _panel(
 
 
 def _overlaid(label: str, name: str, results: int, channels: int) -> str:
-    """A curve's name: what differs from the others of its figure."""
+    """A curve's name: its differences from the others of its figure."""
     if results == 1:
         return label
     return name if channels == 1 else f"{label}, {name}"

@@ -62,7 +62,7 @@ def camera(view: str, world_up: np.ndarray, low: np.ndarray, high: np.ndarray) -
         "iso": _unit(0.55 * ahead + near + 0.5 * up),
     }
     towards = eyes[view] if view in eyes else _direction(view)
-    # looking along the vertical, what is ahead is to the right
+    # looking along the vertical, forward is to the right
     vertical = up if abs(towards @ up) < 0.999 else np.sign(towards @ up) * -near
     right = _unit(np.cross(vertical, towards))
     return Camera(right, np.cross(towards, right), towards, 0.5 * (low + high))

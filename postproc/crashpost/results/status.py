@@ -43,7 +43,7 @@ def unfinished(status: Json) -> str:
         return ""
     time = status.get("time")
     until = "" if time is None else f" at t = {time:g} s"
-    return f"the run is not finished ({state}{until}): this is what there is"
+    return f"the run is not finished ({state}{until}): these are its results so far"
 
 
 def _alive(pid: object) -> bool:

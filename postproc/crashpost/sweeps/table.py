@@ -1,6 +1,6 @@
-"""The runs of a sweep as one table: their values, what has become of them, and their measures.
+"""The runs of a sweep as one table: their values, their outcome, and their measures.
 
-A measure counts only of a run that has finished and is made from what sweep.json says: the cell of
+A measure counts only of a run that has finished and was made as sweep.json states: the cell of
 any other run is empty, and its message says why. The table is the same whether the sweep was
 interrupted or not.
 """
@@ -157,7 +157,7 @@ def _state(folder: Path, mark: dict[str, str]) -> tuple[str, str]:
 
 
 def _measure(row: Row, folder: Path, measures: list[Measure]) -> None:
-    """Fill in what the results of a finished run say. Writes: row, units of measures."""
+    """Fill in the results of a finished run. Writes: row, units of measures."""
     try:
         result = Result(folder)
         text = str(result.attributes.get("deck_text", ""))

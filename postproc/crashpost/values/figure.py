@@ -13,10 +13,10 @@
         - {label: ..., kind: curve, points: [[x, y], ...]}
         - {label: ..., kind: corridor, points: [[x, lower], ...], upper: [[x, upper], ...]}
 
-A reference that also has `channel` and `statistic` is compared with what the run gave; `during:
+A reference that also has `channel` and `statistic` is compared with the value of the run; `during:
 [t0, t1]` limits the comparison to a time window, `over: [x0, x1]` the width of a level or band.
-`tolerance` says how well a level or point is known: what the run gives beyond it is a miss. A
-corridor over time needs the channel alone: what counts is how far it leaves the corridor.
+`tolerance` is the uncertainty of a level or point: a value of the run beyond it is a miss. A
+corridor over time needs the channel alone: its measure is the largest distance from the corridor.
 """
 
 from collections.abc import Sequence

@@ -113,7 +113,7 @@ def _measures(result: Result, position: SensorPosition) -> list[tuple[str, str, 
 
 
 def _judged(position: SensorPosition, measure: str, value: str, when: str) -> list[str]:
-    """The row of a measure with its limit; what was not filtered is not judged."""
+    """The row of a measure with its limit; a signal that was not filtered is not judged."""
     limit = LIMITS.get(position.role, {}).get(measure)
     if limit is None or value == "-":
         return [position.name, measure, value, "", "", when]

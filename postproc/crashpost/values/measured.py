@@ -61,7 +61,7 @@ class Measurement:
 
 
 def read_test(path: Path) -> Measurement:
-    """The test in a file; raises PostError naming file, line and what is wrong."""
+    """The test in a file; raises PostError naming file, line and cause."""
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:

@@ -68,7 +68,7 @@ def page_time_unit(result: Result, figures: Sequence[Figure], units: Units) -> s
 
 
 class PageUnits:
-    """The unit of charts and tables by the SI unit of what they show: that of the first figure.
+    """The unit of charts and tables by the SI unit of their values: that of the first figure.
 
     What no figure of the page shows stays in SI.
     """
@@ -92,7 +92,7 @@ class PageUnits:
                     self.of.setdefault(series[0].unit, unit)
 
     def unit(self, own: str) -> str:
-        """The page's unit of what has this unit."""
+        """The page's unit for values in this unit."""
         return self.of.get(own, own)
 
     def size(self, own: str) -> float:

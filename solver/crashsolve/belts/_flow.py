@@ -23,7 +23,7 @@ from crashsolve.foundation.kernels import kernel
 PASSES, FIRST, EVERY = 300, 8, 4
 # passes after which rings are settled one after the other alone
 PATIENCE = 100
-# what is left of a flow over the length of the belt
+# of a flow, over the length of the belt: treated as zero
 CLOSE = 1e-15
 # the same after so many passes, where round-off of tight segments keeps flows moving
 NEARLY, MANY = 1e-13, 40

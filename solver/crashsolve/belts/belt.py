@@ -121,7 +121,7 @@ OUTPUT = Record(f"""
     pay_out     m        webbing that has left the retractor
     locked      count    1 once the retractor is locked
 """)
-# what the start is laid out with, of the bodies
+# columns of the bodies for the layout at the start
 PLACED = Record("""
     r  m  3  position of the mass centre
     A  1  9  rotation matrix by rows

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from crashsolve.channels.errors import ChannelError
 from crashsolve.channels.units import UnitError, read_product, symbol_unit
 
-# what a symbol means for values that the symbol's own dimension cannot be of
+# other meaning of a symbol, for values that cannot have the dimension of the symbol itself
 ELSEWHERE = {("t", "N"): "tf", ("g", "m/s^2"): "g0"}
 
 

@@ -161,7 +161,7 @@ def _compile_apart(
 
 def _link(names: tuple[str, ...], code: bytes) -> tuple[Function, ...]:
     """Functions of an object file, linked into this process."""
-    # what only reads a deck does not load it
+    # commands that only read a deck do not load it
     import llvmlite.binding as llvm
 
     llvm.initialize_native_target()

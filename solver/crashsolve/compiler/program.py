@@ -39,7 +39,7 @@ class Program:
         self.placeholders, self.home = placeholders, home
         self.is_copied, self.replaced = is_copied, replaced
         self._sources: dict[str, Source] = {}
-        # what every name of the text means
+        # meaning of every name of the text
         self._meanings: dict[str, tuple[Any, ...]] = {}
         self._imports: dict[str, tuple[str, str]] = {}
         self._parts: list[str] = []

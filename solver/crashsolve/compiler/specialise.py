@@ -242,7 +242,7 @@ class Copy(ast.NodeTransformer):
             elif part != is_and:
                 if not any(isinstance(n, ast.Call) for value in left for n in ast.walk(value)):
                     return part
-                # what comes before it may write
+                # statements before it may write
                 left.append(ast.Constant(part))
                 break
         if not left:

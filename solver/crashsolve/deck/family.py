@@ -24,7 +24,7 @@ PACKAGE = __name__.partition(".")[0]
 LINE = "line"  # a picture: from point a of one body to point b of another
 ROUTE = "route"  # along the points of HISTORY that a law names leave and arrive
 ELEMENTS = "elements"  # as elements between nodes
-MARK = "mark"  # a ball in its point, with what it has yielded
+MARK = "mark"  # a ball in its point, with its plastic strain
 ANY = ("any",)  # integrators
 DEFAULT_INTEGRATOR = "rattle"
 # words of control.integrator that leave the method to the model
@@ -45,11 +45,11 @@ class Family:
     """Declaration of a folder of laws. Raises FamilyError naming all that is missing."""
 
     # which question each declaration answers, as the error asks it
-    entry: Any = _Missing  # what is one entry of its section called? None for laws within cards
+    entry: Any = _Missing  # name of one entry of its section; None for laws within cards
     follows: Any = _Missing  # which section does it follow, in decks, manuals and the build?
-    law: Any = _Missing  # which Protocol says what the file of a law must provide?
+    law: Any = _Missing  # Protocol of the file of a law
     energy: Any = _Missing  # entries of the ledger, the default first: NAME_stored and _dissipated
-    channels: Any = _Missing  # first words of its channels and what they hold, the default first
+    channels: Any = _Missing  # first words of its channels and their content, the default first
     picture: Any = _Missing  # how is it drawn: LINE, ROUTE, ELEMENTS, MARK, or None
     uses: Any = _Missing  # of which other families may its files import?
     integrators: Any = _Missing  # by which methods can it be stepped: names, or ANY
@@ -323,7 +323,7 @@ def _import_message(error: Exception, location: str, path: Path) -> str:
     """File, line and reason of an error of an import, in one line."""
     trace = traceback.extract_tb(error.__traceback__)
     lines = [step.lineno for step in trace if step.filename == str(path)]
-    # what follows the first line of pydantic's message is a link to its manual
+    # after the first line of pydantic's message there is a link to its manual
     reason = str(error).partition("\n")[0]
     if isinstance(error, SyntaxError) and error.filename == str(path):
         lines, reason = [error.lineno], error.msg

@@ -34,7 +34,7 @@ _CORE_TYPES: dict[str, Any] = {"int": int, "float": int | float, "bool": bool, "
 _FORBIDDEN = re.compile(r"[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
-# what an escape such as "\\e" may smuggle in; other marks are spelt out where they are shown
+# characters that an escape such as "\\e" may bring in; others are spelt out where they are shown
 _CONTROL = re.compile("[\x00-\x08\x0b-\x1f\ud800-\udfff]")
 
 

@@ -73,7 +73,7 @@ class Estimate:
     how: str
     steps: float = 0.0  # the part of the error that the steps make
     sampling_error: float = 0.0  # and that of the gaps between samples
-    is_wanted: bool = True  # False for what measures the run's own errors
+    is_wanted: bool = True  # False for channels that measure the run's own errors
     mesh: float | None = None  # the part of the mesh; infinite where meshes state none
 
     @property

@@ -209,7 +209,7 @@ class Estimating:
         lines = [_line(estimate) for estimate in self.found]
         self.log.section("watched channels", lines)
         for e in self.found:
-            # what lies between samples has a warning of its own
+            # peaks between samples have a warning of their own
             is_missed = "' between samples" in e.how
             if not e.error or e.value is None or is_missed:
                 continue

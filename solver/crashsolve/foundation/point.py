@@ -71,7 +71,7 @@ def blocks_of(p: Any) -> Any:
     return (p["quads"] + LANES - 1) // LANES + (p["triangles"] + LANES - 1) // LANES
 
 
-# what such a load does to a block
+# resultants of such a load on a block
 BLOCK_SUM = Record("""
     force   N    3  in all
     moment  N m  3  about the origin

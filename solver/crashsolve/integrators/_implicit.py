@@ -96,7 +96,7 @@ def find_step(h, clock, nodes, rows, saddle, scene):
         reuses_factors = can_reuse_factors(trial, clock)
         if not solve_stages(trial, reuses_factors, clock, nodes, rows, saddle, scene):
             clock.factored = 0.0
-            # the factors may be what fails
+            # the factors may be the cause of the failure
             if reuses_factors:
                 continue
             # too long for the iteration or the joints: as if the error were large

@@ -49,7 +49,7 @@ SOLID = elastic.SOLID + Record("""
 """)
 # of Newton's method in a return, and share of the yield stress at which it ends: some round-off
 PASSES, CLOSE = 60, 1e-14
-# share of a growth in a correction after which what is left is round-off: its cube, and its square
+# share of a growth in a correction after which the rest is round-off: its cube, and its square
 # where Y bends, whose second slope is left out
 NEAR, NEAR_BENT = 1e-5, 1e-7
 # before the first step of a point, or where it keeps no such record: rate, and size of the stress
@@ -205,7 +205,7 @@ def solid(m, old, new, d, h, curves, material):
         before, trial_k = old.stress[k], old.stress[k] + grown[k]
         new.stress[k] = trial_k - 3.0 * m.shear * share * away
         new.alpha[k] = old.alpha[k] + m.kinematic * share * away
-        # shear counts twice, in half of what is twice the strain
+        # shear counts twice, in half of the double strain
         weight = 1.5 if k < 3 else 3.0
         lost += 0.5 * (before + new.stress[k]) * weight * share * away
     new.plastic_strain = old.plastic_strain + x

@@ -14,7 +14,7 @@ import numpy as np
 from crashsolve.deck.building import Scene
 from crashsolve.meshes._mesh import Mesh
 
-# what a node was before its mesh was divided
+# number of a node before its mesh was divided
 CORNER, SIDE, MIDDLE = range(3)
 ROWS = "its elements do not lie in rows of even numbers, that could be joined in pairs"
 

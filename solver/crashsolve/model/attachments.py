@@ -25,7 +25,7 @@ ATTACHED_NODE = Record("""
 IMPLICIT = ("generalized_alpha", "radau_iia_5")
 # shares by which distances and velocities may differ and are still the same
 SAME = 1e-9
-# mass of an attached node's row of the node table: what it has belongs to the body
+# mass of an attached node's row of the node table: its mass belongs to the body
 NOTHING = 1e-300
 
 

@@ -21,7 +21,7 @@ import numpy as np
 from crashsolve.model.corners import curves_of_time
 from crashsolve.model.model import Model
 
-# steps in a period, and what a step may miss of the range of a curve
+# steps in a period, and the share of the range of a curve that a step may miss
 PER_PERIOD, NOTHING = 40, 1e-8
 # a stated step of so many times the longest hardly sees a curve, or misses it
 HARDLY, MISSED = 4.0, 16.0

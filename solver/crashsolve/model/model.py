@@ -336,5 +336,5 @@ class State:
     card_history: np.ndarray
     ledger: np.ndarray
     points: np.ndarray  # nodes of shells, see foundation/point.py
-    blocks: np.ndarray  # what their elements keep
+    blocks: np.ndarray  # history of their elements
     stages: np.ndarray  # of a Runge-Kutta step, from which the next may begin its iteration

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
 STEPWISE = CALLS_MATERIAL = True
 IMPLICIT = ("generalized_alpha", "radau_iia_5")
-# a row each for what the rates of N, M_y and M_z resist
+# a row each for the rates of N, M_y and M_z
 RATES = 3
 MOST_FIBRES = fibres.MOST_FIBRES
 TANGENTS = element.TANGENTS + RATES
@@ -196,7 +196,7 @@ def tangent(p: Parameters, state: History, nodes, curves, rows, first, material)
     first += element.TANGENTS
     for k in range(RATES):
         no_tangent(rows[first + k])
-    # what yields by von Mises' stress has its rate from the step, and is a matter of positions
+    # yield by von Mises' stress takes its rate from the step, and depends on positions
     if material.VON_MISES:
         return
     strained = element.deformation(p, a, b, R, v, w)

@@ -43,7 +43,7 @@ def overlaps(engine: Engine) -> list[tuple[str, str]]:
     current, found = int(engine.clock["current"]), {}
     for group in model.contact_groups:
         depth, thick = group.history["depth"][current], group.parameters["thick"]
-        # a constraint has no depth: what it is to hold begins apart, or touching
+        # a constraint has no depth: its surfaces begin apart, or touching
         limit = ONTO * model.size if group.is_unilateral else 0.5 * thick
         for i in np.flatnonzero(depth > limit):
             why = (

@@ -19,7 +19,7 @@ STRAINED, STORED = 1e-10, 1e-18
 NO_DEPTH = 1e-9
 # share of the half thicknesses of both sides, beyond which a touch is deep
 DEEP = 0.25
-# the same of a point, which is stopped at the middle of what it strikes
+# the same of a point, whose run is stopped at the middle of the struck body
 HALFWAY = 0.5
 # crushed length over length at which the folds of a square tube touch: Abramowicz (1983), Int. J.
 # Impact Engng 1, 309-317, has 0.73

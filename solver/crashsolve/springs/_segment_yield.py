@@ -18,7 +18,7 @@ from crashsolve.materials import elastoplastic
 PASSES = 50
 # of the yield stress: some units of round-off
 CLOSE = 1e-14
-# what load steps do, which have no length: nothing, as in runs in time; flow; keep what has flowed
+# in load steps, which have no length: no step, as in runs in time; flow; keep the flow so far
 NO_STEP, FLOWS, FROZEN = 0, 1, 2
 
 

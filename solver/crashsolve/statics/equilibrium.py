@@ -89,7 +89,7 @@ class StaticEngine(Engine):
             ends = zip(
                 g.parameters["node_a"].tolist(), g.parameters["node_b"].tolist(), strict=True
             )
-            # what acts on an attached node acts on its body
+            # forces on an attached node act on its body
             named |= {i for pair in ends if attached_nodes & set(pair) for i in pair}
         return np.isin(self.free, list(named))
 

@@ -15,12 +15,12 @@ import numpy as np
 
 from crashsolve.model import ledger as energy
 
-# over what both tangents give, beyond which a change of configuration has left the path; and share
-# of what the first of them gives, below which the load step is looked at in halves
+# over the value by both tangents, beyond which a change of configuration has left the path; and
+# share of the value by the first of them, below which the load step is examined in halves
 FAR, APART = 1.1, 1.5
 # a change that is nothing but round-off, in the model's size or rad
 NOWHERE = 1e-12
-# a load step that misses less energy than this share of what it exchanges has not jumped by more
+# a load step that misses less energy than this share of the exchanged energy has not jumped by more
 # than a few percent of its displacement: no way back is looked for, which costs as much again
 WHOLE = 1e-3
 # entries of the energy balance that a load step moves

@@ -39,7 +39,7 @@ SLOW, UNKNOWN = 0.1, 0.9
 # how h grows where Newton's method has failed
 CAREFUL, RELENTING = 4.0, 1.2
 # h over 1 / omega where corrections that go too far are shortened: with more inertia a step from
-# rest ends far from equilibrium, and what has yielded on that detour stays; with less the nodes
+# rest ends far from equilibrium, and the plastic flow on that detour remains; with less the nodes
 # between two elements that flow spin freely
 QUIET = FIRST * GROWTH**2
 # load steps after which one of twice the length is tried

@@ -24,7 +24,7 @@ from crashsolve.system.placeholders import group_arrays
 
 # more of one group on one body are looked at together
 MOST = 32
-# a step is cut into equal ones: of less than half of what is wanted the cause is another
+# a step is cut into equal ones: a step of less than half of the wanted one has another cause
 EQUAL = 0.499
 # [s] after which it is looked for anew who sets the step
 AGAIN = 1.0

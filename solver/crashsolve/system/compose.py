@@ -50,7 +50,7 @@ def compose(model: Model) -> str:
     def is_copied(module: str) -> bool:
         return module.startswith((f"{INTEGRATORS}._", f"{LOOPS}.")) or module == main
 
-    # most runs find what was composed before
+    # most runs find the step that was composed before
     from crashsolve.compiler.program import Program
 
     program = Program(placeholders(model), SCENE, is_copied, replaced)

@@ -25,7 +25,7 @@ from crashsolve.model.model import Model, State
 from crashsolve.system.gain import OVERSTATED, energy_gain, has_gain, overstates
 from crashsolve.system.timestep import QUARTER
 
-# what helps most where a shell folds on itself: a node meets the nearer of two walls alone
+# the best remedy where a shell folds on itself: a node meets the nearer of two walls alone
 OWN_FACES = "where a shell folds on itself take smaller elements, or ring: 1 of its faces"
 # of a ball on several faces, whose forces are not wholly the gradient of their energy (walls.py)
 IN_A_DENT = (

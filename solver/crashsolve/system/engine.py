@@ -47,10 +47,10 @@ FIRST_CALL, LONGEST_CALL = 16, 0.2
 FIRST_JUDGED = 5
 # a corner of a curve is met within this share of a step, or of the time: its square is the error
 STAGNATION_RATIO, ROUND_OFF = 1e-6, 1e-14
-# what the clock keeps of a balance above its limit, and what is no matter: a share of that limit,
+# the record of a balance above its limit, and the negligible part: a share of that limit,
 # as the first steps from rest err by much of the little energy there is
 MISSING, NEGLIGIBLE_SHARE = ("missing", "missing_share", "missing_time"), 0.01
-# methods with stages take steps so many times as long, by what curves of time do
+# methods with stages take steps so many times as long, by the curves of time
 WITHIN = 4.0
 # at most so many iterations for friction and reactions of the initial state to agree
 PASSES = 60

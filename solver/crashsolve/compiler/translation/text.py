@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 FLAGS = "contract nsz arcp"
 FLAGS_OF_LANES = f"{FLAGS} reassoc"
 
-# of the checked mode: where an index out of bounds leads to, and what reports it
+# of the checked mode: the memory read for an index out of bounds, and the function that reports it
 SCRATCH, REPORT = "@scratch", "@report"
 
 

@@ -353,7 +353,7 @@ class _Reader:
         if item.keyword == "curves":
             context = replace(context, axes=self.axes.get(item.name))
             if self.diagnostics and item.name not in self.axes:
-                # what uses it may be among the cards that are wrong; these are refused anyway
+                # its user may be among the wrong cards; these are refused anyway
                 context = replace(context, units=SI)
         try:
             return kind.model_validate(value, context=context)

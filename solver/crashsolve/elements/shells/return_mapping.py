@@ -104,7 +104,7 @@ def begin(slots, to, h, m, material):
         g = beyond * size / (a * c1 + b * c2 + 1e-300)
         if material.SMOOTH:
             # below the root: the stress falls at most as at first, and the yield stress grows at
-            # most as from no strain; each takes half of what is beyond yield
+            # most as from no strain; each takes half of the excess over yield
             rise = material.strain_of_rise(m, 0.5 * beyond / factor)
             g = min(0.5 * g, 1.5 / size * rise)
         if m.rated == 1 and beyond > 0.0:

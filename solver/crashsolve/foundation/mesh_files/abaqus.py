@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 from crashsolve.foundation.mesh_files.reading import SIDES, Lines
 
-# what decides where nodes and elements are, beside *NODE and *ELEMENT
+# keywords that define nodes and elements, beside *NODE and *ELEMENT
 LOST = {
     "SYSTEM",
     "TRANSFORM",
@@ -44,7 +44,7 @@ FURTHER = {"R3D4": "quad", "M3D4": "quad", "M3D4R": "quad", "M3D3": "triangle"}
 # its name for either
 WRITTEN = {"quad": "S4", "triangle": "S3"}
 SILENT = {"HEADING", "PREPRINT"}
-# offsets of shells that say what is so without them
+# offsets of shells with the effect of none
 MIDDLE = {"0", "0.", "0.0", "MID", "MIDDLE"}
 
 

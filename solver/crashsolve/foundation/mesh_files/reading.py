@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import meshio
 
 SIDES = {"quad": 4, "triangle": 3}
-# what gmsh writes of the outlines of an area
+# lines that gmsh writes along the outline of an area
 OUTLINES = ("vertex", "line")
 GROUPS = "gmsh:physical"
 

@@ -49,7 +49,7 @@ UPDATE = Record("""
     b       index  block
     target  index  target -= a b^T
 """)
-# of every compliant row; below 0 for what does not move
+# of every compliant row; below 0 for a node that does not move
 SLOT = Record("""
     a       index  block of node a, of a joint that of its rows and this node
     b       index  the same of node b

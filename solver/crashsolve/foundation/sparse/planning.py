@@ -74,7 +74,7 @@ def minimum_degree(
         heapify(heap)
         while heap:
             known, block = heappop(heap)
-            # what has changed since then is further back in the heap as well
+            # entries changed since then are further back in the heap as well
             if block in below or known != degree(block):
                 continue
             order.append(block)

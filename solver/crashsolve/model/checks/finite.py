@@ -27,7 +27,7 @@ LONGEST = 1e40
 HEAVIEST = 1e60
 # of velocities that a deck starts with [m/s, rad/s]: light has 3e8 m/s
 FASTEST = 1e12
-# what they raise in Python and in its libraries
+# exceptions of Python and its libraries for them
 BEYOND_NUMBERS = (ArithmeticError, np.linalg.LinAlgError)
 
 

@@ -44,7 +44,7 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
             if body_pairs.can_skip_all(both, h, card.depth, nodes):
                 touches.add_losses(card, both)
                 continue
-            # a sample changes no more than what the next step writes anew
+            # a sample changes only columns that the next step writes again
             if h > 0.0:
                 body_pairs.end_skipping(both, group.history)
             evaluated = some_pairs(

@@ -149,7 +149,7 @@ def put_column(scene, matrix, change, lane, b, k, share, count):
         for i in range(6):
             if fixed >> i & 1:
                 continue
-            # what acts on the corner is the negative of what acts on its motion
+            # the force on the corner is the negative of that on its motion
             more = -share * change[at + LANES * (i if i < 3 else i + 9)]
             if address % 2 == 0:
                 block.stiff[6 * i + k] += more

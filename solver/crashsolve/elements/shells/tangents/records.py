@@ -5,7 +5,8 @@ BASE is computed once for all columns of a tangent, CHANGE for the present colum
 
 from crashsolve.foundation.record import Record, rows_of
 
-# numbers that enter at a point of the plane and come out, and where what follows begins (layers.py)
+# numbers of strains and resultants at a point of the plane, and first number of the others
+# (layers.py)
 SIDE = 12
 BENDING, MODES_IN, SHEAR_IN, TAKEN_OUT, ACROSS_OUT = 3, 6, 10, 10, 11
 POINT_ROWS = SIDE * SIDE
