@@ -62,9 +62,8 @@ class Family:
         missing = [f.name for f in fields(self) if getattr(self, f.name) is _Missing]
         if missing:
             raise FamilyError(
-                f"a family must declare {', '.join(missing)}: see the meaning of the fields of "
-                "Family in "
-                f"{PACKAGE}/deck/family.py"
+                f"a family must declare {', '.join(missing)}: see the fields of Family in "
+                f"{PACKAGE}/deck/family.py for their meaning"
             )
         wrong = [
             f"{name} must be {meant}, not {getattr(self, name)!r}"

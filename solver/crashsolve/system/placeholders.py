@@ -85,7 +85,7 @@ def placeholders(model: Model) -> dict[str, Any]:
         "SEARCHES": any(c.search is not None for c in contacts),
         "MANY_PAIRS": any(c.in_pieces for c in contacts),
         "RESTING": hasattr(method(model), "KICK_DRIFT_KICK")
-        and any(c.skips_pairs or c.follows_exit for c in contacts),
+        and any(c.skips or c.follows_exit for c in contacts),
         "PAIR_DAMPERS": any(damped) or any(c.friction_damps for c in contacts),
         "NODAL_DAMPERS": any(damped),
         "KICK_DRIFT_KICK": hasattr(method(model), "KICK_DRIFT_KICK"),

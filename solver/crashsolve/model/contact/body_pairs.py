@@ -37,7 +37,7 @@ def find_body_pairs(groups: Iterable[ContactGroup]) -> None:
     Writes: groups.
     """
     for group in groups:
-        if group.skips_pairs and group.search is None and not group.in_pieces:
+        if group.skips and group.search is None and not group.in_pieces:
             group.body_pairs = body_pairs_of(group, group.parameters)
 
 

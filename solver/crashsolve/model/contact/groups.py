@@ -126,7 +126,7 @@ class ContactGroup(Touching):
         return "pass_time" in (self.history.dtype.names or ())
 
     @property
-    def skips_pairs(self) -> bool:
+    def skips(self) -> bool:
         """Whether a pair is skipped until it may have moved as far as its gap."""
         return "reach_a" in (self.parameters.dtype.names or ()) and not self.is_unilateral
 

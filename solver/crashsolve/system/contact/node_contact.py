@@ -276,7 +276,7 @@ def add_touch(clock, h, p, totals, card, touch, f, energies):
 @kernel
 def add_energies(totals, card, count):
     """Energies of the group to its card. Writes: card, count."""
-    count.fixed += totals.stored
+    count.stored += totals.stored
     count.bristle_energy += totals.bristle_energy
     card.depth = max(card.depth, 0.0)
     card.stored += totals.stored + totals.bristle_energy

@@ -45,7 +45,7 @@ def gaps_of_some(group, first, end, current, nodes, floor, deepest, scene):
             deepest = max(deepest, depth if history[current, i].active == 0 else -depth)
         elif history[current, i].active == 0:
             a, b = group.elements_a[params[i].a], group.elements_b[params[i].b]
-            if group.skips_pairs:
+            if group.skips:
                 displacement = resting.largest_approach(params[i], nodes[a.node], nodes[b.node])
                 if history[current, i].depth + displacement <= max(deepest, floor):
                     continue

@@ -100,20 +100,15 @@ def some_pairs(group, piece, first, end, approached, clock, h, nodes, curves, sc
         m, w = nodes[a.node], nodes[b.node]
         totals = sums_of(group, piece, i, clock, p, m, w, scene)
         card, count, displacement = totals.card, totals.count, 0.0
-        if KICK_DRIFT_KICK and (group.skips_pairs or group.follows_exit) and h > 0.0:
+        if KICK_DRIFT_KICK and (group.skips or group.follows_exit) and h > 0.0:
             displacement = resting.largest_approach(p, m, w)
-        if (
-            KICK_DRIFT_KICK
-            and group.skips_pairs
-            and h > 0.0
-            and resting.can_skip(old, new, displacement)
-        ):
+        if KICK_DRIFT_KICK and group.skips and h > 0.0 and resting.can_skip(old, new, displacement):
             new.depth = old.depth + displacement
             touches.add_losses(card, new)
             continue
         if (
             KICK_DRIFT_KICK
-            and group.skips_pairs
+            and group.skips
             and resting.is_at_end_of_step(h, clock)
             and resting.is_below(old, new, approached, card.depth)
         ):

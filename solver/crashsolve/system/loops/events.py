@@ -128,7 +128,7 @@ def limit_some(group, first, end, at_most, clock, nodes, scene):
             continue
         a, b = group.elements_a[p.a], group.elements_b[p.b]
         speed = touches.closing_speed_bound(p, a, b, nodes)
-        if group.skips_pairs and speed * clock.next_step > distance:
+        if group.skips and speed * clock.next_step > distance:
             # the stored value is only a bound
             depth, _, _ = group.narrow.gap(a, b, nodes, group.data)
             distance = touches.LARGEST_CLOSING * p.thick - depth
