@@ -10,7 +10,7 @@ last is reported as a whole, too, by runs of the command in turn, with start, sa
 that is cut for several is found in a job that they would share: Amdahl's share p, which other
 programs on the machine do not change. "pieces" is c, the CPU time of that run over that of a run
 which is not cut. Of N cores of one's own follows from both, at most, N / c / (N - (N - 1) p).
-Speed by the clock is that of runs in turn, stretch by stretch, and says something only where
+Speed by the clock is that of runs in turn, section by section, and is meaningful only where
 nothing else runs: the load is reported. The bits are those of one thread, asserted at the end.
 """
 
@@ -49,7 +49,7 @@ parts:
 {load}"""
 LOAD = "loads: {q: {type: pressure, part: plate, pressure: 1e5}}\n"
 STRETCHES = 30
-# spheres in number, [s] from which on they are looked at, after first contacts, and for how long
+# number of spheres, [s] from which on they are measured, after first contacts, and for how long
 SPHERES, FALLEN, WATCHED = (1000, 4000), 0.15, 0.09
 TUBE_END, TUBE_STRETCHES = 8e-3, 32
 # runs of the command, of which the fastest counts
@@ -88,7 +88,7 @@ class Watched:
         self.clock.append(time.perf_counter() - begun[2])
 
     def watched(self, until: float) -> None:
-        """Go on, and be looked at now and then."""
+        """Continue, and sample the state from time to time."""
         ended = Event()
         watch = Thread(target=self._watch, args=(ended,))
         watch.start()

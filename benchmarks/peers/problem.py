@@ -33,7 +33,9 @@ class Method:
 
 @dataclass
 class Problem:
-    """Data and reference of a problem; `angles` says which watched values count modulo a turn."""
+    """Data and reference of a problem; `angles` lists the watched values that count modulo a
+    revolution.
+    """
 
     name: str
     title: str

@@ -75,7 +75,7 @@ def _report_unfinished(options: argparse.Namespace) -> None:
 
 
 def _say(text: str) -> None:
-    """Print lines of which none can pass for another, whatever names and titles hold."""
+    """Print lines whose names and titles cannot imitate other lines."""
     print(printable_lines(text))
 
 

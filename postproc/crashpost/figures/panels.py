@@ -205,7 +205,7 @@ def _mark(
 
 
 def _limited(figure: Figure, request: PlotRequest) -> Figure:
-    """The figure with the axes asked for."""
+    """The figure with the requested axes."""
     for axis in request.log:
         is_x = axis == "x"
         figure = replace(figure, x_scale="log") if is_x else replace(figure, y_scale="log")

@@ -7,7 +7,7 @@ import numpy as np
 from crashpost.errors import PostError, unknown
 
 VIEWS = ("auto", "side", "front", "rear", "top", "bottom", "iso")
-# a model this much thinner in one direction is looked at along it
+# a model this much thinner in one direction is viewed along it
 THIN = 0.3
 MARGIN = 0.04
 # of a window on a single point [m]

@@ -303,7 +303,7 @@ def _send(child: Any, job: str) -> None:
         child.stdin.write(job)
         child.stdin.close()
     except BrokenPipeError:
-        # it ended before it read: its exit code says the rest
+        # it ended before it read: its exit code states the cause
         return
 
 

@@ -1,4 +1,4 @@
-"""What status.json says about a run, checked against the processes of this machine.
+"""State of a run in status.json, checked against the processes of this machine.
 
 An entry of another kind than FILE_FORMAT.md has it is as good as absent.
 """

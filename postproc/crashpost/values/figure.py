@@ -1,4 +1,4 @@
-"""What a figure of the report shows, as the deck asks for it under `output: report: figures:`.
+"""Content of a figure of the report, as requested under `output: report: figures:`.
 
     - title: Buffer force
       y: [rcforc.left.force.normal, {channel: ..., label: ..., x: ...}]
@@ -189,7 +189,7 @@ def _pair(value: Any) -> Pair:
 
 
 def axis_unit(series: Sequence[Series], wanted: str) -> str:
-    """The unit of an axis: that asked for, else that of the first series or a multiple of it."""
+    """The unit of an axis: the requested one, else that of the first series or a multiple of it."""
     if wanted != AUTO:
         return wanted or series[0].unit
     return readable(series[0].unit, max(np.max(np.abs(s.values), initial=0.0) for s in series))

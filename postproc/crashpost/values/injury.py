@@ -10,7 +10,7 @@ Filter classes are those of SAE J211-1. Limits: 49 CFR 571.208 for HIC of 15 ms 
 UN R94 for HIC of 36 ms and 80 g; both for a 50th percentile man. No sections are cited: their
 numbers were not checked against the texts.
 Accelerations are filtered axis by axis; where the samples do not serve the filter, they are taken
-as they are, and the measure says so.
+as they are, and the measure states it.
 """
 
 from dataclasses import dataclass, replace

@@ -54,7 +54,7 @@ class Measurement:
         return (*self.curves, *(self.corridor or ()))
 
     def points(self, column: Column, x_unit: str, y_unit: str) -> tuple[tuple[float, float], ...]:
-        """A column over the abscissa in the units asked for; raises PostError."""
+        """A column over the abscissa in the requested units; raises PostError."""
         x = self.abscissa.values * factor(self.abscissa.unit, x_unit)
         y = column.values * factor(column.unit, y_unit)
         return tuple(zip(x.tolist(), y.tolist(), strict=True))

@@ -1,4 +1,4 @@
-"""The units of a page: those its reader asks for, and one for each kind of number on all of it."""
+"""The units of a page: those requested, and one for each kind of number on all of it."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -38,7 +38,7 @@ class Units:
         return cls(named, tuple(general))
 
     def requested(self, channel: str) -> str:
-        """The unit asked for a channel by name or pattern; "" where none is."""
+        """The unit requested for a channel by name or pattern; "" where none is."""
         return next((unit for name, unit in self.of_channel.items() if fits(name, channel)), "")
 
     def wanted(self, channel: str, unit: str) -> str:

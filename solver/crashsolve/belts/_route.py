@@ -106,14 +106,14 @@ ROUTE = Record(f"""
 """)
 LAID = Record(f"""
     along     1      {3 * SEGMENTS}  directions of the segments
-    arrive    m      {3 * MOST}  where the belt comes to each fitting, world axes
+    arrive    m      {3 * MOST}  where the belt reaches each fitting, world axes
     leave     m      {3 * MOST}  where it leaves
     half      m      {MOST}  half the arc on each surface
     split     m      {MOST}  middle of the arc from the material point of its body that divides it
     middle    m      {3 * MOST}  middle of the arc from the mass centre, body axes
     lies      1      {3 * MOST}  direction of the belt there, body axes
     wrapped   rad    {MOST}  angle of a cylinder
-    begun     m      {3 * MOST}  where the belt comes to an ellipsoid, its axes
+    begun     m      {3 * MOST}  where the belt reaches an ellipsoid, its axes
     touches   flag   {MOST}  1 where the belt lies on a surface, -2 where it has slipped off
     slipped   flag           the belt has slipped off a surface
     lateral   rad    {MOST}  by which it slid across its direction, over a ball or an ellipsoid

@@ -31,7 +31,7 @@ class Arc(NamedTuple):
 
     # 1, or 0 where it passes by; -1 where a point is within the shape, -2 where no geodesic is left
     touches: int
-    first: Vector  # points where it comes to the body, and leaves
+    first: Vector  # points where it reaches the body, and leaves
     last: Vector
     middle: Vector  # of the arc, or the nearest point of the belt
     along: Vector  # its direction there

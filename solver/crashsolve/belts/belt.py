@@ -96,7 +96,7 @@ HISTORY = (
     friction    J        lost at rings
     drawn       J        lost in webbing
     straight    m    {SEGMENTS}  length
-    short       flag     a segment has come to no length
+    short       flag     a segment has reached zero length
     unsettled   flag     the flows of some step are not found
     passes      count    of the search for the flows
     flow        m    {MOST}  q, that passes each fitting in the step

@@ -91,7 +91,7 @@ def measure_the_same(a: str, b: str) -> bool:
 def factor(source: str, wanted: str) -> float:
     """Values in `source` times this are values in `wanted`; raises ChannelError.
 
-    A force asked for in "t" comes in tonne-force, an acceleration in "g" in standard gravity.
+    A force in "t" is shown in tonne-force, an acceleration in "g" in standard gravity.
     """
     if source == wanted:
         return 1.0

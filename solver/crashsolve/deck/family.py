@@ -303,7 +303,7 @@ def _root() -> Path:
 def imported(name: str, path: Path) -> Any:
     """The module of a file.
 
-    Raises FamilyError with file and line for whatever keeps Python from importing it.
+    Raises FamilyError with file and line for any exception at its import.
     """
     location = name.replace(".", "/") + ("/__init__.py" if path.stem == "__init__" else ".py")
     try:

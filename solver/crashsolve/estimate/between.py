@@ -1,6 +1,6 @@
 """What happens between samples is part of the error of numbers that are made of samples.
 
-    largest or least value of a force that a missed contact bears: + peak - shown
+    largest or least value of a force of a missed contact: + peak - shown
     integral of it:                                                + |impulse - integral|
     acceleration of a body that it strikes:                        + (peak - shown) / m
 

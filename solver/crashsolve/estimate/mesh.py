@@ -2,7 +2,7 @@
 
     d1 = |x1 - x2|,  d2 = |x2 - x4|,  p = log2(d2 / d1), no more than the elements' order q
     three meshes        error = d1 / (2^p - 1), at least d2 / (2^q (2^q - 1))
-    two meshes          error = d1, that of order 1: whatever touches or yields has no more
+    two meshes          error = d1, that of order 1: contact and yield have no more
 
 No error follows from the meshes where x1 and x2 differ by more than half the scale of the number,
 or where d1 is no smaller than d2, or of the other sign, and more than a twentieth of the scale: the

@@ -5,7 +5,7 @@
 
 While nothing is cut the contact is a spring and a damper, so that a load below mu_s N is held for
 ever without creep (unlike LuGre's bristle, which drifts under vibration). The cut takes
-k/2 (z_old + z).(z_trial - z), by which work and loss agree exactly whatever the step. Consequences
+k/2 (z_old + z).(z_trial - z), by which work and loss agree exactly for any step. Consequences
 to test: steady sliding loses mu N per length; a block on a slope below the friction angle rests.
 
 References: Cundall and Strack (1979), Geotechnique 29, 47-65; Dupont, Hayward, Armstrong and

@@ -26,7 +26,8 @@ Axial crush of a square tube of width c (Abramowicz and Jones 1984):
 
     P_m = 52.22 M_0 (c / t)^(1/3),   M_0 = S t^2 / 4
 
-Consequence to test: a wall twice as thick bears more than twice as much; scaled tubes scale.
+Consequence to test: a wall twice as thick has more than twice the force; forces of scaled tubes
+scale.
 
 References: Kecman (1983), Int. J. Mech. Sci. 25, 623-636; Wierzbicki and Abramowicz (1983),
 J. Appl. Mech. 50, 727-734; Abramowicz and Jones (1984), Int. J. Impact Engng 2, 179-208.

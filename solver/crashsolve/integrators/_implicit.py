@@ -168,7 +168,7 @@ def check_error(h, clock, nodes, scene):
     # of accepted steps only: velocities of a rejected one may be far off
     clock.fastest = max(clock.fastest, fastest_point(nodes, control.length))
     clock.error = error
-    # the error of a step cut short by a sample says little about a longer one
+    # the error of a step cut short by a sample predicts little of a longer one
     if h < clock.next_step:
         proposed = max(proposed, clock.next_step)
     # the iteration hardly converged

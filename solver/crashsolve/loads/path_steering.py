@@ -76,7 +76,7 @@ class PathSteering(Card):
         "any", "n, coordinate of the joint per angle of the wheels to the left, m/rad or 1"
     )
     limit: float = quantity(
-        "rad", "largest angle of the wheels that the driver asks for", 0.6, gt=0, lt=1.5
+        "rad", "largest angle of the wheels that the driver commands", 0.6, gt=0, lt=1.5
     )
     stiffness: float = quantity(
         "any", "k, stiffness of the driver's hands, N/m or N m/rad of the joint", gt=0
@@ -115,7 +115,7 @@ AMPLITUDE = "stiffness"
 HISTORY = Record("angle  rad  of the joint, over all revolutions")
 OUTPUT = Record("""
     force   N or N m   F, on the second body of the joint
-    steer   rad        delta that the driver asks for
+    steer   rad        delta, steering angle commanded by the driver
     wanted  m or rad   n delta
     now     m or rad   x, coordinate of the joint since the start
     rate    m/s or rad/s  of it
@@ -166,7 +166,7 @@ def build(card: PathSteering, scene: Scene) -> Columns:
 
 @kernel
 def steering_target(p: Parameters, nodes, curves):
-    """delta that he asks for [rad], offset of the path ahead [m], that of the vehicle [m]."""
+    """delta of the driver [rad], offset of the path ahead [m], that of the vehicle [m]."""
     body, up = nodes[p.vehicle], vec(p.up)
     x = sub(world_position(body, vec(p.at)), vec(p.origin))
     forward = arm(body, vec(p.forward))

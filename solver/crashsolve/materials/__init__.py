@@ -1,11 +1,11 @@
 """Materials: how a solid answers to strain, and how heavy it is.
 
 A material is one file: its card, the history of a point, its stress after a strain, and how
-that changes with the strain. Elements know nothing else of it. LAYER names the rows of a layer of a
+that changes with the strain. Elements use only this interface. LAYER names the rows of a layer of a
 shell, which begin with its stress (xx, yy, xy); FIBRE the columns of a fibre of a beam; SOLID those
 of a point in three dimensions (xx, yy, zz, xy, yz, zx). Kernels get `m`, the row of PARAMETERS. A
 law is general, and says `update` and so on, or is that of a metal that yields by von Mises' stress,
-and says how its yield stress depends on plastic strain, rate and temperature: elements then return
+and defines its yield stress by plastic strain, rate and temperature: elements then return
 all their stresses to it together (_von_mises.py).
 """
 

@@ -4,7 +4,7 @@
     T_dot = heating w_p_dot
 
 e is the equivalent plastic strain, rate that of e over a step, w_p the plastic work per volume. A
-law says Y, f and g; elements return stresses to the yield surface (elements/shells/plasticity.py,
+law gives Y, f and g; elements return stresses to the yield surface (elements/shells/plasticity.py,
 elements/beams/fibres.py).
 """
 
@@ -55,7 +55,7 @@ NEAR, NEAR_BENT = 1e-5, 1e-7
 # before the first step of a point, or where it keeps no such record: rate, and size of the stress
 UNKNOWN = (0.0, 0.0)
 INFINITE = 1e300
-# rate [1/s] below which no slope is asked for, which may be beyond numbers there
+# rate [1/s] below which the slope, which may overflow there, is not evaluated
 SLOWEST = 1e-60
 HEATED_FIBRE = FIBRE + Record("temperature  1  from 0 at the start to 1 at melting")
 

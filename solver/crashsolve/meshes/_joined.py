@@ -27,7 +27,9 @@ def joined(mesh: Mesh, factor: int) -> Mesh:
 
 
 def coarsened(mesh: Mesh, card: Any, scene: Scene) -> Mesh:
-    """The mesh of a card as its `joined` asks for; an error of the deck where it cannot be."""
+    """The mesh of a card with elements joined by `joined`; an error of the deck where that is
+    impossible.
+    """
     try:
         return joined(mesh, card.joined)
     except ValueError as why:

@@ -31,7 +31,7 @@ class File(Card):
     """
 
     file: FileName = word("mesh file, beside the deck that names it")
-    unit: float = quantity("m", "length that the file's unit stands for", default=1.0, gt=0)
+    unit: float = quantity("m", "length of the file's unit", default=1.0, gt=0)
     elements: SetName = word(
         "element set, property or physical group; all elements of the file if empty", default=""
     )

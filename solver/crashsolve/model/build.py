@@ -57,7 +57,7 @@ if TYPE_CHECKING:
 
 # columns of loads on points, whose positions are known when all entries are
 FILLED_LATER = ("first_member", "member_count")
-# error of a step where the deck asks for nothing
+# default error of a step
 TOLERANCE = 1e-6
 
 
@@ -264,7 +264,7 @@ def _build_joints(deck: Deck, scene: Scene, groups: list[Group]) -> list[Joint]:
 
 
 def _refuse_doubles(deck: Deck, sections: list[str], scene: Scene) -> None:
-    """Names that joints of two sections bear. Writes: scene.errors."""
+    """Names that occur in two sections of joints. Writes: scene.errors."""
     names: dict[str, str] = {}
     for keyword in sections:
         word = families()[keyword].entry

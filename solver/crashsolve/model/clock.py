@@ -63,7 +63,7 @@ CLOCK = Record("""
     rate_residual    1/s       largest velocity residual over model size so far
     limit_node       index     node that sets the step; below 0: an element
     driver_work      J         work of prescribed motions
-    lack             1         imbalance over largest energy when the balance was last looked at
+    lack             1         imbalance over largest energy at the last check
     missing          J         largest imbalance at a check where it was above the limit
     missing_share    1         the same over the largest energy by then
     missing_time     s         when that was
@@ -82,7 +82,7 @@ CLOCK = Record("""
 """)
 
 CONTROL = Record("""
-    fixed_step            s      step asked for by the deck; 0 for automatic
+    fixed_step            s      step given by the deck; 0 for automatic
     step_min              s      a smaller step stops the run
     step_max              s      largest step
     curve_step            s      largest automatic step in which curves of time are seen, at present

@@ -15,12 +15,12 @@
     anything else                           rattle: of order 2, and passes corners at which others
     stop
 
-Steps of the default resolve every vibration, whatever the error of a step is compared with
+Steps of the default resolve every vibration, for any reference of the error of a step
 (`resolve`): in a model of kilometres 1e-6 of its size is all that a small oscillator does.
 
 Stiff means that the largest step at which an explicit method is stable (see system/timestep.py) is
 short beside the time in which the fastest body crosses the model, and beside the largest step
-allowed. Consequence to test: the choice follows from the deck alone, and the log says why.
+allowed. Consequence to test: the choice follows from the deck alone, and the log states its cause.
 """
 
 from dataclasses import replace
@@ -58,7 +58,7 @@ def _only_for_rattle(model: Model, stepwise: list[str]) -> Choice | None:
 
 
 def choose(model: Model, state: State, stepwise: list[str], tolerance: float) -> Choice:
-    """The integrator for a deck whose control says auto."""
+    """The integrator of a deck with integrator: auto."""
     if needs_rattle := _only_for_rattle(model, stepwise):
         return needs_rattle
     searched = [c.word for c in model.contact_groups if c.search is not None]

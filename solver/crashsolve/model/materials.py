@@ -1,7 +1,7 @@
 """Materials that elements call: their laws in a group, and their columns in its tables.
 
 A row has the constants of its material as one column, `material`, with the columns of all laws that
-the group uses; `law` says which of them is its own.
+the group uses; `law` is the number of its own.
 """
 
 from dataclasses import replace
@@ -84,7 +84,7 @@ def refuse_different(
 ) -> None:
     """Raises FamilyError unless the columns that `build` of a law returned fit its PARAMETERS.
 
-    A column that it left out would be 0 without a word; `later` are those that others fill.
+    A missing column would be 0 without a message; `later` are those filled elsewhere.
     """
     if not isinstance(values, dict):
         raise FamilyError(f"{module.__name__}: build must return a dict of columns, not {values!r}")

@@ -321,7 +321,7 @@ class Model:
         return [g for g in self.groups if hasattr(g.module, "load_elements")]
 
     def following_groups(self) -> list[Group]:
-        """Sensors that must look at every step."""
+        """Sensors that are evaluated in every step."""
         return [g for g in self.sensor_groups() if hasattr(g.module, "follow")]
 
 

@@ -232,7 +232,7 @@ class Scene:
     def refuse_joint(self, name: str, motions: tuple[str, ...], field: str) -> None:
         """A named joint without any of some motions: an `angle`, a `travel`, turns of a `ball`.
 
-        The file of a joint says in FREE which it leaves.
+        FREE of the file of a joint lists the free motions.
         """
         entry = self.joint_entry(name)
         if set(getattr(import_module(entry.module_name), "FREE", ())) & set(motions):

@@ -89,7 +89,7 @@ def _transfer_mass(rows: np.ndarray, card: Tie, scene: Scene) -> None:
 
 
 def _refuse_chain(rows: np.ndarray, tied: set[int], card: Tie, scene: Scene) -> None:
-    """A face that bears nodes has no corner that rides itself."""
+    """A face with tied nodes has no corner that is tied itself."""
     if tied.intersection(rows["corner"].ravel().tolist()):
         message = f"a face of '{card.to}' to which nodes are tied has a corner that is tied itself"
         raise scene.fail(f"{message}; tie the nodes of the same side in all ties", "to")

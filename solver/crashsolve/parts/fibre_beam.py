@@ -5,7 +5,7 @@
 
 at the one point of an element, its middle. Shear and torsion are elastic, and torsion is free of
 warping; so is the bending that varies along the element (the term l^3 / 12 E I of the beam). A
-hinge forms in the middle of an element: a cantilever of length L bears M_p / (L - l / 2) at its
+hinge forms in the middle of an element: a cantilever of length L carries M_p / (L - l / 2) at its
 end. Elastic, it is the beam. Implicit steps have the tangent of the step as it is computed: the
 beam's, with the present forces, and the changes by the fibres (beams/tangent.py). Consequence to
 test: the limit moment of a rectangle is Y b h^2 / 4, and its moment beyond yield 1 - (kappa_Y /
@@ -55,7 +55,7 @@ PARAMETERS = beam.PARAMETERS + Record(f"""
     law    index                        of the material's law among those of the group
 """)
 HISTORY = Record(f"""
-    stress  Pa  {fibres.MOST_FIBRES}  of the fibres; what else they remember says the material
+    stress  Pa  {fibres.MOST_FIBRES}  of the fibres; the material adds its other columns
     work    J                         plastic work
 """)
 OUTPUT = beam.OUTPUT + Record("""

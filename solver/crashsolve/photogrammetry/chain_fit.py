@@ -4,7 +4,7 @@
 
 q are position and rotation of the root and the rotations of joints: a rotation vector of a joint
 that turns about any axis, an angle of one with an axis, within the stops of the deck; s_l is the
-spread of landmarks, s_j that of joints which the request says are near the zero posture. The
+spread of landmarks, s_j that of joints near the zero posture by the request. The
 covariance of q is (J^T J)^-1 with the Jacobian J of the weighted residuals; a direction of q that
 neither points nor spreads determine within a radian is refused.
 Consequence to test: e^T S^-1 e at the minimum is chi-squared, and so are errors of q over their

@@ -2,7 +2,7 @@
 
 Images have errors of one variance s^2, the same for targets and points. Of a point seen by k
 cameras 2k - 3 of its equations are left over: their misclosure c, with the covariance S that images
-and cameras give it, says by c S^-1 c, chi-squared of 2k - 3, whether the images belong together.
+and cameras give it, shows by c S^-1 c, chi-squared of 2k - 3, whether the images are consistent.
 All of them, and those of the targets, estimate s where it is not given.
 """
 

@@ -128,7 +128,7 @@ class Snapshot:
 
     def restore_copy(self) -> None:
         """Restore the stored arrays."""
-        # pairs that are not looked at in a sample keep the force that they had
+        # pairs that are not evaluated in a sample keep their last force
         for group in self.engine.model.contact_groups:
             group.output["force"] = 0.0
             if group.applied is not None:

@@ -18,7 +18,7 @@ from crashsolve.output.log import Log
 # [s] between two looks at control.txt, which cost as much as a step of a small scene
 LOOK = 0.1
 WORDS = {"stop", "dump", "states"}
-# [bytes] of control.txt that are looked at
+# [bytes] of control.txt that are read
 MOST_CONTROL = 4096
 SIGNALS: dict[int, str] = {signal.SIGTERM: "stop", signal.SIGINT: "stop", signal.SIGUSR1: "dump"}
 SIGNALS |= {signal.SIGHUP: "stop"}

@@ -206,7 +206,7 @@ class Run:
 
     def _begin(self, dump: Any) -> None:
         """Read the dump, if any; prepare the estimates; open the files."""
-        # both measure from the start of the run, whatever a dump brings
+        # both measure from the start of the run, also after a restart
         self._use_engine(self.engine)
         if self.deck.output.report:
             from crashsolve.recording.pictured import look_up_pictured

@@ -96,7 +96,7 @@ def steepest(points: np.ndarray, start: int) -> float:
     """Largest |slope| [N/m or N m/rad] of the curve that starts at a point."""
     part = points[start : points[start]["last"] + 1]
     width, c = np.diff(part["x"]), part["c"][:-1]
-    # the slope is a parabola on each segment: look at its ends and its vertex
+    # the slope is a parabola on each segment: check its ends and its vertex
     with np.errstate(divide="ignore", invalid="ignore"):
         vertex = np.clip(np.nan_to_num(-c[:, 2] / (3.0 * c[:, 3])), 0.0, width)
     slopes = [c[:, 1] + s * (2.0 * c[:, 2] + 3.0 * c[:, 3] * s) for s in (0.0, vertex, width)]

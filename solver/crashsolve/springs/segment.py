@@ -97,7 +97,7 @@ class Segment(PointSpringCard):
 
     axis: Vec3 = word("direction of the beam, in the frame of a")
     side: Vec3 = word("direction near the section's y axis, in the frame of a")
-    length: float = quantity("m", "l, of the beam that the spring stands for", gt=0)
+    length: float = quantity("m", "l, of the beam that the spring represents", gt=0)
     section: SectionName = word("cross section of the beam")
     material: MaterialName = word("material: elastic, or elastoplastic, which yields")
     damping: float = quantity("s", "beta, damping over stiffness", default=0.0, ge=0)

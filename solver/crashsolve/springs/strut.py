@@ -30,7 +30,7 @@ from crashsolve.springs._resistance import read, steepest
 if TYPE_CHECKING:
     from crashsolve.springs._rows.strut import History, Output, Parameters
 
-# where a cubic of a damper is asked for its sign
+# positions where the sign of a cubic of a damper is checked
 PARTS = np.linspace(0.0, 1.0, 17)
 
 

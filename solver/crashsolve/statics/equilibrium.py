@@ -43,7 +43,7 @@ NOWHERE, NOTHING = 1e-15, 1e-12
 SHARED = 1e-10
 # a load step is halved so often where no equilibrium is found
 HALVINGS = 7
-# of the largest force, and of the change over a load step: where `control.tolerance` says nothing
+# of the largest force, and of the change over a load step: default of `control.tolerance`
 TOLERANCE = 1e-8
 
 

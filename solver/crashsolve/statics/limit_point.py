@@ -40,7 +40,7 @@ def passes_limit_point(
     """Whether the equilibria at both moments [s] are no neighbours; `start` are the nodes at first,
     `missing` the share of the energy exchanged between both that is not accounted for.
 
-    Of laws that yield nothing is said: a tangent that loads is not one that unloads.
+    Laws that yield are not judged: a tangent of loading is not one of unloading.
     """
     if engine.yielding.groups or engine.plastic_flow.groups or start_time < engine.loading.start:
         return False

@@ -1,6 +1,6 @@
 """Quasi-static solution of path-dependent laws: steps from rest, until forces are in balance.
 
-    2 M / h^2 delta = g(q + delta)         h is not a time, but says how little inertia may hold
+    2 M / h^2 delta = g(q + delta)         h is not a time, but sets how little inertia may restrain
 
 One step leaves 1 / (1 + (omega h)^2 / 2) of the distance to equilibrium in a vibration of frequency
 omega (`integrators/_rest_stage.py`), so the displacements of two steps give the rest after

@@ -112,7 +112,7 @@ def _measure(finished: list[Trial], watches: list[Watch], deck: Deck, jobs: int)
 
 
 def _usual_meshes(deck: Deck, request: Request) -> str:
-    """The meshes where none are asked for: those of parts whose refinement keeps their names."""
+    """The default meshes: those of parts whose refinement keeps their names."""
     if request.vary or not divisible(deck):
         return "1"
     try:
@@ -147,7 +147,7 @@ def _steps(request: Request, deck: Deck) -> str | None:
 
 
 def _most_expensive(request: Request, finished: list[Trial]) -> list[dict[str, object]] | None:
-    """Answers of the dearest run, which others are compared with where a field is varied.
+    """Answers of the most expensive run, with which others are compared where a field is varied.
 
     Different models do not tend to each other, so that nothing can be extrapolated.
     """

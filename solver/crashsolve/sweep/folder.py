@@ -194,7 +194,7 @@ def run_status(sweep: Path, run: Run) -> RunStatus:
         return RunStatus("failed", str(record.get("message", "")))
     if not status:
         return RunStatus("new")
-    # a status that says running, without such a process
+    # a status of running, without such a process
     word = "stopped" if record.get("state") == "stopped" else "killed"
     return RunStatus(word, str(record.get("message", "")))
 

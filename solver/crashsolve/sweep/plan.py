@@ -119,10 +119,10 @@ class PlanCard(Card):
 
     title: str = word("heading of table and pictures; that of the deck when empty", "")
     deck: FileName = word("deck to run, beside the plan")
-    design: Design = word("which values are run together")
+    design: Design = word("combination of the values")
     vary: Json = word("parameters or paths of the deck, each with values or a range")
     set: Json = word("values of the deck that are the same in all runs", {})
-    measure: tuple[Measure, ...] = word("what is asked of every run")
+    measure: tuple[Measure, ...] = word("measures of every run")
     time_limit: float | None = quantity("s", "wall time after which a run is stopped", None, gt=0)
 
     @field_validator("vary", "measure")

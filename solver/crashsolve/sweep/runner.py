@@ -35,7 +35,7 @@ REPORTED = 8
 
 @dataclass(frozen=True)
 class Request:
-    """Request for a sweep, as on the command line; `queue` asks for a job array instead."""
+    """Request for a sweep, as on the command line; `queue` requests a job array instead."""
 
     plan: Path
     folder: Path

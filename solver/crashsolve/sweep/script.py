@@ -1,6 +1,6 @@
 """A job array for Slurm, as a script that a user can read and change.
 
-Each task is one run of the sweep. A task that comes to the end of its time gets SIGUSR1, stops its
+Each task is one run of the sweep. A task that reaches the end of its time gets SIGUSR1, stops its
 run with a dump, is requeued, and continues from the dump. One that is cancelled gets SIGTERM, stops
 with a dump as well, and is not requeued.
 """

@@ -22,7 +22,7 @@ from crashsolve.system.diagnosis import chooses_step, limiter
 from crashsolve.system.engine import Engine
 from crashsolve.system.placeholders import group_arrays
 
-# more of one group on one body are looked at together
+# more of one group on one body are evaluated together
 MOST = 32
 # a step is cut into equal ones: a step of less than half of the wanted one has another cause
 EQUAL = 0.499
@@ -140,8 +140,8 @@ def stiffest(engine: Engine, at: int) -> str:
     speed, is_damped, actor = max(found, key=lambda one: one[0])
     kind = "damping" if is_damped else "stiffness"
     text = f"body '{model.bodies[at]}', {kind} of {actor.name}"
-    held, _ = alone(actor, rotations=False)
-    return f"{text}, by its rotation" if held < (1.0 - BY_ROTATION) * speed else text
+    without_rotation, _ = alone(actor, rotations=False)
+    return f"{text}, by its rotation" if without_rotation < (1.0 - BY_ROTATION) * speed else text
 
 
 def _copies(engine: Engine) -> dict[str, np.ndarray]:

@@ -101,7 +101,7 @@ class Engine:
         # arrays of a dump beside the State
         self.aside: dict[str, np.ndarray] = {}
         self._steps_per_call = 1 if runs_plain() else FIRST_CALL
-        # steps from one look to the next, of an interval that is run once more
+        # steps from one check to the next, of an interval that is run again
         self._stride = 0
 
     @property
@@ -308,7 +308,7 @@ class Engine:
         self.state.clock[0]["kinked"] = 1
 
     def _renew_forces(self) -> None:
-        """Forces at the present time, with which the next step begins, once more."""
+        """Evaluate the forces at the present time, with which the next step begins, again."""
         clock = self.state.clock[0]
         step = float(clock["step"])
         self._advance(clock["time"], True, self._present)

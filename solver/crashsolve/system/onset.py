@@ -4,7 +4,7 @@
 
 A bracket is (early, late, gap early, gap late, allowed, trials): step lengths before and after the
 onset, their gaps, the tolerance, and the number of trials. Consequence to test: an
-impact latches the speed of its onset, whatever the step.
+impact latches the speed of its onset, for any step.
 """
 
 from crashsolve.foundation.kernels import kernel

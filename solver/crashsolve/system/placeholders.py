@@ -26,7 +26,7 @@ JOINTS: tuple[Group, ...] = ()  # constraint rows
 FORCES: tuple[Group, ...] = ()  # forces between bodies, or on them
 WATCHED: tuple[Group, ...] = ()  # of them, those judged by their own work
 SENSORS: tuple[Group, ...] = ()  # readings
-FOLLOWERS: tuple[Group, ...] = ()  # sensors that must look at every step
+FOLLOWERS: tuple[Group, ...] = ()  # sensors that are evaluated in every step
 ELEMENTS: tuple[Group, ...] = ()  # parts whose elements are kept in blocks
 ELEMENT_LOADS: tuple[Group, ...] = ()  # loads on elements kept in blocks
 BRANCHES: tuple[Group, ...] = ()  # laws of several branches, with an event function
@@ -105,7 +105,7 @@ def method(model: Model) -> Any:
 
 
 def is_implicit(model: Model) -> bool:
-    """Whether the integrator asks for the tangents of the laws."""
+    """Whether the integrator needs the tangents of the laws."""
     return hasattr(method(model), "T")
 
 

@@ -110,7 +110,7 @@ def second_kick(clock, h, p, points):
 
 @kernel
 def transfer_reactions(nodes, points, holds):
-    """Transfer the forces on held motions of the listed points to the ground.
+    """Transfer the forces on suppressed motions of the listed points to the ground.
 
     Writes: points, nodes.
     """
@@ -120,7 +120,7 @@ def transfer_reactions(nodes, points, holds):
 
 @kernel
 def transfer_reaction(b, ground):
-    """Take the held components from force and torque. Writes: b, ground."""
+    """Take the suppressed components from force and torque. Writes: b, ground."""
     f, t = constrained_part(vec(b.force), b.fixed), constrained_part(vec(b.torque), b.fixed >> 3)
     put(b.force, sub(vec(b.force), f))
     put(b.torque, sub(vec(b.torque), t))
@@ -143,7 +143,7 @@ def constrained_part(u, bits):
 
 @kernel
 def transfer_attached_reactions(nodes, points):
-    """Transfer the forces on held motions of attached points to the ground.
+    """Transfer the forces on suppressed motions of attached points to the ground.
 
     Writes: points, nodes.
     """

@@ -5,8 +5,8 @@ from math import hypot
 
 import numpy as np
 
-# frequency times step, from which a swing is said to be too fast for it: by kick, drift, kick it is
-# 1 / sqrt(1 - (omega h / 2)^2) too wide, three times here, and grows from 2 on
+# frequency times step, from which a vibration is reported as too fast for it: by kick, drift, kick
+# it is 1 / sqrt(1 - (omega h / 2)^2) too wide, three times here, and grows from 2 on
 FASTEST_SWING = 1.9
 
 

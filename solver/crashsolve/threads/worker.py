@@ -9,7 +9,7 @@ it has begun. The thread that does a piece has no effect on its result, and sums
 pieces are taken by the first alone, in the order of the pieces (model/partition.py). Consequence to
 test: the same bits for any number of threads, and however they are held up.
 
-A queue is one word: the round, the next piece, and the end. So a thread that takes a piece knows
+A queue is one word: the round, the next piece, and the end. So a thread that takes a piece has
 that it is of the present round.
 """
 

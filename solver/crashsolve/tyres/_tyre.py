@@ -422,7 +422,7 @@ def apply_patch_forces(p, i, old, new, out, h, nodes, at, grip, F, M_z, store):
 
 @kernel
 def bound_step(p, nodes, curves, data):
-    """A tyre off all roads bounds the step: nothing else shortens it before one is met.
+    """A tyre off all roads bounds the step: nothing else shortens it before the next road.
 
     It will meet one in a point of its circle, not in the point of the road that is now below it.
     Writes: nodes.

@@ -19,7 +19,7 @@ from crashsolve.channels.series import SAME, cumulative
 from crashsolve.channels.term import Term, duration, in_gravities
 
 EXPONENT = 2.5
-# windows that are looked at: some ten seconds of work
+# windows that are evaluated: some ten seconds of work
 MOST_WINDOWS = 1_000_000_000
 
 

@@ -28,7 +28,7 @@ SAMPLED = True
 CLASSES = (60, 180, 600, 1000)
 # corner of one pass [Hz] over the class
 CORNER = 2.0775
-# samples that J211 asks for in a time of 1 / CFC
+# samples that J211 requires in a time of 1 / CFC
 RATE = 10
 # intervals that differ by less than this share are equal
 EQUAL = 1e-6

@@ -53,7 +53,7 @@ def _so_far(
     ends, levels = (np.concatenate(column) for column in zip(*found, strict=True))
     order = np.argsort(ends)
     greatest = np.maximum.accumulate(levels[order])
-    # the last span ends with the run, whatever its last digit
+    # the last span ends with the run, in spite of round-off
     ended = np.searchsorted(np.minimum(ends[order], time[-1]), time, side="right")
     course = np.minimum.accumulate(values)
     course[ended > 0] = greatest[ended[ended > 0] - 1]

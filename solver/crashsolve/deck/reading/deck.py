@@ -37,7 +37,7 @@ from crashsolve.deck.words import choices
 from crashsolve.foundation.errors import DeckError, DeckErrors
 
 AnyCard = TypeVar("AnyCard", bound=Card)
-# of control.threads; of contacts only the model knows (model/build.py)
+# of control.threads; contacts are checked in model/build.py
 UNSHARED = Diagnostic(
     ("threads",),
     "share the elements of shells, and rigid contacts with many elements (1000 on both sides "
@@ -83,7 +83,7 @@ class Deck:
 
     @property
     def sample_interval(self) -> float:
-        """Time between samples [s]: as asked for, or a 1000th of the run, or a load step."""
+        """Time between samples [s]: as given, or a 1000th of the run, or a load step."""
         control = self.control
         count = control.steps if control.solution == "quasi_static" else 1000
         return self.output.history.interval or (control.end_time - control.start_time) / count
@@ -238,7 +238,7 @@ class _Reader:
                 continue
             names = list(_names(entry.card))
             self.check_names(item, names)
-            # curves are asked for by the cards that are made
+            # curves are requested by the cards that are made
             own = [name for _, name in names if name.keyword in laws]
             is_known = all(name in laws[name.keyword] for name in own)
             self.written_out.append(entry)

@@ -64,7 +64,7 @@ def apply_load(p, out, a, b, frame, deformed, load):
     eta, tension = half_angle_over_sine(v, w), f[0]
     f = add_scaled((0.0, f[1], f[2]), tension, bent[3])
     m = add_scaled(m, tension, bent[4])
-    # the force acts at both nodes, each of which bears half of its moment about the other
+    # the force acts at both nodes, each of which takes half of its moment about the other
     c = scale(0.5, cross(f, y))
     m = add(rotated_rate(eta, v, m), scale(2.0, frame_lag(v, w, c)))
     put(out.force, f)

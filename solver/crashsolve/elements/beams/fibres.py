@@ -3,10 +3,10 @@
     eps = eps_0 + z kappa_y - y kappa_z,   |sigma - H_k eps_p| <= Y(e) f(rate) g(T)
     N = sum sigma A,   M_y = sum sigma z A,   M_z = -sum sigma y A
 
-The material says its stress, or if it yields by von Mises' stress Y, f and g. Beyond yield, with xi
-the trial stress less H_k eps_p, the plastic strain grows by x in the direction of xi in a step of
-h, where |xi| - (E + H_k) x = Y(e + x) f(x / h) g (materials/_von_mises.py). Plastic work is
-the mean stress of a step times its plastic strain: nodes receive the mean of the forces before and
+The material gives its stress, or if it yields by von Mises' stress Y, f and g. Beyond yield, with
+xi the trial stress less H_k eps_p, the plastic strain grows by x in the direction of xi in a step
+of h, where |xi| - (E + H_k) x = Y(e + x) f(x / h) g (materials/_von_mises.py). Plastic work is the
+mean stress of a step times its plastic strain: nodes receive the mean of the forces before and
 after it. The algorithmic tangent of a fibre that flows in a step is that of this very equation,
 
     d sigma = (E - E^2 / D) d eps,   D = E + H_k + (Y' f + Y f' / h) g

@@ -26,7 +26,7 @@ GROUPS = "gmsh:physical"
 
 
 class MeshFileError(ValueError):
-    """A mesh file that cannot be read; the text says where and why."""
+    """A mesh file that cannot be read; the text states location and cause."""
 
 
 @dataclass
@@ -188,7 +188,7 @@ def _of_meshio(found: "meshio.Mesh", path: Path) -> MeshFile:
         if len(own) and not (own[0] >= 0 and own[-1] < len(points)):
             raise MeshFileError(f"{path.name}: set '{name}' names a point that is not there")
     groups = _groups(found, path)
-    # of a group that has a name in the file, meshio knows all elements
+    # of a group that has a name in the file, meshio reads all elements
     groups = {name: own for name, own in groups.items() if name not in sets} | sets
     for name, own in groups.items():
         nodes.setdefault(name, _nodes_of(found, own))
@@ -212,7 +212,7 @@ def _of_blocks(found: "meshio.Mesh", own: Any) -> np.ndarray:
 
 
 def _nodes_of(found: "meshio.Mesh", elements: np.ndarray) -> np.ndarray:
-    """Points of these elements, whatever their kind."""
+    """Points of these elements, of any kind."""
     some, start = [np.zeros(0, int)], 0
     for block in found.cells:
         own = elements[(elements >= start) & (elements < start + len(block.data))] - start
@@ -248,7 +248,7 @@ def _lists_all_groups(path: Path) -> bool:
     if len(head) < 3 or head[0] != b"$MeshFormat" or head[1].startswith(b"2"):
         return True
     if head[2] != b"0":
-        return False  # binary: nothing to look at
+        return False  # binary: no text to check
     text = path.read_text("utf-8", errors="replace")
     entities = re.search(r"\$Entities\s+(.*?)\$EndEntities", text, re.DOTALL)
     if entities is None:

@@ -41,7 +41,7 @@ def gyration_warnings(scene: Scene, groups: list[Any], joints: list[Joint]) -> l
 def inconsistency(mass: float, J: np.ndarray, surface: Points, points: Points) -> str:
     """Message of an inconsistent inertia [kg m^2]; points from the mass centre with radii [m].
 
-    What is fixed inside of a body says that it reaches so far at least, a surface how far it goes.
+    A point fixed in a body gives a lower bound of its extent, a surface its extent.
     """
     if not points:
         return ""

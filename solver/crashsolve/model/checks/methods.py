@@ -90,7 +90,7 @@ def refuse_incomplete_method(module: ModuleType) -> None:
     """Raises FamilyError for a method that lacks a constant of its stepper, or a part of its
     tableau.
 
-    Compiled steps read a tableau as far as its number of stages says, whatever its size.
+    Compiled steps read a tableau up to its number of stages, for any size.
     """
     stepper = getattr(module, "STEPPER", "")
     if stepper not in DECLARED:

@@ -148,7 +148,7 @@ TOTALS_OF_STEP = Record("""
     rate        1/s^2  largest bound of squared frequency of these
     damping     1/s    largest sum of c N / m
     shortened   1      largest factor by which contact has shortened the stable step
-    first_seen  index  first of the points whose speeds were looked at last
+    first_seen  index  first of the points whose speeds were read last
     seen        count  points looked at
     speed       m/s    largest of their speeds
 """)

@@ -117,9 +117,9 @@ def some_pairs(group, piece, first, end, approached, clock, h, nodes, curves, sc
             continue
         evaluated += 1
         depth, n, x = gap(group, h, card, Ends(p, old, new, a, b), displacement, nodes, scene)
-        held, stored = False, out.stored
+        retained, stored = False, out.stored
         if group.keeps_faces:
-            depth, n, x, held = retained_face(
+            depth, n, x, retained = retained_face(
                 group, clock, h, Ends(p, old, new, a, b), depth, n, x, nodes, scene
             )
         elif group.has_ends:
@@ -138,7 +138,7 @@ def some_pairs(group, piece, first, end, approached, clock, h, nodes, curves, sc
             continue
         pair, meeting = Pair(p, old, new, out, a, b, m, w), ContactPoint(depth, n, x, motion)
         apply_forces(group, clock, h, pair, totals, meeting, nodes, curves, scene)
-        if group.keeps_faces and old.retains_face == 1 and not held:
+        if group.keeps_faces and old.retains_face == 1 and not retained:
             # it leaves its own face sideways, deep within
             new.dissipated += max(
                 pass_through.released_energy(clock, h, old, n, stored) - out.stored, 0.0
@@ -165,7 +165,7 @@ def sums_of(group, piece, i, clock, p, m, w, scene):
 def gap(group, h, card, ends, displacement, nodes, scene):
     """Depth, normal and position of a pair. Writes: new.
 
-    Of a pair apart whose depth is not asked for, only an upper bound of the depth.
+    For a separated pair whose depth is not needed, only an upper bound of the depth.
     """
     p, old, new, a, b = ends
     if hasattr(group.narrow, "bound") and old.active == 0:
@@ -190,18 +190,18 @@ def retained_face(group, clock, h, ends, depth, n, x, nodes, scene):
     Writes: new.
     """
     p, old, new, a, b = ends
-    held, over = False, -1.0
+    retained, over = False, -1.0
     if pass_through.is_another_face(old, depth, n, a.radius):
         v_a = pass_through.velocity_at(nodes[a.node], x)
         v_b = pass_through.velocity_at(nodes[b.node], x)
         kept = group.narrow.gap_by(a, b, nodes, group.data, old.normal)
         if pass_through.retains_face(old, v_a, v_b, n, kept):
-            held = True
+            retained = True
             depth, n, x, over = kept
     if group.has_core_depth and depth > a.radius:
         over = max(over, depth - group.narrow.middle(a, b, nodes, n))
-    pass_through.record_face(clock, h, p, old, new, held, over, depth, n)
-    return depth, n, x, held
+    pass_through.record_face(clock, h, p, old, new, retained, over, depth, n)
+    return depth, n, x, retained
 
 
 @stage

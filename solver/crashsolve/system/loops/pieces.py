@@ -46,7 +46,7 @@ def share_search(group, clock, h, scene):
 
 @kernel
 def find_fastest(p, clock, h, scene):
-    """Largest speed of the points that contact asks for, unless it is known. Writes: touched."""
+    """Largest speed of the points that contact needs, unless it is known. Writes: touched."""
     if not node_contact.is_fastest_known(p, scene):
         share(jobs.SPEED, scene.pieces.shape[0], clock, h, scene)
         node_contact.store_fastest(p, jobs.largest_speed(p, scene), scene)

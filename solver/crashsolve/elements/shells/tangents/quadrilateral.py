@@ -256,7 +256,7 @@ def strain_by_position(base, change, b, k):
 
 @blockwise
 def strain_by_rotation(base, change, b):
-    """Change of the strains as corner b turns as `change` says. Writes: change."""
+    """Change of the strains as corner b turns by `change`. Writes: change."""
     d, c, g = shares(b)
     for e in range(LANES):
         at = LANES * BASE.middle + e

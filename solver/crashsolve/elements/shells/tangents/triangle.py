@@ -189,7 +189,7 @@ def strain_by_position(base, change, b, k):
 
 @blockwise
 def strain_by_rotation(base, change, b):
-    """Change of the strains as corner b turns as `change` says. Writes: change."""
+    """Change of the strains as corner b turns by `change`. Writes: change."""
     s = (0.5 * (b - 1.0) * (b - 2.0), b * (2.0 - b), 0.5 * b * (b - 1.0), 0.0)
     for e in range(LANES):
         at = LANES * BASE.middle + e
