@@ -165,7 +165,7 @@ def draw_tight(entry: str, folder: Path, step: float) -> tuple[np.void, float]:
     ("deck", "contact", "words"),
     [
         # a ball in a dent makes as much with shorter steps
-        ("verification/contact/faces", "ball", "several faces of a dent no step helps"),
+        ("verification/contact/faces", "ball", "several faces in a hollow, shorter steps"),
         ("benchmark/tube_crush", "folds", "ring: 1 of its faces"),
         ("benchmark/tube_crush", "wall", ""),
     ],

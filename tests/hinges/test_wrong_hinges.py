@@ -47,7 +47,7 @@ WRONG = {
     "more steeply than the elastic stiffness 1000": f"{BENDING}, curve: stiffening",
     "more steeply than the elastic stiffness 900": f"{BENDING}, curve: good, stiffness: 900",
     "rises with the elastic stiffness 1000 again": f"{BENDING}, curve: again",
-    "softening cannot move a range of yield": f"{BENDING}, curve: falling, cyclic: kinematic",
+    "and kinematic hardening has no softening": f"{BENDING}, curve: falling, cyclic: kinematic",
     "yields from 0 on": f"{BENDING}, curve: good, stiffness: 2000, cyclic: kinematic",
     "would begin beyond yield": f"{BENDING}, curve: good, initial_angle: 0.02",
     "leads to -50": f"{BIAXIAL}, curve: good, initial_angles: [0, 0.05]",

@@ -217,11 +217,11 @@ WRONG = {
     "joint: 'rail' is of type prismatic and has no angle or ball; name one of type": (
         "{type: rotation_friction, joint: rail, torque: 1, stiffness: 5}"
     ),
-    "needs torque, coefficient or both": "{type: rotation_friction, joint: hinge, stiffness: 5}",
+    "needs torque, friction_coefficient or both": "{type: rotation_friction, joint: hinge, stiffness: 5}",
     "coefficient and radius belong together": (
         "{type: rotation_friction, joint: hinge, stiffness: 5, friction_coefficient: 0.1}"
     ),
-    "needs force, coefficient or both": "{type: translation_friction, joint: rail, stiffness: 5}",
+    "needs force, friction_coefficient or both": "{type: translation_friction, joint: rail, stiffness: 5}",
 }
 
 
@@ -249,7 +249,7 @@ def test_a_stop_acts_on_whatever_has_an_angle(tmp_path: Path, joint: str) -> Non
 
 def test_no_stop_outlives_the_hinge_that_it_is_on(tmp_path: Path) -> None:
     fails = ", failure_angle: 0.5"
-    with pytest.raises(DeckErrors, match="'fold' comes apart when it fails, and this would still"):
+    with pytest.raises(DeckErrors, match="'fold' separates when it fails, and this would still"):
         Bench(tmp_path, HINGE % (fails, "fold"))
     Bench(tmp_path, HINGE % (fails + ", after_failure: loose", "fold"))
 

@@ -73,7 +73,7 @@ def test_points_ride_where_they_are_and_on_the_nearest_node(tmp_path: Path) -> N
 WRONG = {
     "set": ("nodes: u0", "nodes: rim", "the mesh has no set of nodes 'rim' (sets: "),
     "ground": ("to: hub", "to: ground", "the ground holds nodes by `supports`"),
-    "twice": ("nodes: u0", "nodes: u1", "held, welded or named otherwise already"),
+    "twice": ("nodes: u0", "nodes: u1", "supported, welded or named already"),
     "within": (
         "to: hub",
         "to: hub, within: 1",

@@ -32,14 +32,14 @@ class Parameters:
 
 class History(ForceHistory):
     along: Numbers[float]  # [1] directions of the segments
-    arrive: Numbers[float]  # [m] where the belt comes to each fitting, world axes
+    arrive: Numbers[float]  # [m] where the belt reaches each fitting, world axes
     leave: Numbers[float]  # [m] where it leaves
     half: Numbers[float]  # [m] half the arc on each surface
     split: Numbers[float]  # [m] middle of the arc from the material point of its body that divides it
     middle: Numbers[float]  # [m] middle of the arc from the mass centre, body axes
     lies: Numbers[float]  # [1] direction of the belt there, body axes
     wrapped: Numbers[float]  # [rad] angle of a cylinder
-    begun: Numbers[float]  # [m] where the belt comes to an ellipsoid, its axes
+    begun: Numbers[float]  # [m] where the belt reaches an ellipsoid, its axes
     touches: Numbers[int]  # [flag] 1 where the belt lies on a surface, -2 where it has slipped off
     slipped: int  # [flag] the belt has slipped off a surface
     lateral: Numbers[float]  # [rad] by which it slid across its direction, over a ball or an ellipsoid
@@ -61,7 +61,7 @@ class History(ForceHistory):
     friction: float  # [J] lost at rings
     drawn: float  # [J] lost in webbing
     straight: Numbers[float]  # [m] length
-    short: int  # [flag] a segment has come to no length
+    short: int  # [flag] a segment has reached zero length
     unsettled: int  # [flag] the flows of some step are not found
     passes: int  # [count] of the search for the flows
     flow: Numbers[float]  # [m] q, that passes each fitting in the step

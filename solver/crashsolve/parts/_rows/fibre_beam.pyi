@@ -25,7 +25,7 @@ class Parameters(Row, Protocol):
     law: int  # [index] of the material's law among those of the group
 
 class History(Row, Protocol):
-    stress: Numbers[float]  # [Pa] of the fibres; what else they remember says the material
+    stress: Numbers[float]  # [Pa] of the fibres; the material adds its other columns
     work: float  # [J] plastic work
 
 class Output(Row, Protocol):
