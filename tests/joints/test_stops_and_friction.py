@@ -217,11 +217,15 @@ WRONG = {
     "joint: 'rail' is of type prismatic and has no angle or ball; name one of type": (
         "{type: rotation_friction, joint: rail, torque: 1, stiffness: 5}"
     ),
-    "needs torque, friction_coefficient or both": "{type: rotation_friction, joint: hinge, stiffness: 5}",
-    "coefficient and radius belong together": (
+    "needs torque, friction_coefficient or both": (
+        "{type: rotation_friction, joint: hinge, stiffness: 5}"
+    ),
+    "friction_coefficient and radius belong together": (
         "{type: rotation_friction, joint: hinge, stiffness: 5, friction_coefficient: 0.1}"
     ),
-    "needs force, friction_coefficient or both": "{type: translation_friction, joint: rail, stiffness: 5}",
+    "needs force, friction_coefficient or both": (
+        "{type: translation_friction, joint: rail, stiffness: 5}"
+    ),
 }
 
 
