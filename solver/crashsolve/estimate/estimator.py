@@ -190,7 +190,7 @@ def _without(found: Estimate, words: Sequence[str]) -> Estimate:
 
 
 def estimate_in_memory(deck: Deck) -> tuple[Samples, list[Estimate], float]:
-    """A run without files: its samples, its estimates, and their price over that of the run."""
+    """A run without files: its samples, its estimates, and their cost over that of the run."""
     model, state = build(deck)
     deck = deck if is_static(deck) else with_chosen_method(deck, model)
     estimator = Estimator(deck, families_of(model, state))

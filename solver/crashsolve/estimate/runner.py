@@ -1,4 +1,4 @@
-"""Estimates in a run: before it the steps an accuracy needs, after it the errors and their price.
+"""Estimates in a run: before it the steps an accuracy needs, after it the errors and their cost.
 
     pilots at 4 and 2 times a coarseness m predict the error at m:  e(m) = e(2m) / 2^q
     m <- m (aim / e)^(1/q), until the prediction is below the aim, half the accuracy
@@ -42,7 +42,7 @@ SMALL = 1e-6
 
 
 class Estimating:
-    """The estimates of one run, reported in its log; `cpu` [s] is their price.
+    """The estimates of one run, reported in its log; `cpu` [s] is their cost.
 
     Raises DeckErrors for a channel that does not exist, or an accuracy of none.
     """
