@@ -29,7 +29,7 @@ from crashsolve.estimate.companion import BudgetExceeded
 from crashsolve.estimate.estimator import Estimator
 from crashsolve.foundation.errors import CrashsolveError
 from crashsolve.model.build import build
-from crashsolve.model.integrator_selection import settled
+from crashsolve.model.integrator_selection import with_chosen_method
 from crashsolve.recording.engines import engine_of
 from crashsolve.recording.histories import Histories
 from crashsolve.recording.samples import Samples
@@ -126,7 +126,7 @@ def tried(path: Path, words: dict[str, str], watch: Stopwatch) -> Run | None:
 def solved(deck: Deck, watch: Stopwatch) -> tuple[Deck, Estimator, Samples, float]:
     """The deck as it was run, its watched numbers, their samples, and CPU time [s]."""
     model, state = build(deck)
-    deck = settled(deck, model)
+    deck = with_chosen_method(deck, model)
     estimator = Estimator(deck, Histories(engine_of(deck, model, state)).families)
     estimator.companions.budget, watch.spent = LIMIT, 0.0
     main = estimator.companions.run(1.0)

@@ -17,7 +17,7 @@ from crashsolve.deck.source import Position
 from crashsolve.estimate.error import Estimate
 from crashsolve.estimate.estimator import estimate_in_memory
 from crashsolve.model.build import build
-from crashsolve.model.integrator_selection import settled
+from crashsolve.model.integrator_selection import with_chosen_method
 from crashsolve.recording.samples import Samples
 from crashsolve.study.child_runs import cores
 
@@ -109,7 +109,7 @@ def with_watches(deck: Deck, method: str, samples: int, scene: Scene) -> Deck:
     deck = replace(deck, control=control)
     if method == "auto":
         # as a run does it
-        control = settled(deck, build(deck)[0]).control
+        control = with_chosen_method(deck, build(deck)[0]).control
     history = deck.output.history.model_copy(update={"interval": scene.end / samples})
     watch = [Watch(channel=k.channel, statistic=s) for k in scene.known for s in k.statistics]
     return replace(
