@@ -41,6 +41,7 @@ class ContactOutput:
     point: Numbers[float]  # [m] point of contact
     stored: float  # [J] recoverable energy of the normal force
     friction_stored: float  # [J] recoverable energy of the friction bristle
+    bound: float  # [m] of the depth of a pair that is skipped together with others, as their `depth` (model/contact/body_pairs.py); of others 0
 
 class HingeLaw:
     stiffness: Numbers[float]  # [N m/rad or N/m] k of both motions

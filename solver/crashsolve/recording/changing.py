@@ -128,9 +128,10 @@ class Snapshot:
 
     def restore_copy(self) -> None:
         """Restore the stored arrays."""
-        # pairs that are not evaluated in a sample keep their last force
+        # outputs of separated pairs, which samples skip
         for group in self.engine.model.contact_groups:
-            group.output["force"] = 0.0
+            for name in ("force", "stored", "friction_stored", "bound"):
+                group.output[name] = 0.0
             if group.applied is not None:
                 group.applied[...] = 0
         if self.is_copied and self._bound == self.engine.bindings:

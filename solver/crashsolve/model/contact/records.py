@@ -48,6 +48,8 @@ OUTPUT = Record("""
     point            m  3  point of contact
     stored           J     recoverable energy of the normal force
     friction_stored  J     recoverable energy of the friction bristle
+    bound            m     of the depth of a pair that is skipped together with others, as their
+                           `depth` (model/contact/body_pairs.py); of others 0
 """)
 CARD_OUTPUT = Record("""
     force                N    3  on side a, sum of all pairs

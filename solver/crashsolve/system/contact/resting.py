@@ -72,7 +72,7 @@ def can_skip(old, new, displacement):
 
 
 @kernel
-def is_below(old, new, approached, deepest):
+def is_below(old, new, out, approached, deepest):
     """Whether a pair whose bodies have approached each other by `approached` since its depth was
     computed is separated, and not deeper than the deepest of its card so far [m].
 
@@ -80,4 +80,4 @@ def is_below(old, new, approached, deepest):
     """
     if old.active == 1 or new.active == 1:
         return False
-    return old.depth + approached <= min(0.0, deepest)
+    return min(old.depth, out.bound) + approached <= min(0.0, deepest)

@@ -24,7 +24,7 @@ def gaps_of(group, piece, current, nodes, floor, deepest, scene):
         for k in range(group.body_pairs.shape[0]):
             both = group.body_pairs[k]
             if not body_pairs.are_below(both, max(deepest, floor), nodes):
-                body_pairs.end_skipping(both, group.history)
+                body_pairs.end_skipping(both, group.history, group.output)
                 deepest = gaps_of_some(
                     group, both.first, both.end, current, nodes, floor, deepest, scene
                 )

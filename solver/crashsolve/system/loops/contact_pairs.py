@@ -46,12 +46,14 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
                 continue
             # a sample changes only columns that the next step writes again
             if h > 0.0:
-                body_pairs.end_skipping(both, group.history)
+                body_pairs.end_skipping(both, group.history, group.output)
             evaluated = some_pairs(
                 group, piece, both.first, both.end, both.approached, clock, h, nodes, curves, scene
             )
             if h > 0.0 and evaluated == 0:
-                body_pairs.begin_skipping(both, clock.current, group.history)
+                body_pairs.begin_skipping(both, clock.current, group.history, group.output)
+            elif h == 0.0 and both.skipped == 1:
+                body_pairs.bound_by_sample(both, clock.current, group.history, group.output)
     else:
         first, end = ends_of(group, piece, group.parameters.shape[0], scene)
         some_pairs(group, piece, first, end, 0.0, clock, h, nodes, curves, scene)
@@ -61,18 +63,20 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
 def evaluate_deepest(group, clock, nodes, scene):
     """Depth of a pair of each card that may be the deepest, so that a sample looks at few others.
 
-    The pairs of a card follow each other. Writes: cards.depth.
+    The pairs of a card follow each other. Writes: cards.depth, output.bound.
     """
-    pairs, history, k = group.body_pairs, group.history, 0
+    pairs, history, output, k = group.body_pairs, group.history, group.output, 0
     while k < pairs.shape[0]:
-        number, bound, at = pairs[k].card, -1e300, 0
+        number, bound, at, nearer = pairs[k].card, -1e300, 0, 0.0
         while k < pairs.shape[0] and pairs[k].card == number:
             both = pairs[k]
-            if both.skipped == 0 or both.depth + both.approached > bound:
+            if both.skipped == 0 or both.bound + both.approached > bound:
                 for i in range(both.first, both.end):
-                    depth = history[clock.current, i].depth + both.approached
+                    depth = history[clock.current, i].depth
+                    depth = min(depth, output[i].bound) if both.skipped == 1 else depth
+                    depth += both.approached
                     if depth > bound:
-                        bound, at = depth, i
+                        bound, at, nearer = depth, i, both.approached
             k += 1
         card, p = scene.cards[number], group.parameters[at]
         if bound > card.depth and history[clock.current, at].active == 1:
@@ -81,6 +85,8 @@ def evaluate_deepest(group, clock, nodes, scene):
         elif bound > card.depth:
             a, b = group.elements_a[p.a], group.elements_b[p.b]
             depth, _, _ = group.narrow.gap(a, b, nodes, group.data)
+            if nearer > 0.0:
+                output[at].bound = body_pairs.known_depth(depth, nearer)
             card.depth = max(card.depth, depth)
 
 
@@ -106,17 +112,15 @@ def some_pairs(group, piece, first, end, approached, clock, h, nodes, curves, sc
             new.depth = old.depth + displacement
             touches.add_losses(card, new)
             continue
-        if (
-            KICK_DRIFT_KICK
-            and group.skips
-            and resting.is_at_end_of_step(h, clock)
-            and resting.is_below(old, new, approached, card.depth)
-        ):
+        at_sample = KICK_DRIFT_KICK and group.skips and resting.is_at_end_of_step(h, clock)
+        if at_sample and resting.is_below(old, new, out, approached, card.depth):
             new.depth = old.depth  # a step may begin anew here
             touches.add_losses(card, old)
             continue
         evaluated += 1
         depth, n, x = gap(group, h, card, Ends(p, old, new, a, b), displacement, nodes, scene)
+        if KICK_DRIFT_KICK and group.skips and approached > 0.0:
+            out.bound = body_pairs.known_depth(depth, approached)
         retained, stored = False, out.stored
         if group.keeps_faces:
             depth, n, x, retained = retained_face(

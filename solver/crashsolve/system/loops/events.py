@@ -105,7 +105,7 @@ def limit_closing(group, clock, nodes, scene):
             at_most = body_pairs.closing_speed_bound(both, nodes)
             distance = touches.LARGEST_CLOSING * both.thick - both.depth - both.approached
             if both.skipped == 0 or at_most * clock.next_step > distance:
-                body_pairs.end_skipping(both, group.history)
+                body_pairs.end_skipping(both, group.history, group.output)
                 limit_some(group, both.first, both.end, at_most, clock, nodes, scene)
     else:
         limit_some(group, 0, group.parameters.shape[0], 1e300, clock, nodes, scene)
