@@ -41,7 +41,8 @@ def solve_flow(p, old, new, out, t, curves):
     choose_mode(p, old, new, t)
     for j in range(p.segments + 1):
         new.flow[j] = 0.0
-        new.grip[j] = exp(p.friction[j] * out.angle[j]) if p.friction[j] > 0.0 else 1.0
+        mu = p.friction_coefficient[j]
+        new.grip[j] = exp(mu * out.angle[j]) if mu > 0.0 else 1.0
     fill(p, old, new, out, curves)
     if p.segments > 1 or p.spool == 1:
         new.passes, largest = PASSES, 0.0

@@ -5,11 +5,11 @@ from crashsolve.foundation.rows import Numbers
 class Parameters:
     segments: int  # [count] how many
     node: Numbers[int]  # [index] body of each fitting; the last is repeated
-    point: Numbers[float]  # [m] each fitting, or middle of its surface, from the mass centre
-    friction: Numbers[float]  # [1] mu of rings and surfaces
+    point: Numbers[float]  # [m] fitting, or middle of its surface, from mass centre
+    friction_coefficient: Numbers[float]  # [1] mu of rings and surfaces
     surface: Numbers[int]  # [flag] 0 for a point, else SPHERE, CYLINDER or ELLIPSOID
     axes: Numbers[float]  # [1] axes of each surface in its body, by rows
-    semi: Numbers[float]  # [m] semi-axes; radius first; half the length of a cylinder last
+    semi: Numbers[float]  # [m] semi-axes; radius first, half length of a cylinder last
     sense: Numbers[float]  # [1] 1 or -1: how the belt turns about a cylinder
     turned: Numbers[float]  # [rad] angle of it that is wrapped at the start
     shortest: float  # [m] length below which a segment is taken as that long
