@@ -199,7 +199,7 @@ def retained_face(group, clock, h, ends, depth, n, x, nodes, scene):
         v_a = pass_through.velocity_at(nodes[a.node], x)
         v_b = pass_through.velocity_at(nodes[b.node], x)
         kept = group.narrow.gap_by(a, b, nodes, group.data, old.normal)
-        if pass_through.retains_face(old, v_a, v_b, n, kept):
+        if pass_through.may_retain_face(old, v_a, v_b, n, kept):
             retained = True
             depth, n, x, over = kept
     if group.has_core_depth and depth > a.radius:

@@ -56,7 +56,7 @@ def search_shapes(group, i, probe_element, v, hit, nodes, scene):
         ):
             u = node_contact.body_velocity(nodes[group.home[shapes[e].node]], x)
             kept = group.narrow.gap_by(probe_element, shapes[e], frames, group.data, old.normal)
-            if pass_through.retains_face(old, v, u, n, kept):
+            if pass_through.may_retain_face(old, v, u, n, kept):
                 retained = True
                 depth, n, _, over = kept
         if group.has_core_depth and old.face == e and depth > p.gap:
