@@ -40,7 +40,7 @@ def restore(engine: Engine, arrays: dict[str, np.ndarray]) -> None:
         take_pairs(group, rows, history)
     for nodal in _nodal(engine):
         for name, array in nodal.changing().items():
-            # the step goes on in it, and what is restored may be wanted once more
+            # the step goes on in it, and the restored state may be needed again
             nodal.arrays[name] = _columns(arrays[f"{name}/{nodal.word}"], array.dtype).copy()
     engine.bind()
 
@@ -123,7 +123,7 @@ class Snapshot:
         return self._arrays
 
     def recall(self, arrays: dict[str, np.ndarray]) -> None:
-        """Keep what `arrays` of another snapshot gave."""
+        """Restore the values of `arrays` of another snapshot."""
         self._arrays, self._bound = dict(arrays), -1
 
     def restore_copy(self) -> None:

@@ -77,7 +77,7 @@ def excluded_faces(quads: np.ndarray, around: Any, ring: int) -> tuple[np.ndarra
     return first, faces
 
 
-def spare_along(
+def faces_within_reach(
     points: np.ndarray, quads: np.ndarray, around: Any, reach: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Faces with a corner within `reach` [m] of each point, along sides and diagonals of faces."""

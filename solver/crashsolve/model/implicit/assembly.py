@@ -15,7 +15,7 @@ from crashsolve.foundation.record import Record
 from crashsolve.foundation.sparse.bordered import plan
 from crashsolve.model.nodes import COMPLIANT, NODE
 
-HELD = 63  # all motions
+ALL_FIXED = 63  # all motions
 
 COUNTS = Record("""
     numbers  count  numbers that elements keep
@@ -26,9 +26,9 @@ COUNTS = Record("""
 def add_nodes_of_points(model: Any, state: Any) -> None:
     """Give every point a body to ride on. Writes: model.elements, state.nodes, points."""
     points, elements = state.points, model.elements
-    alone = points["held"] < ATTACHED
-    fixed = np.flatnonzero(alone & (points["held"] == HELD))
-    moving = np.flatnonzero(alone & (points["held"] != HELD))
+    alone = points["fixed"] < ATTACHED
+    fixed = np.flatnonzero(alone & (points["fixed"] == ALL_FIXED))
+    moving = np.flatnonzero(alone & (points["fixed"] != ALL_FIXED))
     more = np.zeros(len(moving), NODE.dtype)
     own = points[moving]
     more["r"], more["v"], more["w"] = own["r"], own["v"], own["w"]
@@ -47,8 +47,8 @@ def add_nodes_of_points(model: Any, state: Any) -> None:
     state.nodes = np.concatenate([state.nodes, more])
     elements.attached_points = np.concatenate([elements.attached_points, attached_points])
     elements.node_points = moving
-    points["held"][moving] |= OWN
-    points["held"] |= ATTACHED
+    points["fixed"][moving] |= OWN
+    points["fixed"] |= ATTACHED
 
 
 def assembled(model: Any, state: Any, laws: list[Any], factors: int) -> dict[str, np.ndarray]:

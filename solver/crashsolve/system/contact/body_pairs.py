@@ -25,7 +25,7 @@ def can_skip_all(both, h, deepest, nodes):
 
     At a sample those below the `deepest` of their card [m] are skipped. Writes: both.approached.
     """
-    if both.rests == 0:
+    if both.skipped == 0:
         return False
     approach = 0.0
     if h > 0.0:
@@ -41,7 +41,7 @@ def can_skip_all(both, h, deepest, nodes):
 @kernel
 def are_below(both, limit, nodes):
     """Whether no pair of two skipped bodies is deeper than `limit` [m] after the trial step."""
-    if both.rests == 0:
+    if both.skipped == 0:
         return False
     approach = resting.largest_approach(both, nodes[both.node_a], nodes[both.node_b])
     return both.depth + both.approached + approach <= limit
@@ -61,7 +61,7 @@ def begin_skipping(both, current, history, output):
 
     Writes: both, history.depth, output.bound.
     """
-    both.rests, both.approached, both.depth = 1, 0.0, -1e300
+    both.skipped, both.approached, both.depth = 1, 0.0, -1e300
     both.dissipated = both.friction_dissipated = 0.0
     for i in range(both.first, both.end):
         old, new = history[current, i], history[1 - current, i]
@@ -96,9 +96,9 @@ def end_skipping(both, history, output):
 
     Writes: both, history.depth, output.bound.
     """
-    if both.rests == 1:
+    if both.skipped == 1:
         for i in range(both.first, both.end):
             history[0, i].depth += both.approached
             history[1, i].depth += both.approached
             output[i].bound = 0.0
-        both.rests, both.approached = 0, 0.0
+        both.skipped, both.approached = 0, 0.0

@@ -6,7 +6,7 @@
 in a step that moves the mass centres by dr and turns the bodies by theta, tau = 2 tan(theta / 2)
 along the axis of rotation, R how far an element reaches from the mass centre of its body: seen from
 body b, no point of a moves farther. The first line is exact for small rotations; R v - v differs
-from tau x v by tau^2 |v| at most. Body b is the one whose element reaches farther, so that what is
+from tau x v by tau^2 |v| at most. Body b is the one whose element reaches farther, so that a body
 carried along in a fast vehicle stays apart from its walls. As long as that bound is negative no gap
 is computed, and the history of the pair does not change; at samples no gap is computed that the
 bound keeps below the deepest of the card. Consequence to test: the same results as without.

@@ -8,7 +8,7 @@
                                        the faces at the start, and 0 where they were convex
 
 With the nearest face alone, a probe would chatter in a crease: the force jumps from one normal to
-the other with each step, and steps of finite length create energy by that. c says how
+the other with each step, and steps of finite length create energy by that. c states how
 far the farther of two faces rises above the plane across the normal of the nearer, in gaps. In
 flat and convex surfaces it does not rise, s = 0, and M is the depth of the nearest alone; walls of
 a crease rise, and with s = 1 each has a force of its own; between, M goes smoothly from one wall to
