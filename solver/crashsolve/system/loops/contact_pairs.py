@@ -128,6 +128,8 @@ def some_pairs(group, piece, first, end, approached, clock, h, nodes, curves, sc
             )
         elif group.has_ends:
             pass_through.record_round(clock, h, p, old, new, depth, n)
+        if group.has_ends:
+            pass_through.record_side(old, new, m, w, n, x)
         motion = work.motion_over(h, old, depth, m, w, b.node) if KICK_DRIFT_KICK else None
         friction_loss = end_first_half(group, h, old, motion, m, count)
         if group.in_pieces and THREADS:
