@@ -72,6 +72,13 @@ def record_round(clock, h, p, old, new, depth, n):
 
 
 @kernel
+def record_round_pair(clock, h, p, old, new, depth, n, x, m, w):
+    """The same of two bodies, with the side from which one came. Writes: new."""
+    record_round(clock, h, p, old, new, depth, n)
+    record_side(old, new, m, w, n, x)
+
+
+@kernel
 def record_probe(clock, h, p, old, new, hit, retains_face, over):
     """The same for a node on the deepest of several shapes, which may have changed. Writes: new."""
     if old.active == 1 and old.face != hit.face:
