@@ -42,9 +42,7 @@ def test_joints_that_lose_energy_are_named_beside_far_more_of_it(tmp_path: Path)
     assert abs(engine.ledger[ledger.IMBALANCE]) < 1e-6 * engine.ledger[ledger.LARGEST]
     with pytest.raises(SolverError) as stop:
         engine.finish()
-    assert "joint 'elbow': it has, with the other joint of its mechanism, lost" in str(
-        stop.value
-    )
+    assert "joint 'elbow': it has, with the other joint of its mechanism, lost" in str(stop.value)
     assert "take a shorter step" in str(stop.value)
 
 
