@@ -9,6 +9,7 @@ from operator import itemgetter
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 Number = TypeVar("Number", int, float)
 
@@ -21,7 +22,7 @@ class Row(Protocol):
     """A record of a table: its columns are attributes."""
 
     def __getattr__(self, name: str) -> Any: ...
-    def __setattr__(self, name: str, value: Any) -> None: ...
+    def __setattr__(self, name: str, value: object) -> None: ...
 
 
 class Numbers(Protocol[Number]):
@@ -40,7 +41,7 @@ class Rows(np.ndarray):
         found = self[name]
         return found if found.dtype.names else found.view(np.ndarray)
 
-    def __setattr__(self, name: str, value: Any) -> None:
+    def __setattr__(self, name: str, value: object) -> None:
         if name in (self.dtype.names or ()):
             self[name] = value
         else:
@@ -62,7 +63,7 @@ def _layout(layout: np.dtype) -> np.dtype:
         return layout
     fields: Any = layout.fields
     parts = {name: fields[name] for name in layout.names}
-    plain: Any = {
+    plain = {
         "names": list(parts),
         "formats": [_layout(part[0]) for part in parts.values()],
         "offsets": [part[1] for part in parts.values()],
@@ -74,7 +75,7 @@ def _layout(layout: np.dtype) -> np.dtype:
 
 
 def _column(name: str) -> property:
-    def put(row: Any, value: Any) -> None:
+    def put(row: np.void, value: ArrayLike) -> None:
         row[name] = value
 
     return property(itemgetter(name), put)

@@ -34,6 +34,7 @@ def shared_arrays(model: Model) -> dict[str, Any]:
     }
     if model.elements:
         pieces = model.elements.pieces
+        assert pieces is not None
         shared |= {
             "pieces": pieces.pieces,
             "originals": pieces.originals,
