@@ -55,6 +55,7 @@ class JointOfScene(Protocol):
     nodes: tuple[int, ...]  # a and b; and two for each further part of the rows
     first_row: int
     rows: int  # of each part
+    angular: tuple[bool, ...]
     frame: Columns
 
     @property

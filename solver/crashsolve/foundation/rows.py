@@ -6,7 +6,7 @@ of Python, here the class of a row has a property for each column.
 
 from functools import cache
 from operator import itemgetter
-from typing import Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -30,6 +30,12 @@ class Numbers(Protocol[Number]):
 
     def __getitem__(self, i: int) -> Number: ...
     def __setitem__(self, i: int, value: Number) -> None: ...
+
+
+if TYPE_CHECKING:
+
+    class RowOfTable(np.void, Row):
+        """A row of Rows: a numpy record whose columns are attributes too."""
 
 
 class Rows(np.ndarray):
