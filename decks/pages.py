@@ -33,7 +33,7 @@ def values(result: Any, channel: str) -> np.ndarray:
     return found
 
 
-def swept(plan: dict[str, Any], path: Path, folder: Path) -> list[dict[str, str]]:
+def swept(plan: dict[str, object], path: Path, folder: Path) -> list[dict[str, str]]:
     """Rows of the table of `crashsolve sweep`, which is run if it has not been yet.
 
     The plan is written to `path`, the runs to `folder`.

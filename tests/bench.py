@@ -14,6 +14,7 @@ from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.foundation.orientation import matrix
 from crashsolve.foundation.record import Record
+from crashsolve.foundation.rows import Rows as Columned
 from crashsolve.foundation.rows import as_rows
 from crashsolve.foundation.sparse.bordered import BLOCK, SLOT
 from crashsolve.model.build import build
@@ -68,9 +69,9 @@ class Bench:
     def _read(self, path: Path) -> None:
         self.model, state = build(read_deck(path))
         self.tables = {"nodes": state.nodes, "rows": state.rows, "curves": self.model.curves}
-        self.nodes: Any = as_rows(state.nodes)
-        self.rows: Any = as_rows(state.rows)
-        self.curves: Any = as_rows(self.model.curves)
+        self.nodes: Columned = as_rows(state.nodes)
+        self.rows: Columned = as_rows(state.rows)
+        self.curves: Columned = as_rows(self.model.curves)
         for node in range(1, len(self.nodes)):
             self.move(node)
 
@@ -192,7 +193,7 @@ def check_power(law: Law, draws: int, **tolerances: float) -> None:
     assert met >= 5 and free >= 5
 
 
-def _no_force(*args: Any) -> None:
+def _no_force(*args: object) -> None:
     raise AssertionError("the law has no force")
 
 
@@ -208,7 +209,7 @@ class Rows:
         self.parts, self.m = joint.parts, joint.rows
         self.ends = joint.nodes
         self.curves = as_rows(model.curves)
-        self.nodes: Any = as_rows(np.zeros(len(state.nodes), NODE.dtype))
+        self.nodes: Columned = as_rows(np.zeros(len(state.nodes), NODE.dtype))
         self.nodes[:] = state.nodes
         self.rows = as_rows(np.zeros(joint.parts * joint.rows, ROW.dtype))
         self.p.first_row = 0
@@ -269,7 +270,7 @@ class Rows:
         return np.array([[*node.v, *node.w] for node in self.nodes]).ravel()
 
 
-def write_rows(law: Any, word: str, p: Any, old: Any, *rest: Any) -> None:
+def write_rows(law: Any, word: str, p: Any, old: Any, *rest: object) -> None:
     """Residual, Jacobian or convective term of all rows of a joint, as the step has them."""
     nodes, rows, _ = rest[-3:]
     first = p.first_row

@@ -24,11 +24,11 @@ def environment(**changes: str) -> dict[str, str]:
     return {k: v for k, v in os.environ.items() if k not in OWN} | changes
 
 
-def arguments(*words: Any) -> list[str]:
+def arguments(*words: object) -> list[str]:
     return [sys.executable, "-m", "crashsolve", *map(str, words)]
 
 
-def crashsolve(*words: Any, **changes: str) -> subprocess.CompletedProcess[str]:
+def crashsolve(*words: object, **changes: str) -> subprocess.CompletedProcess[str]:
     """Run the command to its end; `changes` are environment variables."""
     given = environment(**changes)
     if forked.can_fork(given):
@@ -38,7 +38,7 @@ def crashsolve(*words: Any, **changes: str) -> subprocess.CompletedProcess[str]:
     )
 
 
-def start(*words: Any, **changes: str) -> subprocess.Popen[str]:
+def start(*words: object, **changes: str) -> subprocess.Popen[str]:
     """Start the command without waiting for it."""
     return subprocess.Popen(
         arguments(*words),

@@ -120,7 +120,10 @@ def weight(system: Any, body: int, gravity: Sequence[float]) -> None:
 
 
 def tree(
-    system: Any, links: Sequence[dict[str, Any]], gravity: Sequence[float], rates: Sequence[float]
+    system: Any,
+    links: Sequence[dict[str, Any]],
+    gravity: Sequence[float],
+    rates: Sequence[float],
 ) -> tuple[int, int]:
     """Node and object of a tree; a link has type, parent, offset, mass, centre, inertia, start."""
     n = len(links)

@@ -62,7 +62,7 @@ def holder(data: Any, route: Route) -> Any:
     return data
 
 
-def change_number(data: Any, rng: random.Random) -> None:
+def change_number(data: object, rng: random.Random) -> None:
     """Another number in place of one, with its unit."""
     found = [
         route
@@ -83,7 +83,7 @@ def change_number(data: Any, rng: random.Random) -> None:
     holder(data, route)[route[-1]] = f"{new}{unit}" if unit else new
 
 
-def change_anything(data: Any, rng: random.Random) -> None:
+def change_anything(data: object, rng: random.Random) -> None:
     """A value replaced, left out, or put into the position of another."""
     found = list(routes(data))
     route = rng.choice(found)

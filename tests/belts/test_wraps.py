@@ -1,5 +1,6 @@
 """Belts over bodies: geodesics, silhouettes, friction over the angle wrapped, energy."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +31,9 @@ surfaces:
 SEMI = (0.15, 0.2, 0.1)
 
 
-def belt(folder: Path, surface: str, mu: float, slack: float = -0.05, at: Any = (0, 0.6, 0)) -> Law:
+def belt(
+    folder: Path, surface: str, mu: float, slack: float = -0.05, at: Sequence[float] = (0, 0.6, 0)
+) -> Law:
     text = (
         f"belts:\n  s:\n    webbing: {{stiffness: 1e5}}\n    slack: {slack}\n    route:\n"
         f"      - {{anchor: {{at: {list(at)}}}}}\n"
@@ -45,7 +48,7 @@ def length_over(arc: Any, A: Any, B: Any) -> float:
     return float(straight + arc.length)
 
 
-def ends(seed: int) -> tuple[Any, Any]:
+def ends(seed: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Two points on about opposite sides."""
     rng = np.random.default_rng(seed)
     u = rng.normal(size=3)

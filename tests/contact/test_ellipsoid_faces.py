@@ -99,7 +99,7 @@ FLOOR = {
 DRUM = {"type": "cylinder", "radius": 1, "length": 1, "elements": [24, 1]}
 
 
-def bench(folder: Path, semi: Any, mesh: Any = FLOOR, **words: Any) -> Any:
+def bench(folder: Path, semi: Any, mesh: object = FLOOR, **words: object) -> Any:
     """Faces of a floor and an ellipsoid, its contact moved by hand as plain Python."""
     deck = {
         "control": {"end_time": 1},

@@ -98,7 +98,7 @@ class Bench:
     """A part `folded` and a ball, its contact run as plain Python and moved by hand."""
 
     def __init__(
-        self, folder: Path, nodes: Any, quads: Any, gap: float = 0.1, **words: Any
+        self, folder: Path, nodes: Any, quads: Any, gap: float = 0.1, **words: object
     ) -> None:
         deck = {
             "control": {"end_time": 1},

@@ -136,7 +136,7 @@ def test_the_walls_that_go_on_keep_their_records(tmp_path: Path) -> None:
     assert (nearest.partner, other.partner) == (1, 0)
 
 
-GROOVE: dict[str, Any] = {
+GROOVE: dict[str, object] = {
     "title": "a ball swings in a groove",
     "control": {"end_time": 0.02, "step": 2e-5, "estimate": "off"},
     "materials": {"m": {"type": "elastic", "young": 1e9, "poisson": 0.3, "density": 1e3}},

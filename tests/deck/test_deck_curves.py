@@ -97,7 +97,7 @@ def test_codes_of_extrapolation_are_those_of_the_evaluator() -> None:
     assert EXTRAPOLATE == {"refuse": curve.REFUSE, "hold": curve.HOLD, "linear": curve.LINEAR}
 
 
-def card_of(units: dict[str, str] | None = None, **fields: Any) -> table.Table:
+def card_of(units: dict[str, str] | None = None, **fields: object) -> table.Table:
     names = {**dict(zip(BASES, ("m", "kg", "s", "rad"), strict=True)), **(units or {})}
     bases = {base: parse_unit(name) for base, name in names.items()}
     return table.Table.model_validate(fields, context=Context(bases) if units else Context())

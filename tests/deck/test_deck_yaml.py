@@ -52,7 +52,7 @@ def parsed(text: str) -> Table:
         ("nan", "nan"),
     ],
 )
-def test_scalar(text: str, value: Any) -> None:
+def test_scalar(text: str, value: object) -> None:
     found = parsed(f"key: {text}")["key"]
     assert found == value
     assert type(found) is type(value)

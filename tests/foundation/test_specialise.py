@@ -96,7 +96,7 @@ def program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
     laws[0].push = lambda row, largest: 0.0  # type: ignore[attr-defined]
     groups = (Group("soft_springs", laws[0], True), Group("stiff_springs", laws[1], False))
 
-    def make(**changes: Any) -> Program:
+    def make(**changes: object) -> Program:
         given = {"GROUPS": groups, "FLAG": True} | changes
         return Program(given, "bench_home", lambda name: name == "bench_loops", {})
 

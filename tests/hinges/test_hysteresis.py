@@ -330,7 +330,7 @@ def lifted(points: Any, phi: float) -> list[list[float]]:
 @pytest.mark.parametrize("cyclic", ["isotropic", "peak_oriented"])
 @pytest.mark.parametrize(("name", "points", "phi"), [("up", POINTS, 1.6), ("down", OTHER, 21.0)])
 def test_a_factor_multiplies_yield_and_leaves_the_elastic_line(
-    tmp_path: Path, cyclic: str, name: str, points: Any, phi: float
+    tmp_path: Path, cyclic: str, name: str, points: object, phi: float
 ) -> None:
     hinge = Driven(tmp_path, f"curve: {name}, cyclic: {cyclic}")
     steep = f"curves:\n  more: {{points: {lifted(points, phi)}, extrapolate: hold}}\n"

@@ -3,7 +3,7 @@
 from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import yaml
@@ -12,8 +12,11 @@ from crashsolve.deck.reading.deck import read_deck
 from crashsolve.elements.shells.forces import blocks
 from crashsolve.elements.shells.records import BLOCK, EROSION
 from crashsolve.foundation.orientation import matrix
-from crashsolve.foundation.rows import as_rows
+from crashsolve.foundation.rows import Rows, as_rows
 from crashsolve.model.build import build
+
+if TYPE_CHECKING:
+    from crashsolve.foundation.rows import RowOfTable
 
 STEEL = {"type": "elastic", "young": 2e5, "poisson": 0.3, "density": 8.0}
 # the patch of MacNeal and Harder (1985): five elements of odd shapes on 0.24 by 0.12
@@ -37,7 +40,7 @@ class Elements:
         thickness: float = 0.05,
         material: dict[str, Any] = STEEL,
         curves: dict[str, Any] | None = None,
-        **words: Any,
+        **words: object,
     ) -> None:
         nodes = np.asarray(mesh[0], float)
         nodes = np.hstack([nodes, np.zeros((len(nodes), 3 - nodes.shape[1]))])
@@ -56,8 +59,8 @@ class Elements:
         self.kinds = [import_module(f"crashsolve.elements.shells.forces.{name}") for name in used]
         self.new = as_rows(group.history)[1, 0]
         self.out = as_rows(group.output)[0]
-        self.clock: Any = as_rows(self.state.clock)[0]
-        self.points: Any = as_rows(self.state.points)
+        self.clock: RowOfTable = as_rows(self.state.clock)[0]
+        self.points: Rows = as_rows(self.state.points)
         e = model.elements
         assert e is not None
         self.element_cuts, self.cuts = e.element_cuts, e.cuts

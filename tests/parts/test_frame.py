@@ -1,6 +1,7 @@
 """Claims of frames: a straight bar is the beam; wrong ones are refused."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -29,7 +30,7 @@ LINE = ["line_start", "line_1", "line_2", "line_end"]
 BAR = ["bar_1", "bar_bar1_1", "bar_bar1_2", "bar_2"]
 
 
-def scene(folder: Path, text: str = DECK) -> tuple[object, object]:
+def scene(folder: Path, text: str = DECK) -> tuple[Any, Any]:
     path = folder / "frame.yaml"
     path.write_text(text, "utf-8")
     return build(read_deck(path))

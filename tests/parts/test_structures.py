@@ -12,6 +12,7 @@ from crashsolve import run
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.build import build
+from crashsolve.model.model import Model, State
 from crashsolve.simulation import body_shapes
 
 ALL = ("rigid", "hinges", "segments", "beams", "shells")
@@ -58,7 +59,7 @@ def written(folder: Path, text: str) -> Path:
     return path
 
 
-def built(folder: Path, text: str) -> tuple[Any, Any]:
+def built(folder: Path, text: str) -> tuple[Model, State]:
     return build(read_deck(written(folder, text)))
 
 

@@ -15,7 +15,7 @@ from crashpost.values.expectation import Expectation, Verdict, expectations, jud
 LEFT_OVER = expectation("rbdout.A.velocity.x", "final", SPEED / 3, 1e-9)
 
 
-def result_expecting(folder: Path, *entries: Any) -> Path:
+def result_expecting(folder: Path, *entries: object) -> Path:
     write_result(folder, two_cars(), expect=json.dumps(entries))
     write_status(folder)
     return folder
@@ -100,7 +100,7 @@ def test_tolerances_are_closed_and_nothing_passes_without_a_number(
     ],
 )
 def test_a_channel_in_percent_is_judged_in_the_unit_of_the_entry(
-    tmp_path: Path, unit: Any, value: float, tolerance: float, passed: bool
+    tmp_path: Path, unit: object, value: float, tolerance: float, passed: bool
 ) -> None:
     families = two_cars()
     families["glstat"][1]["energy/balance"][2][7] = 5.0

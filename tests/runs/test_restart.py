@@ -47,7 +47,7 @@ pytestmark = pytest.mark.xdist_group("runs")
 
 
 def status(folder: Path) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads((folder / "status.json").read_text("utf-8"))
+    found: dict[str, object] = json.loads((folder / "status.json").read_text("utf-8"))
     return found
 
 

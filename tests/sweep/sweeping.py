@@ -60,7 +60,7 @@ def status(folder: Path, number: int) -> dict[str, Any]:
         text = (folder / "runs" / f"{number:04d}" / "status.json").read_text("utf-8")
     except OSError:
         return {}
-    found: dict[str, Any] = json.loads(text)
+    found: dict[str, object] = json.loads(text)
     return found
 
 

@@ -4,9 +4,11 @@ What numpy.recarray does, in a quarter of the time: there every attribute is loo
 of Python, here the class of a row has a property for each column.
 """
 
+from __future__ import annotations
+
 from functools import cache
 from operator import itemgetter
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, SupportsIndex, TypeVar, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -33,6 +35,7 @@ class Numbers(Protocol[Number]):
 
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
 
     class RowOfTable(np.void, Row):
         """A row of Rows: a numpy record whose columns are attributes too."""
@@ -40,6 +43,17 @@ if TYPE_CHECKING:
 
 class Rows(np.ndarray):
     """A structured array; `table[i].name` is a number of row i, `table.name` a column."""
+
+    if TYPE_CHECKING:
+        # numpy's own types say ndarray where it makes one of this class
+        @overload
+        def __getitem__(self, key: str) -> np.ndarray: ...  # type: ignore[override]
+        @overload
+        def __getitem__(self, key: SupportsIndex) -> RowOfTable: ...
+        @overload
+        def __getitem__(self, key: slice | Sequence[int] | np.ndarray) -> Rows: ...
+        @overload
+        def __getitem__(self, key: tuple[object, ...]) -> Any: ...
 
     def __getattr__(self, name: str) -> Any:
         if name not in (self.dtype.names or ()):

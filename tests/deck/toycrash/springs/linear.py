@@ -13,7 +13,7 @@ class Linear(Card):
     stiffness: float = quantity("N/m", "slope", gt=0)
 
 
-def build(card: Linear, scene: Any) -> dict[str, Any]:
+def build(card: Linear, scene: Any) -> dict[str, object]:
     """What a law of the family provides; toys are only read."""
     raise NotImplementedError
 
