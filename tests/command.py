@@ -7,7 +7,6 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import Any
 
 import forked
 import h5py
@@ -53,7 +52,7 @@ def datasets(path: Path) -> dict[str, np.ndarray]:
     """All datasets of an HDF5 file by their paths."""
     found: dict[str, np.ndarray] = {}
 
-    def keep(name: str, item: Any) -> None:
+    def keep(name: str, item: object) -> None:
         if isinstance(item, h5py.Dataset):
             text = h5py.check_string_dtype(item.dtype)
             found[name] = item.asstr()[()].astype(str) if text else item[()]

@@ -9,6 +9,7 @@ import json
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -187,7 +188,7 @@ def table(head: str, lines: list[list[str]]) -> str:
     return "\n".join([f"|{head}|", f"|{rule}|", *(f"| {' | '.join(line)} |" for line in lines)])
 
 
-def largest(result: Result, measure: Any) -> tuple[float, str]:
+def largest(result: Result, measure: Callable[[Result, int], np.ndarray]) -> tuple[float, str]:
     """The largest magnitude over all interfaces, and where it is."""
     found = {i: abs(extreme(measure(result, i))) for i in INTERFACES}
     i = max(found, key=lambda k: found[k])

@@ -2,11 +2,12 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from bench import Bench, Law, assert_balanced, refusal
+from numpy.typing import ArrayLike
 from quick import first_quick
 from scipy.optimize import minimize
 
@@ -43,7 +44,7 @@ def belt(
     return Bench(folder, text, BODIES).law("belts", "s")
 
 
-def length_over(arc: Any, A: Any, B: Any) -> float:
+def length_over(arc: SimpleNamespace, A: ArrayLike, B: ArrayLike) -> float:
     straight = np.linalg.norm(np.subtract(arc.first, A)) + np.linalg.norm(np.subtract(B, arc.last))
     return float(straight + arc.length)
 

@@ -10,6 +10,7 @@ from small_runs import last, run
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.model.build import build
 from crashsolve.model.contact import pairs
+from crashsolve.model.contact.groups import ContactGroup
 from crashsolve.model.model import Model, State
 from crashsolve.system.engine import Engine
 
@@ -124,7 +125,7 @@ def test_a_renewed_list_keeps_the_histories_of_its_pairs(tmp_path: Path) -> None
     assert len(group.output) == len(group.parameters)
 
 
-def _rows(group: Any, current: int) -> Any:
+def _rows(group: ContactGroup, current: int) -> Any:
     return zip(group.parameters, group.history[current], strict=True)
 
 

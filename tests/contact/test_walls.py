@@ -1,7 +1,7 @@
 """Claims of probes between several walls of one surface: creases, closing folds, corners."""
 
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ from crashsolve.system.contact import projection, walls
 GAP = 0.1
 
 
-def found(bench: Bench, x: Any) -> list[tuple[float, float, np.ndarray]]:
+def found(bench: Bench, x: Sequence[float]) -> list[tuple[float, float, np.ndarray]]:
     """Weight, depth and normal of all walls that a ball at x touches, which has never touched."""
     g = bench.groups[0]
     g.nodes[1].r, g.totals[0].listed = x, -1.0
@@ -34,12 +34,12 @@ def found(bench: Bench, x: Any) -> list[tuple[float, float, np.ndarray]]:
     return hits
 
 
-def energy(hits: Any) -> float:
+def energy(hits: Iterable[tuple[float, float, np.ndarray]]) -> float:
     """Of all walls, with a stiffness of 2 N/m [J]."""
     return sum(weight * depth**2 for weight, depth, _ in hits)
 
 
-def force(hits: Any) -> np.ndarray:
+def force(hits: Iterable[tuple[float, float, np.ndarray]]) -> np.ndarray:
     """Its sum of them (3,) [N]."""
     return sum((2 * weight * depth * n for weight, depth, n in hits), np.zeros(3))
 

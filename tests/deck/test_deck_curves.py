@@ -31,7 +31,7 @@ LAWS = [
 KINDS = ("linear", "smooth", "cubic")
 
 
-def values(x: Any, c: Any, at: Any, derivative: int = 0) -> Any:
+def values(x: np.ndarray, c: np.ndarray, at: float | np.ndarray, derivative: int = 0) -> np.ndarray:
     """Value or derivative of piecewise cubics, by numpy alone."""
     i = np.clip(np.searchsorted(x, at, side="right") - 1, 0, len(x) - 2)
     s = at - x[i]

@@ -30,7 +30,7 @@ LAWS = [
 ]
 
 
-def references(schema: Any) -> list[str]:
+def references(schema: object) -> list[str]:
     """All `$ref` within a schema."""
     if isinstance(schema, dict):
         own = [schema["$ref"]] if "$ref" in schema else []

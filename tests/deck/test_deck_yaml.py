@@ -1,7 +1,5 @@
 """Claim: scalars follow YAML 1.2, and every key and value knows its location."""
 
-from typing import Any
-
 import pytest
 
 from crashsolve.deck.source import Position, Table, locate, parse_yaml
@@ -89,7 +87,7 @@ bodies:
         (("bodies", 3), True, 2, 1),
     ],
 )
-def test_place(path: tuple[Any, ...], key: bool, line: int, column: int) -> None:
+def test_place(path: tuple[str | int, ...], key: bool, line: int, column: int) -> None:
     start = Position("deck.yaml", 1, 1)
     assert locate(start, parsed(DECK), path, key) == ("deck.yaml", line, column)
 

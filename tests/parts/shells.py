@@ -1,5 +1,8 @@
 """A few shell elements whose kernels run as plain Python, moved by hand."""
 
+from __future__ import annotations
+
+from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
@@ -39,7 +42,7 @@ class Elements:
         mesh: Any = SQUARE,
         thickness: float = 0.05,
         material: dict[str, Any] = STEEL,
-        curves: dict[str, Any] | None = None,
+        curves: Mapping[str, Mapping[str, object]] | None = None,
         **words: object,
     ) -> None:
         nodes = np.asarray(mesh[0], float)
@@ -48,7 +51,7 @@ class Elements:
         part["mesh"] = {"type": "listed", "nodes": nodes.tolist(), "quads": mesh[1]}
         deck = {"control": {"end_time": 1}, "materials": {"steel": material}, "parts": {"s": part}}
         if curves:
-            deck["curves"] = {name: {"type": "table"} | card for name, card in curves.items()}
+            deck["curves"] = {name: {"type": "table", **card} for name, card in curves.items()}
         path = folder / "elements.yaml"
         path.write_text(yaml.safe_dump(deck), "utf-8")
         self.model, self.state = model, _ = build(read_deck(path))
@@ -93,7 +96,7 @@ class Elements:
         self.move(motion)
         return R
 
-    def energies(self) -> Any:
+    def energies(self) -> RowOfTable:
         self.module.energies(self.p, self.new, self.out, self.scene)
         for kind in self.kinds:
             blocks.add_energies(kind, self.p, self.out, self.scene, self.material)

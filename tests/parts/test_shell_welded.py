@@ -1,7 +1,6 @@
 """Claims of shells that are part of other bodies: mass goes over whole, errors are refused."""
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -45,7 +44,7 @@ def model_of(folder: Path, text: str = DECK) -> tuple[Model, State]:
     return build(read_deck(path))
 
 
-def totals(model: Any, state: Any) -> tuple[float, np.ndarray, np.ndarray]:
+def totals(model: Model, state: State) -> tuple[float, np.ndarray, np.ndarray]:
     """Mass, mass centre and inertia about the origin of all that moves."""
     nodes, points = state.nodes[1:], state.points[state.points["held"] < 64]
     m = np.concatenate([1.0 / nodes["mass_inv"], 1.0 / points["mass_inv"]])

@@ -1,6 +1,6 @@
 """Claim: tied meshes move as one where linear fields allow it, and nothing is lost at the tie."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
@@ -16,7 +16,7 @@ from crashpost.results.result import Result
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.elements.shells.forces import blocks
 from crashsolve.foundation.point import POINT, TIE
-from crashsolve.foundation.rows import as_rows
+from crashsolve.foundation.rows import Rows, as_rows
 from crashsolve.model.build import build
 from crashsolve.model.model import Model, State
 from crashsolve.system import ties
@@ -25,6 +25,10 @@ from crashsolve.ties._faces import nearest_face
 STEEL = {"type": "elastic", "density": 7850, "young": 2.1e11, "poisson": 0.3}
 SHELL = {"type": "shell", "thickness": 0.002, "material": "steel"}
 RANDOM = np.random.default_rng(5)
+
+
+# velocities of points (n, 3) at positions (n, 3)
+Field = Callable[[np.ndarray], np.ndarray]
 
 
 def grid(x: float, count: int, across: int = 0, z: float = 0.0) -> dict[str, object]:
@@ -67,7 +71,9 @@ def solved(folder: Path, scene: Mapping[str, object], name: str) -> Result:
     return Result(folder / name)
 
 
-def forces(folder: Path, scene: dict[str, Any], v: Any, w: Any) -> tuple[np.ndarray, np.ndarray]:
+def forces(
+    folder: Path, scene: dict[str, object], v: Field, w: Field
+) -> tuple[np.ndarray, np.ndarray]:
     """Forces and torques (n, 6) of a step of 1 s with fields of motion; and positions."""
     model, state = built(folder, scene)
     group, points = model.element_groups()[0], as_rows(state.points)
@@ -110,7 +116,7 @@ def turned_across(x: np.ndarray) -> np.ndarray:
     return SIZE * np.outer(x[:, 0], [0, -1.0, 0])
 
 
-def residual(folder: Path, scene: dict[str, object], v: Any, w: Any) -> float:
+def residual(folder: Path, scene: dict[str, object], v: Field, w: Field) -> float:
     """Largest force, or torque on 0.05 m, at nodes within, over the largest at the border."""
     found, x = forces(folder, scene, v, w)
     eps = 1e-9
@@ -123,7 +129,7 @@ def residual(folder: Path, scene: dict[str, object], v: Any, w: Any) -> float:
     ("v", "w"), [(membrane, still), (bent_across, turned_across)], ids=["membrane", "bending"]
 )
 def test_a_patch_passes_where_nodes_of_the_faces_have_tied_ones(
-    tmp_path: Path, v: Any, w: Any
+    tmp_path: Path, v: Field, w: Field
 ) -> None:
     # what a plate of one mesh has as well: terms of second order, 2e-8 at these strains
     assert residual(tmp_path, pair(2, 4), v, w) < 1e-6
@@ -132,7 +138,7 @@ def test_a_patch_passes_where_nodes_of_the_faces_have_tied_ones(
     assert residual(tmp_path, pair(4, 6), v, w) == pytest.approx(1 / 9, rel=1e-6)
 
 
-def row(height: float, triangle: bool = False) -> Any:
+def row(height: float, triangle: bool = False) -> tuple[Rows, Rows]:
     """A tie on a warped face, with weights that reach beside it, and its points."""
     table, points = np.zeros(1, TIE.dtype), np.zeros(5, POINT.dtype)
     points["r"][:4] = np.array([[0, 0, 0], [1.1, 0.1, 0], [1, 0.9, 0.1], [-0.1, 1, 0.0]])
@@ -315,7 +321,7 @@ def test_what_cannot_be_tied_is_refused(tmp_path: Path, name: str) -> None:
 
 
 def test_ties_are_refused_where_they_meet_or_cannot_act(tmp_path: Path) -> None:
-    def said(change: Any) -> str:
+    def said(change: Callable[[dict[str, Any]], object]) -> str:
         scene = pair(2, 3)
         change(scene)
         return refusal(tmp_path, yaml.safe_dump(scene, sort_keys=False))

@@ -2,7 +2,6 @@
 
 import json
 from pathlib import Path
-from typing import Any
 
 import pytest
 from small_results import SPEED, Command, expectation, two_cars, write_result, write_status
@@ -153,6 +152,6 @@ def test_entries_may_hold_more_than_crashpost_reads(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "entry", [{"channel": "a"}, {**LEFT_OVER, "value": "soon"}, {**LEFT_OVER, "during": [1]}, 3]
 )
-def test_broken_entries_are_refused(tmp_path: Path, entry: Any) -> None:
+def test_broken_entries_are_refused(tmp_path: Path, entry: object) -> None:
     with pytest.raises(PostError, match="broken expect entry"):
         expectations(Result(result_expecting(tmp_path, entry)))

@@ -217,7 +217,7 @@ def middle_of_an_array(path: Path) -> int:
     """Where in a dump the middle byte of its largest array is."""
     found: list[tuple[int, int]] = []
 
-    def visit(name: str, one: Any) -> None:
+    def visit(name: str, one: h5py.Dataset | h5py.Group) -> None:
         if isinstance(one, h5py.Dataset) and one.id.get_offset() is not None:
             found.append((one.id.get_storage_size(), one.id.get_offset()))
 

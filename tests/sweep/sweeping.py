@@ -34,7 +34,7 @@ def written(folder: Path, count: int = 3, step: str = SHORT) -> Path:
     return path
 
 
-def words_of(plan: Path) -> tuple[Any, ...]:
+def words_of(plan: Path) -> tuple[object, ...]:
     return ("sweep", plan, "-o", plan.parent / "out", "--jobs", "2")
 
 

@@ -5,7 +5,7 @@ meaning. compiler/specialise.py states what replaces placeholders.
 """
 
 import ast
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
@@ -26,7 +26,7 @@ class Program:
 
     def __init__(
         self,
-        placeholders: Mapping[str, object],
+        placeholders: dict[str, object],
         home: str,
         is_copied: Callable[[str], bool],
         replaced: dict[str, str],

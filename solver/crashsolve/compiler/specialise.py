@@ -15,7 +15,7 @@ of imported, is said by the caller (system/compose.py).
 """
 
 import ast
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from types import ModuleType
 from typing import Any, Protocol
@@ -60,7 +60,7 @@ class Program(Protocol):
     """The module that copies become part of, see program.py."""
 
     home: str  # module from which loops import placeholders
-    placeholders: Mapping[str, object]
+    placeholders: dict[str, object]
     empty: set[str]  # copies that do nothing
 
     def find(self, source: Source, name: str) -> tuple[str, str] | None:
