@@ -31,7 +31,6 @@ from crashsolve.joints._card import FRAME
 from crashsolve.joints.basic import rows_of
 
 if TYPE_CHECKING:
-    from crashsolve._shared_rows import JointFrame
     from crashsolve.hinges._rows.axial import History, Output, Parameters
 
 __all__ = ["LEDGER", "release_rows"]
@@ -83,7 +82,7 @@ def initial_history(card: Axial, p: np.void, scene: Scene) -> Columns:
 
 
 @kernel
-def stroke_along(p: JointFrame, nodes, axis):
+def stroke_along(p, nodes, axis):
     """Travel of b along an axis of a [m], its rate, the axis, arms of the force on both bodies."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     d_a, d_b = arm(a, vec(p.point_a)), arm(b, vec(p.point_b))
