@@ -66,7 +66,7 @@ distance of the tip from its position in the rod, over the distance it has trave
 ![errors over meshes](beam_convergence.png)
 """
 TAIL = """
-F1 is of order 4 until what is left is the stretch and shear of 1e-5 that its reference, which is
+F1 is of order 4 until the rest is the stretch and shear of 1e-5 that its reference, which is
 inextensible, leaves out.
 """
 

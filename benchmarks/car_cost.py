@@ -4,8 +4,8 @@
     python benchmarks/car_cost.py rolling     the car of 16 rigid bodies
     python benchmarks/car_cost.py crash       the scenario head-on, of 0.2 s: all steps
 
-A tyre is what 32 further tyres add to a step of one body on four, over 32. Budget: a tyre 0.2 us,
-the rigid car 10 us, a scenario 0.6 s.
+The cost of a tyre is the increase of a step of one body on four by 32 further tyres, over 32.
+Budget: a tyre 0.2 us, the rigid car 10 us, a scenario 0.6 s.
 """
 
 import sys

@@ -28,7 +28,7 @@ from crashsolve.estimate.companion import BudgetExceeded
 from crashsolve.estimate.estimator import Estimator
 from crashsolve.foundation.errors import CrashsolveError
 from crashsolve.model.build import build
-from crashsolve.model.integrator_selection import settled
+from crashsolve.model.integrator_selection import with_chosen_method
 from crashsolve.recording.engines import engine_of
 from crashsolve.recording.histories import Histories
 from crashsolve.recording.samples import Samples
@@ -96,7 +96,7 @@ class Stopwatch:
 
 
 def with_defaults(deck: Deck, words: dict[str, str]) -> Deck:
-    """The deck without what it says about methods and steps, or with other words for it."""
+    """The deck without its settings of methods and steps, or with others."""
     kept = {k: v for k, v in deck.control.model_dump(exclude_unset=True).items() if k not in CHOSEN}
     return replace(deck, control=Control(**kept, **words))
 
@@ -125,7 +125,7 @@ def tried(path: Path, words: dict[str, str], watch: Stopwatch) -> Run | None:
 def solved(deck: Deck, watch: Stopwatch) -> tuple[Deck, Estimator, Samples, float]:
     """The deck as it was run, its watched numbers, their samples, and CPU time [s]."""
     model, state = build(deck)
-    deck = settled(deck, model)
+    deck = with_chosen_method(deck, model)
     estimator = Estimator(deck, Histories(engine_of(deck, model, state)).families)
     estimator.companions.budget, watch.spent = LIMIT, 0.0
     main = estimator.companions.run(1.0)
@@ -171,7 +171,7 @@ springs:
 
 
 def runs(paths: list[Path], words: dict[str, str]) -> Iterator[tuple[str, Run | str]]:
-    """Every deck and scene with what it came to, or why it did not."""
+    """Every deck and scene with its result, or the cause of its failure."""
     watch = Stopwatch()
     # an error by the mesh is none of the steps
     scenes = [s for kind in kinds() for s in kind if not s.name.startswith("meshes")]

@@ -7,7 +7,7 @@
 
 Kirchhoff's plate without membrane forces, after Belytschko, Lin and Tsay (1984), in inches, pounds
 and seconds; Gauss points in the plane and through the thickness; von Mises without hardening.
-The plastic peak is what decks/verification/parts/shell_panel.yaml expects of small deflections.
+decks/verification/parts/shell_panel.yaml expects the plastic peak of small deflections.
 """
 
 import sys

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 def finish(figure: Figure, axes: Any, meshes: tuple[int, ...], path: Path) -> None:
-    """Mark the meshes on the abscissae, say what is what, and write the figure."""
+    """Mark the meshes on the abscissae, add the legend, and write the figure."""
     for axis in axes:
         axis.set_xticks(meshes, [str(n) for n in meshes])
         axis.minorticks_off()

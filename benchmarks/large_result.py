@@ -109,7 +109,7 @@ def write_states(folder: Path) -> None:
 
 
 def measure(words: tuple[object, ...]) -> tuple[float, float]:
-    """CPU time [s] and largest memory [MB] of a command and what it starts."""
+    """CPU time [s] and largest memory [MB] of a command and its child processes."""
     answer: Queue = Queue()
     child = Process(target=_run, args=(answer, [str(word) for word in words]))
     child.start()

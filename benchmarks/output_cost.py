@@ -1,6 +1,6 @@
 """What output costs beside the steps: `python benchmarks/output_cost.py [CASE ...]`.
 
-A sample and a state are priced in steps of the run: from a run with few of them, one with many
+A sample and a state are measured in steps of the run: from a run with few of them, one with many
 samples, one with many states, all by CPU time. All three have the lines of the log. Beside them CPU
 time of the steps of a whole run of the case at 10 kHz, of its histories and 100 states, and their
 share. A sample evaluates all forces, as a step does: where steps are not much shorter than 0.1 ms,
@@ -28,8 +28,8 @@ FEW = 25
 
 @dataclass(frozen=True)
 class Case:
-    """A deck, its text or what writes it, how much of it is run here, and how long a whole run
-    lasts [s].
+    """A deck, its text or the function that writes it, the part of it that is run here, and how
+    long a whole run lasts [s].
     """
 
     deck: str | Callable[[], Path]

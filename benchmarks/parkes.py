@@ -9,9 +9,9 @@ plastic moment and displacements small (Parkes 1955), in the second phase
     omega = V_0 / (L (1 + m L / 2 G)),   theta_root = (G L^2 + m L^3 / 3) omega^2 / 2 M_0
 
 The chain errs by the length of its segments, over which the travelling hinge leaps, and by its
-elasticity, as waves of bending run ahead of the hinge. R is the energy of the blow over what the
-beam stores elastically at M_0. V_0 is a tenth of the benchmark's, so that displacements are small;
-they go with its square.
+elasticity, as waves of bending run ahead of the hinge. R is the energy of the impact over that
+which the beam stores elastically at M_0. V_0 is a tenth of the benchmark's, so that displacements
+are small; they go with its square.
 
 Reference: Parkes (1955), The permanent deformation of a cantilever struck transversely at its tip,
 Proc. Royal Society A 228, 462-476.

@@ -4,7 +4,7 @@
 
 CPU time, so that a busy machine disturbs little, and of many short runs the fastest: a core that
 others use beside is slower by up to a half. Flops are counted on the kernels as plain Python;
-bytes are what a cycle must move where the model does not fit into the cache: numbers of the
+bytes are those that a cycle must move where the model does not fit into the cache: numbers of the
 elements read and written, corners read, points read and written twice.
 """
 
@@ -107,7 +107,7 @@ def bare(folder: Path, n: int, element: str, material: str) -> float:
 
 
 class Counted(float):
-    """A number that counts what is done with it."""
+    """A number that counts its operations."""
 
     count = 0
 

@@ -6,13 +6,14 @@
         decks/benchmark/tube_crush.yaml decks/verification/parts/shell_radau.yaml
     python benchmarks/start.py --all
 
-A child process runs the command `crashsolve DECK` and ends after its first step; what it has used
-by then is counted from the start of the process. Cold: an empty cache of compiled code. Warm: the
-median of 5 further starts, with Python's own compiled files in place as in an installed package.
-Memory: the largest of a warm process above that of `python -c "import numpy, h5py"`. Budget: cold
-8 s by the clock and of CPU time, 1.0 s of CPU time warm, +150 MB. The first run of a scene has a
-child process that compiles: its time counts as cold, its memory stands in the last column, without
-a budget. The second command names small and large scenes, shell_radau.yaml the largest of all.
+A child process runs the command `crashsolve DECK` and ends after its first step; the time it has
+used by then is counted from the start of the process. Cold: an empty cache of compiled code. Warm:
+the median of 5 further starts, with Python's own compiled files in place as in an installed
+package. Memory: the largest of a warm process above that of `python -c "import numpy, h5py"`.
+Budget: cold 8 s by the clock and of CPU time, 1.0 s of CPU time warm, +150 MB. The first run of a
+scene has a child process that compiles: its time counts as cold, its memory stands in the last
+column, without a budget. The second command names small and large scenes, shell_radau.yaml the
+largest of all.
 
 `--all` is shorter and reports every deck: CPU time of one cold and one warm start, worst first,
 with the parts of the cold one that read and build (this process) and that compile (its child).
@@ -45,7 +46,7 @@ def decks() -> list[Path]:
 
 
 def end_after_first_step(deck: str, folder: str) -> None:
-    """Run the command until the first step is done, then say what that has used."""
+    """Run the command until the first step is done, then report the time and memory used."""
     from crashsolve.system.engine import Engine
 
     step = Engine._step

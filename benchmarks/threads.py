@@ -1,4 +1,4 @@
-"""What several threads bring: share of a step that they do, what pieces cost, speed by the clock.
+"""Gain by several threads: their share of a step, cost of pieces, speed by the clock.
 
     python benchmarks/threads.py [SCENE ...] [THREADS ...]        all scenes, and 2, when absent
 
@@ -10,7 +10,7 @@ last is reported as a whole, too, by runs of the command in turn, with start, sa
 that is cut for several is found in a job that they would share: Amdahl's share p, which other
 programs on the machine do not change. "pieces" is c, the CPU time of that run over that of a run
 which is not cut. Of N cores of one's own follows from both, at most, N / c / (N - (N - 1) p).
-Speed by the clock is that of runs in turn, stretch by stretch, and says something only where
+Speed by the clock is that of runs in turn, section by section, and is meaningful only where
 nothing else runs: the load is reported. The bits are those of one thread, asserted at the end.
 """
 
@@ -49,12 +49,12 @@ parts:
 {load}"""
 LOAD = "loads: {q: {type: pressure, part: plate, pressure: 1e5}}\n"
 STRETCHES = 30
-# spheres in number, [s] from which on they are looked at, after first contacts, and for how long
+# number of spheres, [s] from which on they are measured, after first contacts, and for how long
 SPHERES, FALLEN, WATCHED = (1000, 4000), 0.15, 0.09
 TUBE_END, TUBE_STRETCHES = 8e-3, 32
 # runs of the command, of which the fastest counts
 WHOLE = 2
-# seconds between two looks at what a run is doing, on average
+# seconds between two samples of the activity of a run, on average
 LOOK = 2e-3
 
 
@@ -68,7 +68,7 @@ class Alone(Engine):
 
 
 class Watched:
-    """A run, with what its stretches have taken [s]: CPU of its first thread, of all, the clock."""
+    """A run, with the times of its sections [s]: CPU of its first thread, of all, the clock."""
 
     def __init__(self, deck: Deck, threads: int, alone: bool = False) -> None:
         control = deck.control.model_copy(update={"threads": threads})
@@ -88,7 +88,7 @@ class Watched:
         self.clock.append(time.perf_counter() - begun[2])
 
     def watched(self, until: float) -> None:
-        """Go on, and be looked at now and then."""
+        """Continue, and sample the state from time to time."""
         ended = Event()
         watch = Thread(target=self._watch, args=(ended,))
         watch.start()
@@ -120,7 +120,7 @@ def measure(name: str, path: Path, times: np.ndarray, threads: list[int]) -> Non
         for run in (one, *several.values()):
             run.advance(until)
         for run in alone.values():
-            # looks disturb what is measured
+            # samples disturb the measurement
             (run.advance if k % 2 else run.watched)(until)
     steps = int(one.engine.clock["cycle"]) - begun
     print(f"{name}, {steps} steps, {1e6 * sum(one.first) / steps:.0f} us of CPU each")

@@ -17,7 +17,7 @@ from crashsolve.deck.source import Position
 from crashsolve.estimate.error import Estimate
 from crashsolve.estimate.estimator import estimate_in_memory
 from crashsolve.model.build import build
-from crashsolve.model.integrator_selection import settled
+from crashsolve.model.integrator_selection import with_chosen_method
 from crashsolve.recording.samples import Samples
 from crashsolve.study.child_runs import cores
 
@@ -32,7 +32,7 @@ CHOOSERS = (
 # and those for scenes whose steps stiffness would bound
 STIFF = CHOOSERS[2:]
 LIMITS = {"control.step": "auto", "control.energy_limit": "off"}
-# an error below this share of the scale is round-off, and what joints are closed to
+# an error below this share of the scale is round-off, and the tolerance of the joints
 ROUND_OFF = 1e-10
 FACTOR = 10.0
 
@@ -49,7 +49,7 @@ class Judged:
     true: float
     near: float
     floor: float
-    price: float
+    cost: float
 
     @property
     def counts(self) -> bool:
@@ -91,13 +91,13 @@ def judge(scene: Scene, folder: Path) -> Iterator[list[Judged]]:
         path.write_text(f"control: {{end_time: {float(scene.end)!r}}}\n{scene.deck}\n", "utf-8")
     for method, words, overrides, samples in settings(scene):
         deck = with_watches(read_deck(path, LIMITS | overrides, False), method, samples, scene)
-        main, estimates, price = estimate_in_memory(deck)
+        main, estimates, cost = estimate_in_memory(deck)
         numbers = [(k, s) for k in scene.known for s in k.statistics]
         yield [
             Judged(
                 *(scene.name, method, words, f"{k.channel} {s}", e),
                 *(true_error(k, s, e, main), near_error(k, s, main)),
-                *(max(ROUND_OFF, k.floor), price),
+                *(max(ROUND_OFF, k.floor), cost),
             )
             for (k, s), e in zip(numbers, estimates, strict=True)
         ]
@@ -109,7 +109,7 @@ def with_watches(deck: Deck, method: str, samples: int, scene: Scene) -> Deck:
     deck = replace(deck, control=control)
     if method == "auto":
         # as a run does it
-        control = settled(deck, build(deck)[0]).control
+        control = with_chosen_method(deck, build(deck)[0]).control
     history = deck.output.history.model_copy(update={"interval": scene.end / samples})
     watch = [Watch(channel=k.channel, statistic=s) for k in scene.known for s in k.statistics]
     return replace(
@@ -176,19 +176,19 @@ def table(runs: list[list[Judged]]) -> str:
     lines = [
         f"{len(runs)} runs, {len(numbers)} numbers with a true error above {ROUND_OFF:g} of their "
         f"scale; {100 * share(numbers):.1f} % of the estimates are within a factor {FACTOR:g}. "
-        "The price is the CPU time of the estimates over that of the run, the median.",
+        "The cost is the CPU time of the estimates over that of the run, the median.",
         "",
-        "| method | runs | numbers | within | too small | too large | price |",
+        "| method | runs | numbers | within | too small | too large | cost |",
         "|---|---|---|---|---|---|---|",
     ]
     for method in dict.fromkeys(number.method for number in numbers):
         mine = [number for number in numbers if number.method == method]
-        prices = [run[0].price for run in runs if run[0].method == method]
+        costs = [run[0].cost for run in runs if run[0].method == method]
         small = sum(number.ratio < 1 / FACTOR for number in mine)
         large = sum(number.ratio > FACTOR for number in mine)
         lines.append(
-            f"| {method} | {len(prices)} | {len(mine)} | {100 * share(mine):.1f} % | {small} | "
-            f"{large} | {np.median(prices):.2f} |"
+            f"| {method} | {len(costs)} | {len(mine)} | {100 * share(mine):.1f} % | {small} | "
+            f"{large} | {np.median(costs):.2f} |"
         )
     return "\n".join([*lines, "", *_failures(numbers)])
 

@@ -110,7 +110,7 @@ def top(
 class Rod:
     """A round rod of a material of Poisson's ratio 0.3, clamped at one end, of equal elements.
 
-    Each method gives masses and stiffness of what the nodes but the first may do.
+    Each method gives masses and stiffness of the motions of all nodes but the first.
     """
 
     length: float

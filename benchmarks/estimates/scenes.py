@@ -1,4 +1,4 @@
-"""Scenes whose answers are known: decks with the closed forms of what they watch."""
+"""Scenes with known answers: decks with the closed forms of their watched channels."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ class Known:
 
 @dataclass(frozen=True)
 class Scene:
-    """A deck until `end` [s], its known answers, and what a step of each method is set to [s]."""
+    """A deck until `end` [s], its known answers, and the step of each method [s]."""
 
     name: str
     deck: str | Path

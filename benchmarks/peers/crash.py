@@ -14,7 +14,7 @@ from crashsolve.system.engine import Engine
 
 DECKS = Path(__file__).resolve().parents[2] / "decks"
 
-# the methods that choose their step, over what they are asked for
+# the methods that choose their step, over the requested error
 TOLERANCES = [
     (integrator, "tolerance", [10.0**-k for k in range(3, 13)])
     for integrator in ("dormand_prince_5", "dormand_prince_8")

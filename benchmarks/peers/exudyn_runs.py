@@ -20,7 +20,7 @@ from problem import Method, Run
 
 ADAPTIVE = ("DOPRI5", "DVERK6", "ODE23")
 
-# fills a system and returns what reads the values to judge from it
+# fills a system and returns the function that reads the values to compare
 Fill = Callable[["exu.MainSystem"], Callable[[], object]]
 
 
@@ -45,7 +45,7 @@ def settings(end: float, solver: str, value: float) -> exu.SimulationSettings:
 def methods(
     fill: Fill, end: float, entries: Sequence[tuple[str, str, Sequence[float]]]
 ) -> list[Method]:
-    """One method per entry (solver, what is said of the model, steps or tolerances)."""
+    """One method per entry (solver, settings of the model, steps or tolerances)."""
 
     def prepare(solver: str, value: float) -> Run:
         container = exu.SystemContainer()

@@ -9,7 +9,7 @@ from numba import carray, cfunc, types
 from numba.extending import intrinsic
 from problem import Method, Run
 
-# model and data to (what is done before the solve, the values to judge)
+# model and data to (actions before the solve, the values to compare)
 Watch = Callable[["mujoco.MjModel", "mujoco.MjData"], object]
 
 # warnings are counted in the data of a run; by default they would also go to a file
@@ -27,7 +27,7 @@ def methods(
     start: Callable[[mujoco.MjModel, mujoco.MjData], object] | None = None,
     law: Callable[[mujoco.MjModel, mujoco.MjData, float], object] | None = None,
 ) -> list[Method]:
-    """One method per entry (integrator, what is said of the model, steps, settling).
+    """One method per entry (integrator, settings of the model, steps, settling).
 
     Settling is the time, in steps, in which the gap of a loop closes; see `closure`.
     `text` gives the model for a step and the words of an equality constraint that closes a loop,
@@ -69,7 +69,7 @@ def methods(
 def closure(time: float) -> str:
     """Words of an equality constraint whose gap closes with a time constant.
 
-    Constraints here are soft; what they leave open falls with the square of this time, while an
+    Constraints here are soft; their residual falls with the square of this time, while an
     explicit step that is long beside it loses stability or order. The problems state the best we
     found.
     """

@@ -18,7 +18,7 @@ def plot(problem: Problem, points: list[Point], path: Path) -> None:
     used: dict[str, int] = {}
     for code, method in dict.fromkeys((point.code, point.method) for point in points):
         chosen = [p for p in points if (p.code, p.method) == (code, method)]
-        # a run that stopped, or went astray, says nothing on a logarithmic scale
+        # a run that stopped, or diverged, is useless on a logarithmic scale
         chosen = [p for p in chosen if not p.note and isfinite(p.error) and p.error > 0.0]
         number = used.get(code, 0)
         used[code] = number + 1

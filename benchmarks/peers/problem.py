@@ -33,7 +33,9 @@ class Method:
 
 @dataclass
 class Problem:
-    """Data and reference of a problem; `angles` says which watched values count modulo a turn."""
+    """Data and reference of a problem; `angles` lists the watched values that count modulo a
+    revolution.
+    """
 
     name: str
     title: str
@@ -67,7 +69,7 @@ class Point:
 
 @dataclass
 class Trial:
-    """One method at one value, with what its runs have taken so far."""
+    """One method at one value, with the times of its runs so far."""
 
     problem: Problem
     method: Method

@@ -2,7 +2,7 @@
 
 The force of the contact is K d^1.5, with no loss and no friction, so that the problem is an
 ordinary differential equation with two short events; impacts without duration (contacts at 0.5 and
-0.7765 s, spin 6.928 rad/s between them) are its limit for K without bound, and not what is judged.
+0.7765 s, spin 6.928 rad/s between them) are its limit for K without bound, and are not compared.
 """
 
 import crash
@@ -106,7 +106,7 @@ PROBLEM = Problem(
                 *crash.TOLERANCES,
             ],
             crashsolve_watch,
-            # of the automatic step, where that is not what is varied
+            # of the automatic step, where that is not varied
             safety=0.01,
         ),
         *exudyn_runs.methods(

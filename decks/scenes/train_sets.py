@@ -337,7 +337,7 @@ def draw_film(result: Result) -> None:
         subprocess.run([*command, str(PICTURES / file)], check=True, stdout=subprocess.DEVNULL)
 
 
-def price_table(runs: Runs) -> str:
+def cost_table(runs: Runs) -> str:
     """Steps and their errors at 55 km/h to 1 s, against the finest."""
     until: dict[str, Any] = {"control__end_time": 1.0}
     best = runs(55, **until, control__safety=0.005)
@@ -387,7 +387,7 @@ def main() -> None:
             "ENERGY": energy_table(runs),
             "KINEMATICS": kinematics_table(runs),
             "HAND": by_hand.table(),
-            "PRICE": price_table(runs),
+            "COST": cost_table(runs),
             "ASSUMED": assumption_table(work / "one"),
             "DRAWN": sweeps.summary(sweeps.all_at_once(work / "all")),
             "ROTATED": rotated,

@@ -1,4 +1,4 @@
-"""`python -m crashpost` does what the command `crashpost` does."""
+"""`python -m crashpost` is the command `crashpost`."""
 
 import sys
 

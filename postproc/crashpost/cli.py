@@ -58,7 +58,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _discard_output() -> None:
-    """Send what is left to flush nowhere: no error at exit."""
+    """Discard output that is not flushed yet: no error at exit."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
@@ -75,7 +75,7 @@ def _report_unfinished(options: argparse.Namespace) -> None:
 
 
 def _say(text: str) -> None:
-    """Print lines of which none can pass for another, whatever names and titles hold."""
+    """Print lines whose names and titles cannot imitate other lines."""
     print(printable_lines(text))
 
 

@@ -1,4 +1,4 @@
-"""What crashpost says when it cannot do what was asked: one kind of error for all requests."""
+"""Message of crashpost for a request that it cannot fulfil: one kind of error for all requests."""
 
 from crashsolve.channels.errors import ChannelError as PostError
 from crashsolve.channels.errors import unknown

@@ -41,6 +41,7 @@ class ContactOutput:
     point: Numbers[float]  # [m] point of contact
     stored: float  # [J] recoverable energy of the normal force
     friction_stored: float  # [J] recoverable energy of the friction bristle
+    bound: float  # [m] of the depth of a pair that is skipped together with others, as their `depth` (model/contact/body_pairs.py); of others 0
 
 class HingeLaw:
     stiffness: Numbers[float]  # [N m/rad or N/m] k of both motions
@@ -193,11 +194,11 @@ class BeamElement:
     drag_a: float  # [1/s] alpha, times the element's share in its first node
     drag_b: float  # [1/s] the same of the second
     viscosity: float  # [N s/m] rho A c b_1, of the stretch
-    quick_viscosity: float  # [N s^2/m^2] rho A b_2^2, of its square in compression
+    quadratic_viscosity: float  # [N s^2/m^2] rho A b_2^2, of its square in compression
     rate_a: float  # [1/s^2] largest k times mobility at the first node
     rate_b: float  # [1/s^2] the same at the second
-    taut_a: float  # [1/(kg m)] increase of that by a tension of 1 N, at the first node
-    taut_b: float  # [1/(kg m)] the same at the second
+    tension_rate_a: float  # [1/(kg m)] increase of that by a tension of 1 N, at the first node
+    tension_rate_b: float  # [1/(kg m)] the same at the second
 
 class BeamOutput:
     force: Numbers[float]  # [N] tension, shear along y and z, axes of the element

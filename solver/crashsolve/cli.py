@@ -39,7 +39,7 @@ COMMANDS += ("manual", "schema", "keywords", "equations", "completion")
 
 Commands = argparse._SubParsersAction
 
-SWEEP = "Run a deck over values of its parameters, as a plan says; what has finished is kept"
+SWEEP = "Run a deck over values of its parameters, as a plan defines them; finished runs are kept"
 STUDY = "Run a deck with many steps or methods: error, observed order and CPU time of each"
 
 
@@ -109,7 +109,11 @@ def _parser(requested: Sequence[str]) -> argparse.ArgumentParser:
     run.set_defaults(act=_run)
     for word, act, text in (
         ("check", _check, "read and build a deck without running it"),
-        ("explain", _explain, "what the scene uses, what it leaves out, and the composed step"),
+        (
+            "explain",
+            _explain,
+            "list the laws that the scene uses and those it does not, and print its composed step",
+        ),
     ):
         command = commands.add_parser(word, help=text)
         _deck_arguments(command)
@@ -144,7 +148,7 @@ def _posture_arguments(commands: Commands) -> None:
 
 
 def _document_arguments(commands: Commands) -> None:
-    """Commands that print what comes along: examples, the manual, and what is made of the cards."""
+    """Commands that print the examples, the manual, and pages made from the cards."""
     example = commands.add_parser("example", help="list example decks, print one, or write it")
     example.add_argument("name", nargs="?", help="of a deck; without it they are listed")
     example.add_argument(
@@ -157,7 +161,7 @@ def _document_arguments(commands: Commands) -> None:
     for word, act, text in (
         ("schema", _schema, "JSON Schema of the deck, for editors"),
         ("keywords", _keywords, "the keyword manual, as Markdown"),
-        ("equations", _equations, "where each equation of the chapter is, as Markdown"),
+        ("equations", _equations, "the file that holds each equation of the chapter, as Markdown"),
     ):
         commands.add_parser(word, help=text).set_defaults(act=act)
 
@@ -198,7 +202,7 @@ def _study_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="PATH[=A,B,...]",
         help="compare the values of a field, such as parts.frame.deformation (all words that it "
         "knows, or those given): with the deck's own method and step, unless others are asked for, "
-        "and against --reference, or the dearest of these runs",
+        "and against --reference, or the most expensive of these runs",
     )
     parser.add_argument(
         "--channel",
@@ -216,7 +220,10 @@ def _study_arguments(parser: argparse.ArgumentParser) -> None:
         "default: extrapolation of the runs",
     )
     parser.add_argument(
-        "--target", type=float, metavar="E", help="name the cheapest setting of this relative error"
+        "--target",
+        type=float,
+        metavar="E",
+        help="report the cheapest setting within this relative error",
     )
     parser.add_argument("--jobs", type=int, metavar="N", help="runs at a time; default: all cores")
 
@@ -238,7 +245,7 @@ def _run(options: argparse.Namespace) -> int:
     overrides = _overrides(options)
     if options.until is not None:
         if not options.restart:
-            advice = "say --restart, or --set control.end_time=T"
+            advice = "give --restart, or --set control.end_time=T"
             raise DeckError("--until", None, None, "", "continues from a dump", advice)
         overrides["control.end_time"] = options.until
     return solve(options.deck, folder, overrides, options.restart)

@@ -15,7 +15,7 @@ from crashsolve.output.files import reported
 PLAN = ".plan.yaml"
 PACKAGE = Path(__file__).resolve().parent
 REPOSITORY = PACKAGE.parents[1]
-# of a page its heading; of a deck its title, else what its first comment says
+# of a page its heading; of a deck its title, else its first comment
 TITLES = {".md": (r"^# +(.+)$",), ".yaml": (r"^title: *(.+)$", r"^# (?!long$)(.+)$")}
 
 
@@ -69,7 +69,7 @@ def needed(path: Path) -> list[Path]:
 
 
 def write(path: Path, folder: Path) -> list[Path]:
-    """Copy a deck with all that it needs; returns what was written.
+    """Copy a deck with the files that it includes; returns the files written.
 
     Raises: OutputError, DeckError.
     """

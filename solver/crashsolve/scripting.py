@@ -15,7 +15,7 @@ from crashsolve.foundation.errors import CrashsolveError, ExitCode
 
 
 class RunFailed(CrashsolveError):
-    """A run that did not reach its end: why, its exit code, and what is there of its results."""
+    """A run that did not reach its end: cause, exit code and results so far."""
 
     def __init__(self, message: str, exit_code: int, folder: Path) -> None:
         self.message, self.exit_code, self.folder = message, exit_code, folder

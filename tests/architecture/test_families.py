@@ -83,7 +83,7 @@ def test_what_cannot_step_it_is_refused(home: Path, tmp_path: Path) -> None:
     wrong.write_text(DECK.replace("integrator: rattle", "integrator: radau_iia_5"), "utf-8")
     done = run(home, "check", wrong)
     reported = (
-        "tethers cannot be stepped by radau_iia_5; say integrator: rattle or dormand_prince_5"
+        "tethers cannot be stepped by radau_iia_5; set integrator: rattle or dormand_prince_5"
     )
     assert (done.returncode, reported in done.stderr) == (2, True), done.stderr
 

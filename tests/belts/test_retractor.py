@@ -24,7 +24,7 @@ def belt(folder: Path, words: str, slack: float = 0.0, mu: float = 0.2) -> Law:
     text = (
         f"belts:\n  s:\n    webbing: {{stiffness: {K}}}\n    slack: {slack}\n    route:\n"
         f"      - {{retractor: {{body: car, {words}}}}}\n"
-        f"      - {{ring: {{at: [0, 0, 0.5], friction: {mu}}}}}\n"
+        f"      - {{ring: {{at: [0, 0, 0.5], friction_coefficient: {mu}}}}}\n"
         "      - {anchor: {body: a}}\n"
     )
     return Bench(folder, text, BODIES).law("belts", "s")

@@ -38,7 +38,7 @@ def belt(
     text = (
         f"belts:\n  s:\n    webbing: {{stiffness: 1e5}}\n    slack: {slack}\n    route:\n"
         f"      - {{anchor: {{at: {list(at)}}}}}\n"
-        f"      - {{wrap: {{surface: {surface}, friction: {mu}}}}}\n"
+        f"      - {{wrap: {{surface: {surface}, friction_coefficient: {mu}}}}}\n"
         "      - {anchor: {body: a}}\n"
     )
     return Bench(folder, text, BODIES).law("belts", "s")

@@ -167,7 +167,9 @@ def test_a_torsion_radius_without_friction_is_refused(tmp_path: Path) -> None:
         )
         return build(read_deck(path))
 
-    friction = ", friction: {type: coulomb, coefficient: 0.3, none_below: 0, full_above: 0.01}"
+    friction = (
+        ", friction: {type: coulomb, friction_coefficient: 0.3, none_below: 0, full_above: 0.01}"
+    )
     assert deck(friction)[0].contact_groups[0].resists_spin
     with pytest.raises(DeckErrors, match="needs a law of friction"):
         deck("")

@@ -143,7 +143,7 @@ def look(g: Any, x: ArrayLike, A: np.ndarray, is_smooth: bool = False) -> Any:
     node_contact.clear_loads(g)
     projection.update_face_lists(
         *(0.0, g.p[0], g.totals[0], g.probes, g.nodes, g),
-        Near((g.cells, g.starts, g.sorted), lists, (g.spared_first, g.spared)),
+        Near((g.cells, g.starts, g.sorted), lists, (g.excluded_first, g.excluded)),
     )
     ellipsoids.find_nearest_faces(
         *(
@@ -159,8 +159,8 @@ def look(g: Any, x: ArrayLike, A: np.ndarray, is_smooth: bool = False) -> Any:
     )
     if is_smooth:
         centre, ellipsoid_data = ellipsoids.centre_of(g.ellipsoids[0], g.nodes)
-        spared = (g.spared_first, g.spared)
-        normals.apply_field(0, centre, ellipsoid_data, g.p[0], mesh, spared, g.found[0])
+        excluded = (g.excluded_first, g.excluded)
+        normals.apply_field(0, centre, ellipsoid_data, g.p[0], mesh, excluded, g.found[0])
     hits = []
     for s in range(2):
         old, new, hit = (

@@ -151,7 +151,7 @@ class Bench:
         node_contact.clear_loads(g)
         projection.update_face_lists(
             *(0.0, g.p[0], g.totals[0], g.probes, g.nodes, g),
-            Near(g.grid, g.lists, (g.spared_first, g.spared)),
+            Near(g.grid, g.lists, (g.excluded_first, g.excluded)),
         )
 
     def look(self, x: Sequence[float] | np.ndarray, h: float = 1.0, is_smooth: bool = False) -> Any:
@@ -164,8 +164,8 @@ class Bench:
         sides = projection.Sides(g.probe_states, g.slot_in_use, g.found[0])
         projection.find_nearest_faces(0, position, g.p[0], g.totals[0], sides, g.mesh, g.lists)
         if is_smooth:
-            spared = (g.spared_first, g.spared)
-            normals.apply_field(0, position, None, g.p[0], g.mesh, spared, g.found[0])
+            excluded = (g.excluded_first, g.excluded)
+            normals.apply_field(0, position, None, g.p[0], g.mesh, excluded, g.found[0])
         hits = []
         for s in range(2):
             old, new = g.probe_states[g.slot_in_use[s], s], g.probe_states[1 - g.slot_in_use[s], s]
@@ -360,9 +360,9 @@ def test_faces_across_sides_and_rings_about_nodes() -> None:
 
     around = faces_around(quads, n * n)
     for ring in range(3):
-        first, spared = excluded_faces(quads, around, ring)
+        first, excluded = excluded_faces(quads, around, ring)
         i, j = 3, 2
-        found = spared[first[n * i + j] : first[n * i + j + 1]]
+        found = excluded[first[n * i + j] : first[n * i + j + 1]]
         rows, columns = np.divmod(found, n - 1)
         assert set(rows) == set(range(max(i - 1 - ring, 0), min(i + ring, n - 2) + 1))
         assert set(columns) == set(range(max(j - 1 - ring, 0), min(j + ring, n - 2) + 1))
@@ -459,10 +459,10 @@ def test_deep_contact_with_a_shell_is_reported_at_the_end(tmp_path: Path) -> Non
     words = ("--set", "control.estimate=off", "--set", "contacts.ball.normal.share=0.0005")
     done = crashsolve(DECK, "-o", tmp_path, *words)
     assert done.returncode == 0, done.stdout + done.stderr
-    warned = [line for line in done.stdout.splitlines() if "points went" in line]
+    warned = [line for line in done.stdout.splitlines() if "points penetrated" in line]
     depth = Result(tmp_path).series("rcforc.ball.peak_depth").values[-1]
     # the ball of 8 mm and half of the shell's 4 mm; the dart is met as stiffly as ever
     assert depth > 5e-3
-    text = f"contact 'ball': points went {depth:.3g} m deep into the body they struck, "
+    text = f"contact 'ball': points penetrated {depth:.3g} m deep into the body they struck, "
     assert any(f"{text}{100 * depth / 0.01:.0f} % of the 0.01 m" in line for line in warned)
     assert not any("'dart'" in line for line in warned)

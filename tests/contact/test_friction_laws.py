@@ -10,7 +10,7 @@ from touching import Contact
 from crashsolve.deck.laws import types_in
 
 LAWS = {
-    "coulomb": "coefficient: 0.4, none_below: 0.01, full_above: 0.1",
+    "coulomb": "friction_coefficient: 0.4, none_below: 0.01, full_above: 0.1",
     "stribeck": "static: 0.4, dynamic: 0.3, stribeck_speed: 0.2, smoothing_speed: 0.02",
     "bristle": "stiffness: 1e4, static: 0.4, dynamic: 0.3, stribeck_speed: 0.2",
 }

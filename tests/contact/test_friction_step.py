@@ -9,7 +9,7 @@ from small_runs import last, run
 from touching import Contact
 
 LAWS = {
-    "coulomb": "coefficient: 0.4, none_below: 0.01, full_above: 0.1",
+    "coulomb": "friction_coefficient: 0.4, none_below: 0.01, full_above: 0.1",
     "stribeck": "static: 0.5, dynamic: 0.1, stribeck_speed: 0.01, smoothing_speed: 0.02",
 }
 N = 100.0
@@ -80,7 +80,7 @@ def test_friction_alone_sets_no_step(tmp_path: Path) -> None:
 
 
 def sliding(mu: float) -> dict[str, object]:
-    law = {"type": "coulomb", "coefficient": mu, "none_below": 0, "full_above": 1e-9}
+    law = {"type": "coulomb", "friction_coefficient": mu, "none_below": 0, "full_above": 1e-9}
     normal = {"type": "penalty", "stiffness": 1e4}
     ball = {"mass": 0.2, "inertia": [1e3, 1e3, 1e3], "velocity": [1, 0, 0]}
     return {

@@ -143,7 +143,7 @@ def test_a_line_that_makes_energy_is_named_whatever_else_moves(entry: str, tmp_p
     # the mass gives and takes back its 50 J
     assert now["exchanged"] == pytest.approx(2 * 50.0, rel=0.01)
     # (omega h)^2 / 4 of it, by where in a step the line becomes tight
-    assert abs(now["given"] + stored) < 0.004 * 50.0
+    assert abs(now["work_done"] + stored) < 0.004 * 50.0
 
 
 def draw_tight(entry: str, folder: Path, step: float) -> tuple[np.void, float]:
@@ -164,8 +164,7 @@ def draw_tight(entry: str, folder: Path, step: float) -> tuple[np.void, float]:
 @pytest.mark.parametrize(
     ("deck", "contact", "words"),
     [
-        # a ball in a dent makes as much with shorter steps
-        ("verification/contact/faces", "ball", "several faces of a dent no step helps"),
+        ("verification/contact/faces", "ball", ""),
         ("benchmark/tube_crush", "folds", "ring: 1 of its faces"),
         ("benchmark/tube_crush", "wall", ""),
     ],

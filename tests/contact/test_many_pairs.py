@@ -37,7 +37,7 @@ contacts:
     a: [slides]
     b: [floor]
     normal: {{type: kelvin_voigt, stiffness: "${{k}}", damping: 5}}
-    friction: {{type: coulomb, coefficient: 0.3, full_above: 0.1, none_below: 0.01}}
+    friction: {{type: coulomb, friction_coefficient: 0.3, full_above: 0.1, none_below: 0.01}}
   holds:
     a: [sticks]
     b: [floor]
@@ -201,7 +201,7 @@ def test_pieces_change_no_more_than_the_order_of_sums(
 def test_few_pairs_are_not_cut_into_pieces() -> None:
     model, _ = build(read_deck(ROOT / "verification/friction/coulomb.yaml"))
     assert not any(group.in_pieces for group in model.contact_groups)
-    assert "press_piece" not in compose(model)
+    assert "pair_forces_piece" not in compose(model)
 
 
 def group_of(cards: list[int], nodes: list[tuple[int, int]]) -> Any:

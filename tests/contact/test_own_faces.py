@@ -12,9 +12,9 @@ from crashsolve.model.contact import near_faces
 from crashsolve.model.contact.near_faces import (
     excluded_faces,
     faces_around,
+    faces_within_reach,
     merged,
     points_along,
-    spare_along,
 )
 from crashsolve.model.contact.node_to_surface import FOLDED, THICKEST
 
@@ -66,10 +66,10 @@ def test_faces_are_left_out_by_distance_and_by_rings() -> None:
         (0.5, 0, range(9, 11)),
         (0.5, 1, range(8, 12)),
     ):
-        first, spared = merged(
-            excluded_faces(quads, around, ring), spare_along(points, quads, around, reach)
+        first, excluded = merged(
+            excluded_faces(quads, around, ring), faces_within_reach(points, quads, around, reach)
         )
-        assert list(spared[first[node] : first[node + 1]]) == list(faces)
+        assert list(excluded[first[node] : first[node + 1]]) == list(faces)
 
 
 def test_the_price_of_distances_along_a_surface_is_that_of_the_pairs(

@@ -42,7 +42,7 @@ def tumbling(folder: Path, seed: int, count: int = 9) -> Path:
         surfaces[f"s{k}"] = SHAPES[shape] | {"body": f"b{k}", "at": [0.02 * (k // 3), 0.0, 0.0]}
     names = [f"s{k}" for k in range(count)]
     law = {"type": "exact_restitution", "stiffness": 1e6, "restitution": 0.6}
-    slip = {"type": "coulomb", "coefficient": 0.3, "none_below": 0.0, "full_above": 0.05}
+    slip = {"type": "coulomb", "friction_coefficient": 0.3, "none_below": 0.0, "full_above": 0.05}
     deck = {
         "title": "Tumbling",
         "control": {"end_time": 0.5, "energy_limit": "off", "estimate": "off"},
@@ -96,7 +96,7 @@ def moved_since(group: ContactGroup) -> np.ndarray:
     both = group.body_pairs
     if both is None:
         return np.zeros(len(group.parameters))
-    return np.repeat(both["rests"] * both["approached"], both["end"] - both["first"])
+    return np.repeat(both["skipped"] * both["approached"], both["end"] - both["first"])
 
 
 @pytest.mark.long
@@ -106,7 +106,7 @@ def test_pairs_of_two_bodies_rest_together_as_each_would(
 ) -> None:
     path = tumbling(tmp_path, seed)
     together, bounds, *_ = outcome(path)
-    monkeypatch.setattr("crashsolve.model.build.rest_together", lambda groups: None)
+    monkeypatch.setattr("crashsolve.model.build.find_body_pairs", lambda groups: None)
     apart, depths, *_ = outcome(path)
     assert together == apart
     assert (bounds != depths).any()
@@ -117,7 +117,7 @@ def test_pairs_of_two_bodies_rest_together_as_each_would(
 def test_pairs_left_alone_change_no_bit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tumbling(tmp_path, 1)
     found, bounds, times, losses = outcome(path)
-    monkeypatch.setattr(ContactGroup, "rests", property(lambda group: False))
+    monkeypatch.setattr(ContactGroup, "skips", property(lambda group: False))
     looked_at, depths, same_times, same_losses = outcome(path)
     assert found == looked_at
     # nine bodies on a floor and on each other: a sum of some forty pairs in another order

@@ -58,7 +58,7 @@ REFUSED = {
     ),
     "normal.stiffness: stiffness is given twice: give stiffness, or young_a or young_b with their "
     "Poisson ratios": (f"type: hertz, stiffness: 1e9, {BOTH}", "a: [one], b: [other]"),
-    "normal: the surfaces do not say how round they are where they touch; "
+    "normal: the curvature of the surfaces where they touch is not known; "
     "give radius or stiffness": (
         f"type: hertz, {BOTH}",
         "a: [tip], b: [other]",

@@ -114,7 +114,7 @@ REFUSED = {
     "joined": (JOINT, "contact 'touch': a: joint 'hinge' holds 'rod_start' already"),
     "method": (
         ("materials:", "control: {end_time: 1, integrator: dormand_prince_5}\nmaterials:"),
-        "'unilateral' counts in whole steps",
+        "'unilateral' is computed in whole steps",
     ),
     "friction": (
         ("b: [drum]}", "b: [drum], friction_coefficient: -1}"),

@@ -174,7 +174,7 @@ def test_implicit_methods_have_its_tangent_or_do_not_step_it(law: tuple[str, str
 SLOPES = [
     law
     for law in BETWEEN
-    # what counts in whole steps has a slope over a step alone
+    # what is computed in whole steps has a slope over a step alone
     if hasattr(module_of(law), "tangent") and not getattr(module_of(law), "STEPWISE", False)
 ]
 

@@ -311,7 +311,7 @@ def test_a_permanent_set_is_that_of_the_turning_point(method: str, tmp_path: Pat
 def test_friction_changes_its_regime_at_an_end_of_a_step(method: str, tmp_path: Path) -> None:
     # 1 kg slides at its depth of rest: from 3 m/s by mu g down to v_1, then v - v_0 decays
     mu, g, v_0, v_1, end = 0.3, 9.81, 0.1, 1.0, 1.2
-    friction = {"type": "coulomb", "coefficient": mu, "none_below": v_0, "full_above": v_1}
+    friction = {"type": "coulomb", "friction_coefficient": mu, "none_below": v_0, "full_above": v_1}
     normal = {"type": "kelvin_voigt", "stiffness": 1e4, "damping": 10.0}
     block = {"mass": 1.0, "inertia": [1.0] * 3, "position": [0, 0, -g / 1e4], "velocity": [3, 0, 0]}
     scene = {
@@ -346,7 +346,9 @@ def test_a_law_that_counts_in_whole_steps_is_refused(tmp_path: Path) -> None:
             "rest": {"a": ["skin"], "b": ["floor"], "normal": normal, "friction": friction}
         },
     }
-    with pytest.raises(DeckErrors, match="friction: 'bristle' counts in whole steps, integrator"):
+    with pytest.raises(
+        DeckErrors, match="friction: 'bristle' is computed in whole steps, integrator"
+    ):
         run(tmp_path, scene, 1.0, integrator="dormand_prince_5")
 
 

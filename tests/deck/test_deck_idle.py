@@ -54,8 +54,11 @@ def deck_of(folder: Path, refuses: bool = True, **overrides: str) -> Deck:
         ("speed=4", "deck.yaml:4) is read by no card, so that the run would be the same"),
         ("parameters.gap=4", "parameter 'gap' ("),
         ("brought=4", "brought.yaml:1) is read by no card"),
-        ("fine=4", "read only by part 'frame', of no use there: its members are beams and rigid"),
-        ("loose=4", "read only by control, of no use there: steps of rattle"),
+        (
+            "fine=4",
+            "read only by part 'frame', where it has no effect: its members are beams and rigid",
+        ),
+        ("loose=4", "read only by control, where it has no effect: steps of rattle"),
         ("parts.frame.across=4", "part 'frame': its members are beams and rigid; leave it out"),
         ("parts.frame.hinge_stress=4", "part 'frame': its members are beams and rigid"),
         ("parts.frame.members.2.divisions=4", "part 'frame': the member is rigid"),

@@ -417,7 +417,7 @@ loads:
 MEANT = {
     **{"dt": "step", "E": "young", "nu": "poisson", "rho": "density", "yield": "yield_stress"},
     **{"m": "mass", "I": "inertia", "v": "velocity", "r": "radius", "k": "stiffness"},
-    **{"e": "exponent", "mu": "coefficient", "g": "acceleration"},
+    **{"e": "exponent", "mu": "friction_coefficient", "g": "acceleration"},
 }
 
 

@@ -15,7 +15,7 @@ from crashsolve.estimate.estimator import Estimator, estimate_in_memory, left_ou
 from crashsolve.estimate.mesh import mesh_error
 from crashsolve.meshes._mesh import net
 from crashsolve.model.build import build
-from crashsolve.model.integrator_selection import settled
+from crashsolve.model.integrator_selection import with_chosen_method
 from crashsolve.recording.histories import families_of
 
 FACTOR = 10.0
@@ -181,9 +181,11 @@ def test_given_meshes_in_rows_have_the_error_of_generated_ones(
 def test_a_given_mesh_in_odd_rows_says_why_it_is_left_out(tmp_path: Path) -> None:
     deck = read_deck(given_plate(tmp_path, False, 5))
     model, state = build(deck)
-    found = Estimator(settled(deck, model), families_of(model, state)).mesh_runs(1.0, inf)
+    found = Estimator(with_chosen_method(deck, model), families_of(model, state)).mesh_runs(
+        1.0, inf
+    )
     assert not found.runs
-    assert "the error estimates leave the mesh out" in found.problem
+    assert "the error estimates do not cover the mesh" in found.problem
     assert "rows of even numbers" in found.problem
 
 
@@ -196,7 +198,7 @@ surfaces:
 contacts: {c: {a: [s], b: [p], normal: NORMAL, friction: FRICTION}}
 watch: [rbdout.b.position.x]
 """
-COULOMB = "{type: coulomb, coefficient: 0.3, none_below: 1e-3, full_above: 1e-2}"
+COULOMB = "{type: coulomb, friction_coefficient: 0.3, none_below: 1e-3, full_above: 1e-2}"
 
 
 @pytest.mark.parametrize(

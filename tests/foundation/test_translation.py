@@ -272,7 +272,7 @@ WRONG = {
     "a whole row": ("scene.table[0] = 1.0", "kernels write numbers"),
     "an unknown word": ("del number", "kernels have no Delete"),
     "a text": ("x = 'word'", "a kernel cannot use 'word'"),
-    "in": ("x = 1 in (1, 2)", "no kernel compares with In"),
+    "in": ("x = 1 in (1, 2)", "kernels do not compare with In"),
     # what would have another value than in Python
     "or as a value": ("x = number or 0.5", "as a value `and` or `or` of numbers"),
     "and as a value": ("x = flag and number", "as a value `and` or `or` of numbers"),

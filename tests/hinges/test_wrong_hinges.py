@@ -43,11 +43,11 @@ WRONG = {
     "never yields": f"{BENDING}, curve: straight",
     "must not fall below 0, as it does at 0.2": f"{BENDING}, curve: below",
     "must rise from 0": f"{BENDING}, curve: down",
-    "would continue below 0; say extrapolate: hold": f"{BENDING}, curve: falling_on",
+    "would continue below 0; set extrapolate: hold": f"{BENDING}, curve: falling_on",
     "more steeply than the elastic stiffness 1000": f"{BENDING}, curve: stiffening",
     "more steeply than the elastic stiffness 900": f"{BENDING}, curve: good, stiffness: 900",
     "rises with the elastic stiffness 1000 again": f"{BENDING}, curve: again",
-    "softening cannot move a range of yield": f"{BENDING}, curve: falling, cyclic: kinematic",
+    "and kinematic hardening has no softening": f"{BENDING}, curve: falling, cyclic: kinematic",
     "yields from 0 on": f"{BENDING}, curve: good, stiffness: 2000, cyclic: kinematic",
     "would begin beyond yield": f"{BENDING}, curve: good, initial_angle: 0.02",
     "leads to -50": f"{BIAXIAL}, curve: good, initial_angles: [0, 0.05]",
@@ -84,7 +84,7 @@ WRONG = {
     "that of a rectangular_tube": (
         f"{BENDING}, curve: {{section: bar, material: steel, length: 0.2, model: kecman}}"
     ),
-    "the tubes behind this model": (
+    "the tests behind this model": (
         f"{BENDING}, curve: {{section: thin, material: steel, length: 0.2, model: kecman}}"
     ),
     "beyond 0.89": f"{BENDING}, curve: {{{TUBE}, model: kecman, until: 1}}",

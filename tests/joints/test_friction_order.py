@@ -27,7 +27,7 @@ def pendulum_and_slider() -> dict[str, object]:
     friction_force = {
         "type": "rotation_friction",
         "joint": "pin",
-        "coefficient": 2.0 * PIN,
+        "friction_coefficient": 2.0 * PIN,
         "radius": 0.5,
     }
     return {
@@ -53,7 +53,8 @@ def pendulum_and_slider() -> dict[str, object]:
         },
         "springs": {
             "pin": friction_force | BRISTLE,
-            "rail": {"type": "translation_friction", "joint": "rail", "coefficient": MU} | BRISTLE,
+            "rail": {"type": "translation_friction", "joint": "rail", "friction_coefficient": MU}
+            | BRISTLE,
         },
         "loads": {
             "weight": {"type": "force", "body": "bob", "force": [0, -G, 0]},
@@ -80,7 +81,7 @@ def ladder(speed: float) -> dict[str, object]:
             "link": {"type": "distance", "a": "foot", "b": "head"},
         },
         "springs": {
-            "level": {"type": "translation_friction", "joint": "level", "coefficient": 0.6}
+            "level": {"type": "translation_friction", "joint": "level", "friction_coefficient": 0.6}
             | {"stiffness": 1e5, "damping": 100}
         },
         "loads": {"weight": {"type": "gravity", "acceleration": [0, -G, 0]}},

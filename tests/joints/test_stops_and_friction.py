@@ -179,13 +179,15 @@ def press(
 def test_the_limit_follows_the_reaction(make: Make) -> None:
     law = make(
         "{type: rotation_friction, joint: ball, "
-        "torque: 2, coefficient: 0.5, radius: 0.5, stiffness: 9}"
+        "torque: 2, friction_coefficient: 0.5, radius: 0.5, stiffness: 9}"
     )
     # three quarters of the opening and a quarter of the closing kick, (3, 4, 12), and a third of
     # the change over three times the step
     limit = press(law, (2.0, 4.0, 12.0), (6.0, 4.0, 12.0), before=12.7)
     assert limit == pytest.approx(2.0 + PRESSED * 13.1, rel=1e-15)
-    law = make("{type: translation_friction, joint: rail, coefficient: 0.25, stiffness: 9}")
+    law = make(
+        "{type: translation_friction, joint: rail, friction_coefficient: 0.25, stiffness: 9}"
+    )
     across = (3.0, 4.0, 50.0, 60.0)
     assert press(law, across, across, before=5.3) == pytest.approx(PRESSED * 4.9, rel=1e-15)
     # a sample repeats the last step
@@ -193,7 +195,9 @@ def test_the_limit_follows_the_reaction(make: Make) -> None:
 
 
 def test_a_reaction_that_jumps_has_no_trend(make: Make) -> None:
-    law = make("{type: translation_friction, joint: rail, coefficient: 0.25, stiffness: 9}")
+    law = make(
+        "{type: translation_friction, joint: rail, friction_coefficient: 0.25, stiffness: 9}"
+    )
     for before, taken in ((0.0, 1.1), (50.0, 0.9)):
         limit = press(law, (3.0, 4.0), (3.0, 4.0), before)
         assert limit == pytest.approx(PRESSED * 5.0 * taken, rel=1e-15)
@@ -214,11 +218,15 @@ WRONG = {
     "joint: 'rail' is of type prismatic and has no angle or ball; name one of type": (
         "{type: rotation_friction, joint: rail, torque: 1, stiffness: 5}"
     ),
-    "needs torque, coefficient or both": "{type: rotation_friction, joint: hinge, stiffness: 5}",
-    "coefficient and radius belong together": (
-        "{type: rotation_friction, joint: hinge, stiffness: 5, coefficient: 0.1}"
+    "needs torque, friction_coefficient or both": (
+        "{type: rotation_friction, joint: hinge, stiffness: 5}"
     ),
-    "needs force, coefficient or both": "{type: translation_friction, joint: rail, stiffness: 5}",
+    "friction_coefficient and radius belong together": (
+        "{type: rotation_friction, joint: hinge, stiffness: 5, friction_coefficient: 0.1}"
+    ),
+    "needs force, friction_coefficient or both": (
+        "{type: translation_friction, joint: rail, stiffness: 5}"
+    ),
 }
 
 
@@ -246,7 +254,7 @@ def test_a_stop_acts_on_whatever_has_an_angle(tmp_path: Path, joint: str) -> Non
 
 def test_no_stop_outlives_the_hinge_that_it_is_on(tmp_path: Path) -> None:
     fails = ", failure_angle: 0.5"
-    with pytest.raises(DeckErrors, match="'fold' comes apart when it fails, and this would still"):
+    with pytest.raises(DeckErrors, match="'fold' separates when it fails, and this would still"):
         Bench(tmp_path, HINGE % (fails, "fold"))
     Bench(tmp_path, HINGE % (fails + ", after_failure: loose", "fold"))
 

@@ -193,15 +193,18 @@ def test_corrections_fall_quadratically_beyond_yield(tmp_path: Path, kind: str) 
 CYCLE = """
 control: {end_time: 0.4, tolerance: 1e-5, estimate: "off"}
 materials:
-  m: {type: elastoplastic, young: 1e4, poisson: 0.3, density: 1, yield_stress: 100, hardening: 3000, kinematic: 0.5}
+  m: {type: elastoplastic, young: 1e4, poisson: 0.3, density: 1, yield_stress: 100, hardening: 3000,
+  kinematic: 0.5}
 sections: {s: {type: rectangle, width: 1, height: 0.5}}
 bodies: {mass: {mass: 1, inertia: [1, 1, 1], position: [1, 0.1, 0.3]}}
 parts:
-  p: {type: fibre_beam, mesh: {shape: line, from: [0, 0, 0], to: [1, 0, 0], elements: 4}, section: s, material: m, fibres: [4, 8], side: [0, 1, 0]}
+  p: {type: fibre_beam, mesh: {shape: line, from: [0, 0, 0], to: [1, 0, 0], elements: 4}, section:
+  s, material: m, fibres: [4, 8], side: [0, 1, 0]}
 curves:
-  blow: {type: formula, expression: "100*sin(157.0796326794897*x)**2", from: 0, to: 0.02, extrapolate: hold}
-joints: {root: {type: weld, b: p_start, at: [0, 0, 0]}, tip: {type: weld, a: mass, b: p_end, at: [1, 0, 0]}}
-loads: {blow: {type: force, body: mass, force: [5, 2, 3], curve: blow}}
+  blow: {type: formula, expression: "100*sin(157.0796326794897*x)**2", from: 0, to: 0.02,
+  extrapolate: hold}
+joints: {root: {type: weld, b: p_start, at: [0, 0, 0]}, tip: {type: weld, a: mass, b: p_end, at: [1,
+0, 0]}} loads: {blow: {type: force, body: mass, force: [5, 2, 3], curve: blow}}
 """  # noqa: E501
 
 
@@ -242,7 +245,7 @@ REFUSED = {
     "stages": (
         "control: {",
         "control: {integrator: dormand_prince_5, ",
-        "say integrator: rattle or generalized_alpha or radau_iia_5",
+        "set integrator: rattle or generalized_alpha or radau_iia_5",
     ),
     "welded at rest": (
         "control: {",

@@ -124,4 +124,4 @@ def test_a_joint_named_like_that_of_an_end_is_refused(tmp_path: Path) -> None:
     joint = "joints: {bar_bar2_start: {type: spherical, b: line_start, at: [0, 0, 0]}}\n"
     with pytest.raises(DeckErrors) as caught:
         scene(tmp_path, text + joint)
-    assert "its joint 'bar_bar2_start' has the name of another" in str(caught.value)
+    assert "its joint 'bar_bar2_start' has a name that is already in use" in str(caught.value)

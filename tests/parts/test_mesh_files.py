@@ -190,26 +190,26 @@ WRONG = {
     "part": ("*Part, name=P\n*End Part\n*Part, name=Q\n", "line 18: a second *PART numbers its"),
     "moved instance": (
         "*Instance, name=P-1, part=P\n0, 0, 1\n*End Instance\n",
-        "line 16: *INSTANCE moves its part, which would be passed over",
+        "line 16: *INSTANCE moves its part, whichwould be ignored",
     ),
     "nodes between": ("*NGEN\n1, 99, 1\n", "line 17: node 99 is not given before this line"),
     "steps between": ("*NGEN\n1, 4, 2\n", "line 17: no number of steps of 2 leads"),
-    "arc of nodes": ("*NGEN, LINE=C\n1, 4\n", "line 16: *NGEN, LINE=C would be passed over"),
+    "arc of nodes": ("*NGEN, LINE=C\n1, 4\n", "line 16: *NGEN, LINE=Cwould be ignored"),
     "copies of none": ("*ELGEN\n99, 2\n", "line 17: element 99 is not given before this line"),
     "no copies": ("*ELGEN\n11, 0\n", "line 17: *ELGEN needs an element"),
     "copies without nodes": ("*ELGEN\n11, 9, 1, 100\n", "names node"),
     "section offset": (
         "*SHELL SECTION, ELSET=A, MATERIAL=M, OFFSET=SPOS\n1.5\n",
-        "line 16: *SHELL SECTION, OFFSET=SPOS would be passed over: nodes lie in the middle",
+        "line 16: *SHELL SECTION, OFFSET=SPOSwould be ignored: nodes lie in the middle",
     ),
-    "include": ("*INCLUDE, INPUT=x.inp\n", "line 16: *INCLUDE would be passed over"),
+    "include": ("*INCLUDE, INPUT=x.inp\n", "line 16: *INCLUDEwould be ignored"),
     "instance": (
         "*NSET, NSET=A, INSTANCE=P-1\n1\n",
         "line 16: there is no *INSTANCE 'P-1' before this line",
     ),
     "offset of elements": (
         "*ELEMENT, TYPE=S4, OFFSET=9\n",
-        "line 16: *ELEMENT, TYPE=S4, OFFSET=9 would be passed over",
+        "line 16: *ELEMENT, TYPE=S4, OFFSET=9would be ignored",
     ),
     "number": ("*NODE\n9, x, 0, 0\n", "line 17: 'x' is not a number"),
     "not finite": ("*NODE\n9, nan, 0, 0\n", "line 17: 'nan' is not a number"),
@@ -281,7 +281,7 @@ WRONG_BDF = {
     ),
     "system": ("GRID,5,0,", "GRID,5,9,", "line 13: GRID 5 is given in coordinate system 9"),
     "continuation": ("+A,,0", "+B,,0", "line 22: '+B' continues no line before it"),
-    "include": ("SET1,8", "INCLUDE 'x'\nSET1,8", "line 24: INCLUDE would be passed over"),
+    "include": ("SET1,8", "INCLUDE 'x'\nSET1,8", "line 24: INCLUDEwould be ignored"),
     "grid twice": ("GRID,8", "GRID,7", "line 16: node 7 is given twice"),
     "no such grid": ("3,4,8,7,9", "3,4,8,99,9", "line 23: element 13 names node 99"),
     "second order": (
@@ -363,7 +363,7 @@ def test_sets_of_a_listed_mesh_may_have_numbers(tmp_path: Path) -> None:
         "sets": [{"name": 3, "nodes": [1, 2]}],
     }
     part = meshed(tmp_path, square, supports=[{"nodes": 3, "motions": ["x"]}])
-    assert list(part.held) == [1, 1, 0, 0]
+    assert list(part.fixed) == [1, 1, 0, 0]
 
 
 def test_no_mutated_file_ends_in_anything_but_a_mesh_or_a_refusal(tmp_path: Path) -> None:

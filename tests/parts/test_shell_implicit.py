@@ -311,7 +311,7 @@ WRONG = {
     "density: 7850": ("density: 7850, failure_strain: 0.1", "a material with a failure_strain"),
     "generalized_alpha": (
         "dormand_prince_5",
-        "say integrator: rattle or generalized_alpha or radau_iia_5",
+        "set integrator: rattle or generalized_alpha or radau_iia_5",
     ),
 }
 

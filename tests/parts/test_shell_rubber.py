@@ -116,5 +116,5 @@ def test_a_stretched_sheet_does_not_flutter(tmp_path: Path, case: str, kind: str
 
 
 def test_without_thinning_it_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(DeckErrors, match="at large strain a shell needs true"):
+    with pytest.raises(DeckErrors, match="must be true at large strain"):
         Elements(tmp_path, SQUARE, 0.01, RUBBER)

@@ -78,7 +78,7 @@ contacts:
     a: [sheet]
     b: [faces]
     normal: {type: kelvin_voigt, stiffness: 1e6, damping: 10}
-    friction: {type: coulomb, coefficient: 0.2, full_above: 0.1, none_below: 0.01}
+    friction: {type: coulomb, friction_coefficient: 0.2, full_above: 0.1, none_below: 0.01}
 loads: {q: {type: pressure, part: plate, pressure: 1e5}}
 output: {history: {interval: 2e-5}, states: {interval: 1e-4}, restart: {every: 1e-4}}
 """
@@ -265,7 +265,7 @@ WRONG = {
     "threads: 2, end": ("threads: 1.5, end", "control: threads: must be a whole number"),
     "{threads: 2,": (
         "{threads: 2, integrator: generalized_alpha, step: 1e-5,",
-        "threads: only explicit steps are shared; say integrator: rattle",
+        "threads: only explicit steps are shared; set integrator: rattle",
     ),
     DECK[DECK.index("parts:") :]: (
         "",

@@ -46,7 +46,7 @@ def model_of(folder: Path, text: str = DECK) -> tuple[Model, State]:
 
 def totals(model: Model, state: State) -> tuple[float, np.ndarray, np.ndarray]:
     """Mass, mass centre and inertia about the origin of all that moves."""
-    nodes, points = state.nodes[1:], state.points[state.points["held"] < 64]
+    nodes, points = state.nodes[1:], state.points[state.points["fixed"] < 64]
     m = np.concatenate([1.0 / nodes["mass_inv"], 1.0 / points["mass_inv"]])
     x = np.concatenate([nodes["r"], points["r"]])
     A = nodes["A"].reshape(-1, 3, 3)
@@ -79,7 +79,7 @@ def test_points_ride_where_they_are_and_on_the_nearest_node(tmp_path: Path) -> N
 WRONG = {
     "set": ("nodes: u0", "nodes: rim", "the mesh has no set of nodes 'rim' (sets: "),
     "ground": ("to: hub", "to: ground", "the ground holds nodes by `supports`"),
-    "twice": ("nodes: u0", "nodes: u1", "held, welded or named otherwise already"),
+    "twice": ("nodes: u0", "nodes: u1", "supported, welded or named already"),
     "within": (
         "to: hub",
         "to: hub, within: 1",

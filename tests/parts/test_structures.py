@@ -75,7 +75,7 @@ def moments(
     points = state.points
     if len(points):
         alone = points["mass_inv"] > 0.0
-        alone &= points["held"] < 64
+        alone &= points["fixed"] < 64
         mass = np.append(mass, 1.0 / points["mass_inv"][alone])
         r, v = np.vstack([r, points["r"][alone]]), np.vstack([v, points["v"][alone]])
         J_points = 1.0 / points["J_inv"][alone]
@@ -380,7 +380,7 @@ WRONG = {
     "divisions: 12": ("divisions: 0", "divisions: must be at least 1, not 0"),
     "{name: D, at: [0.9, 0.8, 0.3], joint: 0.1}": (
         "{name: D, at: [0.9, 0.8, 1.24]}",
-        "leave nothing of it between",
+        "leave no length of it between them",
     ),
     # with joints of their own, members in one line were taken for two that pass each other
     "{name: D, at: [0.9, 0.8, 0.3], ": (

@@ -301,8 +301,14 @@ def test_a_tie_shortens_no_step_of_equal_elements(tmp_path: Path) -> None:
 WRONG: dict[str, tuple[dict[str, object], str]] = {
     "far": ({"mesh": grid(0.203, 3)}, "0.003 m from the nearest face of 'coarse', more than 0.002"),
     "beside": ({"mesh": grid(0.3, 3)}, "lies beside all faces of 'coarse'; leave it out"),
-    "held": ({"supports": [{"nodes": "v0"}]}, "(0.2, 0, 0) m is held, named, welded or tied alr"),
-    "named": ({"nodes": [{"name": "n", "at": [0.2, 0, 0]}]}, "is held, named, welded or tied alr"),
+    "held": (
+        {"supports": [{"nodes": "v0"}]},
+        "(0.2, 0, 0) m is supported, named, welded or tied alr",
+    ),
+    "named": (
+        {"nodes": [{"name": "n", "at": [0.2, 0, 0]}]},
+        "is supported, named, welded or tied alr",
+    ),
     "fast": (
         {"velocity": [0, 0, 1]},
         "nodes begin 1 m/s and 0 rad/s faster than their faces; give",
@@ -344,7 +350,7 @@ def test_mass_and_momentum_of_impulses_go_to_the_faces(tmp_path: Path) -> None:
     impulse = {"low": [0.2, -1, -1], "high": [1, 1, 1], "speed": 3.0}
     scene["parts"]["fine"]["impulses"] = [impulse]
     model, state = built(tmp_path, scene)
-    free = state.points["held"] == 0
+    free = state.points["fixed"] == 0
     mass = 1.0 / state.points["mass_inv"][free]
     half = 7850 * 0.002 * 0.04
     assert mass.sum() == pytest.approx(2 * half, rel=1e-12)

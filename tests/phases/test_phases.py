@@ -263,7 +263,7 @@ def test_a_run_goes_on_within_each_phase_to_the_same_bits(tmp_path: Path) -> Non
 
 REFUSED = {
     "phase 'go': end_time: the last phase ends with the run, at 2 s": "go: {end_time: 2}",
-    "phase 'settle': another phase follows: say when this one ends": "settle: {end_time: null}",
+    "phase 'settle': another phase follows: give end_time, at which": "settle: {end_time: null}",
     "must lie between 0 s, where the phase begins, and 2 s": "settle: {end_time: 3}",
 }
 

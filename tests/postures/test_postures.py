@@ -79,7 +79,7 @@ def test_the_rotations_are_those_asked_for(tmp_path: Path) -> None:
 
 
 WRONG = {
-    "joints.joint: 'knee' does not hang on 'trunk'": "{root: trunk, joints: [{joint: knee}]}",
+    "joints.joint: 'knee' is not connected to 'trunk'": "{root: trunk, joints: [{joint: knee}]}",
     "joints.joint: 'far' is given in the world": (
         "{root: trunk, joints: [{joint: hip}, {joint: far}]}"
     ),

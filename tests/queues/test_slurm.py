@@ -108,7 +108,7 @@ def test_an_array_of_eight_runs_a_sweep(slurm: Path) -> None:
         time.sleep(0.2)
     assert 1 <= most <= 3
     print(f"\nan array of eight, {most} at once: {time.monotonic() - begun:.0f} s")
-    # nothing is left to be run, and the table is there
+    # no runs are left, and the table is there
     again = crashsolve("sweep", plan, "-o", out)
     assert again.returncode == 0, again.stdout
     assert "8 runs in" in again.stdout and "8 finished already" in again.stdout

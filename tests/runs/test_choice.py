@@ -30,7 +30,7 @@ CASES = {
         "smooth",
     ),
     "a contact": (DECKS / "tutorial/bouncing_ball.yaml", (), "dormand_prince_5", "contacts"),
-    "whole steps": (DECKS / "scenes/train_test.yaml", (), "rattle", "counts in whole steps"),
+    "whole steps": (DECKS / "scenes/train_test.yaml", (), "rattle", "is computed in whole steps"),
     "corners": (DECKS / "extreme/steep_curve.yaml", (), "dormand_prince_5", "corners"),
     "yield": (
         DECKS / "verification/springs/elastoplastic.yaml",
@@ -74,7 +74,7 @@ DEFAULTS = {
         DECKS / "verification/springs/brake.yaml",
         ("control.step=auto",),
         "rattle",
-        "counts in whole steps",
+        "is computed in whole steps",
     ),
     "beams": (DECKS / "verification/parts/free_flight.yaml", (), "rattle", "flexible"),
 }

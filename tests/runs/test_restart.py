@@ -240,7 +240,7 @@ def test_a_broken_dump_is_passed_over_and_no_dump_begins_anew(
     newest.write_bytes(content)
     again = crashsolve(mechanism, "-o", tmp_path, "--restart")
     assert again.returncode == 0
-    assert f"warning: {newest}: dump passed over: wrong checksum" in again.stdout
+    assert f"warning: {newest}: dump skipped: wrong checksum" in again.stdout
     assert differences(tmp_path, uninterrupted[mechanism]) == []
 
 

@@ -32,7 +32,7 @@ STOPS = {
     ),
     "curve_end": (
         "t = 0.501 s, cycle 501, curve 'push': read at 0.501, outside its range 0 to 0.5; "
-        "extend the curve, or say extrapolate: hold or linear on its card"
+        "extend the curve, or set extrapolate: hold or linear on its card"
     ),
     "contradiction": (
         "t = 0.5 s, cycle 500, joint 'rod': the joints cannot be closed (error 2.45e-06 of the "

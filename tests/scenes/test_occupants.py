@@ -170,7 +170,7 @@ contacts:
     a: [{", ".join(surfaces)}]
     b: [ground]
     normal: {{type: exact_restitution, stiffness: 5.0e+5, restitution: 0.2}}
-    friction: {{type: coulomb, coefficient: 0.4, none_below: 0.01, full_above: 0.1}}
+    friction: {{type: coulomb, friction_coefficient: 0.4, none_below: 0.01, full_above: 0.1}}
 loads: {{weight: {{type: gravity}}}}
 """
     words = de_leva("male", 1.75, mass, "rigid", "merged")

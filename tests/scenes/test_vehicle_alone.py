@@ -86,8 +86,8 @@ def linear_model() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     own = 0.1 + 0.35 * 19.8 * RADIUS**2
     for axle, x in enumerate((FRONT, FRONT - WHEELBASE)):
         load = G * (SPRUNG * (WHEELBASE - FRONT if axle == 0 else FRONT) / WHEELBASE / 2 + UNSPRUNG)
-        sunk = load / TYRE
-        r = RADIUS - sunk
+        deflection = load / TYRE
+        r = RADIUS - deflection
         hub = [float(axle == k) for k in (0, 1)]
         depth, foot = [0, TRACK / 2, 0, -hub[0], -hub[1]], [1, 0, x, 0, 0]
         for _ in ("left", "right"):
@@ -102,7 +102,7 @@ def linear_model() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
             # carcass: C_y / sigma, and k_V / sigma at rest
             add(K, 6e4 / 0.3, foot)
             add(C, 770.0 / 0.3, foot)
-            K[1, 1] -= UNSPRUNG * G * r + load * sunk
+            K[1, 1] -= UNSPRUNG * G * r + load * deflection
     K[1, 1] -= SPRUNG * G * HEIGHT
     return M, C, K
 

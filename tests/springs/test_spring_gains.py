@@ -135,7 +135,9 @@ def bounded(folder: Path, spring: str) -> Engine:
 
 def test_a_damper_that_turns_a_velocity_round_in_every_step_stops_the_run(tmp_path: Path) -> None:
     # each sample shows the velocity of the start, and other energy hides what it states to lose
-    with pytest.raises(SolverError, match=r"spring 's': its force turns a velocity round"):
+    with pytest.raises(
+        SolverError, match=r"spring 's': its force reverses a velocity in every step"
+    ):
         bounded(tmp_path, DAMPER)
 
 

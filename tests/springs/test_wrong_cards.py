@@ -63,7 +63,9 @@ STRUTS = {
     "needs one of stiffness and curve": "damping_curve: force",
     "damping_curve: drives at .* m/s": "stiffness: 1, damping_curve: dips",
     "damping_curve: must reach from bump": "stiffness: 1, damping_curve: late",
-    "damping_curve: stands for bump_damping": "stiffness: 1, damping_curve: force, bump_damping: 1",
+    "damping_curve: takes the place of bump_damping": (
+        "stiffness: 1, damping_curve: force, bump_damping: 1"
+    ),
     "bump_length: is missing": "stiffness: 1, bump_stiffness: 5",
     "needs one of rebound_stiffness and rebound_curve": "stiffness: 1, rebound_length: 2",
     r"bump_curve: must begin at \(0, 0\)": "stiffness: 1, bump_length: 1, bump_curve: lifted",

@@ -209,7 +209,7 @@ class _Draw:
         }
         friction = {
             "type": "coulomb",
-            "coefficient": float(self.rng.uniform(0, 1)),
+            "friction_coefficient": float(self.rng.uniform(0, 1)),
             "none_below": 0,
             "full_above": 0.1,
         }

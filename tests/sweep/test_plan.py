@@ -24,7 +24,7 @@ WRONG = {
     "no measure": (MEASURE, "measure: []", "6:1: error: measure: is empty"),
     "nothing varied": ("vary:\n  speed", "vary: {}\nset:\n  speed", "vary: is empty"),
     "zero runs": ("runs: 4", "runs: 0", "2:29: error: design runs: must be from 1 to 100000"),
-    "no number of runs": (", runs: 4", "", "runs: how many runs shall sobol draw?"),
+    "no number of runs": (", runs: 4", "", "runs: sobol needs their number"),
     "no power of two": ("runs: 4", "runs: 6", "not balanced; take a power of two, 4 or 8"),
     "an unknown design": ("sobol", "sobl", "must be 'grid', 'list', 'latin_hypercube', 'sobol'"),
     "a range upside down": ('"15 km/h"', '"1 km/h"', "from: 5 is more than to: 1"),
@@ -41,7 +41,7 @@ WRONG = {
     "varied and set": ("deck: wagon.yaml", "deck: wagon.yaml\nset: {mass: 1}", "'mass' is given"),
     "a count of a drawn range": ('"15 km/h"', '"15 km/h", count: 3', "count: belongs to a grid"),
     "a range in a list": ("type: sobol, runs: 4", "type: list", "does not go with design: list"),
-    "a range without count": ("type: sobol, runs: 4", "type: grid", "say count: 5"),
+    "a range without count": ("type: sobol, runs: 4", "type: grid", "write count: 5"),
     "a seed of a grid": ("sobol, runs: 4", "grid, seed: 2", "the values alone say what is run"),
     "two headings": (MEASURE, MEASURE.replace("]", "]\nx: 1")[:-5].replace(
         "max}", "max}, {channel: rcforc.buffer.normal, statistic: max}"), "is a heading already"),

@@ -63,7 +63,7 @@ def test_a_wheel_that_passes_a_thin_wall_within_a_step_is_reported(tmp_path: Pat
     # it has come out behind
     assert found.series("rbdout.wheel.position.x").values[-1] > 0.6
     assert found.series("rbdout.wheel.velocity.x").values[-1] > 0.0
-    assert "tyre 't': the wheel centre has sunk to the road" in done.stdout + done.stderr
+    assert "tyre 't': the wheel centre has reached the road" in done.stdout + done.stderr
 
 
 @pytest.mark.long

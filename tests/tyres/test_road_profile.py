@@ -83,7 +83,7 @@ WRONG = {
     "length: has no whole wave": {"length": 0.3, "grade": "A"},
     "length: needs more than": {"length": 1e5, "grade": "A"},
     "rise: must be above 0": {"length": 50.0, "grade": "A", "level": 3.0},
-    "level: the waves have not grown": {"length": 50.0, "grade": "A", "level": 30.0, "rise": 25.0},
+    "level: the roughness has not": {"length": 50.0, "grade": "A", "level": 30.0, "rise": 25.0},
 }
 
 

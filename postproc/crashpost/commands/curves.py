@@ -115,7 +115,7 @@ def _plot(options: argparse.Namespace) -> int:
         tests=[read_test(path) for path in options.test],
     )
     if not words:
-        raise PostError(f"say what to draw: channels, or {KINDS}")
+        raise PostError(f"name what to draw: channels, or {KINDS}")
     if options.along:
         if len(words) > 1 or len(results) > 1 or options.test:
             raise PostError("--along draws one pattern of one result")

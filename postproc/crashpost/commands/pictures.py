@@ -232,7 +232,7 @@ def _report(text: str) -> None:
 
 
 def _bar(name: str) -> Callable[[int, int], None]:
-    """A bar that grows on a terminal; nothing elsewhere."""
+    """A progress bar on a terminal; none elsewhere."""
 
     def grow(done: int, total: int) -> None:
         if sys.stderr.isatty():

@@ -46,7 +46,7 @@ class Difference:
 
 @dataclass(frozen=True)
 class Compared:
-    """Differences of results, the largest first, and what could not be compared."""
+    """Differences of results, the largest first, and channels that could not be compared."""
 
     differences: list[Difference]
     remarks: list[str]
@@ -141,7 +141,7 @@ def _difference(
 
 
 def on_common_times(a: Series, b: Series) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Times of both within what both cover, and both histories there; raises PostError."""
+    """Times of both within their common range, and both histories there; raises PostError."""
     start, end = max(a.time[0], b.time[0]), min(a.time[-1], b.time[-1])
     if start > end:
         raise PostError("the results have no time in common")

@@ -1,4 +1,4 @@
-"""Our value beside the published one, for every reference that says what to compare."""
+"""Our value beside the published one, for every reference that names a channel."""
 
 from dataclasses import dataclass
 
@@ -37,7 +37,7 @@ class Comparison:
 
     @property
     def missed(self) -> bool | None:
-        """Whether ours lies beyond what is known; None where that is not said."""
+        """Whether ours is outside the published range; None where no range is given."""
         if self.low == self.high and self.tolerance is None:
             return None
         return abs(self.difference) > (self.tolerance or 0.0)

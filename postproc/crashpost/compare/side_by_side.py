@@ -117,7 +117,9 @@ def write_page(
     in_corridors: Sequence[Sequence[str]],
     options: argparse.Namespace,
 ) -> None:
-    """The page of a comparison: what differs most as figures, then tables. Raises PostError."""
+    """The page of a comparison: the largest differences as figures, then tables. Raises
+    PostError.
+    """
     from crashpost.figures.page import block, escape, page, table, tiles
 
     beyond = [one for one in found.differences if one.is_beyond(tolerance)]

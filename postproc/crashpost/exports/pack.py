@@ -22,7 +22,7 @@ PIECE = 1 << 16
 
 
 def pack(states: States, path: Path, progress: Callable[[int, int], None]) -> str:
-    """Write the file and state what is in it; raises PostError."""
+    """Write the file and report its content; raises PostError."""
     partial = path.with_name(f".{path.name}.partial")
     try:
         with h5py.File(partial, "w") as file:

@@ -17,7 +17,7 @@ from crashpost.values.figure import AUTO, Curve, Figure
 from crashsolve.channels.display import factor, readable
 
 MOST_CURVES = 8
-# of what a family is, in titles; the rest has its own name
+# names of families in titles; others have their own name
 FAMILIES = {
     "rbdout": "Bodies",
     "nodout": "Accelerometers and nodes",
@@ -31,7 +31,7 @@ FAMILIES = {
     "secforc": "Sections",
     "hinge": "Plastic hinges",
 }
-# force or moment over stroke or angle of what may be crushed: first word of channels, then columns
+# force or moment over stroke or angle of crushable parts: first word of channels, then columns
 CRUSHES = (
     ("deforc", "elongation", "force"),
     ("deforc", "length", "force"),
@@ -52,7 +52,7 @@ FORCES = ("force", "torque")
 
 
 def energy_figures(result: Result) -> list[Figure]:
-    """Energies of the model and what is missing from their sum."""
+    """Energies of the model and the error of their sum."""
     figures = []
     curves = tuple(Curve(e.channel.name, e.label) for e in _visible(ledger.energies(result)))
     if curves:

@@ -1,4 +1,4 @@
-"""Names of results laid over each other: what differs between their decks.
+"""Names of overlaid results: the differences between their decks.
 
 The values of `--set` and of sweeps are parameters, which results keep; those that follow from
 others are left out. Where the rest does not distinguish the results, all parameters do, or other
@@ -14,7 +14,7 @@ from crashpost.results.text import printable
 
 # of a legend: more differences are shown by folders
 MOST_DIFFERENCES = 3
-# of the decks, what changes no physics
+# fields of decks that change no physics
 INEFFECTIVE = ("title", "output", "expect", "watch", "parameters")
 
 

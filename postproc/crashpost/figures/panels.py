@@ -177,7 +177,7 @@ def _panel(
 
 
 def _overlaid(label: str, name: str, results: int, channels: int) -> str:
-    """A curve's name: what differs from the others of its figure."""
+    """A curve's name: its differences from the others of its figure."""
     if results == 1:
         return label
     return name if channels == 1 else f"{label}, {name}"
@@ -205,7 +205,7 @@ def _mark(
 
 
 def _limited(figure: Figure, request: PlotRequest) -> Figure:
-    """The figure with the axes asked for."""
+    """The figure with the requested axes."""
     for axis in request.log:
         is_x = axis == "x"
         figure = replace(figure, x_scale="log") if is_x else replace(figure, y_scale="log")

@@ -7,7 +7,7 @@ import numpy as np
 from crashpost.errors import PostError, unknown
 
 VIEWS = ("auto", "side", "front", "rear", "top", "bottom", "iso")
-# a model this much thinner in one direction is looked at along it
+# a model this much thinner in one direction is viewed along it
 THIN = 0.3
 MARGIN = 0.04
 # of a window on a single point [m]
@@ -62,7 +62,7 @@ def camera(view: str, world_up: np.ndarray, low: np.ndarray, high: np.ndarray) -
         "iso": _unit(0.55 * ahead + near + 0.5 * up),
     }
     towards = eyes[view] if view in eyes else _direction(view)
-    # looking along the vertical, what is ahead is to the right
+    # looking along the vertical, forward is to the right
     vertical = up if abs(towards @ up) < 0.999 else np.sign(towards @ up) * -near
     right = _unit(np.cross(vertical, towards))
     return Camera(right, np.cross(towards, right), towards, 0.5 * (low + high))

@@ -1,4 +1,4 @@
-"""Close-ups below the pictures of a strip: what is small in a large scene, at the same moments.
+"""Close-ups below the pictures of a strip: details of a large scene, at the same moments.
 
 `buffers` is a contact, body or part; `buffers:1 m` is as wide a window around it.
 """
@@ -60,7 +60,7 @@ def read(text: str) -> tuple[str, float]:
 def close_up(
     scene: Scene, text: str, numbers: Sequence[float], around: Sequence[Camera]
 ) -> CloseUp:
-    """The windows at some states; raises PostError for what is not there."""
+    """The windows at some states; raises PostError for a name that does not exist."""
     name, width = read(text)
     fitted_camera = around[0]
     height = float(np.ptp(fitted_camera.flat(scene.extent(numbers[0]))[:, 1]))

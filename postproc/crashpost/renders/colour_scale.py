@@ -7,7 +7,7 @@ import numpy as np
 
 from crashsolve.channels.display import factor, readable
 
-# one hue to another by lightness, for what begins at zero; two hues about zero
+# one hue to another by lightness, for values from zero; two hues about zero
 SEQUENTIAL, DIVERGING = "YlGnBu", "RdBu_r"
 
 

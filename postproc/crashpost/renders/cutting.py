@@ -1,4 +1,4 @@
-"""Sectional views: a drawing without what lies on one side of a plane, `y<0` or `x > 100 mm`."""
+"""Sectional views: a drawing without the parts on one side of a plane, `y<0` or `x > 100 mm`."""
 
 import re
 from dataclasses import replace
@@ -109,7 +109,9 @@ def _surfaces(surface: Surface, half: Half) -> list[Surface]:
 def _pieces(
     surface: Surface, above: np.ndarray, crossed: np.ndarray
 ) -> tuple[np.ndarray, list[list[int]]]:
-    """All points, with those in the plane, and the corners of what is left of crossed polygons."""
+    """All points, with those in the plane, and the corners of the remaining parts of crossed
+    polygons.
+    """
     # polygons that share an edge share the point at which it is cut
     points, pieces, known = list[np.ndarray](), list[list[int]](), dict[tuple[int, int], int]()
     for row in crossed:

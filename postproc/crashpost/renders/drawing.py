@@ -1,7 +1,7 @@
 """What is drawn of a run at a moment: surfaces, lines, dots and arrows with their colours.
 
 Bodies are drawn by their surfaces, beams by their sections, springs by lines, contact forces by
-arrows; what is deleted is not drawn.
+arrows; deleted elements are not drawn.
 """
 
 from collections.abc import Iterator
@@ -142,7 +142,7 @@ class Scene:
         return [points[row] for row in self.planes]
 
     def _spread(self, points: np.ndarray) -> np.ndarray:
-        """Points of the ground with its planes cut to what they are drawn below."""
+        """Points of the ground with its planes cut to the region of the drawing."""
         if self.reach is None:
             return points
         points = points.copy()
@@ -219,7 +219,7 @@ class Scene:
         return cells
 
     def range(self, number: float) -> tuple[float, float]:
-        """Least and greatest value of the colour among what is drawn at a state."""
+        """Least and greatest value of the colour among the parts drawn at a state."""
         low, high = np.inf, -np.inf
         for name in self.drawn:
             values = (
@@ -237,7 +237,7 @@ class Scene:
         return "m/s" if self.appearance.arrows == "velocity" else "N"
 
     def legend(self) -> list[tuple[str, str]]:
-        """Names of what is drawn in colours of its own, with the colours; none by a field.
+        """Names of the parts drawn in their own colours, with the colours; none by a field.
 
         None either where colours come again: they only distinguish neighbours then.
         """

@@ -9,7 +9,7 @@ from crashpost.errors import PostError, unknown
 from crashpost.renders.appearance import Appearance
 from crashpost.results.states import States
 
-# contact forces this far from what is shown, of its size, act on it
+# contact forces this far from the shown parts, of their size, act on them
 BESIDE = 0.02
 
 
@@ -62,7 +62,7 @@ def forces_of(scene: Shown, number: float, contacts: set[int]) -> tuple[np.ndarr
 
 
 def _near(scene: Shown, points: np.ndarray, number: float) -> np.ndarray:
-    """Mask of the points (n,) in the box around what is shown at a state."""
+    """Mask of the points (n,) in the box around the parts shown at a state."""
     shown = scene.extent(number)
     if not len(shown):
         return np.zeros(len(points), bool)

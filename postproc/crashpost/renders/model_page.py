@@ -33,7 +33,7 @@ MOST_STATES, MOST_NUMBERS = 60, 3_000_000
 FINE = 20_000
 SECONDS = 6.0
 MOST_NAMES = 24
-# the bar below the picture: play and pause, a slider for the time, what colours mean
+# the bar below the picture: play and pause, a slider for the time, the meaning of colours
 PLAYER = """
 const facts = @FACTS@;
 const bar = document.createElement('div');
@@ -98,7 +98,7 @@ WIDTH, COLOURS = 0.004, 16
 
 
 def write_page(result: Result, path: Path, **appearance: object) -> str:
-    """Write the page and state what is on it; raises PostError."""
+    """Write the page and report its content; raises PostError."""
     text, words = page(result, **appearance)
     try:
         path.write_text(text, "utf-8")
@@ -108,7 +108,7 @@ def write_page(result: Result, path: Path, **appearance: object) -> str:
 
 
 def page(result: Result, **appearance: Any) -> tuple[str, str]:
-    """The page, and in words what is on it; raises PostError."""
+    """The page, and its content in words; raises PostError."""
     try:
         import k3d
     except ModuleNotFoundError as missing:
@@ -145,7 +145,7 @@ def page(result: Result, **appearance: Any) -> tuple[str, str]:
     _put(k3d, shown, frames, colour_scale, arrow, fitted_camera)
     points = np.concatenate([scene.extent(number) for number in numbers])
     points = points if len(points) else view.points
-    # a picture of 60 degrees holds a ball at twice its radius, and what is long somewhat nearer
+    # a picture of 60 degrees holds a ball at twice its radius, and a long body somewhat nearer
     far = NEAR * 0.5 * float(np.linalg.norm(np.ptp(points, axis=0)))
     eye = fitted_camera.middle + far * fitted_camera.towards
     script = PLAYER.replace(
@@ -170,7 +170,7 @@ def page(result: Result, **appearance: Any) -> tuple[str, str]:
 
 
 def _key(colour_scale: ColourScale, scene: Scene) -> list[tuple[str, str]]:
-    """Colours of the picture and what they stand for."""
+    """Colours of the picture and their meaning."""
     note = [("", scene.appearance.note)] if scene.appearance.note else []
     if not colour_scale.name:
         return note + [(colour, name) for name, colour in scene.legend()[:MOST_NAMES]]

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import pyvista
 
-# all of vtk would take 75 MB more; this module is what draws
+# all of vtk would take 75 MB more; this module draws
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkObject
@@ -28,7 +28,7 @@ SHARP = 40.0
 # more polygons than this are drawn without their edges
 MOST_EDGES = 20_000
 SAMPLES = 4
-# layers of a window: what is painted later hides what was before
+# layers of a window: a later one hides those before
 LAYERS = 3
 
 

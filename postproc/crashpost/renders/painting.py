@@ -1,7 +1,8 @@
 """Strips and films of a run, painted in a child process: VTK may take its process with it.
 
-The parent says what is wanted (`Task`), looks up moments and follows the progress. Where the child
-cannot paint, the parent says why and what helps, and matplotlib paints a plain picture instead.
+The parent states the task (`Task`), looks up moments and follows the progress. Where the child
+cannot paint, the parent reports the cause and the remedy, and matplotlib paints a plain picture
+instead.
 """
 
 from __future__ import annotations
@@ -71,7 +72,7 @@ class Task:
     is_film: bool = False
     fps: float = 25.0
     speed: str = ""
-    # of a film; the height is chosen by what is seen where it is 0
+    # of a film; where the height is 0 it is chosen by the visible parts
     size: tuple[int, int] = (960, 0)
 
 
@@ -313,7 +314,7 @@ def _send(child: subprocess.Popen[str], job: str) -> None:
         child.stdin.write(job)
         child.stdin.close()
     except BrokenPipeError:
-        # it ended before it read: its exit code says the rest
+        # it ended before it read: its exit code states the cause
         return
 
 
@@ -339,7 +340,7 @@ def clock(time: float, span: float) -> str:
 
 
 def main() -> int:
-    """The child: paint what standard input asks for, state the progress on standard output."""
+    """The child: paint the tasks of standard input, report the progress on standard output."""
     job = json.loads(sys.stdin.read())
     from crashpost.renders.paint_vtk import Painter
 

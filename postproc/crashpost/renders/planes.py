@@ -1,4 +1,4 @@
-"""Infinite planes, drawn as rectangles below what is near them."""
+"""Infinite planes, drawn as rectangles below the parts near them."""
 
 from itertools import pairwise
 

@@ -30,7 +30,7 @@ class Surface:
     rows: np.ndarray  # numbers of the polygons among those of the mesh, deleted ones left out
     values: np.ndarray | None = None
     edges: bool = False
-    is_flat: bool = False  # of one colour, whatever the light
+    is_flat: bool = False  # of one colour in any light
 
 
 @dataclass

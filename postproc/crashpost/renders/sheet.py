@@ -253,7 +253,7 @@ def film_size(
 ) -> tuple[int, int]:
     """Width and height of a film, both even, for a picture of this aspect, at most `width` wide.
 
-    `below` is the height of what stands below the picture [inches].
+    `below` is the height of the rows below the picture [inches].
     """
     least, most = FILM_HEIGHTS
     window = float(np.clip(width / aspect, least * width, most * width))
@@ -307,7 +307,7 @@ def panel(
         spine.set(visible=True, color="#d5d9dd", linewidth=0.6)
     time, _, reason = caption.partition("\n")
     low = (bottom + h + 0.035) / height
-    # what a moment was chosen for stands below its time, in the words of the command
+    # the reason of a moment is written below its time, in the words of the command
     most = max(int(w * 17), 10)
     shown = reason if len(reason) <= most else reason[: most - 1] + "\N{HORIZONTAL ELLIPSIS}"
     figure.text(left / width, low, shown, fontsize=7, va="bottom", color=MUTED)
@@ -388,7 +388,7 @@ def shown_names(names: Sequence[tuple[str, str]]) -> list[tuple[str, str]]:
 
 
 def name_width(shown: Sequence[tuple[str, str]]) -> float:
-    """Room for a name [inches]: what the longest asks for."""
+    """Room for a name [inches]: that of the longest."""
     longest = max(len(name) for name, _ in shown)
     return max((longest + 4) / LETTERS_PER_INCH, 0.8)
 

@@ -42,7 +42,7 @@ GOOD, BAD = {"finished"}, {"failed", "killed"}
 def report(
     result: Result, pictures: str = "all", units: Units | None = None
 ) -> tuple[str, list[str]]:
-    """The page, and what could not be shown on it; raises PostError for a broken description.
+    """The page, and the items that could not be shown; raises PostError for a broken description.
 
     `pictures` is all, strips (without film and 3-D) or none.
     """

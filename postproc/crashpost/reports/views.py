@@ -52,7 +52,7 @@ def views(result: Result, described: object, choice: str = "all") -> str:
 
 
 def scenes_of(described: Any) -> list[Json]:
-    """The scenes of a result's `report` attribute; raises PostError for what is none."""
+    """The scenes of a result's `report` attribute; raises PostError for any other content."""
     entries = (described or {}).get("scenes") or []
     if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
         raise PostError("the report's scenes must be a list of fields")
@@ -138,7 +138,7 @@ def appearance(scene: Json) -> Json:
 
 
 def check_magnify(value: object) -> None:
-    """Raises PostError for what no displacement can be multiplied by."""
+    """Raises PostError for a value that is no factor of displacements."""
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     if not is_number or not (isfinite(value) and value > 0):
         raise PostError(f"magnify must be a positive number, not {value}")

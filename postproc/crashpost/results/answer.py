@@ -1,4 +1,4 @@
-"""One number of a result, in the unit asked for, with what has to be said about it."""
+"""One number of a result, in the requested unit, with its remark."""
 
 from typing import NamedTuple
 
@@ -9,7 +9,7 @@ from crashsolve.channels.statistic import remark, statistic, unit_of
 
 
 class Answer(NamedTuple):
-    """A number with its unit; `remark` states what it rests on, where not on samples alone."""
+    """A number with its unit; `remark` states its basis, where it is not samples alone."""
 
     value: float
     unit: str

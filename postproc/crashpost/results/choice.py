@@ -12,7 +12,7 @@ from crashpost.results.history import History
 from crashsolve.channels.statistic import check
 
 PATTERN = frozenset("*?[")
-# a word with one of these is arithmetic, whatever stars it has
+# a word with one of these is arithmetic, with stars or without
 ARITHMETIC = frozenset(" /+(,")
 
 

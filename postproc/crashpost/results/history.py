@@ -188,7 +188,7 @@ class History:
         return found
 
     def _family(self, name: str) -> Family:
-        """A group of the history. Raises PostError, or what h5py raises for a damaged file."""
+        """A group of the history. Raises PostError, or the exception of h5py for a damaged file."""
         if self._history.get(name, getclass=True, getlink=True) is not h5py.HardLink:
             raise PostError(f"{self.file}: '{name}' leads elsewhere")
         group, columns = self._history[name], list[Column]()
@@ -264,7 +264,9 @@ class History:
         with _readable(self.file, f"'{path}' is damaged"):
             values: np.ndarray = self._history[path][rows or slice(len(self.time)), entities]
             if not np.isfinite(values).all():
-                raise PostError(f"{self.file}: '{path}' is damaged: it holds what is no number")
+                raise PostError(
+                    f"{self.file}: '{path}' is damaged: it has values that are no numbers"
+                )
         return values
 
     def _unknown_channel(self, name: str) -> PostError:

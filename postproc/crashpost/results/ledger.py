@@ -1,4 +1,4 @@
-"""Energies and momenta of the whole model, found among the `glstat` channels by what they measure.
+"""Energies and momenta of the whole model, found among the `glstat` channels by their quantity.
 
     balance = 100 imbalance / largest
 
@@ -17,7 +17,7 @@ from crashsolve.channels.statistic import statistic
 MOMENTUM, ANGULAR_MOMENTUM = "N s", "N m s"
 # columns of glstat that sum up or scale the others
 SUMS = ("imbalance", "largest", "initial")
-# what there is and its sum, then what was lost, then what came from outside
+# present energies and their sum, then losses, then the work from outside
 ORDER = (
     *("kinetic", "potential", "internal", "elastic", "hourglass", "drilling"),
     *("spring stored", "hinge stored", "joint stored", "brake stored"),
@@ -60,7 +60,7 @@ def momenta(result: Result, unit: str = MOMENTUM) -> list[Entry]:
 
 
 def balance_channel(result: Result) -> str:
-    """The channel, or ratio of channels, of what is missing from the energies; "" when unknown."""
+    """The channel, or ratio of channels, of the error of the energy balance; "" when unknown."""
     percent = [e for e in _entries(result, "%") if "balance" in e.channel.name]
     if percent:
         return percent[0].channel.name

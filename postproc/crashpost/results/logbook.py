@@ -1,4 +1,4 @@
-"""What log.txt says besides its cycle lines: the model summary and the warnings."""
+"""Content of log.txt besides its cycle lines: the model summary and the warnings."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""The states of a run, read one at a time: blocks of points and cells, and what they carry.
+"""The states of a run, read one at a time: blocks of points and cells, and their fields.
 
 A result of any size needs the memory of its geometry and of one state (FILE_FORMAT.md, States).
 """
@@ -30,7 +30,7 @@ FORMAT_VERSIONS = (2, 3)
 # numbers of XDMF in a list of mixed cells: corners; a line says how many follow
 LINE = 2
 MIXED = {1: 1, LINE: 2, 4: 3, 5: 4, 6: 4, 8: 6, 9: 8}
-# value of vtkGhostType for what is not drawn
+# value of vtkGhostType for cells that are not drawn
 GHOST, HIDDEN = "vtkGhostType", 32
 __all__ = ["Block", "States"]
 NOT_FIELDS = ("points", "cells")
@@ -66,7 +66,7 @@ class States:
         return int(np.argmin(np.abs(self.times - time)))
 
     def fields(self, block: str) -> list[str]:
-        """Names of what a block carries, points and displacement among it."""
+        """Names of the fields of a block, points and displacement among them."""
         if block not in self._fields:
             with _open(self.files[0]) as file:
                 changing = list(file[block]) if block in file else []

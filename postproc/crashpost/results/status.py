@@ -1,4 +1,4 @@
-"""What status.json says about a run, checked against the processes of this machine.
+"""State of a run in status.json, checked against the processes of this machine.
 
 An entry of another kind than FILE_FORMAT.md has it is as good as absent.
 """
@@ -43,7 +43,7 @@ def unfinished(status: Json) -> str:
         return ""
     time = status.get("time")
     until = "" if time is None else f" at t = {time:g} s"
-    return f"the run is not finished ({state}{until}): this is what there is"
+    return f"the run is not finished ({state}{until}): these are its results so far"
 
 
 def _alive(pid: object) -> bool:

@@ -1,4 +1,4 @@
-"""What a sweep says of its parameters: main effects, and Sobol indices of Saltelli's design.
+"""Effects of the parameters of a sweep: main effects, and Sobol indices of Saltelli's design.
 
     mean of a measure over the runs with one value of a parameter, or in one class of its values,
     +- s / sqrt(n), the standard error of that mean

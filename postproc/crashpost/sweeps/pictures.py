@@ -25,7 +25,7 @@ Panel = Callable[[Axes, int, int], None]
 
 
 def draw(sweep: Sweep, folder: Path) -> tuple[list[Path], list[str]]:
-    """Write the pictures; returns them, and what could not be drawn. Raises PostError."""
+    """Write the pictures; returns them, and those that could not be drawn. Raises PostError."""
     if not any(isfinite(y) for row in sweep.finished for y in row.measured):
         raise PostError(f"{sweep.folder}: no finished run has anything to draw")
     if len(sweep.axes) * len(sweep.measures) > MOST:

@@ -1,8 +1,8 @@
-"""The runs of a sweep as one table: their values, what has become of them, and their measures.
+"""The runs of a sweep as one table: their values, their outcome, and their measures.
 
-A measure counts only of a run that has finished and is made from what sweep.json says: the cell of
-any other run is empty, and its message says why. The table is the same whether the sweep was
-interrupted or not.
+A measure counts only of a run that has finished and was made as sweep.json states: the cell of
+any other run is empty, and its message states the cause. The table is the same whether the sweep
+was interrupted or not.
 """
 
 import csv
@@ -48,7 +48,7 @@ class Axis:
 
 @dataclass
 class Measure:
-    """A number that is asked of every run; a unit that the plan does not name is known from an
+    """A number computed for every run; a unit that the plan does not name is known from an
     answer.
     """
 
@@ -76,7 +76,7 @@ class Row:
 
 @dataclass
 class Sweep:
-    """All runs of a sweep in order; `design` says how their values were chosen."""
+    """All runs of a sweep in order; `design` states how their values were chosen."""
 
     folder: Path
     title: str
@@ -156,7 +156,7 @@ def _state(folder: Path, mark: dict[str, str]) -> tuple[str, str]:
 
 
 def _measure(row: Row, folder: Path, measures: list[Measure]) -> None:
-    """Fill in what the results of a finished run say. Writes: row, units of measures."""
+    """Fill in the results of a finished run. Writes: row, units of measures."""
     try:
         result = Result(folder)
         text = str(result.attributes.get("deck_text", ""))

@@ -8,7 +8,7 @@ from crashpost.results.table import number, text_table
 from crashsolve.channels.series import Window
 
 HEADER = ("watched channel", "value", "unit", "error", "of its scale", "how")
-# key in status.json, what it is, unit
+# key in status.json, meaning, unit
 COSTS = (
     ("cycle", "steps accepted", ""),
     ("rejected", "steps rejected", ""),
@@ -50,7 +50,7 @@ def accuracy_rows(
 ) -> list[list[str]]:
     """A row for each watched channel, under HEADER.
 
-    `shown` gives for a unit the one to show numbers in, and what they are multiplied with.
+    `shown` gives for a unit the one to show numbers in, and their factor.
     """
     return [_row(entry, shown) for entry in watched(result)]
 
@@ -62,7 +62,7 @@ def worst_error(result: Result) -> float | None:
 
 
 def cost_rows(result: Result) -> list[list[str]]:
-    """Steps, errors of the constraints and CPU time, each with its name; what is there of them."""
+    """Steps, errors of the constraints and CPU time, each with its name; those that exist."""
     status = result.status
     rows = [[label, _reported(status.get(key), unit)] for key, label, unit in COSTS]
     steps = status.get("average_step") or {}
@@ -98,7 +98,7 @@ def _relative(entry: Json) -> float | None:
 
 
 def _reported(value: object, unit: str) -> str:
-    """A number with its unit, empty for what the run did not say."""
+    """A number with its unit, empty where the run has none."""
     if not isinstance(value, int | float):
         return ""
     return f"{value if isinstance(value, int) else number(value)} {unit}".rstrip()

@@ -1,9 +1,9 @@
-"""The deck's own test: what each `expect:` entry asked for and what the run gave.
+"""The deck's own test: the value expected by each `expect:` entry and that of the run.
 
 passed  <=>  |found - value| <= tolerance             (absolute)
              |found - value| <= tolerance |value|     (relative)
 
-Value and tolerance are judged and shown in the unit of what was found.
+Value and tolerance are compared and shown in the unit of the value found.
 """
 
 from dataclasses import dataclass, replace
@@ -59,7 +59,7 @@ class Expectation:
 
 @dataclass(frozen=True)
 class Verdict:
-    """An expectation, what was found, and why nothing was where nothing was."""
+    """An expectation, the value found, and the reason where there is none."""
 
     expected: Expectation
     found: float | None

@@ -1,4 +1,4 @@
-"""What a figure of the report shows, as the deck asks for it under `output: report: figures:`.
+"""Content of a figure of the report, as requested under `output: report: figures:`.
 
     - title: Buffer force
       y: [rcforc.left.force.normal, {channel: ..., label: ..., x: ...}]
@@ -13,10 +13,10 @@
         - {label: ..., kind: curve, points: [[x, y], ...]}
         - {label: ..., kind: corridor, points: [[x, lower], ...], upper: [[x, upper], ...]}
 
-A reference that also has `channel` and `statistic` is compared with what the run gave; `during:
+A reference that also has `channel` and `statistic` is compared with the value of the run; `during:
 [t0, t1]` limits the comparison to a time window, `over: [x0, x1]` the width of a level or band.
-`tolerance` says how well a level or point is known: what the run gives beyond it is a miss. A
-corridor over time needs the channel alone: what counts is how far it leaves the corridor.
+`tolerance` is the uncertainty of a level or point: a value of the run beyond it is a miss. A
+corridor over time needs the channel alone: its measure is the largest distance from the corridor.
 """
 
 from collections.abc import Sequence
@@ -189,7 +189,7 @@ def _pair(value: Any) -> Pair:
 
 
 def axis_unit(series: Sequence[Series], wanted: str) -> str:
-    """The unit of an axis: that asked for, else that of the first series or a multiple of it."""
+    """The unit of an axis: the requested one, else that of the first series or a multiple of it."""
     if wanted != AUTO:
         return wanted or series[0].unit
     return readable(series[0].unit, max(np.max(np.abs(s.values), initial=0.0) for s in series))

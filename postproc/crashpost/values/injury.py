@@ -10,7 +10,7 @@ Filter classes are those of SAE J211-1. Limits: 49 CFR 571.208 for HIC of 15 ms 
 UN R94 for HIC of 36 ms and 80 g; both for a 50th percentile man. No sections are cited: their
 numbers were not checked against the texts.
 Accelerations are filtered axis by axis; where the samples do not serve the filter, they are taken
-as they are, and the measure says so.
+as they are, and the measure states it.
 """
 
 from dataclasses import dataclass, replace
@@ -113,7 +113,7 @@ def _measures(result: Result, position: SensorPosition) -> list[tuple[str, str, 
 
 
 def _judged(position: SensorPosition, measure: str, value: str, when: str) -> list[str]:
-    """The row of a measure with its limit; what was not filtered is not judged."""
+    """The row of a measure with its limit; a signal that was not filtered is not judged."""
     limit = LIMITS.get(position.role, {}).get(measure)
     if limit is None or value == "-":
         return [position.name, measure, value, "", "", when]

@@ -54,14 +54,14 @@ class Measurement:
         return (*self.curves, *(self.corridor or ()))
 
     def points(self, column: Column, x_unit: str, y_unit: str) -> tuple[tuple[float, float], ...]:
-        """A column over the abscissa in the units asked for; raises PostError."""
+        """A column over the abscissa in the requested units; raises PostError."""
         x = self.abscissa.values * factor(self.abscissa.unit, x_unit)
         y = column.values * factor(column.unit, y_unit)
         return tuple(zip(x.tolist(), y.tolist(), strict=True))
 
 
 def read_test(path: Path) -> Measurement:
-    """The test in a file; raises PostError naming file, line and what is wrong."""
+    """The test in a file; raises PostError naming file, line and cause."""
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:

@@ -10,12 +10,12 @@
                                    M_c 310 N m flexion, 135 N m extension
 
 at every moment, all for a man of the 50th percentile, whatever the occupant's size. M_y is the
-moment about the occipital condyles: that of the section and those of what limits and resists the
-rotation of its joint. Signs are those of SAE J211: F_z positive in tension, M_y in flexion; the
-sensor's axes are x forward, y left, z up. Filters: CFC 600 for the neck and the femur, 180 for the
-chest, 60 for BrIC; where the samples do not serve a filter nothing is judged. Limits: UN R94 for VC
-and femur (9.07 kN at once, 7.58 kN for 10 ms), UN R137 for 42 mm; 1 for Nij. Intercepts of Nij and
-its filter are from memory and were not read in the regulation.
+moment about the occipital condyles: that of the section and those of the springs that limit and
+resist the rotation of its joint. Signs are those of SAE J211: F_z positive in tension, M_y in
+flexion; the sensor's axes are x forward, y left, z up. Filters: CFC 600 for the neck and the femur,
+180 for the chest, 60 for BrIC; where the samples do not serve a filter nothing is judged. Limits:
+UN R94 for VC and femur (9.07 kN at once, 7.58 kN for 10 ms), UN R137 for 42 mm; 1 for Nij.
+Intercepts of Nij and its filter are from memory and were not read in the regulation.
 
 Measures for which a deck has no sensor are named.
 """
@@ -39,7 +39,7 @@ TENSION, COMPRESSION, FLEXION, EXTENSION = 6806.0, 6160.0, 310.0, 135.0
 CHEST_DEPTH, VC_FACTOR = 0.229, 1.3
 # [rad/s] about the head's axes x, y and z
 CRITICAL_SPINS = (66.25, 56.45, 42.87)
-# what a whole occupant has, and the measure that each is for
+# sensors of a whole occupant, and the measure that each serves
 ROLES = {
     "head": "HIC, Severity Index and BrIC",
     "chest": "3 ms clip of the chest",
@@ -60,7 +60,9 @@ class Filtered(NamedTuple):
 
 
 def rows(result: Result) -> list[Row]:
-    """A row for each measure: name, measure, value, limit, verdict, when; and what is missing."""
+    """A row for each measure: name, measure, value, limit, verdict, time; and the missing
+    channels.
+    """
     cards = sensor_cards(result)
     measures: dict[str, Callable[[Result, str, Json], list[Row]]] = {
         "neck": _neck,
@@ -176,7 +178,7 @@ def _history(result: Result, expression: str, cfc: int) -> Filtered:
 def _judged(
     name: str, measure: str, value: float, unit: str, limit: float, when: str, message: str
 ) -> Row:
-    """A row with its limit; what was not filtered is not judged."""
+    """A row with its limit; a signal that was not filtered is not judged."""
     shown = f"{limit:g} {unit}".rstrip()
     verdict = "within" if value <= limit else "beyond"
     if message:

@@ -34,7 +34,7 @@ def answers(result: Result, questions: Path) -> list[Json]:
 
 
 def _unit(requested: Json) -> str:
-    """The unit that is asked for; "" for that of the channel. Raises PostError."""
+    """The requested unit; "" for that of the channel. Raises PostError."""
     unit = requested.get("unit") or ""
     if not isinstance(unit, str):
         raise PostError(f"unit must be a text such as 'mm', not {json.dumps(unit)}")

@@ -1,4 +1,4 @@
-"""The units of a page: those its reader asks for, and one for each kind of number on all of it."""
+"""The units of a page: those requested, and one for each kind of number on all of it."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -38,7 +38,7 @@ class Units:
         return cls(named, tuple(general))
 
     def requested(self, channel: str) -> str:
-        """The unit asked for a channel by name or pattern; "" where none is."""
+        """The unit requested for a channel by name or pattern; "" where none is."""
         return next((unit for name, unit in self.of_channel.items() if fits(name, channel)), "")
 
     def wanted(self, channel: str, unit: str) -> str:
@@ -68,7 +68,7 @@ def page_time_unit(result: Result, figures: Sequence[Figure], units: Units) -> s
 
 
 class PageUnits:
-    """The unit of charts and tables by the SI unit of what they show: that of the first figure.
+    """The unit of charts and tables by the SI unit of their values: that of the first figure.
 
     What no figure of the page shows stays in SI.
     """
@@ -92,7 +92,7 @@ class PageUnits:
                     self.of.setdefault(series[0].unit, unit)
 
     def unit(self, own: str) -> str:
-        """The page's unit of what has this unit."""
+        """The page's unit for values in this unit."""
         return self.of.get(own, own)
 
     def size(self, own: str) -> float:

@@ -1,6 +1,6 @@
 """Channels in words: "Buffers: contact force" for rcforc.buffers.normal.
 
-A name that no table knows is shown with its own words, an expression with those of its channels.
+A name that no table has is shown as it is, an expression with the names of its channels.
 """
 
 import re

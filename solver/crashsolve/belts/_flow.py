@@ -23,7 +23,7 @@ from crashsolve.foundation.kernels import kernel
 PASSES, FIRST, EVERY = 300, 8, 4
 # passes after which rings are settled one after the other alone
 PATIENCE = 100
-# what is left of a flow over the length of the belt
+# of a flow, over the length of the belt: treated as zero
 CLOSE = 1e-15
 # the same after so many passes, where round-off of tight segments keeps flows moving
 NEARLY, MANY = 1e-13, 40
@@ -41,7 +41,8 @@ def solve_flow(p, old, new, out, t, curves):
     choose_mode(p, old, new, t)
     for j in range(p.segments + 1):
         new.flow[j] = 0.0
-        new.grip[j] = exp(p.friction[j] * out.angle[j]) if p.friction[j] > 0.0 else 1.0
+        mu = p.friction_coefficient[j]
+        new.grip[j] = exp(mu * out.angle[j]) if mu > 0.0 else 1.0
     fill(p, old, new, out, curves)
     if p.segments > 1 or p.spool == 1:
         new.passes, largest = PASSES, 0.0
@@ -137,7 +138,7 @@ def relax_rings(p, old, new, out, curves):
 
 
 @kernel
-def pass_through(p, j, q, old, new, out, curves):
+def apply_flow(p, j, q, old, new, out, curves):
     """Gives ring j the flow q. Writes: new, out."""
     new.flow[j] = q
     fill_one(p, j - 1, old, new, out, curves)
@@ -151,7 +152,7 @@ def solve_ring(p, j, old, new, out, curves):
     # all that either side can give
     low, high = start - new.webbing[j], start + new.webbing[j - 1]
     if low < 0.0 and high > 0.0:
-        pass_through(p, j, 0.0, old, new, out, curves)
+        apply_flow(p, j, 0.0, old, new, out, curves)
         if out.force[j] > c * out.force[j - 1]:
             low = 0.0
         elif out.force[j - 1] > c * out.force[j]:
@@ -162,7 +163,7 @@ def solve_ring(p, j, old, new, out, curves):
     onwards = low >= 0.0
     q = min(max(start, low), high)
     for _ in range(HALVINGS):
-        pass_through(p, j, q, old, new, out, curves)
+        apply_flow(p, j, q, old, new, out, curves)
         T_a, T_b = out.force[j - 1], out.force[j]
         g_a, g_b = new.softens[j - 1], new.softens[j]
         excess = T_b - c * T_a if onwards else c * T_b - T_a

@@ -18,7 +18,7 @@ from crashsolve.belts._wrap import (
     over_cylinder,
     over_ellipsoid,
     over_sphere,
-    passing,
+    straight_arc,
 )
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, SurfaceName, Vec3, quantity, word
@@ -54,14 +54,18 @@ class Ring(Card):
 
     body: BodyName = word("body of the ring", default="ground")
     at: Vec3 = quantity("m", "in the frame of the body", default=(0.0, 0.0, 0.0))
-    friction: float = quantity("1", "mu between webbing and ring", default=0.0, ge=0, le=5)
+    friction_coefficient: float = quantity(
+        "1", "mu between webbing and ring", default=0.0, ge=0, le=5
+    )
 
 
 class Wrap(Card):
     """Surface of a body that the belt wraps where it meets it."""
 
     surface: SurfaceName = word("sphere, cylinder or ellipsoid")
-    friction: float = quantity("1", "mu between webbing and surface", default=0.0, ge=0, le=5)
+    friction_coefficient: float = quantity(
+        "1", "mu between webbing and surface", default=0.0, ge=0, le=5
+    )
     over: Vec3 | None = quantity(
         "m",
         "point on the side of a cylinder on which the belt lies, body axes; the nearer side when "
@@ -92,27 +96,27 @@ class Fitting(Card):
 
 
 ROUTE = Record(f"""
-    segments  count          how many
-    node      index  {MOST}  body of each fitting; the last is repeated
-    point     m      {3 * MOST}  each fitting, or middle of its surface, from the mass centre
-    friction  1      {MOST}  mu of rings and surfaces
-    surface   flag   {MOST}  0 for a point, else SPHERE, CYLINDER or ELLIPSOID
-    axes      1      {9 * MOST}  axes of each surface in its body, by rows
-    semi      m      {3 * MOST}  semi-axes; radius first; half the length of a cylinder last
-    sense     1      {MOST}  1 or -1: how the belt turns about a cylinder
-    turned    rad    {MOST}  angle of it that is wrapped at the start
-    shortest  m              length below which a segment is taken as that long
+    segments              count              how many
+    node                  index  {MOST}      body of each fitting; the last is repeated
+    point                 m      {3 * MOST}  fitting, or middle of its surface, from mass centre
+    friction_coefficient  1      {MOST}      mu of rings and surfaces
+    surface               flag   {MOST}      0 for a point, else SPHERE, CYLINDER or ELLIPSOID
+    axes                  1      {9 * MOST}  axes of each surface in its body, by rows
+    semi                  m      {3 * MOST}  semi-axes; radius first, half length of a cylinder last
+    sense                 1      {MOST}      1 or -1: how the belt turns about a cylinder
+    turned                rad    {MOST}      angle of it that is wrapped at the start
+    shortest              m                  length below which a segment is taken as that long
 """)
 LAID = Record(f"""
     along     1      {3 * SEGMENTS}  directions of the segments
-    arrive    m      {3 * MOST}  where the belt comes to each fitting, world axes
+    arrive    m      {3 * MOST}  where the belt reaches each fitting, world axes
     leave     m      {3 * MOST}  where it leaves
     half      m      {MOST}  half the arc on each surface
     split     m      {MOST}  middle of the arc from the material point of its body that divides it
     middle    m      {3 * MOST}  middle of the arc from the mass centre, body axes
     lies      1      {3 * MOST}  direction of the belt there, body axes
     wrapped   rad    {MOST}  angle of a cylinder
-    begun     m      {3 * MOST}  where the belt comes to an ellipsoid, its axes
+    begun     m      {3 * MOST}  where the belt reaches an ellipsoid, its axes
     touches   flag   {MOST}  1 where the belt lies on a surface, -2 where it has slipped off
     slipped   flag           the belt has slipped off a surface
     lateral   rad    {MOST}  by which it slid across its direction, over a ball or an ellipsoid
@@ -142,7 +146,7 @@ def check_route(route: tuple[Fitting, ...]) -> None:
 
 
 def route_columns(route: tuple[Fitting, ...], scene: Scene) -> Columns:
-    """Columns of ROUTE but for what depends on lengths."""
+    """Columns of ROUTE, except those that depend on lengths."""
     columns: Columns = {c.name: np.zeros((MOST, max(c.size // MOST, 1))) for c in TABLES}
     for i, fitting in enumerate(route):
         if fitting.wrap is not None:
@@ -152,7 +156,9 @@ def route_columns(route: tuple[Fitting, ...], scene: Scene) -> Columns:
         assert held is not None
         node = scene.node(held.body)
         columns["node"][i], columns["point"][i] = node, scene.from_mass_centre(node, held.at)
-        columns["friction"][i] = fitting.ring.friction if fitting.ring else 0.0
+        columns["friction_coefficient"][i] = (
+            fitting.ring.friction_coefficient if fitting.ring else 0.0
+        )
     columns["node"][len(route) :] = columns["node"][len(route) - 1]
     if len(set(columns["node"].ravel())) == 1:
         raise scene.fail("all fittings are on one body; a belt needs two or more", "route")
@@ -173,7 +179,10 @@ def _place_surface(columns: Columns, i: int, wrap: Wrap, scene: Scene) -> None:
         raise scene.fail(message + ", ".join(SHAPES), field)
     element = import_module(module.__name__).build(card, scene)[0]
     columns["surface"][i], columns["node"][i] = SHAPES[shape], element["node"]
-    columns["point"][i], columns["friction"][i] = element["point"], wrap.friction
+    columns["point"][i], columns["friction_coefficient"][i] = (
+        element["point"],
+        wrap.friction_coefficient,
+    )
     columns["axes"][i] = np.ravel(element.get("axes", np.eye(3)))
     columns["semi"][i] = element.get("semi", element.get("radius"))
     columns["semi"][i, 2] = element.get("half_length", columns["semi"][i, 2])
@@ -287,7 +296,7 @@ def wrap_surface(p, j, old, new, nodes):
     arc = arc_on(p, j, old, y_a, y_b)
     if arc.touches == -2 or (arc.touches == 1 and old.touches[j] == -2):
         # it has slipped off, until it is clear of the surface
-        arc = passing(-2, y_a, y_b, 0.5, 0.0)
+        arc = straight_arc(-2, y_a, y_b, 0.5, 0.0)
         new.slipped = 1
     put_triple(new.arrive, j, add(centre, matvec(body.A, matvec(axes, arc.first))))
     put_triple(new.leave, j, add(centre, matvec(body.A, matvec(axes, arc.last))))

@@ -1,8 +1,8 @@
 """Retractor: the spool at the start of a belt; it pulls, locks, is wound in, and pays out.
 
     free      T_0 = the pull of its spring, in and out
-    wound in  T_0 >= P(s) where webbing goes in, s what has gone in; never out
-    locked    T_0 <= R(w) where webbing goes out, w what has gone out since; never in
+    wound in  T_0 >= P(s) where webbing goes in, s the length wound in; never out
+    locked    T_0 <= R(w) where webbing goes out, w the length paid out since; never in
 
 q_0 is an unknown of the step beside the flows through rings. From T_0 to T_1 of the first segment
 the spool takes up (T_0 + T_1) / 2 q_0 + T_0 T_1 q_0 / 2k: heat of a limiter where webbing goes out,

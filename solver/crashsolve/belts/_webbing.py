@@ -7,7 +7,7 @@ energy is L T^2 / 2k. With constant k the losses of a step between T_0 and T_1 a
 
     (T_0 + T_1) / 2 dS   of webbing drawn out,   and   (T_0 + T_1) / 2 dL + T_0 T_1 dL / 2k
 
-of what flows, summed over segments; with these the energy closes to round-off, whatever the step.
+of the flow, summed over segments; with these the energy closes to round-off, whatever the step.
 """
 
 from typing import ClassVar
@@ -60,9 +60,12 @@ def webbing_columns(card: Webbing, scene: Scene) -> Columns:
     x = np.linspace(0.0, part["x"][-1], 1001)
     y = read(points, curve, x)
     if part["x"][0] != 0.0 or abs(y[0]) > 1e-12 * np.abs(y).max() or (np.diff(y) <= 0.0).any():
-        raise scene.fail("must begin with no force at 0, and rise", "webbing.curve")
+        raise scene.fail("must begin at (0, 0), and rise", "webbing.curve")
     if part["beyond"][0] == HOLD:
-        message = "is held beyond its end, where webbing tears; say extrapolate: refuse or linear"
+        message = (
+            "keeps its last value beyond its end, where webbing tears; set extrapolate: refuse "
+            "or linear"
+        )
         raise scene.fail(message, "webbing.curve")
     if (steep := steepest(points, curve)) >= k:
         message = f"must exceed every slope of the curve; the largest is {steep:g} N"

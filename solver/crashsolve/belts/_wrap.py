@@ -31,7 +31,7 @@ class Arc(NamedTuple):
 
     # 1, or 0 where it passes by; -1 where a point is within the shape, -2 where no geodesic is left
     touches: int
-    first: Vector  # points where it comes to the body, and leaves
+    first: Vector  # points where it reaches the body, and leaves
     last: Vector
     middle: Vector  # of the arc, or the nearest point of the belt
     along: Vector  # its direction there
@@ -41,7 +41,7 @@ class Arc(NamedTuple):
 
 
 @kernel
-def passing(touches, A, B, share, turned):
+def straight_arc(touches, A, B, share, turned):
     """The Arc of a belt that is straight: its nearest point at a share of the line from A to B."""
     line = sub(B, A)
     length = norm(line)
@@ -64,13 +64,13 @@ def over_sphere(R, A, B):
     a, b = norm(A), norm(B)
     share = nearest_share(A, B)
     if a <= R or b <= R:
-        return passing(-1, A, B, share, 0.0)
+        return straight_arc(-1, A, B, share, 0.0)
     across = cross(A, B)
     between = atan2(norm(across), dot(A, B))
     arc = between - acos(R / a) - acos(R / b)
     size = norm(across)
     if arc <= 0.0 or size == 0.0:
-        return passing(0, A, B, share, 0.0)
+        return straight_arc(0, A, B, share, 0.0)
     n = scale(1.0 / size, across)
     e = scale(1.0 / a, A)
     f = cross(n, e)
@@ -94,7 +94,7 @@ def over_cylinder(R, A, B, sense, before):
     flat_A, flat_B = (A[0], A[1], 0.0), (B[0], B[1], 0.0)
     share = nearest_share(flat_A, flat_B)
     if a <= R or b <= R:
-        return passing(-1, A, B, share, before)
+        return straight_arc(-1, A, B, share, before)
     from_A, from_B = acos(R / a), acos(R / b)
     theta = atan2(A[1], A[0])
     turned = sense * (atan2(B[1], B[0]) - theta) - from_A - from_B
@@ -103,7 +103,7 @@ def over_cylinder(R, A, B, sense, before):
     while turned < before - pi:
         turned += 2.0 * pi
     if turned <= 0.0:
-        return passing(0, A, B, share, turned)
+        return straight_arc(0, A, B, share, turned)
     straight_A, straight_B = sqrt(a * a - R * R), sqrt(b * b - R * R)
     plane = straight_A + R * turned + straight_B
     pitch = (B[2] - A[2]) / plane
@@ -126,16 +126,16 @@ def over_ellipsoid(semi, A, B, begun, arc):
     aa, bb = dot(a, a), dot(b, b)
     share = min(max(nearest_share(a, b), 0.0), 1.0)
     if aa <= 1.0 or bb <= 1.0:
-        return passing(-1, A, B, share, 0.0)
+        return straight_arc(-1, A, B, share, 0.0)
     nearest = add_scaled(a, share, sub(b, a))
     if dot(nearest, nearest) >= 1.0:
-        return passing(0, A, B, share, 0.0)
+        return straight_arc(0, A, B, share, 0.0)
     # silhouette seen from A, begun where it was, or in the plane of A, B and the centre
     near = divided(begun, semi) if arc > 0.0 else b
     towards = add_scaled(near, -dot(a, near) / aa, a)
     size = norm(towards)
     if size < 1e-9:
-        return passing(-1, A, B, share, 0.0)
+        return straight_arc(-1, A, B, share, 0.0)
     e = scale(1.0 / size, towards)
     f = scale(1.0 / sqrt(aa), cross(a, e))
     psi = 0.0
@@ -157,7 +157,7 @@ def over_ellipsoid(semi, A, B, begun, arc):
         if largest < CLOSE:
             break
     if largest > FAR:
-        return passing(-2, A, B, share, 0.0)
+        return straight_arc(-2, A, B, share, 0.0)
     first = tangent_point(semi, a, e, f, psi)
     t = scale(1.0 / norm(sub(first, A)), sub(first, A))
     half = travel(semi, first, t, 0.5 * s)
@@ -207,7 +207,7 @@ def gradient(semi, x):
 
 
 @kernel
-def bent(semi, x, t):
+def second_derivative(semi, x, t):
     """x'' of the geodesic."""
     g = gradient(semi, x)
     q = t[0] ** 2 / semi[0] ** 2 + t[1] ** 2 / semi[1] ** 2 + t[2] ** 2 / semi[2] ** 2
@@ -218,18 +218,18 @@ def bent(semi, x, t):
 def travel(semi, x, t, s):
     """The geodesic from x along t: its end after s, direction there, integral of the curvature."""
     h = s / PIECES
-    bend, before = 0.0, norm(bent(semi, x, t))
+    bend, before = 0.0, norm(second_derivative(semi, x, t))
     for _ in range(PIECES):
-        k1 = bent(semi, x, t)
+        k1 = second_derivative(semi, x, t)
         t2 = add_scaled(t, 0.5 * h, k1)
-        k2 = bent(semi, add_scaled(x, 0.5 * h, t), t2)
+        k2 = second_derivative(semi, add_scaled(x, 0.5 * h, t), t2)
         t3 = add_scaled(t, 0.5 * h, k2)
-        k3 = bent(semi, add_scaled(x, 0.5 * h, t2), t3)
+        k3 = second_derivative(semi, add_scaled(x, 0.5 * h, t2), t3)
         t4 = add_scaled(t, h, k3)
-        k4 = bent(semi, add_scaled(x, h, t3), t4)
+        k4 = second_derivative(semi, add_scaled(x, h, t3), t4)
         x = add_scaled(x, h / 6.0, add(add(t, t4), scale(2.0, add(t2, t3))))
         t = add_scaled(t, h / 6.0, add(add(k1, k4), scale(2.0, add(k2, k3))))
-        now = norm(bent(semi, x, t))
+        now = norm(second_derivative(semi, x, t))
         bend += 0.5 * h * (before + now)
         before = now
     return x, t, bend

@@ -44,8 +44,8 @@ if TYPE_CHECKING:
 
 STEPWISE = True
 WARNINGS = {
-    "short": "a segment shrank to nothing, as its ring met the next fitting: its length was taken "
-    "as 0.001 of the belt; move the ring, or give the belt more webbing",
+    "short": "a segment reached zero length, as its ring met the next fitting: its length was "
+    "taken as 0.001 of the belt; move the ring, or give the belt more webbing",
     "slipped": "the belt slipped off a surface, and was taken as straight until it was clear of "
     "it; the webbing that became slack is lost: move its fittings, or guide it by a ring",
     "crossed": "the belt slid sideways over a ball or an ellipsoid by more than a right angle, as "
@@ -96,7 +96,7 @@ HISTORY = (
     friction    J        lost at rings
     drawn       J        lost in webbing
     straight    m    {SEGMENTS}  length
-    short       flag     a segment has come to no length
+    short       flag     a segment has reached zero length
     unsettled   flag     the flows of some step are not found
     passes      count    of the search for the flows
     flow        m    {MOST}  q, that passes each fitting in the step
@@ -121,7 +121,7 @@ OUTPUT = Record(f"""
     pay_out     m        webbing that has left the retractor
     locked      count    1 once the retractor is locked
 """)
-# what the start is laid out with, of the bodies
+# columns of the bodies for the layout at the start
 PLACED = Record("""
     r  m  3  position of the mass centre
     A  1  9  rotation matrix by rows

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from crashsolve.channels.errors import ChannelError
 from crashsolve.channels.units import UnitError, read_product, symbol_unit
 
-# what a symbol means for values that the symbol's own dimension cannot be of
+# other meaning of a symbol, for values that cannot have the dimension of the symbol itself
 ELSEWHERE = {("t", "N"): "tf", ("g", "m/s^2"): "g0"}
 
 
@@ -91,7 +91,7 @@ def measure_the_same(a: str, b: str) -> bool:
 def factor(source: str, wanted: str) -> float:
     """Values in `source` times this are values in `wanted`; raises ChannelError.
 
-    A force asked for in "t" comes in tonne-force, an acceleration in "g" in standard gravity.
+    A force in "t" is shown in tonne-force, an acceleration in "g" in standard gravity.
     """
     if source == wanted:
         return 1.0

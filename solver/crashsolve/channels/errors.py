@@ -5,8 +5,8 @@ from difflib import get_close_matches
 
 
 class ChannelError(ValueError):
-    """A channel, expression, statistic or unit that does not exist; the text says why, and what
-    does.
+    """A channel, expression, statistic or unit that does not exist; the text states the cause, and
+    what does.
     """
 
 

@@ -101,7 +101,7 @@ def _tree(expression: str) -> ast.expr:
 
 
 def _names(node: ast.expr) -> list[str]:
-    """The channels of a tree, `time` among them; raises ChannelError for what is none of ours."""
+    """The channels of a tree, `time` among them; raises ChannelError for any other node."""
     match node:
         case ast.Constant(value=str() as name):
             return [] if _QUANTITY.match(name) else [name]

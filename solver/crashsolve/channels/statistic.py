@@ -4,14 +4,15 @@ A word is a file of the folder `statistics`. What such a file may hold:
 
     value(series)        the number of the samples as they are
     refined(series)      the number of the smooth history behind them; value where absent
-    unresolved(series)   what the samples cannot say of it; 0 where absent
+    unresolved(series)   uncertainty of it by sampling; 0 where absent
     unit(unit)           unit of the number; that of the values where absent
-    scale(series, size)  what errors of the number are compared with, `size` being the largest
+    scale(series, size)  reference value of errors of the number, `size` being the largest
                          magnitude of the history; `size` where absent
-    remark(series)       what is to be said where the number is shown; nothing where absent
+    remark(series)       note shown beside the number; none where absent
     IS_OF_A_MOMENT       it reads one moment, which no time window limits
     IS_A_TIME            the number is a time of the history
-    ARGUMENT             what follows the word and a colon [s]: the second argument of all functions
+    ARGUMENT             meaning of the number after the word and a colon [s]: the second argument
+    of all functions
 
 The difference of value and refined is the estimated error of sampling.
 """

@@ -22,7 +22,7 @@ SI_SYMBOLS = ("m", "kg", "s", "rad")
 
 
 class UnitError(ChannelError):
-    """A unit or a number with a unit that cannot be read; the text says why."""
+    """A unit or a number with a unit that cannot be read; the text states the cause."""
 
 
 @dataclass(frozen=True)

@@ -1,1 +1,3 @@
-"""From plain Python to machine code: specialise, translate, compile, keep. Knows no mechanics."""
+"""From plain Python to machine code: specialise, translate, compile, store. It contains no
+mechanics.
+"""

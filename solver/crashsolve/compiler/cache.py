@@ -153,7 +153,10 @@ def _passing_folder(name: str) -> Path:
     root = tempfile.mkdtemp(prefix="crashsolve-")
     atexit.register(shutil.rmtree, root, ignore_errors=True)
     os.environ[CHOSEN] = root
-    notes.append(f"no folder keeps compiled code for the next run: set {CHOSEN} to one of your own")
+    notes.append(
+        f"no folder was found that can keep compiled code for the next run: set {CHOSEN} to one "
+        "of your own"
+    )
     folder = Path(root) / name
     make_private(folder)
     return folder

@@ -78,7 +78,7 @@ def machine_code(source: Path, name: str, tables: Tables) -> Function:
 
 
 def machine_codes(source: Path, names: tuple[str, ...], tables: Tables) -> tuple[Function, ...]:
-    """Several functions of a file, compiled together: what they call is there once.
+    """Several functions of a file, compiled together: functions that they share are compiled once.
 
     Raises: CompileError with the compiler's message when they cannot be compiled, CacheError where
     compiled code cannot be kept.
@@ -147,7 +147,7 @@ def _compile_apart(
 ) -> bytes:
     """Machine code, written to `path` by a process of its own, which no signal to this one reaches.
 
-    That process holds the lock too: should this one die, others still wait for what it makes.
+    That process holds the lock too: should this one die, others still wait for its file.
     Raises: CompileError with the compiler's message, CacheError when the code cannot be kept.
     """
     words = [sys.executable, "-m", "crashsolve.compiler.process", source, path, *names]
@@ -167,13 +167,13 @@ def _compile_apart(
         raise CompileError(f"cannot compile {source}: {message.strip()}")
     code = read_sealed(path)
     if code is None:
-        raise CacheError(f"the compiled code {path} cannot be read back; is the disk sound?")
+        raise CacheError(f"the compiled code {path} cannot be read back; check the disk")
     return code
 
 
 def _link(names: tuple[str, ...], code: bytes) -> tuple[Function, ...]:
     """Functions of an object file, linked into this process."""
-    # what only reads a deck does not load it
+    # commands that only read a deck do not load it
     import llvmlite.binding as llvm
 
     llvm.initialize_native_target()
@@ -186,7 +186,9 @@ def _link(names: tuple[str, ...], code: bytes) -> tuple[Function, ...]:
 
 
 def forget_linker() -> None:
-    """Give back what LLVM has touched: its start alone 35 MB, of which loading a step needs 6."""
+    """Release the memory of LLVM: its start alone takes 35 MB, and loading a step needs 6 of
+    them.
+    """
     release_pages("libllvmlite")
 
 

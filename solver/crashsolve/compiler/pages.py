@@ -11,7 +11,7 @@ MAPPING = re.compile(r"^([0-9a-f]+)-([0-9a-f]+) (\S{4}) \S+ \S+ \S+ *(.*)$")
 
 
 def release_pages(library: str) -> None:
-    """Drop the pages of a library that hold what its file holds; the system reads them again.
+    """Drop the unchanged pages of a library from memory; the system reads them from its file again.
 
     Where the system has no list of pages, nothing happens.
     """

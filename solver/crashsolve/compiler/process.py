@@ -71,7 +71,7 @@ def _fingerprint(text: str, has_lanes: bool) -> str:
 
 
 def object_code(text: str, vectors: bool) -> bytes:
-    """Machine code of a text; elements in blocks are what loops over lanes are for."""
+    """Machine code of a text; loops over lanes serve elements in blocks."""
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     module, target = llvm.parse_assembly(text), machine.host_machine(vectors)

@@ -1,7 +1,7 @@
 """Program: the functions that some entry points reach, specialised, as one module.
 
 Modules of some packages are copied, function by function, others are imported; every name has one
-meaning. compiler/specialise.py states what replaces placeholders.
+meaning. compiler/specialise.py states the values that replace placeholders.
 """
 
 import ast
@@ -38,7 +38,7 @@ class Program:
         self.placeholders, self.home = placeholders, home
         self.is_copied, self.replaced = is_copied, replaced
         self._sources: dict[str, Source] = {}
-        # what every name of the text means
+        # meaning of every name of the text
         self._meanings: dict[str, tuple[object, ...]] = {}
         self._imports: dict[str, tuple[str, str]] = {}
         self._parts: list[str] = []

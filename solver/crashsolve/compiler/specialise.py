@@ -1,17 +1,17 @@
 """Specialise: one module of just those functions that a scene needs, each a copy for that scene.
 
-A loop is ordinary Python over placeholders, names that stand for what a scene brings. They are
+A loop is ordinary Python over placeholders, names that stand for the groups of a scene. They are
 known before anything is compiled, so a copy of the function can be made in which
 
     for group in GROUPS:        stands once for every group
-    if group.is_flat:           has gone, or only what it would do is left
+    if group.is_flat:           is removed, or only its body remains
     group.law.force(...)        is a call of the kernel in the group's own module
     group.history               is a table of the scene, of those the group names in TABLES
     pairs(group, clock, scene)  calls a copy of `pairs` for that group
 
 What depends on no placeholder is copied as it is, with its comments. All of this works on the
-syntax tree and knows no mechanics: what the placeholders are, and which modules are copied instead
-of imported, is said by the caller (system/compose.py).
+syntax tree and knows no mechanics: the placeholders, and the modules that are copied instead
+of imported, come from the caller (system/compose.py).
 """
 
 import ast
@@ -262,7 +262,7 @@ class Copy(ast.NodeTransformer):
             elif part != is_and:
                 if not any(isinstance(n, ast.Call) for value in left for n in ast.walk(value)):
                     return part
-                # what comes before it may write
+                # statements before it may write
                 left.append(ast.Constant(part))
                 break
         if not left:
@@ -355,7 +355,7 @@ def walk(tree: ast.AST) -> list[ast.AST]:
 
 
 def names_in(tree: ast.AST) -> set[str]:
-    """Names that a syntax tree uses. They are found once: a copy brings what its tree had.
+    """Names that a syntax tree uses. They are found once: a copy has those of its tree.
 
     A tree that is changed may lose names, which does no harm where each is then asked about.
     """

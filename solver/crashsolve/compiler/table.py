@@ -1,7 +1,7 @@
 """Tables: the arrays of a scene under their names, as compiled code gets them, in one argument.
 
 A structured array of one or two dimensions becomes a table of rows, a plain one of one dimension a
-column of numbers; what a kernel may do with them stands in translation/memory.py.
+column of numbers; translation/memory.py states the operations of kernels on them.
 """
 
 import hashlib

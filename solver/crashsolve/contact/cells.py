@@ -105,7 +105,7 @@ class Near(NamedTuple):
     grid: tuple[np.ndarray, ...]  # cells, starts of buckets, faces sorted by them
     # first of each probe, faces near, displacement until each is due, that of the probe
     lists: tuple[np.ndarray, ...]
-    spared: tuple[np.ndarray, ...]  # first of each probe, faces that it never meets
+    excluded: tuple[np.ndarray, ...]  # first of each probe, faces that it never meets
 
 
 @kernel
@@ -115,7 +115,7 @@ def list_near(i, x, p, offset, reach, width, near_faces, total):
     Returns the length of all lists, which may be more than there is room for.
     Writes: near_faces.lists.
     """
-    (cells, starts, sorted_faces), (_, near, wait, _), spared = near_faces
+    (cells, starts, sorted_faces), (_, near, wait, _), excluded = near_faces
     centre = cube_of(x, width)
     for n in range(27):
         a, b, c = centre[0] + n // 9 - 1, centre[1] + n // 3 % 3 - 1, centre[2] + n % 3 - 1
@@ -127,7 +127,7 @@ def list_near(i, x, p, offset, reach, width, near_faces, total):
                 continue
             between = sub(x, vec(cell.middle))
             far, square = reach + cell.radius, dot(between, between)
-            if square >= far * far or is_excluded(i, f, spared):
+            if square >= far * far or is_excluded(i, f, excluded):
                 continue
             if total < p.room:
                 near[total] = f
@@ -139,9 +139,9 @@ def list_near(i, x, p, offset, reach, width, near_faces, total):
 
 
 @kernel
-def is_excluded(i, f, spared):
+def is_excluded(i, f, excluded):
     """Whether a probe never meets a face: near it in the mesh."""
-    first, faces = spared
+    first, faces = excluded
     at = first[i]
     while at < first[i + 1] and faces[at] != f:
         at += 1

@@ -85,8 +85,8 @@ def unilateral_impulse(p: Parameters, P, u, n, lift, mobility, mobility_along):
     """
     P_n, u_n = dot(P, n), dot(u, n)
     push = max(P_n - (u_n - lift) / mobility, 0.0)
-    held = add_scaled(P, -P_n, n)
-    friction_force = add_scaled(held, -1.0 / mobility_along, add_scaled(u, -u_n, n))
+    tangential = add_scaled(P, -P_n, n)
+    friction_force = add_scaled(tangential, -1.0 / mobility_along, add_scaled(u, -u_n, n))
     most, size = p.friction_coefficient * push, norm(friction_force)
     if size > most:
         friction_force = scale(most / size, friction_force)

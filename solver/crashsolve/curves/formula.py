@@ -4,7 +4,7 @@
     between two of them |cubic - expression| <= 1e-9 of the largest |y| there, or 1e-15 of the
     largest of all, beside the round-off of x
 
-Breakpoints halve until that holds, kinks included. `segments` are what they begin with: every one
+Breakpoints halve until that holds, kinks included. `segments` is their initial number: every one
 is evaluated at many points, so that a narrow pulse is found; a narrower one needs more of them.
 Consequence to test: a power, a root and a fast sine have their own values everywhere.
 References: de Boor, A Practical Guide to Splines (1978), chapter IV.
@@ -31,7 +31,8 @@ from crashsolve.deck.reading.expressions import Expression, ExpressionError
 TOLERANCE, FLOOR, LOOSEST, ROUND_OFF = 1e-9, 1e-6, 2e-4, 1e-15
 # points at which a formula is evaluated, in each piece at least so many; and the most cubics
 LOOKS, LEAST, MOST = 65_536, 5, 450_000
-# [of the range] the shortest cubic, which holds a kink; and what is a jump, of the largest value
+# [of the range] the shortest cubic, which holds a kink; and least size of a jump, of the largest
+# value
 SMALLEST, JUMP = 1e-13, 1e-3
 
 
@@ -83,7 +84,7 @@ def _sample(
 ) -> tuple[Array, Array, Array, float]:
     """The samples of a formula, computed once for the check of the card and its build."""
     formula = Expression(expression)
-    # what cannot be evaluated at all is reported by the plain evaluation
+    # a formula that cannot be evaluated is reported by the plain evaluation
     formula.value({"x": start})
     x = np.linspace(start, end, segments + 1)
     looks = max(math.ceil(LOOKS / segments), LEAST)

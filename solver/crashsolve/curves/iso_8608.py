@@ -60,7 +60,9 @@ class Iso8608(CurveCard):
         if self.level > 0.0 and self.rise == 0.0:
             raise ValueError("rise: must be above 0 behind a level start")
         if self.level + self.rise > self.length:
-            raise ValueError("level: the waves have not grown by the end of the road")
+            raise ValueError(
+                "level: the roughness has not reached its full size by the end of the road"
+            )
         return self
 
     def orders(self) -> Array:

@@ -100,7 +100,7 @@ class PartOfScene(Protocol):
 
     first: int  # of its points among all
     used: np.ndarray  # points of its elements
-    held: np.ndarray  # (n,) how each point moves, see foundation/point.py
+    fixed: np.ndarray  # (n,) how each point moves, see foundation/point.py
     mass: np.ndarray  # (n,) of the points [kg]
     J: np.ndarray  # (n,) [kg m^2]
     area: np.ndarray  # of the elements [m^2]

@@ -1,4 +1,4 @@
-"""Cards: what a user may write, with units, bounds and meaning beside each word.
+"""Cards: the fields of a deck, with units, bounds and meaning beside each word.
 
     class LinearSpring(Card):
         b: BodyName = word("body at the second end")

@@ -106,7 +106,7 @@ def add(
         where = locate(entry.where, entry.item.value, card.path, False)
         item = Item(card.keyword, card.name, card.fields, where, where, MADE, owner=owner)
         if card.name in items[card.keyword]:
-            message = f"its {item.what} has the name of another"
+            message = f"its {item.what} has a name that is already in use"
             refuse(entry.item, Diagnostic(card.path, message, "rename one of them"))
             is_well = False
         else:

@@ -1,9 +1,9 @@
-"""Families of laws: what a folder states of itself, so that nothing outside it need know it.
+"""Families of laws: the declaration of a folder, so that no code outside needs to know it.
 
 A folder of the package with `FAMILY = Family(...)` in its `__init__.py` is a family: its files are
 types, and its name is a keyword of decks, or its types stand within the cards of others. What else
 a scene asks of it is declared there, all of it: a declaration that is missing, or a law that does
-not provide what the family promises, is one error at import, in words.
+not provide all that its family promises, is one error at import, in words.
 """
 
 import re
@@ -24,7 +24,7 @@ PACKAGE = __name__.partition(".")[0]
 LINE = "line"  # a picture: from point a of one body to point b of another
 ROUTE = "route"  # along the points of HISTORY that a law names leave and arrive
 ELEMENTS = "elements"  # as elements between nodes
-MARK = "mark"  # a ball in its point, with what it has yielded
+MARK = "mark"  # a ball in its point, with its plastic strain
 ANY = ("any",)  # integrators
 DEFAULT_INTEGRATOR = "rattle"
 # words of control.integrator that leave the method to the model
@@ -45,16 +45,14 @@ class Family:
     """Declaration of a folder of laws. Raises FamilyError naming all that is missing."""
 
     # which question each declaration answers, as the error asks it
-    entry: str | None = (
-        MISSING  # what is one entry of its section called? None for laws within cards
-    )
+    entry: str | None = MISSING  # name of one entry of its section; None for laws within cards
     follows: str | None = MISSING  # which section does it follow, in decks, manuals and the build?
-    law: type = MISSING  # which Protocol says what the file of a law must provide?
+    law: type = MISSING  # Protocol of the file of a law
     energy: tuple[str, ...] = (
         MISSING  # entries of the ledger, the default first: NAME_stored and _dissipated
     )
     channels: dict[str, str] | None = (
-        MISSING  # first words of its channels and what they hold, the default first
+        MISSING  # first words of its channels and their content, the default first
     )
     picture: str | None = MISSING  # how is it drawn: LINE, ROUTE, ELEMENTS, MARK, or None
     uses: tuple[str, ...] = MISSING  # of which other families may its files import?
@@ -69,7 +67,7 @@ class Family:
         if missing:
             raise FamilyError(
                 f"a family must declare {', '.join(missing)}: see the fields of Family in "
-                f"{PACKAGE}/deck/family.py for what each one answers"
+                f"{PACKAGE}/deck/family.py for their meaning"
             )
         wrong = [
             f"{name} must be {meant}, not {getattr(self, name)!r}"
@@ -173,7 +171,7 @@ def _roles(law: type) -> list[type]:
 
 
 def check_law(module: ModuleType) -> None:
-    """Raises FamilyError for a law that does not provide what its family promises."""
+    """Raises FamilyError for a law that lacks a part of the Protocol of its family."""
     package, *folders, _ = module.__name__.split(".")
     folder = "/".join(folders) if package == PACKAGE else ""
     family = next((f for f in families().values() if f.folder == folder), None)
@@ -215,7 +213,9 @@ def _check_words(module: ModuleType, family: Family) -> None:
 
 
 def check_arguments(module: ModuleType, wanted: Mapping[str, FunctionType]) -> None:
-    """Raises FamilyError for functions of a law that do not take what those of a Protocol take."""
+    """Raises FamilyError for functions of a law whose arguments differ from those of the
+    Protocol.
+    """
     for name, function in wanted.items():
         if not isinstance(getattr(module, name), FunctionType):
             raise FamilyError(f"{module.__name__}: {name} must be a function")
@@ -309,7 +309,7 @@ def _root() -> Path:
 def imported(name: str, path: Path) -> ModuleType:
     """The module of a file.
 
-    Raises FamilyError with file and line for whatever keeps Python from importing it.
+    Raises FamilyError with file and line for any exception at its import.
     """
     location = name.replace(".", "/") + ("/__init__.py" if path.stem == "__init__" else ".py")
     try:
@@ -328,7 +328,7 @@ def _import_message(error: Exception, location: str, path: Path) -> str:
     """File, line and reason of an error of an import, in one line."""
     trace = traceback.extract_tb(error.__traceback__)
     lines = [step.lineno for step in trace if step.filename == str(path)]
-    # what follows the first line of pydantic's message is a link to its manual
+    # after the first line of pydantic's message there is a link to its manual
     reason = str(error).partition("\n")[0]
     if isinstance(error, SyntaxError) and error.filename == str(path):
         lines, reason = [error.lineno], error.msg

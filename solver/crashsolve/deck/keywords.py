@@ -28,7 +28,9 @@ SECTIONS: dict[str, Section] = {
 
 
 def answering(keyword: str) -> tuple[str, ...]:
-    """Sections whose entries a card may name as one of `keyword`: whatever has rows is a joint."""
+    """Sections whose entries a card may name as one of `keyword`: every entry with rows is a
+    joint.
+    """
     if keyword in SECTIONS and families()[keyword].has_rows:
         return tuple(name for name in SECTIONS if families()[name].has_rows)
     return (keyword,)

@@ -109,7 +109,7 @@ class SiFloat(float):
 class Context:
     """Properties of the file of a card: units of bare numbers, and folder.
 
-    `symbols` are those units by name; `axes` the units of x and y of a curve by what uses it.
+    `symbols` are those units by name; `axes` the units of x and y of a curve by its use.
     """
 
     units: Mapping[str, Unit] = field(default_factory=lambda: SI)
@@ -160,7 +160,7 @@ def _factor_of_mixed(value: SiFloat, wanted: Unit, bases: Mapping[str, Unit]) ->
     """From an expression of parameters with units to SI, in a file with units of its own.
 
     Bare numbers in it are pure where the units then fit, and all in units of the file where those
-    of the others cancel. Raises UnitError elsewhere, as nobody knows which of them have a unit; in
+    of the others cancel. Raises UnitError elsewhere, as it is unknown which of them have a unit; in
     SI nobody needs to.
     """
     derived = value.derived

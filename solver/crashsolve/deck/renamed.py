@@ -5,6 +5,7 @@ A deck with an old word is refused; the message names the new one.
 
 RENAMED = {
     "blows": "impulses",
+    "coefficient": "friction_coefficient",
     "cuts": "section_cuts",
     "friction": "friction_coefficient",
     "hold": "supports",

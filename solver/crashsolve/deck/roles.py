@@ -82,7 +82,7 @@ class Releasing(Protocol):
 
 
 class Force(Protocol):
-    """Forces on bodies, which every step asks for.
+    """Forces on bodies, evaluated in every step.
 
     `p` is the row of PARAMETERS, `old` and `new` are those of HISTORY, `out` that of OUTPUT with
     `stored` [J], `power` [W], which is lost at this moment, and `loss` [J], which was in the step;
@@ -104,7 +104,7 @@ class Reading(Protocol):
 
 
 class Following(Protocol):
-    """A sensor that must look at every step."""
+    """A sensor that is evaluated in every step."""
 
     def follow(self, p, old, new, out, nodes):
         """Update its history by a step. Writes: new, out."""
@@ -287,7 +287,7 @@ class KeptFace(Protocol):
 
 
 class RoundMiddle(Protocol):
-    """A gap routine that knows how deep the middle of a round shape is."""
+    """A gap routine that gives the depth of the middle of a round shape."""
 
     def middle(self, a, b, nodes, n):
         """Depth at which the middle passes [m]."""

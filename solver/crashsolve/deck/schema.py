@@ -1,6 +1,6 @@
 """The deck language as a JSON Schema for editors, and as two manuals, all from the cards.
 
-KEYWORDS.md lists what may be written; EQUATIONS.md says which file holds which equation.
+KEYWORDS.md lists all fields; EQUATIONS.md lists the file of each equation.
 """
 
 import ast

@@ -39,7 +39,7 @@ _CORE_TYPES: dict[str, type | UnionType] = {
 _FORBIDDEN = re.compile(r"[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
-# what an escape such as "\\e" may smuggle in; other marks are spelt out where they are shown
+# characters that an escape such as "\\e" may bring in; others are spelt out where they are shown
 _CONTROL = re.compile("[\x00-\x08\x0b-\x1f\ud800-\udfff]")
 
 
@@ -243,7 +243,7 @@ class _Parser:
 
     def alias(self, event: yaml.AliasEvent) -> object:
         if event.anchor not in self.anchors:
-            return self.refuse(event, f"nothing is anchored as '&{event.anchor}' before this")
+            return self.refuse(event, f"no value has the anchor '&{event.anchor}' before this")
         value, size = self.anchors[event.anchor]
         self.count += size
         return value
@@ -308,7 +308,7 @@ class _Parser:
         if problem:
             return self.refuse(event, problem, advice)
         if tag and not isinstance(value, _CORE_TYPES[tag]):
-            return self.refuse(event, f"'{event.value}' is not what its tag '!!{tag}' says")
+            return self.refuse(event, f"'{event.value}' does not match its tag '!!{tag}' says")
         return value
 
 

@@ -15,9 +15,7 @@ SYMBOLS = {
     **dict.fromkeys(("rho", "ro", "rho0"), ("density", "density_a")),
     **dict.fromkeys(("yield", "sigma_y", "sigy", "fy", "Y", "sy"), ("yield_stress", "yield_force")),
     **dict.fromkeys(("etan", "Et", "tangent_modulus"), ("tangent", "hardening")),
-    **dict.fromkeys(
-        ("mu", "friction_coefficient"), ("coefficient", "dynamic", "friction_coefficient")
-    ),
+    **dict.fromkeys(("mu", "friction_coefficient"), ("friction_coefficient", "dynamic")),
     **dict.fromkeys(("mu_s", "mu_static"), ("static",)),
     **dict.fromkeys(("mu_k", "mu_d", "mu_dynamic"), ("dynamic",)),
     **dict.fromkeys(("e", "cor", "epsilon"), ("restitution", "exponent")),

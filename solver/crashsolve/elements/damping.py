@@ -58,7 +58,7 @@ def coefficients(card: Damped, scene: Scene) -> tuple[float, float]:
     method = scene.deck.control.integrator
     if method in IMPLICIT:
         message = f"smooths fronts in explicit steps, and integrator {method} has no such steps"
-        raise scene.fail(f"{message}; say damping, or integrator: rattle", "viscosity")
+        raise scene.fail(f"{message}; use damping, or integrator: rattle", "viscosity")
     return card.viscosity.linear, card.viscosity.quadratic**2
 
 

@@ -1,6 +1,6 @@
 """What happens between samples is part of the error of numbers that are made of samples.
 
-    largest or least value of a force that a missed contact bears: + peak - shown
+    largest or least value of a force of a missed contact: + peak - shown
     integral of it:                                                + |impulse - integral|
     acceleration of a body that it strikes:                        + (peak - shown) / m
 
@@ -49,7 +49,9 @@ SENSED = re.compile(r"\b(nodout\.|glstat\.model\.energy\.\w+_stored)")
 def with_missed_contacts(
     found: Sequence[Estimate], missed: Sequence[Missed], mass: dict[str, float]
 ) -> list[Estimate]:
-    """Estimates plus what samples miss of contacts `missed`; `mass` [kg] of bodies by name."""
+    """Estimates, with the errors by samples of the contacts `missed`; `mass` [kg] of bodies by
+    name.
+    """
     return (
         [_with_missed_contacts(estimate, missed, mass) for estimate in found]
         if missed
@@ -60,7 +62,7 @@ def with_missed_contacts(
 def _with_missed_contacts(
     estimate: Estimate, missed: Sequence[Missed], mass: dict[str, float]
 ) -> Estimate:
-    """The estimate enlarged by what its channels miss of peaks between samples, or withdrawn."""
+    """The estimate, enlarged by the peaks that its channels miss between samples, or withdrawn."""
     text, statistic = " ".join(estimate.watch.channels), estimate.watch.statistic
     is_course = bool(COURSES.search(text))
     if estimate.error is None or (statistic not in OF_SAMPLES and not is_course):

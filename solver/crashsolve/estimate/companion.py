@@ -1,4 +1,4 @@
-"""A companion: the deck's model run once more in memory, coarser or finer, for watched channels.
+"""A companion: the deck's model run again in memory, coarser or finer, for watched channels.
 
     coarseness m: fixed or longest step, safety and turn times m; tolerance times m^q
 
@@ -148,7 +148,7 @@ class Companions:
     def _next(self, k: int, step: float, coarseness: float, schedule: Schedule) -> int:
         """Number of the next sample: where a step would pass the next one, that of every m-th.
 
-        No sample at a time that was asked for is left out.
+        No sample at a requested time is left out.
         """
         stride, plain = 1, schedule.plain_number(k)
         is_bound = plain is not None and step > _longest(schedule)

@@ -1,7 +1,7 @@
 """The estimated error of one watched number, from coarser runs, a finer one, and its own samples.
 
     two coarser runs    error = |x1 - x2| / ((h2/h1)^p - 1), the observed order p as in a study;
-                        at least a quarter of what |x2 - x4| says with the method's order,
+                        at least a quarter of the value of |x2 - x4| by the method's order,
                         all of it where p is none; more where p is greater than any order of the
                         method: as many times as the last difference is too small, up to four
     one coarser run     the same with the method's order
@@ -62,7 +62,7 @@ DIGITS = 1e-13
 class Estimate:
     """A watched number with its error: both in `unit`, as is the `scale` of relative errors.
 
-    `error` is None where it is not known; `how` says how it was found, or why it was not.
+    `error` is None where it is not known; `how` states the method, or the cause.
     """
 
     watch: Watch
@@ -73,7 +73,7 @@ class Estimate:
     how: str
     steps: float = 0.0  # the part of the error that the steps make
     sampling_error: float = 0.0  # and that of the gaps between samples
-    is_wanted: bool = True  # False for what measures the run's own errors
+    is_wanted: bool = True  # False for channels that measure the run's own errors
     mesh: float | None = None  # the part of the mesh; infinite where meshes state none
 
     @property
@@ -144,7 +144,7 @@ class Judge:
         except ValueError as problem:
             return Estimate(watch, None, "", None, 0.0, f"not estimated: {problem}")
         if any(channel.is_of_the_run for channel in channels):
-            how = "not estimated: it is a measure of the run's errors itself"
+            how = "not estimated: it measures the errors of the run itself"
             return Estimate(watch, value, unit, None, size, how, is_wanted=False)
         try:
             sampling_error = _sampling_error(watch, series, main)
@@ -187,7 +187,7 @@ class Judge:
             return None
         coarse = [o for o in others if o.cycles > 0 and not is_as_fine(o.cycles, main.cycles)]
         fine = [o for o in others if not is_as_fine(main.cycles, o.cycles)]
-        # of two that corners and samples cut into as many steps one says all
+        # of two that corners and samples cut into as many steps, one is enough
         coarse = list({o.cycles: o for o in coarse}.values())
         used = [*sorted(coarse, key=_cycles)[-2:], main] if coarse else [main, *fine[:1]]
         if len(used) < 2:
@@ -227,7 +227,7 @@ def _margin(found: Convergence, order: float) -> float:
     """Factor [1] on the error by the difference before the last, below which no error is given."""
     if found.order <= order + NEAR:
         return CHANCE_MARGIN
-    # where the last difference is round-off, the one before says nothing about chance
+    # where the last difference is round-off, the one before is no evidence of chance
     if found.has_floor or not np.isfinite(found.order):
         return 1.0
     return float(min(2.0 ** (found.order - order), IMPOSSIBLE))
@@ -289,9 +289,9 @@ def _reported(found: Convergence, order: float | None) -> str:
 
 
 def series_of(watch: Watch, samples: Samples) -> Series:
-    """The watched history in its window. Raises ValueError where it has no value that is asked for.
+    """The watched history in its window. Raises ValueError where it lacks a requested value.
 
-    A moment asks for nothing of the others.
+    A statistic of one moment does not need the others.
     """
     series = within(samples.series(watch.channels[0]), watch.during)
     is_whole = watch.statistic == PATH or not is_of_a_moment(watch.statistic)

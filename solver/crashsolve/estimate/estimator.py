@@ -3,7 +3,7 @@
 A method of order 2 gets two coarser runs, of twice and four times the step: they cost about three
 quarters of the run, and show whether the order holds. Those that choose their step by its error
 get one finer run, of half the step or of a tolerance divided by 8 (order 2) or 32, for 1.5 to 2
-times the run: what they lose at kinks, at impacts and by round-off follows no order, and on the
+times the run: their errors at kinks, at impacts and by round-off have no order, and on the
 battery of benchmarks/estimates coarser runs held for three quarters of the numbers of higher order.
 A finer run also serves where coarser steps are unstable, and for equilibria: one of twice the load
 steps. After a long run companions may cost as much as it did and no more: a method that chooses its
@@ -24,7 +24,7 @@ from crashsolve.estimate.mesh import LEAST, SHARE, Meshes, coarse_runs, with_mes
 from crashsolve.foundation.errors import SolverError
 from crashsolve.model.build import build
 from crashsolve.model.curve_steps import unseen
-from crashsolve.model.integrator_selection import settled
+from crashsolve.model.integrator_selection import with_chosen_method
 from crashsolve.output.channels import Family
 from crashsolve.recording.engines import is_static
 from crashsolve.recording.histories import families_of
@@ -190,9 +190,9 @@ def _without(found: Estimate, words: Sequence[str]) -> Estimate:
 
 
 def estimate_in_memory(deck: Deck) -> tuple[Samples, list[Estimate], float]:
-    """A run without files: its samples, its estimates, and their price over that of the run."""
+    """A run without files: its samples, its estimates, and their cost over that of the run."""
     model, state = build(deck)
-    deck = deck if is_static(deck) else settled(deck, model)
+    deck = deck if is_static(deck) else with_chosen_method(deck, model)
     estimator = Estimator(deck, families_of(model, state))
     main = estimator.companions.run(1.0)
     others = estimator.companion_runs(1.0, main.cycles, [])

@@ -2,7 +2,7 @@
 
     d1 = |x1 - x2|,  d2 = |x2 - x4|,  p = log2(d2 / d1), no more than the elements' order q
     three meshes        error = d1 / (2^p - 1), at least d2 / (2^q (2^q - 1))
-    two meshes          error = d1, that of order 1: whatever touches or yields has no more
+    two meshes          error = d1, that of order 1: contact and yield have no more
 
 No error follows from the meshes where x1 and x2 differ by more than half the scale of the number,
 or where d1 is no smaller than d2, or of the other sign, and more than a twentieth of the scale: the
@@ -30,8 +30,8 @@ TOO_FAR, NOTABLE = 0.5, 0.05
 # share of the cost of the run, and CPU time [s], that its coarser meshes may cost unasked
 SHARE, LEAST = 0.25, 0.3
 OVER_BUDGET = (
-    "the error estimates leave the mesh out: a run on elements twice as long would cost more than "
-    "a quarter of this one; control.estimate: mesh makes it all the same"
+    "the error estimates do not cover the mesh: a run on elements twice as long would cost "
+    "more than a quarter of this one; control.estimate: mesh makes it nevertheless"
 )
 
 
@@ -62,13 +62,13 @@ def coarse_runs(
         except BudgetExceeded:
             problem = OVER_BUDGET
         except ValueError as why:
-            problem = f"the error estimates leave the mesh out: {why}"
+            problem = f"the error estimates do not cover the mesh: {why}"
         except SolverError as error:
             problem = f"the run on elements {factor} times as long stopped: {error.cause}"
         except CrashsolveError as error:
             reason = str(error).splitlines()[0]
             problem = (
-                f"the error estimates leave the mesh out; on elements {factor} times as long: "
+                f"the error estimates do not cover the mesh; on elements {factor} times as long: "
                 f"{reason}"
             )
         else:

@@ -1,11 +1,11 @@
-"""Estimates in a run: before it the steps an accuracy needs, after it the errors and their price.
+"""Estimates in a run: before it the steps an accuracy needs, after it the errors and their cost.
 
     pilots at 4 and 2 times a coarseness m predict the error at m:  e(m) = e(2m) / 2^q
     m <- m (aim / e)^(1/q), until the prediction is below the aim, half the accuracy
 
-q is the method's order, 5 at most where the tolerance is what changes. The last pilots serve a run
+q is the method's order, 5 at most where the tolerance changes. The last pilots serve a run
 of rattle as its companions. Where its own estimate then misses the accuracy, it is run again with m
-smaller, at most twice; what gaps between samples miss is only reported, for no step mends it.
+smaller, at most twice; errors by gaps between samples are only reported, as no step reduces them.
 """
 
 import time as clock
@@ -41,7 +41,7 @@ SMALL = 1e-6
 
 
 class Estimating:
-    """The estimates of one run, reported in its log; `cpu` [s] is their price.
+    """The estimates of one run, reported in its log; `cpu` [s] is their cost.
 
     Raises DeckErrors for a channel that does not exist, or an accuracy of none.
     """
@@ -208,7 +208,7 @@ class Estimating:
         lines = [_line(estimate) for estimate in self.found]
         self.log.section("watched channels", lines)
         for e in self.found:
-            # what lies between samples has a warning of its own
+            # peaks between samples have a warning of their own
             is_missed = "' between samples" in e.how
             if not e.error or e.value is None or is_missed:
                 continue
@@ -232,12 +232,12 @@ def _refuse_unmeasured_accuracy(deck: Deck, channels: dict[str, list[Channel]]) 
     of_run = [any(channel.is_of_the_run for channel in found) for found in channels.values()]
     if deck.control.accuracy is not None and all(of_run):
         message = "accuracy: every watched channel is itself a measure of the run's errors"
-        advice = "watch a channel that answers the question, such as rbdout.BODY.position.x"
+        advice = "watch a quantity of the model, such as rbdout.BODY.position.x"
         raise DeckErrors([DeckError(str(deck.path), None, None, "control", message, advice)])
 
 
 def _of_steps(estimate: Estimate) -> float:
-    """Relative error by the length of steps; nothing of what measures the run itself."""
+    """Relative error by the length of steps, without channels that measure the run itself."""
     if estimate.error is None and estimate.mesh is None:
         return inf if estimate.is_wanted else 0.0
     return estimate.steps / estimate.scale if estimate.scale else 0.0
@@ -258,6 +258,6 @@ def _unreachable(accuracy: float, message: str) -> SolverError:
         0.0,
         0,
         "the model",
-        f"no step gives the accuracy {accuracy:g}: {message}",
+        f"no step reaches the accuracy {accuracy:g}: {message}",
         "watch statistics that converge (crashsolve study shows which), or ask for less accuracy",
     )

@@ -1,8 +1,8 @@
-"""Memory by its address: what one compiled function needs to call another, and to copy tables.
+"""Memory by its address: for calls between compiled functions, and copies of tables.
 
 The compiled step of a scene and the tables it is called with are known at run time alone, so that
-what calls it (`recording/march.py`) is compiled once for all scenes. Addresses are whole numbers.
-These are what plain Python runs; `translation/addresses.py` has them compiled.
+its caller (`recording/march.py`) is compiled once for all scenes. Addresses are whole numbers.
+Plain Python runs these; `translation/addresses.py` compiles them.
 """
 
 import ctypes

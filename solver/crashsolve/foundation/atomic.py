@@ -3,7 +3,7 @@
     store_release(words, k, n) after writing  ...  load_acquire(words, k) == n before reading
 
 What one thread has written before it stores a word, the other sees after it has loaded that word.
-These are what plain Python runs, one thread alone; `translation/threads.py` has them compiled.
+Plain Python runs these, with one thread; `translation/threads.py` compiles them.
 """
 
 

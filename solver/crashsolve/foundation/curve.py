@@ -20,14 +20,14 @@ Pieces = tuple[np.ndarray, np.ndarray, int]
 REFUSE, HOLD, LINEAR = 0, 1, 2
 
 POINT = Record("""
-    x       1         breakpoint
-    c       1      4  coefficients in powers of x - x_i
-    area    1         integral of y from the first point to x_i
-    moment  1         integral of that integral
-    farthest  1       of the first point: largest x read beyond the range in a run; 0 for none
-    last    index     last point of the curve that starts here
-    beyond  flag      REFUSE, HOLD or LINEAR outside the range
-    fault   index     row 0: first point of the curve last read outside its range; -body: folded
+    x         1         breakpoint
+    c         1      4  coefficients in powers of x - x_i
+    area      1         integral of y from the first point to x_i
+    moment    1         integral of that integral
+    farthest  1         of the first point: largest x read beyond the range in a run; 0 for none
+    last      index     last point of the curve that starts here
+    beyond    flag      REFUSE, HOLD or LINEAR outside the range
+    fault     index     row 0: first point of the curve last read outside its range; -body: folded
 """)
 
 

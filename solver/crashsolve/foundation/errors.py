@@ -36,7 +36,7 @@ def _cut(met: re.Match[str]) -> str:
 
 
 class DeckError(CrashsolveError):
-    """One error in a deck: its location, what is wrong, and advice."""
+    """One error in a deck: location, cause and advice."""
 
     exit_code = ExitCode.DECK
 
@@ -81,7 +81,7 @@ class DeckErrors(CrashsolveError):
 
 
 class SolverError(CrashsolveError):
-    """A numerical stop: when, where, the likely cause and what to try."""
+    """A numerical stop: time, location, likely cause and advice."""
 
     exit_code = ExitCode.SOLVER
 

@@ -2,7 +2,7 @@
 
     work[row + 3 quantity + k, e] = points[corner of e].quantity[k]   and   points[...] += work[...]
 
-One number at a time this is a third of what an elastic shell costs: as many stores as numbers.
+One number at a time this takes a third of the time of an elastic shell: as many stores as numbers.
 Here it is as plain Python runs it; `translation/lanes.py` compiles it to loads of whole points and
 a transposition of eight by eight numbers. Consequence to test: the same numbers by both.
 """

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 # elements side by side, so that the compiler works on several at a time
 LANES = 16
 
-# bits of POINT.held: motions along and about the world axes, and all of them by a body
+# bits of POINT.fixed: motions along and about the world axes, and all of them by a body
 ATTACHED = 64
 # beside it: the body is there for the point alone, in implicit steps
 OWN = 128
@@ -31,7 +31,7 @@ POINT = Record("""
     torque     N m         3  applied torque
     load       N/m            squared frequencies of the elements times their mass here
     spin_load  N m            the same times their inertia
-    held       flag           bits: x, y, z, rotates about them, 64 where the point rides on a body,
+    fixed      flag           bits: x, y, z, rotates about them, 64 where the point rides on a body,
                               128 on its own
 """)
 
@@ -74,7 +74,7 @@ def blocks_of(p: "np.ndarray | np.void") -> Any:
     return (p["quads"] + LANES - 1) // LANES + (p["triangles"] + LANES - 1) // LANES
 
 
-# what such a load does to a block
+# resultants of such a load on a block
 BLOCK_SUM = Record("""
     force   N    3  in all
     moment  N m  3  about the origin

@@ -1,6 +1,6 @@
 """Columns of a law's data, each with unit, size and meaning beside its name.
 
-A law declares what it needs by lifetime: PARAMETERS (Model), HISTORY (State), OUTPUT (channels).
+A law declares its columns by lifetime: PARAMETERS (Model), HISTORY (State), OUTPUT (channels).
 """
 
 import re
@@ -92,7 +92,7 @@ def _column(line: str) -> Column:
 def rows_of(record: Record, first: int = 0) -> Any:
     """First row of each column among rows of lanes, counted from `first` on.
 
-    Kernels read `ROWS.name`; SIZE is that of all columns, RECORD what they mean.
+    Kernels read `ROWS.name`; SIZE is that of all columns, RECORD their meaning.
     """
     positions, at = {}, first
     for column in record.columns:

@@ -27,7 +27,7 @@ def _escaped(met: re.Match[str]) -> str:
 def open_standard_streams() -> None:
     """Give each closed standard stream the null device.
 
-    Otherwise the next file to be opened, results perhaps, would be what the system libraries take
+    Otherwise the next file to be opened, results perhaps, would be taken by the system libraries
     for standard output. What an encoding cannot write is spelt out.
     """
     for number in (0, 1, 2):

@@ -1,11 +1,11 @@
-"""Stick and slip by an elastic bristle: what sticks does not creep.
+"""Stick and slip by an elastic bristle: a contact that sticks does not creep.
 
     z = z_old + slip over the step, kept tangential and cut to |z| <= mu N / k
     f = -(k z + c v), cut to mu N,   mu = mu_d + (mu_s - mu_d) exp(-(v/v_s)^2)
 
 While nothing is cut the contact is a spring and a damper, so that a load below mu_s N is held for
 ever without creep (unlike LuGre's bristle, which drifts under vibration). The cut takes
-k/2 (z_old + z).(z_trial - z), by which work and loss agree exactly whatever the step. Consequences
+k/2 (z_old + z).(z_trial - z), by which work and loss agree exactly for any step. Consequences
 to test: steady sliding loses mu N per length; a block on a slope below the friction angle rests.
 
 References: Cundall and Strack (1979), Geotechnique 29, 47-65; Dupont, Hayward, Armstrong and

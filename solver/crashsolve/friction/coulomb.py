@@ -33,7 +33,7 @@ LEFT_OUT = "the speeds over which friction sets in"
 class Coulomb(Card):
     """Coulomb friction that vanishes at low sliding speed: a body on a slope creeps."""
 
-    coefficient: float = quantity("1", "mu, coefficient of friction", ge=0)
+    friction_coefficient: float = quantity("1", "mu, coefficient of friction", ge=0)
     none_below: float = quantity("m/s", "sliding speed v_0 below which there is no friction", ge=0)
     full_above: float = quantity("m/s", "sliding speed v_1 above which friction is full", gt=0)
 

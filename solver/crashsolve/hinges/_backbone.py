@@ -1,4 +1,4 @@
-"""Moment over angle as yield moment over plastic angle, which is what a hinge remembers.
+"""Moment over angle as yield moment over plastic angle, the history variable of a hinge.
 
     M(theta) of the deck, with the elastic stiffness k:   y(x) = M(theta),   x = theta - M / k
 
@@ -69,7 +69,7 @@ def backbone(points: Pieces, stiffness: float | None, word: str, scene: Scene) -
         )
     if points[2] == LINEAR and slopes[-1] < 0.0:
         raise scene.fail(
-            "falls at its end, and would continue below 0; say extrapolate: hold, or end it level",
+            "falls at its end, and would continue below 0; set extrapolate: hold, or end it level",
             word,
         )
     return _plastic(angle, moment, k, points[2], word, scene)
@@ -103,7 +103,7 @@ def over_plastic_work(found: Backbone, word: str, scene: Scene) -> Backbone:
     if least < LEAST:
         raise scene.fail(
             f"falls to {100.0 * least:.3g} % of its largest moment; an ellipse needs "
-            f"{100.0 * LEAST:g} % of it, or it has no width: say interaction: uncoupled",
+            f"{100.0 * LEAST:g} % of it, or it has no width: set interaction: uncoupled",
             word,
         )
     work = np.diff(found.x) * 0.5 * (found.y[1:] + found.y[:-1])
@@ -115,13 +115,14 @@ def refuse_kinematic(found: Backbone, word: str, scene: Scene) -> None:
     """A range that moves needs a width, and a middle that moves along with the deformation."""
     if found.limit <= 0.0:
         raise scene.fail(
-            "yields from 0 on, so that a range of yield that moves has no width; begin it with a "
-            "piece of the elastic stiffness, or say cyclic: isotropic",
+            "yields from 0 on, so that its elastic range, which kinematic hardening moves, has "
+            "no width; begin it with a piece of the elastic stiffness, or set cyclic: "
+            "isotropic",
             word,
         )
     if (np.diff(found.y) < 0.0).any():
         raise scene.fail(
-            "falls, and softening cannot move a range of yield; say cyclic: isotropic or "
+            "falls, and kinematic hardening has no softening; set cyclic: isotropic or "
             "peak_oriented",
             word,
         )

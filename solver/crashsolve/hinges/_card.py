@@ -235,11 +235,13 @@ def pair_backbones(
     if card.interaction == "uncoupled":
         return backbones(motions, card, built, scene)
     if card.cyclic != "isotropic":
-        raise scene.fail("an ellipse hardens and softens as a whole: say isotropic", "cyclic")
+        raise scene.fail(
+            "an ellipse hardens and softens as a whole; set cyclic: isotropic", "cyclic"
+        )
     for motion in motions:
         if motion.negative and getattr(card, motion.negative) is not None:
             raise scene.fail(
-                "an ellipse is the same in both directions; say interaction: uncoupled",
+                "an ellipse is the same in both directions; set interaction: uncoupled",
                 motion.negative,
             )
     return {

@@ -26,7 +26,8 @@ Axial crush of a square tube of width c (Abramowicz and Jones 1984):
 
     P_m = 52.22 M_0 (c / t)^(1/3),   M_0 = S t^2 / 4
 
-Consequence to test: a wall twice as thick bears more than twice as much; scaled tubes scale.
+Consequence to test: a wall twice as thick has more than twice the force; forces of scaled tubes
+scale.
 
 References: Kecman (1983), Int. J. Mech. Sci. 25, 623-636; Wierzbicki and Abramowicz (1983),
 J. Appl. Mech. 50, 727-734; Abramowicz and Jones (1984), Int. J. Impact Engng 2, 179-208.
@@ -118,7 +119,7 @@ def curve(
     a, b, t = sides(section, card.about, field, scene)
     if not BENT[0] <= a / t <= BENT[1] or not 1.0 / ASPECT <= a / b <= ASPECT:
         raise scene.fail(
-            f"a / t = {a / t:.4g} and a / b = {a / b:.4g}; the tubes behind this model have a / t "
+            f"a / t = {a / t:.4g} and a / b = {a / b:.4g}; the tests behind this model have a / t "
             f"from {BENT[0]:g} to {BENT[1]:g} and a / b from 1/3 to 3",
             field,
         )

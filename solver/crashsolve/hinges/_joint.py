@@ -78,7 +78,7 @@ def copy_history(old, new):
 
 @kernel
 def write_energies(p, old, new, out, stored, loss):
-    """Energies of a hinge; one that has failed releases what it stored. Writes: out, new."""
+    """Energies of a hinge; at failure it releases its stored energy. Writes: out, new."""
     out.failed, out.rate_factor = new.failed, new.factor
     out.stored, out.power, out.loss = stored, 0.0, loss
     if new.failed == 1:

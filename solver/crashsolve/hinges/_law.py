@@ -46,17 +46,17 @@ LAW = Record("""
     latched           flag               whether V is that at first yield
 """)
 PATH = Record("""
-    x        rad or m      2  motion from the undeformed hinge
-    speed    rad/s or m/s     V
-    plastic  rad or m      2  x_p
-    flow     rad or m      2  alpha
-    reached  rad or m      4  largest x_p in positive and in negative direction of both motions
-    origin   rad or m      2  x_0
+    x             rad or m      2  motion from the undeformed hinge
+    speed         rad/s or m/s     V
+    plastic       rad or m      2  x_p
+    flow          rad or m      2  alpha
+    reached       rad or m      4  largest x_p in positive and in negative direction of both motions
+    origin        rad or m      2  x_0
     plastic_flow  flag          2  1 or -1: x_p grows or falls; 0: it rests
-    corner   rad or m      2  plastic displacement to the end of the segment of y
-    factor   1                phi
-    latch    m/s or rad/s     V at first yield; -1 before
-    failed   flag             1: there is no hinge any more
+    corner        rad or m      2  plastic displacement to the end of the segment of y
+    factor        1                phi
+    latch         m/s or rad/s     V at first yield; -1 before
+    failed        flag             1: there is no hinge any more
 """)
 
 
@@ -154,7 +154,7 @@ def plastic_displacement(p, old, c, side, x, phi, curves):
 
 @kernel
 def hardened(p, c, x_p, curves):
-    """Area under X up to x_p: what kinematic hardening stores [J]."""
+    """Area under X up to x_p: the energy stored by kinematic hardening [J]."""
     if p.cyclic != KINEMATIC:
         return 0.0
     own = p.backbone[2 * c if x_p > 0.0 else 2 * c + 1]

@@ -31,7 +31,7 @@ from crashsolve.joints.basic import rows_of
 if TYPE_CHECKING:
     from crashsolve.hinges._rows._one_axis import History, Output, Parameters
 
-# what makes a file a hinge, but for its card
+# the functions of a hinge, without its card
 __all__ = ["ANGULAR", "CONSTRAINTS", "FREE", "HISTORY", "LEDGER", "OUTPUT", "PARAMETERS", "ROWS"]
 __all__ += [
     "COUNTS_ROTATIONS",

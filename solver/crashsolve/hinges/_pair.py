@@ -7,11 +7,11 @@
 On the ellipse dl is plastic work. Both curves are read at the work done, W: y_i^2 is made of
 straight lines over it, as dW = y dx. One motion alone thus follows its own curve, and equal curves
 of both make one that is the same in every direction. A step is cut into pieces of a tenth of the
-elastic range and what is left, each of which returns to the ellipse at its end (backward Euler,
+elastic range and the rest, each of which returns to the ellipse at its end (backward Euler,
 order 1); the loss is the trapezoid of the moments over the plastic displacement.
 
 Consequence to test: under a load that turns, the moments stay on the ellipse and the loss is the
-work less what is stored.
+work less the stored energy.
 
 References: Simo and Hughes (1998), Computational Inelasticity, 2.3 and 3.3; ellipse: Powell and
 Chen (1986), 3D beam-column element with generalized plastic hinges, ASCE J. Eng. Mech. 112,
@@ -185,7 +185,7 @@ def tangent(p, state, deformation, curves):
     """Rows of the tangent: shares of both motions, stiffness and damping of each row.
 
     Of the ellipse: K^(1/2) (1 - z z^T / (1 + H / n K n)) K^(1/2), z along K^(1/2) n, n the normal
-    over M: what flows, and what it leaves.
+    over M: the flow, and the rest.
     """
     if state.failed == 1:
         return (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)

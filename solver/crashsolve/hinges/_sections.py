@@ -97,7 +97,7 @@ def given_curve(card: Any, stiffness: float, field: str, built: Columns, scene: 
         steepest = float(-np.min(np.diff(y) / np.diff(x)))
         raise scene.fail(
             f"plastic_curve: falls by {steepest:.4g}, more steeply than the elastic stiffness "
-            f"{stiffness:.4g}: the hinge would snap; give it a smaller length",
+            f"{stiffness:.4g}: the hinge would snap back; give it a smaller length",
             field,
         )
     rows = np.zeros((len(angle) - 1, 4))

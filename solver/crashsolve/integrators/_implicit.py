@@ -96,7 +96,7 @@ def find_step(h, clock, nodes, rows, saddle, scene):
         reuses_factors = can_reuse_factors(trial, clock)
         if not solve_stages(trial, reuses_factors, clock, nodes, rows, saddle, scene):
             clock.factored = 0.0
-            # the factors may be what fails
+            # the factors may be the cause of the failure
             if reuses_factors:
                 continue
             # too long for the iteration or the joints: as if the error were large
@@ -168,7 +168,7 @@ def check_error(h, clock, nodes, scene):
     # of accepted steps only: velocities of a rejected one may be far off
     clock.fastest = max(clock.fastest, fastest_point(nodes, control.length))
     clock.error = error
-    # the error of a step cut short by a sample says little about a longer one
+    # the error of a step cut short by a sample predicts little of a longer one
     if h < clock.next_step:
         proposed = max(proposed, clock.next_step)
     # the iteration hardly converged

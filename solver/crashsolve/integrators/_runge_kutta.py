@@ -290,7 +290,7 @@ def check_error(h, clock, nodes, rows, saddle, scene):
     # of accepted steps only: velocities of a rejected one may be far off
     clock.fastest = max(clock.fastest, fastest_point(nodes, control.length))
     clock.error = error
-    # a step cut short says little about a longer one
+    # a step cut short predicts little of a longer one
     if h < 0.5 * clock.next_step:
         proposed = max(proposed, clock.next_step)
     clock.next_step = min(proposed, control.step_max, control.curve_step)

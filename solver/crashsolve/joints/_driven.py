@@ -20,11 +20,11 @@ from crashsolve.foundation.rows import as_rows
 FIELDS = ("curve", "velocity", "acceleration")
 # those of every driver beside its frame
 MOTION = Record("""
-    curve    index       f
-    integrals  count     of f that the coordinate is: 0 to 2
-    start    s           time at which the run begins
-    rate     m/s or rad/s  velocity at the first point of an acceleration
-    offset   m or rad    of f, or of its integral, over the coordinate
+    curve      index         f
+    integrals  count         of f that the coordinate is: 0 to 2
+    start      s             time at which the run begins
+    rate       m/s or rad/s  velocity at the first point of an acceleration
+    offset     m or rad      of f, or of its integral, over the coordinate
 """)
 
 

@@ -22,6 +22,6 @@ FAMILY = Family(
     picture=None,
     uses=(),
     integrators=ANY,
-    # they keep what a sample shows
+    # they keep the output of a sample
     at_rest=True,
 )

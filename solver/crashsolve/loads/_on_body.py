@@ -26,10 +26,10 @@ class BodyLoadCard(Card):
 
 
 BODY_LOAD = Record("""
-    node    index        body
-    vector  N or N m  3  load where the factor is 1
+    node     index        body
+    vector   N or N m  3  load where the factor is 1
     rotates  flag         the vector is fixed in the body
-    curve   index        factor over time; 0 for none
+    curve    index        factor over time; 0 for none
 """)
 
 

@@ -2,9 +2,9 @@
 
     M = T phi(t) g on b, and -M on a;   theta_dot = g . (w_b - w_a),   power T phi theta_dot
 
-It is the torque of an engine or of a driver's hands: what turns b forward turns the housing a back,
-and nothing comes from outside. Consequence to test: with a flywheel J_e behind a gear of ratio n, a
-wheel J_w takes T n / (J_w + n^2 J_e) from the torque T on the flywheel.
+It is the torque of an engine or of a driver's hands: the torque that turns b forward turns the
+housing a back, and nothing comes from outside. Consequence to test: with a flywheel J_e behind a
+gear of ratio n, a wheel J_w takes T n / (J_w + n^2 J_e) from the torque T on the flywheel.
 """
 
 from __future__ import annotations

@@ -73,7 +73,7 @@ def force_on_points(
     mass, position = 0.0, (0.0, 0.0, 0.0)
     for i in range(points.shape[0]):
         b = points[i]
-        if b.held < ATTACHED:
+        if b.fixed < ATTACHED:
             m = 1.0 / b.mass_inv
             mass, position = mass + m, add_scaled(position, m, vec(b.r))
             add_to(b.force, scale(m, g))

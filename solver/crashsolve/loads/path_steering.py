@@ -76,7 +76,7 @@ class PathSteering(Card):
         "any", "n, coordinate of the joint per angle of the wheels to the left, m/rad or 1"
     )
     limit: float = quantity(
-        "rad", "largest angle of the wheels that the driver asks for", 0.6, gt=0, lt=1.5
+        "rad", "largest angle of the wheels that the driver commands", 0.6, gt=0, lt=1.5
     )
     stiffness: float = quantity(
         "any", "k, stiffness of the driver's hands, N/m or N m/rad of the joint", gt=0
@@ -87,35 +87,35 @@ class PathSteering(Card):
 
 
 PARAMETERS = Record("""
-    node_a    index     first body of the joint
-    node_b    index     second body
-    is_angle  flag      1: of its angle, 0: of its travel
-    point_a   m      3  point of the joint from the mass centre of a, axes of a
-    point_b   m      3  the same of b, axes of b
-    axis_a    1      3  axis, axes of a
-    side_a    1      3  at right angles to the axis, axes of a
-    side_b    1      3  the same direction at the start, axes of b
-    vehicle   index     body that follows the path
-    at        m      3  its point on the path from its mass centre, body axes
-    forward   1      3  body axes
-    path      index     y(s)
-    origin    m      3  where s and y are 0
-    along     1      3  direction of s
-    left      1      3  direction of y
-    up        1      3  normal of the plane
-    wheelbase  m        L
-    preview   s         T
-    ahead     m         X_0
-    ratio     m/rad or 1  n
-    limit     rad       of delta
-    stiffness  N/m or N m/rad  k
-    relaxation  s       c / k
+    node_a      index              first body of the joint
+    node_b      index              second body
+    is_angle    flag               1: of its angle, 0: of its travel
+    point_a     m               3  point of the joint from the mass centre of a, axes of a
+    point_b     m               3  the same of b, axes of b
+    axis_a      1               3  axis, axes of a
+    side_a      1               3  at right angles to the axis, axes of a
+    side_b      1               3  the same direction at the start, axes of b
+    vehicle     index              body that follows the path
+    at          m               3  its point on the path from its mass centre, body axes
+    forward     1               3  body axes
+    path        index              y(s)
+    origin      m               3  where s and y are 0
+    along       1               3  direction of s
+    left        1               3  direction of y
+    up          1               3  normal of the plane
+    wheelbase   m                  L
+    preview     s                  T
+    ahead       m                  X_0
+    ratio       m/rad or 1         n
+    limit       rad                of delta
+    stiffness   N/m or N m/rad     k
+    relaxation  s                  c / k
 """)
 AMPLITUDE = "stiffness"
 HISTORY = Record("angle  rad  of the joint, over all revolutions")
 OUTPUT = Record("""
     force   N or N m   F, on the second body of the joint
-    steer   rad        delta that the driver asks for
+    steer   rad        delta, steering angle commanded by the driver
     wanted  m or rad   n delta
     now     m or rad   x, coordinate of the joint since the start
     rate    m/s or rad/s  of it
@@ -165,8 +165,8 @@ def build(card: PathSteering, scene: Scene) -> Columns:
 
 
 @kernel
-def sight(p: Parameters, nodes, curves):
-    """delta that he asks for [rad], offset of the path ahead [m], that of the vehicle [m]."""
+def steering_target(p: Parameters, nodes, curves):
+    """delta of the driver [rad], offset of the path ahead [m], that of the vehicle [m]."""
     body, up = nodes[p.vehicle], vec(p.up)
     x = sub(world_position(body, vec(p.at)), vec(p.origin))
     forward = arm(body, vec(p.forward))
@@ -199,7 +199,7 @@ def sight(p: Parameters, nodes, curves):
 def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
-    out.steer, out.ahead, out.offset = sight(p, nodes, curves)
+    out.steer, out.ahead, out.offset = steering_target(p, nodes, curves)
     out.wanted = p.ratio * out.steer
     k, c = p.stiffness, p.relaxation * p.stiffness
     new.angle = 0.0

@@ -160,7 +160,7 @@ def row_of(work, quantity, c, e):
 
 @blockwise
 def press_block(work, live, sides, h, now, before):
-    """Force on each corner of a block, and what it comes to. Writes: work.
+    """Force on each corner of a block, and the resultants. Writes: work.
 
     `now` and `before` are shares of a corner in the pressure over the cross product of diagonals.
     """

@@ -1,11 +1,11 @@
 """Materials: how a solid answers to strain, and how heavy it is.
 
-A material is one file: its card, what a point of it remembers, its stress after a strain, and how
-that changes with the strain. Elements know nothing else of it. LAYER names the rows of a layer of a
+A material is one file: its card, the history of a point, its stress after a strain, and how
+that changes with the strain. Elements use only this interface. LAYER names the rows of a layer of a
 shell, which begin with its stress (xx, yy, xy); FIBRE the columns of a fibre of a beam; SOLID those
 of a point in three dimensions (xx, yy, zz, xy, yz, zx). Kernels get `m`, the row of PARAMETERS. A
 law is general, and says `update` and so on, or is that of a metal that yields by von Mises' stress,
-and says how its yield stress depends on plastic strain, rate and temperature: elements then return
+and defines its yield stress by plastic strain, rate and temperature: elements then return
 all their stresses to it together (_von_mises.py).
 """
 
@@ -48,7 +48,7 @@ class MaterialLaw(Protocol):
     def update(self, m, blocks, at, d, h, curves):
         """Stress of a layer after the strains d (xx, yy, twice xy) of a step of h.
 
-        Returns the stress (3), strain across [1], what is lost [J/m^3], and the stiffness over that
+        Returns the stress (3), strain across [1], dissipation [J/m^3], and the stiffness over that
         without strain. In a step of no length d is 0. Writes: blocks.
         """
 
@@ -58,8 +58,8 @@ class MaterialLaw(Protocol):
     def solid(self, m, old, new, d, h, curves, material):
         """Stress (6) of a point after the strains d (xx, yy, zz, twice xy, yz, zx) of a step of h.
 
-        Returns the stress and what is lost [J/m^3]; `material` is the module of the law. Its axes
-        turn with the material. Writes: new.
+        Returns the stress and the dissipation [J/m^3]; `material` is the module of the law. Its
+        axes turn with the material. Writes: new.
         """
 
     def solid_energy(self, m, new):

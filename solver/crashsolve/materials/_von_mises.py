@@ -4,7 +4,7 @@
     T_dot = heating w_p_dot
 
 e is the equivalent plastic strain, rate that of e over a step, w_p the plastic work per volume. A
-law says Y, f and g; elements return stresses to the yield surface (elements/shells/plasticity.py,
+law gives Y, f and g; elements return stresses to the yield surface (elements/shells/plasticity.py,
 elements/beams/fibres.py).
 """
 
@@ -54,13 +54,13 @@ SOLID = elastic.SOLID + Record("""
 """)
 # of Newton's method in a return, and share of the yield stress at which it ends: some round-off
 PASSES, CLOSE = 60, 1e-14
-# share of a growth in a correction after which what is left is round-off: its cube, and its square
+# share of a growth in a correction after which the rest is round-off: its cube, and its square
 # where Y bends, whose second slope is left out
 NEAR, NEAR_BENT = 1e-5, 1e-7
 # before the first step of a point, or where it keeps no such record: rate, and size of the stress
 UNKNOWN = (0.0, 0.0)
 INFINITE = 1e300
-# rate [1/s] below which no slope is asked for, which may be beyond numbers there
+# rate [1/s] below which the slope, which may overflow there, is not evaluated
 SLOWEST = 1e-60
 HEATED_FIBRE = FIBRE + Record("temperature  1  from 0 at the start to 1 at melting")
 
@@ -121,22 +121,22 @@ def flow_rate(m: Parameters, size, falls, e, limit, heat, h, before, curves, mat
 
         size - falls r - heat Y(e + h r) f(r) = 0,   limit = heat Y(e)
 
-    Halley's method, and halves of what holds the root where its step leaves that: the slopes of
-    powers of strain and rate are infinite at none.
+    Halley's method, with bisection of the bracket of the root where its step leaves that: the
+    slopes of powers of strain and rate are infinite at none.
     """
     r = first_rate(m, size, falls, e, limit, heat, h, before, curves, material)
     least, most, near = 0.0, INFINITE, NEAR_BENT if material.SMOOTH else NEAR
     for _ in range(PASSES):
         factor = material.rate_factor(m, r) if m.rated == 1 else 1.0
-        held = resistance(m, e, r, heat, h, factor, curves, material)
-        gap, flow = size - falls * r - held[0], held[0]
+        strength = resistance(m, e, r, heat, h, factor, curves, material)
+        gap, flow = size - falls * r - strength[0], strength[0]
         if gap <= CLOSE * flow and (r == 0.0 or gap >= -CLOSE * flow):
             break
         if gap > 0.0:
             least = r
         else:
             most = r
-        ahead = r + correction(gap, falls, held)
+        ahead = r + correction(gap, falls, strength)
         if not least < ahead < most:
             ahead = 0.5 * (least + min(most, size / falls))
         is_near, r = abs(ahead - r) <= near * r, ahead
@@ -155,8 +155,8 @@ def first_rate(m: Parameters, size, falls, e, limit, heat, h, before, curves, ma
         return 0.0
     r, stress = before
     if r > 0.0 and stress > limit:
-        held = resistance(m, e, r, heat, h, stress / limit, curves, material)
-        step = correction(size - falls * r - held[0], falls, held)
+        strength = resistance(m, e, r, heat, h, stress / limit, curves, material)
+        step = correction(size - falls * r - strength[0], falls, strength)
         if abs(step) < 0.5 * r:
             return r + step
     at_once, slowed = (size - limit) / falls, material.rate_of(m, size / limit)
@@ -164,10 +164,10 @@ def first_rate(m: Parameters, size, falls, e, limit, heat, h, before, curves, ma
 
 
 @inlined
-def correction(gap, falls, held):
+def correction(gap, falls, strength):
     """Step of Halley's method for the rate."""
-    steep = falls + held[1]
-    return gap * steep / (steep * steep + max(0.5 * gap * held[2], -0.5 * steep * steep))
+    steep = falls + strength[1]
+    return gap * steep / (steep * steep + max(0.5 * gap * strength[2], -0.5 * steep * steep))
 
 
 @inlined
@@ -210,7 +210,7 @@ def solid(m: Parameters, old: Solid, new: Solid, d, h, curves, material):
         before, trial_k = old.stress[k], old.stress[k] + grown[k]
         new.stress[k] = trial_k - 3.0 * m.shear * share * away
         new.alpha[k] = old.alpha[k] + m.kinematic * share * away
-        # shear counts twice, in half of what is twice the strain
+        # shear counts twice, in half of the double strain
         weight = 1.5 if k < 3 else 3.0
         lost += 0.5 * (before + new.stress[k]) * weight * share * away
     new.plastic_strain = old.plastic_strain + x

@@ -14,9 +14,9 @@ import numpy as np
 from crashsolve.deck.building import Scene
 from crashsolve.meshes._mesh import Mesh
 
-# what a node was before its mesh was divided
+# number of a node before its mesh was divided
 CORNER, SIDE, MIDDLE = range(3)
-ROWS = "its elements do not lie in rows of even numbers, which could be joined by twos"
+ROWS = "its elements do not lie in rows of even numbers, that could be joined in pairs"
 
 
 def joined(mesh: Mesh, factor: int) -> Mesh:
@@ -34,7 +34,9 @@ class Joined(Protocol):
 
 
 def coarsened(mesh: Mesh, card: Joined, scene: Scene) -> Mesh:
-    """The mesh of a card as its `joined` asks for; an error of the deck where it cannot be."""
+    """The mesh of a card with elements joined by `joined`; an error of the deck where that is
+    impossible.
+    """
     try:
         return joined(mesh, card.joined)
     except ValueError as why:

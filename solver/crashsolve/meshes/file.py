@@ -1,7 +1,7 @@
 """Mesh from a file that meshio reads: .inp, .bdf, .msh, .vtu and others; its sets are kept.
 
 Nodes, elements and sets are read, and the rest is passed over with a warning. What would move or
-make nodes and elements there, or what cannot be understood, is refused with its line
+make nodes and elements there, or that are not understood, are refused with their line
 (foundation/mesh_files/reading.py). Consequence to test: a mesh written and read is the same.
 """
 
@@ -31,7 +31,7 @@ class File(Card):
     """
 
     file: FileName = word("mesh file, beside the deck that names it")
-    unit: float = quantity("m", "length that the file's unit stands for", default=1.0, gt=0)
+    unit: float = quantity("m", "length of the file's unit", default=1.0, gt=0)
     elements: SetName = word(
         "element set, property or physical group; all elements of the file if empty", default=""
     )

@@ -22,16 +22,16 @@ if TYPE_CHECKING:
     from crashsolve.elements.shells.cards import Weld
 
 ATTACHED_NODE = Record("""
-    node  index     the attached node
-    body  index     to which it is welded
-    arm   m      3  position of the node from the mass centre, body axes
+    node      index     the attached node
+    body      index     to which it is welded
+    arm       m      3  position of the node from the mass centre, body axes
     rotation  1      4  unit quaternion, node to body
 """)
 # methods in whose steps nodes are not carried
 IMPLICIT = ("generalized_alpha", "radau_iia_5")
 # shares by which distances and velocities may differ and are still the same
 SAME = 1e-9
-# mass of an attached node's row of the node table: what it has belongs to the body
+# mass of an attached node's row of the node table: its mass belongs to the body
 NOTHING = 1e-300
 
 
@@ -145,7 +145,7 @@ def table(scene: Scene) -> np.ndarray:
     return rows
 
 
-def unload(nodes: np.ndarray, attached_nodes: np.ndarray) -> None:
+def transfer_inertia(nodes: np.ndarray, attached_nodes: np.ndarray) -> None:
     """Take their inertia from the rows of attached nodes. Writes: nodes."""
     at = attached_nodes["node"]
     nodes["mass_inv"][at] = 1.0 / NOTHING

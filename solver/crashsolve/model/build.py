@@ -23,7 +23,7 @@ from crashsolve.model.checks.statics import is_incremental, refuse_motion
 from crashsolve.model.citations import citations, laws_in_use
 from crashsolve.model.clock import CLOCK, CONTROL
 from crashsolve.model.contact import records
-from crashsolve.model.contact.body_pairs import rest_together
+from crashsolve.model.contact.body_pairs import find_body_pairs
 from crashsolve.model.contact.build import build_contacts
 from crashsolve.model.contact.node_to_surface import loads_of_points
 from crashsolve.model.contact.pieces import cut as cut_pairs
@@ -58,7 +58,7 @@ if TYPE_CHECKING:
 
 # columns of loads on points, whose positions are known when all entries are
 FILLED_LATER = ("first_member", "member_count")
-# error of a step where the deck asks for nothing
+# default error of a step
 TOLERANCE = 1e-6
 
 
@@ -169,8 +169,8 @@ def _arrange(model: Model, state: State, scene: Scene) -> None:
     assert model.elements is not None
     if hasattr(_method(model), "T"):
         add_nodes_of_points(model, state)
-    held = state.points["held"]
-    model.elements.holds = np.flatnonzero((held > 0) & (held < ATTACHED)).astype(HOLD.dtype)
+    fixed = state.points["fixed"]
+    model.elements.holds = np.flatnonzero((fixed > 0) & (fixed < ATTACHED)).astype(HOLD.dtype)
     blocks = max((int(blocks_of(g.parameters).max()) for g in model.element_loads()), default=0)
     model.elements.block_sums = np.zeros(blocks, BLOCK_SUM.dtype)
     if scene.threads > 1:
@@ -187,7 +187,7 @@ def _share_pairs(model: Model, scene: Scene) -> None:
     if hasattr(_method(model), "KICK_DRIFT_KICK"):
         for group in groups:
             cut_pairs(group)
-        rest_together(model.contact_groups)
+        find_body_pairs(model.contact_groups)
     if groups and scene.threads > 1:
         model.threads = scene.threads
     if not groups and not model.elements and (scene.deck.control.threads or 1) > 1:
@@ -257,7 +257,7 @@ def _build_joints(deck: Deck, scene: Scene, groups: list[Group]) -> list[Joint]:
 
 
 def _refuse_doubles(deck: Deck, sections: list[str], scene: Scene) -> None:
-    """Names that joints of two sections bear. Writes: scene.errors."""
+    """Names that occur in two sections of joints. Writes: scene.errors."""
     names: dict[str, str] = {}
     for keyword in sections:
         word = families()[keyword].entry or keyword
@@ -428,7 +428,7 @@ def initial_nodes(scene: Scene) -> np.ndarray:
     nodes["L"] = np.einsum("nij,njk,nlk,nl->ni", A, J, A, scene.w)
     nodes["mass_inv"][1:] = 1.0 / scene.mass[1:]
     nodes["J_inv"][1:] = np.linalg.inv(J[1:]).reshape(-1, 9)
-    attachments.unload(nodes, attachments.table(scene))
+    attachments.transfer_inertia(nodes, attachments.table(scene))
     return nodes
 
 

@@ -32,8 +32,8 @@ CORNER = 2
 CLOCK = Record("""
     time             s         present time
     step             s         last step taken
-    loads_at_start        W/s    f . M^-1 f of all loads at the start of the run
-    kicked_over           s      length of the last step that was not a sample
+    loads_at_start   W/s       f . M^-1 f of all loads at the start of the run
+    kicked_over      s         length of the last step that was not a sample
     next_step        s         step wanted by stability and accuracy
     goal             s         time on which a step must end; samples before it may lie within steps
     sampled          s         time of the last sample
@@ -63,7 +63,7 @@ CLOCK = Record("""
     rate_residual    1/s       largest velocity residual over model size so far
     limit_node       index     node that sets the step; below 0: an element
     driver_work      J         work of prescribed motions
-    lack             1         imbalance over largest energy when the balance was last looked at
+    lack             1         imbalance over largest energy at the last check
     missing          J         largest imbalance at a check where it was above the limit
     missing_share    1         the same over the largest energy by then
     missing_time     s         when that was
@@ -82,7 +82,7 @@ CLOCK = Record("""
 """)
 
 CONTROL = Record("""
-    fixed_step            s      step asked for by the deck; 0 for automatic
+    fixed_step            s      step given by the deck; 0 for automatic
     step_min              s      a smaller step stops the run
     step_max              s      largest step
     curve_step            s      largest automatic step in which curves of time are seen, at present

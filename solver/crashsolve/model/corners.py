@@ -1,9 +1,10 @@
-"""Corners of what is prescribed over time: steps end there, for no method goes over one in order.
+"""Corners of prescribed motions and loads: steps end there, as no method keeps its order across
+one.
 
 A law names in CURVES_OF_TIME the columns that hold the curves it reads at the present time. A
 corner is where the slope of such a curve jumps, or its bend by as much as within a piece: a formula
 with a kink has the pieces around it bent sharply. Consequence to test: the impulse of a pulse made
-of straight lines is exact, whatever the step.
+of straight lines is exact, for any step.
 """
 
 import numpy as np

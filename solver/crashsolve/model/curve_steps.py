@@ -1,4 +1,4 @@
-"""Steps in which what is prescribed over time is seen: by how fast its curves change.
+"""Steps that resolve prescribed motions and loads: by the rate of change of their curves.
 
     h <= 2 pi / 40 / omega,   omega = max |f'''| / max |f''|   near the time
 
@@ -6,7 +6,7 @@ omega is the circular frequency of a sine, and for a smooth pulse of width s abo
 may change as fast as it likes where that is below NOTHING of its range in a step, and no piece is
 cut into more than four. Straight pieces have no frequency, and steps end at their corners
 (corners.py): those that rise or fall are cut into four, or every run beside this one would take the
-same step over them, and estimate no error of what moves within it. Methods of order 2 miss work on
+same step over them, and estimate no error of changes within it. Methods of order 2 miss work on
 slopes of unequal steps: a lone pulse, of FEW_LINES pieces or fewer, is cut into LINE steps each.
 Time is halved until a part has no more than some steps; parts of like bounds are one.
 Consequence to test: a pulse between two samples gives its impulse, wherever it lies; a load of the
@@ -21,7 +21,7 @@ import numpy as np
 from crashsolve.model.corners import curves_of_time
 from crashsolve.model.model import Model
 
-# steps in a period, and what a step may miss of the range of a curve
+# steps in a period, and the share of the range of a curve that a step may miss
 PER_PERIOD, NOTHING = 40, 1e-8
 # a stated step of so many times the longest hardly sees a curve, or misses it
 HARDLY, MISSED = 4.0, 16.0

@@ -28,9 +28,9 @@ FORCE_OUTPUT = Record("""
     loss    J  energy lost in this step without a rate
 """)
 WORK = Record("""
-    given             J  work on its bodies so far
+    work_done         J  work on its bodies so far
     exchanged         J  what was taken and given, both positive
-    initially_stored  J  held before the first step
+    initially_stored  J  stored before the first step
     peak_force        N  largest force so far
 """)
 ON_TWO = Record("""
@@ -55,7 +55,7 @@ def history_of_force(keyword: str, module: ModuleType, scene: Scene) -> Record:
 
 
 def _on_bodies(parameters: Record) -> Record | None:
-    """Columns of what acts on the bodies of a law: on two, or on those of a column of several."""
+    """Columns of the actions on the bodies of a law: on two, or on those of a column of several."""
     columns = parameters.dtype
     names = columns.names or ()
     if "node" in names and columns["node"].shape:

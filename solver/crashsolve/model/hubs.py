@@ -15,7 +15,7 @@ from crashsolve.foundation.sparse.planning import plan
 from crashsolve.foundation.sparse.saddle import Saddle
 from crashsolve.model.model import Joint
 
-# joint rows on a hub: below them its column of 6 costs what it saves
+# joint rows on a hub: below them its column of 6 costs as much as it saves
 WORTH = 24
 
 

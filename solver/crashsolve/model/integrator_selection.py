@@ -2,7 +2,7 @@
 
 `integrator: auto`
 
-    law that counts in whole steps          rattle
+    law that is computed in whole steps          rattle
     contacts that keep lists of near pairs  rattle: events too many to be located one by one
     stiff                                   radau_iia_5, or generalized_alpha where 1e-3 is enough
     contacts, or laws with corners          dormand_prince_5
@@ -12,14 +12,15 @@
 
     rigid bodies, smooth, without contacts  dormand_prince_8
     and curves
-    anything else                           rattle: of order 2, and passes what others stop at
+    anything else                           rattle: of order 2, and passes corners at which others
+    stop
 
-Steps of the default resolve every vibration, whatever the error of a step is compared with
+Steps of the default resolve every vibration, for any reference of the error of a step
 (`resolve`): in a model of kilometres 1e-6 of its size is all that a small oscillator does.
 
 Stiff means that the largest step at which an explicit method is stable (see system/timestep.py) is
 short beside the time in which the fastest body crosses the model, and beside the largest step
-allowed. Consequence to test: the choice follows from the deck alone, and the log says why.
+allowed. Consequence to test: the choice follows from the deck alone, and the log states its cause.
 """
 
 from dataclasses import replace
@@ -48,7 +49,7 @@ class Choice(NamedTuple):
 def _only_for_rattle(model: Model, stepwise: list[str]) -> Choice | None:
     """The choice of rattle where no other method serves; None where one does."""
     if stepwise:
-        return Choice("rattle", f"'{stepwise[0]}' counts in whole steps")
+        return Choice("rattle", f"'{stepwise[0]}' is computed in whole steps")
     if model.phases:
         return Choice("rattle", "phases look at the motion after short steps")
     if len(model.attached_nodes):
@@ -57,7 +58,7 @@ def _only_for_rattle(model: Model, stepwise: list[str]) -> Choice | None:
 
 
 def choose(model: Model, state: State, stepwise: list[str], tolerance: float) -> Choice:
-    """The integrator for a deck whose control says auto."""
+    """The integrator of a deck with integrator: auto."""
     if needs_rattle := _only_for_rattle(model, stepwise):
         return needs_rattle
     searched = [c.word for c in model.contact_groups if c.search is not None]
@@ -102,7 +103,7 @@ def resolve(control: np.ndarray) -> None:
     c["step_max"] = min(c["step_max"], (c["end"] - c["start"]) / LEAST_STEPS or 1.0)
 
 
-def settled(deck: Deck, model: Model) -> Deck:
+def with_chosen_method(deck: Deck, model: Model) -> Deck:
     """The deck with the method of its model: runs beside this one must not choose anew."""
     resolves = bool(model.control[0]["resolves"])
     chosen = {"integrator": model.integrator, "resolve": resolves}
@@ -161,7 +162,7 @@ def _world_tensors(nodes: Rows) -> np.ndarray:
 
 
 def _evaluate(group: Group, state: State, model: Model, nodes: np.ndarray) -> None:
-    """Forces and stiffness of one group, on copies of what it would write. Writes: nodes."""
+    """Forces and stiffness of one group, on copies of the tables that it writes. Writes: nodes."""
     force = group.module.force
     old, new = as_rows(group.history.copy())
     out = as_rows(group.output.copy())

@@ -1,7 +1,7 @@
 """Materials that elements call: their laws in a group, and their columns in its tables.
 
 A row has the constants of its material as one column, `material`, with the columns of all laws that
-the group uses; `law` says which of them is its own.
+the group uses; `law` is the number of its own.
 """
 
 from dataclasses import replace
@@ -32,7 +32,7 @@ def laws_of(entries: "list[Entry]", scene: "Scene") -> list[ModuleType]:
 
 
 def refuse_incomplete(law: ModuleType) -> None:
-    """Raises FamilyError for a material that lacks what its kind of law provides."""
+    """Raises FamilyError for a material that lacks a part of its Protocol."""
     kind = VonMisesLaw if law.VON_MISES else GeneralLaw
     needless = {"update", "energy"}
     if law.VON_MISES:
@@ -82,9 +82,9 @@ def fill(record: np.void, values: Columns) -> None:
 def refuse_different(
     module: ModuleType, record: Record, values: Columns, later: tuple[str, ...] = ()
 ) -> None:
-    """Raises FamilyError unless what `build` of a law returned fits its PARAMETERS.
+    """Raises FamilyError unless the columns that `build` of a law returned fit its PARAMETERS.
 
-    A column that it left out would be 0 without a word; `later` are those that others fill.
+    A missing column would be 0 without a message; `later` are those filled elsewhere.
     """
     if not isinstance(values, dict):
         raise FamilyError(f"{module.__name__}: build must return a dict of columns, not {values!r}")

@@ -1,4 +1,4 @@
-"""Model: what never changes during a run. State: all that changes. Both are arrays with meaning."""
+"""Model: the constant data of a run. State: all that changes. Both are arrays with meaning."""
 
 from __future__ import annotations
 
@@ -170,7 +170,7 @@ class Group:
 
 @dataclass
 class Joint:
-    """Rows of one joint, and what they join; its point and axis in body axes."""
+    """Rows of one joint, and its bodies; its point and axis in body axes."""
 
     name: str
     type: str
@@ -344,7 +344,7 @@ class Model:
         return [g for g in self.groups if hasattr(g.module, "load_elements")]
 
     def following_groups(self) -> list[Group]:
-        """Sensors that must look at every step."""
+        """Sensors that are evaluated in every step."""
         return [g for g in self.sensor_groups() if hasattr(g.module, "follow")]
 
 
@@ -359,5 +359,5 @@ class State:
     card_history: np.ndarray
     ledger: np.ndarray
     points: np.ndarray  # nodes of shells, see foundation/point.py
-    blocks: np.ndarray  # what their elements keep
+    blocks: np.ndarray  # history of their elements
     stages: np.ndarray  # of a Runge-Kutta step, from which the next may begin its iteration

@@ -1,4 +1,4 @@
-"""The node table and the constraint rows: what every body is, and what every joint asks of it.
+"""The node table and the constraint rows: the columns of every body and of every joint.
 
 Every body is a node, a point with a triad; node 0 is the ground. World components unless said.
 """
@@ -42,40 +42,40 @@ NODE = Record("""
 """)
 
 STAGE = Record("""
-    rate_r     m/s    3  velocity at a stage of a Runge-Kutta step; ground: power of drivers [W]
+    rate_r         m/s    3  velocity at a stage of a Runge-Kutta step; ground: power of drivers [W]
     rate_rotation  1/s    3  of rotation
-    rate_v     m/s^2  3  acceleration; ground: force from outside [N]
-    rate_L     N m    3  moment about the mass centre; ground: from outside, about the origin
-    rotation   1      3  Cayley vector of the rotation since the start of the step
+    rate_v         m/s^2  3  acceleration; ground: force from outside [N]
+    rate_L         N m    3  moment about the mass centre; ground: from outside, about the origin
+    rotation       1      3  Cayley vector of the rotation since the start of the step
 """)
 
 # a stage whose equations are solved by iteration
 IMPLICIT_STAGE = STAGE + Record("""
-    rate_w      rad/s^2  3  angular acceleration
-    mean_v      m/s^2    3  weighted mean of accelerations in generalized-alpha
-    mean_w      rad/s^2  3  the same of angular accelerations
-    closing_r   m        3  displacement by which generalized-alpha closes the joints
-    closing_w   rad      3  rotation by which it does
-    past_v      m/s^2    3  acceleration at this stage of the step before
-    past_w      rad/s^2  3  angular acceleration there
+    rate_w          rad/s^2  3  angular acceleration
+    mean_v          m/s^2    3  weighted mean of accelerations in generalized-alpha
+    mean_w          rad/s^2  3  the same of angular accelerations
+    closing_r       m        3  displacement by which generalized-alpha closes the joints
+    closing_w       rad      3  rotation by which it does
+    past_v          m/s^2    3  acceleration at this stage of the step before
+    past_w          rad/s^2  3  angular acceleration there
     displacement_r  m        3  displacement since the start of the step
-    change_v    m/s      3  change of velocity since then
-    change_w    rad/s    3  change of angular velocity since then
-    right_r     m        3  residual of displacement_r
+    change_v        m/s      3  change of velocity since then
+    change_w        rad/s    3  change of angular velocity since then
+    right_r         m        3  residual of displacement_r
     right_rotation  1        3  residual of rotation
-    right_v     m/s      3  residual of change_v
-    right_w     rad/s    3  residual of change_w
-    slope_r     m/s      3  change of rate_r by the last correction
+    right_v         m/s      3  residual of change_v
+    right_w         rad/s    3  residual of change_w
+    slope_r         m/s      3  change of rate_r by the last correction
     slope_rotation  1/s      3  change of rate_rotation
-    slope_v     m/s^2    3  change of rate_v
-    slope_w     rad/s^2  3  change of rate_w
+    slope_v         m/s^2    3  change of rate_v
+    slope_w         rad/s^2  3  change of rate_w
 """)
 
 ESTIMATE = Record("""
-    r     m      3  estimated error of a step: position of the mass centre
+    r         m      3  estimated error of a step: position of the mass centre
     rotation  rad    3  configuration, as a rotation
-    v     m/s    3  velocity of the mass centre
-    w     rad/s  3  angular velocity
+    v         m/s    3  velocity of the mass centre
+    w         rad/s  3  angular velocity
 """)
 
 ROW = Record("""

@@ -1,7 +1,7 @@
 """Pieces: parts with points cut into ranges of blocks, which several threads do side by side.
 
 A piece is a row of the part's parameters with fewer points and elements. No two pieces add to the
-same entry: what acts on a corner at a point that an earlier piece has corners at goes to a point of
+same entry: the forces on a corner at a point that an earlier piece has corners at go to a point of
 its own, behind all others, that stands for it. It is added afterwards in the order of the elements,
 so every sum has the order that it has without pieces.
 """
@@ -29,7 +29,7 @@ PIECE = Record("""
     speed          m/s    the largest of them
 """)
 ORIGINAL = Record("""
-    point  index  whose forces a replica collects
+    point      index  whose forces a replica collects
     is_damped  flag   whether its element has damping
 """)
 SPAN = Record("""

@@ -9,7 +9,7 @@ from crashsolve.deck.building import Columns, DeckOfScene, Scene
 
 @dataclass(frozen=True)
 class Phase:
-    """A stretch of the run's time [s] with the module of its type and what its card says."""
+    """A stretch of the run's time [s], with the module of its type and its card."""
 
     name: str
     module: ModuleType
@@ -25,14 +25,14 @@ def build_phases(deck: DeckOfScene, scene: Scene) -> list[Phase]:
         is_last, given = number == len(entries), entry.card.end_time
         with scene.building(entry):
             if control.solution != "transient":
-                raise scene.fail("a quasi-static solution has no phases; say solution: transient")
+                raise scene.fail("a quasi-static solution has no phases; set solution: transient")
             if is_last and given is not None:
                 raise scene.fail(
                     f"the last phase ends with the run, at {control.end_time:g} s; leave it out",
                     "end_time",
                 )
             if not is_last and given is None:
-                raise scene.fail("another phase follows: say when this one ends, by end_time")
+                raise scene.fail("another phase follows: give end_time, at which this one ends")
             end = control.end_time if given is None else given
             if not begun < end <= control.end_time or (end == control.end_time and not is_last):
                 bounds = f"between {begun:g} s, where the phase begins, and {control.end_time:g} s"

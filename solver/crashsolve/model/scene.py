@@ -228,16 +228,20 @@ class Scene:
         return CardProblem(message, field)
 
     def refuse_stepwise(self, module: ModuleType, field: str | None = None) -> None:
-        """A law that counts in whole steps has no order in a method that takes steps in stages."""
+        """A law that is computed in whole steps has no order in a method that takes steps in
+        stages.
+        """
         method = self.deck.control.integrator
         if not getattr(module, "STEPWISE", False):
             return
         law, others = module.__name__.rpartition(".")[2], getattr(module, "IMPLICIT", ())
         self.stepwise.append(law)
         if method not in ("rattle", *CHOSEN, *others):
-            message = f"'{law}' counts in whole steps, integrator {method} needs rates at any time"
+            message = (
+                f"'{law}' is computed in whole steps, integrator {method} needs rates at any time"
+            )
             known = " or ".join(["rattle", *others])
-            raise self.fail(f"{message}; say integrator: {known}", field)
+            raise self.fail(f"{message}; set integrator: {known}", field)
 
     def joint_entry(self, name: str) -> Entry:
         """Entry of a joint that another card names, of whichever family."""
@@ -247,12 +251,12 @@ class Scene:
     def refuse_joint(self, name: str, motions: tuple[str, ...], field: str) -> None:
         """A named joint without any of some motions: an `angle`, a `travel`, turns of a `ball`.
 
-        The file of a joint says in FREE which it leaves.
+        FREE of the file of a joint lists the free motions.
         """
         entry = self.joint_entry(name)
         if set(getattr(import_module(entry.module_name), "FREE", ())) & set(motions):
             if getattr(entry.card, "can_release", False):
-                message = f"'{name}' comes apart when it fails, and this would still act"
+                message = f"'{name}' separates when it fails, and this would still act"
                 raise self.fail(f"{message}; give it after_failure: loose", field)
             return
         known = {

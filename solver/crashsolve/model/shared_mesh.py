@@ -1,6 +1,6 @@
 """Meshes that parts share: the part of each element, the order and the properties of nodes.
 
-Nodes stand in the order of the parts: those of the first, then what the second has besides, and so
+Nodes are in the order of the parts: those of the first, then the others of the second, and so
 on. A part moves the nodes of its own range, and its elements act on all that they name. A node has
 mass, inertia, supports and momentum of all its parts. Consequence to test: mass and momentum of a
 mesh are those of its parts' elements.
@@ -37,7 +37,7 @@ def shared_meshes(scene: Scene) -> dict[str, Mesh]:
         parts = parts_of(name, scene)
         with scene.building(entry):
             if isinstance(entry.card, Shared):
-                raise scene.fail("holds no nodes of its own; say shared in the parts", "type")
+                raise scene.fail("has no nodes of its own; use type shared in the parts", "type")
             if not parts:
                 scene.warn(f"mesh '{name}' is named by no part and left out")
                 continue
@@ -169,7 +169,7 @@ def _join(entries: list[EntryOfScene], parts: list[PartOfScene], scene: Scene) -
     mass, inertia = np.bincount(corners, mass, n), np.bincount(corners, inertia, n)
     is_damped = any(part.is_damped for part in parts)
     momentum = sum((part.momentum for part in parts), np.zeros_like(parts[0].momentum))
-    held, by = np.zeros(n, np.uint8), np.full(n, -1)
+    fixed, by = np.zeros(n, np.uint8), np.full(n, -1)
     velocity, spin = np.zeros((n, 3)), np.zeros((n, 3))
     for k, (entry, part) in enumerate(zip(entries, parts, strict=True)):
         with scene.building(entry):
@@ -177,33 +177,33 @@ def _join(entries: list[EntryOfScene], parts: list[PartOfScene], scene: Scene) -
                 message = f"nodes of '{entries[0].name}' have another drag"
                 raise scene.fail(f"{message}; give all parts of a mesh the same", "drag")
             both = part.used[by[part.used] >= 0]
-            _refuse_held(part, held, entries, by, both, scene)
+            _refuse_fixed(part, fixed, entries, by, both, scene)
             _refuse_apart(part, (velocity, spin), entries, by, both, scene)
         new = part.used
-        held[new] |= part.held[new]
+        fixed[new] |= part.fixed[new]
         velocity[new], spin[new], by[new] = part.velocity[new], part.spin[new], k
     for part in parts:
-        part.mass, part.J, part.held, part.is_damped = mass, inertia, held, is_damped
+        part.mass, part.J, part.fixed, part.is_damped = mass, inertia, fixed, is_damped
         part.velocity, part.spin, part.momentum = velocity, spin, momentum
 
 
-def _refuse_held(
+def _refuse_fixed(
     part: PartOfScene,
-    held: np.ndarray,
+    fixed: np.ndarray,
     entries: list[EntryOfScene],
     by: np.ndarray,
     both: np.ndarray,
     scene: Scene,
 ) -> None:
     """A node that a body carries is held, welded or named in one part alone."""
-    clash = (np.maximum(held[both], part.held[both]) >= ATTACHED) & (held[both] > 0)
-    clash &= part.held[both] > 0
+    clash = (np.maximum(fixed[both], part.fixed[both]) >= ATTACHED) & (fixed[both] > 0)
+    clash &= part.fixed[both] > 0
     if clash.any():
         node = both[np.argmax(clash)]
-        message = f"its node at {_shown(part.mesh.points[node])} is held, welded or named here"
+        message = f"its node at {_shown(part.mesh.points[node])} is supported, welded or named here"
         message = f"{message} and in '{entries[by[node]].name}'"
         field = "welded" if part.card.welded else "nodes" if part.card.nodes else "supports"
-        raise scene.fail(f"{message}; say so in one of them", field)
+        raise scene.fail(f"{message}; state it in one of them", field)
 
 
 def _refuse_apart(

@@ -84,12 +84,12 @@ def _transfer_mass(rows: np.ndarray, card: Tie, scene: Scene) -> None:
             np.add.at(whole, corners, share)
             for part in scene.on_mesh_of(bearing):
                 part.momentum = whole
-        tied.held[node] = ATTACHED
+        tied.fixed[node] = ATTACHED
         scene.tied_mass += float(tied.mass[node])
 
 
 def _refuse_chain(rows: np.ndarray, tied: set[int], card: Tie, scene: Scene) -> None:
-    """A face that bears nodes has no corner that rides itself."""
+    """A face with tied nodes has no corner that is tied itself."""
     if tied.intersection(rows["corner"].ravel().tolist()):
         message = f"a face of '{card.to}' to which nodes are tied has a corner that is tied itself"
         raise scene.fail(f"{message}; tie the nodes of the same side in all ties", "to")

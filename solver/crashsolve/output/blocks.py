@@ -7,7 +7,7 @@ import numpy as np
 
 
 class CellType(NamedTuple):
-    """A cell as XDMF knows it; `code` is its number in a mixed topology."""
+    """A cell type of XDMF; `code` is its number in a mixed topology."""
 
     xdmf: str
     corners: int

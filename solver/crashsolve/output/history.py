@@ -22,8 +22,8 @@ from crashsolve.output.files import Json, new_hdf5, replacing, reported, write_m
 from crashsolve.output.peaks import Extremes
 
 FIRST_CAPACITY = 1024
-# reserved at most for what is expected: a run may have an endless end time, and be stopped; times
-# are written in advance
+# reserved at most for the expected samples: a run may have an endless end time, and be stopped;
+# times are written in advance
 MOST_RESERVED_BYTES, MOST_RESERVED_ROWS = 1 << 28, 1 << 20
 MOST_BUFFERED_ROWS = 1024
 

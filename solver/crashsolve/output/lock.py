@@ -24,7 +24,7 @@ class Lock:
     Several may hold a shared lock, as the tasks of one sweep do; none beside one that is not.
 
     Raises OutputError while another run has it, or when the file cannot be made.
-    `warning` says so where the file system knows no locks.
+    `warning` is set where the file system has no locks.
     """
 
     def __init__(self, folder: Path, is_shared: bool = False) -> None:

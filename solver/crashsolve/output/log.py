@@ -61,7 +61,7 @@ class Log:
             self.line("  " + text)
 
     def banner(self, program: str, facts: dict[str, str]) -> None:
-        """Open the log with the program and what is known of the run."""
+        """Open the log with the program and the data of the run."""
         self.line("=" * WIDTH)
         self.line(program)
         self.line("=" * WIDTH)
@@ -84,7 +84,7 @@ class Log:
         left: float | None,
         bound: str,
     ) -> None:
-        """Write one line of progress: balance in %, wall time left [s], what sets the step."""
+        """Write one line of progress: balance in %, wall time left [s], limit of the step."""
         if self._cycles % HEADER_EVERY == 0:
             self.line()
             self.line(HEADER)

@@ -56,7 +56,7 @@ def newest_restart(folder: Path | str, warn: Callable[[str], None] = warnings.wa
             return _read(path)
         # whatever HDF5, h5py and numpy raise over a damaged file
         except Exception as reason:
-            warn(f"{path}: dump passed over: {reason}")
+            warn(f"{path}: dump skipped: {reason}")
     if slots:
         raise OutputError(folder, "no valid restart dump: all of them are broken")
     return None

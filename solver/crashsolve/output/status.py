@@ -18,7 +18,7 @@ State = Literal["running", "finished", "stopped", "failed"]
 
 @dataclass
 class Status:
-    """One look at a run; times in s, energy balance in %, `cpu_steps` the part of cpu in steps.
+    """Status of a run; times in s, energy balance in %, `cpu_steps` the part of cpu in steps.
 
     `left` is the wall time the run still needs. What begins with `rejected` is known at the end.
     """

@@ -27,7 +27,7 @@ class Template:
     def __init__(self, blocks: tuple[Block, ...]) -> None:
         image, self._positions = _laid_out(blocks)
         ends = [(0, 0), *((offset, offset + size) for offset, size, _ in self._positions)]
-        # what lies before each of the positions, and behind the last
+        # the bytes before each of the positions, and behind the last
         self._between = [image[a[1] : b[0]] for a, b in pairwise([*ends, (len(image), 0)])]
 
     def write(self, path: Path, time: float, values: dict[str, dict[str, np.ndarray]]) -> None:

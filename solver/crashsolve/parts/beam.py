@@ -114,21 +114,21 @@ class Beam(Damped):
 
 
 PARAMETERS = Record("""
-    node_a             index         first node
-    node_b             index         second node
-    length             m             l
-    stiffness          N/m        3  diagonal of K
+    node_a                index         first node
+    node_b                index         second node
+    length                m             l
+    stiffness             N/m        3  diagonal of K
     rotational_stiffness  N m/rad    3  diagonal of K_r
-    bowing             1          2  c_y and c_z
-    damping            s             beta
-    drag_a             1/s           alpha, times the element's share in its first node
-    drag_b             1/s           the same of the second
-    viscosity          N s/m         rho A c b_1, of the stretch
-    quick_viscosity    N s^2/m^2     rho A b_2^2, of its square in compression
-    rate_a             1/s^2         largest k times mobility at the first node
-    rate_b             1/s^2         the same at the second
-    taut_a             1/(kg m)      increase of that by a tension of 1 N, at the first node
-    taut_b             1/(kg m)      the same at the second
+    bowing                1          2  c_y and c_z
+    damping               s             beta
+    drag_a                1/s           alpha, times the element's share in its first node
+    drag_b                1/s           the same of the second
+    viscosity             N s/m         rho A c b_1, of the stretch
+    quadratic_viscosity   N s^2/m^2     rho A b_2^2, of its square in compression
+    rate_a                1/s^2         largest k times mobility at the first node
+    rate_b                1/s^2         the same at the second
+    tension_rate_a        1/(kg m)      increase of that by a tension of 1 N, at the first node
+    tension_rate_b        1/(kg m)      the same at the second
 """)
 HISTORY = Record()
 TANGENTS = element.TANGENTS

@@ -4,12 +4,12 @@
     V_y = k_y u_y,   V_z = k_z u_z,   M_x = G J theta_x / l
 
 at the one point of an element, its middle. Shear and torsion are elastic, and torsion is free of
-warping; so is what varies along the element (the term l^3 / 12 E I of the beam). A hinge forms in
-the middle of an element: a cantilever of length L bears M_p / (L - l / 2) at its end. Elastic, it
-is the beam. Implicit steps have the tangent of the step as it is computed: the beam's, with the
-forces that there are, and what the fibres change it by (beams/tangent.py). Consequence to test: the
-limit moment of a rectangle is Y b h^2 / 4, and its moment beyond yield 1 - (kappa_Y / kappa)^2 / 3
-of it.
+warping; so is the bending that varies along the element (the term l^3 / 12 E I of the beam). A
+hinge forms in the middle of an element: a cantilever of length L carries M_p / (L - l / 2) at its
+end. Elastic, it is the beam. Implicit steps have the tangent of the step as it is computed: the
+beam's, with the present forces, and the changes by the fibres (beams/tangent.py). Consequence to
+test: the limit moment of a rectangle is Y b h^2 / 4, and its moment beyond yield 1 - (kappa_Y /
+kappa)^2 / 3 of it.
 
 References: those of the beam and of beams/fibres.py.
 """
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
 STEPWISE = CALLS_MATERIAL = True
 IMPLICIT = ("generalized_alpha", "radau_iia_5")
-# a row each for what the rates of N, M_y and M_z resist
+# a row each for the rates of N, M_y and M_z
 RATES = 3
 MOST_FIBRES = fibres.MOST_FIBRES
 TANGENTS = element.TANGENTS + RATES
@@ -55,7 +55,7 @@ PARAMETERS = beam.PARAMETERS + Record(f"""
     law    index                        of the material's law among those of the group
 """)
 HISTORY = Record(f"""
-    stress  Pa  {fibres.MOST_FIBRES}  of the fibres; what else they remember says the material
+    stress  Pa  {fibres.MOST_FIBRES}  of the fibres; the material adds its other columns
     work    J                         plastic work
 """)
 OUTPUT = beam.OUTPUT + Record("""
@@ -127,7 +127,7 @@ def force(
     k, k_r = p.stiffness, p.rotational_stiffness
     f, m = (N, k[1] * u[1], k[2] * u[2]), (k_r[0] * theta[0], M_y, M_z)
     elastic = k[1] * u[1] * u[1] + k[2] * u[2] * u[2] + k_r[0] * theta[0] * theta[0]
-    slow = p.viscosity - p.quick_viscosity * min(u_dot[0], 0.0)
+    slow = p.viscosity - p.quadratic_viscosity * min(u_dot[0], 0.0)
     lag = (
         (p.damping * k[0] + slow) * u_dot[0],
         p.damping * k[1] * u_dot[1],
@@ -155,7 +155,7 @@ def force(
 
 @kernel
 def at_section(p: Parameters, strained):
-    """Stretch and bending of the section, and their rates; of what element.deformation states."""
+    """Stretch and bending of the section, and their rates, from element.deformation."""
     _, u, theta, u_dot, theta_dot, _, _ = strained
     per = 1.0 / p.length
     strain = (per * u[0], per * theta[1], per * theta[2])
@@ -196,19 +196,19 @@ def tangent(p: Parameters, state: History, nodes, curves, rows, first, material)
     first += element.TANGENTS
     for k in range(RATES):
         no_tangent(rows[first + k])
-    # what yields by von Mises' stress has its rate from the step, and is a matter of positions
+    # yield by von Mises' stress takes its rate from the step, and depends on positions
     if material.VON_MISES:
         return
     strained = element.deformation(p, a, b, R, v, w)
     _, _, by_rate = yielding(p, state, 0.0, curves, strained, material)
     weight, side = fibres.squares(by_rate)
-    resist_rate(rows[first], R, v, w, strained, (1.0, side[0], side[1]), weight[0])
-    resist_rate(rows[first + 1], R, v, w, strained, (0.0, 1.0, side[2]), weight[1])
-    resist_rate(rows[first + 2], R, v, w, strained, (0.0, 0.0, 1.0), weight[2])
+    add_rate_tangent(rows[first], R, v, w, strained, (1.0, side[0], side[1]), weight[0])
+    add_rate_tangent(rows[first + 1], R, v, w, strained, (0.0, 1.0, side[2]), weight[1])
+    add_rate_tangent(rows[first + 2], R, v, w, strained, (0.0, 0.0, 1.0), weight[2])
 
 
 @kernel
-def resist_rate(row, R, v, w, strained, flow, damping):
+def add_rate_tangent(row, R, v, w, strained, flow, damping):
     """Tangent of N, M_y and M_z in this proportion. Writes: row."""
     bent = strained[5]
     f, m = scale(flow[0], bent[3]), add_scaled((0.0, flow[1], flow[2]), flow[0], bent[4])

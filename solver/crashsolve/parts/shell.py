@@ -97,7 +97,7 @@ OUTPUT = Record("""
     deleted         count  elements deleted
 """)
 
-# thickness over width of elements, from which a warning says that the part is no thin shell
+# thickness over width of elements, from which a warning states that the part is no thin shell
 MANY = 4.0
 
 

@@ -1,4 +1,4 @@
-"""Structure: members between named points, deformed by whichever description the deck asks for.
+"""Structure: members between named points, with the description of deformation that the deck names.
 
     rigid       every member moves with the points it joins
     hinges      rigid bars between plastic hinges: at both ends of a member and in its middle
@@ -7,9 +7,9 @@
     shells      thin-walled tubes of shells
 
 At every point there is a rigid body, named after it, whose origin and axes stay those of the point
-whatever is chosen: joints, contacts, masses, loads and sensors of the deck are attached to it. It
+for any description: joints, contacts, masses, loads and sensors of the deck are attached to it. It
 is the rigid joint of the members that meet there: of each member the length r from the point on
-belongs to it, and what deforms begins behind. Where nothing else is said,
+belongs to it, and the deformable part begins behind it. By default
 
     r = h / 2 max(1, 1 / tan(alpha / 2))
 

@@ -2,8 +2,8 @@
 
     v = 0   where   T = v . M v / 2   begins to fall
 
-A vibration passes its equilibrium at the peak of its kinetic energy, so that what is halted there
-has come to its equilibrium and not beyond; what several vibrations leave falls from halt to halt
+A vibration passes its equilibrium at the peak of its kinetic energy, so that a motion halted there
+has come to its equilibrium and not beyond; the rest of several vibrations falls from halt to halt
 (dynamic relaxation with kinetic damping). All laws are stepped as in motion: contacts close, metal
 yields, friction holds. Loads without a curve rise from nothing, so that the path to the equilibrium
 is near that of slow loads, the nearer the longer the phase. The energy and the momentum that are
@@ -74,8 +74,8 @@ def after_step(p: Columns, engine: PhasedEngine) -> None:
         kinetic = 0.0
     memory["kinetic"] = kinetic
     if memory["share"] < 1.0:
-        passed = float(engine.clock["time"]) - float(engine.model.control[0]["start"])
-        engine.raise_loads(min(ceil(STEPS * passed / _rise(p, engine)) / STEPS, 1.0))
+        elapsed = float(engine.clock["time"]) - float(engine.model.control[0]["start"])
+        engine.raise_loads(min(ceil(STEPS * elapsed / _rise(p, engine)) / STEPS, 1.0))
 
 
 def end(p: Columns, engine: PhasedEngine) -> None:

@@ -4,7 +4,7 @@
 
 q are position and rotation of the root and the rotations of joints: a rotation vector of a joint
 that turns about any axis, an angle of one with an axis, within the stops of the deck; s_l is the
-spread of landmarks, s_j that of joints which the request says are near the zero posture. The
+spread of landmarks, s_j that of joints near the zero posture by the request. The
 covariance of q is (J^T J)^-1 with the Jacobian J of the weighted residuals; a direction of q that
 neither points nor spreads determine within a radian is refused.
 Consequence to test: e^T S^-1 e at the minimum is chi-squared, and so are errors of q over their
@@ -27,7 +27,7 @@ UNDETERMINED = 1.0
 
 
 class FitError(Exception):
-    """Points that do not determine a chain; the message says why, `advice` what would help."""
+    """Points that do not determine a chain; the message has the cause, `advice` the remedy."""
 
     def __init__(self, message: str, advice: str = "") -> None:
         super().__init__(message)
@@ -202,7 +202,7 @@ def _nearest_rotation(x: Array, y: Array) -> Array:
 
 
 def _covariance(chain: Chain, J: Array, names: Sequence[str]) -> Array:
-    """(J^T J)^-1. Raises FitError naming what is not determined."""
+    """(J^T J)^-1. Raises FitError naming the unknowns that are not determined."""
     _, s, V = np.linalg.svd(J, full_matrices=False)
     loose = [k for k in range(len(s)) if not s[k] * UNDETERMINED > 1.0]
     if loose:

@@ -1,4 +1,4 @@
-"""The words of `crashsolve posture`, and what it does from pictures to the card of a posture."""
+"""The command `crashsolve posture`: from pictures to the card of a posture."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def _act(options: argparse.Namespace) -> int:
 
 
 def posture(path: Path, folder: Path) -> list[str]:
-    """Fit a posture and write its files; returns what there is to report. Raises DeckErrors."""
+    """Fit a posture and write its files; returns its report. Raises DeckErrors."""
     from crashsolve.photogrammetry import report
     from crashsolve.photogrammetry.motion import rates
     from crashsolve.photogrammetry.occupant import chain_of

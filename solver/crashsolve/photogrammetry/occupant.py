@@ -1,4 +1,4 @@
-"""The chain of bodies of a deck with its landmarks, as a request asks for it."""
+"""The chain of bodies of a deck with its landmarks, as defined by a request."""
 
 from importlib import import_module
 from pathlib import Path
@@ -21,7 +21,7 @@ WHO = "<who>"
 def chain_of(requested: Requested) -> tuple[Chain, Scene]:
     """The chain, and the scene that it is taken from. Raises DeckErrors."""
     deck = read_deck(Path(requested.card.deck))
-    # cards of bodies have the zero posture, whatever the deck makes of it
+    # cards of bodies have the zero posture, in any posture of the deck
     deck.entries["postures"].clear()
     scene = Scene(deck)
     scene.raise_errors()
@@ -85,7 +85,7 @@ def _landmarks(
         if name not in scene.names:
             problem = f"unknown body '{name}'"
         elif scene.names.index(name) not in reached:
-            problem = f"'{name}' does not hang on '{requested.card.root}'"
+            problem = f"'{name}' is not connected to '{requested.card.root}'"
         if problem:
             errors.append(DeckError(path, row.line, None, row.names["point"], problem))
             continue

@@ -2,7 +2,7 @@
 
 Images have errors of one variance s^2, the same for targets and points. Of a point seen by k
 cameras 2k - 3 of its equations are left over: their misclosure c, with the covariance S that images
-and cameras give it, says by c S^-1 c, chi-squared of 2k - 3, whether the images belong together.
+and cameras give it, shows by c S^-1 c, chi-squared of 2k - 3, whether the images are consistent.
 All of them, and those of the targets, estimate s where it is not given.
 """
 
@@ -193,7 +193,7 @@ def _check(requested: Requested, frames: tuple[Frame, ...], error: float, volume
                 worst = int(np.argmax(np.abs(point.residuals).max(axis=1)))
                 row = point.rows[worst]
                 size = float(np.linalg.norm(point.residuals[worst]))
-                problem = f"its images do not belong together: {size:.3g} from where camera "
+                problem = f"its images contradict each other: {size:.3g} from where camera "
                 problem += f"'{row.names['camera']}' would see it, and the error of images is "
                 problem += f"{error:.3g}"
                 advice = "look for a point that was confused with another"

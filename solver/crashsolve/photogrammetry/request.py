@@ -37,7 +37,7 @@ class Request(Card):
     title: str = word("heading of what is printed", "")
     name: NewName = word("of the posture card that is written", "posture")
     deck: FileName = word("deck with bodies and joints in the zero posture")
-    occupant: str = word("what stands for <who> in the landmarks' bodies", "")
+    occupant: str = word("text in place of <who> in the landmarks' bodies", "")
     root: BodyName = word("body from which the others are placed")
     targets: FileName = word("table of known points: target, x, y, z")
     calibration: FileName = word("table of their images: camera, target, u, v")

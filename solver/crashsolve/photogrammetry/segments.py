@@ -1,4 +1,6 @@
-"""The chain in every frame, each searched from the one before; what does not fit is refused."""
+"""The chain in every frame, each searched from the one before; a frame that does not fit is
+refused.
+"""
 
 from dataclasses import replace
 

@@ -62,7 +62,7 @@ def build(card: Angles, scene: Scene) -> None:
         one = next((one for one in rest if {one.a, one.b} <= known), rest[0])
         closes = {one.a, one.b} <= known
         how = "closes a loop of this chain" if closes else (
-            f"does not hang on '{card.root}' by the joints of this posture"
+            f"is not connected to '{card.root}' by the joints of this posture"
         )  # fmt: skip
         raise scene.fail(f"'{one.joint}' {how}", f"joints.{given_at[one.joint][1]}.joint")
     A, w = matrix(card.rotation.quaternion()), np.asarray(card.angular_velocity)

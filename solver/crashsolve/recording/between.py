@@ -1,7 +1,7 @@
 """Samples at the steps of an interval whose ends miss forces of contact.
 
 A contact that begins and ends between two samples is in none of them. Its peak and its impulse,
-which are of all steps, reveal it (march.py). Then the interval is run once more from its start, to
+which are of all steps, reveal it (march.py). Then the interval is run again from its start, to
 the same bits, with a sample at every step, so that extremes, integrals and functions of all
 channels include it. Consequence to test: the peak of the samples is that of the steps,
 whatever their interval, and the run is as without.
@@ -20,7 +20,7 @@ from crashsolve.system.engine import Engine
 
 # rows of one interval at most
 MOST_ROWS = 512
-# steps that are run once more: so many, and this share of all
+# steps that are run again: so many, and this share of all
 FREE_STEPS, SHARE = 4000, 0.05
 
 
@@ -28,7 +28,7 @@ class Between:
     """Watches the intervals of a run in time; `take` stores the present sample of the engine at a
     time.
 
-    `march` counts and watches them; `spent` (1,) are steps that were run once more.
+    `march` counts and watches them; `spent` (1,) are steps that were run again.
     """
 
     def __init__(self, engine: Engine, moves: bool, take: Callable[[float], None]) -> None:

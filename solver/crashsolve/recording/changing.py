@@ -38,7 +38,7 @@ def restore(engine: Engine, arrays: dict[str, np.ndarray]) -> None:
         take_pairs(group, rows, history)
     for nodal in _nodal(engine):
         for name, array in nodal.changing().items():
-            # the step goes on in it, and what is restored may be wanted once more
+            # the step goes on in it, and the restored state may be needed again
             nodal.arrays[name] = _columns(arrays[f"{name}/{nodal.word}"], array.dtype).copy()
     engine.bind()
 
@@ -121,14 +121,15 @@ class Snapshot:
         return self._arrays
 
     def recall(self, arrays: dict[str, np.ndarray]) -> None:
-        """Keep what `arrays` of another snapshot gave."""
+        """Restore the values of `arrays` of another snapshot."""
         self._arrays, self._bound = dict(arrays), -1
 
     def restore_copy(self) -> None:
         """Restore the stored arrays."""
-        # pairs that are not looked at in a sample keep the force that they had
+        # outputs of separated pairs, which samples skip
         for group in self.engine.model.contact_groups:
-            group.output["force"] = 0.0
+            for name in ("force", "stored", "friction_stored", "bound"):
+                group.output[name] = 0.0
             if group.applied is not None:
                 group.applied[...] = 0
         if self.is_copied and self._bound == self.engine.bindings:

@@ -10,7 +10,7 @@ from crashsolve.system.engine import Engine
 
 
 def is_static(deck: Deck) -> bool:
-    """Whether the deck asks for equilibria."""
+    """Whether the run is one of equilibria."""
     return deck.control.solution == "quasi_static"
 
 

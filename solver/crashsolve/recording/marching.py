@@ -1,4 +1,4 @@
-"""Arguments of the compiled loop from sample to sample (march.py): tables, and what to copy.
+"""Arguments of the compiled loop from sample to sample (march.py): tables, and the copies to make.
 
     copies of the State before a sample;  rows stored of a sample;  a snapshot at the start of an
     interval
@@ -183,7 +183,7 @@ def _passed(model: Model) -> np.ndarray:
     """Rows of PASSED: times at which pairs passed, of every group that notes them."""
     found = []
     for group in model.contact_groups:
-        if "passed" in (group.history.dtype.names or ()) and group.history.shape[1]:
-            column, (half, stride) = group.history["passed"], group.history.strides
+        if "pass_time" in (group.history.dtype.names or ()) and group.history.shape[1]:
+            column, (half, stride) = group.history["pass_time"], group.history.strides
             found.append((column.ctypes.data, stride, group.history.shape[1], half))
     return np.array(found, march.PASSED.dtype)

@@ -188,8 +188,8 @@ class PhasedEngine(Engine):
     def _residuals_on_points(self) -> np.ndarray:
         """Unbalanced forces (points,) in the last sample along free motions [N]."""
         points = self.state.points
-        is_held = points["held"][:, None] & np.array([1, 2, 4]) != 0
-        is_held |= (points["held"][:, None] & ATTACHED) != 0
+        is_held = points["fixed"][:, None] & np.array([1, 2, 4]) != 0
+        is_held |= (points["fixed"][:, None] & ATTACHED) != 0
         return np.linalg.norm(np.where(is_held, 0.0, points["force"]), axis=1)
 
     def _largest_force(self) -> float:

@@ -68,7 +68,7 @@ class Channel:
 class Samples:
     """Samples of channels during one run: times, values of each, and of the vector around it.
 
-    `cycles` are the steps it took, `cpu` [s] what it cost, `units` those of the channels; `between`
+    `cycles` are its steps, `cpu` [s] its CPU time, `units` those of the channels; `between`
     are times of samples that are steps of this run (recording/between.py).
     """
 

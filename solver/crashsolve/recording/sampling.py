@@ -30,7 +30,7 @@ class Schedule:
 
     @classmethod
     def of(cls, deck: Deck) -> "Schedule":
-        """The schedule a deck asks for."""
+        """The schedule of a deck."""
         start, end = deck.control.start_time, deck.control.last_time
         plain = cls(start, end, deck.sample_interval or 1.0)
         return plain.with_times(_requested(deck) | _ends_of_phases(deck))

@@ -4,7 +4,7 @@
     1 / (kappa_z A) = (t_f H^2 b^3 / 24 + (c^2 H + c t_w H^3 / 6 + t_w^2 H^5 / 120) / t_w) / I^2
 
 c = b t_f H / 2 and I = c H + t_w H^3 / 12; this is the energy of the shear flow. Along y the
-flanges bear the shear, as rectangles do. Torsion is free of warping. Consequence to test: with the
+flanges carry the shear, as rectangles do. Torsion is free of warping. Consequence to test: with the
 web alone kappa_z is 5/6.
 
 Reference: Megson (2017), Aircraft Structures for Engineering Students, chapters 16 to 18 and 20.
@@ -60,7 +60,7 @@ def build(card: ISection, poisson: float) -> Columns:
 
 
 def web_area(b: float, H: float, t_f: float, t_w: float) -> float:
-    """Area kappa_z A that bears shear along the web [m^2]."""
+    """Shear area kappa_z A along the web [m^2]."""
     c = 0.5 * b * t_f * H
     inertia = c * H + t_w * H**3 / 12.0
     web = (c * c * H + c * t_w * H**3 / 6.0 + t_w**2 * H**5 / 120.0) / t_w

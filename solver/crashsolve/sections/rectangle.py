@@ -41,7 +41,7 @@ def build(card: Rectangle, poisson: float) -> Columns:
 
 def torsion(long: float, short: float) -> float:
     """Torsion constant J [m^4]."""
-    # terms of 1 / n^5: what is left out is below 1e-10
+    # terms of 1 / n^5: the neglected ones are below 1e-10
     series = sum(tanh(n * pi * long / (2.0 * short)) / n**5 for n in range(1, 301, 2))
     return long * short**3 * (1.0 / 3.0 - 64.0 * short / (pi**5 * long) * series)
 

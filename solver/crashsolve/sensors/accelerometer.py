@@ -4,7 +4,7 @@
 
 g only with `gravity: true`: an instrument shows -g at rest and nothing in free fall. Where gravity
 acts and the card does not say which is meant, the motion alone is measured, with a warning. `role`
-says what is measured of an occupant or vehicle, for measures of injury. Consequence
+names the part of an occupant or vehicle, for measures of injury. Consequence
 to test: on an arm of radius R turning at w it shows w^2 R towards the axis.
 """
 

@@ -38,12 +38,12 @@ class Displacement(Card):
 
 
 PARAMETERS = Record("""
-    node_a   index     first body
-    node_b   index     second body
-    point_a  m      3  from the mass centre of a, axes of a
-    point_b  m      3  from the mass centre of b, axes of b
+    node_a       index     first body
+    node_b       index     second body
+    point_a      m      3  from the mass centre of a, axes of a
+    point_b      m      3  from the mass centre of b, axes of b
     is_attached  flag      components in axes of a
-    start    m         distance at the start
+    start        m         distance at the start
 """)
 OUTPUT = Record("""
     distance  m       between the points

@@ -50,7 +50,7 @@ def surfaces(model: Model) -> list[Piece]:
 
 
 def primitives(model: Model, deck: Deck, shaped: list[Piece]) -> list[Piece]:
-    """Primitives of bodies, but for those that lie within what a body is drawn by already."""
+    """Primitives of bodies, except those inside another drawing of the body."""
     pieces: list[Piece] = []
     for name, entry in deck.entries.get("bodies", {}).items():
         node, solid = model.bodies.index(name), getattr(entry.card, "primitive", None)

@@ -60,7 +60,7 @@ class ContactPoints:
         p, states, slot_in_use = g.p[0], g.probe_states, g.slot_in_use
         slots = np.arange(len(slot_in_use))
         # two records take turns (system/contact/node_contact.py): the last step's, accepted, and
-        # what the force pass of the sample has found, which is left as it was of what is apart
+        # the results of the force pass of the sample, which do not change for separated pairs
         accepted = np.where(slot_in_use > 1, 3 - slot_in_use, slot_in_use)
         was, now = states["active"][accepted, slots], states["active"][1 - accepted, slots]
         touching = np.flatnonzero(now & (was | (self.engine.clock["cycle"] == 0)))

@@ -2,7 +2,7 @@
 
 Which sample has the largest force is known at the end alone. So the State is copied whenever one is
 written; where an event falls into the time until the next, that copy is kept, and the run goes from
-it to the event once more, to the same bits, when it has ended. Consequence to test: there is a
+it to the event again, to the same bits, when it has ended. Consequence to test: there is a
 state at the sample of the largest force, and all else is as without.
 """
 
@@ -39,7 +39,7 @@ class Reached(Exception):
 
 
 class EventStates:
-    """Copies of the State before events of a run in time; `fields` makes what a state holds."""
+    """Copies of the State before events of a run in time; `fields` makes the fields of a state."""
 
     def __init__(
         self,
@@ -76,7 +76,7 @@ class EventStates:
         self._mark()
 
     def write(self, states: StateWriter, history: Path, is_asked: Callable[[], bool]) -> None:
-        """Go to the events once more. Raises OutputError."""
+        """Go to the events again. Raises OutputError."""
         if not self._found:
             return
         times, target = self._times(history), float(self.engine.clock["sampled"])

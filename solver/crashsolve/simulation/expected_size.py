@@ -18,7 +18,7 @@ def expected_size(
 ) -> str:
     """Size of the history, and of the states if blocks are known, in words.
 
-    Raises DeckError where they are more than what is free on the disk of the folder.
+    Raises DeckError where they exceed the free space on the disk of the folder.
     """
     schedule = Schedule.of(deck)
     span = schedule.end - schedule.start

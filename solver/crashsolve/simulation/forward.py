@@ -71,7 +71,7 @@ def march(run: Run) -> None:
 
 
 def _write_events(run: Run) -> None:
-    """States at events, which the run must meet once more."""
+    """States at events, which the run must reach again."""
     started = time.process_time()
     run.recorder.flush()
     run.events.write(run.states, run.folder / "history.h5", lambda: _is_asked(run))
@@ -89,7 +89,7 @@ def _march_through(run: Run, times: np.ndarray) -> int:
     started = time.process_time()
     count, stepping, left = run.between.march.go(times, run.histories.kept)
     if count:
-        # before anything is asked for that writes a dump
+        # before any request that writes a dump
         run.recorder.taken(times[:count].tolist())
         previous = times[count - 2] if count > 1 else run.sampled
         run.sampled, now = float(previous), float(times[count - 1])

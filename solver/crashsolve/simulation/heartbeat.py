@@ -1,4 +1,4 @@
-"""Signs of life: at least every ten seconds a run says where it is.
+"""Signs of life: at least every ten seconds a run reports its activity.
 
 Between samples the run itself does so, whenever the compiled loop pauses. What lasts long beside
 that (reading a large deck, compiling, one long step, estimates of errors) is reported by a thread
@@ -11,7 +11,7 @@ from contextlib import suppress
 from time import monotonic
 from typing import Self
 
-# [s] after which the run says something at its next pause, and after which the thread does
+# [s] after which the run reports at its next pause, and after which the thread does
 AT_PAUSE, AT_LATEST = 8.0, 9.0
 # [s] after the start that the first sign may take
 FIRST = 0.9
@@ -19,7 +19,7 @@ LOOK = 0.2
 
 
 class Heartbeat:
-    """Reports what a run is doing, by `print_line(text)`, while nothing else is reported."""
+    """Reports the activity of a run, by `print_line(text)`, while nothing else is reported."""
 
     def __init__(self, doing: str, print_line: Callable[[str], None]) -> None:
         self.print_line = print_line

@@ -29,7 +29,7 @@ class HingeMarks:
         self.groups = [g for g in model.groups if families()[g.keyword].picture == MARK]
         self.ball, self.triangles = shapes.sphere(RADIUS * model.size)
         self.start = self._positions(nodes)
-        # of what the hinges of this model can do
+        # of the motions of the hinges of this model
         self.specs = {
             name: spec
             for name, spec in FIELDS.items()

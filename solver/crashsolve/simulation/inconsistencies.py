@@ -25,7 +25,7 @@ def refuse_inconsistencies(deck: Deck, engine: Engine) -> None:
 
 
 def _inconsistencies(deck: Deck, engine: Engine) -> Iterator[tuple[Entry, str, str]]:
-    """Card, what is wrong, and advice."""
+    """Card, cause and advice."""
     entries = deck.entries
     joints = {name: card for k in answering("joints") for name, card in entries[k].items()}
     for name, text in engine.assembly_errors():
@@ -35,7 +35,7 @@ def _inconsistencies(deck: Deck, engine: Engine) -> Iterator[tuple[Entry, str, s
 
 
 def overlaps(engine: Engine) -> list[tuple[str, str]]:
-    """Contacts with an initial penetration of unclear direction: (contact, what is wrong).
+    """Contacts with an initial penetration of unclear direction: (contact, cause).
 
     Sides are solid: a ball in a hollow one, or on its very middle, is not meant.
     """
@@ -43,7 +43,7 @@ def overlaps(engine: Engine) -> list[tuple[str, str]]:
     current, found = int(engine.clock["current"]), {}
     for group in model.contact_groups:
         depth, thick = group.history["depth"][current], group.parameters["thick"]
-        # a constraint has no depth: what it is to hold begins apart, or touching
+        # a constraint has no depth: its surfaces begin apart, or touching
         limit = ONTO * model.size if group.is_unilateral else 0.5 * thick
         for i in np.flatnonzero(depth > limit):
             why = (
@@ -59,6 +59,6 @@ def overlaps(engine: Engine) -> list[tuple[str, str]]:
         if nodal.narrow is None and depth > ONTO * model.size:
             found[nodal.card] = (
                 f"begins {depth:.3g} m deep: nodes are nearer to faces than their common "
-                "thickness; move them apart, or say `ring` if they are neighbours in the mesh"
+                "thickness; move them apart, or set `ring` if they are neighbours in the mesh"
             )
     return list(found.items())

@@ -42,7 +42,7 @@ class ContactPhases:
         }
 
     def average_steps(self) -> dict[str, str]:
-        """The average step as the log says it, by phase where anything ever touched."""
+        """The average step as in the log, by phase where there was contact."""
         if not self._steps["during"]:
             return {"average step": f"{self.simulated() / self.cycles():.4g} s"}
         texts = ["-" if step is None else f"{step:.4g} s" for step in self.averages().values()]

@@ -312,7 +312,7 @@ def _single(operation: np.ufunc, u: np.ndarray, v: np.ndarray) -> np.ndarray:
 
 
 def _spans(g: Group, current: int) -> list[np.ndarray]:
-    """Both ends of every segment of the routes of a group, and of what lies on a surface."""
+    """Both ends of every segment of the routes of a group, and of the parts on surfaces."""
     found = []
     for row, laid in zip(g.parameters, g.history[current], strict=True):
         n = int(row["segments"])

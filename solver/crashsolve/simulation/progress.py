@@ -147,7 +147,7 @@ class Account:
         self.log.progress((clock["time"] - self.deck.control.start_time) / (span or 1.0))
 
     def keep_alive(self) -> None:
-        """Look at the step; a line where none has come for long. Raises OutputError."""
+        """Check the step; print a line where none has come for long. Raises OutputError."""
         # a record array's own look-up of a column takes as long as a step of a small scene
         clock = self.engine.state.clock[0]
         fallen = self.steps.look(float(clock["time"]), int(clock["cycle"]))

@@ -14,7 +14,7 @@ from crashsolve.system.engine import Engine
 
 # shares of the null space below this are round-off
 NOTHING = 1e-9
-# more rows than this are counted, not looked at: the singular values of so many take a second
+# more rows than this are counted, not analysed: the singular values of so many take a second
 MANY = 1000
 
 

@@ -19,7 +19,7 @@ STRAINED, STORED = 1e-10, 1e-18
 NO_DEPTH = 1e-9
 # share of the half thicknesses of both sides, beyond which a touch is deep
 DEEP = 0.25
-# the same of a point, which is stopped at the middle of what it strikes
+# the same of a point, whose run is stopped at the middle of the struck body
 HALFWAY = 0.5
 # crushed length over length at which the folds of a square tube touch: Abramowicz (1983), Int. J.
 # Impact Engng 1, 309-317, has 0.73
@@ -32,7 +32,7 @@ OF_BEAMS = ("strain", "curvature")
 STEPS, COLLAPSED = 20, 1e-3
 
 
-def pressed_at_start(engine: Engine) -> list[str]:
+def touching_at_start(engine: Engine) -> list[str]:
     """Contacts that touch when the run begins, with the energy that sets their bodies in motion."""
     return overloaded_tyres(engine) + [
         f"contact '{name}' touches at the start: it begins up to {card['depth']:.3g} m deep, with "
@@ -59,7 +59,7 @@ def overloaded_tyres(engine: Engine) -> list[str]:
     ]
 
 
-def settling(engine: Engine) -> list[str]:
+def contacts_without_depth(engine: Engine) -> list[str]:
     """Contacts that begin without any depth between bodies at rest, while loads act."""
     model, state = engine.model, engine.state
     loaded = any(group.keyword == "loads" for group in model.groups)
@@ -80,10 +80,10 @@ def settling(engine: Engine) -> list[str]:
     ]
 
 
-def pressed_deep(engine: Engine) -> list[str]:
+def deep_round_contacts(engine: Engine) -> list[str]:
     """Contacts of round sides so deep that one can slip by the other: no other check finds this."""
     now = engine.state.card_history[int(engine.clock["current"])]
-    return driven_deep(engine) + [
+    return deep_points(engine) + [
         f"contact '{name}': the penetration reached {100.0 * share:.0f} % of the half thicknesses "
         "of both sides; such a soft contact hardly keeps one body from passing through the other: "
         "make the contact stiffer"
@@ -92,7 +92,7 @@ def pressed_deep(engine: Engine) -> list[str]:
     ]
 
 
-def driven_deep(engine: Engine) -> list[str]:
+def deep_points(engine: Engine) -> list[str]:
     """Contacts of points and of nodes of shells that penetrated deeply."""
     worst: dict[str, tuple[float, float, float]] = {}
     for g in engine.model.nodal_groups:
@@ -102,7 +102,7 @@ def driven_deep(engine: Engine) -> list[str]:
         one, name = (deepest / thick, deepest, thick), engine.model.contacts[p["card"]]
         worst[name] = max(worst.get(name, one), one)
     return [
-        f"contact '{name}': points went {depth:.3g} m deep into the body they struck, "
+        f"contact '{name}': points penetrated {depth:.3g} m deep into the body they struck, "
         f"{100.0 * share:.0f} % of the {thick:.3g} m from its surface to its middle; beyond the "
         "middle they come out on the other side: make the contact stiffer, or that body thicker"
         for name, (share, depth, thick) in worst.items()
@@ -112,7 +112,7 @@ def driven_deep(engine: Engine) -> list[str]:
 
 def range_warnings(engine: Engine) -> list[str]:
     """Warnings of laws outside their range of validity."""
-    found = (read_beyond, pressed_deep, hourglass_share, crushed_hinges, compressed, crushed)
+    found = (read_beyond, deep_round_contacts, hourglass_share, crushed_hinges, compressed, crushed)
     return [text for of in found for text in of(engine)]
 
 
@@ -158,9 +158,9 @@ def hourglass_share(engine: Engine) -> list[str]:
     if at_most <= MUCH_HOURGLASS * internal or internal <= STORED * float(engine.ledger[LARGEST]):
         return []
     return [
-        f"hourglass modes hold {at_most:.4g} J, {100.0 * at_most / internal:.3g} % of the internal "
-        f"energy, {internal:.4g} J: more than {100.0 * MUCH_HOURGLASS:.0f} % is a sign that the "
-        "mesh is too coarse for this deformation; take smaller elements, or element: "
+        f"hourglass modes store {at_most:.4g} J, {100.0 * at_most / internal:.3g} % of the "
+        f"internal energy, {internal:.4g} J: more than {100.0 * MUCH_HOURGLASS:.0f} % is a sign "
+        "that the mesh is too coarse for this deformation; take smaller elements, or element: "
         "fully_integrated"
     ]
 
@@ -180,7 +180,7 @@ def crushed_hinges(engine: Engine) -> list[str]:
     if not count:
         return []
     share, name, force = worst
-    others = f" ({count - 1} other hinges are beyond theirs too)" if count > 1 else ""
+    others = f" ({count - 1} other hinges exceed theirs too)" if count > 1 else ""
     return [
         f"hinge '{name}' carried {force:.4g} N along its beam, {share:.3g} times the force at "
         f"which its section yields{others}: hinges bend and do not shorten, so that such a force "
@@ -203,7 +203,7 @@ def compressed(engine: Engine) -> list[str]:
     if not found:
         return []
     name, (share, force) = max(found.items(), key=lambda one: one[1])
-    others = f" ({len(found) - 1} other members are beyond theirs too)" if len(found) > 1 else ""
+    others = f" ({len(found) - 1} other members exceed theirs too)" if len(found) > 1 else ""
     return [
         f"member '{name}' was compressed by {force:.4g} N, {share:.3g} times its Euler load "
         f"with hinged ends{others}: a perfectly straight member does not buckle in a computation; "
@@ -233,8 +233,8 @@ def crushed(engine: Engine) -> list[str]:
     return [
         f"element '{name}' is {100.0 * share:.3g} % shorter than at the start{others}: a tube "
         f"folds to some {100.0 * (1.0 - FOLDED):.0f} % of its length and then bears any force, "
-        f"which segments and beams do not know; {how}, and the run too soft from there on; take "
-        "deformation: shells with self_contact, a longer member, or less energy"
+        f"which segments and beams do not represent; {how}, and the model is too soft from "
+        "there on; take deformation: shells with self_contact, a longer member, or less energy"
     ]
 
 

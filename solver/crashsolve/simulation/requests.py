@@ -18,7 +18,7 @@ from crashsolve.output.log import Log
 # [s] between two looks at control.txt, which cost as much as a step of a small scene
 LOOK = 0.1
 WORDS = {"stop", "dump", "states"}
-# [bytes] of control.txt that are looked at
+# [bytes] of control.txt that are read
 MOST_CONTROL = 4096
 SIGNALS: dict[int, str] = {signal.SIGTERM: "stop", signal.SIGINT: "stop", signal.SIGUSR1: "dump"}
 SIGNALS |= {signal.SIGHUP: "stop"}
@@ -58,8 +58,8 @@ class Requests:
     def catch(self) -> None:
         """Keep signals for the next pause; a second interrupt from the keyboard ends at once.
 
-        Raises KeyboardInterrupt where one has come before and was lost: Python drops what is raised
-        while it disposes of an object.
+        Raises KeyboardInterrupt where one has come before and was lost: Python drops exceptions
+        raised while it disposes of an object.
         """
         if _interrupts:
             raise KeyboardInterrupt

@@ -26,7 +26,7 @@ from crashsolve.foundation.errors import (
 )
 from crashsolve.foundation.streams import print_line, report_error
 from crashsolve.model.build import build
-from crashsolve.model.integrator_selection import settled
+from crashsolve.model.integrator_selection import with_chosen_method
 from crashsolve.output.errors import OutputError
 from crashsolve.output.files import Json, reported
 from crashsolve.output.history import HistoryWriter
@@ -51,7 +51,12 @@ from crashsolve.simulation.missed import missed_contacts
 from crashsolve.simulation.pictures import Pictures
 from crashsolve.simulation.progress import Account, cpu_time, preparing, provenance
 from crashsolve.simulation.redundant import arbitrary_reactions, undetermined
-from crashsolve.simulation.remarks import pressed_at_start, range_warnings, remarks, settling
+from crashsolve.simulation.remarks import (
+    contacts_without_depth,
+    range_warnings,
+    remarks,
+    touching_at_start,
+)
 from crashsolve.simulation.requests import Requests, interrupt_as_keyboard
 from crashsolve.simulation.resume import FREE, OF_ERRORS, differing
 from crashsolve.simulation.totals import write_totals
@@ -83,7 +88,7 @@ def _solve(
     was_read = cpu_time()
     model, state = build(deck)
     if not is_static(deck):
-        deck = settled(deck, model)
+        deck = with_chosen_method(deck, model)
     with reported(folder):
         folder.mkdir(parents=True, exist_ok=True)
     with Lock(folder) as lock:
@@ -186,7 +191,7 @@ class Run:
                     path.unlink(missing_ok=True)
 
     def _fail(self, error: Exception) -> None:
-        """Report the error and save what can be saved; the first error is the one that counts."""
+        """Report the error and save the results so far; the first error is the one that counts."""
         code, message = ExitCode.INTERNAL, f"internal: {error!r}"
         if isinstance(error, MemoryError):
             code, message = ExitCode.OUTPUT, out_of_memory()
@@ -204,7 +209,7 @@ class Run:
 
     def _begin(self, dump: Dump | None) -> None:
         """Read the dump, if any; prepare the estimates; open the files."""
-        # both measure from the start of the run, whatever a dump brings
+        # both measure from the start of the run, also after a restart
         self._use_engine(self.engine)
         if self.deck.output.report:
             from crashsolve.recording.pictured import look_up_pictured
@@ -231,8 +236,8 @@ class Run:
         if resumed is None:
             self.engine.start()
             refuse_inconsistencies(self.deck, self.engine)
-            self.overlapping = pressed_at_start(self.engine)
-            notes = (*self.engine.notes, *self.overlapping, *settling(self.engine))
+            self.overlapping = touching_at_start(self.engine)
+            notes = (*self.engine.notes, *self.overlapping, *contacts_without_depth(self.engine))
             for text in notes:
                 self.log.line(text)
         self.cpu["compile or load"] += cpu_time() - cpu

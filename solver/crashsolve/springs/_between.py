@@ -55,7 +55,7 @@ def rest_length(card: Sprung, scene: Scene, ends: Columns) -> float:
     if start < SHORTEST < length:
         raise scene.fail(
             f"both ends are in one position at the start, so a spring {length:g} m long has no "
-            "direction to push in; move an end, or say length: 0",
+            "direction to push in; move an end, or set length: 0",
             "length",
         )
     return float(length)

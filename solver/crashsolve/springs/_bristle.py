@@ -3,7 +3,7 @@
     f = K z + c z_dot,   |f| <= F;   beyond F / K the stretch z is cut and the slider follows
 
 The energy lost in a step is the work of f, by the trapezoid of f over the displacement, less the
-change of K z^2 / 2. That is what the integrator takes from the bodies, to its own order, also when
+change of K z^2 / 2. The integrator takes this energy from the bodies, to its own order, also when
 the bristle is stretched to its limit within one step.
 """
 
@@ -63,8 +63,8 @@ def retained_share(stiffness, stretch, limit):
 
 @kernel
 def lost(stiffness, z_old, z, f_old, f, displacement):
-    """Energy lost over a displacement of the step: work of the force less what the bristle stores
-    [J].
+    """Energy lost over a displacement of the step: work of the force less the energy stored in the
+    bristle [J].
     """
     taken = 0.5 * dot(add(f_old, f), displacement)
     return taken - 0.5 * stiffness * dot(add(z_old, z), sub(z, z_old))

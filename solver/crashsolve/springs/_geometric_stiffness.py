@@ -1,18 +1,18 @@
-"""Turn of a force along a line: what its row leaves out, in the blocks of its nodes.
+"""Rotation of a force along a line: the stiffness that its row omits, in the blocks of its nodes.
 
     dF = T (I - u u^T) (dx_b - dx_a) / l,   dx = dr + dtheta x d
     on a: dF, d_a x dF + T (dtheta_a x d_a) x u;   on b: -dF, -d_b x dF - T (dtheta_b x d_b) x u
 
-The row D^T k D of a spring is all of its tangent where it bears nothing; what it bears turns with
+The row D^T k D of a spring is its whole tangent where it bears no force; a force rotates with
 the line and with the arms. Only where nodes have blocks, for elements of beams or shells: rows
-alone could hold no more than what is symmetric and pulls, in two more of them for each spring.
+alone could hold only the symmetric part of a tension, in two more of them for each spring.
 Consequence to test: rows and blocks together are the derivative of the force.
 """
 
 from typing import NamedTuple
 
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.sparse.bordered import resist_far, resist_own
+from crashsolve.foundation.sparse.bordered import subtract_coupling, subtract_own
 from crashsolve.foundation.vec3 import ZERO, Vector, add, cross, dot, scale, sub, unit
 from crashsolve.springs._between import SHORTEST, line_of_action
 
@@ -52,10 +52,10 @@ def rotation_end(own, far, k, end, blocks):
     swung = cross(direction, end.d) if k >= 3 else ZERO
     f = rotated(end.u, end.tension / end.length, direction if k < 3 else swung)
     on_own = add(cross(end.d, f), cross(swung, scale(end.tension, end.u)))
-    resist_own(blocks[own], k, f, on_own)
+    subtract_own(blocks[own], k, f, on_own)
     if across >= 0:
         back = scale(-1.0, f)
-        resist_far(blocks[across], k, is_column, back, cross(end.d_far, back))
+        subtract_coupling(blocks[across], k, is_column, back, cross(end.d_far, back))
 
 
 @kernel

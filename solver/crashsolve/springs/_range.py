@@ -1,4 +1,4 @@
-"""Moment of a stop that sets in smoothly: what cones and twist stops share.
+"""Moment of a stop that sets in smoothly, common to cone and twist stops.
 
     m(e) = k e^2 / (2 d)  for 0 < e < d,   k (e - d / 2) beyond,   or m(e) on a curve
     M = max(m + c w(e / d) e_dot, 0),   w(x) = x^2 (3 - 2 x), 1 beyond

@@ -8,7 +8,8 @@
 The last two are an elastic line of slope k on a slider s, which slides at y upwards and at u
 downwards. Work on the slider is exact: with G_c(e) = int c de - c^2 / 2k it is the change of G_y on
 loading, of which P, the change of G_u, returns in unloading. Each direction of x has its own
-slider. A factor phi(|rate|) acts while the deformation grows, and what it adds is dissipated.
+slider. A factor phi(|rate|) acts while the deformation grows, and the energy that it adds is
+dissipated.
 
 Consequence to test: energy absorbed = stored + lost over any path, for any step.
 
@@ -95,7 +96,7 @@ def steepest(points: np.ndarray, start: int) -> float:
     """Largest |slope| [N/m or N m/rad] of the curve that starts at a point."""
     part = points[start : points[start]["last"] + 1]
     width, c = np.diff(part["x"]), part["c"][:-1]
-    # the slope is a parabola on each segment: look at its ends and its vertex
+    # the slope is a parabola on each segment: check its ends and its vertex
     with np.errstate(divide="ignore", invalid="ignore"):
         vertex = np.clip(np.nan_to_num(-c[:, 2] / (3.0 * c[:, 3])), 0.0, width)
     slopes = [c[:, 1] + s * (2.0 * c[:, 2] + 3.0 * c[:, 3] * s) for s in (0.0, vertex, width)]
@@ -279,7 +280,7 @@ def on_slider(p, old, new, side, e, upper, curves):
 def growth(p, speed, curves):
     """phi [1] at a rate, and an upper bound of its slope: the secant, from where phi is 1.1 on.
 
-    At lower rates what phi adds is below a tenth of the force, however steep.
+    At lower rates phi adds less than a tenth of the force, however steep.
     """
     if p.rate_curve > 0:
         phi, slope, _ = curve_value(curves, p.rate_curve, speed)

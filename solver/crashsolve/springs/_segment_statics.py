@@ -27,21 +27,21 @@ def forces_by_motions(p: Table, state: Table, nodes: Table, curves: np.ndarray) 
     """Derivatives (n, 12, 12) of the forces on both bodies of all segments at rest."""
     R, q, d_a, d_b = _deformations(p, nodes)
     k = np.hstack([p["stiffness"], p["rotational_stiffness"]])
-    held, own = k * q, k[:, :, None] * np.eye(6)
-    held[:, YIELDING_AXES] -= k[:, YIELDING_AXES] * state["plastic"]
+    resultant, own = k * q, k[:, :, None] * np.eye(6)
+    resultant[:, YIELDING_AXES] -= k[:, YIELDING_AXES] * state["plastic"]
     named, past = as_rows(p), as_rows(state)
     for i in np.flatnonzero((p["yields"] == 1) & (p["at_rest"] != FROZEN)):
-        flow, share = _flow(named[i], past[i], held[i, YIELDING_AXES], curves)
+        flow, share = _flow(named[i], past[i], resultant[i, YIELDING_AXES], curves)
         if flow > 0.0:
-            args = (named[i], k[i, YIELDING_AXES], held[i, YIELDING_AXES])
+            args = (named[i], k[i, YIELDING_AXES], resultant[i, YIELDING_AXES])
             C = np.zeros((3, 3))
             C[np.triu_indices(3)] = softened(*args, flow, share, past[i].strain, 1.0, curves)
             own[i][np.ix_(YIELDING_AXES, YIELDING_AXES)] = C + np.triu(C, 1).T
-            held[i, YIELDING_AXES] = scaled_back(*args, share)
-    K = by_motions(R, q[:, :3], q[:, 3:], held[:, :3], held[:, 3:], own)
+            resultant[i, YIELDING_AXES] = scaled_back(*args, share)
+    K = by_motions(R, q[:, :3], q[:, 3:], resultant[:, :3], resultant[:, 3:], own)
     to = _from_mass_centres(d_a, d_b)
     found: np.ndarray = to.transpose(0, 2, 1) @ K @ to
-    pull = np.einsum("nij,nj->ni", R, held[:, :3])
+    pull = np.einsum("nij,nj->ni", R, resultant[:, :3])
     for at, d, f in ((3, d_a, pull), (9, d_b, -pull)):
         # (w x d) x f
         found[:, at : at + 3, at : at + 3] += skew(f) @ skew(d)
@@ -54,7 +54,7 @@ def predict(
     """Predict the plastic flow of segments over motions `displacement` (n, 6) of all nodes, to
     first order. Writes: new.
 
-    Bodies that rotate stretch what is between them by the square of their rotations, which is no
+    Rotations of bodies stretch the beam between them by their squares, which is no
     flow.
     """
     k, trial, change = _trials(p, state, nodes, displacement)

@@ -3,7 +3,7 @@
     (N / A)^2 + (M_y / Z_y)^2 + (M_z / Z_z)^2 <= Y(e)^2 (1 + (rate / D)^(1/q))^2
 
 rate is that of the plastic strain e over the step. The return to it is one step of backward Euler;
-what is lost in a step is the mean of the forces over the plastic displacement, because bodies
+the loss in a step is the mean force times the plastic displacement, because bodies
 receive the mean of the forces before and after it.
 
 References: Powell and Chen (1986), ASCE J. Eng. Mech. 112, 627-641; Simo and Hughes (1998),
@@ -18,13 +18,13 @@ from crashsolve.materials import elastoplastic
 PASSES = 50
 # of the yield stress: some units of round-off
 CLOSE = 1e-14
-# what load steps do, which have no length: nothing, as in runs in time; flow; keep what has flowed
+# in load steps, which have no length: no step, as in runs in time; flow; keep the flow so far
 NO_STEP, FLOWS, FROZEN = 0, 1, 2
 
 
 @kernel
 def resisting(p, old, new, h, q, curves):
-    """N, M_y, M_z, the energy they store and what is lost in the step. Writes: new.
+    """N, M_y, M_z, their stored energy and the loss in the step. Writes: new.
 
     `q` is the stretch and both bends [m, rad].
     """
@@ -40,15 +40,15 @@ def resisting(p, old, new, h, q, curves):
     if p.yields == 1 and (h > 0.0 or p.at_rest == FLOWS):
         flow, share = growth(p, k, trial, old.strain, 1.0, h, curves)
     new.strain = old.strain + flow / p.volume
-    held = scaled_back(p, k, trial, share)
+    resultant = scaled_back(p, k, trial, share)
     stored, lost = 0.0, 0.0
     for i in range(3):
-        new.plastic[i] += (trial[i] - held[i]) / k[i]
-        stored += 0.5 * held[i] * held[i] / k[i]
+        new.plastic[i] += (trial[i] - resultant[i]) / k[i]
+        stored += 0.5 * resultant[i] * resultant[i] / k[i]
         # bodies receive the mean of the forces before and after the step
-        lost += 0.5 * (old.held[i] + held[i]) * (trial[i] - held[i]) / k[i]
-        new.held[i] = held[i]
-    return held, stored, lost
+        lost += 0.5 * (old.resultant[i] + resultant[i]) * (trial[i] - resultant[i]) / k[i]
+        new.resultant[i] = resultant[i]
+    return resultant, stored, lost
 
 
 @kernel
@@ -140,16 +140,16 @@ def softened(p, k, trial, flow, share, strain, factor, curves):
     """
     stress, slope = elastoplastic.flow(p, strain + flow / p.volume, curves)
     stress, slope = factor * stress, factor * slope / p.volume
-    held = scaled_back(p, k, trial, share)
+    resultant = scaled_back(p, k, trial, share)
     s_0 = k[0] / (1.0 + share * k[0] / p.moduli[0] ** 2)
     s_1 = k[1] / (1.0 + share * k[1] / p.moduli[1] ** 2)
     s_2 = k[2] / (1.0 + share * k[2] / p.moduli[2] ** 2)
-    b_0 = held[0] * s_0 / p.moduli[0] ** 2
-    b_1 = held[1] * s_1 / p.moduli[1] ** 2
-    b_2 = held[2] * s_2 / p.moduli[2] ** 2
+    b_0 = resultant[0] * s_0 / p.moduli[0] ** 2
+    b_1 = resultant[1] * s_1 / p.moduli[1] ** 2
+    b_2 = resultant[2] * s_2 / p.moduli[2] ** 2
     B = stress * stress * slope / (1.0 - slope * share)
-    B += held[0] * b_0 / p.moduli[0] ** 2
-    B += held[1] * b_1 / p.moduli[1] ** 2 + held[2] * b_2 / p.moduli[2] ** 2
+    B += resultant[0] * b_0 / p.moduli[0] ** 2
+    B += resultant[1] * b_1 / p.moduli[1] ** 2 + resultant[2] * b_2 / p.moduli[2] ** 2
     return (
         s_0 - b_0 * b_0 / B,
         -b_0 * b_1 / B,

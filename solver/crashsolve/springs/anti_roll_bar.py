@@ -5,7 +5,7 @@
 
 phi is the angle of an arm about the axis a of the bar since the start, e its end and r that from
 the axis; l is the length of the link to the point x of the other body, u the unit vector along it
-and m its lever on the bar. Bar and links have no mass, and the bearings bear what the arms do not.
+and m its lever on the bar. Bar and links have no mass, and the bearings carry the remaining forces.
 Consequence to test: with arms r, links at right angles to them and points at the half track s the
 bar adds 4 k s^2 / r^2 to the stiffness in roll, and nothing to that in bounce.
 """
@@ -176,7 +176,7 @@ def arm_length(p: Parameters, i):
 
 @kernel
 def draw(p: Parameters, i, nodes, torque, at):
-    """Link i turns its arm by a torque, and what that resists. Writes: nodes. Returns N."""
+    """Torque of link i on its arm, and its stiffness. Writes: nodes. Returns N."""
     tension = torque / at.m
     body, other = nodes[p.node[LEFT_END]], nodes[p.node[RIGHT if i == 1 else LEFT]]
     apply_force(body, scale(tension, at.u), at.d)

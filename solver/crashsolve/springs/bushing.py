@@ -66,13 +66,13 @@ class Bushing(PointSpringCard):
 
 
 PARAMETERS = POINTS + Record("""
-    stiffness          N/m        3  diagonal of K
-    damping            N s/m      3  diagonal of C
+    stiffness             N/m        3  diagonal of K
+    damping               N s/m      3  diagonal of C
     rotational_stiffness  N m/rad    3  diagonal of K_r
-    rotational_damping  N m s/rad  3  diagonal of C_r
-    offset             m          3  x_0
-    reference          1          4  q_a^-1 q_b at the start
-    rotates            flag          whether it resists rotations, which end at half a revolution
+    rotational_damping    N m s/rad  3  diagonal of C_r
+    offset                m          3  x_0
+    reference             1          4  q_a^-1 q_b at the start
+    rotates               flag          whether it resists rotations, which end at half a revolution
 """)
 HISTORY = Record()
 TANGENTS = 6

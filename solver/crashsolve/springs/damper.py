@@ -4,7 +4,7 @@
 
 A damper with one constant to lengthen and another to shorten is a curve of two straight lines.
 Steps of Runge-Kutta methods end at its corners. Consequence to test: with constants c_1 lengthening
-and c_2 shortening a free mass m comes to rest after m v / c_1 or m v / c_2 of travel; all of its
+and c_2 shortening a free mass m stops after a travel of m v / c_1 or m v / c_2; all of its
 energy is dissipated.
 """
 
@@ -60,7 +60,7 @@ def build(card: Damper, scene: Scene) -> Columns:
 def _check(points: np.ndarray, start: int, name: str, scene: Scene) -> None:
     """Refuse a curve that is not 0 at rest, or that drives instead of damping."""
     part = points[start : points[start]["last"] + 1]
-    # a cubic is looked at between its points as well
+    # a cubic is checked between its points as well
     s = np.diff(part["x"])[:, None] * np.linspace(0.0, 1.0, 33)
     c0, c1, c2, c3 = part["c"][:-1].T[:, :, None]
     rate, force = part["x"][:-1, None] + s, c0 + s * (c1 + s * (c2 + s * c3))
@@ -78,8 +78,8 @@ def _check(points: np.ndarray, start: int, name: str, scene: Scene) -> None:
     if (rate * force).min() < 0.0:
         worst = rate.ravel()[(rate * force).argmin()]
         raise scene.fail(
-            f"curve '{name}' drives at {worst:.6g} m/s instead of damping; force and rate must "
-            "have the same sign",
+            f"curve '{name}' adds energy at {worst:.6g} m/s instead of dissipating it; force "
+            "and rate must have the same sign",
             "curve",
         )
 

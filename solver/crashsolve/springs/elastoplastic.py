@@ -50,8 +50,8 @@ PARAMETERS = POINTS + Record("""
     length       m    l_0
 """)
 HISTORY = Record("""
-    plastic  m     x_p
-    flow     m     alpha
+    plastic       m     x_p
+    flow          m     alpha
     plastic_flow  flag  1 or -1: x_p grows or falls; 0: it rests
 """)
 TANGENTS = 1

@@ -49,19 +49,23 @@ class RotationFriction(Card):
     torque_curve: CurveName | None = word(
         "phi, factor on torque over time, as the pressure of a brake", default=None
     )
-    coefficient: float = quantity("1", "mu, of the force that presses the joint", default=0.0, ge=0)
-    radius: float | None = quantity("m", "R of pin or ball; with coefficient", default=None, gt=0)
+    friction_coefficient: float = quantity(
+        "1", "mu, of the force that presses the joint", default=0.0, ge=0
+    )
+    radius: float | None = quantity(
+        "m", "R of pin or ball; with friction_coefficient", default=None, gt=0
+    )
     stiffness: float = quantity("N m/rad", "K, stiffness of the bristle", gt=0)
     damping: float = quantity("N m s/rad", "c, of the bristle", default=0.0, ge=0)
 
     @model_validator(mode="after")
     def _consistent(self) -> RotationFriction:
-        if self.torque == 0.0 and self.coefficient == 0.0:
-            raise ValueError("needs torque, coefficient or both")
+        if self.torque == 0.0 and self.friction_coefficient == 0.0:
+            raise ValueError("needs torque, friction_coefficient or both")
         if self.torque_curve and self.torque == 0.0:
             raise ValueError("torque_curve: needs torque, on which it is a factor")
-        if (self.coefficient > 0.0) != (self.radius is not None):
-            raise ValueError("coefficient and radius belong together")
+        if (self.friction_coefficient > 0.0) != (self.radius is not None):
+            raise ValueError("friction_coefficient and radius belong together")
         return self
 
 
@@ -94,7 +98,7 @@ def build(card: RotationFriction, scene: Scene) -> Columns:
     return {
         "level": card.torque,
         "torque_curve": scene.curve(card.torque_curve) if card.torque_curve else 0,
-        "friction_coefficient": card.coefficient * (card.radius or 0.0),
+        "friction_coefficient": card.friction_coefficient * (card.radius or 0.0),
         "first_row": joint.first_row,
         "pressing": joint.angular.count(False),
         "stiffness": card.stiffness,
@@ -136,8 +140,8 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
     out.slid = new.slid
     out.stored = 0.5 * p.stiffness * dot(z, z)
     out.power = 0.0
-    was, held = vec(old.bristle), vec(old.torque)
-    out.loss = lost(p.stiffness, was, z, held, torque, rotation) if h > 0.0 else 0.0
+    was, bristle_torque = vec(old.bristle), vec(old.torque)
+    out.loss = lost(p.stiffness, was, z, bristle_torque, torque, rotation) if h > 0.0 else 0.0
     put(out.torque, arm(a, scale(-1.0, torque)))
     put(out.moment, matvec_t(b.A, vec(out.torque)))
     apply_torque(b, vec(out.torque))

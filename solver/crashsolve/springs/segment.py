@@ -6,7 +6,7 @@
     1 / k_y = l^3 / (12 E I_z) + l / (kappa_y G A),   1 / k_z = l^3 / (12 E I_y) + l / (kappa_z G A)
 
 of a beam of the length l, cut in its middle, each half of which has become rigid; x_a and x_b are
-the two sides of the cut. Shear and what moments change by along l bend one spring: so a straight
+the two sides of the cut. Shear, and the change of moments along l, bend one spring: so a straight
 chain of any number of segments has the elastic stiffness of Timoshenko's beam. A material that
 yields limits tension and both moments together,
 
@@ -97,7 +97,7 @@ class Segment(PointSpringCard):
 
     axis: Vec3 = word("direction of the beam, in the frame of a")
     side: Vec3 = word("direction near the section's y axis, in the frame of a")
-    length: float = quantity("m", "l, of the beam that the spring stands for", gt=0)
+    length: float = quantity("m", "l, of the beam that the spring represents", gt=0)
     section: SectionName = word("cross section of the beam")
     material: MaterialName = word("material: elastic, or elastoplastic, which yields")
     damping: float = quantity("s", "beta, damping over stiffness", default=0.0, ge=0)
@@ -107,29 +107,29 @@ class Segment(PointSpringCard):
 
 
 PARAMETERS = POINTS + Record("""
-    rotation_a         1        4  unit quaternion, axes of the beam to those of a
-    rotation_b         1        4  the same for b
-    length             m           l
-    stiffness          N/m      3  diagonal of K
+    rotation_a            1        4  unit quaternion, axes of the beam to those of a
+    rotation_b            1        4  the same for b
+    length                m           l
+    stiffness             N/m      3  diagonal of K
     rotational_stiffness  N m/rad  3  diagonal of K_r
-    damping            s           beta
-    moduli             any      3  A, Z_y, Z_z
-    volume             m^3         A l
-    yields             flag        whether the material yields
-    yield_stress       Pa          Y_0
-    isotropic          Pa          H
-    curve              index       Y over e; 0 for none
-    rate_D             1/s         D of Cowper and Symonds; 0 for none
-    rate_q             1           q of Cowper and Symonds
-    buckling           N           compression to warn of; infinite if there is none
-    at_rest            flag        NO_STEP, FLOWS or FROZEN, in load steps
+    damping               s           beta
+    moduli                any      3  A, Z_y, Z_z
+    volume                m^3         A l
+    yields                flag        whether the material yields
+    yield_stress          Pa          Y_0
+    isotropic             Pa          H
+    curve                 index       Y over e; 0 for none
+    rate_D                1/s         D of Cowper and Symonds; 0 for none
+    rate_q                1           q of Cowper and Symonds
+    buckling              N           compression to warn of; infinite if there is none
+    at_rest               flag        NO_STEP, FLOWS or FROZEN, in load steps
 """)
 HISTORY = Record("""
-    plastic  any  3  u_p along the beam, theta_p about y and z
-    held     any  3  N, M_y, M_z
-    strain   1       e
-    work     J       plastic work
-    peak_compression  N  largest compression along the beam so far
+    plastic           any  3  u_p along the beam, theta_p about y and z
+    resultant         any  3  N, M_y, M_z
+    strain            1       e
+    work              J       plastic work
+    peak_compression  N       largest compression along the beam so far
 """)
 OUTPUT = Record("""
     force           N    3  tension, shear along y and z, axes of the beam
@@ -260,9 +260,9 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
     check_rotation_limit(curves, p.node_b, deformation.w)
     k, k_r = vec(p.stiffness), vec(p.rotational_stiffness)
     q = (u[0], theta[1], theta[2])
-    held, stored, lost = resisting(p, old, new, h, q, curves)
-    f = (held[0], k[1] * u[1], k[2] * u[2])
-    m = (k_r[0] * theta[0], held[1], held[2])
+    resultant, stored, lost = resisting(p, old, new, h, q, curves)
+    f = (resultant[0], k[1] * u[1], k[2] * u[2])
+    m = (k_r[0] * theta[0], resultant[1], resultant[2])
     elastic = f[1] * u[1] + f[2] * u[2] + m[0] * theta[0]
     lag = scale(p.damping, (k[0] * u_dot[0], k[1] * u_dot[1], k[2] * u_dot[2]))
     drag = scale(p.damping, (k_r[0] * theta_dot[0], k_r[1] * theta_dot[1], k_r[2] * theta_dot[2]))

@@ -30,7 +30,7 @@ from crashsolve.springs._resistance import read, steepest
 if TYPE_CHECKING:
     from crashsolve.springs._rows.strut import History, Output, Parameters
 
-# where a cubic of a damper is asked for its sign
+# positions where the sign of a cubic of a damper is checked
 PARTS = np.linspace(0.0, 1.0, 17)
 
 
@@ -76,7 +76,7 @@ class Strut(PointSpringCard):
         if (self.stiffness is None) == (self.curve is None):
             raise ValueError("needs one of stiffness and curve")
         if self.damping_curve and (self.bump_damping or self.rebound_damping):
-            raise ValueError("damping_curve: stands for bump_damping and rebound_damping")
+            raise ValueError("damping_curve: takes the place of bump_damping and rebound_damping")
         for stop in ("bump", "rebound"):
             length, stiffness, curve = (
                 getattr(self, f"{stop}_{word}") for word in ("length", "stiffness", "curve")
@@ -141,7 +141,7 @@ def build(card: Strut, scene: Scene) -> Columns:
     points = scene.curve_points
 
     def slope(name: str, *others: str) -> float:
-        """Largest of a curve, or of what stands in its stead [N/m or N s/m]."""
+        """Largest slope of a curve, or the constant in its place [N/m or N s/m]."""
         return steepest(points, curves[name]) if curves[name] else max(own[k] for k in others)
 
     stops = [slope("bump_curve", "bump_stiffness"), slope("rebound_curve", "rebound_stiffness")]

@@ -38,14 +38,16 @@ class TranslationFriction(Card):
 
     joint: JointName = word("joint that has a travel: prismatic, cylindrical, ...")
     force: float = quantity("N", "constant part of the limit", default=0.0, ge=0)
-    coefficient: float = quantity("1", "mu, of the force across the axis", default=0.0, ge=0)
+    friction_coefficient: float = quantity(
+        "1", "mu, of the force across the axis", default=0.0, ge=0
+    )
     stiffness: float = quantity("N/m", "K, stiffness of the bristle", gt=0)
     damping: float = quantity("N s/m", "c, of the bristle", default=0.0, ge=0)
 
     @model_validator(mode="after")
     def _consistent(self) -> TranslationFriction:
-        if self.force == 0.0 and self.coefficient == 0.0:
-            raise ValueError("needs force, coefficient or both")
+        if self.force == 0.0 and self.friction_coefficient == 0.0:
+            raise ValueError("needs force, friction_coefficient or both")
         return self
 
 
@@ -69,7 +71,7 @@ def build(card: TranslationFriction, scene: Scene) -> Columns:
     joint = named_joint(scene, card.joint, "travel")
     return SLIDE.columns_of(joint.frame) | {
         "level": card.force,
-        "friction_coefficient": card.coefficient,
+        "friction_coefficient": card.friction_coefficient,
         "first_row": joint.first_row,
         "pressing": joint.angular.count(False),
         "stiffness": card.stiffness,

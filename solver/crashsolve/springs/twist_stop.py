@@ -3,7 +3,7 @@
     tau = 2 atan2(q_z, q_w),   q the rotation of (side_b, third_b, pointer) in (side_a, third_a,
     axis) tau_dot = g . (w_b - w_a),   g = (c + s) / (1 + c . s)
 
-tau is what is left of the rotation of b against a when the pointer s has been brought back to c on
+tau is the rotation of b against a that remains when the pointer s has been brought back to c on
 the shortest path, so that a swing in any direction has no twist. The moment past `lower` or `upper`
 is that of `_range.py`. Consequence to test: g is the derivative of tau at any swing below half a
 turn.

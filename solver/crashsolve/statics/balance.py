@@ -41,12 +41,12 @@ class Forces:
 
     def include_reactions(self, engine: Equations) -> None:
         """Include the reactions of joints in the last sample."""
-        held = np.abs(engine.rows["reaction"])
-        rotations = np.zeros(len(held), bool)
+        sizes = np.abs(engine.rows["reaction"])
+        rotations = np.zeros(len(sizes), bool)
         for joint in engine.model.joints:
             rows = slice(joint.first_row, joint.first_row + joint.rows * joint.parts)
             rotations[rows] = np.tile(joint.angular, joint.parts)
-        self._raise_largest(held[~rotations].max(initial=0.0), held[rotations].max(initial=0.0))
+        self._raise_largest(sizes[~rotations].max(initial=0.0), sizes[rotations].max(initial=0.0))
 
     def _raise_largest(self, force: float, moment: float) -> None:
         self.largest = [max(self.largest[0], float(force)), max(self.largest[1], float(moment))]
@@ -95,14 +95,14 @@ class Work:
 
     def __init__(self, engine: Equations) -> None:
         self.engine = engine
-        self.held, self.reactions = np.zeros(0), np.zeros(0)
+        self.residuals, self.reactions = np.zeros(0), np.zeros(0)
         # of loads that count their own work: work so far, and force on the free nodes
         self.before: dict[str, tuple[np.ndarray, np.ndarray]] = {}
 
     def begin(self) -> None:
         """Store residual forces and reactions of drivers before a load step."""
         engine = self.engine
-        self.held = engine.forces_at_rest(float(engine.clock.time), engine.state.nodes)
+        self.residuals = engine.forces_at_rest(float(engine.clock.time), engine.state.nodes)
         self.reactions = engine.rows["reaction"][engine.loading.rows()].copy()
         now, current = float(engine.clock.time), int(engine.clock.current)
         self.before = {
@@ -130,7 +130,7 @@ class Work:
         raised = shares[1] * positions[1] - shares[0] * positions[0]
         clock.driver_work += raised - 0.5 * sum(shares) * (positions[1] - positions[0])
         if start_time == loading.begin:
-            clock.driver_work -= 0.5 * float(self.held @ change.ravel())
+            clock.driver_work -= 0.5 * float(self.residuals @ change.ravel())
         loading.set_time(now)
 
     def _of_drivers(self, start_time: float, now: float) -> float:

@@ -8,7 +8,7 @@ rows, y' the slopes of their laws ahead; u_0 is the elastic answer to the load s
 unit of lambda_j. Behind the peak of a hinge another one that still hardens may have to unload: then
 both tangents that the last step knew of them are wrong. Where several sets of hinges can flow, the
 one of least second-order work is the path that is stable; two that are alike are a fork, and
-nothing in the model says which is taken. Consequence to test: a hinge unloads at its elastic
+the model does not determine which is taken. Consequence to test: a hinge unloads at its elastic
 stiffness behind the peak of another in series.
 
 References: Maier (1969), Int. J. Solids Struct. 5, 261-276 (linear complementarity); Bazant and

@@ -1,4 +1,4 @@
-"""The equations of equilibrium: what hinges, branches and the balance need of the engine.
+"""The equations of equilibrium: the interface of the engine for hinges, branches and the balance.
 
     g(q) = 0,   Phi(q) = 0,   (dg/dq - s D^T D) delta = -g + s D^T Phi
 

@@ -3,7 +3,7 @@
     g(q) = M (v_dot, w_dot) at rest,   Phi(q) = 0
     (dg/dq - s D^T D) delta = -g + s D^T Phi
 
-A sample at rest gives g, the forces less what the joints hold of them: what vanishes in
+A sample at rest gives g, the forces less the reactions of the joints, which vanishes in
 equilibrium. As D M^-1 g = 0 in any configuration, both sides of Newton's equation part into g and
 Phi; s only balances them. The tangent is the whole one, by differences of samples, with the turning
 of forces and the reactions of joints, so that corrections fall quadratically. Equilibrium is a
@@ -43,7 +43,7 @@ NOWHERE, NOTHING = 1e-15, 1e-12
 SHARED = 1e-10
 # a load step is halved so often where no equilibrium is found
 HALVINGS = 7
-# of the largest force, and of the change over a load step: where `control.tolerance` says nothing
+# of the largest force, and of the change over a load step: default of `control.tolerance`
 TOLERANCE = 1e-8
 
 
@@ -89,7 +89,7 @@ class StaticEngine(Engine):
             ends = zip(
                 g.parameters["node_a"].tolist(), g.parameters["node_b"].tolist(), strict=True
             )
-            # what acts on an attached node acts on its body
+            # forces on an attached node act on its body
             named |= {i for pair in ends if attached_nodes & set(pair) for i in pair}
         return np.isin(self.free, list(named))
 
@@ -349,14 +349,14 @@ class StaticEngine(Engine):
     ) -> tuple[np.ndarray, np.ndarray]:
         """Matrix (6 n, 6 n) and right side (6 n,) of Newton's equation, of dg/dq in columns."""
         scale = self._constraint_stiffness(columns) / max(np.abs(D).max(initial=0.0) ** 2, 1e-300)
-        held = np.einsum("mi,mj->ij", D, D)
-        return columns - scale * held, -g + scale * np.einsum("mi,m->i", D, phi)
+        penalty = np.einsum("mi,mj->ij", D, D)
+        return columns - scale * penalty, -g + scale * np.einsum("mi,m->i", D, phi)
 
     def _constraint_stiffness(self, columns: np.ndarray) -> float:
         """The scale [N/m] of constraint rows, above round-off also where drivers hold all nodes."""
-        own, held = self.nodes[self.free], np.abs(self.rows["reaction"]).max(initial=0.0)
+        own, reaction = self.nodes[self.free], np.abs(self.rows["reaction"]).max(initial=0.0)
         stiffest = (own["stiffness"] / own["mass_inv"]).max(initial=0.0)
-        largest = max(np.abs(columns).max(initial=0.0), stiffest, held / self.model.size)
+        largest = max(np.abs(columns).max(initial=0.0), stiffest, reaction / self.model.size)
         # larger than the stiffness, which softening might cancel otherwise
         return 10.0 * float(largest) or 1.0
 
@@ -399,8 +399,8 @@ class StaticEngine(Engine):
         moved = np.einsum("mni,nij->mnj", D.reshape(-1, len(nodes), 6), mobility).reshape(D.shape)
         rows = np.einsum("mi,ki->mk", moved, D)
         rows += SHARED * np.abs(rows).max(initial=0.0) * np.eye(len(D))
-        held = eliminate(rows, np.einsum("mi,ik->mk", moved, columns))
-        return columns - np.einsum("mi,mk->ik", D, held)
+        eliminated = eliminate(rows, np.einsum("mi,ik->mk", moved, columns))
+        return columns - np.einsum("mi,mk->ik", D, eliminated)
 
     def _beams(self) -> np.ndarray:
         """The derivative (6 n, 6 n) of the forces of beam elements alone."""

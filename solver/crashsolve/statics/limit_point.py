@@ -1,10 +1,10 @@
 """Whether a load step has passed a limit point, and found an equilibrium far beyond it.
 
-Along a path of equilibria the change of configuration lies between what the tangents at both ends
-give for the change of the load, in steps that are short enough. An equilibrium beyond a limit point
-is farther away than both say, or the way back leads elsewhere: under the load of the start, from
-the equilibrium found, to another one than the start. Consequence to test: Williams' toggle stops at
-its limit load, with any number of load steps.
+Along a path of equilibria the change of configuration lies between those that the tangents at both
+ends give for the change of the load, in steps that are short enough. An equilibrium beyond a limit
+point is farther away than both say, or the way back leads elsewhere: under the load of the start,
+from the equilibrium found, to another one than the start. Consequence to test: Williams' toggle
+stops at its limit load, with any number of load steps.
 
 Reference: Crisfield (1991), Non-linear Finite Element Analysis of Solids and Structures 1, ch. 9.
 """
@@ -14,12 +14,12 @@ import numpy as np
 from crashsolve.model import ledger as energy
 from crashsolve.statics.equations import Equations
 
-# over what both tangents give, beyond which a change of configuration has left the path; and share
-# of what the first of them gives, below which the load step is looked at in halves
+# over the value by both tangents, beyond which a change of configuration has left the path; and
+# share of the value by the first of them, below which the load step is examined in halves
 FAR, APART = 1.1, 1.5
 # a change that is nothing but round-off, in the model's size or rad
 NOWHERE = 1e-12
-# a load step that misses less energy than this share of what it exchanges has not jumped by more
+# a load step that misses less energy than this share of the exchanged energy has not jumped by more
 # than a few percent of its displacement: no way back is looked for, which costs as much again
 WHOLE = 1e-3
 # entries of the energy balance that a load step moves
@@ -39,7 +39,7 @@ def passes_limit_point(
     """Whether the equilibria at both moments [s] are no neighbours; `start` are the nodes at first,
     `missing` the share of the energy exchanged between both that is not accounted for.
 
-    Of laws that yield nothing is said: a tangent that loads is not one that unloads.
+    Laws that yield are not judged: a tangent of loading is not one of unloading.
     """
     if engine.yielding.groups or engine.plastic_flow.groups or start_time < engine.loading.start:
         return False
@@ -48,7 +48,7 @@ def passes_limit_point(
         # near a limit point the tangent of the lower equilibrium overestimates the change
         return True
     if change <= FAR * forward + NOWHERE:
-        return missing > WHOLE and _leads_elsewhere(engine, start, start_time, target, change)
+        return missing > WHOLE and _ends_elsewhere(engine, start, start_time, target, change)
     tangent = engine.tangent
     backward = engine.size_of(engine.correction(start_time))
     # as it was: loads of the target, and its tangent
@@ -56,10 +56,10 @@ def passes_limit_point(
     engine.tangent = tangent
     if change > FAR * max(forward, backward):
         return True
-    return missing > WHOLE and _leads_elsewhere(engine, start, start_time, target, change)
+    return missing > WHOLE and _ends_elsewhere(engine, start, start_time, target, change)
 
 
-def _leads_elsewhere(
+def _ends_elsewhere(
     engine: Equations, start: np.ndarray, start_time: float, target: float, change: float
 ) -> bool:
     """Whether the way back from an equilibrium ends far from the nodes where it began."""

@@ -4,7 +4,7 @@
 
 What acts from the start has to come from somewhere: before the first moment of the run such loads
 rise from nothing, so that the model settles to the equilibrium in which the run begins. Moments
-before `start`, down to `start` - 1, are that rise: s is what is beyond `start` - 1. A driver moves
+before `start`, down to `start` - 1, are that rise: s is the part beyond `start` - 1. A driver moves
 from configuration to configuration and has no rate: between them its curve stands still, so that
 nothing in the step sees f' or f''. Consequence to test: work of the loads is the energy stored,
 gravity included.
@@ -103,7 +103,7 @@ class Loading:
         first, last, beyond = points["x"][0], points["x"][-1], points["beyond"][0]
         if not first <= x <= last and beyond not in (HOLD, LINEAR):
             cause = f"its curve is read at {x:.6g}, outside its range {first:.6g} to {last:.6g}"
-            advice = "extend the curve, or say extrapolate: hold or linear on its card"
+            advice = "extend the curve, or set extrapolate: hold or linear on its card"
             raise SolverError(x, 0, f"joint '{driver}'", cause, advice)
         at = min(max(x, float(first)), float(last))
         i = min(int(np.searchsorted(points["x"], at, side="right")) - 1, len(points) - 2)

@@ -49,7 +49,7 @@ UNMOVED = 1e-14
 
 POSITION = Record("""
     moment   s    lambda
-    passed   s    length of the path so far, as a time
+    length   s    length of the path so far, as a time
     unit     1/s  length in the metric that the first stiffness gives for a second
     longest  1    step that is tried next, in the metric
 """)
@@ -65,7 +65,7 @@ class PathEngine(StaticEngine):
         self.begin, self.end = control.start_time, control.end_time
         position = np.zeros(1, POSITION.dtype)
         self.at: RowOfTable = as_rows(position)[0]
-        self.at.moment = self.at.passed = self.begin
+        self.at.moment = self.at.length = self.begin
         self.at.longest = np.inf
         # tangent of unit length, of positions and rotations in the metric, and of lambda
         self.direction = np.zeros(6 * len(self.free) + 1)
@@ -102,28 +102,28 @@ class PathEngine(StaticEngine):
             # of the equilibrium that a dump has brought
             self._equations(self.at.moment)
             self._record_point()
-        least = self.at.unit * (until - self.at.passed) / 2**HALVINGS
+        least = self.at.unit * (until - self.at.length) / 2**HALVINGS
         clock.time = self.at.moment
-        while self.at.passed < until and not self.is_complete:
-            left = self.at.unit * (until - self.at.passed)
+        while self.at.length < until and not self.is_complete:
+            left = self.at.unit * (until - self.at.length)
             tried = min(left, self.at.longest)
             step = self._take_step(tried, least)
             self.at.longest = max(2.0 * step, self.at.longest if step == tried else 0.0)
             clock.step = step / self.at.unit
-            self.at.passed = until if step == left else self.at.passed + clock.step
+            self.at.length = until if step == left else self.at.length + clock.step
             self.at.moment = float(clock.time)
             self._record_point()
-            clock.time = self.at.passed
+            clock.time = self.at.length
             self.on_pause()
             clock.time = self.at.moment
-        clock.time = self.at.passed
+        clock.time = self.at.length
 
     advance = reach
 
     def sample(self, time: float | None = None) -> None:
         """Take a sample with the loads of this equilibrium. Raises SolverError."""
         super().sample(self.at.moment)
-        self.sampled.time = self.clock.sampled = self.at.passed
+        self.sampled.time = self.clock.sampled = self.at.length
 
     def _take_step(self, step: float, least: float) -> float:
         """Take a step, or a shorter one; returns its arc length. Raises SolverError."""
@@ -272,7 +272,7 @@ class PathEngine(StaticEngine):
         factor = (self.at.moment - self.begin) / (self.end - self.begin)
         count = count_unstable(*self.tangent)
         self.clock.load_factor, self.clock.unstable_modes = factor, count
-        self.points.append((self.at.passed, factor, count))
+        self.points.append((self.at.length, factor, count))
 
 
 def special_points(points: list[Point]) -> list[str]:

@@ -2,9 +2,9 @@
 
 A correction rotates the bodies of a stiff chain, and so stretches it by the squares of their
 rotations. Elastic segments return from that in the next iterations; those that yield follow it, and
-the iteration diverges. So what flows over a correction is found to first order, where rotations
+the iteration diverges. So the flow over a correction is found to first order, where rotations
 stretch nothing, and kept, while some elastic iterations bring the chain back together. The law
-itself is asked again in the next pass, and in the equilibrium.
+itself is evaluated again in the next pass, and in the equilibrium.
 """
 
 import numpy as np

@@ -67,7 +67,7 @@ class Problem:
             f"a limit point between {at(moment)} and {at(self.target)}: the equilibrium under the "
             "higher load is far away (snap-through), and no path of equilibria leads there while "
             "the load rises",
-            "the load there is the limit load; to follow the path beyond it say control.path: "
+            "the load there is the limit load; to follow the path beyond it set control.path: "
             "arc_length, prescribe the motion by a driver, whose reaction is the load, or say "
             "solution: transient with damping",
         )

@@ -1,14 +1,14 @@
 """Quasi-static solution of path-dependent laws: steps from rest, until forces are in balance.
 
-    2 M / h^2 delta = g(q + delta)         h is not a time, but says how little inertia may hold
+    2 M / h^2 delta = g(q + delta)         h is not a time, but sets how little inertia may restrain
 
 One step leaves 1 / (1 + (omega h)^2 / 2) of the distance to equilibrium in a vibration of frequency
-omega (`integrators/_rest_stage.py`), so the displacements of two steps give what is left after
+omega (`integrators/_rest_stage.py`), so the displacements of two steps give the rest after
 them. h begins at so many periods of the fastest vibration, and grows where steps converge slowly;
-it does not depend on the time of the run. Inertia holds what no stiffness does, as some spins of
-the nodes of a shell about its normal. Elements of shells and fibre beams strain along the path from
-equilibrium to equilibrium, as plasticity requires. Consequence to test: the answer does not depend
-on end_time.
+it does not depend on the time of the run. Inertia restrains motions without stiffness, as some
+spins of the nodes of a shell about its normal. Elements of shells and fibre beams strain along the
+path from equilibrium to equilibrium, as plasticity requires. Consequence to test: the answer does
+not depend on end_time.
 
 Reference: Crisfield (1991), Non-linear Finite Element Analysis of Solids and Structures, vol. 1, 9.
 """
@@ -38,7 +38,7 @@ SLOW, UNKNOWN = 0.1, 0.9
 # how h grows where Newton's method has failed
 CAREFUL, RELENTING = 4.0, 1.2
 # h over 1 / omega where corrections that go too far are shortened: with more inertia a step from
-# rest ends far from equilibrium, and what has yielded on that detour stays; with less the nodes
+# rest ends far from equilibrium, and the plastic flow on that detour remains; with less the nodes
 # between two elements that flow spin freely
 QUIET = FIRST * GROWTH**2
 # load steps after which one of twice the length is tried

@@ -21,7 +21,7 @@ from crashsolve.model.jacobian import null_space
 
 # of the largest, with each row over the root of its diagonal: less is round-off, or nothing holds
 NOTHING = 1e-12
-# of the largest stiffness: what has less is scaled no further, or rows of D would lose their rank
+# of the largest stiffness: smaller ones are scaled no further, or rows of D would lose their rank
 SOFT = 1e-12
 # asymmetry, of the largest entry, which differences leave; and of an eigenvalue of M^-1 K
 ALIKE = 1e-5

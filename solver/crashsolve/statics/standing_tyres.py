@@ -2,11 +2,11 @@
 
     q <- q - (x . s, y . s),   s the displacement of the wheel's point on the road, against the road
 
-A tyre slips by velocities, and without motion it bears nothing; a wheel that does not roll is held
+A tyre slips by velocities, and without motion it has no force; a wheel that does not roll is held
 by the deflection q of its carcass all the same, up to friction. So q follows the displacements of
 the search for every tyre whose wheel and road begin at rest. A wheel that is free to roll turns
 until nothing holds it along the road. Consequence to test: a braked car on a slope begins at rest,
-with the deflections sigma F / C that bear it.
+with the deflections sigma F / C of these forces.
 """
 
 from typing import NamedTuple
@@ -86,7 +86,7 @@ class StandingTyres:
     def _moved(self, node: int, point: np.ndarray, nodes: np.ndarray) -> np.ndarray:
         """Displacement of a point of a body since it was accepted, to first order (3,) [m].
 
-        A wheel that rolls by any angle so moves it not at all: r theta is what its centre goes.
+        A wheel that rolls by any angle thus does not move it: its centre moves by r theta.
         """
         before, now = self.nodes[node], nodes[node]
         q = quaternion_of(now["A"].reshape(3, 3) @ before["A"].reshape(3, 3).T)

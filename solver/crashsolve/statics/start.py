@@ -4,14 +4,14 @@
     (M / tau^2 - dg/dq) projected on Z, times y = Z^T (g + dg/dq delta_c),   delta = delta_c + Z y
 
 g are the forces at rest that joints do not hold, delta_c closes the joints. tau grows as g falls
-(pseudo-transient continuation): small steps along the forces at first, so that what hangs above its
+(pseudo-transient continuation): small steps along the forces at first, so that a body above its
 springs settles on them, Newton's steps in the end. Directions in which nothing acts, as those in
 which a car rolls, keep their coordinate; where a small force is left in such a direction, as by the
 aligning moments of leaning wheels, the run begins with it, and the log states it. Forces are those
 without motion: dampers, friction and slip of tyres are zero, but for the carcass of standing wheels
-(`standing_tyres.py`). Velocities of the deck stay, but for what joints of the new configuration do
-not allow. Consequence to test: loads sum to the weight and divide by their lever arms, and the
-motion that follows stays below 1 % of them.
+(`standing_tyres.py`). Velocities of the deck remain, except for components that the joints of the
+new configuration do not allow. Consequence to test: loads sum to the weight and divide by their
+lever arms, and the motion that follows stays below 1 % of them.
 
 Reference: Kelley and Keyes (1998), Convergence analysis of pseudo-transient continuation, SIAM
 Journal on Numerical Analysis 35, 508-523.
@@ -104,7 +104,7 @@ class _Correction:
         return np.asarray((closing + free).reshape(-1, 6))
 
 
-def _held_inverse(matrix: np.ndarray, M: np.ndarray, tau: float) -> np.ndarray:
+def _constrained_inverse(matrix: np.ndarray, M: np.ndarray, tau: float) -> np.ndarray:
     """Inverse of `matrix` but for motions that nothing holds, which keep their coordinates."""
     half = np.linalg.inv(np.linalg.cholesky(0.5 * (M + M.T)))
     U, values, V = np.linalg.svd(half @ matrix @ half.T)
@@ -243,7 +243,7 @@ class _EquilibriumSearch:
         mass = self._mass()
         matrix = Z.T @ (mass / tau**2 - G) @ Z
         if self.drifts:
-            inverse = _held_inverse(matrix, Z.T @ mass @ Z, tau)
+            inverse = _constrained_inverse(matrix, Z.T @ mass @ Z, tau)
         else:
             inverse = np.linalg.pinv(matrix, rcond=1e-15)
         found = _Correction(state, Z, G, inverse, np.zeros((0, 6)), 0.0)
@@ -332,7 +332,7 @@ class _EquilibriumSearch:
         if not self.drifts:
             return found
         node, rate = self._fastest(state)
-        return f"{found}; nothing holds {self._name(node)}, which accelerates by {rate}"
+        return f"{found}; nothing supports {self._name(node)}, which accelerates by {rate}"
 
     def _fastest(self, state: "_RestState") -> tuple[int, str]:
         """The node with the largest acceleration, and that in words."""
@@ -344,7 +344,7 @@ class _EquilibriumSearch:
     def _no_equilibrium(self, state: "_RestState", iterations: int) -> SolverError:
         node, rate = self._fastest(state)
         sliding = self.standing_tyres.sliding()
-        slides = f"; these tyres slide and hold no more: {sliding}" if sliding else ""
+        slides = f"; these tyres slide and carry no more force: {sliding}" if sliding else ""
         return self._refusal(
             node,
             f"there is no equilibrium: after {iterations} iterations its acceleration is still "

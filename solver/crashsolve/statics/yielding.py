@@ -3,7 +3,7 @@
     K = K_e - sum (k_e - k_t) d^T d,      past(s) = 0
 
 A hinge that yields has two slopes where it stands, onward and back, which differences of samples
-would mix. They are taken of elastic hinges, K_e, and what yield leaves of their stiffness is put in
+would mix. They are taken of elastic hinges, K_e, and the reduction of stiffness by yield is put in
 place of it, by the hinge's own rows d. An ellipse has no corner but first yield, and a tangent
 that depends on the direction: there differences are used. The work of a load step is that of the
 mean of its forces, and the law of a hinge has straight branches: a step ends where the first hinge

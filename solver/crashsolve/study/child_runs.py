@@ -1,4 +1,6 @@
-"""Ordinary runs in processes of their own, and what their folders tell: for studies and sweeps."""
+"""Ordinary runs in processes of their own, and the results in their folders: for studies and
+sweeps.
+"""
 
 import json
 import os

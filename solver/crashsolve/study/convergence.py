@@ -57,7 +57,7 @@ class Convergence:
 
     @property
     def is_steady(self) -> bool:
-        """Whether the last differences shrank twice, or have come to a floor."""
+        """Whether the last differences shrank twice, or have reached a floor."""
         return self.has_floor or (
             len(self.orders) > 1 and bool(np.all(np.isfinite(self.orders[-2:])))
         )

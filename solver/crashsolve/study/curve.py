@@ -2,8 +2,8 @@
 
     x_m = x of the shortest steps on elements divided by m,   x* from x_1, x_2, x_4 as from steps
 
-A ladder takes what the steps of each mesh lead to, so it says what the mesh alone does. Consequence
-to test: x = 1 + h^2 + 1 / m^2 has order 2 in both, and leads to 1.
+A refinement takes the limit over the steps of each mesh, and so gives the error of the mesh alone.
+Consequence to test: x = 1 + h^2 + 1 / m^2 has order 2 in both, and leads to 1.
 """
 
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ from crashsolve.study.trials import Trial
 class Curve:
     """The trials of one series that count, from the longest step to the shortest.
 
-    `sizes` are what the order is measured in: average steps [s], or factors on automatic ones,
+    `sizes` are the abscissae of the order: average steps [s], or factors on automatic ones,
     which may be bound by samples most of the time and yet matter in contact.
     """
 
@@ -62,7 +62,8 @@ class Refinement:
 class Source:
     """The value to which some runs converge, and the curve of the finest of them.
 
-    `mesh_error` is what its mesh may be wrong by, `apart` how far away another method leads.
+    `mesh_error` is the possible error of its mesh, `apart` the distance to the limit of another
+    method.
     """
 
     name: str
@@ -140,7 +141,7 @@ def refinement_of(curve: Curve, refinements: Sequence[Refinement]) -> Refinement
     return next((x for x in refinements if any(c is curve for c in x.curves)), None)
 
 
-def doubt(source: Source) -> tuple[bool, float]:
+def sort_key(source: Source) -> tuple[bool, float]:
     """Divergence and error, by which sources are ordered, the best first."""
     error = source.convergence.error
     return source.convergence.diverges, error if isfinite(error) else float("inf")

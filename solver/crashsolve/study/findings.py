@@ -30,9 +30,9 @@ from crashsolve.study.curve import (
     Refinement,
     Source,
     curves_of,
-    doubt,
     refinement_of,
     refinements_of,
+    sort_key,
     sources,
 )
 from crashsolve.study.methods import order_of
@@ -76,7 +76,7 @@ class Finding:
         error = self.errors.get(trial.setting.folder, nan)
         return error if error != error else max(error, self.doubts.get(trial.setting.series, 0.0))
 
-    def is_doubtful(self, target: float) -> bool:
+    def is_uncertain(self, target: float) -> bool:
         """Whether the uncertainty of every series is larger than a wanted error."""
         judged = not self.is_absolute and self.diverges
         return judged and all(doubt > target for doubt in self.doubts.values())
@@ -123,7 +123,7 @@ def find(
     if refinements:
         limit = min(
             refinements,
-            key=lambda refinement: doubt(Source("", refinement.limit, refinement.curves[-1])),
+            key=lambda refinement: sort_key(Source("", refinement.limit, refinement.curves[-1])),
         )
         finding.notes.append(_mesh_reported(finding, limit, scale, mesh_order))
     judged = [curve.convergence.diverges for curve in curves if len(curve.values) > 2]
@@ -195,7 +195,7 @@ def _set_reference(
     finding: Finding, curves: list[Curve], found: list[Source], known: Json | None
 ) -> Source | None:
     """Choose the reference; returns the source it comes from, None when it comes from elsewhere."""
-    watch, best = finding.watch, min(found, key=doubt)
+    watch, best = finding.watch, min(found, key=sort_key)
     if watch.value is not None:
         difference = _distance_from_published(watch, best.convergence)
         if difference is None:

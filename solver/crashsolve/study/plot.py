@@ -1,6 +1,6 @@
 """The work-precision plot: error against CPU time, a curve per method, mesh and channel.
 
-Of many channels the largest error, which is what a target is about.
+Of many channels the largest error, to which a target refers.
 """
 
 from collections.abc import Callable, Sequence

@@ -112,7 +112,7 @@ def _measure(finished: list[Trial], watches: list[Watch], deck: Deck, jobs: int)
 
 
 def _usual_meshes(deck: Deck, request: Request) -> str:
-    """The meshes where none are asked for: those of parts whose refinement keeps their names."""
+    """The default meshes: those of parts whose refinement keeps their names."""
     if request.vary or not divisible(deck):
         return "1"
     try:
@@ -147,14 +147,16 @@ def _steps(request: Request, deck: Deck) -> str | None:
 
 
 def _most_expensive(request: Request, finished: list[Trial]) -> list[dict[str, object]] | None:
-    """Answers of the dearest run, which others are compared with where a field is varied.
+    """Answers of the most expensive run, with which others are compared where a field is varied.
 
     Different models do not tend to each other, so that nothing can be extrapolated.
     """
     if not request.vary or not finished:
         return None
     best = max(finished, key=lambda trial: trial.cpu_steps)
-    print_line(f"errors are differences from {best.setting.name}, the dearest run; see --reference")
+    print_line(
+        f"errors are differences from {best.setting.name}, the most expensive run; see --reference"
+    )
     return best.answers
 
 
@@ -230,7 +232,7 @@ def _still_converging(findings: list[Finding]) -> str:
 
 
 def _verdict(findings: list[Finding], trials: list[Trial], target: float) -> str:
-    """The cheapest setting that meets the wanted error, or what would be needed."""
+    """The cheapest setting that meets the wanted error, or the one that would be needed."""
     absolute = [finding.watch.name for finding in findings if finding.is_absolute]
     left_out = f" (not judged, its reference is zero: {', '.join(absolute)})" if absolute else ""
     best = cheapest(findings, trials, target)
@@ -244,9 +246,9 @@ def _verdict(findings: list[Finding], trials: list[Trial], target: float) -> str
 
 
 def _advice(findings: list[Finding], trials: list[Trial], target: float, left_out: str) -> str:
-    """The nearest setting where none meets the wanted error, and what would be needed."""
+    """The nearest setting where none meets the wanted error, and the one that would be needed."""
     text = f"target {target:g}: none of these settings meets it{left_out}"
-    doubtful = [f.watch.name for f in findings if f.is_doubtful(target)]
+    doubtful = [f.watch.name for f in findings if f.is_uncertain(target)]
     if doubtful:
         return f"{text}; not to be trusted: {', '.join(doubtful)}"
     usable = [trial for trial in trials if isfinite(worst(findings, trial))]
@@ -262,7 +264,9 @@ def _advice(findings: list[Finding], trials: list[Trial], target: float, left_ou
     order = order_of(nearest.setting.series.method)
     own = [f.order(nearest) for f in findings if not f.is_absolute]
     if order and error > target and all(abs(p - order) <= NEAR for p in own):
-        text += f"; a step near {nearest.step * (target / error) ** (1 / order):.2g} s should do"
+        text += (
+            f"; a step near {nearest.step * (target / error) ** (1 / order):.2g}s should suffice"
+        )
     return text
 
 
@@ -275,4 +279,4 @@ def _mesh_needed(findings: list[Finding], nearest: Trial, target: float) -> str:
             return ""
         factors.append((finding.error(nearest) / target) ** (1.0 / order))
     mesh = nearest.setting.series.mesh * max(factors, default=1.0)
-    return f"; elements divided by {ceil(mesh)} should do" if factors else ""
+    return f"; elements divided by {ceil(mesh)}should suffice" if factors else ""

@@ -52,9 +52,9 @@ class Series(NamedTuple):
 
 @dataclass(frozen=True)
 class Setting:
-    """One run of a study: a series, its step in words, and what that changes in the deck.
+    """One run of a study: a series, its step in words, and the changes of the deck.
 
-    `factor` is that on the automatic step, where this is what is changed.
+    `factor` is that on the automatic step, where this is changed.
     """
 
     series: Series

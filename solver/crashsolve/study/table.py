@@ -103,7 +103,7 @@ def _value(trial: Trial, at: int) -> float:
 
 def _reference(finding: Finding) -> str:
     if not len(finding.reference):
-        return ": no run gave it"
+        return ": no run has it"
     if len(finding.reference) > 1:
         return f" against the {finding.kind}, over its largest value"
     kind = f"{finding.kind}; errors are absolute" if finding.is_absolute else finding.kind

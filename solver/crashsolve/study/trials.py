@@ -19,7 +19,7 @@ from crashsolve.output.files import Json
 from crashsolve.study.child_runs import reason, start, status_of
 from crashsolve.study.settings import Series, Setting
 
-# runs that would end the same way once more
+# runs that would end the same way again
 COMPLETE = {ExitCode.NORMAL, ExitCode.SOLVER}
 
 
@@ -66,7 +66,8 @@ def run_all(
         report(trial)
         return trial
 
-    # the first of each method compiles for the others; then the dearest first, to end together
+    # the first of each method compiles for the others; then the most expensive first, to end
+    # together
     first = list({setting.series.method: setting for setting in reversed(settings)}.values())
     others = [setting for setting in reversed(settings) if setting not in first]
     done: dict[str, Trial] = {}

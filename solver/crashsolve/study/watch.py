@@ -59,7 +59,7 @@ class Watch:
 
 
 def watched(deck: Deck, words: Sequence[str]) -> list[Watch]:
-    """The channels asked for, else those the deck names, else the deck's energies and motion.
+    """The requested channels, else those that the deck names, else its energies and motion.
 
     Raises DeckError for a statistic that does not exist.
     """

@@ -79,7 +79,9 @@ class Axis(Card):
             others = [name for name in type(self).model_fields if name not in ("values",)]
             extra = [name for name in others if name in self.model_fields_set]
             if extra:
-                raise ValueError(f"{extra[0].rstrip('_')}: does not go with a list of values")
+                raise ValueError(
+                    f"{extra[0].rstrip('_')}: cannot be combined with a list of values"
+                )
             return self
         for name, kinds in self.fields_of.items():
             if getattr(self, name) is not None and self.distribution not in kinds:
@@ -136,7 +138,7 @@ class Axis(Card):
 
     def _check_whole(self, low: float | None, high: float | None) -> None:
         if self.distribution != "uniform":
-            raise ValueError("whole: goes with distribution: uniform")
+            raise ValueError("whole: requires distribution: uniform")
         if low != int(low or 0.0) or high != int(high or 0.0):
             raise ValueError("whole: from and to must be whole numbers")
         if self.count is not None and (int(high or 0) - int(low or 0)) % (self.count - 1):
@@ -161,7 +163,7 @@ class Axis(Card):
 
     @property
     def is_of_numbers(self) -> bool:
-        """Whether its values are numbers, all in one unit: what can be drawn on an axis."""
+        """Whether its values are numbers, all in one unit, which can be drawn on an axis."""
         units = {_unit_of(value) for value in self.values or ()}
         return self.values is None or (None not in units and len(units) == 1)
 

@@ -17,9 +17,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         choices=("failed", "stale"),
-        help="run anew what failed, or what is there of another deck or version; may be repeated",
+        help="run again those that failed, or those of another deck or version; may be repeated",
     )
-    parser.add_argument("--list", action="store_true", help="list the runs without running them")
+    parser.add_argument("--list", action="store_true", help="list the runs, without running them")
     queue = parser.add_argument_group("job arrays of Slurm (crashsolve manual QUEUE)")
     queue.add_argument("--slurm", action="store_true", help="write the script of an array instead")
     queue.add_argument("--submit", action="store_true", help="write it and hand it to sbatch")

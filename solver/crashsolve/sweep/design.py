@@ -1,4 +1,4 @@
-"""The points of a sweep: which values are run together.
+"""The points of a sweep: combination of the values.
 
 grid            every value of each parameter with every value of the others, the last one fastest
 list            the first values together, then the second ones, ...

@@ -1,6 +1,6 @@
 """The folder of a sweep: sweep.json with all its runs, and the status of each run.
 
-A run is marked by what it is made from: the deck with its includes and its own values, the other
+A run is marked by its sources: the deck with its includes and its own values, the other
 files that the deck reads, and the sources of crashsolve. A result with another mark does not count.
 The status of a run is read from its files: so it survives the process that started the run.
 """
@@ -194,7 +194,7 @@ def run_status(sweep: Path, run: Run) -> RunStatus:
         return RunStatus("failed", str(record.get("message", "")))
     if not status:
         return RunStatus("new")
-    # a status that says running, without such a process
+    # a status of running, without such a process
     word = "stopped" if record.get("state") == "stopped" else "killed"
     return RunStatus(word, str(record.get("message", "")))
 

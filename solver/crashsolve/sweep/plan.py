@@ -59,7 +59,7 @@ class Design(Card):
                 raise ValueError(f"{name}: of a {self.type}, the values alone say what is run")
             return self
         if self.runs is None:
-            raise ValueError(f"runs: how many runs shall {self.type} draw?")
+            raise ValueError(f"runs: {self.type} needs their number")
         if not 1 <= self.runs <= MOST:
             raise ValueError(f"runs: must be from 1 to {MOST}, not {self.runs}")
         if self.type != "latin_hypercube" and self.runs & (self.runs - 1):
@@ -119,10 +119,10 @@ class PlanCard(Card):
 
     title: str = word("heading of table and pictures; that of the deck when empty", "")
     deck: FileName = word("deck to run, beside the plan")
-    design: Design = word("which values are run together")
+    design: Design = word("combination of the values")
     vary: Json = word("parameters or paths of the deck, each with values or a range")
     set: Json = word("values of the deck that are the same in all runs", {})
-    measure: tuple[Measure, ...] = word("what is asked of every run")
+    measure: tuple[Measure, ...] = word("measures of every run")
     time_limit: float | None = quantity("s", "wall time after which a run is stopped", None, gt=0)
 
     @field_validator("vary", "measure")
@@ -182,7 +182,7 @@ def read_plan(path: Path) -> Plan:
 
 
 def _axes(given: object, context: Context, found: list[Diagnostic]) -> dict[str, Axis]:
-    """The varied parameters; what is wrong with them goes to `found`."""
+    """The varied parameters; their errors go to `found`."""
     axes = {}
     for name, value in given.items() if isinstance(given, Mapping) else ():
         if value is BROKEN:
@@ -239,9 +239,9 @@ def _unfit(kind: str, axis: Axis) -> list[Diagnostic]:
     if kind == "list" and axis.values is None:
         found.append(Diagnostic((), "a range does not go with design: list", "write its values"))
     if kind == "grid" and axis.values is None and axis.count is None:
-        found.append(Diagnostic((), "how many values of the range?", "say count: 5"))
+        found.append(Diagnostic((), "the range needs a number of values", "write count: 5"))
     if kind == "grid" and axis.distribution not in ("uniform", "log_uniform"):
-        message = f"{axis.distribution} values are drawn, and a grid draws nothing"
+        message = f"{axis.distribution} values are random, and a grid has none"
         found.append(Diagnostic(("distribution",), message, "take design: {type: sobol, runs: 64}"))
     if kind in DRAWN and axis.count is not None:
         found.append(Diagnostic(("count",), f"belongs to a grid, and the design is {kind}", ""))

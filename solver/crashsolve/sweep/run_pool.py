@@ -102,7 +102,9 @@ class RunPool:
                     worker.is_stopping = True
 
     def _start_waiting(self, waiting: list[Run], workers: list[Worker]) -> None:
-        """Start what may start now; a run that another process still holds waits for it."""
+        """Start the runs that may start now; a run that another process still holds waits for
+        it.
+        """
         for run in list(waiting):
             if len(workers) >= self.jobs:
                 return
@@ -136,7 +138,7 @@ class RunPool:
                 return Worker(run, own)
 
     def _finish(self, worker: Worker) -> None:
-        """Keep what became of a run."""
+        """Store the outcome of a run."""
         run, code = worker.run, worker.process.returncode
         folder = run.folder(self.folder)
         self._compiled.add(self.scene(run))

@@ -35,7 +35,7 @@ REPORTED = 8
 
 @dataclass(frozen=True)
 class Request:
-    """Request for a sweep, as on the command line; `queue` asks for a job array instead."""
+    """Request for a sweep, as on the command line; `queue` requests a job array instead."""
 
     plan: Path
     folder: Path
@@ -113,7 +113,7 @@ def task(folder: Path, number: int) -> int:
 def prepared(plan: Plan) -> tuple[str, list[Run]]:
     """Title and runs of a plan, the deck of each read. Raises DeckErrors for the first wrong one.
 
-    The model of the first is built as well: what is wrong with all of them is known then. What
+    The model of the first is built as well: errors common to all are known then. What
     changes no run is refused.
     """
     fixed = {name: as_text(value) for name, value in plan.card.set.items()}
@@ -172,7 +172,7 @@ def _refuse_stale(request: Request, runs: Sequence[Run], statuses: dict[int, Run
         return
     reason = statuses[stale[0].number].message
     message = f"{len(stale)} of {len(runs)} runs are there already, of {reason}"
-    advice = "name another folder with -o, or lose them and run anew with --again stale"
+    advice = "name another folder with -o, or discard them and run again with --again stale"
     raise DeckError(str(request.folder), None, None, "", message, advice)
 
 
@@ -224,7 +224,7 @@ def _queue(request: Request, due: Sequence[Run]) -> int:
     """Write the script of a job array, and submit it if asked to."""
     assert request.queue is not None
     if not due:
-        print_line("nothing is left to be run")
+        print_line("no runs are left")
         gather(request.folder)
         return ExitCode.NORMAL
     path = write_script(request.folder, [run.number for run in due], request.queue)

@@ -1,6 +1,6 @@
 """A job array for Slurm, as a script that a user can read and change.
 
-Each task is one run of the sweep. A task that comes to the end of its time gets SIGUSR1, stops its
+Each task is one run of the sweep. A task that reaches the end of its time gets SIGUSR1, stops its
 run with a dump, is requeued, and continues from the dump. One that is cancelled gets SIGTERM, stops
 with a dump as well, and is not requeued.
 """
@@ -94,7 +94,7 @@ def _ranges(numbers: Sequence[int]) -> str:
 
 
 def submit(path: Path) -> str:
-    """Hand the script to sbatch; returns what it says. Raises DeckError when it refuses."""
+    """Hand the script to sbatch; returns its answer. Raises DeckError when it refuses."""
     try:
         done = subprocess.run(["sbatch", str(path)], capture_output=True, text=True)
     except FileNotFoundError:

@@ -3,7 +3,7 @@
     r = r_body + A s,   q = q_body q_s,   v = v_body + w x A s,   w = w_body
     f_body += f,   tau_body += tau + A s x f
 
-Ambrosio (2003), Eq. 9-10: what acts on the nodes welded to a rigid part acts on it. The chapter
+Ambrosio (2003), Eq. 9-10: the forces on the nodes welded to a rigid part act on it. The chapter
 prints the couples of Eq. 8 with the opposite sign, and Eq. 10 as if it were another Eq. 9.
 Consequence to test: a free body of rigid and flexible parts keeps its angular momentum.
 """

@@ -1,7 +1,7 @@
 """What sets the step, and why: in words, for the log and status.json.
 
 The forces on the body with the least stable step are examined one by one: a sample of copies, in
-which nothing else acts, states what one spring, contact or element of a beam adds to its bound
+which nothing else acts, gives the part of one spring, contact or element of a beam in its bound
 
     omega = sqrt(2 k w + (c w)^2) + c w,   w the mobility of the body where it acts  (timestep.py)
 
@@ -23,9 +23,9 @@ from crashsolve.system.diagnosis import chooses_step, limiter
 from crashsolve.system.engine import Engine
 from crashsolve.system.placeholders import group_arrays
 
-# more of one group on one body are looked at together
+# more of one group on one body are evaluated together
 MOST = 32
-# a step is cut into equal ones: of less than half of what is wanted the cause is another
+# a step is cut into equal ones: a step of less than half of the wanted one has another cause
 EQUAL = 0.499
 # [s] after which it is looked for anew who sets the step
 AGAIN = 1.0
@@ -83,7 +83,7 @@ class StepBound:
         return 1.0 / max(vibration, rotation, 1.0 / float(c["step_max"]))
 
     def _stable(self, engine: Engine) -> tuple[float, str]:
-        """The step [s] that stiffness and rotations allow, and what bounds it."""
+        """The step [s] that stiffness and rotations allow, and the cause of its bound."""
         clock, control = engine.clock, engine.model.control[0]
         rotation, spin = float(control["rotation"]), 0
         h, at, text = float(control["step_max"]), int(clock["limit_node"]), "samples"
@@ -109,14 +109,14 @@ class StepBound:
 
 
 def _speeds(nodes: np.ndarray) -> np.ndarray:
-    """Bound of the frequency [rad/s] of every node by what acts on it."""
+    """Bound of the frequency [rad/s] of every node by the laws that act on it."""
     damping = nodes["damping"]
     found: np.ndarray = np.sqrt(2.0 * nodes["stiffness"] + damping**2) + damping
     return found
 
 
 def stiffest(engine: Engine, at: int) -> str:
-    """The body or element that has the least stable step, and what makes it so."""
+    """The body or element that has the least stable step, and the cause of it."""
     model = engine.model
     name = limiter(model, at)
     if at < 0:
@@ -141,8 +141,8 @@ def stiffest(engine: Engine, at: int) -> str:
     speed, is_damped, actor = max(found, key=lambda one: one[0])
     kind = "damping" if is_damped else "stiffness"
     text = f"body '{model.bodies[at]}', {kind} of {actor.name}"
-    held, _ = alone(actor, rotations=False)
-    return f"{text}, by its rotation" if held < (1.0 - BY_ROTATION) * speed else text
+    without_rotation, _ = alone(actor, rotations=False)
+    return f"{text}, by its rotation" if without_rotation < (1.0 - BY_ROTATION) * speed else text
 
 
 def _copies(engine: Engine) -> dict[str, np.ndarray]:
@@ -208,6 +208,6 @@ def _only(group: Group | ContactGroup, rows: np.ndarray) -> dict[str, np.ndarray
 
 
 def _bound(nodes: np.ndarray, at: int) -> tuple[float, bool]:
-    """Bound [rad/s] of the frequency of a body by what acts on it; whether it is a damper."""
+    """Bound [rad/s] of the frequency of a body by a law that acts on it; whether it is a damper."""
     is_damped = float(nodes["damping"][at]) ** 2 > 2.0 * float(nodes["stiffness"][at])
     return float(_speeds(nodes)[at]), is_damped

@@ -49,7 +49,7 @@ def compose(model: Model) -> str:
     def is_copied(module: str) -> bool:
         return module.startswith((f"{INTEGRATORS}._", f"{LOOPS}.")) or module == main
 
-    # most runs find what was composed before
+    # most runs find the step that was composed before
     from crashsolve.compiler.program import Program
 
     program = Program(placeholders(model), SCENE, is_copied, replaced)
@@ -62,7 +62,7 @@ def compose(model: Model) -> str:
 def composed(model: Model, deck: str) -> str:
     """The composed step of a model, from the cache where the deck has been composed before.
 
-    What is composed depends on the groups of a scene, on what they are made of, and on files of
+    The composed text depends on the groups of a scene, on their contents, and on files of
     meshes through their tables: the key has all of them. Raises CacheError.
     """
     key = hashlib.sha256("\n".join([deck, *_description(model)]).encode()).hexdigest()[:32]

@@ -53,7 +53,7 @@ def scatter(rows, nodes):
         # rows of a joint have the same nodes, and add up before these are written
         pushes = (ZERO, ZERO, ZERO, ZERO)
         while k < count and rows[k].node_a == node_a and rows[k].node_b == node_b:
-            pushes = pushed_more(pushes, rows[k].D, rows[k].delta)
+            pushes = add_row_forces(pushes, rows[k].D, rows[k].delta)
             k += 1
         a, b = nodes[node_a], nodes[node_b]
         add_to(a.joint_force, pushes[0])
@@ -63,7 +63,7 @@ def scatter(rows, nodes):
 
 
 @inlined
-def pushed_more(pushes, D, multiplier):
+def add_row_forces(pushes, D, multiplier):
     """Force and torque on a, and on b, with those of one more row."""
     return (
         add_scaled(pushes[0], multiplier, (D[0], D[1], D[2])),
@@ -193,7 +193,7 @@ def extrapolate_trial(rows, ratio):
     """First guess of lambda, `ratio` the new step over the last. Writes: rows.trial.
 
     A drift closes positions at its end, so that its lambda differs from that of the kick at its
-    start by a term in proportion to the step, and by what the drift before had left open. The kick
+    start by a term in proportion to the step, and by the residual of the drift before. The kick
     has neither; the line through the last two drifts would have twice of the latter.
     """
     for k in range(rows.shape[0]):

@@ -25,21 +25,16 @@ from crashsolve.model.model import Model, State
 from crashsolve.system.gain import OVERSTATED, energy_gain, has_gain, overstates
 from crashsolve.system.timestep import QUARTER
 
-# what helps most where a shell folds on itself: a node meets the nearer of two walls alone
+# the best remedy where a shell folds on itself: a node meets the nearer of two walls alone
 OWN_FACES = "where a shell folds on itself take smaller elements, or ring: 1 of its faces"
-# of a ball on several faces, whose forces are not wholly the gradient of their energy (walls.py)
-IN_A_DENT = (
-    "where a ball lies on several faces of a dent no step helps, as its forces leave out how the "
-    "dent sharpens: judge this by the energy balance of the model"
-)
 # of a body that meets the back of an open mesh
 FROM_BEHIND = (
-    "its faces bear on the side out of which their normals point alone, and it would be pushed "
+    "its faces resist on the side of their outward normals alone, and it would be pushed "
     "out through all of their thickness"
 )
 OTHER_SIDE = (
-    "give the corners of the faces in the opposite order, to bear on the side that is struck; or "
-    "close the mesh, to bear on both"
+    "give the corners of the faces in the opposite order, to resist on the side that is struck; or "
+    "close the mesh, to resist on both"
 )
 # location, likely cause, advice
 Diagnosis = tuple[str, str, str]
@@ -56,7 +51,7 @@ def diagnose(model: Model, state: State, clock: np.void, ledger: np.ndarray) -> 
         name = f"body '{model.bodies[at]}'" if at < len(model.bodies) else model.part_at(at)
         found = (
             name,
-            "its motion has diverged: positions or velocities are no finite numbers",
+            "its motion has diverged: positions or velocities are not finite",
             closer(model, state),
         )
     elif status == POSITION:
@@ -65,7 +60,7 @@ def diagnose(model: Model, state: State, clock: np.void, ledger: np.ndarray) -> 
         found = broken_velocities(model, state)
     elif status == UNSOLVED:
         cause = f"the equations of a step have no solution (the next step would be {step:.3g} s)"
-        found = "the model", cause, pass_it(model, state)
+        found = "the model", cause, advice_on_step(model, state)
     elif status == UNHELD:
         lack = f"{float(clock['value']):.3g} m"
         cause = f"nodes of unilateral constraints leave their surface by {lack}"
@@ -75,9 +70,9 @@ def diagnose(model: Model, state: State, clock: np.void, ledger: np.ndarray) -> 
     elif status == STEP_TOO_SMALL:
         found = collapsed_step(model, state, int(clock["limit_node"]), step)
     elif status == CONTACT_GAIN:
-        found = gaining_contact(model, state, clock)
+        found = find_contact_gain(model, state, clock)
     elif status == LAW_GAIN:
-        found = gaining_law(model, state)
+        found = find_law_gain(model, state)
     elif status == CURVE_END:
         found = curve_end(model, clock)
     else:
@@ -114,11 +109,11 @@ def _passed_pairs(model: Model, state: State) -> list[_Passed]:
     """Pairs of elements on bodies."""
     current, found = int(state.clock[0]["current"]), []
     for group in model.contact_groups:
-        if "passed" not in (group.history.dtype.names or ()):
+        if "pass_time" not in (group.history.dtype.names or ()):
             continue
         history = group.history[current]
-        for i in np.flatnonzero(history["passed"]):
-            p, time = group.parameters[i], float(history["passed"][i])
+        for i in np.flatnonzero(history["pass_time"]):
+            p, time = group.parameters[i], float(history["pass_time"][i])
             a, b = group.elements_a[p["a"]], group.elements_b[p["b"]]
             names = [
                 f"'{model.bodies[side['node']]}'" if side["node"] else "the ground"
@@ -142,10 +137,10 @@ def _passed_nodes(model: Model) -> list[_Passed]:
         location = f"contact '{group.card}'"
         if group.narrow is None:
             what = "a node or ball has passed through faces"
-            times = group.arrays["totals"]["passed"]
+            times = group.arrays["totals"]["pass_time"]
         elif group.has_ends:
             what = "a node has passed the middle of what it strikes"
-            times = group.arrays["probe_states"]["passed"]
+            times = group.arrays["probe_states"]["pass_time"]
         else:
             continue
         if times.any():
@@ -154,13 +149,13 @@ def _passed_nodes(model: Model) -> list[_Passed]:
 
 
 def closer(model: Model, state: State) -> str:
-    """Advice for shorter steps, by what sets the step of the method."""
+    """Advice for shorter steps, by the setting that limits the step of the method."""
     if chooses_step(model, state):
         return "take shorter steps: reduce control.tolerance or control.step_max"
     return "take a shorter step: reduce control.safety or control.step"
 
 
-def pass_it(model: Model, state: State) -> str:
+def advice_on_step(model: Model, state: State) -> str:
     """Advice where no step of a method succeeds."""
     look = "look for a singular configuration, or a jump in a curve or law; integrator: rattle"
     if chooses_step(model, state):
@@ -187,7 +182,7 @@ def broken_velocities(model: Model, state: State) -> Diagnosis:
     """Velocities that cannot be brought onto D v = nu."""
     speed = velocity_error(model, state) / state.rows["scale"]
     cause = (
-        f"the velocities do not fit the joints (error {speed.max():.3g} of the model's size in a "
+        f"the velocities violate the joints (error {speed.max():.3g} of the model's size in a "
         "second): they contradict each other, or the configuration is singular"
     )
     advice = "remove a joint or a driver; integrator: rattle passes singular configurations"
@@ -212,7 +207,7 @@ def collapsed_step(model: Model, state: State, limit_node: int, step: float) -> 
     return (
         "the model",
         f"no step is short enough for control.tolerance (the next would be {step:.3g} s)",
-        pass_it(model, state),
+        advice_on_step(model, state),
     )
 
 
@@ -244,7 +239,7 @@ def curve_end(model: Model, clock: np.void) -> Diagnosis:
     name = next(n for n, start in model.curve_names.items() if start == first)
     last = curves[int(curves[first]["last"])]["x"]
     cause = f"read at {x:.6g}, outside its range {curves[first]['x']:.6g} to {last:.6g}"
-    advice = "extend the curve, or say extrapolate: hold or linear on its card"
+    advice = "extend the curve, or set extrapolate: hold or linear on its card"
     times = 0.5 * float(clock["step"]) * float(clock["element_rate"]) ** 0.5
     if model.integrator == "rattle" and times > 1.0:
         cause += f", with a step {times:.2g} times the one that is sure to be stable"
@@ -255,7 +250,7 @@ def curve_end(model: Model, clock: np.void) -> Diagnosis:
             f"deformed to {x:.6g}, beyond the end of its curve, {last:.6g} (plastic displacement "
             "or plastic work)"
         )
-        advice = f"extend its {field}, or say extrapolate: hold; a hinge about two axes rotates "
+        advice = f"extend its {field}, or set extrapolate: hold; a hinge about two axes rotates "
         return f"hinge '{hinge}'", cause, f"{advice}by 3 rad at most"
     return f"curve '{name}'", cause, advice
 
@@ -299,26 +294,23 @@ def velocity_error(model: Model, state: State) -> np.ndarray:
 def advice_on_gain(model: Model, card: int) -> str:
     """What to know of a contact card that creates energy, where steps help little; or nothing."""
     groups = [g for g in model.nodal_groups if int(g.arrays["p"]["card"][0]) == card]
-    if any(group.meets_itself for group in groups):
-        return OWN_FACES
-    has_balls = any(g.narrow is None and g.arrays["p"]["share"][0] > 0.0 for g in groups)
-    return IN_A_DENT if has_balls else ""
+    return OWN_FACES if any(group.is_self_contact for group in groups) else ""
 
 
-def gaining_contact(model: Model, state: State, clock: np.void) -> Diagnosis:
+def find_contact_gain(model: Model, state: State, clock: np.void) -> Diagnosis:
     """A contact card whose normal force, or friction, has created energy."""
     number, is_friction = int(clock["index"]), float(clock["value"]) == 1.0
     card = state.card_history[int(clock["current"])][number]
-    held, exchanged = max(float(card["initially_stored"]), 0.0), float(card["exchanged"])
+    initial, exchanged = max(float(card["initially_stored"]), 0.0), float(card["exchanged"])
     taken = 0.5 * (exchanged - float(card["work"]))
-    gained = float(card["work"]) - held
+    gained = float(card["work"]) - initial
     if is_friction:
         gained, exchanged = float(card["friction_work"]), float(card["friction_exchanged"])
-        taken, held = 0.5 * (exchanged - gained), 0.0
+        taken, initial = 0.5 * (exchanged - gained), 0.0
     force = "friction" if is_friction else "the normal force"
     cause = (
         f"{force} has created energy: it has given its bodies {gained:.3g} J more than it took "
-        f"from them ({taken:.3g} J) and stored at the start ({held:.3g} J)"
+        f"from them ({taken:.3g} J) and stored at the start ({initial:.3g} J)"
     )
     known, shorter = advice_on_gain(model, number), closer(model, state)
     advice = f"{known}; or {shorter}" if known else shorter
@@ -326,8 +318,8 @@ def gaining_contact(model: Model, state: State, clock: np.void) -> Diagnosis:
     return f"contact '{model.contacts[number]}'", cause, advice
 
 
-def gaining_law(model: Model, state: State) -> Diagnosis:
-    """The spring, belt, hinge or tyre that has created most energy over what it took and gave."""
+def find_law_gain(model: Model, state: State) -> Diagnosis:
+    """The spring, belt, hinge or tyre that has created most energy over the energy it exchanged."""
     current, most, where, why = int(state.clock[0]["current"]), 0.0, "", ""
     limit = float(model.control[0]["energy_limit"])
     for group in (g for g in model.force_groups() if g.is_watched):
@@ -341,15 +333,18 @@ def gaining_law(model: Model, state: State) -> Diagnosis:
 
 def _gain_of(now: np.void, stored: float, limit: float) -> tuple[float, str]:
     """Energy that a law has created, over the energy it exchanged, and in words."""
-    taken, held = 0.5 * float(now["exchanged"] - now["given"]), float(now["initially_stored"])
+    taken, initial = (
+        0.5 * float(now["exchanged"] - now["work_done"]),
+        float(now["initially_stored"]),
+    )
     gain = float(energy_gain(now, stored))
     if overstates(now, stored, limit, 0.0) and not has_gain(now, stored, limit, 0.0):
         stated = stored + float(now["dissipated"])
         return 1.0 / (1.0 - OVERSTATED), (
-            f"its force turns a velocity round in every step: it states to have lost and to hold "
-            f"{stated:.3g} J, and has been given {held - float(now['given']):.3g} J"
+            f"its force reverses a velocity in every step: it reports as dissipated and stored "
+            f"{stated:.3g} J, and has received {initial - float(now['work_done']):.3g} J"
         )
     return gain / max(float(now["exchanged"]), 1e-300), (
         f"its force has created energy: it has given its bodies {gain:.3g} J more than it took "
-        f"from them ({taken:.3g} J) and stored at the start ({held:.3g} J)"
+        f"from them ({taken:.3g} J) and stored at the start ({initial:.3g} J)"
     )

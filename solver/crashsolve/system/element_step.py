@@ -2,7 +2,7 @@
 
     h <= 2 safety / omega,   omega^2 the largest squared frequency of the mesh
 
-It is not above what the shares of its free elements come to at any point (`points.bound_rate`).
+It is not above the sum of the shares of its free elements at any point (`points.bound_rate`).
 Consequence to test: a plate is stable for safety < 1, and not above its highest frequency.
 
 Reference: Belytschko, Liu, Moran and Elkhodary (2014), Nonlinear Finite Elements, 6.2.

@@ -93,8 +93,8 @@ def close_ledger(ledger, least, kicked):
 def check(clock, control, nodes, ledger):
     """Stop at a bad number or a broken balance; note one that is let pass. Writes: clock.
 
-    From rest, the first steps err by much of the little energy there is: what comes from outside is
-    judged where its share that is missing falls no more.
+    From rest, the errors of the first steps are large beside the little energy there is: energy
+    from outside is judged where its share that is missing falls no more.
     """
     lack = abs(ledger[IMBALANCE]) / (ledger[LARGEST] + 1e-300)
     supplied = abs(ledger[EXTERNAL_WORK]) + abs(ledger[DRIVER_WORK])

@@ -50,10 +50,10 @@ FIRST_CALL, LONGEST_CALL = 16, 0.2
 FIRST_JUDGED = 5
 # a corner of a curve is met within this share of a step, or of the time: its square is the error
 STAGNATION_RATIO, ROUND_OFF = 1e-6, 1e-14
-# what the clock keeps of a balance above its limit, and what is no matter: a share of that limit,
+# the record of a balance above its limit, and the negligible part: a share of that limit,
 # as the first steps from rest err by much of the little energy there is
 MISSING, NEGLIGIBLE_SHARE = ("missing", "missing_share", "missing_time"), 0.01
-# methods with stages take steps so many times as long, by what curves of time do
+# methods with stages take steps so many times as long, by the curves of time
 WITHIN = 4.0
 # at most so many iterations for friction and reactions of the initial state to agree
 PASSES = 60
@@ -104,7 +104,7 @@ class Engine:
         # arrays of a dump beside the State
         self.aside: dict[str, np.ndarray] = {}
         self._steps_per_call = 1 if runs_plain() else FIRST_CALL
-        # steps from one look to the next, of an interval that is run once more
+        # steps from one check to the next, of an interval that is run again
         self._stride = 0
 
     @property
@@ -311,7 +311,7 @@ class Engine:
         self.state.clock[0]["kinked"] = 1
 
     def _renew_forces(self) -> None:
-        """Forces at the present time, with which the next step begins, once more."""
+        """Evaluate the forces at the present time, with which the next step begins, again."""
         clock = self.state.clock[0]
         step = float(clock["step"])
         self._advance(clock["time"], True, self._present)
@@ -412,7 +412,7 @@ class Engine:
         ]
 
     def assembly_errors(self) -> list[tuple[str, str]]:
-        """Joints that do not fit the initial configuration or velocity: (joint, what is wrong)."""
+        """Joints that the initial configuration or velocity violates: (joint, cause)."""
         rows, found = self.state.rows, []
         gap = np.abs(rows["phi"]) / rows["scale"]
         speed = velocity_error(self.model, self.state)

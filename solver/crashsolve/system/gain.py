@@ -80,7 +80,7 @@ def record_work_of_several(p, count, old, new, h, nodes):
 @kernel
 def add_work(old, new, work, force):
     """Add the work of a step [J], and the largest force in it [N]. Writes: new."""
-    new.given = old.given + work
+    new.work_done = old.work_done + work
     new.exchanged = old.exchanged + abs(work)
     new.peak_force = max(old.peak_force, force)
 
@@ -95,8 +95,8 @@ def half_work(body, force, torque):
 @kernel
 def energy_gain(now, stored):
     """Energy [J] that a law has returned beyond the energy it received and stored."""
-    beyond = now.given - max(now.initially_stored, 0.0)
-    return min(beyond, now.given + stored + now.dissipated - now.initially_stored)
+    beyond = now.work_done - max(now.initially_stored, 0.0)
+    return min(beyond, now.work_done + stored + now.dissipated - now.initially_stored)
 
 
 @kernel
@@ -106,7 +106,7 @@ def overstates(now, stored, limit, unseen):
     So does a damper that turns a velocity round in every step, with a force that has a bound.
     """
     stated = stored + now.dissipated
-    missing = now.given + stated - now.initially_stored
+    missing = now.work_done + stated - now.initially_stored
     least = max(limit * now.exchanged, unseen * now.peak_force)
     return missing > max(OVERSTATED * stated, least)
 

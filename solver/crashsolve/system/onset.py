@@ -3,8 +3,8 @@
     gap(h) <= 0 at the start of the step,   end it where 0 < gap(h) <= allowed
 
 A bracket is (early, late, gap early, gap late, allowed, trials): step lengths before and after the
-onset, their gaps, what may be passed, and how many ends have been tried. Consequence to test: an
-impact latches the speed of its onset, whatever the step.
+onset, their gaps, the tolerance, and the number of trials. Consequence to test: an
+impact latches the speed of its onset, for any step.
 """
 
 from crashsolve.foundation.kernels import kernel

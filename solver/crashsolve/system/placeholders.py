@@ -1,9 +1,9 @@
-"""Placeholders: names in loops and integrators that stand for what a scene brings.
+"""Placeholders: names in loops and integrators that stand for the groups of a scene.
 
 `compose` gives them their values for a deck (`placeholders`) and copies the loops for them: blocks
 that the scene has no use for are left out, and `for group in JOINTS:` stands once for every group.
 Here they have their types and meanings, for readers and for the checks. Consequence: nothing in
-the compiled step asks what kind of scene it is in.
+the compiled step tests the kind of its scene.
 """
 
 from importlib import import_module
@@ -27,7 +27,7 @@ JOINTS: tuple[Group, ...] = ()  # constraint rows
 FORCES: tuple[Group, ...] = ()  # forces between bodies, or on them
 WATCHED: tuple[Group, ...] = ()  # of them, those judged by their own work
 SENSORS: tuple[Group, ...] = ()  # readings
-FOLLOWERS: tuple[Group, ...] = ()  # sensors that must look at every step
+FOLLOWERS: tuple[Group, ...] = ()  # sensors that are evaluated in every step
 ELEMENTS: tuple[Group, ...] = ()  # parts whose elements are kept in blocks
 ELEMENT_LOADS: tuple[Group, ...] = ()  # loads on elements kept in blocks
 BRANCHES: tuple[Group, ...] = ()  # laws of several branches, with an event function
@@ -86,7 +86,7 @@ def placeholders(model: Model) -> dict[str, Any]:
         "SEARCHES": any(c.search is not None for c in contacts),
         "MANY_PAIRS": any(c.in_pieces for c in contacts),
         "RESTING": hasattr(method(model), "KICK_DRIFT_KICK")
-        and any(c.rests or c.follows_exit for c in contacts),
+        and any(c.skips or c.follows_exit for c in contacts),
         "PAIR_DAMPERS": any(damped) or any(c.friction_damps for c in contacts),
         "NODAL_DAMPERS": any(damped),
         "KICK_DRIFT_KICK": hasattr(method(model), "KICK_DRIFT_KICK"),
@@ -106,7 +106,7 @@ def method(model: Model) -> ModuleType:
 
 
 def is_implicit(model: Model) -> bool:
-    """Whether the integrator asks for the tangents of the laws."""
+    """Whether the integrator needs the tangents of the laws."""
     return hasattr(method(model), "T")
 
 

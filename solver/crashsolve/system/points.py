@@ -35,7 +35,7 @@ def apply_drag(clock, h, p, old, new, points):
     lost = 0.0
     if p.drag > 0.0:
         for i in range(p.first_point, p.first_point + p.point_count):
-            if points[i].held < ATTACHED:
+            if points[i].fixed < ATTACHED:
                 lost += drag_point(clock, h * p.drag, points[i])
     new.damped = old.damped + lost
 
@@ -83,7 +83,7 @@ def half_rotation(old, new):
 
 @kernel
 def bound_rate(rate, b):
-    """The larger of a squared frequency and of what the elements share out to a point.
+    """The larger of a squared frequency and of the share of the elements at a point.
 
     K <= sum omega_e^2 M_e, a diagonal matrix, so omega^2 <= max_i sum omega_e^2 m_ei / m_i.
     """
@@ -110,7 +110,7 @@ def second_kick(clock, h, p, points):
 
 @kernel
 def transfer_reactions(nodes, points, holds):
-    """Transfer the forces on held motions of the listed points to the ground.
+    """Transfer the forces on suppressed motions of the listed points to the ground.
 
     Writes: points, nodes.
     """
@@ -120,8 +120,8 @@ def transfer_reactions(nodes, points, holds):
 
 @kernel
 def transfer_reaction(b, ground):
-    """Take the held components from force and torque. Writes: b, ground."""
-    f, t = constrained_part(vec(b.force), b.held), constrained_part(vec(b.torque), b.held >> 3)
+    """Take the suppressed components from force and torque. Writes: b, ground."""
+    f, t = constrained_part(vec(b.force), b.fixed), constrained_part(vec(b.torque), b.fixed >> 3)
     put(b.force, sub(vec(b.force), f))
     put(b.torque, sub(vec(b.torque), t))
     # the reaction is -f, and its moment about the origin -r x f
@@ -143,12 +143,12 @@ def constrained_part(u, bits):
 
 @kernel
 def transfer_attached_reactions(nodes, points):
-    """Transfer the forces on held motions of attached points to the ground.
+    """Transfer the forces on suppressed motions of attached points to the ground.
 
     Writes: points, nodes.
     """
     for i in range(points.shape[0]):
-        if points[i].held % ATTACHED > 0:
+        if points[i].fixed % ATTACHED > 0:
             transfer_reaction(points[i], nodes[0])
 
 
@@ -179,7 +179,7 @@ def sum_momenta(points, total):
     total.linear_size = total.angular_size = 0.0
     for i in range(points.shape[0]):
         b = points[i]
-        if b.held >= ATTACHED:
+        if b.fixed >= ATTACHED:
             continue
         r, p, spin = vec(b.r), scale(1.0 / b.mass_inv, vec(b.v)), scale(1.0 / b.J_inv, vec(b.w))
         add_to(total.linear, p)

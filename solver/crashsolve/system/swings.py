@@ -5,16 +5,16 @@ from math import hypot
 
 import numpy as np
 
-# frequency times step, from which a swing is said to be too fast for it: by kick, drift, kick it is
-# 1 / sqrt(1 - (omega h / 2)^2) too wide, three times here, and grows from 2 on
+# frequency times step, from which a vibration is reported as too fast for it: by kick, drift, kick
+# it is 1 / sqrt(1 - (omega h / 2)^2) too wide, three times here, and grows from 2 on
 FASTEST_SWING = 1.9
 
 
 def swing_warnings(clock: np.void, bodies: Sequence[str]) -> list[str]:
     """Warning that springs or dampers move a body faster than a stated step can follow.
 
-    The work of a spring does not show it: that of a linear one is what it holds in any step.
-    A bounded force that turns a velocity round in every step does none.
+    The work of a spring does not show it: that of a linear one equals its stored energy in any
+    step. A bounded force that turns a velocity round in every step does none.
     """
     node, swing = int(clock["swing_node"]), float(clock["swing"])
     if swing < FASTEST_SWING or node >= len(bodies):
@@ -25,12 +25,12 @@ def swing_warnings(clock: np.void, bodies: Sequence[str]) -> list[str]:
     if damping > 2.0 * omega:
         found = (
             f"body '{name}': dampers, friction or contacts stop it within {1.0 / damping:.2g} "
-            f"s, unless joints hold it; steps of {step:.4g} s turn its velocity round instead"
+            f"s, unless joints hold it; steps of {step:.4g} s reverse its velocity instead"
         )
     else:
         found = (
-            f"body '{name}': springs and contacts swing it with {omega:.4g} rad/s, unless "
-            f"joints hold it; steps of {step:.4g} s amplify that, and from {limit:.4g} s on it "
+            f"body '{name}': springs and contacts let it vibrate at {omega:.4g} rad/s, unless "
+            f"joints hold it; steps of {step:.4g} s amplify this, and from {limit:.4g} s on it "
             "grows without bound"
         )
     return [f"{found}: take control.step below {0.5 * limit:.2g} s"]

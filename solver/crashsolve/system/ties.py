@@ -25,7 +25,7 @@ def unit_normal(a, b, c, d):
 def normal_rate(h, a, b, c, d):
     """Change of that normal in a step of h [s] over h, its rate for h = 0 [1/s].
 
-    Without differences of large numbers: what rests stays at rest.
+    Without differences of large numbers: a point at rest stays at rest.
     """
     p, q = sub(vec(c.r), vec(a.r)), sub(vec(d.r), vec(b.r))
     p_dot, q_dot = sub(vec(c.v), vec(a.v)), sub(vec(d.v), vec(b.v))

@@ -16,7 +16,7 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.model.clock import ROTATED
 from crashsolve.system.kinetics import fastest_rotation
 
-# rotation of a body in a step, beyond which angles between two are not counted; and what is left of
+# rotation of a body in a step, beyond which angles between two are not counted; and the rest of
 # it to a step chosen by its error, as bodies may spin up in it [rad]
 QUARTER, MOST_ROTATION = 0.5 * pi, 1.0
 # frequency times a stated step that is resolved well

@@ -3,13 +3,13 @@
     first:   a queue of pieces for each thread,   round += 1,   pieces,   until done == pieces
     others:  until round has changed,   pieces
 
-A thread takes the pieces of its own queue, which lie near each other in memory, and then what is
+A thread takes the pieces of its own queue, which lie near each other in memory, and then those
 left in those of others: one that the machine holds up, or that sleeps, costs no more than the piece
-it has begun. Which thread does a piece has no effect on what the piece yields, and sums of several
+it has begun. The thread that does a piece has no effect on its result, and sums of several
 pieces are taken by the first alone, in the order of the pieces (model/partition.py). Consequence to
 test: the same bits for any number of threads, and however they are held up.
 
-A queue is one word: the round, the next piece, and the end. So a thread that takes a piece knows
+A queue is one word: the round, the next piece, and the end. So a thread that takes a piece has
 that it is of the present round.
 """
 

@@ -48,7 +48,7 @@ def build(card: NodeToFace, scene: Scene) -> list[Columns]:
         limit = 0.5 * (tied.card.thickness + bearing.card.thickness)
     rows = []
     for node in tied.set_of(card.nodes, "nodes", scene):
-        _refuse_held(int(node), tied, scene)
+        _refuse_fixed(int(node), tied, scene)
         x = tied.mesh.points[node]
         found = nearest_face(x, bearing.mesh.points, bearing.mesh.quads)
         if found is None or not found.distance <= limit:
@@ -66,14 +66,16 @@ def _refuse_method(scene: Scene) -> None:
         method = "solution quasi_static"
     elif control.integrator not in IMPLICIT:
         return
-    message = f"nodes are tied to faces in explicit steps, and {method} takes none"
-    raise scene.fail(f"{message}; say integrator: rattle, or give both parts one mesh")
+    message = f"nodes are tied to faces in explicit steps, and {method} has none"
+    raise scene.fail(f"{message}; set integrator: rattle, or give both parts one mesh")
 
 
-def _refuse_held(node: int, tied: PartOfScene, scene: Scene) -> None:
+def _refuse_fixed(node: int, tied: PartOfScene, scene: Scene) -> None:
     """A node that has a motion given already."""
-    if tied.held[node]:
-        message = f"the node at {_shown(tied.mesh.points[node])} is held, named, welded or tied"
+    if tied.fixed[node]:
+        message = (
+            f"the node at {_shown(tied.mesh.points[node])} is supported, named, welded or tied"
+        )
         raise scene.fail(f"{message} already; leave it out of the set", "nodes")
 
 

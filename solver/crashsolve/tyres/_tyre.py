@@ -133,7 +133,7 @@ CARCASS = Record(f"""
     doubled  flag  whether two roads have pressed it from one side
 """)
 OUT_OF_RANGE = {
-    "sunk": "the wheel centre has sunk to the road: the tyre is too soft for its load, or for what "
+    "sunk": "the wheel centre has reached the road: the tyre is too soft for its load, or for what "
     "it struck, which it may have passed; give rim_radius and rim_stiffness, or a stiffening curve",
     "doubled": "two roads pressed it from one side, and their forces were added: where they lie in "
     "one plane its load is too high; define them as one box, one mesh or one profile",
@@ -422,7 +422,7 @@ def apply_patch_forces(p, i, old, new, out, h, nodes, at, grip, F, M_z, store):
 
 @kernel
 def bound_step(p, nodes, curves, data):
-    """A tyre off all roads bounds the step: nothing else shortens it before one is met.
+    """A tyre off all roads bounds the step: nothing else shortens it before the next road.
 
     It will meet one in a point of its circle, not in the point of the road that is now below it.
     Writes: nodes.

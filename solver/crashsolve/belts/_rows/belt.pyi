@@ -5,11 +5,11 @@ from crashsolve.foundation.rows import Numbers
 class Parameters:
     segments: int  # [count] how many
     node: Numbers[int]  # [index] body of each fitting; the last is repeated
-    point: Numbers[float]  # [m] each fitting, or middle of its surface, from the mass centre
-    friction: Numbers[float]  # [1] mu of rings and surfaces
+    point: Numbers[float]  # [m] fitting, or middle of its surface, from mass centre
+    friction_coefficient: Numbers[float]  # [1] mu of rings and surfaces
     surface: Numbers[int]  # [flag] 0 for a point, else SPHERE, CYLINDER or ELLIPSOID
     axes: Numbers[float]  # [1] axes of each surface in its body, by rows
-    semi: Numbers[float]  # [m] semi-axes; radius first; half the length of a cylinder last
+    semi: Numbers[float]  # [m] semi-axes; radius first, half length of a cylinder last
     sense: Numbers[float]  # [1] 1 or -1: how the belt turns about a cylinder
     turned: Numbers[float]  # [rad] angle of it that is wrapped at the start
     shortest: float  # [m] length below which a segment is taken as that long
@@ -32,14 +32,14 @@ class Parameters:
 
 class History(ForceHistory):
     along: Numbers[float]  # [1] directions of the segments
-    arrive: Numbers[float]  # [m] where the belt comes to each fitting, world axes
+    arrive: Numbers[float]  # [m] where the belt reaches each fitting, world axes
     leave: Numbers[float]  # [m] where it leaves
     half: Numbers[float]  # [m] half the arc on each surface
     split: Numbers[float]  # [m] middle of the arc from the material point of its body that divides it
     middle: Numbers[float]  # [m] middle of the arc from the mass centre, body axes
     lies: Numbers[float]  # [1] direction of the belt there, body axes
     wrapped: Numbers[float]  # [rad] angle of a cylinder
-    begun: Numbers[float]  # [m] where the belt comes to an ellipsoid, its axes
+    begun: Numbers[float]  # [m] where the belt reaches an ellipsoid, its axes
     touches: Numbers[int]  # [flag] 1 where the belt lies on a surface, -2 where it has slipped off
     slipped: int  # [flag] the belt has slipped off a surface
     lateral: Numbers[float]  # [rad] by which it slid across its direction, over a ball or an ellipsoid
@@ -61,7 +61,7 @@ class History(ForceHistory):
     friction: float  # [J] lost at rings
     drawn: float  # [J] lost in webbing
     straight: Numbers[float]  # [m] length
-    short: int  # [flag] a segment has come to no length
+    short: int  # [flag] a segment has reached zero length
     unsettled: int  # [flag] the flows of some step are not found
     passes: int  # [count] of the search for the flows
     flow: Numbers[float]  # [m] q, that passes each fitting in the step

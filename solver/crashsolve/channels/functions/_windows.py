@@ -5,7 +5,7 @@
 
 a is the magnitude in g, the integral that of straight lines between the samples. Windows begin and
 end at samples; those of full length w also begin or end between two. As the criterion is stationary
-in a free window, what that misses is of second order in the interval, as is the quadrature.
+in a free window, the error by this is of second order in the interval, as is the quadrature.
 
 References: NHTSA, FMVSS 208 (49 CFR 571.208); SAE J885 (2011).
 """
@@ -19,7 +19,7 @@ from crashsolve.channels.series import SAME, cumulative
 from crashsolve.channels.term import Term, duration, in_gravities
 
 EXPONENT = 2.5
-# windows that are looked at: some ten seconds of work
+# windows that are evaluated: some ten seconds of work
 MOST_WINDOWS = 1_000_000_000
 
 

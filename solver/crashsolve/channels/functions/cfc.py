@@ -3,7 +3,7 @@
 A Butterworth filter of two poles runs forwards and backwards, at omega_d = 2 pi 2.0775 CFC. Before
 the first sample and after the last the history is continued by its odd reflection, for two periods
 of 2.0775 CFC, and each pass starts as if its first value had always been: so a constant stays what
-it is, and what happens within such a period of an end of the run is not to be trusted. Let a run
+it is, and the values within such a period of an end of the run are unreliable. Let a run
 begin before the impact.
 
 Samples in equal intervals are filtered as they are. Others, as where a deck asks for further times,
@@ -28,7 +28,7 @@ SAMPLED = True
 CLASSES = (60, 180, 600, 1000)
 # corner of one pass [Hz] over the class
 CORNER = 2.0775
-# samples that J211 asks for in a time of 1 / CFC
+# samples that J211 requires in a time of 1 / CFC
 RATE = 10
 # intervals that differ by less than this share are equal
 EQUAL = 1e-6

@@ -3,7 +3,7 @@
     clip = max over s of  min of x from s to s + duration
 
 as the "3 ms clip" of SAE J1727 is defined, exact for straight lines between the samples, and of
-second order in their interval for what is behind them. It counts one unbroken span; limits of
+second order in their interval for the filtered signal. It counts one unbroken span; limits of
 regulations that add up several, as FMVSS 208 does for the thorax, may be higher. Until a duration
 has passed it is the least value so far.
 
@@ -53,7 +53,7 @@ def _so_far(
     ends, levels = (np.concatenate(column) for column in zip(*found, strict=True))
     order = np.argsort(ends)
     greatest = np.maximum.accumulate(levels[order])
-    # the last span ends with the run, whatever its last digit
+    # the last span ends with the run, in spite of round-off
     ended = np.searchsorted(np.minimum(ends[order], time[-1]), time, side="right")
     course = np.minimum.accumulate(values)
     course[ended > 0] = greatest[ended[ended > 0] - 1]

@@ -1,7 +1,7 @@
 """Value at the time T [s]: of the sample there, else of the straight line between two samples.
 
 A run samples the times that its deck asks for. Between samples the line may be wrong by more than
-any number of samples can state, for instance across an impact: the remark says so.
+any number of samples can show, for instance across an impact: the remark states it.
 """
 
 import numpy as np

@@ -1,4 +1,4 @@
-"""Memory by its address: what becomes of calls of foundation/addresses.py."""
+"""Memory by its address: translation of calls of foundation/addresses.py."""
 
 from crashsolve.compiler.translation import arithmetic
 from crashsolve.compiler.translation.expressions import BUILTINS, Expressions

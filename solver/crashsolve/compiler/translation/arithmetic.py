@@ -112,7 +112,7 @@ def common(text: Text, one: Value, other: Value, at_least: Number = BOOL) -> tup
     """Two numbers as of one kind."""
     kind = unify(one.kind, other.kind)
     if not isinstance(kind, Number):
-        raise Untranslatable("this is for numbers alone")
+        raise Untranslatable("this is for numbers only")
     kind = max(kind, at_least, key=lambda kind: kind.rank)
     return convert(text, one, kind), convert(text, other, kind)
 
@@ -120,7 +120,7 @@ def common(text: Text, one: Value, other: Value, at_least: Number = BOOL) -> tup
 def compare(text: Text, how: ast.cmpop, one: Value, other: Value) -> Value:
     """one < other, and so on."""
     if type(how) not in ORDERS:
-        raise Untranslatable(f"no kernel compares with {type(how).__name__}")
+        raise Untranslatable(f"kernels do not compare with {type(how).__name__}")
     a, b = common(text, one, other, INT)
     integer, real = ORDERS[type(how)]
     words = f"{a.words[0]}, {b.words[0]}"

@@ -51,7 +51,7 @@ class Expressions:
 
     def __init__(self, names: Mapping[str, object], module: Any) -> None:
         self.names, self.module = names, module
-        # what is looked up by an index, for messages
+        # the owner of an index, for messages
         self.indexed: ast.expr | None = None
         self.text = Text(self.site if module.is_checked else None, self.flags)
 
@@ -280,7 +280,7 @@ class Expressions:
         kind = unify(values[0].kind, values[1].kind)
         if kind is None:
             raise Untranslatable("both sides of `if ... else` must be of one kind")
-        # what a side is turned into, once the other is known
+        # conversion of a side, once the other is known
         join, whole = text.new_label(), []
         for end, value in zip(ends, values, strict=True):
             text.begin(end)

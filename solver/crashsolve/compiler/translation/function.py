@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 
 class Again(Exception):
-    """The function must be translated once more: more is known of its variables."""
+    """The function must be translated again: more is known of its variables."""
 
 
 @cache
@@ -342,7 +342,7 @@ class Function(Expressions):
         self._close(node, loop, out, None not in ends and len(range(*ends)) > 0)
 
     def _is_within(self, now: str, last: str, step: Value) -> str:
-        """Whether a range has not come to its end."""
+        """Whether a range has further values."""
         text = self.text
         if step.constant:
             how = "slt" if step.constant > 0 else "sgt"

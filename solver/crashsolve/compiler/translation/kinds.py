@@ -1,4 +1,4 @@
-"""Kinds of what kernels work with, and values of these kinds.
+"""Kinds of values in kernels, and values of these kinds.
 
     number, row, column, table, all tables of a scene, tuple, None
 
@@ -25,7 +25,7 @@ class Untranslatable(Exception):
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of value; `words` are LLVM's types of what holds it."""
+    """A kind of value; `words` are the LLVM types of its parts."""
 
     @property
     def words(self) -> tuple[str, ...]:
@@ -137,7 +137,7 @@ class Tuple(Kind):
 
 @dataclass(frozen=True)
 class Value:
-    """A value of a kind; `constant` is what Python knows of it before the run."""
+    """A value of a kind; `constant` is its value where Python knows it before the run."""
 
     kind: Kind
     words: tuple[str, ...] = ()

@@ -1,4 +1,4 @@
-"""What becomes of calls of lanes.py: vectors of eight numbers, transposed by eight.
+"""Translation of calls of lanes.py: vectors of eight numbers, transposed by eight.
 
 Targets with shorter vectors split them.
 """

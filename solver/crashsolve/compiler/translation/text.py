@@ -8,12 +8,12 @@ from collections.abc import Callable, Iterable
 FLAGS = "contract nsz arcp"
 FLAGS_OF_LANES = f"{FLAGS} reassoc"
 
-# of the checked mode: where an index out of bounds leads to, and what reports it
+# of the checked mode: the memory read for an index out of bounds, and the function that reports it
 SCRATCH, REPORT = "@scratch", "@report"
 
 
 class Text:
-    """Lines of a function; what its variables lie in comes first."""
+    """Lines of a function; the slots of its variables come first."""
 
     def __init__(self, site: Callable[[], str] | None = None, flags: str = FLAGS) -> None:
         """`site` keeps the position in the source that is being translated, where bounds are
@@ -124,7 +124,7 @@ class Text:
 
 
 def struct_of(words: tuple[str, ...]) -> str:
-    """LLVM's type of what a function returns."""
+    """LLVM type of the value that a function returns."""
     if not words:
         return "void"
     return words[0] if len(words) == 1 else "{ " + ", ".join(words) + " }"

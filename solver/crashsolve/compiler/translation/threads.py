@@ -1,4 +1,4 @@
-"""Words of memory that threads share: what becomes of calls of atomic.py."""
+"""Words of memory that threads share: translation of calls of atomic.py."""
 
 from crashsolve.compiler.translation import arithmetic, memory
 from crashsolve.compiler.translation.expressions import BUILTINS, Expressions

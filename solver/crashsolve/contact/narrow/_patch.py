@@ -3,7 +3,7 @@
 Each body presses with the part of its face, cap or lateral surface that is symmetric about the
 centre of pressure x: half sizes h_k - |x_k|, not below the rounding of its edges. The patch is what
 these parts have in common, a convex polygon with x in its middle: as large as the smaller face
-where two lie flat, a line on an edge, a point on a corner. A corner of it bears a share of the
+where two lie flat, a line on an edge, a point on a corner. A corner of it carries a share of the
 force in proportion to the two sides that meet there, and acts at 1/sqrt(3) of its distance from x,
 where the tilting moment is that of evenly pressed rectangles. Friction resists a spin about the
 normal with the mean distance from x of an even pressure,

@@ -80,9 +80,9 @@ def _mark_open(table: np.ndarray, faces: np.ndarray, edges: np.ndarray) -> None:
 
 
 def grow(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Boxes in the order of a walk through them, and the order of what they hold.
+    """Boxes in the order in which they are traversed, and the order of their contents.
 
-    `low`, `high` (n, 3): corners of what they hold.
+    `low`, `high` (n, 3): corners of their contents.
     """
     boxes: list[list[object]] = []
     order: list[int] = []

@@ -19,7 +19,7 @@ from crashsolve.foundation.vec3 import dot, unit, vec
 
 # the gap is a distance: see system/contact/resting.py
 IS_DISTANCE = True
-# share of the radius at which the normal turns too fast as a ball goes by the axis
+# share of the radius at which the normal turns too fast as a ball passes the axis
 AXIS = 0.8
 
 

@@ -32,7 +32,7 @@ from crashsolve.foundation.record import Record
 if TYPE_CHECKING:
     from crashsolve.contact.normal._rows._damped_power import History, Parameters
 
-# how far, in shares of the restitution asked for, the one returned may be off without a warning
+# error of the returned restitution, over the given one, without a warning
 SILENT = 0.02
 # how far the floor may be above the speeds of a touch without a remark, and the share of it that
 # v_0 has where a touch begins without any depth or speed

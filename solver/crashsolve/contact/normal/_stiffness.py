@@ -67,7 +67,7 @@ def hertz_stiffness(card: Materials, scene: Scene, pair: Pair) -> float:
     radius = card.radius if card.radius is not None else relative_radius(pair)
     if not isfinite(radius) or radius == 0.0:
         raise scene.fail(
-            "the surfaces do not say how round they are where they touch; give radius or stiffness",
+            "the curvature of the surfaces where they touch is not known; give radius or stiffness",
             "normal",
         )
     return 4.0 / 3.0 * sqrt(radius) / compliance

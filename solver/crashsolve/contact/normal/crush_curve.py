@@ -5,10 +5,10 @@
     stored = f^2 / (2 k),   lost so far = area of F to d - F(d)^2 / (2 k)
 
 The loss is a function of d alone, so it does not depend on the step. Where a method knows the work
-that its forces do over a step (LOSS_IS_WORK), what they took and do not hold is the loss instead: a
-step that passes a corner of the curve takes another area than that under it. A dashpot may act
-beside it while the end is loaded; the sum is never tensile. Consequence to test: pushed to d and
-after release the end keeps the set d - F(d)/k and has taken the area under the curve less the
+that its forces do over a step (LOSS_IS_WORK), the loss is the work done on them less the stored
+energy: a step that passes a corner of the curve takes another area than that under it. A dashpot
+may act beside it while the end is loaded; the sum is never tensile. Consequence to test: pushed to
+d and after release the end keeps the set d - F(d)/k and has taken the area under the curve less the
 triangle F(d)^2/(2 k).
 
 References: Ambrosio (2003), 5.1, crushable ends of trains; how they unload is left open there.

@@ -3,7 +3,7 @@
     f = K delta^n (1 + chi delta_dot / v_0),   chi (1 + e) = ln[(1 + chi) / (1 - chi e)]
 
 v_0 is the closing speed at the onset. Consequence to test: a free central impact returns the
-restitution asked for, whatever K, n, mass and speed are.
+requested restitution, for any K, n, mass and speed.
 
 References: Gonthier, McPhee, Lange and Piedboeuf (2004), Multibody Syst. Dyn. 11, 209-233, the
 implicit form before its approximation.
@@ -18,7 +18,7 @@ PARAMETERS, HISTORY, WARNINGS, REMARKS, build, normal_force, normal_tangent, rel
 
 
 class ExactRestitution(shared.DampedPowerCard):
-    """Damped power law that returns exactly the restitution asked for."""
+    """Damped power law that returns exactly the requested restitution."""
 
     def chi(self) -> float:
         e = self.restitution

@@ -2,7 +2,7 @@
 
     f = K delta^n (1 + chi delta_dot / v_0),   chi = 8 (1 - e) / (5 e)
 
-v_0 is the closing speed at the onset. Consequence to test: asked for e = 0.5 a free impact returns
+v_0 is the closing speed at the onset. Consequence to test: with e = 0.5 a free impact returns
 0.470, for 0.1 it returns 0.069.
 
 References: Flores, Machado, Silva and Martins (2011), Multibody Syst. Dyn. 25, 357-375.

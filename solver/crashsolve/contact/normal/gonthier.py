@@ -2,7 +2,7 @@
 
     f = K delta^n (1 + chi delta_dot / v_0),   chi = (1 - e^2) / e
 
-v_0 is the closing speed at the onset. Consequence to test: asked for e = 0.5 a free impact returns
+v_0 is the closing speed at the onset. Consequence to test: with e = 0.5 a free impact returns
 0.488, for 0.1 it returns 0.101: off by less than 5 % everywhere.
 
 References: Gonthier, McPhee, Lange and Piedboeuf (2004), Multibody Syst. Dyn. 11, 209-233.
@@ -16,7 +16,7 @@ PARAMETERS, HISTORY, WARNINGS, REMARKS, build, normal_force, normal_tangent, rel
 
 
 class Gonthier(shared.DampedPowerCard):
-    """Gonthier force: close to the restitution asked for over the whole range."""
+    """Gonthier force: close to the given restitution over the whole range."""
 
     def chi(self) -> float:
         e = self.restitution

@@ -2,7 +2,7 @@
 
     f = K delta^n (1 + chi delta_dot / v_0),   chi = 6 (1 - e) / ((2 e - 1)^2 + 3)
 
-v_0 is the closing speed at the onset. Consequence to test: asked for e = 0.5 a free impact returns
+v_0 is the closing speed at the onset. Consequence to test: with e = 0.5 a free impact returns
 0.594, for e = 0 it returns 0.488.
 
 References: Herbert and McWhannell (1977), J. Eng. Ind. 99, 513-518.

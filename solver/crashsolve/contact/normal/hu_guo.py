@@ -2,7 +2,7 @@
 
     f = K delta^n (1 + chi delta_dot / v_0),   chi = 3 (1 - e) / (2 e)
 
-v_0 is the closing speed at the onset. Consequence to test: asked for e = 0.5 a free impact returns
+v_0 is the closing speed at the onset. Consequence to test: with e = 0.5 a free impact returns
 0.488, for 0.8 it returns 0.799.
 
 References: Hu and Guo (2015), Multibody Syst. Dyn. 35, 131-151.

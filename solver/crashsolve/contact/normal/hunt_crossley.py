@@ -2,7 +2,7 @@
 
     f = K delta^n (1 + chi delta_dot / v_0),   chi = 3 (1 - e) / 2
 
-v_0 is the closing speed at the onset. Consequence to test: asked for e = 0.5 a free impact returns
+v_0 is the closing speed at the onset. Consequence to test: with e = 0.5 a free impact returns
 0.663, for e = 0 it returns 0.488; near 1 it is exact to first order.
 
 References: Hunt and Crossley (1975), J. Appl. Mech. 42, 440-445.

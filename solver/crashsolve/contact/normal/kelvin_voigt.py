@@ -8,8 +8,8 @@ With `restitution` e the damping ratio zeta solves
 
 which is the damped half period cut where the force would turn tensile, and m is the effective mass
 of the whole touch along the normal: of all positions in which the bodies strike at once, and of
-what joints hold together with them (system/contact/effective_mass.py). Consequence to test: a free
-central impact returns exactly e, and so do a box on its corners and a ball welded to another.
+the bodies that joints connect with them (system/contact/effective_mass.py). Consequence to test: a
+free central impact returns exactly e, and so do a box on its corners and a ball welded to another.
 
 References: Schwager and Poeschel (2007), Granular Matter 9, 465-469.
 """

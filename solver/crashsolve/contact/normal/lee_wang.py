@@ -2,7 +2,7 @@
 
     f = K delta^n (1 + chi delta_dot / v_0),   chi = 3 (1 - e) / 4
 
-v_0 is the closing speed at the onset. Consequence to test: asked for e = 0.5 a free impact returns
+v_0 is the closing speed at the onset. Consequence to test: with e = 0.5 a free impact returns
 0.799, for e = 0 it returns 0.663; the least damped law of the family.
 
 References: Lee and Wang (1983), J. Mech. Trans. Autom. Design 105, 534-540.

@@ -4,7 +4,7 @@
     stored = f^2 / 2k + P(s),   loss = change of G_y - change of P    (G, P: foundation/slider.py)
 
 No force is kept and no set: the next touch meets the padding as new. A dashpot may act beside it;
-the sum is never tensile. Beyond the last point of its curve the run stops, unless the curve says
+the sum is never tensile. Beyond the last point of its curve the run stops, unless the curve sets
 its continuation: there the padding bottoms out. Consequence to test: a stroke there and back loses
 the area between both curves, less the triangles under the lines between them, in any number of
 steps.

@@ -4,7 +4,7 @@
 
 t and E are thickness and modulus of the softer shell of both sides. With the mass rho t A / 4 of a
 node beside four elements of area A it adds 2 s E / (rho A) to the squared frequency of the mesh,
-whose own is 4 E / (rho A) and more: whatever the mesh, a touch shortens the step by little.
+whose own is 4 E / (rho A) and more: for any mesh, contact shortens the step only a little.
 Consequence to test: a ball on a rigid wall bounces back after pi sqrt(m / k) with all its energy.
 """
 
@@ -48,7 +48,10 @@ def build(card: Penalty, scene: Scene, pair: Pair) -> Columns:
         return {"stiffness": card.stiffness}
     shell = getattr(pair, "membrane", None)
     if shell is None:
-        raise scene.fail("no shell touches here from which to take it; give stiffness", "normal")
+        raise scene.fail(
+            "no shell takes part in this contact, from which it could be taken; give stiffness",
+            "normal",
+        )
     return {"stiffness": (SHARE if card.share is None else card.share) * shell}
 
 

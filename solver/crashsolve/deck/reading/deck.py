@@ -37,7 +37,7 @@ from crashsolve.deck.words import choices
 from crashsolve.foundation.errors import DeckError, DeckErrors
 
 AnyCard = TypeVar("AnyCard", bound=Card)
-# of control.threads; of contacts only the model knows (model/build.py)
+# of control.threads; contacts are checked in model/build.py
 UNSHARED = Diagnostic(
     ("threads",),
     "share the elements of shells, and rigid contacts with many elements (1000 on both sides "
@@ -83,7 +83,7 @@ class Deck:
 
     @property
     def sample_interval(self) -> float:
-        """Time between samples [s]: as asked for, or a 1000th of the run, or a load step."""
+        """Time between samples [s]: as given, or a 1000th of the run, or a load step."""
         control = self.control
         count = control.steps if control.solution == "quasi_static" else 1000
         return self.output.history.interval or (control.end_time - control.start_time) / count
@@ -123,7 +123,7 @@ def read_deck(
     """The deck in a file; `overrides` replace parameters, and fields such as `control.step`.
 
     Raises DeckErrors with all errors, overrides that change nothing among them if it
-    `refuses_ineffective`: one of many runs may have no use for what others need.
+    `refuses_ineffective`: a value may be without effect in one of many runs.
     """
     deck = _Reader(Path(path), overrides or {}).deck()
     if deck.ineffective and refuses_ineffective:
@@ -238,7 +238,7 @@ class _Reader:
                 continue
             names = list(_names(entry.card))
             self.check_names(item, names)
-            # curves are asked for by the cards that are made
+            # curves are requested by the cards that are made
             own = [name for _, name in names if name.keyword in laws]
             is_known = all(name in laws[name.keyword] for name in own)
             self.written_out.append(entry)
@@ -353,7 +353,7 @@ class _Reader:
         if item.keyword == "curves":
             context = replace(context, axes=self.axes.get(item.name))
             if self.diagnostics and item.name not in self.axes:
-                # what uses it may be among the cards that are wrong; these are refused anyway
+                # its user may be among the wrong cards; these are refused anyway
                 context = replace(context, units=SI)
         try:
             return kind.model_validate(value, context=context)

@@ -16,7 +16,7 @@ from crashsolve.deck.words import choices
 MAX_LENGTH = 500
 # of the exponent of a unit, as in N/m^1.5
 MOST_ROOT = 12
-# functions whose value is an angle in radians, whatever the units of the file
+# functions whose value is an angle in radians, in any units of the file
 ANGLES = ("asin", "acos", "atan", "atan2")
 U = TypeVar("U")
 

@@ -4,7 +4,7 @@ A file may be included several times, each time with other words in it: of
 
     include: [{file: car.yaml, with: {car: car_1, mass: 68 t}}, {file: car.yaml, with: ...}]
 
-every `<car>` in the names and texts of car.yaml stands for car_1, then for what comes next. Words
+every `<car>` in the names and texts of car.yaml stands for car_1, then for the next word. Words
 are put in before anything is worked out, so that they may stand in names and in expressions.
 """
 

@@ -315,7 +315,7 @@ def _inconsistency(value: object, replaced: object) -> tuple[str, str]:
         found = f"the deck has {shown(replaced)} here"
         if before.exponents == PURE.exponents:
             return found, "give a number without unit"
-        # its own number with the unit of the deck is what is most likely meant
+        # most likely its own number with the unit of the deck is meant
         digits, own = split_quantity(str(value))[0], split_quantity(str(replaced))[1]
         has = f"in {describe(unit)}" if unit.exponents != PURE.exponents else "without unit"
         meant = f"give a number with a unit, such as '{digits:g} {own}'"

@@ -33,7 +33,7 @@ def joints_of_parts(
         own = part.card.joints(part.name) if hasattr(part.card, "joints") else {}
         for name, (word, fields) in own.items():
             if name in entries["joints"]:
-                message = f"its joint '{name}' has the name of another"
+                message = f"its joint '{name}' has a name that is already in use"
                 diagnostics.append(placed(part.item, Diagnostic((), message, "rename one of them")))
             kind = law_class("joints", word)
             card = kind.model_validate(fields)

@@ -1,7 +1,7 @@
 """A deck read for many runs, some of which do not use the settings of others.
 
 Where a structure is compared as beams and as shells, `across` is set for the shells. A run is given
-what changes its deck; what changes none of them is refused.
+values that change its deck; a value that changes none of them is refused.
 """
 
 from collections.abc import Mapping
@@ -12,7 +12,9 @@ from crashsolve.foundation.errors import DeckError
 
 
 class Several:
-    """Decks of many runs; `ineffective` has what changes none of them so far, by its name."""
+    """Decks of many runs; `ineffective` holds the values that changed none of them so far, by
+    name.
+    """
 
     def __init__(self) -> None:
         self.ineffective: dict[str, DeckError] | None = None

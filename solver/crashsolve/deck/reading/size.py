@@ -1,4 +1,4 @@
-"""How large a model may be: what its elements need against what this machine has.
+"""Largest size of a model: the memory that its elements need, and that of this machine.
 
 A bound before anything is allocated. Otherwise a slip of the pen ends in minutes of waiting, in the
 system killing the process, or in a traceback.

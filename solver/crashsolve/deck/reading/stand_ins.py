@@ -1,6 +1,6 @@
 """Contacts that name an entry which stands for many surfaces, such as a structure.
 
-The module of its type has `surfaces`, see deck/expansion.py; in the contact its name gives way to
+The module of its type has `surfaces`, see deck/expansion.py; in the contact its name is replaced by
 the names of these surfaces.
 """
 

@@ -100,7 +100,8 @@ def _why_unread(item: Item, parameters: Parameters, unread: Mapping[Reader, Unus
     spots = [unread[reader] for reader in parameters.readers[item.name] if reader in unread]
     if spots:
         return (
-            f"{location} is read only by {spots[0].item.title}, of no use there: {spots[0].reason}"
+            f"{location} is read only by {spots[0].item.title}, where it has no effect: "
+            f"{spots[0].reason}"
         )
     return f"{location} is read by no card, so that the run would be the same without it"
 

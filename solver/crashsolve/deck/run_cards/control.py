@@ -160,9 +160,9 @@ class Control(Card):
         if self.solution == "quasi_static" and self.end_time == self.start_time:
             raise ValueError("end_time: must come after start_time for a load step to fit between")
         if self.path == "arc_length" and self.solution != "quasi_static":
-            raise ValueError("path: arc_length is for equilibria; say solution: quasi_static")
+            raise ValueError("path: arc_length is for equilibria; set solution: quasi_static")
         if self.threads and self.threads > 1 and not self.is_explicit:
-            raise ValueError("threads: only explicit steps are shared; say integrator: rattle")
+            raise ValueError("threads: only explicit steps are shared; set integrator: rattle")
         return self
 
     @property
@@ -219,5 +219,5 @@ def cores_given() -> int:
     if given.isdecimal() and 1 <= int(given) <= MOST_THREADS:
         return int(given)
     message = f"must be a whole number from 1 to {MOST_THREADS}, not '{given}'"
-    advice = "unset it, or say control.threads"
+    advice = "unset it, or set control.threads"
     raise DeckErrors([DeckError("environment", None, None, CORES_GIVEN, message, advice)])

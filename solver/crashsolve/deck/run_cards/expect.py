@@ -76,6 +76,6 @@ def _is_relative(tolerance: object, unit: Unit | None) -> bool:
     """Whether a tolerance is a share of the value; refused where "%" might mean either."""
     in_percent = "%" in str(tolerance)
     if in_percent and unit == PERCENT:
-        advice = "say relative: true, or false for points of %"
+        advice = "set relative: true, or false for points of %"
         refuse("'%' of a value in % can be read in two ways", advice, within=("tolerance",))
     return in_percent

@@ -128,7 +128,7 @@ class Figure(Card):
     y_label: str = word("title of the y axis", "")
     x_range: Pair | None = quantity("1", "ends of the x axis", None)
     y_range: Pair | None = quantity("1", "ends of the y axis", None)
-    reference: tuple[Reference, ...] = word("results known from elsewhere", ())
+    reference: tuple[Reference, ...] = word("published or measured results", ())
     note: str = word("text below the figure", "")
 
     @model_validator(mode="after")

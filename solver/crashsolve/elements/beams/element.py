@@ -26,7 +26,7 @@ def element_forces(p, out, a, b, R, v, w):
     deformed = deformation(p, a, b, R, v, w)
     _, u, theta, u_dot, theta_dot, _, _ = deformed
     f, energy, power = damped_force(p.stiffness, p.damping, u, u_dot)
-    viscosity = p.viscosity - p.quick_viscosity * min(u_dot[0], 0.0)
+    viscosity = p.viscosity - p.quadratic_viscosity * min(u_dot[0], 0.0)
     f, power = (f[0] + viscosity * u_dot[0], f[1], f[2]), power + viscosity * u_dot[0] * u_dot[0]
     m, bending, turning = damped_force(p.rotational_stiffness, p.damping, theta, theta_dot)
     out.stored = energy + bending
@@ -55,7 +55,7 @@ def deformation(p, a, b, R, v, w):
 def apply_load(p, out, a, b, frame, deformed, load):
     """Apply the force f [N] and moments m [N m] conjugate to u and theta to both nodes.
 
-    `frame`: R, v and w of corotational.py; `deformed` is what deformation() returns; `load`: f, m
+    `frame`: R, v and w of corotational.py; `deformed` is the result of deformation(); `load`: f, m
     and the viscosity of the stretch [N s/m]. Returns the ratio of its stiffness to that
     of a straight one. Writes: a, b, out.
     """
@@ -64,7 +64,7 @@ def apply_load(p, out, a, b, frame, deformed, load):
     eta, tension = half_angle_over_sine(v, w), f[0]
     f = add_scaled((0.0, f[1], f[2]), tension, bent[3])
     m = add_scaled(m, tension, bent[4])
-    # the force acts at both nodes, each of which bears half of its moment about the other
+    # the force acts at both nodes, each of which takes half of its moment about the other
     c = scale(0.5, cross(f, y))
     m = add(rotated_rate(eta, v, m), scale(2.0, frame_lag(v, w, c)))
     put(out.force, f)
@@ -81,8 +81,8 @@ def apply_load(p, out, a, b, frame, deformed, load):
     # its stretch adds up to twice the stretch by bending
     growth = eta**4 * max(1.0, dot(y, y) / (p.length * p.length))
     bow, taut = 2.0 * growth * bowed(y, theta, bent), growth * max(tension, 0.0)
-    add_bounds(p, a, growth * p.rate_a, bow * p.taut_a, taut * p.taut_a, viscosity)
-    add_bounds(p, b, growth * p.rate_b, bow * p.taut_b, taut * p.taut_b, viscosity)
+    add_bounds(p, a, growth * p.rate_a, bow * p.tension_rate_a, taut * p.tension_rate_a, viscosity)
+    add_bounds(p, b, growth * p.rate_b, bow * p.tension_rate_b, taut * p.tension_rate_b, viscosity)
     return growth
 
 
@@ -119,7 +119,7 @@ def damping_rows(p, a, b, R, v, w, rows, first):
     """Rows of the damping of an element whose frame is R. Writes: rows."""
     for k in range(TANGENTS):
         no_tangent(rows[first + k])
-    if not (p.damping > 0.0 or p.viscosity > 0.0 or p.quick_viscosity > 0.0):
+    if not (p.damping > 0.0 or p.viscosity > 0.0 or p.quadratic_viscosity > 0.0):
         return
     eta = half_angle_over_sine(v, w)
     y, _, _, u_dot, _, bent, _ = deformation(p, a, b, R, v, w)

@@ -3,10 +3,10 @@
     eps = eps_0 + z kappa_y - y kappa_z,   |sigma - H_k eps_p| <= Y(e) f(rate) g(T)
     N = sum sigma A,   M_y = sum sigma z A,   M_z = -sum sigma y A
 
-The material says its stress, or if it yields by von Mises' stress Y, f and g. Beyond yield, with xi
-the trial stress less H_k eps_p, the plastic strain grows by x in the direction of xi in a step of
-h, where |xi| - (E + H_k) x = Y(e + x) f(x / h) g (materials/_von_mises.py). Plastic work is
-the mean stress of a step times its plastic strain: nodes receive the mean of the forces before and
+The material gives its stress, or if it yields by von Mises' stress Y, f and g. Beyond yield, with
+xi the trial stress less H_k eps_p, the plastic strain grows by x in the direction of xi in a step
+of h, where |xi| - (E + H_k) x = Y(e + x) f(x / h) g (materials/_von_mises.py). Plastic work is the
+mean stress of a step times its plastic strain: nodes receive the mean of the forces before and
 after it. The algorithmic tangent of a fibre that flows in a step is that of this very equation,
 
     d sigma = (E - E^2 / D) d eps,   D = E + H_k + (Y' f + Y f' / h) g
@@ -134,8 +134,8 @@ def flow_tangent(m, old, i, eps, h, curves, material):
     if rate == 0.0:
         return old.plastic[i], 0.0
     factor = material.rate_factor(m, rate) if m.rated == 1 else 1.0
-    held = resistance(m, old.hardening[i], rate, heat, h, factor, curves, material)
-    share = m.young * h / ((m.young + m.kinematic) * h + held[1])
+    strength = resistance(m, old.hardening[i], rate, heat, h, factor, curves, material)
+    share = m.young * h / ((m.young + m.kinematic) * h + strength[1])
     return old.plastic[i] + (h * rate if xi > 0.0 else -h * rate), m.young * share
 
 

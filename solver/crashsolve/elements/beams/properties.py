@@ -74,7 +74,7 @@ def damping_row(card: Damped, section: Columns, material: Columns, scene: Scene)
     return {
         "damping": card.damping,
         "viscosity": b_1 * per_length * speed,
-        "quick_viscosity": b_2_squared * per_length,
+        "quadratic_viscosity": b_2_squared * per_length,
     }
 
 
@@ -95,7 +95,7 @@ def ends_row(
             f"node_{end}": node,
             f"drag_{end}": card.drag * half / masses[k],
             f"rate_{end}": rates[k],
-            f"taut_{end}": rate_of_tension(row, masses[k], J),
+            f"tension_rate_{end}": rate_of_tension(row, masses[k], J),
         }
     return ends
 
@@ -129,8 +129,10 @@ def axes_of(card: Beam, along: np.ndarray, section: Columns, scene: Scene) -> np
     if card.side is None:
         I_y, I_z = section["second"]
         if abs(I_y - I_z) > 1e-9 * I_z:
-            message = "this section has I_y and I_z that differ: state the direction of its y axis"
-            raise scene.fail(f"{message} by the word side", "section")
+            message = (
+                "this section has I_y and I_z that differ: give side, the direction of its y axis"
+            )
+            raise scene.fail(message, "section")
         side = perpendicular(along)
     else:
         side = scene.unit(card.side, "side")

@@ -68,7 +68,7 @@ def position(card: Bars, end: End) -> np.ndarray:
     return np.asarray(card.points[end.point - 1]) + np.asarray(end.offset)
 
 
-def tip(card: Bars, bar: int, point: int) -> np.ndarray:
+def bar_end(card: Bars, bar: int, point: int) -> np.ndarray:
     """Position (3,) of the end of a bar, number from 1, at a point [m]."""
     own = [end for end in card.ends if (end.bar, end.point) == (bar, point)]
     return position(card, own[0]) if own else np.asarray(card.points[point - 1])
@@ -76,12 +76,12 @@ def tip(card: Bars, bar: int, point: int) -> np.ndarray:
 
 def start(card: Bars, bar: int) -> np.ndarray:
     """Position (3,) of the beginning of a bar [m]."""
-    return tip(card, bar, card.bars[bar - 1][0])
+    return bar_end(card, bar, card.bars[bar - 1][0])
 
 
 def along(card: Bars, bar: int) -> np.ndarray:
     """Vector (3,) from the beginning to the end of a bar [m]."""
-    return tip(card, bar, card.bars[bar - 1][1]) - start(card, bar)
+    return bar_end(card, bar, card.bars[bar - 1][1]) - start(card, bar)
 
 
 def fault(card: Bars) -> str:

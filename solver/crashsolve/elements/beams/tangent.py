@@ -21,7 +21,7 @@ from crashsolve.elements.beams.bowing import change_of_slopes
 from crashsolve.elements.beams.corotational import half_angle_over_sine, rotated_rate
 from crashsolve.foundation.columns import matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.sparse.bordered import resist_far, resist_own
+from crashsolve.foundation.sparse.bordered import subtract_coupling, subtract_own
 from crashsolve.foundation.vec3 import ZERO, add, add_scaled, cross, dot, scale, sub, vec
 
 # [rad] smaller rotations count as zero in T and g
@@ -64,7 +64,7 @@ def stresses(p, section, deformed, eta, v, g):
     """Tension N, force f and moments m with damping, c, and the moment m' of both ends."""
     y, u, theta, u_dot, theta_dot, bent, _ = deformed
     k, k_r, beta = p.stiffness, p.rotational_stiffness, p.damping
-    slow = p.viscosity - p.quick_viscosity * min(u_dot[0], 0.0)
+    slow = p.viscosity - p.quadratic_viscosity * min(u_dot[0], 0.0)
     f = (
         k[0] * (u[0] + beta * u_dot[0]) + slow * u_dot[0],
         k[1] * (u[1] + beta * u_dot[1]),
@@ -97,7 +97,7 @@ def changes(p, section, deformed, state, stress, dr, s, w_0):
     slopes = change_of_slopes(p, theta, bent, dy, d_theta)
     du = (dot(bent[3], dy) + dot(bent[4], d_theta), dy[1], dy[2])
     df, dm = times(p.stiffness, du), times(p.rotational_stiffness, d_theta)
-    if section is not None or p.damping > 0.0 or p.viscosity > 0.0 or p.quick_viscosity > 0.0:
+    if section is not None or p.damping > 0.0 or p.viscosity > 0.0 or p.quadratic_viscosity > 0.0:
         du_dot, d_theta_dot = rate_changes(deformed, state, omega, dy, d_theta, dg, slopes)
         df_lag, dm_lag = damping_changes(p, deformed, du_dot, d_theta_dot)
         if section is not None:
@@ -144,7 +144,7 @@ def damping_changes(p, deformed, du_dot, d_theta_dot):
 @kernel
 def slope_of_viscosity(p, u_dot):
     """Rise of the viscous tension over the rate of stretch."""
-    return p.viscosity - 2.0 * p.quick_viscosity * min(u_dot, 0.0)
+    return p.viscosity - 2.0 * p.quadratic_viscosity * min(u_dot, 0.0)
 
 
 @kernel
@@ -225,8 +225,8 @@ def put_half(blocks, slot, R, k, side, found):
     f, on_a, on_b = matvec(R, found[0]), matvec(R, found[1]), matvec(R, found[2])
     back = scale(-1.0, f)
     if side == 1:
-        resist_own(blocks[slot.b], k, back, on_b)
-        resist_far(blocks[slot.across], k, slot.flips == 0, f, on_a)
+        subtract_own(blocks[slot.b], k, back, on_b)
+        subtract_coupling(blocks[slot.across], k, slot.flips == 0, f, on_a)
     else:
-        resist_own(blocks[slot.a], k, f, on_a)
-        resist_far(blocks[slot.across], k, slot.flips == 1, back, on_b)
+        subtract_own(blocks[slot.a], k, f, on_a)
+        subtract_coupling(blocks[slot.across], k, slot.flips == 1, back, on_b)

@@ -4,7 +4,7 @@
     q = rho l (b_1 c + b_2^2 l |tr eps_dot| [tr eps_dot < 0]) tr eps_dot,   l = sqrt(A)
     omega -> omega (xi + sqrt(1 + xi^2)),   xi = beta omega / 2 + b_1 + b_2^2 l/c |tr eps_dot|
 
-with c^2 = E / (rho (1 - nu^2)); the last line is what the step must allow for, since the rate is
+with c^2 = E / (rho (1 - nu^2)); the last line bounds the step, since the rate is
 that of the half step before. Hourglass, and transverse shear, is not damped. The
 rows lie behind those of the layers, in parts that have any of it. Consequence to test: energy lost
 is the work of these resultants.

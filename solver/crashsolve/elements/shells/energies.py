@@ -19,7 +19,7 @@ def kinetic_energy(p, points):
     total = 0.0
     for i in range(p.first_point, p.first_point + p.point_count):
         b = points[i]
-        if b.held < ATTACHED or b.held >= OWN:
+        if b.fixed < ATTACHED or b.fixed >= OWN:
             v, w = vec(b.v), vec(b.w)
             total += 0.5 * dot(v, v) / b.mass_inv + 0.5 * dot(w, w) / b.J_inv
     return total

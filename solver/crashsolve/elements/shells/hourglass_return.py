@@ -90,7 +90,7 @@ def relax_shear(blocks, first, work, p):
         x, y, tie = blocks[at], blocks[at + LANES], blocks[at + 2 * LANES]
         left = 1.0 - relaxed
         blocks[at], blocks[at + LANES], blocks[at + 2 * LANES] = left * x, left * y, left * tie
-        # the mean stress of the step times what yields
+        # the mean stress of the step times the plastic strain
         lost = (work[old] + left * x) * x + (work[old + LANES] + left * y) * y
         lost *= 1.2 / (work[LANES * WORK.shear_factor + e] + 1e-30) * volume
         lost += (work[old + 2 * LANES] + left * tie) * tie / (DRILLING * volume + 1e-300)

@@ -69,7 +69,7 @@ def through_thickness(blocks, first, work, h, p, curves, material):
     Returns how many layers yield by von Mises' stress somewhere. Writes: blocks, work.
     """
     law = Law(p.material, curves, material)
-    # a step of no length changes nothing, whatever the rate was
+    # a step of no length changes nothing, for any rate
     if material.VON_MISES and h != 0.0:
         return plastic_layers(blocks, first, work, work, h, p, (0, p.layers), law)
     for k in range(p.layers):

@@ -45,7 +45,7 @@ class DiscretisedShell:
         self.card = card
         self.layer_rows = self.law.layer_rows(self.material)
         if self.law.LARGE_STRAIN and not card.thinning:
-            raise scene.fail("at large strain a shell needs true: it gets thinner", "thinning")
+            raise scene.fail("must be true at large strain, where a shell gets thinner", "thinning")
         self.can_fail = getattr(self.material, "failure_strain", None) is not None
         if self.can_fail and not self.law.VON_MISES:
             message = f"material '{card.material}' has failure_strain, and no law that fails by it"
@@ -80,7 +80,7 @@ class DiscretisedShell:
         self.traced = [int(self.used[nearest(near, node)]) for node in card.traces]
         self.gauged = [nearest(x.mean(axis=1), position) for position in card.gauges]
         self.cuts = [sides(x, cut, scene) for cut in card.section_cuts]
-        self.held = self._held(scene)
+        self.fixed = self._fixed(scene)
         self.velocity, self.spin = self._motion(scene)
         self.momentum = self._momentum(x, normal, share, scene)
 
@@ -97,7 +97,7 @@ class DiscretisedShell:
         return squared
 
     def _refuse_explicit(self, scene: Scene) -> None:
-        """Refuse what only explicit methods can do."""
+        """Refuse features of explicit methods under another method."""
         control = scene.deck.control
         method = f"integrator {control.integrator}"
         if control.solution == "quasi_static":
@@ -111,8 +111,8 @@ class DiscretisedShell:
         }
         for field, (is_given, words) in given.items():
             if is_given:
-                message = f"{words} is for explicit steps, and {method} takes none"
-                raise scene.fail(f"{message}; say integrator: rattle", field)
+                message = f"{words} is for explicit steps, and {method} has none"
+                raise scene.fail(f"{message}; set integrator: rattle", field)
 
     def _refuse_bad(self, x: np.ndarray, normal: np.ndarray, scene: Scene) -> None:
         """Refuse elements that are not convex: all corners must have one sense of rotation."""
@@ -158,28 +158,28 @@ class DiscretisedShell:
         hourglass = (float(skew[0]), float(skew[1]))
         return float(quad_bound(flat, hourglass, float(z), *size, light, law.poisson))
 
-    def _held(self, scene: Scene) -> np.ndarray:
+    def _fixed(self, scene: Scene) -> np.ndarray:
         """Bits (n,) of the motions that supports and welds prevent, by node."""
-        held = np.zeros(len(self.mesh.points), np.uint8)
+        fixed = np.zeros(len(self.mesh.points), np.uint8)
         for k, hold in enumerate(self.card.supports):
             own = self.set_of(hold.nodes, f"supports.{k}.nodes", scene)
             for motion in hold.motions:
-                held[own] |= 1 << MOTIONS.index(motion)
+                fixed[own] |= 1 << MOTIONS.index(motion)
         for node, index in zip(self.card.nodes, self.named, strict=True):
-            if held[index]:
+            if fixed[index]:
                 message = (
-                    f"node '{node.name}' is held; say traces if you only want its history, and "
+                    f"node '{node.name}' is supported; use traces for its history alone, and "
                     "load it in its other directions by a nodal_force on a set of nodes"
                 )
                 raise scene.fail(message, "nodes")
-        held[self.named] = ATTACHED
+        fixed[self.named] = ATTACHED
         for k, weld in enumerate(self.card.welded):
             own = self.set_of(weld.nodes, f"welded.{k}.nodes", scene)
-            if held[own].any():
-                message = "some of these nodes are held, welded or named otherwise already"
+            if fixed[own].any():
+                message = "some of these nodes are supported, welded or named already"
                 raise scene.fail(message, f"welded.{k}.nodes")
-            held[own] = ATTACHED
-        return held
+            fixed[own] = ATTACHED
+        return fixed
 
     def set_of(self, name: str, field: str, scene: Scene) -> np.ndarray:
         """Numbers (n,) of a set of nodes; an error of the deck where there is none such."""
@@ -240,10 +240,10 @@ class DiscretisedShell:
         table["r"], table["v"] = self.mesh.points[own], self.velocities()[own]
         table["w"] = self.spin[own]
         table["mass_inv"], table["J_inv"] = 1.0 / self.mass[own], 1.0 / self.J[own]
-        table["held"] = held = self.held[own]
+        table["fixed"] = fixed = self.fixed[own]
         for k in range(3):
-            table["v"][held >> k & 1 == 1, k] = 0.0
-            table["w"][held >> (3 + k) & 1 == 1, k] = 0.0
+            table["v"][fixed >> k & 1 == 1, k] = 0.0
+            table["w"][fixed >> (3 + k) & 1 == 1, k] = 0.0
 
     def sections(self) -> list[tuple[slice, int]]:
         """Elements of a kind, and the points in the plane of each, as blocks hold them."""

@@ -1,4 +1,4 @@
-"""Outputs of the elements of shells: what pictures show, and gauges write.
+"""Outputs of the elements of shells, for pictures and gauges.
 
 N = t/2 sum w sigma and so on, means of the points of a plane where there are several.
 """

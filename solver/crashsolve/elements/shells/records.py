@@ -48,17 +48,17 @@ EROSION = rows_of(
 )
 # of a layer beyond its yield stress, in its slot of WORK
 _SLOT = Record("""
-    trial   Pa         3  xi = sigma - alpha if nothing yields
-    s1      Pa^2          of the sum of its normal parts
-    s2      Pa^2          of the deviator, with transverse shear and hourglass
-    g       1/Pa          plastic multiplier
-    flow    Pa            yield stress
-    slope   Pa            its slope by the plastic strain
-    factor  1             of rate and temperature on it
-    residual  Pa^2 or 1   what is beyond yield
-    lost    J/m^3         plastic work of the step
-    least   1/Pa          below the g of a yield stress that bends
-    most    1/Pa          above it
+    trial     Pa         3  xi = sigma - alpha if nothing yields
+    s1        Pa^2          of the sum of its normal parts
+    s2        Pa^2          of the deviator, with transverse shear and hourglass
+    g         1/Pa          plastic multiplier
+    flow      Pa            yield stress
+    slope     Pa            its slope by the plastic strain
+    factor    1             of rate and temperature on it
+    residual  Pa^2 or 1     what is beyond yield
+    lost      J/m^3         plastic work of the step
+    least     1/Pa          below the g of a yield stress that bends
+    most      1/Pa          above it
 """)
 _STEP = Record("""
     position   m                   12  of the four corners

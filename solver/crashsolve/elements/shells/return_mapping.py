@@ -49,8 +49,8 @@ def at_rate(m, e, grown, heat, h, curves, material):
     """Yield stress after a growth of the plastic strain in a step of h, and its slope by that."""
     rate = grown / h
     factor = material.rate_factor(m, rate)
-    held = resistance(m, e, rate, heat, h, factor, curves, material)
-    return held[0], held[1] / h
+    strength = resistance(m, e, rate, heat, h, factor, curves, material)
+    return strength[0], strength[1] / h
 
 
 @inlined
@@ -104,7 +104,7 @@ def begin(slots, to, h, m, material):
         g = beyond * size / (a * c1 + b * c2 + 1e-300)
         if material.SMOOTH:
             # below the root: the stress falls at most as at first, and the yield stress grows at
-            # most as from no strain; each takes half of what is beyond yield
+            # most as from no strain; each takes half of the excess over yield
             rise = material.strain_of_rise(m, 0.5 * beyond / factor)
             g = min(0.5 * g, 1.5 / size * rise)
         if m.rated == 1 and beyond > 0.0:
@@ -123,7 +123,7 @@ def return_to_tangents(blocks, at, slots, to, h, m, curves, material):
     for _ in range(PASSES):
         note_sides(slots, to)
         iterate(slots, to, 1, m)
-        stay_between(slots, to)
+        bisect_root(slots, to)
         evaluate_tangents(blocks, at, slots, to, h, m, curves, material)
         largest = largest_residual(slots, to)
         if has_converged(largest, before):
@@ -142,8 +142,8 @@ def note_sides(slots, to):
 
 
 @blockwise
-def stay_between(slots, to):
-    """Half way between what holds the root where a tangent leads beyond, as at a corner of a law.
+def bisect_root(slots, to):
+    """Bisect the bracket of the root where a tangent leads out of it, as at a corner of a law.
 
     Writes: slots.
     """

@@ -3,8 +3,8 @@
     f = sum f_c,   m = sum t_c + (x_c - x) x f_c     over the corners in front of the plane
 
 x is the mean of all corners of the cut elements. Which elements a plane cuts is found at the start
-and stays. They are computed once more at every sample, so that steps cost nothing. Consequence to
-test: f and m are all that changes the momenta of what lies in front.
+and stays. They are computed again at every sample, and cost no time in steps. Consequence to
+test: f and m alone change the momenta of the part in front.
 """
 
 from crashsolve.elements.shells.forces.corners import corner

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 from crashsolve.foundation.mesh_files.reading import SIDES, Lines
 
-# what decides where nodes and elements are, beside *NODE and *ELEMENT
+# keywords that define nodes and elements, beside *NODE and *ELEMENT
 LOST = {
     "SYSTEM",
     "TRANSFORM",
@@ -44,7 +44,7 @@ FURTHER = {"R3D4": "quad", "M3D4": "quad", "M3D4R": "quad", "M3D3": "triangle"}
 # its name for either
 WRITTEN = {"quad": "S4", "triangle": "S3"}
 SILENT = {"HEADING", "PREPRINT"}
-# offsets of shells that say what is so without them
+# offsets of shells with the effect of none
 MIDDLE = {"0", "0.", "0.0", "MID", "MIDDLE"}
 
 
@@ -91,7 +91,7 @@ def _keywords(path: Path, lines: Lines) -> Iterator[Keyword]:
         elif current:
             current.rows.append(Row(number, [part.strip() for part in text.split(",")]))
         else:
-            raise lines.fail(number, "stands before the first keyword")
+            raise lines.fail(number, "is before the first keyword")
     if head:
         raise lines.fail(start, "the keyword is not complete: it ends in a comma")
     if current:
@@ -144,9 +144,9 @@ class _Reader:
             return
         if word in LOST:
             advice = "write the mesh flat, with nodes and elements"
-            raise self.lines.fail(line, f"*{word} would be passed over; {advice}")
+            raise self.lines.fail(line, f"*{word}would be ignored; {advice}")
         if "SECTION" in word and (parameters.get("OFFSET") or "0").upper() not in MIDDLE:
-            message = f"*{word}, OFFSET={parameters['OFFSET']} would be passed over"
+            message = f"*{word}, OFFSET={parameters['OFFSET']}would be ignored"
             raise self.lines.fail(line, f"{message}: nodes lie in the middle of the thickness")
         if word not in PARAMETERS:
             if word not in SILENT:
@@ -156,7 +156,7 @@ class _Reader:
         if is_round or not parameters.keys() <= PARAMETERS[word]:
             pairs = parameters.items()
             reason = [name if value is None else f"{name}={value.upper()}" for name, value in pairs]
-            message = f"*{', '.join([word, *reason])} would be passed over"
+            message = f"*{', '.join([word, *reason])}would be ignored"
             raise self.lines.fail(line, f"{message}; write the mesh flat")
         readers = {"NODE": self.nodes, "ELEMENT": self.elements, "NSET": self.nset}
         readers |= {"ELSET": self.elset, "NGEN": self.ngen, "ELGEN": self.elgen}
@@ -171,7 +171,7 @@ class _Reader:
         self.framed[word] = (keyword.parameters.get("NAME") or "").upper()
         moved = [text for _, fields in keyword.rows for text in fields if text]
         if any(self.real(keyword.line, text) for text in moved):
-            message = f"*{word} moves its part, which would be passed over"
+            message = f"*{word} moves its part, whichwould be ignored"
             raise self.lines.fail(keyword.line, f"{message}; write the mesh flat")
 
     def nodes(self, keyword: Keyword) -> None:

@@ -1,7 +1,7 @@
 """Meshes read from files: points, elements of four or three corners, and sets by name.
 
 meshio reads them. What it loses of Abaqus and Nastran files is read beside it, from their lines
-(abaqus.py, nastran.py), and compared with what it finds: identifiers of nodes and elements, and
+(abaqus.py, nastran.py), and compared with its result: identifiers of nodes and elements, and
 sets. What cannot be understood is refused with its line. Consequence to test: a set holds the same
 elements however they are spread over blocks.
 """
@@ -23,13 +23,13 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
 SIDES = {"quad": 4, "triangle": 3}
-# what gmsh writes of the outlines of an area
+# lines that gmsh writes along the outline of an area
 OUTLINES = ("vertex", "line")
 GROUPS = "gmsh:physical"
 
 
 class MeshFileError(ValueError):
-    """A mesh file that cannot be read; the text says where and why."""
+    """A mesh file that cannot be read; the text states location and cause."""
 
 
 @dataclass
@@ -37,7 +37,7 @@ class MeshFile:
     """Points (n, 3) as they stand in the file; elements (m, 4) by points, and their kinds.
 
     A triangle names its last corner twice; elements of other kinds are rows of -1. `firsts` has
-    the line where each kind occurs first, `passed_over` what of the file has been left unread.
+    the line where each kind occurs first, `passed_over` the parts of the file that were not read.
     """
 
     points: np.ndarray
@@ -52,7 +52,8 @@ class MeshFile:
 
 @dataclass
 class Lines:
-    """Content of the lines of a file: a text that meshio reads in full, and what meshio would lose.
+    """Content of the lines of a file: a text that meshio reads in full, and the data that meshio
+    would lose.
 
     Elements by identifier: their kind and, of quadrilaterals and triangles, their nodes. Sets hold
     identifiers.
@@ -156,7 +157,9 @@ def _points(found: meshio.Mesh) -> np.ndarray:
 
 
 def _elements(found: meshio.Mesh) -> tuple[np.ndarray, np.ndarray]:
-    """Corners (m, 4), rows of -1 for what has neither four nor three, and kinds of all blocks."""
+    """Corners (m, 4), rows of -1 for cells with neither four nor three corners, and kinds of all
+    blocks.
+    """
     corners, kinds = [np.zeros((0, 4), int)], [np.zeros(0, object)]
     for block in found.cells:
         cells = np.asarray(block.data)
@@ -188,7 +191,7 @@ def _of_meshio(found: meshio.Mesh, path: Path) -> MeshFile:
         if len(own) and not (own[0] >= 0 and own[-1] < len(points)):
             raise MeshFileError(f"{path.name}: set '{name}' names a point that is not there")
     groups = _groups(found, path)
-    # of a group that has a name in the file, meshio knows all elements
+    # of a group that has a name in the file, meshio reads all elements
     groups = {name: own for name, own in groups.items() if name not in sets} | sets
     for name, own in groups.items():
         nodes.setdefault(name, _nodes_of(found, own))
@@ -212,7 +215,7 @@ def _of_blocks(found: meshio.Mesh, own: Iterable[ArrayLike | None]) -> np.ndarra
 
 
 def _nodes_of(found: meshio.Mesh, elements: np.ndarray) -> np.ndarray:
-    """Points of these elements, whatever their kind."""
+    """Points of these elements, of any kind."""
     some, start = [np.zeros(0, int)], 0
     for block in found.cells:
         own = elements[(elements >= start) & (elements < start + len(block.data))] - start
@@ -248,7 +251,7 @@ def _lists_all_groups(path: Path) -> bool:
     if len(head) < 3 or head[0] != b"$MeshFormat" or head[1].startswith(b"2"):
         return True
     if head[2] != b"0":
-        return False  # binary: nothing to look at
+        return False  # binary: no text to check
     text = path.read_text("utf-8", errors="replace")
     entities = re.search(r"\$Entities\s+(.*?)\$EndEntities", text, re.DOTALL)
     if entities is None:

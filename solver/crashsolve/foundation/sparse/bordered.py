@@ -22,20 +22,20 @@ from crashsolve.foundation.sparse.planning import minimum_degree
 from crashsolve.foundation.sparse.saddle import REDUNDANT
 
 COLUMN = Record("""
-    rows        count     rows of the node or joint, at most 6
-    entry       index     of a joint its first entry in the table of rows
-    end         index     one past its last entry; the parts follow each other
-    block       index     its diagonal block, followed by the blocks below
-    block_end   index     one past its last block
-    update      index     first update of the later columns
-    update_end  index     one past the last
-    dropped     count     rows found redundant
-    inverse     1      6  1 / U_ii; 0 where redundant
-    pivot       1      6  diagonal, against which pivots are judged
-    work        1      6  right-hand side, then solution
-    node        index     of which the block is; 0 for a joint
-    mass  kg         of the node
-    J     kg m^2  9  its inertia, world axes
+    rows        count      rows of the node or joint, at most 6
+    entry       index      of a joint its first entry in the table of rows
+    end         index      one past its last entry; the parts follow each other
+    block       index      its diagonal block, followed by the blocks below
+    block_end   index      one past its last block
+    update      index      first update of the later columns
+    update_end  index      one past the last
+    dropped     count      rows found redundant
+    inverse     1       6  1 / U_ii; 0 where redundant
+    pivot       1       6  diagonal, against which pivots are judged
+    work        1       6  right-hand side, then solution
+    node        index      of which the block is; 0 for a joint
+    mass        kg         of the node
+    J           kg m^2  9  its inertia, world axes
 """)
 BLOCK = Record("""
     x            1    36  A, then L, by rows of 6
@@ -49,7 +49,7 @@ UPDATE = Record("""
     b       index  block
     target  index  target -= a b^T
 """)
-# of every compliant row; below 0 for what does not move
+# of every compliant row; below 0 for a node that does not move
 SLOT = Record("""
     a       index  block of node a, of a joint that of its rows and this node
     b       index  the same of node b
@@ -59,7 +59,9 @@ SLOT = Record("""
 
 
 class Bordered(NamedTuple):
-    """Columns in the order of elimination, their blocks, what adds to which block, and the rows."""
+    """Columns in the order of elimination, their blocks, the updates of each block, and the
+    rows.
+    """
 
     columns: np.ndarray
     blocks: np.ndarray
@@ -207,7 +209,7 @@ def assemble(matrix, rows, joint_rows, position, velocity):
 
 
 @kernel
-def resist_own(block, k, f, moment):
+def subtract_own(block, k, f, moment):
     """Subtract the force and moment on a node by its own motion k. Writes: block."""
     for i in range(3):
         block.stiff[6 * i + k] -= f[i]
@@ -215,7 +217,7 @@ def resist_own(block, k, f, moment):
 
 
 @kernel
-def resist_far(block, k, is_column, f, moment):
+def subtract_coupling(block, k, is_column, f, moment):
     """Subtract the force and moment on a node by motion k of another, in a column or row of the
     block.
 
@@ -395,7 +397,7 @@ def solve_down(c, columns, blocks, m):
     for i in range(m):
         for k in range(i):
             w[i] -= x[6 * i + k] * w[k]
-    hand_down(c, columns, blocks, m)
+    subtract_from_below(c, columns, blocks, m)
 
 
 @inlined
@@ -403,7 +405,7 @@ def solve_up(c, columns, blocks, m):
     """Backward substitution of one block of m rows. Writes: c.work."""
     x, w = blocks[c.block].x, c.work
     for e in range(c.block + 1, c.block_end):
-        take_up(blocks[e].above, columns[blocks[e].column], w, m)
+        subtract_below(blocks[e].above, columns[blocks[e].column], w, m)
     for i in range(m - 1, -1, -1):
         y = w[i]
         for j in range(i + 1, m):
@@ -423,7 +425,7 @@ def subtract(x, a, b, height, width, m):
 
 
 @inlined
-def hand_down(c, columns, blocks, m):
+def subtract_from_below(c, columns, blocks, m):
     """Subtract the m solved values of a block from the blocks below. Writes: columns.work."""
     w = c.work
     for e in range(c.block + 1, c.block_end):
@@ -436,7 +438,7 @@ def hand_down(c, columns, blocks, m):
 
 
 @inlined
-def take_up(b, below, w, m):
+def subtract_below(b, below, w, m):
     """Subtract the values of a block below from the m of its column. Writes: w."""
     for i in range(below.rows):
         y = below.work[i]

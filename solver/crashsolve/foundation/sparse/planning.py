@@ -74,7 +74,7 @@ def minimum_degree(
         heapify(heap)
         while heap:
             known, block = heappop(heap)
-            # what has changed since then is further back in the heap as well
+            # entries changed since then are further back in the heap as well
             if block in below or known != degree(block):
                 continue
             order.append(block)
@@ -135,7 +135,7 @@ def elimination(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Levels, their lines and updates, and the targets of these (see saddle.py).
 
-    `unread` is the number that takes what nothing asks for. Writes: line of the columns.
+    `unread` is the number that takes values which are never read. Writes: line of the columns.
     """
     levels: list[tuple[int, ...]] = []
     lines: list[tuple[int, ...]] = []

@@ -49,7 +49,7 @@ COLUMN = Record("""
     pivot    1      6  diagonal of S, against which pivots are judged
     node     index     the hub whose velocities these are; 0 for a joint
 """)
-# columns of as many rows, none of which needs another: what is done to them needs no order
+# columns of as many rows, none of which needs another: their operations need no order
 LEVEL = Record("""
     rows        count  rows of each column
     is_hub      flag   whether it is that of a hub
@@ -87,7 +87,7 @@ PAIR = Record("""
 
 
 class Saddle(NamedTuple):
-    """Columns in the order of elimination, and what adds to which of their numbers.
+    """Columns in the order of elimination, and the updates of their numbers.
 
     `blocks` (numbers,) are the numbers of all columns, and a last one that nothing reads; `targets`
     are places among them.
@@ -179,7 +179,7 @@ def assemble(saddle, rows):
             x[k] = 0.0
     for e in range(pairs.shape[0]):
         pair = pairs[e]
-        # read once: the compiler does not know that what is written is none of these
+        # read once: the compiler does not know that no write changes these
         left, right = (pair.row_k, 6 * pair.half_k), (pair.row_j, 6 * pair.half_j)
         height, width, kind, target = pair.rows_k, pair.rows_j, pair.lower, pair.target
         if kind == 2:

@@ -32,7 +32,7 @@ class History(ForceHistory):
 
 class Output(ForceOutput):
     force: float  # [N or N m] F, on the second body of the joint
-    steer: float  # [rad] delta that the driver asks for
+    steer: float  # [rad] delta, steering angle commanded by the driver
     wanted: float  # [m or rad] n delta
     now: float  # [m or rad] x, coordinate of the joint since the start
     rate: float  # [m/s or rad/s] of it

@@ -30,7 +30,7 @@ LONGEST = 1e40
 HEAVIEST = 1e60
 # of velocities that a deck starts with [m/s, rad/s]: light has 3e8 m/s
 FASTEST = 1e12
-# what they raise in Python and in its libraries
+# exceptions of Python and its libraries for them
 BEYOND_NUMBERS = (ArithmeticError, np.linalg.LinAlgError)
 
 
@@ -40,7 +40,7 @@ def refuse_beyond(deck: Deck, model: Model, state: State) -> None:
     for group in model.groups:
         entries = deck.entries[group.keyword]
         for i in _rows_without_numbers(group.parameters):
-            # an element bears the name of its part
+            # an element has the name of its part
             owner = next((e for n, e in entries.items() if _is_of(group.names[i], n)), None)
             found.append(deck.error(owner, None, *BEYOND) if owner else of_model(deck))
     for i in _rows_without_numbers(state.nodes, np.isfinite):

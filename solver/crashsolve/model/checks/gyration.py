@@ -17,7 +17,7 @@ from crashsolve.model.model import Group, Joint
 # k over the reach of all from the axis below which, and over that of surfaces above which, is
 # reported: cm for m changes k by 100, mm by 1000, and k is some third of the reach in most bodies
 SMALL, LARGE = 1e-2, 10.0
-# factors on the inertia by a unit mistaken for another, and what was mistaken
+# factors on the inertia by a unit mistaken for another, and both units
 UNITS = {1e9: "g mm^2", 1e6: "kg mm^2", 1e4: "kg cm^2"}
 # a radius of gyration over the reach that a factor should lead to: that of a shell, or a rod
 USUAL = 0.4
@@ -39,7 +39,7 @@ def gyration_warnings(scene: Scene, groups: list[Group], joints: list[Joint]) ->
 def inconsistency(mass: float, J: np.ndarray, surface: Points, points: Points) -> str:
     """Message of an inconsistent inertia [kg m^2]; points from the mass centre with radii [m].
 
-    What is fixed inside of a body says that it reaches so far at least, a surface how far it goes.
+    A point fixed in a body gives a lower bound of its extent, a surface its extent.
     """
     if not points:
         return ""

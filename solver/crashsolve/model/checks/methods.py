@@ -1,4 +1,4 @@
-"""Families of laws that not every integrator can step, and what an integrator must declare."""
+"""Families of laws that not every integrator can step, and the declarations of an integrator."""
 
 from collections.abc import Iterator
 from importlib import import_module
@@ -29,7 +29,7 @@ def _refuse_method(scene: Scene, family: Family) -> None:
     method, known = scene.deck.control.integrator, " or ".join(family.integrators)
     if method not in CHOSEN and not family.supports(method):
         message = f"{family.name} cannot be stepped by {method}"
-        raise scene.fail(f"{message}; say integrator: {known}")
+        raise scene.fail(f"{message}; set integrator: {known}")
     scene.methods = [m for m in scene.methods or family.integrators if family.supports(m)]
     if not scene.methods:
         message = f"no integrator can step {family.name}, known to {known}, with the others"
@@ -47,7 +47,8 @@ def _folders(card: Card) -> Iterator[str]:
 
 
 def refuse_several(model: Model, deck: Deck) -> None:
-    """Raises DeckErrors for springs among several bodies beside what has blocks of its nodes.
+    """Raises DeckErrors for springs among several bodies beside elements with blocks of their
+    nodes.
 
     The matrix of all nodes has no blocks for the parts of one row.
     """
@@ -67,7 +68,7 @@ def refuse_several(model: Model, deck: Deck) -> None:
             entry,
             None,
             f"acts on several bodies, which {model.integrator} cannot step beside beams or shells; "
-            "say integrator: rattle",
+            "set integrator: rattle",
         )
         for keyword, kind in some
         for entry in deck.entries[keyword].values()
@@ -86,9 +87,10 @@ DECLARED = {
 
 
 def refuse_incomplete_method(module: ModuleType) -> None:
-    """Raises FamilyError for a method that lacks what its stepper asks, or some of its tableau.
+    """Raises FamilyError for a method that lacks a constant of its stepper, or a part of its
+    tableau.
 
-    Compiled steps read a tableau as far as its number of stages says, whatever its size.
+    Compiled steps read a tableau up to its number of stages, for any size.
     """
     stepper = getattr(module, "STEPPER", "")
     if stepper not in DECLARED:

@@ -1,4 +1,4 @@
-"""A stated step that samples cut short: the run takes another one than the deck asks for."""
+"""A stated step that samples cut short: the run takes another step than that of the deck."""
 
 from crashsolve.deck.family import CHOSEN
 from crashsolve.deck.reading.deck import Deck

@@ -29,7 +29,7 @@ def refuse_motion(deck: Deck, groups: list[Group]) -> None:
     if deck.control.solution != "quasi_static":
         return
     found = [
-        deck.error(entry, None, f"{reason}; say solution: transient")
+        deck.error(entry, None, f"{reason}; set solution: transient")
         for entry, reason in _inconsistencies(deck, groups)
     ]
     if deck.control.follows_path:
@@ -42,7 +42,7 @@ def refuse_motion(deck: Deck, groups: list[Group]) -> None:
 
 def _refused_by_arc_length(deck: Deck, groups: list[Group]) -> Iterator[tuple[Entry, str]]:
     """Entries that cannot follow a path of equilibria yet."""
-    beyond = "path: arc_length does not follow {} yet; say path: load"
+    beyond = "path: arc_length does not follow {} yet; set path: load"
     for entry in deck.entries["hinges"].values():
         yield entry, beyond.format("hinges")
     for g in groups:

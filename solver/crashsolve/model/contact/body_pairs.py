@@ -22,22 +22,23 @@ BODY_PAIR = Record("""
     reach_a              m      largest extent of the elements of side a from the mass centre
     reach_b              m      the same for side b
     thick                m      least half thickness of both sides
-    rests                flag   none is looked at
+    skipped              flag   1 while none of its pairs is evaluated
     depth                m      of the deepest, at the last evaluation
     approached           m      bound of the approach of the bodies since
+    bound                m      as depth, but with what samples have evaluated since
     dissipated           J      by the normal forces of all
     friction_dissipated  J      by their friction
 """)
 
 
-def rest_together(groups: Iterable[ContactGroup]) -> None:
+def find_body_pairs(groups: Iterable[ContactGroup]) -> None:
     """Find pairs on the same bodies of a group with one list of pairs that are skipped while
     separated.
 
     Writes: groups.
     """
     for group in groups:
-        if group.rests and group.search is None and not group.in_pieces:
+        if group.skips and group.search is None and not group.in_pieces:
             group.body_pairs = body_pairs_of(group, group.parameters)
 
 

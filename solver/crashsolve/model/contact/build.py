@@ -3,11 +3,11 @@
 The gap routine of shapes `sphere` and `plane` is contact/narrow/sphere_plane.py, whichever stands
 on side a of the card. A shape may say GAP_AS to use the routines of another shape. A gap routine
 may say expand_a, expand_b to take the elements of a surface apart (a box into its corners), with
-PARAMETERS_A, PARAMETERS_B for what it makes of them, and `data` for arrays that all elements share.
-One whose gap between bodies apart is their distance, and costs more than a few products, says
-IS_DISTANCE: such pairs are left alone until they may have met (system/contact/resting.py), those of
-the same two bodies together (model/contact/body_pairs.py).
-Pairs of shapes whose gap is the same kernel, under the same laws, form one group.
+PARAMETERS_A, PARAMETERS_B for its own columns of them, and `data` for arrays that all elements
+share. One whose gap between bodies apart is their distance, and costs more than a few products,
+sets IS_DISTANCE: such pairs are skipped until they may have met (system/contact/resting.py),
+those of the same two bodies together (model/contact/body_pairs.py). Pairs of shapes whose gap is
+the same kernel, under the same laws, form one group.
 """
 
 from __future__ import annotations
@@ -256,7 +256,7 @@ class Side:
             for part in parts:
                 at = centre if is_whole else part["point"]
                 self._bounds.append((at, radius, thick))
-                # a part that is a ball says how large it is
+                # a part that is a ball gives its size
                 own = radius if is_whole else part.get("radius", radius)
                 reach = float(np.linalg.norm(at)) + own
                 self._reaches.append(reach if np.isfinite(reach) else INFINITE_EXTENT)

@@ -50,7 +50,7 @@ class Touching:
 
     @property
     def has_ends(self) -> bool:
-        """Whether a touch may end on the other side of what it is with."""
+        """Whether a contact may end on the other side of its partner."""
         raise NotImplementedError
 
     @property
@@ -145,10 +145,10 @@ class ContactGroup(Touching):
     @property
     def has_ends(self) -> bool:
         """Whether pairs remember their exit."""
-        return "passed" in (self.history.dtype.names or ())
+        return "pass_time" in (self.history.dtype.names or ())
 
     @property
-    def rests(self) -> bool:
+    def skips(self) -> bool:
         """Whether a pair is skipped until it may have moved as far as its gap."""
         return "reach_a" in (self.parameters.dtype.names or ()) and not self.is_unilateral
 
@@ -219,10 +219,10 @@ class NodalGroup(Touching):
     @property
     def has_ends(self) -> bool:
         """Whether nodes press on shapes that they may pass the middle of."""
-        return "passed" in (self.arrays["probe_states"].dtype.names or ())
+        return "pass_time" in (self.arrays["probe_states"].dtype.names or ())
 
     @property
-    def meets_itself(self) -> bool:
+    def is_self_contact(self) -> bool:
         """Whether nodes of a shell press on faces of its own."""
         rows = self.arrays["p"]
         is_own = "own" in (rows.dtype.names or ()) and bool(rows["own"][0])

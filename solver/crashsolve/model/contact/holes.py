@@ -17,7 +17,7 @@ FITS = 1e-6
 # points of a set that are all examined; of larger sets a part is
 MANY = 2000
 INSTEAD = {
-    "points": "say faces instead of nodes, or refine its mesh",
+    "points": "use faces instead of nodes, or refine its mesh",
     "sphere": "give more of them, or another shape",
 }
 

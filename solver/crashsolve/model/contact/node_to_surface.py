@@ -1,7 +1,7 @@
 """Build of contact of shell nodes with shapes, and of nodes and balls with the faces of shells.
 
 One group for each pair of surfaces of a card. Its arrays go to the compiled step under the group's
-word; see node_contact.py and projection.py in system/contact/ for what happens to them there.
+word; see node_contact.py and projection.py in system/contact/ for their equations.
 """
 
 from __future__ import annotations
@@ -25,10 +25,11 @@ from crashsolve.model.contact.near_faces import (
     chosen,
     excluded_faces,
     faces_around,
+    faces_at_start,
     faces_beside,
+    faces_within_reach,
     merged,
     nothing,
-    spare_along,
 )
 from crashsolve.model.contact.sides import Probes, SurfaceOfProbes, Touching
 from crashsolve.model.nodes import NODE
@@ -55,8 +56,7 @@ MARGIN, ROOM = 1.0, 24
 # as its thickness allows touches itself after pi/2 gaps, and in its plane it would have to be
 # crushed to 0.4 of its length
 FOLDED = 2.5
-# gaps of a surface with itself over the width of its faces: beyond this a node would exclude
-# hundreds of faces, which is no shell that could fold
+# gaps of a surface with itself over the width of its faces: beyond this no shell could fold
 THICKEST = 6.0
 # share of the gap by which a step may reduce the distance of two sides
 REACH = 0.5
@@ -107,7 +107,7 @@ TOTALS = Record("""
     friction_loss   J      lost by friction
     depth           m      deepest touch
     deepest         m      the same of all steps
-    passed          s      time at which a probe has passed through faces; 0: none has
+    pass_time       s      time at which a probe has passed through faces; 0: none has
 """)
 PROBE_STATE = Record("""
     active        flag      touching
@@ -158,7 +158,7 @@ TOTALS_OF_STEP = Record("""
     rate        1/s^2  largest bound of squared frequency of these
     damping     1/s    largest sum of c N / m
     shortened   1      largest factor by which contact has shortened the stable step
-    first_seen  index  first of the points whose speeds were looked at last
+    first_seen  index  first of the points whose speeds were read last
     seen        count  points looked at
     speed       m/s    largest of their speeds
 """)
@@ -204,8 +204,8 @@ class NodalBuilder:
     def _refuse_implicit(self) -> None:
         method = self.scene.deck.control.integrator
         if method in IMPLICIT:
-            message = f"nodes and faces of shells touch in explicit steps, {method} takes none"
-            advice = "name the node that is hit, and say point_set; or integrator: rattle"
+            message = f"nodes and faces of shells touch in explicit steps, and {method} has none"
+            advice = "name the node that is hit, and use a point_set; or integrator: rattle"
             raise self.scene.fail(f"{message}; {advice}", "a")
 
     def _law(self, entry: Entry) -> ModuleType:
@@ -326,23 +326,22 @@ class NodalBuilder:
             t = card.thickness or meshed.card.thickness
             message = f"the nodes of '{probes.part}' have no thickness of their own, and its walls "
             message += "would meet half a thickness deep"
-            raise self.scene.fail(f"{message}; say radius: {0.5 * t:g} in '{a.entry.name}'", "a")
+            raise self.scene.fail(f"{message}; set radius: {0.5 * t:g} in '{a.entry.name}'", "a")
         quads, count = meshed.mesh.quads, len(meshed.area)
-        radius = np.linalg.norm(
-            meshed.mesh.points[quads] - meshed.mesh.points[quads].mean(axis=1)[:, None], axis=2
-        ).max(axis=1)
+        corners = meshed.mesh.points[quads]
+        radius = np.linalg.norm(corners - corners.mean(axis=1)[:, None], axis=2).max(axis=1)
         gap = probes.radius + 0.5 * (card.thickness or meshed.card.thickness)
         around = faces_around(quads, len(meshed.mass))
-        spared = nothing(len(probes.rows))
+        excluded = nothing(len(probes.rows))
         if is_own:
             self._refuse_too_thick(gap, meshed, card.part)
             assert probes.meshed is not None
-            spared = self._excluded_faces(meshed, probes.meshed.used, card.ring, FOLDED * gap)
+            excluded = self._excluded_faces(meshed, probes.meshed.used, card.ring, FOLDED * gap)
         room = ROOM * len(probes.rows)
         buckets = 1 << int(2 * count - 1).bit_length()
+        margin = MARGIN * float(radius.mean())
         values = {
-            **{"gap": gap, "share": probes.radius / gap},
-            **{"reach": REACH * gap, "margin": MARGIN * float(radius.mean())},
+            **{"gap": gap, "share": probes.radius / gap, "reach": REACH * gap, "margin": margin},
             **{"first_point": first, "point_count": len(meshed.mass), "own": is_own},
             **{"first_corner": corner, "face_count": count, "first_own": first},
             **self._positions(card.part, meshed),
@@ -358,10 +357,11 @@ class NodalBuilder:
             "sorted": np.zeros(count, np.int64),
             "beside": faces_beside(quads),
             "deleted": np.zeros(count, np.int64),
+            "initial": faces_at_start(corners[: count * (a.shape == "sphere")]),
             "around_first": around[0],
             "around": around[1],
-            "spared_first": spared[0],
-            "spared": spared[1],
+            "excluded_first": excluded[0],
+            "excluded": excluded[1],
             **round_ones,
         }
         if round_ones:
@@ -376,7 +376,7 @@ class NodalBuilder:
         quads, points = np.concatenate([meshed.mesh.quads, *others]), meshed.mesh.points
         around = faces_around(quads, len(points))
         near = excluded_faces(quads, around, ring)
-        found = merged(near, spare_along(points, quads, around, reach))
+        found = merged(near, faces_within_reach(points, quads, around, reach))
         return found if not others else chosen(*found, nodes, len(meshed.mesh.quads))
 
     def _refuse_too_thick(self, gap: float, meshed: DiscretisedShell, part: str) -> None:

@@ -79,8 +79,8 @@ class Pairing:
 
     def should_search(self, is_implicit: bool) -> bool:
         """Whether there are many possible pairs, of elements with an end or with planes at rest."""
-        rests = "reach_a" in (self.laws.dtype.names or ())
-        above = SEARCH_ABOVE_RESTING if rests else SEARCH_ABOVE
+        has_reach = "reach_a" in (self.laws.dtype.names or ())
+        above = SEARCH_ABOVE_RESTING if has_reach else SEARCH_ABOVE
         above = SEARCH_ABOVE_IMPLICIT if is_implicit else above
         count = sum(int(b.member[0].sum()) * int(b.member[1].sum()) for b in self.blocks)
         first, second = self.sides

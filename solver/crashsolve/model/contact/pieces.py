@@ -3,8 +3,8 @@
 A pair writes its own rows alone: histories, output, and a load for either of its bodies. Sums over
 the pairs of a contact card are taken piece by piece, those on a body pair by pair, in the order of
 the list: one thread hands them on pair by pair, several when all pieces are done. So any number of
-threads gives the bits of one. Groups of few pairs add to bodies and cards at once; what differs is
-the order of the sums.
+threads gives the bits of one. Groups of few pairs add to bodies and cards at once; the difference
+is the order of the sums.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def cut(group: ContactGroup) -> None:
 
 
 def tables_of(group: ContactGroup, rows: np.ndarray) -> dict[str, np.ndarray]:
-    """Pieces of some pairs of a group, sorted by card, and what they add to, by name."""
+    """Pieces of some pairs of a group, sorted by card, and the tables of their sums, by name."""
     pieces = _pieces(rows["card"])
     nodes = np.empty(2 * len(rows), np.int64)
     nodes[0::2] = group.elements_a["node"][rows["a"]]

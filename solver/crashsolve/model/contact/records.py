@@ -38,9 +38,9 @@ HISTORY = Record("""
 """)
 # of pairs whose sides have an end (system/contact/pass_through.py)
 FACE = Record("""
-    held    flag  retains its face though another is nearer
-    passed  s     time at which one side passed the middle of the other; 0: it did not;
-                  negative: by its back
+    retains_face  flag  whether the pair retains its face though another is nearer
+    pass_time     s     time at which one side passed the middle of the other; 0: it did not;
+                        negative: by its back
 """)
 FACE_HISTORY = Record("normal  1  3  out of b") + FACE
 OUTPUT = Record("""
@@ -48,6 +48,8 @@ OUTPUT = Record("""
     point            m  3  point of contact
     stored           J     recoverable energy of the normal force
     friction_stored  J     recoverable energy of the friction bristle
+    bound            m     of the depth of a pair that is skipped together with others, as their
+                           `depth` (model/contact/body_pairs.py); of others 0
 """)
 CARD_OUTPUT = Record("""
     force                N    3  on side a, sum of all pairs
@@ -72,17 +74,17 @@ LOAD = Record("""
     pressed          m/s^2     normal force times mobility along the slip, where friction acts
 """)
 COUNTS = Record("""
-    late            N      3  part of the force on side a that began during the step
+    deferred_force  N      3  part of the force on side a that began during the step
     onsets          count     number of onsets
     peak_share      1         largest depth over the half thicknesses of both sides
-    held            J         recoverable energy of the normal force
+    stored          J         recoverable energy of the normal force
     bristle_energy  J         recoverable energy of friction
     work            J         of the normal force on both sides
     friction_work   J         of friction on both sides
 """)
 CARD_HISTORY = Record("""
     force_before              N      3  force on side a at the last step
-    late                      N      3  part of the force on side a that began during the step
+    deferred_force            N      3  part of the force on side a that began during the step
     impulse                   N s    3  impulse on side a
     peak_normal               N         largest normal force of any step
     peak_depth                m         largest depth of any step
@@ -90,7 +92,7 @@ CARD_HISTORY = Record("""
                                         round sides have an end
     onsets                    count     number of onsets
     fastest                   m/s       largest impact speed of any step
-    held                      J         recoverable energy of the normal force
+    stored                    J         recoverable energy of the normal force
     bristle_energy            J         recoverable energy of friction
     work                      J         of the normal force on both sides
     friction_work             J         of friction on both sides
@@ -99,8 +101,8 @@ CARD_HISTORY = Record("""
     largest_friction_energy   J         the same of friction
     exchanged                 J         sum of the sizes of the work of the normal force
     friction_exchanged        J         the same of friction
-    given                     W         power of the normal force on both sides, in steps of stages
-    friction_given            W         that of friction
+    work_rate                 W         power of the normal force on both sides, in steps of stages
+    friction_work_rate        W         that of friction
     work_in_step              J         their work in the step
     friction_work_in_step     J         the same of friction
     touches                   count     times the card has begun to touch

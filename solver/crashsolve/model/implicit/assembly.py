@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from crashsolve.model.model import Elements, Model, State
 
-HELD = 63  # all motions
+ALL_FIXED = 63  # all motions
 
 COUNTS = Record("""
     numbers  count  numbers that elements keep
@@ -34,9 +34,9 @@ def add_nodes_of_points(model: Model, state: State) -> None:
     """Give every point a body to ride on. Writes: model.elements, state.nodes, points."""
     points, elements = state.points, model.elements
     assert elements is not None
-    alone = points["held"] < ATTACHED
-    fixed = np.flatnonzero(alone & (points["held"] == HELD))
-    moving = np.flatnonzero(alone & (points["held"] != HELD))
+    alone = points["fixed"] < ATTACHED
+    fixed = np.flatnonzero(alone & (points["fixed"] == ALL_FIXED))
+    moving = np.flatnonzero(alone & (points["fixed"] != ALL_FIXED))
     more = np.zeros(len(moving), NODE.dtype)
     own = points[moving]
     more["r"], more["v"], more["w"] = own["r"], own["v"], own["w"]
@@ -55,8 +55,8 @@ def add_nodes_of_points(model: Model, state: State) -> None:
     state.nodes = np.concatenate([state.nodes, more])
     elements.attached_points = np.concatenate([elements.attached_points, attached_points])
     elements.node_points = moving
-    points["held"][moving] |= OWN
-    points["held"] |= ATTACHED
+    points["fixed"][moving] |= OWN
+    points["fixed"] |= ATTACHED
 
 
 def assembled(

@@ -1,7 +1,7 @@
 """Compliant rows: springs and contacts as implicit integrators see them, beside the joints.
 
 A spring is a compliant constraint. The rows of all joints come first, those of the laws that
-have a `tangent` follow; what they share of bodies decides the order of elimination, once. Laws
+have a `tangent` follow; the bodies that they share decide the order of elimination, once. Laws
 without one (loads, contacts that keep a list of near pairs) are left to the iteration.
 """
 

@@ -13,11 +13,11 @@ class Parameters(Row, Protocol):
     drag_a: float  # [1/s] alpha, times the element's share in its first node
     drag_b: float  # [1/s] the same of the second
     viscosity: float  # [N s/m] rho A c b_1, of the stretch
-    quick_viscosity: float  # [N s^2/m^2] rho A b_2^2, of its square in compression
+    quadratic_viscosity: float  # [N s^2/m^2] rho A b_2^2, of its square in compression
     rate_a: float  # [1/s^2] largest k times mobility at the first node
     rate_b: float  # [1/s^2] the same at the second
-    taut_a: float  # [1/(kg m)] increase of that by a tension of 1 N, at the first node
-    taut_b: float  # [1/(kg m)] the same at the second
+    tension_rate_a: float  # [1/(kg m)] increase of that by a tension of 1 N, at the first node
+    tension_rate_b: float  # [1/(kg m)] the same at the second
     count: int  # [count] fibres
     y: Numbers[float]  # [m] positions along y of the section
     z: Numbers[float]  # [m] positions along z of the section
@@ -25,7 +25,7 @@ class Parameters(Row, Protocol):
     law: int  # [index] of the material's law among those of the group
 
 class History(Row, Protocol):
-    stress: Numbers[float]  # [Pa] of the fibres; what else they remember says the material
+    stress: Numbers[float]  # [Pa] of the fibres; the material adds its other columns
     work: float  # [J] plastic work
 
 class Output(Row, Protocol):

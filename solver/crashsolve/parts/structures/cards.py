@@ -73,7 +73,7 @@ def unused(card: Any) -> dict[Steps, str]:
 
 
 def _body(whole: Plan, k: int, point: str) -> Made:
-    """The rigid body at a point: its joint, and what members add to it."""
+    """The rigid body at a point: its joint, and the mass that members add to it."""
     rods, drawn, position = [], [], whole.points[point]
     for member in (m for m in whole.members if point in m.ends):
         stub = description(member).stub(member)

@@ -46,7 +46,7 @@ def cards(member: Member, whole: Plan) -> list[Made]:
 def material_of(member: Member, whole: Plan) -> tuple[str, list[Made]]:
     """Name of the material of hinges, and its card where it is another than the member's.
 
-    Raises Problem for what hinges do not follow.
+    Raises Problem for properties that hinges do not follow.
     """
     law, card = member.material, member.material.card
     if law.type != "elastoplastic":
@@ -55,7 +55,7 @@ def material_of(member: Member, whole: Plan) -> tuple[str, list[Made]]:
     if card.rate_D and whole.card.hinge_arm is None:
         message = f"material '{law.name}' has rate_D, and hinges follow no strain rate"
         raise Problem(
-            member.path, message, "say by hinge_arm at which distance Eq. 7 has its speed"
+            member.path, message, "give hinge_arm, the distance at which Eq. 7 has its speed"
         )
     for word in ("failure_strain", "kinematic"):
         if getattr(card, word):
@@ -65,7 +65,7 @@ def material_of(member: Member, whole: Plan) -> tuple[str, list[Made]]:
     if stress is None:
         if card.hardening or card.curve is not None:
             message = f"material '{law.name}' hardens, and hinges do not"
-            raise Problem(member.path, message, "say by hinge_stress at which stress they yield")
+            raise Problem(member.path, message, "give hinge_stress, the stress at which they yield")
         if not card.rate_D:
             return law.name, []
         stress = card.yield_stress

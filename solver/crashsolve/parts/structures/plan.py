@@ -128,7 +128,8 @@ def plan(name: str, card: Any, laws: dict[str, dict[str, Law]]) -> Plan:
         if not member.length > 0.0:
             raise Problem(
                 member.path,
-                f"its rigid joints, {start:.4g} and {end:.4g} m, leave nothing of it between",
+                f"its rigid joints, {start:.4g} and {end:.4g} m, leave no length of it between "
+                "them",
                 "move the points apart, or give them a smaller joint",
             )
     return Plan(name, card, points, members)
@@ -171,7 +172,9 @@ def _axes(along: np.ndarray, side: ArrayLike, constants: Columns, path: Steps) -
     if side is None:
         I_y, I_z = constants["second"]
         if abs(I_y - I_z) > 1e-9 * I_z:
-            message = "its section has I_y and I_z that differ: say by side where its y axis points"
+            message = (
+                "its section has I_y and I_z that differ: give side, the direction of its y axis"
+            )
             raise Problem(path, message)
         y = perpendicular(along)
     else:
@@ -257,14 +260,14 @@ def joint_length(point: str, members: list[Member]) -> float:
 
 def depth_of(member: Member) -> float:
     """Greatest width of a section [m]. Raises Problem."""
-    lacks = "has no shape, so the rigid joints at its ends no length"
+    lacks = "has no shape, from which the rigid joints at its ends could take a length"
     return float(np.ptp(outline_of(member, lacks, "give both points a joint"), axis=0).max())
 
 
 def outline_of(member: Member, lacks: str, advice: str) -> np.ndarray:
     """Points (n, 2) of the outer edge of its section, y and z [m].
 
-    Raises Problem with what a section without one `lacks`.
+    Raises Problem with the text `lacks` for a section without one.
     """
     law = member.section
     if not hasattr(law.module, "outline"):

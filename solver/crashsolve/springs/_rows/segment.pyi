@@ -22,7 +22,7 @@ class Parameters(SpringPoints):
 
 class History(ForceHistory):
     plastic: Numbers[float]  # [any] u_p along the beam, theta_p about y and z
-    held: Numbers[float]  # [any] N, M_y, M_z
+    resultant: Numbers[float]  # [any] N, M_y, M_z
     strain: float  # [1] e
     work: float  # [J] plastic work
     peak_compression: float  # [N] largest compression along the beam so far

@@ -38,7 +38,7 @@ def missing_energies(now: np.void, out: np.void) -> list[tuple[str, float, float
     """For normal force and friction of a card: its name, missing energy [J] and largest energy
     exchanged [J].
     """
-    pushed = now["held"] + out["dissipated"] + now["work"] - now["initially_stored"]
+    pushed = now["stored"] + out["dissipated"] + now["work"] - now["initially_stored"]
     friction_loss = now["bristle_energy"] + out["friction_dissipated"] + now["friction_work"]
     return [
         ("normal force", float(pushed), float(now["largest_energy"])),

@@ -45,7 +45,7 @@ class Touch:
         p = self.group.parameters[self.pair]
         return float(p["stiffness"]) * self.depth ** float(p["exponent"])
 
-    def come_with(self, mass: float) -> None:
+    def set_mass(self, mass: float) -> None:
         """Set the impact speed to that of a free impact with a mass [kg].
 
         Writes: history of the pair.
@@ -70,7 +70,7 @@ def find_impact_speeds(model: Model, state: State) -> bool:
                 found[touch.bodies].append(touch)
     for (a, b), touches in found.items():
         for touch, mass in zip(touches, _masses(state.nodes[[a, b]], touches), strict=True):
-            touch.come_with(mass)
+            touch.set_mass(mass)
     return bool(found)
 
 

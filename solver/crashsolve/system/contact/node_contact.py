@@ -81,20 +81,20 @@ def position_and_velocity(probe, h, nodes, points):
 @kernel
 def predicted_velocity(b, h):
     """Velocity of a point at the end of the step, by the forces so far."""
-    if b.held >= ATTACHED:
+    if b.fixed >= ATTACHED:
         return vec(b.v)
-    return add_scaled(vec(b.v), 0.5 * h * b.mass_inv, free_part(b.held, vec(b.force)))
+    return add_scaled(vec(b.v), 0.5 * h * b.mass_inv, free_part(b.fixed, vec(b.force)))
 
 
 @kernel
-def free_part(held, u):
+def free_part(fixed, u):
     """A vector along or about the world axes, without its constrained components."""
-    if held & 7 == 0:
+    if fixed & 7 == 0:
         return u
     return (
-        0.0 if held & 1 else u[0],
-        0.0 if (held >> 1) & 1 else u[1],
-        0.0 if (held >> 2) & 1 else u[2],
+        0.0 if fixed & 1 else u[0],
+        0.0 if (fixed >> 1) & 1 else u[1],
+        0.0 if (fixed >> 2) & 1 else u[2],
     )
 
 
@@ -221,7 +221,7 @@ def closing_speed(v, v_other, hit, h, old, w):
 @kernel
 def mobility_along(b, n):
     """Acceleration of a point along n per unit force [1/kg]; 0 along constrained axes."""
-    return b.mass_inv * dot(free_part(b.held, n), n)
+    return b.mass_inv * dot(free_part(b.fixed, n), n)
 
 
 @kernel
@@ -229,7 +229,7 @@ def predicted_mobility(b, n):
     """Acceleration of a point per unit force [1/kg] where its velocity is predicted; 0 for
     points attached to bodies.
     """
-    return mobility_along(b, n) if b.held < ATTACHED else 0.0
+    return mobility_along(b, n) if b.fixed < ATTACHED else 0.0
 
 
 @kernel
@@ -276,7 +276,7 @@ def add_touch(clock, h, p, totals, card, touch, f, energies):
 @kernel
 def add_energies(totals, card, count):
     """Energies of the group to its card. Writes: card, count."""
-    count.held += totals.stored
+    count.stored += totals.stored
     count.bristle_energy += totals.bristle_energy
     card.depth = max(card.depth, 0.0)
     card.stored += totals.stored + totals.bristle_energy

@@ -30,7 +30,7 @@ BORDER = 1.0 + 1e-9  # a position so far beyond a side still belongs to the face
 
 
 @kernel
-def apply_field(i, x, ellipsoid_data, p, mesh, spared, found):
+def apply_field(i, x, ellipsoid_data, p, mesh, excluded, found):
     """Normals, weights and depths of both sides by the field of normals. Writes: found.
 
     x is a probe's position, or the centre of the ellipsoid of `ellipsoid_data`, else None. Where a
@@ -40,7 +40,7 @@ def apply_field(i, x, ellipsoid_data, p, mesh, spared, found):
         if found[s].face >= 0:
             sign = 1.0 if s == 0 else -1.0
             f, xi, eta, distance, n = solve_along_field(
-                i, x, ellipsoid_data, sign, p, found[s], mesh, spared
+                i, x, ellipsoid_data, sign, p, found[s], mesh, excluded
             )
             if f < 0:
                 continue
@@ -53,7 +53,7 @@ def apply_field(i, x, ellipsoid_data, p, mesh, spared, found):
 
 
 @kernel
-def solve_along_field(i, x, ellipsoid_data, sign, p, hit, mesh, spared):
+def solve_along_field(i, x, ellipsoid_data, sign, p, hit, mesh, excluded):
     """Face (-1: none), xi, eta, lambda and field of normals of the position whose normal leads to
     x.
     """
@@ -67,7 +67,7 @@ def solve_along_field(i, x, ellipsoid_data, sign, p, hit, mesh, spared):
         if over <= BORDER:
             return f, xi, eta, distance, n
         f = mesh[2][4 * f + side]
-        if f < 0 or is_excluded(i, f, spared):
+        if f < 0 or is_excluded(i, f, excluded):
             break
         xi = eta = 1.0 / 3.0 if f >= p.quads else 0.0
     return -1, 0.0, 0.0, 0.0, (0.0, 0.0, 0.0)
@@ -101,9 +101,9 @@ def distance_beyond(is_triangle, xi, eta):
 
 
 @kernel
-def is_excluded(i, f, spared):
+def is_excluded(i, f, excluded):
     """Whether a face is one that a probe does not meet."""
-    (first, faces), is_one = spared, False
+    (first, faces), is_one = excluded, False
     for k in range(first[i], first[i + 1]):
         is_one = is_one or faces[k] == f
     return is_one

@@ -107,7 +107,7 @@ class ProbeHit(NamedTuple):
     x: Vector  # its position [m]
     v: Vector  # its velocity [m/s]
     hit: Row  # the deepest shape
-    held: bool  # whether it retains the face that it touched before
+    retained: bool  # whether it retains the face that it touched before
     over: float  # its distance beyond the middle of that [m]
 
 

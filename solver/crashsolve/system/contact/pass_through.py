@@ -40,19 +40,19 @@ def velocity_at(body, x):
 
 
 @kernel
-def retains_face(old, v_a, v_b, n, kept):
+def may_retain_face(old, v_a, v_b, n, kept):
     """Whether a pair retains its face, `kept`, though that with the normal n is nearer."""
     if kept[0] <= 0.0:
         return False
-    return old.held == 1 or dot(sub(v_a, v_b), add(n, kept[1])) <= 0.0
+    return old.retains_face == 1 or dot(sub(v_a, v_b), add(n, kept[1])) <= 0.0
 
 
 @kernel
-def record_face(clock, h, p, old, new, held, over, depth, n):
+def record_face(clock, h, p, old, new, retains_face, over, depth, n):
     """Store the face with which contact continues; `over` is how far beyond its middle. Writes:
     new.
     """
-    new.held = 1 if held else 0
+    new.retains_face = 1 if retains_face else 0
     has_passed = over > 0.0 or is_opposite(old, n) or has_jumped(p, old, depth, n, SQUARE)
     record_pass(clock, h, p, old, new, depth, n, has_passed)
     put(new.normal, n)
@@ -64,7 +64,7 @@ def record_round(clock, h, p, old, new, depth, n):
 
     Writes: new.
     """
-    new.held = 0
+    new.retains_face = 0
     is_deep = depth > MIDDLE * p.thick
     has_passed = is_deep or is_opposite(old, n) or has_jumped(p, old, depth, n, ROTATED)
     record_pass(clock, h, p, old, new, depth, n, has_passed)
@@ -72,19 +72,19 @@ def record_round(clock, h, p, old, new, depth, n):
 
 
 @kernel
-def record_probe(clock, h, p, old, new, hit, held, over):
+def record_probe(clock, h, p, old, new, hit, retains_face, over):
     """The same for a node on the deepest of several shapes, which may have changed. Writes: new."""
     if old.active == 1 and old.face != hit.face:
-        new.held, new.passed = 0, old.passed
+        new.retains_face, new.pass_time = 0, old.pass_time
     else:
-        record_face(clock, h, p, old, new, held, over, hit.depth, vec(hit.normal))
+        record_face(clock, h, p, old, new, retains_face, over, hit.depth, vec(hit.normal))
 
 
 @kernel
 def record_round_probe(clock, h, p, old, new, hit):
     """The same for shapes without faces to retain. Writes: new."""
     if old.active == 1 and old.face != hit.face:
-        new.held, new.passed = 0, old.passed
+        new.retains_face, new.pass_time = 0, old.pass_time
     else:
         record_round(clock, h, p, old, new, hit.depth, vec(hit.normal))
 
@@ -107,17 +107,17 @@ def record_pass(clock, h, p, old, new, depth, n, has_passed):
 
     Negative where it began at the back of an open mesh, out of which the normal was before.
     """
-    new.passed = old.passed
+    new.pass_time = old.pass_time
     if old.active == 0:
         has_passed = h > 0.0 and depth > SUDDEN * p.thick
-    if has_passed and old.passed == 0.0:
+    if has_passed and old.pass_time == 0.0:
         time = max(clock.time + h, 1e-300)
-        new.passed = -time if old.active == 0 and is_opposite(old, n) else time
+        new.pass_time = -time if old.active == 0 and is_opposite(old, n) else time
 
 
 @kernel
 def released_energy(clock, h, old, n, stored):
     """Stored energy that is lost where a deep contact leaves its face sideways [J]."""
-    if clock.closes == 0 or h == 0.0 or old.held == 0 or dot(n, vec(old.normal)) >= SAME:
+    if clock.closes == 0 or h == 0.0 or old.retains_face == 0 or dot(n, vec(old.normal)) >= SAME:
         return 0.0
     return stored

@@ -101,8 +101,8 @@ def record_pass(clock, h, p, totals, old, mesh):
     Writes: totals.
     """
     is_behind = old.depth > p.gap and mesh[5][old.face] == 0
-    if h > 0.0 and is_behind and totals.passed == 0.0:
-        totals.passed = clock.time + h
+    if h > 0.0 and is_behind and totals.pass_time == 0.0:
+        totals.pass_time = clock.time + h
 
 
 @kernel

@@ -6,7 +6,7 @@
 in a step that moves the mass centres by dr and turns the bodies by theta, tau = 2 tan(theta / 2)
 along the axis of rotation, R how far an element reaches from the mass centre of its body: seen from
 body b, no point of a moves farther. The first line is exact for small rotations; R v - v differs
-from tau x v by tau^2 |v| at most. Body b is the one whose element reaches farther, so that what is
+from tau x v by tau^2 |v| at most. Body b is the one whose element reaches farther, so that a body
 carried along in a fast vehicle stays apart from its walls. As long as that bound is negative no gap
 is computed, and the history of the pair does not change; at samples no gap is computed that the
 bound keeps below the deepest of the card. Consequence to test: the same results as without.
@@ -72,7 +72,7 @@ def can_skip(old, new, displacement):
 
 
 @kernel
-def is_below(old, new, approached, deepest):
+def is_below(old, new, out, approached, deepest):
     """Whether a pair whose bodies have approached each other by `approached` since its depth was
     computed is separated, and not deeper than the deepest of its card so far [m].
 
@@ -80,4 +80,4 @@ def is_below(old, new, approached, deepest):
     """
     if old.active == 1 or new.active == 1:
         return False
-    return old.depth + approached <= min(0.0, deepest)
+    return min(old.depth, out.bound) + approached <= min(0.0, deepest)

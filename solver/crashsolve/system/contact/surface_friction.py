@@ -33,9 +33,9 @@ def position_on_shape(p, hit, x):
 @kernel
 def predicted_spin(b, h):
     """Angular velocity of a point at the end of the step, by the torques so far."""
-    if b.held >= ATTACHED:
+    if b.fixed >= ATTACHED:
         return vec(b.w)
-    return add_scaled(vec(b.w), 0.5 * h * b.J_inv, free_part(b.held >> 3, vec(b.torque)))
+    return add_scaled(vec(b.w), 0.5 * h * b.J_inv, free_part(b.fixed >> 3, vec(b.torque)))
 
 
 @kernel
@@ -56,10 +56,10 @@ def probe_velocity(probe, v, d, h, nodes, points):
 @kernel
 def acceleration_at(b, d, f):
     """Acceleration at d from a point by a force f there, where its velocity is predicted."""
-    if b.held >= ATTACHED:
+    if b.fixed >= ATTACHED:
         return 0.0, 0.0, 0.0
-    rotation = scale(b.J_inv, free_part(b.held >> 3, cross(d, f)))
-    return add_scaled(cross(rotation, d), b.mass_inv, free_part(b.held, f))
+    rotation = scale(b.J_inv, free_part(b.fixed >> 3, cross(d, f)))
+    return add_scaled(cross(rotation, d), b.mass_inv, free_part(b.fixed, f))
 
 
 @kernel

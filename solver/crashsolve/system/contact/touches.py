@@ -67,9 +67,9 @@ def mark_applied(applied, load_rows, i, now):
 def clear_counts(c):
     """Zero the sums of a piece of pairs for the history of its card. Writes: c."""
     for j in range(3):
-        c.late[j] = 0.0
+        c.deferred_force[j] = 0.0
     c.onsets = 0
-    c.peak_share = c.work = c.friction_work = c.held = c.bristle_energy = 0.0
+    c.peak_share = c.work = c.friction_work = c.stored = c.bristle_energy = 0.0
 
 
 @kernel
@@ -96,12 +96,12 @@ def add_sums(card, history, sums, counts):
     card.depth = max(card.depth, sums.depth)
     card.dissipated += sums.dissipated
     card.friction_dissipated += sums.friction_dissipated
-    add_to(history.late, vec(counts.late))
+    add_to(history.deferred_force, vec(counts.deferred_force))
     history.onsets += counts.onsets
     history.peak_share = max(history.peak_share, counts.peak_share)
     history.work += counts.work
     history.friction_work += counts.friction_work
-    history.held += counts.held
+    history.stored += counts.stored
     history.bristle_energy += counts.bristle_energy
 
 
@@ -114,7 +114,7 @@ def finish_cards(clock, cards, history):
             total = new.impulse[j]
             if clock.opens == 1:
                 total = old.impulse[j] + clock.lead * old.force_before[j]
-            new.impulse[j] = total + clock.share * (c.force[j] - new.late[j])
+            new.impulse[j] = total + clock.share * (c.force[j] - new.deferred_force[j])
             new.force_before[j] = c.force[j]
         c.dissipated += old.left_dissipated
         c.friction_dissipated += old.left_friction_dissipated
@@ -123,7 +123,10 @@ def finish_cards(clock, cards, history):
         new.peak_normal = max(old.peak_normal, c.normal)
         new.peak_depth = max(old.peak_depth, c.depth)
         new.fastest = max(old.fastest, c.impact_speed)
-        pushed, friction_loss = new.held + c.dissipated, new.bristle_energy + c.friction_dissipated
+        pushed, friction_loss = (
+            new.stored + c.dissipated,
+            new.bristle_energy + c.friction_dissipated,
+        )
         new.largest_energy = max(old.largest_energy, abs(pushed))
         new.largest_friction_energy = max(old.largest_friction_energy, abs(friction_loss))
         new.exchanged = old.exchanged + abs(new.work - old.work)
@@ -314,7 +317,7 @@ def add_to_card(c, history, order, applied, f, t, new, out):
     """Add one touching pair to its contact card. Writes: c, history."""
     for k in range(3):
         c.force[k] += order * out.force[k]
-        history.late[k] += (1.0 - applied) * order * out.force[k]
+        history.deferred_force[k] += (1.0 - applied) * order * out.force[k]
     c.depth = max(c.depth, new.depth)
     c.normal += f
     c.tangential += norm(t)
@@ -350,9 +353,9 @@ def copy_onsets(current, history):
         new.onsets, new.initially_stored = old.onsets, old.initially_stored
         new.peak_share = old.peak_share
         new.work, new.friction_work = old.work, old.friction_work
-        new.held = new.bristle_energy = new.given = new.friction_given = 0.0
+        new.stored = new.bristle_energy = new.work_rate = new.friction_work_rate = 0.0
         for j in range(3):
-            new.late[j] = 0.0
+            new.deferred_force[j] = 0.0
 
 
 @kernel
@@ -361,9 +364,9 @@ def record_power(applied, f, rate, t, slip, out, count):
 
     Methods with stages sum it with the weights of the stages, as losses.
     """
-    count.given -= applied * f * rate
-    count.friction_given += applied * dot(t, slip)
-    count.held += out.stored
+    count.work_rate -= applied * f * rate
+    count.friction_work_rate += applied * dot(t, slip)
+    count.stored += out.stored
     count.bristle_energy += out.friction_stored
 
 
@@ -373,10 +376,10 @@ def integrate_powers(clock, history):
     for k in range(history.shape[1]):
         old, new = history[clock.current, k], history[1 - clock.current, k]
         if clock.opens == 1:
-            new.work_in_step = clock.lead * old.given
-            new.friction_work_in_step = clock.lead * old.friction_given
-        new.work_in_step += clock.share * new.given
-        new.friction_work_in_step += clock.share * new.friction_given
+            new.work_in_step = clock.lead * old.work_rate
+            new.friction_work_in_step = clock.lead * old.friction_work_rate
+        new.work_in_step += clock.share * new.work_rate
+        new.friction_work_in_step += clock.share * new.friction_work_rate
         new.work = old.work + new.work_in_step
         new.friction_work = old.friction_work + new.friction_work_in_step
 

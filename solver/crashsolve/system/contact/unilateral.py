@@ -101,7 +101,7 @@ def sweep(is_half, is_impulse, current, pairs, nodes, change, most):
 
 
 @kernel
-def drift_held(current, h, params, history, elements, nodes):
+def drift_active_pairs(current, h, params, history, elements, nodes):
     """Move the bodies of all active pairs by their momenta at half step. Writes: nodes.r, q, A."""
     for i in range(params.shape[0]):
         if history[current, i].active == 0:

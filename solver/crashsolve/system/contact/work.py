@@ -4,7 +4,7 @@
 
 Kick, drift, kick: half of the force at the start and half of that at the end act along the
 displacement of the step, so W is to the bit the kinetic energy that points receive from the
-contact, whatever other forces act. u_old is that of the point of contact at the start, u_new of
+contact, for any other forces. u_old is that of the point of contact at the start, u_new of
 that at the end. Velocities at the end of a step, predicted before all forces are known, cannot
 replace it: near the stable step they differ much from the mean over the step.
 """
@@ -107,7 +107,7 @@ def add_end_work(applied, u, f, n, x, out, new, card):
     Writes: new, card.
     """
     card.work += 0.5 * applied * f * dot(n, u)
-    card.held += out.stored
+    card.stored += out.stored
     put(new.push, scale(f, n))
     put(new.position, x)
 

@@ -5,7 +5,7 @@
 An iteration strains the elements from their state at the start of the step to its end, or to one
 of its stages as if that were a step of its own; the last stage is the end. Their
 tangents (elements/shells/tangents) are those of the step as
-it is computed, with the return of what yields, the stress that stiffens, the rotation of the axes
+it is computed, with the plastic return, the stress that stiffens, the rotation of the axes
 and the middle of the step in which strains are measured. K is not symmetric: strains are those of
 the middle of the step, forces those of its end, and the symmetric part alone has -E A theta^2 / 16
 against a rotation by theta within the step, more than the bending stiffness.

@@ -17,13 +17,14 @@ def ends_of(group, piece, count, scene):
 def gaps_of(group, piece, current, nodes, floor, deepest, scene):
     """The largest depth of the pairs of a group, or of a piece of it, and of another [m].
 
-    Of what did not touch at the start of the step; see approach in events.py. Writes: body_pairs.
+    Of pairs that did not touch at the start of the step; see approach in events.py. Writes:
+    body_pairs.
     """
     if group.body_pairs is not None:
         for k in range(group.body_pairs.shape[0]):
             both = group.body_pairs[k]
             if not body_pairs.are_below(both, max(deepest, floor), nodes):
-                body_pairs.end_skipping(both, group.history)
+                body_pairs.end_skipping(both, group.history, group.output)
                 deepest = gaps_of_some(
                     group, both.first, both.end, current, nodes, floor, deepest, scene
                 )
@@ -44,7 +45,7 @@ def gaps_of_some(group, first, end, current, nodes, floor, deepest, scene):
             deepest = max(deepest, depth if history[current, i].active == 0 else -depth)
         elif history[current, i].active == 0:
             a, b = group.elements_a[params[i].a], group.elements_b[params[i].b]
-            if group.rests:
+            if group.skips:
                 displacement = resting.largest_approach(params[i], nodes[a.node], nodes[b.node])
                 if history[current, i].depth + displacement <= max(deepest, floor):
                     continue
@@ -64,7 +65,7 @@ def depth_before(group, piece, current, deepest, scene):
     if group.body_pairs is not None:
         for k in range(group.body_pairs.shape[0]):
             both = group.body_pairs[k]
-            if both.rests == 0:
+            if both.skipped == 0:
                 deepest = depth_of_some(group, both.first, both.end, current, deepest, scene)
         return deepest
     first, end = ends_of(group, piece, group.history.shape[1], scene)

@@ -37,42 +37,46 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
     """Forces of the pairs of a group, or of a piece. Writes: totals, outputs, new histories."""
     if group.body_pairs is not None:
         if resting.is_at_end_of_step(h, clock):
-            look_at_deepest(group, clock, nodes, scene)
+            evaluate_deepest(group, clock, nodes, scene)
         for k in range(group.body_pairs.shape[0]):
             both = group.body_pairs[k]
             card = scene.cards[both.card]
             if body_pairs.can_skip_all(both, h, card.depth, nodes):
                 touches.add_losses(card, both)
                 continue
-            # a sample changes no more than what the next step writes anew
+            # a sample changes only columns that the next step writes again
             if h > 0.0:
-                body_pairs.end_skipping(both, group.history)
+                body_pairs.end_skipping(both, group.history, group.output)
             evaluated = some_pairs(
                 group, piece, both.first, both.end, both.approached, clock, h, nodes, curves, scene
             )
             if h > 0.0 and evaluated == 0:
-                body_pairs.begin_skipping(both, clock.current, group.history)
+                body_pairs.begin_skipping(both, clock.current, group.history, group.output)
+            elif h == 0.0 and both.skipped == 1:
+                body_pairs.bound_by_sample(both, clock.current, group.history, group.output)
     else:
         first, end = ends_of(group, piece, group.parameters.shape[0], scene)
         some_pairs(group, piece, first, end, 0.0, clock, h, nodes, curves, scene)
 
 
 @apart
-def look_at_deepest(group, clock, nodes, scene):
+def evaluate_deepest(group, clock, nodes, scene):
     """Depth of a pair of each card that may be the deepest, so that a sample looks at few others.
 
-    The pairs of a card follow each other. Writes: cards.depth.
+    The pairs of a card follow each other. Writes: cards.depth, output.bound.
     """
-    pairs, history, k = group.body_pairs, group.history, 0
+    pairs, history, output, k = group.body_pairs, group.history, group.output, 0
     while k < pairs.shape[0]:
-        number, bound, at = pairs[k].card, -1e300, 0
+        number, bound, at, nearer = pairs[k].card, -1e300, 0, 0.0
         while k < pairs.shape[0] and pairs[k].card == number:
             both = pairs[k]
-            if both.rests == 0 or both.depth + both.approached > bound:
+            if both.skipped == 0 or both.bound + both.approached > bound:
                 for i in range(both.first, both.end):
-                    depth = history[clock.current, i].depth + both.approached
+                    depth = history[clock.current, i].depth
+                    depth = min(depth, output[i].bound) if both.skipped == 1 else depth
+                    depth += both.approached
                     if depth > bound:
-                        bound, at = depth, i
+                        bound, at, nearer = depth, i, both.approached
             k += 1
         card, p = scene.cards[number], group.parameters[at]
         if bound > card.depth and history[clock.current, at].active == 1:
@@ -81,6 +85,8 @@ def look_at_deepest(group, clock, nodes, scene):
         elif bound > card.depth:
             a, b = group.elements_a[p.a], group.elements_b[p.b]
             depth, _, _ = group.narrow.gap(a, b, nodes, group.data)
+            if nearer > 0.0:
+                output[at].bound = body_pairs.known_depth(depth, nearer)
             card.depth = max(card.depth, depth)
 
 
@@ -100,26 +106,24 @@ def some_pairs(group, piece, first, end, approached, clock, h, nodes, curves, sc
         m, w = nodes[a.node], nodes[b.node]
         totals = sums_of(group, piece, i, clock, p, m, w, scene)
         card, count, displacement = totals.card, totals.count, 0.0
-        if KICK_DRIFT_KICK and (group.rests or group.follows_exit) and h > 0.0:
+        if KICK_DRIFT_KICK and (group.skips or group.follows_exit) and h > 0.0:
             displacement = resting.largest_approach(p, m, w)
-        if KICK_DRIFT_KICK and group.rests and h > 0.0 and resting.can_skip(old, new, displacement):
+        if KICK_DRIFT_KICK and group.skips and h > 0.0 and resting.can_skip(old, new, displacement):
             new.depth = old.depth + displacement
             touches.add_losses(card, new)
             continue
-        if (
-            KICK_DRIFT_KICK
-            and group.rests
-            and resting.is_at_end_of_step(h, clock)
-            and resting.is_below(old, new, approached, card.depth)
-        ):
+        at_sample = KICK_DRIFT_KICK and group.skips and resting.is_at_end_of_step(h, clock)
+        if at_sample and resting.is_below(old, new, out, approached, card.depth):
             new.depth = old.depth  # a step may begin anew here
             touches.add_losses(card, old)
             continue
         evaluated += 1
         depth, n, x = gap(group, h, card, Ends(p, old, new, a, b), displacement, nodes, scene)
-        held, stored = False, out.stored
+        if KICK_DRIFT_KICK and group.skips and approached > 0.0:
+            out.bound = body_pairs.known_depth(depth, approached)
+        retained, stored = False, out.stored
         if group.keeps_faces:
-            depth, n, x, held = retained_face(
+            depth, n, x, retained = retained_face(
                 group, clock, h, Ends(p, old, new, a, b), depth, n, x, nodes, scene
             )
         elif group.has_ends:
@@ -138,7 +142,7 @@ def some_pairs(group, piece, first, end, approached, clock, h, nodes, curves, sc
             continue
         pair, meeting = Pair(p, old, new, out, a, b, m, w), ContactPoint(depth, n, x, motion)
         apply_forces(group, clock, h, pair, totals, meeting, nodes, curves, scene)
-        if group.keeps_faces and old.held == 1 and not held:
+        if group.keeps_faces and old.retains_face == 1 and not retained:
             # it leaves its own face sideways, deep within
             new.dissipated += max(
                 pass_through.released_energy(clock, h, old, n, stored) - out.stored, 0.0
@@ -165,7 +169,7 @@ def sums_of(group, piece, i, clock, p, m, w, scene):
 def gap(group, h, card, ends, displacement, nodes, scene):
     """Depth, normal and position of a pair. Writes: new.
 
-    Of a pair apart whose depth is not asked for, only an upper bound of the depth.
+    For a separated pair whose depth is not needed, only an upper bound of the depth.
     """
     p, old, new, a, b = ends
     if hasattr(group.narrow, "bound") and old.active == 0:
@@ -190,18 +194,18 @@ def retained_face(group, clock, h, ends, depth, n, x, nodes, scene):
     Writes: new.
     """
     p, old, new, a, b = ends
-    held, over = False, -1.0
+    retained, over = False, -1.0
     if pass_through.is_another_face(old, depth, n, a.radius):
         v_a = pass_through.velocity_at(nodes[a.node], x)
         v_b = pass_through.velocity_at(nodes[b.node], x)
         kept = group.narrow.gap_by(a, b, nodes, group.data, old.normal)
-        if pass_through.retains_face(old, v_a, v_b, n, kept):
-            held = True
+        if pass_through.may_retain_face(old, v_a, v_b, n, kept):
+            retained = True
             depth, n, x, over = kept
     if group.has_core_depth and depth > a.radius:
         over = max(over, depth - group.narrow.middle(a, b, nodes, n))
-    pass_through.record_face(clock, h, p, old, new, held, over, depth, n)
-    return depth, n, x, held
+    pass_through.record_face(clock, h, p, old, new, retained, over, depth, n)
+    return depth, n, x, retained
 
 
 @stage

@@ -18,7 +18,7 @@ def contact_tangents(group, first, clock, nodes, curves, compliant, scene):
             continue
         a, b = group.elements_a[p.a], group.elements_b[p.b]
         depth, n, x = group.narrow.gap(a, b, nodes, group.data)
-        if group.keeps_faces and old.held == 1:
+        if group.keeps_faces and old.retains_face == 1:
             depth, n, x, _ = group.narrow.gap_by(a, b, nodes, group.data, old.normal)
         depth = max(depth, 0.0)
         m, w = nodes[a.node], nodes[b.node]

@@ -92,7 +92,7 @@ def add_laws(clock, scene, ledger):
         for i in range(group.output.shape[0]):
             ledger[group.stored_entry] += group.output[i].stored
             if group.has_work:
-                # of what an element has lost, plastic work is one part and damping the other
+                # the loss of an element is plastic work and damping
                 ledger[PLASTIC] += group.history[clock.current, i].work
                 ledger[group.lost_entry] += (
                     group.history[clock.current, i].dissipated

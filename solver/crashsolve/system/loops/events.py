@@ -10,10 +10,10 @@ from crashsolve.system.placeholders import BRANCHES, CONTACTS, NODAL, SLIDING
 
 @kernel
 def approach(clock, nodes, scene, floor):
-    """Largest depth of what did not touch at the start of the step [m]; negative is a gap.
+    """Largest depth of pairs that did not touch at the start of the step [m]; negative is a gap.
 
-    Where ends of contacts are located too: and largest gap of what did touch. What is not above
-    `floor` need not be known.
+    Where ends of contacts are located too: and largest gap of those that did touch. A depth not
+    above `floor` need not be known.
     """
     deepest = -1e300
     for group in CONTACTS:
@@ -26,7 +26,7 @@ def approach(clock, nodes, scene, floor):
 
 @kernel
 def approach_before(clock, scene):
-    """The largest depth at the start of the step [m], of what did not touch."""
+    """The largest depth at the start of the step [m], of pairs that did not touch."""
     deepest = -1e300
     for group in CONTACTS:
         if group.in_pieces:
@@ -54,7 +54,7 @@ def event(current, h, nodes, curves, scene):
             if old.active == 1:
                 a, b = pairs.elements_a[p.a], pairs.elements_b[p.b]
                 depth, n, x = pairs.narrow.gap(a, b, nodes, pairs.data)
-                if pairs.keeps_faces and old.held == 1:
+                if pairs.keeps_faces and old.retains_face == 1:
                     depth, n, x, _ = pairs.narrow.gap_by(a, b, nodes, pairs.data, old.normal)
                 if depth > 0.0:
                     _, slip, _, _ = touches.closing_motion(nodes[a.node], nodes[b.node], x, n)
@@ -104,8 +104,8 @@ def limit_closing(group, clock, nodes, scene):
             both = group.body_pairs[k]
             at_most = body_pairs.closing_speed_bound(both, nodes)
             distance = touches.LARGEST_CLOSING * both.thick - both.depth - both.approached
-            if both.rests == 0 or at_most * clock.next_step > distance:
-                body_pairs.end_skipping(both, group.history)
+            if both.skipped == 0 or at_most * clock.next_step > distance:
+                body_pairs.end_skipping(both, group.history, group.output)
                 limit_some(group, both.first, both.end, at_most, clock, nodes, scene)
     else:
         limit_some(group, 0, group.parameters.shape[0], 1e300, clock, nodes, scene)
@@ -128,7 +128,7 @@ def limit_some(group, first, end, at_most, clock, nodes, scene):
             continue
         a, b = group.elements_a[p.a], group.elements_b[p.b]
         speed = touches.closing_speed_bound(p, a, b, nodes)
-        if group.rests and speed * clock.next_step > distance:
+        if group.skips and speed * clock.next_step > distance:
             # the stored value is only a bound
             depth, _, _ = group.narrow.gap(a, b, nodes, group.data)
             distance = touches.LARGEST_CLOSING * p.thick - depth

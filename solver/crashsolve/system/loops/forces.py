@@ -1,6 +1,6 @@
 """Applied forces: one pass over attachments, elements, laws between bodies, and contacts.
 
-The order is fixed: what elements and nodes of shells do stands before what needs it.
+The order is fixed: elements and nodes of shells come before the stages that need them.
 """
 
 from crashsolve.foundation.kernels import kernel, stage

@@ -1,7 +1,7 @@
 """Constraints: residuals, Jacobians and convective terms of all joints.
 
 The rows of a joint are those of its basic constraints, one after the other, then those of its own;
-what has come apart has rows that hold nothing.
+a joint that has separated has rows without effect.
 """
 
 from crashsolve.foundation.kernels import kernel

@@ -13,7 +13,7 @@ from crashsolve.system.loops.contact_pairs import contact_pairs
 
 
 @apart
-def press_piece(group, k, clock, h, scene):
+def pair_forces_piece(group, k, clock, h, scene):
     """Forces of some pairs. Writes: loads, applied, sums, counts, outputs, new histories."""
     touches.clear_card(group.sums[k])
     touches.clear_counts(group.counts[k])
@@ -21,8 +21,8 @@ def press_piece(group, k, clock, h, scene):
 
 
 @apart
-def bear_piece(group, k, scene):
-    """Add to some bodies what their pairs press, pair by pair. Writes: scene.nodes."""
+def load_bodies_piece(group, k, scene):
+    """Add to some bodies the forces of their pairs, pair by pair. Writes: scene.nodes."""
     for j in range(group.ranges[k].first, group.ranges[k].end):
         bearer = group.bearers[j]
         body = scene.nodes[bearer.node]

@@ -8,9 +8,9 @@ from crashsolve.system import points
 from crashsolve.system.contact import node_contact
 from crashsolve.system.loops.many_pairs import (
     approach_piece,
-    bear_piece,
+    load_bodies_piece,
     nearest_of_pieces,
-    press_piece,
+    pair_forces_piece,
     sum_pieces,
 )
 from crashsolve.system.loops.nodal.searches import search_faces, search_shapes
@@ -27,7 +27,7 @@ from crashsolve.threads import jobs, worker
 
 @kernel
 def share(number, pieces, clock, h, scene):
-    """Do all pieces of a job, with all threads. Writes: what the job writes."""
+    """Do all pieces of a job, with all threads. Writes: the tables of the job."""
     scene.job[0].number, scene.job[0].h = number, h
     called = worker.call(pieces, scene.job[0].threads, scene.queues)
     do_pieces(0, called, clock, scene)
@@ -36,7 +36,7 @@ def share(number, pieces, clock, h, scene):
 
 
 @kernel
-def share_looks(group, clock, h, scene):
+def share_search(group, clock, h, scene):
     """Look for the probes of a group with all threads. Writes: group.found, seen, looks."""
     for number, other in enumerate(NODAL):
         if other is group:
@@ -46,7 +46,7 @@ def share_looks(group, clock, h, scene):
 
 @kernel
 def find_fastest(p, clock, h, scene):
-    """Largest speed of the points that contact asks for, unless it is known. Writes: touched."""
+    """Largest speed of the points that contact needs, unless it is known. Writes: touched."""
     if not node_contact.is_fastest_known(p, scene):
         share(jobs.SPEED, scene.pieces.shape[0], clock, h, scene)
         node_contact.store_fastest(p, jobs.largest_speed(p, scene), scene)
@@ -65,7 +65,9 @@ def share_load(group, span, entry, clock, h, scene):
 
 @kernel
 def collect_in_pieces(first, pieces, clock, h, scene):
-    """Give what corners that stand for others got to these, for some pieces. Writes: points."""
+    """Give the forces of replicas of corners to their originals, for some pieces. Writes:
+    points.
+    """
     scene.job[0].entry = first
     share(jobs.TAKE, pieces, clock, h, scene)
 
@@ -79,7 +81,7 @@ def contact_in_pieces(group, clock, h, scene):
         share(jobs.BEAR, group.ranges.shape[0], clock, h, scene)
     else:
         for k in range(group.pieces.shape[0]):
-            press_piece(group, k, clock, h, scene)
+            pair_forces_piece(group, k, clock, h, scene)
     sum_pieces(group, clock, scene)
 
 
@@ -106,7 +108,7 @@ def note_contact(group, scene):
 
 @kernel
 def do_pieces(me, called, clock, scene):
-    """Pieces of a job until none is left, by the thread `me`. Writes: what the job writes."""
+    """Pieces of a job until none is left, by the thread `me`. Writes: the tables of the job."""
     threads = scene.job[0].threads
     k = worker.next_piece(me, called, threads, scene.queues)
     while k >= 0:
@@ -117,12 +119,12 @@ def do_pieces(me, called, clock, scene):
 
 @kernel
 def do_piece(k, me, clock, scene):
-    """One piece of the present job. Writes: what the job writes."""
+    """One piece of the present job. Writes: the tables of the job."""
     job = scene.job[0]
     if ELEMENT_LOADS and job.number == jobs.LOAD:
         load_piece(k, job, scene)
     elif NODAL and job.number == jobs.LOOK:
-        look_piece(k, me, job.group, scene)
+        search_piece(k, me, job.group, scene)
     elif NODAL and job.number == jobs.SPEED:
         speed_piece(k, scene)
     elif ELEMENTS and job.number == jobs.OPEN:
@@ -139,13 +141,13 @@ def do_piece(k, me, clock, scene):
 
 @kernel
 def pairs_piece(k, job, scene):
-    """Some pairs of a contact, or some of their bodies. Writes: what the job writes."""
+    """Some pairs of a contact, or some of their bodies. Writes: the tables of the job."""
     for number, group in enumerate(CONTACTS):
         if group.in_pieces and job.group == number:
             if job.number == jobs.PRESS:
-                press_piece(group, k, scene.leader[0], job.h, scene)
+                pair_forces_piece(group, k, scene.leader[0], job.h, scene)
             elif job.number == jobs.BEAR:
-                bear_piece(group, k, scene)
+                load_bodies_piece(group, k, scene)
             else:
                 approach_piece(group, k, scene.leader[0], job.floor, scene)
 
@@ -197,15 +199,15 @@ def speed_piece(k, scene):
 
 
 @kernel
-def look_piece(k, me, number, scene):
+def search_piece(k, me, number, scene):
     """Search with some probes of a contact. Writes: group.found, seen, looks."""
     for number_of, group in enumerate(NODAL):
         if number == number_of and not group.keeps_faces:
-            look_for(group, k, me, scene)
+            search_probes(group, k, me, scene)
 
 
 @kernel
-def look_for(group, k, me, scene):
+def search_probes(group, k, me, scene):
     """Look for those probes of a range that are due. Writes: group.found, seen, looks."""
     one, last, count = group.looks[k], group.probes.shape[0], 0
     if k + 1 < group.looks.shape[0]:

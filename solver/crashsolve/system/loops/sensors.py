@@ -21,7 +21,9 @@ def measure(time, nodes, rows, curves, scene):
 
 @stage
 def cut_elements(scene):
-    """Blocks of the elements of sections once more, one after the other. Writes: scene.cuts."""
+    """Evaluate the blocks of the elements of sections again, one after the other. Writes:
+    scene.cuts.
+    """
     section_cut.open_cuts(scene)
     before = -1
     for k in range(scene.element_cuts.shape[0]):

@@ -50,7 +50,7 @@ def impulses_of_first_half(h, clock, control, nodes, scene):
         for group in UNILATERAL:
             params, history = group.parameters, group.history
             sides = (group.elements_a, group.elements_b)
-            unilateral.drift_held(clock.current, h, params, history, sides, nodes)
+            unilateral.drift_active_pairs(clock.current, h, params, history, sides, nodes)
             for i in range(params.shape[0]):
                 old, new = history[clock.current, i], history[1 - clock.current, i]
                 if old.active == 1:

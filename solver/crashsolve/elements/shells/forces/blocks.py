@@ -95,9 +95,11 @@ def erode(kind, p, scene, first, corner, live, material):
     for e in range(live):
         if has_failed(scene.lanes, first + e, p, kind.POINTS):
             d, c = diagonal(scene, corner + e, 2), diagonal(scene, corner + LANES + e, 2)
-            stored, held, drilling = kind.element_energy(p, scene.lanes, first + e, d, c, material)
+            stored, hourglass, drilling = kind.element_energy(
+                p, scene.lanes, first + e, d, c, material
+            )
             stride = kind.span(p).stride
-            delete(scene, first, stride, corner, e, kind.CORNERS, stored + held + drilling)
+            delete(scene, first, stride, corner, e, kind.CORNERS, stored + hourglass + drilling)
 
 
 @kernel
@@ -110,7 +112,7 @@ def add_energies(kind, p, out, scene, material):
         add_losses(p, blocks, at, span.stride, out)
         if blocks[at + LANES * BLOCK.thickness] > 0.0:
             d, e = diagonal(scene, corner + lane, 2), diagonal(scene, corner + LANES + lane, 2)
-            stored, held, drilling = kind.element_energy(p, blocks, at, d, e, material)
+            stored, hourglass, drilling = kind.element_energy(p, blocks, at, d, e, material)
             out.strain += stored
-            out.hourglass += held
+            out.hourglass += hourglass
             out.drilling += drilling

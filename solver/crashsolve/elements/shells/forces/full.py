@@ -1,7 +1,7 @@
 """Four-node shell with 2 by 2 points in its plane: the strains of bending in the plane at each.
 
     eps_x = eps_x0 + h_x q_x - nu h_y q_y,   eps_y = eps_y0 + h_y q_y - nu h_x q_x
-    h_x, h_y the slopes of xi eta,   q what motion in the plane has beyond a linear field
+    h_x, h_y the slopes of xi eta,   q the part of the motion in the plane beyond a linear field
 
 and likewise the curvatures, with q of the rotations. Shear is that of the middle, so that bending
 in the plane costs none; transverse shear is assumed from the sides, and elastic. In an elastic

@@ -7,9 +7,10 @@ its sum,
 
 a = (D - E) / 2 and b = (D + E) / 2 of the positions point from side to side. The axes turn with the
 polar rotation of the plane's deformation. In a warped element the corners lie beside the mean plane
-by z and -z: a surface through them has in its middle the strains of D and E, and what turning adds
-to H is no strain, so that the moments are in balance. Transverse shear is that of the four sides
-(assumed strain). Forces are the transpose of strains, so that a rigid motion does no work.
+by z and -z: a surface through them has in its middle the strains of D and E, and those that
+rotations add to H is no strain, so that the moments are in balance. Transverse shear is that of the
+four sides (assumed strain). Forces are the transpose of strains, so that a rigid motion does no
+work.
 
 References: Belytschko, Lin and Tsay (1984), Explicit algorithms for the nonlinear dynamics of
 shells, Computer Methods in Applied Mechanics and Engineering 42, 225-251. Belytschko and Leviathan
@@ -173,8 +174,9 @@ def rotation_bound(largest, both, skew, a_b, bending, rotation, nu):
 def rate_bound(flat, hourglass, z, area, thickness, radius_2, light, nu):
     """Bound of the largest squared frequency of the free element [1/s^2].
 
-    light is E A t / m / (1 - nu^2). Exact for strains of the plane; `held` is the hourglass, which
-    strains share in a skew element and turns in a warped one.
+    light is E A t / m / (1 - nu^2). Exact for strains of the plane; `hourglass_rate` is that
+    of the hourglass, which is coupled with strains in a skew element and with rotations in a
+    warped one.
     """
     x31, y31, x42, y42 = flat
     a_x, a_y, b_x, b_y = sides(flat)
@@ -188,15 +190,15 @@ def rate_bound(flat, hourglass, z, area, thickness, radius_2, light, nu):
     plane = 0.5 * both + sqrt(apart + 8.0 * nu * nu * k)
     plane = max(plane, 0.5 * (1.0 - nu) * (both + 0.25 * DRILLING * (both + rotation)))
     largest = 0.5 * both + sqrt(apart)
-    held = (1.0 - nu * nu) / 3.0 * largest
+    hourglass_rate = (1.0 - nu * nu) / 3.0 * largest
     slant = (h_x * h_x * xx + 2.0 * h_x * h_y * xy + h_y * h_y * yy) / 16.0
     skew = (h_x * h_x + h_y * h_y) * both / 16.0
     a_b = 0.5 * k * (a_x * a_x + a_y * a_y) * (b_x * b_x + b_y * b_y)
     # either with one stiffness for both, or apart, by (x - y)^2 <= (1 + s) x^2 + (1 + 1 / s) y^2
     share, warp = sqrt(slant), z * z * rotation
-    strained = plane + held * (share + slant)
+    strained = plane + hourglass_rate * (share + slant)
     bending = strained * thickness * thickness * rotation / 12.0
     rotated = rotation_bound(largest, both, skew, a_b, bending, rotation, nu)
-    one = larger_eigenvalue(held, max(plane, rotated), slant + warp)
-    two = max(strained, larger_eigenvalue(held * (1.0 + share), rotated, warp))
+    one = larger_eigenvalue(hourglass_rate, max(plane, rotated), slant + warp)
+    two = max(strained, larger_eigenvalue(hourglass_rate * (1.0 + share), rotated, warp))
     return light * min(one, two)

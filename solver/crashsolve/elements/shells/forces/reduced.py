@@ -53,5 +53,5 @@ def element_energy(p, blocks, at, d, e, material):
     t, _, area = in_plane(blocks, at, d, e)
     total = layer_energy(p, blocks, at + LANES * BLOCK.SIZE, material) + shear_energy(p, blocks, at)
     # after yielding the work on the hourglass is recoverable in part only: all of it is reported
-    held = blocks[at + LANES * BLOCK.hourglass_work]
-    return area * t * total, held, drilling_energy(p, blocks, at, t, area)
+    hourglass = blocks[at + LANES * BLOCK.hourglass_work]
+    return area * t * total, hourglass, drilling_energy(p, blocks, at, t, area)

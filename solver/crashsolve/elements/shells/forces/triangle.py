@@ -5,7 +5,7 @@
 
 with h^2 the mean square of the sides. The stress is weakened where the triangle is wide for its
 thickness, which keeps thin plates from locking and vanishes as the mesh is refined. Its mean in
-the element yields with the layers; what goes round its middle is elastic.
+the element yields with the layers; its part about the middle is elastic.
 Triangles are quadrilaterals whose last corner is their third, and share the axes of those; as both
 have linear rotations along a side, they go together in one mesh. Consequence to test: any patch of
 either holds constant strain and constant curvature.

@@ -5,7 +5,7 @@ CORNERS, `span` and `strain` of its elements (elements/shells/forces/blocks.py) 
 
     DAMPING                                where in `base` the tangent of damping belongs
     stress                                 stresses of a block, and the tangents of its layers
-    set_base                               what all columns need
+    set_base                               the data common to all columns
     strain_by_position, _by_rotation       change of the strains with a motion of a corner
     stress_by                              change of the stresses with that of the strains
     corner_forces_by_position, _rotation   change of the forces with a motion of a corner

@@ -1,8 +1,8 @@
 """Common functions of the tangents of shells: rows of numbers, corner rotations, blocks of the
 matrix.
 
-A tangent is made for sixteen elements at a time, a column for every motion of every corner: what is
-found once for all columns is `base`, what belongs to the present one is its `change`. A corner with
+A tangent is made for sixteen elements at a time, a column for every motion of every corner: data
+common to all columns are `base`, those of the present one are its `change`. A corner with
 the Cayley vector c of the step, which turns by dtheta at its end, has
 
     2 dc = dtheta + dtheta x c + (c . dtheta) c
@@ -88,22 +88,22 @@ def add_damping(base, entry, work, h, p):
 def respond(base, entry, change):
     """Multiply the changes at a point of the plane by its tangent. Writes: change."""
     for row in range(SIDE):
-        at = LANES * (CHANGE.comes + row)
+        at = LANES * (CHANGE.point_stress + row)
         for e in range(LANES):
             change[at + e] = 0.0
         for k in range(SIDE):
             P = entry + LANES * (SIDE * row + k)
             for e in range(LANES):
-                change[at + e] += base[P + e] * change[LANES * (CHANGE.enters + k) + e]
+                change[at + e] += base[P + e] * change[LANES * (CHANGE.point_strain + k) + e]
 
 
 @blockwise
-def enter_strains(change):
+def set_strain_changes(change):
     """Set the changes of strains and curvatures at a point; the others are 0. Writes: change."""
     for row in range(LANES * SIDE):
-        change[LANES * CHANGE.enters + row] = 0.0
+        change[LANES * CHANGE.point_strain + row] = 0.0
     for row in range(6 * LANES):
-        change[LANES * CHANGE.enters + row] = change[LANES * CHANGE.strain + row]
+        change[LANES * CHANGE.point_strain + row] = change[LANES * CHANGE.strain + row]
 
 
 @kernel
@@ -117,7 +117,7 @@ def add_column(scene, matrix, change, corner, live, b, k, count):
         add_moments(scene, change, corner, live, count)
     for e in range(live):
         at, lane = corner + LANES * b + e, (corner, e)
-        if scene.points[scene.corners[at]].held >> k & 1:
+        if scene.points[scene.corners[at]].fixed >> k & 1:
             continue
         put_column(scene, matrix, change, lane, b, k, 1.0, count)
         if has_arms and k < 3:
@@ -144,12 +144,12 @@ def put_column(scene, matrix, change, lane, b, k, share, count):
         address = scene.block_addresses[4 * corner + LANES * (4 * a + b) + e]
         if address < 0:
             continue
-        held = scene.points[scene.corners[corner + LANES * a + e]].held
+        fixed = scene.points[scene.corners[corner + LANES * a + e]].fixed
         block, at = matrix.blocks[address // 2], LANES * (CHANGE.mode_actions + 3 * a) + e
         for i in range(6):
-            if held >> i & 1:
+            if fixed >> i & 1:
                 continue
-            # what acts on the corner is the negative of what acts on its motion
+            # the force on the corner is the negative of that on its motion
             more = -share * change[at + LANES * (i if i < 3 else i + 9)]
             if address % 2 == 0:
                 block.stiff[6 * i + k] += more

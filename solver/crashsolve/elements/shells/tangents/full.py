@@ -2,8 +2,8 @@
 
     d eps_x = d eps_x0 + h_x dq_x + dh_x q_x - nu (h_y dq_y + dh_y q_y)
 
-at each point, with the tangent of its own layers; what acts on q is summed over the points with the
-slopes h of the end of the step. Consequence to test: central differences of the forces.
+at each point, with the tangent of its own layers; the action on q is summed over the points with
+the slopes h of the end of the step. Consequence to test: central differences of the forces.
 
 References: those of elements/full.py and layers.py.
 """
@@ -26,7 +26,12 @@ from crashsolve.elements.shells.layers import update_elements
 from crashsolve.elements.shells.records import BLOCK, WORK
 from crashsolve.elements.shells.resultants import clear_resultants
 from crashsolve.elements.shells.tangents import quadrilateral
-from crashsolve.elements.shells.tangents.columns import enter_strains, put_three, respond, shares
+from crashsolve.elements.shells.tangents.columns import (
+    put_three,
+    respond,
+    set_strain_changes,
+    shares,
+)
 from crashsolve.elements.shells.tangents.layers import clear_tangent, layers_and_tangent
 from crashsolve.elements.shells.tangents.quadrilateral import (
     corner_forces_by_rotation as corner_forces_by_rotation,
@@ -36,8 +41,8 @@ from crashsolve.elements.shells.tangents.quadrilateral import (
 )
 from crashsolve.elements.shells.tangents.quadrilateral import (
     end_moved,
-    enter_shear,
     geometry_at,
+    set_shear_changes,
     stress_of_shear,
 )
 from crashsolve.elements.shells.tangents.quadrilateral import (
@@ -92,12 +97,12 @@ def set_base(blocks, blocks_before, first, work, base, h):
 @blockwise
 def stress_by(base, change, p):
     """Change of the stresses with that of strains and geometry. Writes: change."""
-    enter_strains(change)
+    set_strain_changes(change)
     respond(base, DAMPING, change)
     for row in range(6 * LANES):
-        change[LANES * CHANGE.stressed + row] = change[LANES * CHANGE.comes + row]
+        change[LANES * CHANGE.stressed + row] = change[LANES * CHANGE.point_stress + row]
     for e in range(LANES):
-        enter_shear(change, e, 5.0 / 6.0 * p.shear)
+        set_shear_changes(change, e, 5.0 / 6.0 * p.shear)
         change[LANES * CHANGE.across + e] = change[LANES * CHANGE.relaxed + e] = 0.0
         for k in range(8):
             change[LANES * (CHANGE.sums + k) + e] = 0.0
@@ -128,15 +133,21 @@ def add_point_by(base, change, entry, xi, eta, nu):
         h, dh = slopes_at(flat, xi, eta), slopes_at(moved, xi, eta)
         h = (h[0] / area, h[1] / area)
         dh = (dh[0] / area - share * h[0], dh[1] / area - share * h[1])
-        put_three(change, LANES * CHANGE.enters + e, strains_by(base, change, e, 0, h, dh, nu))
+        put_three(
+            change, LANES * CHANGE.point_strain + e, strains_by(base, change, e, 0, h, dh, nu)
+        )
         bent = strains_by(base, change, e, 1, h, dh, nu)
-        put_three(change, LANES * (CHANGE.enters + BENDING) + e, bent)
+        put_three(change, LANES * (CHANGE.point_strain + BENDING) + e, bent)
     respond(base, entry, change)
     for e in range(LANES):
-        change[LANES * CHANGE.relaxed + e] += 0.25 * change[LANES * (CHANGE.comes + TAKEN_OUT) + e]
-        change[LANES * CHANGE.across + e] += 0.25 * change[LANES * (CHANGE.comes + ACROSS_OUT) + e]
+        change[LANES * CHANGE.relaxed + e] += (
+            0.25 * change[LANES * (CHANGE.point_stress + TAKEN_OUT) + e]
+        )
+        change[LANES * CHANGE.across + e] += (
+            0.25 * change[LANES * (CHANGE.point_stress + ACROSS_OUT) + e]
+        )
         for pair in range(2):
-            s = three(change, LANES * (CHANGE.comes + BENDING * pair) + e)
+            s = three(change, LANES * (CHANGE.point_stress + BENDING * pair) + e)
             at, to = LANES * (CHANGE.stressed + 3 * pair) + e, LANES * (CHANGE.sums + 4 * pair) + e
             for k in range(3):
                 change[at + LANES * k] += 0.25 * s[k]

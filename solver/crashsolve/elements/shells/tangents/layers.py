@@ -2,11 +2,11 @@
 
     d sigma = C d eps - (C n + ...) dg,   dg from the yield condition, whose root g is
 
-and so what the layers take from shear and hourglass (hourglass_return.py). What enters at a
-point of the plane, and what comes out,
+and so the part of shear and hourglass that the layers relax (hourglass_return.py). The strains at a
+point of the plane give
 
     X = (eps, kappa, amplitudes of the trial hourglass in the plane and by height, trial tau)
-    (dN, dM, what is relaxed of the amplitudes, of all, strain across) = P dX
+    (dN, dM, relaxed share of the amplitudes, of all, strain across) = P dX
 
 the amplitudes being Q_x / (t r_x) and 12 P_x / (t^3 r_x), of the stress s_x.
 

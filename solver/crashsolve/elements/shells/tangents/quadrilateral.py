@@ -256,7 +256,7 @@ def strain_by_position(base, change, b, k):
 
 @blockwise
 def strain_by_rotation(base, change, b):
-    """Change of the strains as corner b turns as `change` says. Writes: change."""
+    """Change of the strains as corner b turns by `change`. Writes: change."""
     d, c, g = shares(b)
     for e in range(LANES):
         at = LANES * BASE.middle + e
@@ -292,9 +292,9 @@ def stiffness_moved(flat, moved, area, grown_by, p, t):
 
 
 @inlined
-def enter_shear(change, e, stiff):
+def set_shear_changes(change, e, stiff):
     """Set the change of the trial transverse shear at a point. Writes: change."""
-    at, to = LANES * (CHANGE.strain + 10) + e, LANES * (CHANGE.enters + SHEAR_IN) + e
+    at, to = LANES * (CHANGE.strain + 10) + e, LANES * (CHANGE.point_strain + SHEAR_IN) + e
     change[to], change[to + LANES] = stiff * change[at], stiff * change[at + LANES]
 
 

@@ -8,11 +8,11 @@ a rigid body does, in it by the spin of the polar rotation,
 
     omega_3 = (dF_21 - dF_12) / (F_11 + F_22),   F = (D E) G
 
-and what is fixed in space changes by -omega x u along them. Consequence to test: the derivative of
+and a vector fixed in space changes by -omega x u along them. Consequence to test: the derivative of
 the forces that the step computes.
 
 Reference: Crisfield (1997), Non-linear Finite Element Analysis of Solids and Structures, vol. 2,
-18: what a consistent co-rotational tangent must hold.
+18: the condition of a consistent co-rotational tangent.
 """
 
 from crashsolve.elements.shells.forces.quadrilateral import (

@@ -5,7 +5,8 @@ BASE is computed once for all columns of a tangent, CHANGE for the present colum
 
 from crashsolve.foundation.record import Record, rows_of
 
-# numbers that enter at a point of the plane and come out, and where what follows begins (layers.py)
+# numbers of strains and resultants at a point of the plane, and first number of the others
+# (layers.py)
 SIDE = 12
 BENDING, MODES_IN, SHEAR_IN, TAKEN_OUT, ACROSS_OUT = 3, 6, 10, 10, 11
 POINT_ROWS = SIDE * SIDE
@@ -48,7 +49,7 @@ CHANGE = rows_of(
         across        1               strain across the thickness
         sums          N/m, N       8  over the points
         relaxed       1               share of all that is relaxed
-        enters        1       {SIDE}  at a point of the plane
-        comes         Pa m    {SIDE}  out of it
+        point_strain  1       {SIDE}  strains and curvatures at a point of the plane
+        point_stress  Pa m    {SIDE}  resultants of that point
     """)
 )

@@ -23,7 +23,7 @@ from crashsolve.elements.shells.hourglass_return import (
     set_trial_shear,
 )
 from crashsolve.elements.shells.layers import update_elements
-from crashsolve.elements.shells.tangents.columns import enter_strains, put_four, respond
+from crashsolve.elements.shells.tangents.columns import put_four, respond, set_strain_changes
 from crashsolve.elements.shells.tangents.layers import layers_of_one_point
 from crashsolve.elements.shells.tangents.quadrilateral import (
     corner_forces_by_position as corner_forces_by_position,
@@ -34,12 +34,12 @@ from crashsolve.elements.shells.tangents.quadrilateral import (
 from crashsolve.elements.shells.tangents.quadrilateral import (
     corner_forces_by_stress as corner_forces_by_stress,
 )
+from crashsolve.elements.shells.tangents.quadrilateral import set_base as set_base
 from crashsolve.elements.shells.tangents.quadrilateral import (
-    enter_shear,
+    set_shear_changes,
     stiffness_moved,
     stress_of_shear,
 )
-from crashsolve.elements.shells.tangents.quadrilateral import set_base as set_base
 from crashsolve.elements.shells.tangents.quadrilateral import (
     strain_by_position as strain_by_position,
 )
@@ -78,16 +78,16 @@ def stress(first, stride, h, p, scene, material):
 @blockwise
 def stress_by(base, change, p):
     """Change of the stresses with that of strains and geometry. Writes: change."""
-    enter_strains(change)
+    set_strain_changes(change)
     for e in range(LANES):
         modes_by(base, change, e, p)
-        enter_shear(change, e, 5.0 / 6.0 * p.shear)
+        set_shear_changes(change, e, 5.0 / 6.0 * p.shear)
     respond(base, LANES * BASE.points, change)
     for row in range(6 * LANES):
-        change[LANES * CHANGE.stressed + row] = change[LANES * CHANGE.comes + row]
+        change[LANES * CHANGE.stressed + row] = change[LANES * CHANGE.point_stress + row]
     for e in range(LANES):
-        change[LANES * CHANGE.relaxed + e] = change[LANES * (CHANGE.comes + TAKEN_OUT) + e]
-        change[LANES * CHANGE.across + e] = change[LANES * (CHANGE.comes + ACROSS_OUT) + e]
+        change[LANES * CHANGE.relaxed + e] = change[LANES * (CHANGE.point_stress + TAKEN_OUT) + e]
+        change[LANES * CHANGE.across + e] = change[LANES * (CHANGE.point_stress + ACROSS_OUT) + e]
         relax_modes_by(base, change, e)
     stress_of_shear(base, change, p)
 
@@ -128,23 +128,23 @@ def modes_by(base, change, e, p):
         bend * (k[1] * d[3] + k[2] * d[2] + j[1] * u[3] + j[2] * u[2]),
     )
     put_four(change, to, Q)
-    sizes, integrate_stress = sizes_at(base, change, e)
+    sizes, size_changes = sizes_at(base, change, e)
     for m in range(4):
         over = (1.0 if m < 2 else 1.0 / bend) / (t * sizes[m % 2])
-        share = integrate_stress[m % 2] / sizes[m % 2]
+        share = size_changes[m % 2] / sizes[m % 2]
         amplitude = base[LANES * (BASE.amplitude + m) + e]
-        change[LANES * (CHANGE.enters + MODES_IN + m) + e] = over * Q[m] - share * amplitude
+        change[LANES * (CHANGE.point_strain + MODES_IN + m) + e] = over * Q[m] - share * amplitude
 
 
 @inlined
 def relax_modes_by(base, change, e):
     """Relax the changes of the stresses of the modes by yielding. Writes: change."""
-    t, (sizes, integrate_stress) = (
+    t, (sizes, size_changes) = (
         base[LANES * BASE.thickness_before + e],
         sizes_at(base, change, e),
     )
     for m in range(4):
         relaxed = base[LANES * (BASE.relaxed_modes + m) + e]
-        more = change[LANES * (CHANGE.comes + MODES_IN + m) + e]
-        less = t * (integrate_stress[m % 2] * relaxed + sizes[m % 2] * more)
+        more = change[LANES * (CHANGE.point_stress + MODES_IN + m) + e]
+        less = t * (size_changes[m % 2] * relaxed + sizes[m % 2] * more)
         change[LANES * (CHANGE.stressed + 6 + m) + e] -= less

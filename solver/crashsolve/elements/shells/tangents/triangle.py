@@ -25,10 +25,10 @@ from crashsolve.elements.shells.layers import reset_growth, update_elements
 from crashsolve.elements.shells.records import BLOCK, WORK
 from crashsolve.elements.shells.tangents.columns import (
     axes_at,
-    enter_strains,
     put_four,
     put_three,
     respond,
+    set_strain_changes,
 )
 from crashsolve.elements.shells.tangents.layers import layers_of_one_point
 from crashsolve.elements.shells.tangents.quadrilateral import (
@@ -189,7 +189,7 @@ def strain_by_position(base, change, b, k):
 
 @blockwise
 def strain_by_rotation(base, change, b):
-    """Change of the strains as corner b turns as `change` says. Writes: change."""
+    """Change of the strains as corner b turns by `change`. Writes: change."""
     s = (0.5 * (b - 1.0) * (b - 2.0), b * (2.0 - b), 0.5 * b * (b - 1.0), 0.0)
     for e in range(LANES):
         at = LANES * BASE.middle + e
@@ -208,15 +208,15 @@ def strain_by_rotation(base, change, b):
 @blockwise
 def stress_by(base, change, p):
     """Change of the stresses with that of strains and geometry. Writes: change."""
-    enter_strains(change)
+    set_strain_changes(change)
     for e in range(LANES):
-        tau = LANES * (CHANGE.enters + SHEAR_IN) + e
+        tau = LANES * (CHANGE.point_strain + SHEAR_IN) + e
         change[tau], change[tau + LANES] = shear_by(base, change, e, p)
     respond(base, LANES * BASE.points, change)
     for row in range(6 * LANES):
-        change[LANES * CHANGE.stressed + row] = change[LANES * CHANGE.comes + row]
+        change[LANES * CHANGE.stressed + row] = change[LANES * CHANGE.point_stress + row]
     for e in range(LANES):
-        change[LANES * CHANGE.relaxed + e] = change[LANES * (CHANGE.comes + TAKEN_OUT) + e]
+        change[LANES * CHANGE.relaxed + e] = change[LANES * (CHANGE.point_stress + TAKEN_OUT) + e]
         shear_and_tie_by(base, change, e, p)
 
 
@@ -240,13 +240,13 @@ def shear_and_tie_by(base, change, e, p):
     Q = k * (du[2] + (weaker + wider - more / area) * u[2])
     put_four(change, to + 6 * LANES, (Q, 0.0, 0.0, 0.0))
     # large strain grows the logarithm of the thickness
-    across = change[LANES * (CHANGE.comes + ACROSS_OUT) + e]
+    across = change[LANES * (CHANGE.point_stress + ACROSS_OUT) + e]
     thinner = (after if p.large_strain == 1 else t) * across if p.thins == 1 else 0.0
     left, less = relaxation(base, change, e)
     still, tau, trial = (
         thinner - after * less,
         LANES * BASE.tau + e,
-        LANES * (CHANGE.enters + SHEAR_IN) + e,
+        LANES * (CHANGE.point_strain + SHEAR_IN) + e,
     )
     V_x = after * left * change[trial] + still * base[tau]
     V_y = after * left * change[trial + LANES] + still * base[tau + LANES]

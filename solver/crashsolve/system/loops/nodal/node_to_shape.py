@@ -5,7 +5,7 @@ from crashsolve.system.contact import node_contact, pass_through, surface_fricti
 from crashsolve.system.contact.pair import ProbeHit, ProbeResponse, Touch
 from crashsolve.system.loops.nodal.searches import search_shapes
 from crashsolve.system.loops.nodal.surface_friction import friction_on_shape
-from crashsolve.system.loops.pieces import find_fastest, share_looks
+from crashsolve.system.loops.pieces import find_fastest, share_search
 from crashsolve.system.placeholders import THREADS
 
 
@@ -20,7 +20,7 @@ def node_to_shape(group, clock, h, nodes, curves, scene):
     copies = (group.frames, first_body, group.home)
     node_contact.update_shapes(h, p, totals, probes, nodes, scene, copies)
     if THREADS and not group.keeps_faces:
-        share_looks(group, clock, h, scene)
+        share_search(group, clock, h, scene)
         for k in range(group.looks.shape[0]):
             one = group.looks[k]
             for j in range(one.first, one.first + one.count):
@@ -33,8 +33,8 @@ def node_to_shape(group, clock, h, nodes, curves, scene):
             if due[i] <= totals.travel:
                 x, v = node_contact.position_and_velocity(probes[i], h, nodes, scene.points)
                 hit = group.found[0, 0]
-                held, over = search_shapes(group, i, group.a[0], v, hit, nodes, scene)
-                nearest = ProbeHit(x, v, hit, held, over)
+                retained, over = search_shapes(group, i, group.a[0], v, hit, nodes, scene)
+                nearest = ProbeHit(x, v, hit, retained, over)
                 apply_shape_forces(group, clock, h, i, nearest, nodes, curves, scene)
     node_contact.add_energies(totals, card, counts[p.card])
 
@@ -70,7 +70,7 @@ def end_shape_contact(group, clock, h, touch, nearest, count, scene):
     node_contact.mark_for_acceptance(h, group.slot_in_use, touch.number)
     group.normal.release(p, old, new)
     if group.keeps_faces:
-        pass_through.record_probe(clock, h, p, old, new, hit, nearest.held, nearest.over)
+        pass_through.record_probe(clock, h, p, old, new, hit, nearest.retained, nearest.over)
     elif group.has_ends:
         pass_through.record_round_probe(clock, h, p, old, new, hit)
     if group.friction:
@@ -93,7 +93,7 @@ def apply_forces_on_shape(group, clock, h, touch, nearest, nodes, curves, scene)
     rate = node_contact.closing_speed(v, node_contact.body_velocity(body, x), hit, h, old, w)
     touches.latch(p, old, new, hit.depth, rate, counts[p.card])
     if group.keeps_faces:
-        pass_through.record_probe(clock, h, p, old, new, hit, nearest.held, nearest.over)
+        pass_through.record_probe(clock, h, p, old, new, hit, nearest.retained, nearest.over)
     elif group.has_ends:
         pass_through.record_round_probe(clock, h, p, old, new, hit)
     f, stored, power, loss, k, c = group.normal.normal_force(

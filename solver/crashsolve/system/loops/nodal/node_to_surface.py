@@ -14,7 +14,7 @@ from crashsolve.system.contact import (
 from crashsolve.system.contact.pair import ProbeResponse, Touch
 from crashsolve.system.loops.nodal.searches import search_faces
 from crashsolve.system.loops.nodal.surface_friction import friction_on_face
-from crashsolve.system.loops.pieces import find_fastest, share_looks
+from crashsolve.system.loops.pieces import find_fastest, share_search
 from crashsolve.system.placeholders import THREADS
 
 
@@ -25,14 +25,14 @@ def node_to_surface(group, clock, h, nodes, curves, scene):
     card, counts = scene.cards[p.card], scene.card_history[1 - clock.current]
     lists = (group.first, group.near, group.wait, due)
     grid = (group.cells, group.starts, group.sorted)
-    spared = (group.spared_first, group.spared)
+    excluded = (group.excluded_first, group.excluded)
     if THREADS:
         find_fastest(p, clock, h, scene)
-    projection.update_face_lists(h, p, totals, probes, nodes, scene, Near(grid, lists, spared))
+    projection.update_face_lists(h, p, totals, probes, nodes, scene, Near(grid, lists, excluded))
     if group.can_fail:
         projection.remove_near_faces(p, scene.lanes, group.deleted)
     if THREADS:
-        share_looks(group, clock, h, scene)
+        share_search(group, clock, h, scene)
         for k in range(group.looks.shape[0]):
             one = group.looks[k]
             for j in range(one.first, one.first + one.count):

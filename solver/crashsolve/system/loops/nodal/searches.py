@@ -21,20 +21,20 @@ def search_faces(group, i, found, nodes, scene):
     sides, deleted = projection.Sides(group.probe_states, group.slot_in_use, found), group.deleted
     lists = (group.first, group.near, group.wait, group.due)
     mesh = (points, scene.corners, group.beside, group.around_first, group.around, deleted)
-    spared = (group.spared_first, group.spared)
+    excluded = (group.excluded_first, group.excluded)
     if group.is_round:
         ellipsoid = group.ellipsoids[i]
         ellipsoids.find_nearest_faces(i, p, totals, ellipsoid, nodes, sides, mesh, lists)
         if group.is_smooth:
             x, probe_element = ellipsoids.centre_of(ellipsoid, nodes)
-            normals.apply_field(i, x, probe_element, p, mesh, spared, found)
+            normals.apply_field(i, x, probe_element, p, mesh, excluded, found)
     else:
         x, _ = node_contact.position_and_velocity(group.probes[i], 0.0, nodes, points)
         projection.find_nearest_faces(i, x, p, totals, sides, mesh, lists)
         if group.is_smooth:
-            normals.apply_field(i, x, None, p, mesh, spared, found)
+            normals.apply_field(i, x, None, p, mesh, excluded, found)
         else:
-            walls.find_walls(i, x, p, totals, sides, mesh, lists)
+            walls.find_walls(i, x, p, totals, sides, mesh, lists, group.initial)
 
 
 @apart
@@ -46,7 +46,7 @@ def search_shapes(group, i, probe_element, v, hit, nodes, scene):
     x, _ = node_contact.position_and_velocity(group.probes[i], 0.0, nodes, scene.points)
     node_contact.place_probe(frames[probe_element.node], x, hit)
     old = group.probe_states[node_contact.accept_record(group.slot_in_use, i), i]
-    held, over = False, -1.0
+    retained, over = False, -1.0
     for e in range(shapes.shape[0]):
         depth, n, _ = group.narrow.gap(probe_element, shapes[e], frames, group.data)
         if (
@@ -56,11 +56,11 @@ def search_shapes(group, i, probe_element, v, hit, nodes, scene):
         ):
             u = node_contact.body_velocity(nodes[group.home[shapes[e].node]], x)
             kept = group.narrow.gap_by(probe_element, shapes[e], frames, group.data, old.normal)
-            if pass_through.retains_face(old, v, u, n, kept):
-                held = True
+            if pass_through.may_retain_face(old, v, u, n, kept):
+                retained = True
                 depth, n, _, over = kept
         if group.has_core_depth and old.face == e and depth > p.gap:
             over = max(over, depth - group.narrow.middle(probe_element, shapes[e], frames, n))
         node_contact.keep_deepest(hit, e, depth, n)
     node_contact.set_due(i, hit, totals, group.due)
-    return held, over
+    return retained, over
