@@ -2,11 +2,11 @@
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from bench import Bench, Law, assert_balanced, refusal, written
+from numpy.typing import ArrayLike
 
 from crashsolve.belts import _flow
 from crashsolve.belts import belt as belt_law
@@ -46,7 +46,7 @@ def angles(law: Law) -> np.ndarray:
     return np.array(law.out.angle[1 : law.p.segments])
 
 
-def go(law: Law, moves: Iterable[Any], node: int = 1, steps: int = 1) -> None:
+def go(law: Law, moves: Iterable[ArrayLike], node: int = 1, steps: int = 1) -> None:
     """Move a body by each of some displacements [m], in equal steps."""
     for move in moves:
         for _ in range(steps):

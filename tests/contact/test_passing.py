@@ -114,7 +114,7 @@ def fly(
     struck: str,
     height: float,
     speed: float,
-    step: Any,
+    step: float | None,
     beside: float = 5e-4,
     stiffness: float = 1e6,
 ) -> Any:

@@ -31,7 +31,7 @@ LAWS = [
 KINDS = ("linear", "smooth", "cubic")
 
 
-def values(x: Any, c: Any, at: Any, derivative: int = 0) -> Any:
+def values(x: np.ndarray, c: np.ndarray, at: float | np.ndarray, derivative: int = 0) -> np.ndarray:
     """Value or derivative of piecewise cubics, by numpy alone."""
     i = np.clip(np.searchsorted(x, at, side="right") - 1, 0, len(x) - 2)
     s = at - x[i]
@@ -97,7 +97,7 @@ def test_codes_of_extrapolation_are_those_of_the_evaluator() -> None:
     assert EXTRAPOLATE == {"refuse": curve.REFUSE, "hold": curve.HOLD, "linear": curve.LINEAR}
 
 
-def card_of(units: dict[str, str] | None = None, **fields: Any) -> table.Table:
+def card_of(units: dict[str, str] | None = None, **fields: object) -> table.Table:
     names = {**dict(zip(BASES, ("m", "kg", "s", "rad"), strict=True)), **(units or {})}
     bases = {base: parse_unit(name) for base, name in names.items()}
     return table.Table.model_validate(fields, context=Context(bases) if units else Context())

@@ -20,7 +20,7 @@ from math import (
     tanh,
 )
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -46,8 +46,8 @@ ON, OFF = True, False
 
 
 class Pair(NamedTuple):
-    first: Any
-    second: Any
+    first: object
+    second: object
 
 
 @kernel

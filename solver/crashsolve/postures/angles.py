@@ -11,7 +11,7 @@ joints close to round-off, and the zero posture leaves the bodies where their ca
 import numpy as np
 from pydantic import model_validator
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Jointed, Scene
 from crashsolve.deck.card import BodyName, Card, JointName, Rotation, Vec3, quantity, word
 from crashsolve.foundation.orientation import matrix, quaternion_of
 from crashsolve.postures._chain import Link, Motion, in_order, link, next_body
@@ -77,9 +77,9 @@ def build(card: Angles, scene: Scene) -> None:
         scene.r[node], scene.v[node], scene.w[node] = motion.x, motion.v, motion.w
 
 
-def _card(turned: Turned, i: int, scene: Scene) -> object:
+def _card(turned: Turned, i: int, scene: Scene) -> Jointed:
     """The card of a joint, which must move with its bodies."""
-    card = scene.joint_entry(turned.joint).card
+    card: Jointed = scene.joint_entry(turned.joint).card
     if getattr(card, "frame", "world") == "world":
         raise scene.fail(
             f"'{turned.joint}' is given in the world, where a posture moves its bodies; give its "

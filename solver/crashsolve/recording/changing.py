@@ -1,10 +1,8 @@
 """Arrays that restore the State, of a restart dump or of the last sample."""
 
-from typing import Any
-
 import numpy as np
 
-from crashsolve.model.contact.groups import ContactGroup
+from crashsolve.model.contact.groups import ContactGroup, NodalGroup
 from crashsolve.model.contact.pairs import take_pairs
 from crashsolve.system.engine import Engine
 
@@ -71,7 +69,7 @@ def _lists(engine: Engine) -> list[ContactGroup]:
     return [c for c in engine.model.contact_groups if c.search is not None]
 
 
-def _nodal(engine: Engine) -> list[Any]:
+def _nodal(engine: Engine) -> list[NodalGroup]:
     """Groups of nodal contact."""
     return engine.model.nodal_groups
 
@@ -83,7 +81,7 @@ def _plain(array: np.ndarray) -> np.ndarray:
     return array.view(np.uint8).reshape(*array.shape, array.dtype.itemsize)
 
 
-def _columns(array: np.ndarray, dtype: Any) -> np.ndarray:
+def _columns(array: np.ndarray, dtype: np.dtype) -> np.ndarray:
     """Columns in place of bytes."""
     return array if dtype.names is None else array.view(dtype)[..., 0]
 

@@ -12,7 +12,7 @@ import time as clock
 from collections.abc import Iterable
 from math import inf
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from crashsolve.recording.kept import SampledTables
 from crashsolve.system.engine import Engine
 
 if TYPE_CHECKING:
+    from crashsolve.foundation.rows import RowOfTable
     from crashsolve.recording.changing import Snapshot
 
 ENTRIES = ("march", "check_interval", "start_interval", "finish_interval")
@@ -43,12 +44,12 @@ class March:
         self._kept: SampledTables | None = None
         state, control = engine.state, engine.model.control[0]
         self._job = np.zeros(1, march.JOB.dtype)
-        self.job: Any = as_rows(self._job)[0]
+        self.job: RowOfTable = as_rows(self._job)[0]
         self.job.is_dense, self.job.end = engine.is_dense, control["end"]
         self.job.limit, self.job.longest = control["energy_limit"], inf
         self.job.cards = len(engine.model.contacts)
         self.watch_table = np.zeros(1, march.WATCH.dtype)
-        self.watch: Any = as_rows(self.watch_table)[0]
+        self.watch: RowOfTable = as_rows(self.watch_table)[0]
         self.watch.watches = snapshot is not None
         self.marks = np.zeros(len(state.cards), march.MARK.dtype)
         self.phase = np.zeros(1, march.PHASE.dtype)

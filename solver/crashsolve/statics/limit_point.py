@@ -9,11 +9,10 @@ stops at its limit load, with any number of load steps.
 Reference: Crisfield (1991), Non-linear Finite Element Analysis of Solids and Structures 1, ch. 9.
 """
 
-from typing import Any
-
 import numpy as np
 
 from crashsolve.model import ledger as energy
+from crashsolve.statics.equations import Equations
 
 # over the value by both tangents, beyond which a change of configuration has left the path; and
 # share of the value by the first of them, below which the load step is examined in halves
@@ -63,7 +62,7 @@ def exchanged(change: np.ndarray) -> float:
 
 
 def passes_limit_point(
-    engine: Any, start: np.ndarray, start_time: float, target: float, missing: float
+    engine: Equations, start: np.ndarray, start_time: float, target: float, missing: float
 ) -> bool:
     """Whether the equilibria at both moments [s] are no neighbours; `start` are the nodes at first,
     `missing` the share of the energy exchanged between both that is not accounted for.
@@ -89,7 +88,7 @@ def passes_limit_point(
 
 
 def _ends_elsewhere(
-    engine: Any, start: np.ndarray, start_time: float, target: float, change: float
+    engine: Equations, start: np.ndarray, start_time: float, target: float, change: float
 ) -> bool:
     """Whether the way back from an equilibrium ends far from the nodes where it began."""
     here, tangent, first = engine.state.nodes.copy(), engine.tangent, engine.first

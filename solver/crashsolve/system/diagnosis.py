@@ -1,7 +1,7 @@
 """Why the compiled loop stopped: location, likely cause and advice, as the user reads them."""
 
 from math import isfinite
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -342,7 +342,7 @@ def find_law_gain(model: Model, state: State) -> Diagnosis:
     return where, why, f"{closer(model, state)}; control.energy_limit sets the bound"
 
 
-def _gain_of(now: Any, stored: float, limit: float) -> tuple[float, str]:
+def _gain_of(now: np.void, stored: float, limit: float) -> tuple[float, str]:
     """Energy that a law has created, over the energy it exchanged, and in words."""
     taken, initial = (
         0.5 * float(now["exchanged"] - now["work_done"]),

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from importlib import import_module
 from math import inf, nextafter
 from time import monotonic
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -35,6 +35,9 @@ from crashsolve.system.joint_balance import joint_warnings
 from crashsolve.system.placeholders import group_arrays, is_shared, samples_within_steps
 from crashsolve.system.swings import swing_warnings
 from crashsolve.threads.sharing import arrays_of_threads
+
+if TYPE_CHECKING:
+    from crashsolve.foundation.rows import RowOfTable
 
 # an assembly error above this share of the model's size is an error in the deck, not round-off
 ASSEMBLY = 1e-6
@@ -135,8 +138,8 @@ class Engine:
         m, s = self.model, self.state
         self.bindings += 1
         # time, step, cycle and totals: at present, and of the last sample
-        self.clock: Any = as_rows(s.clock)[0]
-        self.sampled: Any = as_rows(self.sample_clock)[0]
+        self.clock: RowOfTable = as_rows(s.clock)[0]
+        self.sampled: RowOfTable = as_rows(self.sample_clock)[0]
         shared = (
             group_arrays(m, s) | m.saddle._asdict() | {"control": m.control, "curves": m.curves}
         )

@@ -5,10 +5,12 @@ in a variable join, each is converted to the widest kind. The kinds at the end o
 after its start has been translated: if they differ, the function is translated again.
 """
 
+from __future__ import annotations
+
 import ast
 from functools import cache
 from types import FunctionType
-from typing import Any
+from typing import TYPE_CHECKING
 
 from crashsolve.compiler.translation import arithmetic, memory
 from crashsolve.compiler.translation.expressions import Expressions
@@ -35,6 +37,9 @@ from crashsolve.compiler.translation.variables import (
     Slots,
     wider,
 )
+
+if TYPE_CHECKING:
+    import numpy as np
 
 
 class Again(Exception):
@@ -244,7 +249,7 @@ class Function(Expressions):
         for target, item in zip(targets, items, strict=True):
             self.assign(target.value if isinstance(target, ast.Starred) else target, item)
 
-    def slot_of(self, target: ast.expr) -> tuple[str, Any]:
+    def slot_of(self, target: ast.expr) -> tuple[str, np.dtype]:
         """Address and type of a number that is to be written."""
         if isinstance(target, ast.Attribute):
             row = self.value(target.value)
