@@ -9,10 +9,12 @@ stops at its limit load, with any number of load steps.
 Reference: Crisfield (1991), Non-linear Finite Element Analysis of Solids and Structures 1, ch. 9.
 """
 
+from typing import Protocol
+
 import numpy as np
 
 from crashsolve.model import ledger as energy
-from crashsolve.statics.equations import Equations
+from crashsolve.statics.equations import CurvesOfLaws, Equations, Flowing
 
 # over the value by both tangents, beyond which a change of configuration has left the path; and
 # share of the value by the first of them, below which the load step is examined in halves
@@ -46,7 +48,19 @@ class Softening:
             self.least = min(self.least, self.last)
 
 
-def is_at_limit_point(engine: Any) -> bool:
+class LoadSteps(Protocol):
+    """Attributes of an engine that takes load steps."""
+
+    checks_limit_points: bool
+    softening: Softening
+
+    @property
+    def yielding(self) -> CurvesOfLaws: ...
+    @property
+    def plastic_flow(self) -> Flowing: ...
+
+
+def is_at_limit_point(engine: LoadSteps) -> bool:
     """Whether the last tangent is so soft that the load can hardly rise.
 
     Of laws that yield nothing is said, nor of equilibria found by motion.

@@ -1,11 +1,9 @@
 """Why there is no next equilibrium to go to, as the user reads it."""
 
-from typing import Any
-
 from crashsolve.foundation.errors import SolverError
 from crashsolve.model import ledger as energy
 from crashsolve.statics.equations import Equations
-from crashsolve.statics.limit_point import is_at_limit_point
+from crashsolve.statics.limit_point import LoadSteps, is_at_limit_point
 from crashsolve.system.diagnosis import curve_end
 
 
@@ -106,7 +104,7 @@ class Problem:
         )
 
 
-def explanation(engine: Any, found: list[Problem]) -> Problem:
+def explanation(engine: LoadSteps, found: list[Problem]) -> Problem:
     """The earliest unstable mode, which explains the failures beyond it; else the last problem,
     which is that of a limit point where no equilibrium was found beside one.
     """

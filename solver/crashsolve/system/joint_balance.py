@@ -11,6 +11,9 @@ import numpy as np
 from crashsolve.model.hubs import connected
 from crashsolve.model.model import Model, State
 
+# of the bodies of a mechanism
+SUMS = ("work", "unseen", "exchange")
+
 
 class Created(NamedTuple):
     """Energies of the joints of a mechanism [J], in steps of many iterations."""
@@ -40,8 +43,8 @@ def created_by_joints(model: Model, state: State) -> Iterator[Created]:
         mass = np.divide(1.0, b["mass_inv"], where=b["mass_inv"] > 0.0, out=np.zeros(len(held)))
         now = 0.5 * ((v * v).sum(axis=1) * mass + (b["w"] * b["L"]).sum(axis=1))
         kinetic = max(float(now.sum()), float(b["largest_kinetic"].sum()))
-        sums = (float(b[f"joint_{name}"].sum()) for name in ("work", "unseen", "exchange"))
-        yield Created(joints[0].name, len(joints) - 1, *sums, kinetic)
+        work, unseen, exchange = (float(b[f"joint_{name}"].sum()) for name in SUMS)
+        yield Created(joints[0].name, len(joints) - 1, work, unseen, exchange, kinetic)
 
 
 def gaining_joints(model: Model, state: State) -> Created | None:
