@@ -41,7 +41,7 @@ from crashsolve.model.force_columns import (
     ROW_PARAMETERS,
     history_of_force,
 )
-from crashsolve.model.hubs import plan_of
+from crashsolve.model.hubs import plan_of, set_references
 from crashsolve.model.implicit.assembly import add_nodes_of_points
 from crashsolve.model.integrator_selection import Choice, by_default, choose, resolve
 from crashsolve.model.ledger import ENTRIES
@@ -386,6 +386,7 @@ def _state(model: Model, scene: Scene) -> State:
     card_history = np.zeros((2, len(model.contacts)), records.CARD_HISTORY.dtype)
     card_history["first_touch"] = card_history["last_release"] = start - 1.0
     nodes = initial_nodes(scene)
+    set_references(nodes, model.joints)
     # the ground never moves
     nodes["start_q"], nodes["start_A"] = nodes["q"], nodes["A"]
     return State(

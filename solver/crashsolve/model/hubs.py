@@ -27,7 +27,7 @@ def plan_of(joints: Sequence[Joint], mass: np.ndarray) -> Saddle:
 def hubs_of(joints: Sequence[Joint], mass: np.ndarray) -> tuple[int, ...]:
     """Nodes that are hubs, at most one of a group that joints connect; `mass` (n,) of all nodes."""
     found = []
-    for group in _connected(joints):
+    for group in connected(joints):
         nodes = {node for joint in group for node in joint.nodes}
         rows: dict[int, int] = defaultdict(int)
         for joint in group:
@@ -42,7 +42,14 @@ def hubs_of(joints: Sequence[Joint], mass: np.ndarray) -> tuple[int, ...]:
     return tuple(found)
 
 
-def _connected(joints: Sequence[Joint]) -> list[list[Joint]]:
+def set_references(nodes: np.ndarray, joints: Sequence[Joint]) -> None:
+    """Writes: nodes.reference, the first body of each mechanism, or the ground that holds it."""
+    for mechanism in connected(joints):
+        held = {node for joint in mechanism for node in joint.nodes}
+        nodes["reference"][list(held)] = min(held)
+
+
+def connected(joints: Sequence[Joint]) -> list[list[Joint]]:
     """Joints in groups that share bodies; the ground is one of them."""
     parent: dict[int, int] = {}
 

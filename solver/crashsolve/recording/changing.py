@@ -92,6 +92,8 @@ class Snapshot:
     def __init__(self, engine: Engine) -> None:
         self.engine = engine
         self._arrays: dict[str, np.ndarray] = {}
+        # where copies go: they become the snapshot when they have been made
+        self._targets: dict[str, np.ndarray] = {}
         self._pairs: list[tuple[np.ndarray, np.ndarray]] = []
         # number of the binding of arrays to which the copies belong
         self._bound = -1
@@ -100,13 +102,20 @@ class Snapshot:
         self.is_copied = not _nodal(engine) and all(a.flags.c_contiguous for a in arrays)
 
     def pieces(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Copies to be made, from and to, in bytes, as numpy copies columns one by one."""
+        """Copies to be made, from and to, in bytes, as numpy copies columns one by one.
+
+        Tables may be bound anew within an interval: what its begin has stored stays as it is.
+        """
         if self._bound != self.engine.bindings:
             now = {name: a for name, a in changing(self.engine).items() if a.size}
-            self._arrays = {name: a.copy() for name, a in now.items()}
-            self._pairs = [(_bytes(a), _bytes(self._arrays[name])) for name, a in now.items()]
+            self._targets = {name: np.empty_like(a) for name, a in now.items()}
+            self._pairs = [(_bytes(a), _bytes(self._targets[name])) for name, a in now.items()]
             self._bound = self.engine.bindings
         return self._pairs
+
+    def note_copies(self) -> None:
+        """All of `pieces` have been copied."""
+        self._arrays = self._targets
 
     def take(self) -> None:
         """Store the present arrays."""
@@ -115,6 +124,7 @@ class Snapshot:
             return
         for now, kept in self.pieces():
             kept[...] = now
+        self.note_copies()
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Copied arrays by name."""
@@ -122,7 +132,7 @@ class Snapshot:
 
     def recall(self, arrays: dict[str, np.ndarray]) -> None:
         """Restore the values of `arrays` of another snapshot."""
-        self._arrays, self._bound = dict(arrays), -1
+        self._arrays = dict(arrays)
 
     def restore_copy(self) -> None:
         """Restore the stored arrays."""
@@ -132,7 +142,7 @@ class Snapshot:
                 group.output[name] = 0.0
             if group.applied is not None:
                 group.applied[...] = 0
-        if self.is_copied and self._bound == self.engine.bindings:
+        if self._arrays is self._targets and self._bound == self.engine.bindings:
             for now, kept in self._pairs:
                 now[...] = kept
             return

@@ -70,6 +70,7 @@ class March:
             if self.snapshot is not None and not self.snapshot.is_copied:
                 self.snapshot.take()
             self._call("start_interval")
+            self._note_snapshot()
 
     def finish_interval(self) -> None:
         """Count the interval that ends now."""
@@ -101,11 +102,18 @@ class March:
         self.job.most, self.job.first, self.job.total = count, kept.count, 0
         status = self.engine.within_pause(lambda: self._call("march"))
         kept.count += int(self.job.count)
+        if self.job.count:
+            self._note_snapshot()
         spent, share = clock.process_time() - begun, 1.0
         if self.job.total > 0:
             share = float(self.job.stepping) / float(self.job.total)
         left = status if self.job.why == march.STEPPED else None
         return int(self.job.count), spent * share, left
+
+    def _note_snapshot(self) -> None:
+        """An interval has begun, with a snapshot."""
+        if self.snapshot is not None and self.snapshot.is_copied:
+            self.snapshot.note_copies()
 
     def _call(self, name: str) -> None:
         self._entries[name](0.0, False, self._tables)

@@ -23,6 +23,7 @@ from crashsolve.model.clock import (
 )
 from crashsolve.model.model import Model, State
 from crashsolve.system.gain import OVERSTATED, energy_gain, has_gain, overstates
+from crashsolve.system.joint_balance import gaining_joints
 from crashsolve.system.timestep import QUARTER
 
 # the best remedy where a shell folds on itself: a node meets the nearer of two walls alone
@@ -176,6 +177,16 @@ def open_joints(model: Model, state: State, clock: np.void) -> Diagnosis:
         "they contradict each other, or the step is too long"
     )
     return f"joint '{name}'", cause, closer(model, state) + "; or remove a joint"
+
+
+def broken_joints(model: Model, state: State) -> SolverError | None:
+    """The error for joints that have created or lost too much energy."""
+    one = gaining_joints(model, state)
+    if one is None:
+        return None
+    time, cycle = (state.clock[0][name].item() for name in ("time", "cycle"))
+    cause = f"{one}; they took and gave {one.exchange:.3g} J"
+    return SolverError(time, cycle, f"joint '{one.joint}'", cause, closer(model, state))
 
 
 def broken_velocities(model: Model, state: State) -> Diagnosis:
