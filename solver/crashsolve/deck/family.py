@@ -48,12 +48,10 @@ class Family:
     entry: str | None = MISSING  # name of one entry of its section; None for laws within cards
     follows: str | None = MISSING  # which section does it follow, in decks, manuals and the build?
     law: type = MISSING  # Protocol of the file of a law
-    energy: tuple[str, ...] = (
-        MISSING  # entries of the ledger, the default first: NAME_stored and _dissipated
-    )
-    channels: dict[str, str] | None = (
-        MISSING  # first words of its channels and their content, the default first
-    )
+    # entries of the ledger, the default first: NAME_stored and _dissipated
+    energy: tuple[str, ...] = MISSING
+    # first words of its channels and their content, the default first
+    channels: dict[str, str] | None = MISSING
     picture: str | None = MISSING  # how is it drawn: LINE, ROUTE, ELEMENTS, MARK, or None
     uses: tuple[str, ...] = MISSING  # of which other families may its files import?
     integrators: tuple[str, ...] = MISSING  # by which methods can it be stepped: names, or ANY
