@@ -23,6 +23,9 @@ bodies:
 # beside them 5e10 J
 HEAVY = "  c: {mass: 1000, inertia: [1, 1, 1], position: [0, 50, 0], velocity: [1e4, 0, 0]}\n"
 ELBOW = "joints:\n  elbow: {type: revolute, a: a, b: b, at: [1, 0, 0], axis: [0, 1, 0]}\n"
+# and beside them 1000 kg more on a guide of its own
+GUIDED = "  d: {mass: 1000, inertia: [1, 1, 1], position: [0, 60, 0], velocity: [1e4, 0, 0]}\n"
+GUIDE = "  guide: {type: prismatic, b: d, at: [0, 60, 0], axis: [1, 0, 0]}\n"
 PIN = "  pin: {type: revolute, b: a, at: [0, 0, 0], axis: [0, 1, 0]}\n"
 
 
@@ -38,7 +41,7 @@ def swing(text: str, folder: Path, step: float, fast: float = 0.0) -> Engine:
 
 
 def test_joints_that_lose_energy_are_named_beside_far_more_of_it(tmp_path: Path) -> None:
-    engine = swing(BODIES + HEAVY + ELBOW + PIN, tmp_path, 0.03)
+    engine = swing(BODIES + HEAVY + GUIDED + ELBOW + PIN + GUIDE, tmp_path, 0.03)
     assert abs(engine.ledger[ledger.IMBALANCE]) < 1e-6 * engine.ledger[ledger.LARGEST]
     with pytest.raises(SolverError) as stop:
         engine.finish()

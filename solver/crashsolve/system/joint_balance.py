@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from crashsolve.model.hubs import connected
+from crashsolve.model.hubs import mechanisms
 from crashsolve.model.model import Model, State
 
 # of the bodies of a mechanism
@@ -36,7 +36,7 @@ def created_by_joints(model: Model, state: State) -> Iterator[Created]:
     """The energies of every mechanism whose joints took many iterations."""
     if not state.nodes["joint_exchange"].any():
         return
-    for joints in connected(model.joints):
+    for joints in mechanisms(model.joints):
         held = sorted({node for joint in joints for node in joint.nodes} - {0})
         b = state.nodes[held]
         v = b["v"] - state.nodes["v"][b["reference"]]
