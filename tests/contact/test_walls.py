@@ -25,7 +25,7 @@ def found(bench: Bench, x: Any) -> list[tuple[float, float, np.ndarray]]:
     sides = projection.Sides(g.probe_states, g.slot_in_use, g.found[0])
     position = tuple(map(float, x))
     projection.find_nearest_faces(0, position, g.p[0], g.totals[0], sides, g.mesh, g.lists)
-    walls.find_walls(0, position, g.p[0], g.totals[0], sides, g.mesh, g.lists)
+    walls.find_walls(0, position, g.p[0], g.totals[0], sides, g.mesh, g.lists, g.initial)
     hits = []
     for s in range(2):
         for w in range(walls.wall_count(s, g.found[0])):
@@ -179,6 +179,63 @@ def test_a_ball_that_rattles_in_a_groove_makes_no_energy(tmp_path: Path) -> None
     balance = Result(tmp_path / "out").series("glstat.model.balance").values
     # in percent: (omega h)^2 / 2 with omega^2 = k / m; with the nearest wall alone it was 1.3
     assert np.abs(balance).max() < 0.2
+
+
+DENT: dict[str, Any] = {
+    "title": "a ball dents a plate deeply",
+    "control": {"end_time": 6e-4, "estimate": "off", "energy_limit": "off"},
+    "materials": {
+        "soft": {
+            "type": "elastoplastic",
+            "young": 2e9,
+            "poisson": 0.3,
+            "density": 1200,
+            "yield_stress": 2e7,
+            "hardening": 2e7,
+        }
+    },
+    "bodies": {
+        "ball": {
+            "mass": 0.02,
+            "inertia": [1e-6, 1e-6, 1e-6],
+            "position": [0.053, 0.048, -0.01],
+            "velocity": [2, 0, 80],
+        }
+    },
+    "parts": {
+        "plate": {
+            "type": "shell",
+            "thickness": 2e-3,
+            "material": "soft",
+            "mesh": {
+                "type": "grid",
+                "at": [0, 0, 0],
+                "along": [0.1, 0, 0],
+                "across": [0, 0.1, 0],
+                "elements": [10, 10],
+            },
+        }
+    },
+    "surfaces": {
+        "plate": {"type": "faces", "part": "plate"},
+        "ball": {"type": "sphere", "body": "ball", "radius": 8e-3},
+    },
+    "contacts": {
+        "c": {"a": ["ball"], "b": ["plate"], "normal": {"type": "penalty", "share": 0.05}}
+    },
+}
+
+
+def test_a_ball_that_dents_a_plate_makes_no_energy(tmp_path: Path) -> None:
+    deck = tmp_path / "dent.yaml"
+    deck.write_text(yaml.safe_dump(DENT), "utf-8")
+    done = crashsolve(deck, "-o", tmp_path / "out")
+    assert done.returncode == 0, done.stdout + done.stderr
+    result = Result(tmp_path / "out")
+    # in percent: twice that of the plate itself; with the faces of the dent as walls it was 22
+    assert np.abs(result.series("glstat.model.balance").values).max() < 0.25
+    # [m]: a dent of two elements, whose faces turn by more than the 26 degrees of separate walls
+    assert result.series("rbdout.ball.position.z").values.max() > 0.02
 
 
 TUBE = """

@@ -27,11 +27,6 @@ from crashsolve.system.timestep import QUARTER
 
 # the best remedy where a shell folds on itself: a node meets the nearer of two walls alone
 OWN_FACES = "where a shell folds on itself take smaller elements, or ring: 1 of its faces"
-# of a ball on several faces, whose forces are not wholly the gradient of their energy (walls.py)
-IN_A_DENT = (
-    "where a ball touches several faces in a hollow, shorter steps do not help, as its forces "
-    "neglect how the hollow changes its shape: judge this by the energy balance of the model"
-)
 # of a body that meets the back of an open mesh
 FROM_BEHIND = (
     "its faces resist on the side of their outward normals alone, and it would be pushed "
@@ -299,10 +294,7 @@ def velocity_error(model: Model, state: State) -> np.ndarray:
 def advice_on_gain(model: Model, card: int) -> str:
     """What to know of a contact card that creates energy, where steps help little; or nothing."""
     groups = [g for g in model.nodal_groups if int(g.arrays["p"]["card"][0]) == card]
-    if any(group.is_self_contact for group in groups):
-        return OWN_FACES
-    has_balls = any(g.narrow is None and g.arrays["p"]["share"][0] > 0.0 for g in groups)
-    return IN_A_DENT if has_balls else ""
+    return OWN_FACES if any(group.is_self_contact for group in groups) else ""
 
 
 def find_contact_gain(model: Model, state: State, clock: np.void) -> Diagnosis:

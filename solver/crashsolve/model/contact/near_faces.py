@@ -5,6 +5,13 @@ from typing import Any
 
 import numpy as np
 
+from crashsolve.foundation.orientation import crosses
+from crashsolve.foundation.record import Record
+
+FACE_AT_START = Record("""
+    normal  1  3  of the face
+    middle  m  3  mean of its corners
+""")
 # distances from some points to all, that are known at a time
 TABLE = 4_000_000
 
@@ -25,6 +32,16 @@ def grouped(keys: np.ndarray, values: np.ndarray, count: int) -> tuple[np.ndarra
 def faces_around(quads: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Faces that each of `count` points belongs to."""
     return grouped(quads.ravel(), np.repeat(np.arange(len(quads)), 4), count)
+
+
+def faces_at_start(corners: np.ndarray) -> np.ndarray:
+    """Rows of FACE_AT_START of faces with corners (n, 4, 3) [m]; a triangle has the third twice."""
+    first, second, third, fourth = np.moveaxis(corners, 1, 0)
+    normals = crosses(third - first, fourth - second)
+    found = np.zeros(len(corners), FACE_AT_START.dtype)
+    found["normal"] = normals / np.linalg.norm(normals, axis=1)[:, None]
+    found["middle"] = corners.mean(axis=1)
+    return found
 
 
 def faces_beside(quads: np.ndarray) -> np.ndarray:

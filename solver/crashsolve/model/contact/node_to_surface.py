@@ -25,6 +25,7 @@ from crashsolve.model.contact.near_faces import (
     chosen,
     excluded_faces,
     faces_around,
+    faces_at_start,
     faces_beside,
     faces_within_reach,
     merged,
@@ -45,8 +46,7 @@ MARGIN, ROOM = 1.0, 24
 # as its thickness allows touches itself after pi/2 gaps, and in its plane it would have to be
 # crushed to 0.4 of its length
 FOLDED = 2.5
-# gaps of a surface with itself over the width of its faces: beyond this a node would exclude
-# hundreds of faces, which is no shell that could fold
+# gaps of a surface with itself over the width of its faces: beyond this no shell could fold
 THICKEST = 6.0
 # share of the gap by which a step may reduce the distance of two sides
 REACH = 0.5
@@ -322,9 +322,8 @@ class NodalBuilder:
             message += "would meet half a thickness deep"
             raise self.scene.fail(f"{message}; set radius: {0.5 * t:g} in '{a.entry.name}'", "a")
         quads, count = meshed.mesh.quads, len(meshed.area)
-        radius = np.linalg.norm(
-            meshed.mesh.points[quads] - meshed.mesh.points[quads].mean(axis=1)[:, None], axis=2
-        ).max(axis=1)
+        corners = meshed.mesh.points[quads]
+        radius = np.linalg.norm(corners - corners.mean(axis=1)[:, None], axis=2).max(axis=1)
         gap = probes.radius + 0.5 * (card.thickness or meshed.card.thickness)
         around = faces_around(quads, len(meshed.mass))
         excluded = nothing(len(probes.rows))
@@ -333,9 +332,9 @@ class NodalBuilder:
             excluded = self._excluded_faces(meshed, probes.meshed.used, card.ring, FOLDED * gap)
         room = ROOM * len(probes.rows)
         buckets = 1 << int(2 * count - 1).bit_length()
+        margin = MARGIN * float(radius.mean())
         values = {
-            **{"gap": gap, "share": probes.radius / gap},
-            **{"reach": REACH * gap, "margin": MARGIN * float(radius.mean())},
+            **{"gap": gap, "share": probes.radius / gap, "reach": REACH * gap, "margin": margin},
             **{"first_point": first, "point_count": len(meshed.mass), "own": is_own},
             **{"first_corner": corner, "face_count": count, "first_own": first},
             **self._positions(card.part, meshed),
@@ -351,6 +350,7 @@ class NodalBuilder:
             "sorted": np.zeros(count, np.int64),
             "beside": faces_beside(quads),
             "deleted": np.zeros(count, np.int64),
+            "initial": faces_at_start(corners[: count * (a.shape == "sphere")]),
             "around_first": around[0],
             "around": around[1],
             "excluded_first": excluded[0],

@@ -4,6 +4,8 @@
                            joined in the order of their separation, by their M
     f_i = w_i k delta_i,   w_i = (delta_i / M)^(p - 2)
     s = c / FAR between 0 and 1,   c = (d_i - d_j n_i . n_j) / gap,   d_i <= d_j
+                                   c = 1 - n_i . n_j of a ball on a body, with the normals of
+                                       the faces at the start, and 0 where they were convex
 
 With the nearest face alone, a probe would chatter in a crease: the force jumps from one normal to
 the other with each step, and steps of finite length create energy by that. c states how
@@ -12,8 +14,11 @@ flat and convex surfaces it does not rise, s = 0, and M is the depth of the near
 a crease rise, and with s = 1 each has a force of its own; between, M goes smoothly from one wall to
 the other. No force jumps, therefore. The forces are the gradient of the energy but for that of p,
 which changes in creases below 26 degrees alone; across the middle of one the stiffness is at most
-(p - 1) c / 2 < FAR of k, however flat it is. Consequence to test: between two walls a probe is in
-equilibrium in the middle, with the stiffness of both.
+(p - 1) c / 2 < FAR of k, however flat it is. A ball presses dents, whose faces turn below it by as
+much as those of a crease, and what p then adds to the energy of the ball would be none of its own;
+so its walls are those that the surface had at the start, and in a dent it touches the nearest face.
+Consequence to test: between two walls a probe is in equilibrium in the middle, with the stiffness
+of both; a ball that dents a plate makes no energy.
 """
 
 from math import sqrt
@@ -21,7 +26,7 @@ from math import sqrt
 from crashsolve.contact.cells import WALLS
 from crashsolve.contact.narrow._face import nearest_on_face, point_of
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.vec3 import dot, put, scale, vec
+from crashsolve.foundation.vec3 import dot, put, scale, sub, vec
 from crashsolve.system.contact.projection import NO_DISTANCE, relative_corners, row_of, side_of
 
 # of the gap: a wall that rises so far above the plane of the nearer is separate from it
@@ -41,28 +46,28 @@ def row_of_wall(s, w):
 
 
 @kernel
-def find_walls(i, x, p, totals, sides, mesh, lists):
+def find_walls(i, x, p, totals, sides, mesh, lists, initial):
     """Find the walls beside the nearest, on both sides. Writes: sides.found."""
     for s in range(2):
         nearest = sides.found[s]
         has_normal = nearest.distance > NO_DISTANCE * p.gap
         if nearest.depth > 0.0 and nearest.crossed == 0 and has_normal:
-            find_adjacent_walls(i, s, x, p, totals, sides, mesh, lists)
+            find_adjacent_walls(i, s, x, p, totals, sides, mesh, lists, initial)
 
 
 @kernel
-def find_adjacent_walls(i, s, x, p, totals, sides, mesh, lists):
+def find_adjacent_walls(i, s, x, p, totals, sides, mesh, lists, initial):
     """Walls beside the nearest on one side, first those with most energy. Writes: sides.found."""
     found, count = sides.found, 1
     for w in range(1, WALLS):
-        if count == w and find_next_wall(i, s, w, x, p, totals, sides, mesh, lists):
+        if count == w and find_next_wall(i, s, w, x, p, totals, sides, mesh, lists, initial):
             count += 1
     found[s].beside = count - 1
-    distribute_force(s, count, p, found)
+    distribute_force(s, count, p, found, initial)
 
 
 @kernel
-def distribute_force(s, count, p, found):
+def distribute_force(s, count, p, found, initial):
     """Weights of the forces of all walls; those with the least separation are merged first.
 
     The separation of two groups is the least of their walls.
@@ -78,7 +83,7 @@ def distribute_force(s, count, p, found):
             for w in range(v + 1, count):
                 a, b = found[row_of_wall(s, v)], found[row_of_wall(s, w)]
                 if a.group != b.group:
-                    apart = separation_of(p, a, b)
+                    apart = separation_of(p, s, a, vec(b.normal), b.distance, b.face, initial)
                     if apart < least:
                         least, one, two = apart, v, w
         merge_groups(s, count, least, found[row_of_wall(s, one)], found[row_of_wall(s, two)], found)
@@ -106,21 +111,27 @@ def merged_weights(one, two, apart):
 
 
 @kernel
-def separation_of(p, one, two):
-    """Separation of two walls, from 0 to 1."""
-    return separation_between(p, one.distance, vec(one.normal), two)
-
-
-@kernel
-def separation_between(p, distance, n, other):
-    """Separation, 0 to 1, of a wall with this distance and normal from another."""
+def separation_of(p, s, other, n, distance, face, initial):
+    """Separation, 0 to 1, of a wall with this normal, distance and face from another."""
+    if initial.shape[0] > 0:
+        return separation_at_start(s, initial[face], initial[other.face])
     cosine = dot(n, vec(other.normal))
     low, high = min(distance, other.distance), max(distance, other.distance)
     return min(max((low - high * cosine) / (FULL_SEPARATION * p.gap), 0.0), 1.0)
 
 
 @kernel
-def find_next_wall(i, s, w, x, p, totals, sides, mesh, lists):
+def separation_at_start(s, one, two):
+    """Separation, 0 to 1, of two faces seen from side s as they were at the start."""
+    n, to = vec(one.normal), sub(vec(two.middle), vec(one.middle))
+    rise = dot(n, to) if s == 0 else -dot(n, to)
+    if rise <= 0.0:
+        return 0.0
+    return min((1.0 - dot(n, vec(two.normal))) / FULL_SEPARATION, 1.0)
+
+
+@kernel
+def find_next_wall(i, s, w, x, p, totals, sides, mesh, lists, initial):
     """Whether there is one more wall beside w others; store it. Writes: sides.found."""
     first, near, wait, _ = lists
     best, hit = 0.0, sides.found[row_of_wall(s, w)]
@@ -136,7 +147,7 @@ def find_next_wall(i, s, w, x, p, totals, sides, mesh, lists):
             continue
         to = point_of(N, a, b, c, d)
         n, depth = scale(-1.0 / distance, to), p.gap - distance
-        apart = separation_from(s, w, p, distance, n, sides.found)
+        apart = separation_from(s, w, p, f, distance, n, sides.found, initial)
         if apart < LEAST_SEPARATION or apart * depth * depth <= best:
             continue
         on, crossed = side_of(i, p, f, spot, to, sides.states, sides.slot_in_use, mesh)
@@ -159,11 +170,12 @@ def store_wall(hit, p, f, N, distance, n):
 
 
 @kernel
-def separation_from(s, w, p, distance, n, found):
+def separation_from(s, w, p, face, distance, n, found, initial):
     """Separation of a wall from w others, from 0 to 1."""
     apart = 1.0
     for v in range(w):
-        apart = min(apart, separation_between(p, distance, n, found[row_of_wall(s, v)]))
+        other = found[row_of_wall(s, v)]
+        apart = min(apart, separation_of(p, s, other, n, distance, face, initial))
     return apart
 
 

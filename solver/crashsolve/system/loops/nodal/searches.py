@@ -34,7 +34,7 @@ def search_faces(group, i, found, nodes, scene):
         if group.is_smooth:
             normals.apply_field(i, x, None, p, mesh, excluded, found)
         else:
-            walls.find_walls(i, x, p, totals, sides, mesh, lists)
+            walls.find_walls(i, x, p, totals, sides, mesh, lists, group.initial)
 
 
 @apart
