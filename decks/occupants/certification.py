@@ -34,7 +34,7 @@ LINE, ALLOWED = "#00798c", "#edae49"
 
 
 class Measure(NamedTuple):
-    """A number of a test, what is asked for, and where that comes from."""
+    """A number of a test, its requirement and source."""
 
     test: str
     what: str
@@ -180,7 +180,7 @@ def neck(folder: Path) -> list[Measure]:
 def main(folder: Path) -> None:
     """Run what is not there, draw the pictures and write the page."""
     found = [m for test in (head, thorax, hip, knee, neck) for m in test(folder)]
-    rows = ["| test | measure | found | asked for | | corridor |", "|---|---|---|---|---|---|"]
+    rows = ["| test | measure | found | required | | corridor |", "|---|---|---|---|---|---|"]
     write_page(PAGE, {"table": "\n".join(rows + [m.row() for m in found])})
 
 

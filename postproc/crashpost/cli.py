@@ -80,7 +80,7 @@ def _say(text: str) -> None:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="crashpost", description="Look into crashsolve results.")
+    parser = argparse.ArgumentParser(prog="crashpost", description="Evaluates crashsolve results.")
     parser.add_argument("--version", action="version", version=f"crashpost {__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
@@ -90,15 +90,17 @@ def _parser() -> argparse.ArgumentParser:
         sub.set_defaults(command=function, word=command)
         return sub
 
-    add("summary", _summary, "status, energies, balances, peaks and warnings on one screen")
+    add("summary", _summary, "print status, energies, balances, peaks and warnings")
     sub = add("channels", _channels, "list the channels")
     sub.add_argument("channels", nargs="*", metavar="CHANNEL", help=CHANNELS)
-    sub = add("value", _value, "numbers of channels, for scripts; of one channel nothing else")
+    sub = add(
+        "value", _value, "print numbers of channels, for scripts; of one channel the number alone"
+    )
     sub.add_argument("channels", nargs="+", metavar="CHANNEL[:STATISTIC]", help=CHANNELS)
     sub.add_argument("--statistic", metavar="WORD", help=STATISTIC)
     sub.add_argument("--during", metavar="FROM:TO", help="only samples of these times (seconds)")
     sub.add_argument("--unit", help="unit of the numbers; their own when absent")
-    sub = add("values", _values, "many numbers at once, for programs: JSON in, JSON out")
+    sub = add("values", _values, "print many numbers at once, for programs: JSON in, JSON out")
     sub.add_argument(
         "questions",
         type=Path,

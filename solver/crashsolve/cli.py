@@ -121,8 +121,8 @@ def _parser(requested: Sequence[str]) -> argparse.ArgumentParser:
     commands.choices["explain"].add_argument(
         "--expanded",
         action="store_true",
-        help="print the deck instead, in SI, with all that it includes, its defaults, and the "
-        "cards that structures are made of; it runs by itself",
+        help="print the deck instead: in SI, with included files, defaults and the cards of its "
+        "structures; the printed deck can be run",
     )
     _study_arguments(
         commands.add_parser("study", help=STUDY[0].lower() + STUDY[1:], description=STUDY)
@@ -150,13 +150,17 @@ def _posture_arguments(commands: Commands) -> None:
 def _document_arguments(commands: Commands) -> None:
     """Commands that print the examples, the manual, and pages made from the cards."""
     example = commands.add_parser("example", help="list example decks, print one, or write it")
-    example.add_argument("name", nargs="?", help="of a deck; without it they are listed")
+    example.add_argument("name", nargs="?", help="name of a deck; without a name all are listed")
     example.add_argument(
-        "-o", "--output", type=Path, metavar="DIR", help="write it there with all that it includes"
+        "-o",
+        "--output",
+        type=Path,
+        metavar="DIR",
+        help="folder for the deck and the files that it includes",
     )
     example.set_defaults(act=_example)
     manual = commands.add_parser("manual", help="list the pages of the manual, or print one")
-    manual.add_argument("page", nargs="?", help="without it the pages are listed")
+    manual.add_argument("page", nargs="?", help="name of a page; without a name all are listed")
     manual.set_defaults(act=_manual)
     for word, act, text in (
         ("schema", _schema, "JSON Schema of the deck, for editors"),
@@ -182,15 +186,22 @@ def _deck_arguments(parser: argparse.ArgumentParser) -> None:
 def _study_arguments(parser: argparse.ArgumentParser) -> None:
     _deck_arguments(parser)
     parser.set_defaults(act=_study)
-    parser.add_argument("-o", "--output", type=Path, metavar="DIR", help="default DECK.study")
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="DIR", help="results folder; default DECK.study"
+    )
     parser.add_argument(
         "--steps",
         metavar="H,...",
         help="time steps in s, or auto; default: those of the deck times 4, 2, 1, 1/2, 1/4, 1/8",
     )
-    parser.add_argument("--tolerances", metavar="T,...", help="for methods that choose their step")
     parser.add_argument(
-        "--integrators", default="", metavar="NAME,...", help="default: all that can run the deck"
+        "--tolerances", metavar="T,...", help="tolerances, for methods that choose their step"
+    )
+    parser.add_argument(
+        "--integrators",
+        default="",
+        metavar="NAME,...",
+        help="methods; default: all that can run the deck",
     )
     parser.add_argument(
         "--meshes",
@@ -200,17 +211,18 @@ def _study_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--vary",
         metavar="PATH[=A,B,...]",
-        help="compare the values of a field, such as parts.frame.deformation (all words that it "
-        "knows, or those given): with the deck's own method and step, unless others are asked for, "
-        "and against --reference, or the most expensive of these runs",
+        help="compare the values of a field, such as parts.frame.deformation (all its values, or "
+        "those given), with the method and step of the deck unless others are given; the reference "
+        "is that of --reference, or the most expensive of these runs",
     )
     parser.add_argument(
         "--channel",
         action="append",
         default=[],
         metavar="CHANNEL[:STATISTIC]",
-        help="what is compared; without a statistic the whole history. Default: what the deck "
-        "expects, else final energies, impulses of contacts and the largest speed; may be repeated",
+        help="channel and statistic to compare; without a statistic the whole history. Default: "
+        "the channels that the deck expects or watches, else final energies, impulses of contacts "
+        "and the largest speed; may be repeated",
     )
     parser.add_argument(
         "--reference",

@@ -57,7 +57,7 @@ def test_a_method_of_high_order_meets_its_tolerance_over_the_corners(tmp_path: P
 
 WRONG = {
     "must have the point (0, 0): no force at rest": "[[-1, -9], [1, 9]]",
-    "drives at": "[[-2, -9], [-1, 1], [0, 0], [1, 9]]",
+    "adds energy at": "[[-2, -9], [-1, 1], [0, 0], [1, 9]]",
     "falls at an end": "[[-1, -9], [0, 0], [1, 9], [2, 3]], extrapolate: linear",
 }
 

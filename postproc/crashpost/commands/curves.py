@@ -21,7 +21,7 @@ Add = Callable[[str, Callable[[argparse.Namespace], int], str], argparse.Argumen
 
 def add_commands(add: Add) -> None:
     """Put `plot`, `compare` and `export` among the commands."""
-    sub = add("plot", _plot, "draw channels of one result or several, laid over each other")
+    sub = add("plot", _plot, "plot channels of one or several results in one diagram")
     about = f"more results; {CHANNELS}; or a figure by its word: {KINDS}"
     sub.add_argument("words", nargs="+", metavar="RESULT|CHANNEL[:STATISTIC]", help=about)
     sub.add_argument("--against", default="time", metavar="CHANNEL", help="abscissa, default time")
@@ -34,7 +34,7 @@ def add_commands(add: Add) -> None:
     _add_tests(sub)
     sub.add_argument("-o", "--output", type=Path, help="png, svg or pdf; default RESULT/plot.png")
     add_units(sub)
-    sub = add("compare", _compare, "results side by side; exit code 1 where they differ")
+    sub = add("compare", _compare, "compare results side by side; exit code 1 where they differ")
     about = f"more results; {CHANNELS}; all if absent"
     sub.add_argument("words", nargs="+", metavar="RESULT|CHANNEL", help=about)
     sub.add_argument(

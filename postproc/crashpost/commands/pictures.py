@@ -34,7 +34,7 @@ Add = Callable[[str, Callable[[argparse.Namespace], int], str], argparse.Argumen
 
 def add_commands(add: Add) -> None:
     """Put `render`, `film` and `pack` among the commands."""
-    sub = add("render", _render, "draw the run at some moments, side by side")
+    sub = add("render", _render, "draw pictures of the run at some moments, side by side")
     sub.add_argument(
         "--at",
         default="",

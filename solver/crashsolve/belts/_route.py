@@ -46,14 +46,14 @@ class Anchor(Card):
     """Point of a body that holds an end of the belt."""
 
     body: BodyName = word("body that it is fixed to", default="ground")
-    at: Vec3 = quantity("m", "in the frame of the body", default=(0.0, 0.0, 0.0))
+    at: Vec3 = quantity("m", "point in the frame of the body", default=(0.0, 0.0, 0.0))
 
 
 class Ring(Card):
     """Slip ring, D-ring or buckle: the webbing runs through a point of a body."""
 
     body: BodyName = word("body of the ring", default="ground")
-    at: Vec3 = quantity("m", "in the frame of the body", default=(0.0, 0.0, 0.0))
+    at: Vec3 = quantity("m", "point in the frame of the body", default=(0.0, 0.0, 0.0))
     friction_coefficient: float = quantity(
         "1", "mu between webbing and ring", default=0.0, ge=0, le=5
     )

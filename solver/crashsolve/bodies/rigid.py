@@ -20,9 +20,11 @@ class Primitive(Card):
     """Uniform solid: its mass follows from density, its inertia from its shape."""
 
     shape: Literal["sphere", "cylinder", "box", "rod"] = word("solid; cylinder and rod along z")
-    density: float | None = quantity("kg/m^3", "or give `mass` of the body", default=None, gt=0)
-    radius: float | None = quantity("m", "of sphere or cylinder", default=None, gt=0)
-    length: float | None = quantity("m", "of cylinder or rod, along z", default=None, gt=0)
+    density: float | None = quantity(
+        "kg/m^3", "density; or give `mass` of the body", default=None, gt=0
+    )
+    radius: float | None = quantity("m", "radius of sphere or cylinder", default=None, gt=0)
+    length: float | None = quantity("m", "length of cylinder or rod, along z", default=None, gt=0)
     size: Vec3 | None = quantity("m", "edges of the box", default=None)
 
     @model_validator(mode="after")
@@ -38,7 +40,7 @@ class Bar(Card):
     """Length of a section that a body is drawn by; it has no mass, and nothing touches it."""
 
     from_: Vec3 = quantity("m", "middle of the section where it begins, in the body's frame")
-    to: Vec3 = quantity("m", "the same where it ends")
+    to: Vec3 = quantity("m", "middle of the section where it ends, in the body's frame")
     side: Vec3 = word("direction near the section's y axis, in the body's frame")
     section: SectionName = word("cross section")
 
@@ -61,7 +63,9 @@ class Rigid(Card):
         "kg m^2", "Ixy, Ixz, Iyz, elements of the inertia tensor", default=(0.0, 0.0, 0.0)
     )
     primitive: Primitive | None = word("uniform solid instead of mass and inertia", default=None)
-    mass_centre: Vec3 = quantity("m", "from the body's origin, body axes", default=(0.0, 0.0, 0.0))
+    mass_centre: Vec3 = quantity(
+        "m", "mass centre from the body's origin, body axes", default=(0.0, 0.0, 0.0)
+    )
     position: Vec3 = quantity(
         "m",
         "of the body's origin; the channel rbdout.NAME.position is that of the mass centre, "
@@ -69,7 +73,7 @@ class Rigid(Card):
         default=(0.0, 0.0, 0.0),
     )
     rotation: Rotation = word("configuration, body to world", default_factory=Rotation)
-    velocity: Vec3 = quantity("m/s", "of the body's origin", default=(0.0, 0.0, 0.0))
+    velocity: Vec3 = quantity("m/s", "velocity of the body's origin", default=(0.0, 0.0, 0.0))
     angular_velocity: Vec3 = quantity("rad/s", "world axes", default=(0.0, 0.0, 0.0))
     angular_velocity_axes: Literal["world", "body"] = word(
         "axes in which angular_velocity is given", default="world"

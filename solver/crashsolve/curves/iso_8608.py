@@ -37,11 +37,11 @@ class Iso8608(CurveCard):
     )
     roughness: float | None = quantity("m^3", "G_0 at 0.1 waves per metre; no grade", None, gt=0)
     exponent: float = quantity("1", "w, of the spectrum", 2.0, ge=0)
-    start: float = quantity("m", "where the road begins", 0.0)
+    start: float = quantity("m", "position at which the road begins", 0.0)
     length: float = quantity("m", "length of the road", gt=0)
     n_min: float = quantity("1/m", "waves per metre of the longest wave", 0.011, gt=0)
     n_max: float = quantity("1/m", "waves per metre of the shortest wave", 2.83, gt=0)
-    seed: int = word("number of the road in this class; equal seeds, equal roads", 1, ge=0)
+    seed: int = word("seed of the random phases; equal seeds give equal roads", 1, ge=0)
     level: float = quantity("m", "the road is level up to here from its start", 0.0, ge=0)
     rise: float = quantity("m", "length over which roughness grows from zero", 0.0, ge=0)
 

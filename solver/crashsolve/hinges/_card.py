@@ -24,7 +24,7 @@ class MomentCurve(Card):
 
     name: CurveName | None = word("curve that begins at 0", default=None)
     section: SectionName | None = word("section whose bending makes the curve", default=None)
-    material: MaterialName | None = word("its material, elastoplastic", default=None)
+    material: MaterialName | None = word("material of the section, elastoplastic", default=None)
     about: Literal["y", "z"] = word("axis of the section that it bends about", default="y")
     model: Literal["plastic", "kecman", "given"] = word(
         "plastic: constant plastic moment; kecman: collapse of a rectangular tube; given: by "
@@ -37,7 +37,10 @@ class MomentCurve(Card):
         default=None,
     )
     length: float | None = quantity(
-        "m", "of the member whose bending the hinge's elastic stiffness represents", None, gt=0
+        "m",
+        "length of the member whose bending the hinge's elastic stiffness represents",
+        None,
+        gt=0,
     )
     until: float | None = quantity(
         "rad",
@@ -47,7 +50,10 @@ class MomentCurve(Card):
         gt=0,
     )
     flow_stress: float | None = quantity(
-        "Pa", "of the hinge lines of a fold; the yield stress when absent", default=None, gt=0
+        "Pa",
+        "flow stress of the hinge lines of a fold; the yield stress when absent",
+        default=None,
+        gt=0,
     )
 
     @model_validator(mode="after")
@@ -67,19 +73,22 @@ class AxialCurve(Card):
 
     name: CurveName | None = word("curve that begins at 0", default=None)
     section: SectionName | None = word("section that is pulled or crushed", default=None)
-    material: MaterialName | None = word("its material, elastoplastic", default=None)
+    material: MaterialName | None = word("material of the section, elastoplastic", default=None)
     model: Literal["plastic", "crush"] = word(
         "plastic: constant force at yield; crush: mean force of a folding square tube",
         default="plastic",
     )
     length: float | None = quantity(
-        "m", "of the member whose stretch the hinge's elastic stiffness represents", None, gt=0
+        "m",
+        "length of the member whose stretch the hinge's elastic stiffness represents",
+        None,
+        gt=0,
     )
     until: float | None = quantity(
         "m", "stroke at which the curve ends, 1 m when absent; constant beyond", None, gt=0
     )
     flow_stress: float | None = quantity(
-        "Pa", "of the crushed walls; the yield stress when absent", default=None, gt=0
+        "Pa", "flow stress of the crushed walls; the yield stress when absent", default=None, gt=0
     )
 
     @model_validator(mode="after")

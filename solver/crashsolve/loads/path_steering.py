@@ -61,8 +61,12 @@ class PathSteering(Card):
         "joint that the driver moves: its angle, or where it has none its travel, as of a rack"
     )
     vehicle: BodyName = word("body that is to follow the path")
-    at: Vec3 = quantity("m", "point of it on the path: between the rear wheels", (0.0, 0.0, 0.0))
-    forward: Vec3 = word("its direction of travel, in its frame; any length", (1.0, 0.0, 0.0))
+    at: Vec3 = quantity(
+        "m", "point of the vehicle on the path, between the rear wheels", (0.0, 0.0, 0.0)
+    )
+    forward: Vec3 = word(
+        "direction of travel of the vehicle, in its frame; any length", (1.0, 0.0, 0.0)
+    )
     path: CurveName = word("y(s), offset to the left over the distance along")
     origin: Vec3 = quantity("m", "point of the ground where s and y are 0", (0.0, 0.0, 0.0))
     along: Vec3 = word("direction of s, horizontal; any length", (1.0, 0.0, 0.0))

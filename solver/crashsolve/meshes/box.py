@@ -15,7 +15,7 @@ class Box(Card):
 
     at: Vec3 = quantity("m", "corner with the least coordinates", default=(0.0, 0.0, 0.0))
     size: Vec3 = quantity("m", "sides along x, y, z", gt=0)
-    elements: tuple[int, int, int] = word("number along x, y, z", ge=1)
+    elements: tuple[int, int, int] = word("number of elements along x, y, z", ge=1)
 
     @property
     def count(self) -> int:

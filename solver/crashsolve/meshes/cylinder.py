@@ -21,10 +21,12 @@ class Cylinder(Card):
     at: Vec3 = quantity("m", "middle of the first end", default=(0.0, 0.0, 0.0))
     axis: Vec3 = word("direction of the length", default=(0.0, 0.0, 1.0))
     start: Vec3 | None = word("direction of phi = 0; any across the axis if absent", default=None)
-    radius: float = quantity("m", "of the middle surface", gt=0)
-    length: float = quantity("m", "along the axis", gt=0)
-    angle: float = quantity("rad", "of the sector; a full cylinder if absent", default=2 * pi, gt=0)
-    elements: tuple[int, int] = word("number around and along", ge=1)
+    radius: float = quantity("m", "radius of the middle surface", gt=0)
+    length: float = quantity("m", "length along the axis", gt=0)
+    angle: float = quantity(
+        "rad", "angle of the sector; a full cylinder if absent", default=2 * pi, gt=0
+    )
+    elements: tuple[int, int] = word("number of elements around and along", ge=1)
 
     @property
     def count(self) -> int:

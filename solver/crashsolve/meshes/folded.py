@@ -17,7 +17,9 @@ class Folded(Card):
 
     line: tuple[Vec3, ...] = quantity("m", "corners of the line; normals are line x along")
     along: Vec3 = quantity("m", "vector that the line is moved by")
-    elements: tuple[int, ...] = word("number along each piece, then along the vector", ge=1)
+    elements: tuple[int, ...] = word(
+        "number of elements along each piece, then along the vector", ge=1
+    )
 
     @property
     def count(self) -> int:

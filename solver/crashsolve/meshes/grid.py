@@ -19,7 +19,7 @@ class Grid(Card):
     at: Vec3 = quantity("m", "first corner", default=(0.0, 0.0, 0.0))
     along: Vec3 = quantity("m", "side in direction u")
     across: Vec3 = quantity("m", "side in direction v; the normal is along x across")
-    elements: tuple[int, int] = word("number along u and v", ge=1)
+    elements: tuple[int, int] = word("number of elements along u and v", ge=1)
     twist: float = quantity("rad", "rotation of across about the middle line", default=0.0)
 
     @property

@@ -14,8 +14,10 @@ class Shared(Card):
     """Elements of a mesh under `meshes`: of a set, or with their middles in a box, or all."""
 
     mesh: MeshName = word("mesh under meshes")
-    elements: SetName = word("its element set", default="")
-    low: Vec3 | None = quantity("m", "or corner of a box with the least coordinates", default=None)
+    elements: SetName = word("element set of this mesh", default="")
+    low: Vec3 | None = quantity(
+        "m", "or corner of a box with the least coordinates, in place of elements", default=None
+    )
     high: Vec3 | None = quantity("m", "corner with the largest", default=None)
 
     @model_validator(mode="after")

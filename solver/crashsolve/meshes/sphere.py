@@ -21,7 +21,7 @@ class Sphere(Card):
     centre: Vec3 = quantity("m", "centre of the sphere", default=(0.0, 0.0, 0.0))
     radius: float = quantity("m", "R", gt=0)
     part: Literal["eighth", "half", "whole"] = word("part of the sphere", default="whole")
-    elements: int = word("number along an eighth of a great circle", ge=1)
+    elements: int = word("number of elements along an eighth of a great circle", ge=1)
 
     @property
     def count(self) -> int:

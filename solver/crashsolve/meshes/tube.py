@@ -32,9 +32,11 @@ class Tube(Card):
     side: Vec3 = word("direction of the width", default=(1.0, 0.0, 0.0))
     width: float = quantity("m", "between middle surfaces", gt=0)
     height: float | None = quantity("m", "across width and axis; width if absent", None, gt=0)
-    length: float = quantity("m", "along the axis", gt=0)
-    elements: tuple[int, int, int] = word("number across width, across height, along", ge=1)
-    dent: Dent | None = word("none if absent", default=None)
+    length: float = quantity("m", "length along the axis", gt=0)
+    elements: tuple[int, int, int] = word(
+        "number of elements across the width, across the height and along", ge=1
+    )
+    dent: Dent | None = word("initial imperfection; none if absent", default=None)
 
     @property
     def count(self) -> int:

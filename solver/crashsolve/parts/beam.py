@@ -89,10 +89,14 @@ class Beam(Damped):
         "direction near the section's y axis; needed where I_y and I_z differ", default=None
     )
     offset: tuple[float, float] = quantity(
-        "m", "of the section's centre from the line of nodes, along y and z", default=(0.0, 0.0)
+        "m",
+        "offset of the section's centre from the line of nodes, along y and z",
+        default=(0.0, 0.0),
     )
-    velocity: Vec3 = quantity("m/s", "at the start, of the first node", default=ZERO)
-    angular_velocity: Vec3 = quantity("rad/s", "of the whole, world axes", default=ZERO)
+    velocity: Vec3 = quantity("m/s", "initial velocity of the first node", default=ZERO)
+    angular_velocity: Vec3 = quantity(
+        "rad/s", "initial angular velocity of the whole part, world axes", default=ZERO
+    )
 
     @property
     def beams(self) -> int:

@@ -41,7 +41,9 @@ PARAMETERS = beam.PARAMETERS + Record("rotation  1  4  unit quaternion Q, elemen
 class Frame(Damped):
     """Bars with shear and finite rotations between listed points; their nodes are bodies."""
 
-    points: tuple[Vec3, ...] = quantity("m", "where bars meet: nodes P_1, P_2, ... of a part P")
+    points: tuple[Vec3, ...] = quantity(
+        "m", "points where bars meet: nodes P_1, P_2, ... of a part P"
+    )
     bars: tuple[tuple[int, int], ...] = word(
         "pairs of points by their number from 1; nodes within bar k: P_bark_1, P_bark_2, ..."
     )
@@ -54,8 +56,10 @@ class Frame(Damped):
     side: Vec3 | None = word(
         "direction near the section's y axis; needed where I_y and I_z differ", default=None
     )
-    velocity: Vec3 = quantity("m/s", "at the start, of the first point", default=ZERO)
-    angular_velocity: Vec3 = quantity("rad/s", "of the whole, world axes", default=ZERO)
+    velocity: Vec3 = quantity("m/s", "initial velocity of the first point", default=ZERO)
+    angular_velocity: Vec3 = quantity(
+        "rad/s", "initial angular velocity of the whole part, world axes", default=ZERO
+    )
 
     def node_names(self, part: str) -> list[str]:
         """Names of the nodes of a part of this name."""

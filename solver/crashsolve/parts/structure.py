@@ -89,7 +89,9 @@ class Structure(Card):
 
     curve_axes: ClassVar = {"collapse_curve": ("rad", "N m")}
 
-    points: tuple[Point, ...] = word("where members meet or end: bodies S_name of structure S")
+    points: tuple[Point, ...] = word(
+        "points where members meet or end: bodies S_name of structure S"
+    )
     members: tuple[Member, ...] = word("straight members between points")
     deformation: Deformation = word("description of deformation of the members")
     section: SectionName | None = word("cross section, unless a member names its own", default=None)
@@ -116,7 +118,7 @@ class Structure(Card):
         "type penalty); without, they pass through each other",
         default=False,
     )
-    fibres: tuple[int, int] = word("of beams that yield, as in fibre_beam", default=(4, 16))
+    fibres: tuple[int, int] = word("fibres of beams that yield, as in fibre_beam", default=(4, 16))
     collapse: Literal["plastic", "kecman", "given"] = word(
         "moment of hinges: constant plastic moment, that of a rectangular tube that folds, or by "
         "collapse_curve",
@@ -142,8 +144,10 @@ class Structure(Card):
     damping: float = quantity(
         "s", "beta, damping over stiffness, of segments, beams and shells", default=0.0, ge=0
     )
-    velocity: Vec3 = quantity("m/s", "at the start, of the first point", default=ZERO)
-    angular_velocity: Vec3 = quantity("rad/s", "of the whole, world axes", default=ZERO)
+    velocity: Vec3 = quantity("m/s", "initial velocity of the first point", default=ZERO)
+    angular_velocity: Vec3 = quantity(
+        "rad/s", "initial angular velocity of the whole structure, world axes", default=ZERO
+    )
 
     @model_validator(mode="after")
     def _curve_of_collapse(self) -> "Structure":

@@ -18,9 +18,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the words of the command."""
     parser.set_defaults(act=_act)
     parser.add_argument(
-        "request", type=Path, help="what is asked (YAML): crashsolve manual theory/posture"
+        "request", type=Path, help="request (YAML), see crashsolve manual theory/posture"
     )
-    parser.add_argument("-o", "--output", type=Path, metavar="DIR", help="default REQUEST.posture")
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="DIR", help="results folder; default REQUEST.posture"
+    )
 
 
 def _act(options: argparse.Namespace) -> int:

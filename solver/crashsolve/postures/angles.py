@@ -26,9 +26,11 @@ class Turned(Card):
     """A joint of the chain, its rotation from the zero posture, and the rate of that."""
 
     joint: JointName = word("joint between two bodies of the chain, with `frame` a body")
-    angle: float | None = quantity("rad", "of b about the joint's axis, right-handed", default=None)
+    angle: float | None = quantity(
+        "rad", "angle of b about the joint's axis, right-handed", default=None
+    )
     rotation: Rotation | None = word("of b against a, in axes of a", default=None)
-    rate: float | None = quantity("rad/s", "of the angle", default=None)
+    rate: float | None = quantity("rad/s", "rate of the angle", default=None)
     angular_velocity: Vec3 | None = quantity("rad/s", "of b against a, in axes of a", default=None)
 
     @model_validator(mode="after")
@@ -44,11 +46,13 @@ class Angles(Card):
     """Joint angles of a chain of bodies at the start, and where its root is."""
 
     root: BodyName = word("body from which the others are placed")
-    position: Vec3 = quantity("m", "of the origin of the root", default=(0.0, 0.0, 0.0))
-    rotation: Rotation = word("of the root, body to world", default_factory=Rotation)
-    velocity: Vec3 = quantity("m/s", "of the origin of the root", default=(0.0, 0.0, 0.0))
+    position: Vec3 = quantity("m", "position of the origin of the root", default=(0.0, 0.0, 0.0))
+    rotation: Rotation = word("rotation of the root, body to world", default_factory=Rotation)
+    velocity: Vec3 = quantity("m/s", "velocity of the origin of the root", default=(0.0, 0.0, 0.0))
     angular_velocity: Vec3 = quantity(
-        "rad/s", "of the root, and of all that has no rate", default=(0.0, 0.0, 0.0)
+        "rad/s",
+        "angular velocity of the root, and of all joints without a rate",
+        default=(0.0, 0.0, 0.0),
     )
     joints: tuple[Turned, ...] = word("every joint of the chain; one without an angle is at zero")
 

@@ -39,7 +39,7 @@ class Guide(Card):
     """A point of a body that the line passes, or ends at."""
 
     body: BodyName = word("body of the point", default="ground")
-    at: Vec3 = quantity("m", "in the frame of the body", default=(0.0, 0.0, 0.0))
+    at: Vec3 = quantity("m", "point in the frame of the body", default=(0.0, 0.0, 0.0))
 
 
 def points_of(guides: tuple[Guide, ...], field: str, scene: Scene) -> Columns:

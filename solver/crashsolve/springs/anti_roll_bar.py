@@ -49,8 +49,8 @@ class AntiRollBar(Card):
     body: BodyName = word("body with the bearings")
     at: Vec3 = quantity("m", "a point on the axis of the bar, in the frame of the body")
     axis: Vec3 = word("direction of the bar, in the frame of the body; any length", (0.0, 1.0, 0.0))
-    left: Link = word("its first end")
-    right: Link = word("its other end")
+    left: Link = word("first end of the bar")
+    right: Link = word("other end of the bar")
     stiffness: float = quantity("N m/rad", "k, of the bar with its arms: G J / L", gt=0)
 
 

@@ -48,7 +48,7 @@ class Brake(PointSpringCard):
 
     axis: Vec3 = word("direction in the frame of a; any length")
     motion: Literal["along", "across"] = word(
-        "which motion is braked: along the axis, or in the plane at right angles", default="along"
+        "braked motion: along the axis, or in the plane at right angles to it", default="along"
     )
     force: float = quantity("N", "level at which it slides; times force_curve", gt=0)
     force_curve: CurveName | None = word("factor on the level over time", default=None)

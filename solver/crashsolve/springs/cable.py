@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 class Cable(Card):
     """Cable from point to point of two to eight bodies, which it passes without friction."""
 
-    through: tuple[Guide, ...] = word("its first end, the guides in their order, its last end")
+    through: tuple[Guide, ...] = word("first end of the cable, its guides in order, its last end")
     stiffness: float = quantity("N/m", "slope of tension over elongation", gt=0)
     damping: float = quantity("N s/m", "tension over rate, while it is taut", default=0.0, ge=0)
     length: float | None = quantity(

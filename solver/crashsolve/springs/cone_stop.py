@@ -64,7 +64,10 @@ class ConeStop(RangeCard):
     pointer: Vec3 = word("direction kept in the cone, in the frame of the other body; any length")
     carrier: Literal["a", "b"] = word("body of the joint that carries the cone", "a")
     half_angles: tuple[float, float, float, float] | None = quantity(
-        "rad", "at azimuth 0, 90, 180 and 270 degrees, right-handed about the axis", None, gt=0
+        "rad",
+        "half angles at azimuth 0, 90, 180 and 270 degrees, right-handed about the axis",
+        None,
+        gt=0,
     )
     table: tuple[tuple[float, float], ...] | None = quantity(
         "rad", "[azimuth, half angle] in order of the azimuth, instead of half_angles", None

@@ -35,7 +35,8 @@ class Elastoplastic(PointSpringCard):
     yield_force: float = quantity("N", "force at first yield", gt=0)
     tangent: float = quantity("N/m", "slope after yield; below stiffness", default=0.0, ge=0)
     hardening: Literal["isotropic", "kinematic"] = word(
-        "whether yield grows in both directions or moves with the force", default="isotropic"
+        "isotropic: the yield force grows in both directions; kinematic: the elastic range moves",
+        default="isotropic",
     )
     length: float | None = quantity(
         "m", "length without force; that at the start when absent", default=None, ge=0

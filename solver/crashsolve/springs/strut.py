@@ -44,7 +44,7 @@ class Strut(PointSpringCard):
         "rebound_curve": ("m", "N"),
     }
 
-    stiffness: float | None = quantity("N/m", "of the spring", default=None, ge=0)
+    stiffness: float | None = quantity("N/m", "stiffness of the spring", default=None, ge=0)
     curve: CurveName | None = word(
         "y, force over the change of length; instead of stiffness", default=None
     )
@@ -59,14 +59,16 @@ class Strut(PointSpringCard):
     bump_length: float | None = quantity(
         "m", "l_b, length at which the bump stop is met", default=None, gt=0
     )
-    bump_stiffness: float | None = quantity("N/m", "of the bump stop", default=None, gt=0)
+    bump_stiffness: float | None = quantity("N/m", "stiffness of the bump stop", default=None, gt=0)
     bump_curve: CurveName | None = word(
         "B, force over the travel beyond it, from 0; instead of bump_stiffness", default=None
     )
     rebound_length: float | None = quantity(
         "m", "l_r, length at which the rebound stop is met", default=None, gt=0
     )
-    rebound_stiffness: float | None = quantity("N/m", "of the rebound stop", default=None, gt=0)
+    rebound_stiffness: float | None = quantity(
+        "N/m", "stiffness of the rebound stop", default=None, gt=0
+    )
     rebound_curve: CurveName | None = word(
         "R, force over the travel beyond it, from 0; instead of rebound_stiffness", default=None
     )

@@ -10,7 +10,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the words of the command."""
     parser.set_defaults(act=_act)
     parser.add_argument("plan", type=Path, help="plan (YAML); with --run the folder of a sweep")
-    parser.add_argument("-o", "--output", type=Path, metavar="DIR", help="default PLAN.sweep")
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="DIR", help="results folder; default PLAN.sweep"
+    )
     parser.add_argument("--jobs", type=int, metavar="N", help="runs at a time; default: all cores")
     parser.add_argument(
         "--again",
@@ -21,14 +23,32 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--list", action="store_true", help="list the runs, without running them")
     queue = parser.add_argument_group("job arrays of Slurm (crashsolve manual QUEUE)")
-    queue.add_argument("--slurm", action="store_true", help="write the script of an array instead")
-    queue.add_argument("--submit", action="store_true", help="write it and hand it to sbatch")
-    queue.add_argument("--at-once", type=int, default=16, metavar="N", help="default 16 tasks")
-    queue.add_argument("--time", default="01:00:00", help="of each task; default 01:00:00")
     queue.add_argument(
-        "--sbatch", action="append", default=[], metavar="OPTION", help="as in --sbatch=--mem=2G"
+        "--slurm", action="store_true", help="write the script of a job array instead of running"
     )
-    queue.add_argument("--run", type=int, metavar="N", help="one run of a folder, as a task does")
+    queue.add_argument(
+        "--submit", action="store_true", help="write the script and submit it by sbatch"
+    )
+    queue.add_argument(
+        "--at-once",
+        type=int,
+        default=16,
+        metavar="N",
+        help="largest number of tasks at a time; default 16",
+    )
+    queue.add_argument(
+        "--time", default="01:00:00", help="time limit of each task; default 01:00:00"
+    )
+    queue.add_argument(
+        "--sbatch",
+        action="append",
+        default=[],
+        metavar="OPTION",
+        help="a further option of sbatch, as in --sbatch=--mem=2G",
+    )
+    queue.add_argument(
+        "--run", type=int, metavar="N", help="run this run of a folder alone, as a task does"
+    )
 
 
 def _act(options: argparse.Namespace) -> int:

@@ -30,9 +30,11 @@ class Materials(Card):
     poisson_a: float | None = quantity("1", "Poisson's ratio of side a", None, gt=-1, le=0.5)
     poisson_b: float | None = quantity("1", "Poisson's ratio of side b", None, gt=-1, le=0.5)
     density_a: float | None = quantity(
-        "kg/m^3", "of side a, only to warn of impacts beyond 1e-5 sqrt(E/rho)", None, gt=0
+        "kg/m^3", "density of side a, only to warn of impacts beyond 1e-5 sqrt(E/rho)", None, gt=0
     )
-    density_b: float | None = quantity("kg/m^3", "of side b, for the same warning", None, gt=0)
+    density_b: float | None = quantity(
+        "kg/m^3", "density of side b, for the same warning", None, gt=0
+    )
     radius: float | None = quantity(
         "m", "relative radius of curvature; from the surfaces when absent", None, gt=0
     )

@@ -27,7 +27,7 @@ class Cylinder(Card):
     at: Vec3 = quantity("m", "centre, body axes", (0.0, 0.0, 0.0))
     axis: Vec3 = quantity("1", "direction, body axes; any length", (0.0, 0.0, 1.0))
     radius: float = quantity("m", "radius", gt=0)
-    length: float = quantity("m", "from cap to cap", gt=0)
+    length: float = quantity("m", "length from cap to cap", gt=0)
 
 
 PARAMETERS = PLACED + Record("""

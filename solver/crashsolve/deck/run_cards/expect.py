@@ -33,7 +33,9 @@ class Expect(Card):
     unit: str | None = word("unit of bare numbers; the channel's own when absent", None)
     value: float = word("expected value, in any unit")
     tolerance: float = word("allowed difference: in the unit of the value, or relative as '1 %'")
-    relative: bool = word("whether the tolerance is a share of the value; true for one in %", False)
+    relative: bool = word(
+        "true: the tolerance is a fraction of the value; true for a tolerance in %", False
+    )
     because: Literal["exact", "published", "derived", "golden"] = word("kind of evidence")
     source: str = word("source of the value")
 

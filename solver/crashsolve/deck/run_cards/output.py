@@ -58,7 +58,7 @@ class Curve(Card):
 
     channel: str = word("channel, or arithmetic of channels")
     label: str = word("name in the legend; the channel when empty", "")
-    x: str = word("its own abscissa; that of the figure when empty", "")
+    x: str = word("abscissa of this curve; that of the figure when empty", "")
 
 
 class Reference(Card):
@@ -76,7 +76,7 @@ class Reference(Card):
     tolerance: float | None = quantity(
         "1", "uncertainty of the number; a larger difference counts as a miss", None, ge=0
     )
-    source: str = word("where it was published", "")
+    source: str = word("publication of the reference", "")
     channel: str = word("channel to compare with it", "")
     statistic: str = word("statistic of that channel, as under expect; none for a corridor", "")
     during: Window | None = quantity("s", "[from, to], when only these samples count", None)
@@ -122,8 +122,8 @@ class Figure(Card):
     y_unit: str = word("unit shown along y; SI when empty", "")
     x_scale: Literal["linear", "log"] = word("division of the x axis", "linear")
     y_scale: Literal["linear", "log"] = word("division of the y axis", "linear")
-    x_offset: float = quantity("1", "added to x, in the unit shown", 0.0)
-    y_offset: float = quantity("1", "added to y, in the unit shown", 0.0)
+    x_offset: float = quantity("1", "offset added to x, in the unit shown", 0.0)
+    y_offset: float = quantity("1", "offset added to y, in the unit shown", 0.0)
     x_label: str = word("title of the x axis", "")
     y_label: str = word("title of the y axis", "")
     x_range: Pair | None = quantity("1", "ends of the x axis", None)

@@ -31,7 +31,7 @@ class End(Card):
         "rotations about the bar's axes without a moment; x along the bar", default=()
     )
     offset: Vec3 = quantity(
-        "m", "from the point to the bar's end, world axes", default=(0.0, 0.0, 0.0)
+        "m", "vector from the point to the bar's end, world axes", default=(0.0, 0.0, 0.0)
     )
 
 

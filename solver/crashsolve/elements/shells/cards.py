@@ -34,16 +34,16 @@ class NamedNode(Card):
 class Trace(Card):
     """A position whose history is written."""
 
-    name: NewName = word("in channels P_name, for part P")
+    name: NewName = word("name in channels: P_name for part P")
     at: Vec3 = quantity("m", "position; the nearest node or element is taken")
 
 
 class SectionCut(Card):
     """Section whose force and moment are written: the elements that a plane cuts at the start."""
 
-    name: NewName = word("in channels P_name, for part P")
+    name: NewName = word("name in channels: P_name for part P")
     at: Vec3 = quantity("m", "point of the plane")
-    normal: Vec3 = word("of the plane, towards the side on which the force acts")
+    normal: Vec3 = word("normal of the plane, towards the side on which the force acts")
 
 
 class Support(Card):
@@ -82,8 +82,10 @@ class NodeVelocity(Card):
     """Velocity at the start of the nodes of a set, in place of that of the part."""
 
     nodes: SetName = word("set of nodes of the mesh")
-    velocity: Vec3 = quantity("m/s", "of each of them", default=ZERO)
-    angular_velocity: Vec3 = quantity("rad/s", "of each about itself, world axes", default=ZERO)
+    velocity: Vec3 = quantity("m/s", "velocity of each node", default=ZERO)
+    angular_velocity: Vec3 = quantity(
+        "rad/s", "angular velocity of each node, world axes", default=ZERO
+    )
 
 
 class Impulse(Card):
@@ -118,9 +120,11 @@ class ShellCard(Damped):
     section_cuts: tuple[SectionCut, ...] = word(
         "sections with a history: secforc.P_name", default=()
     )
-    velocity: Vec3 = quantity("m/s", "at the start, of the mesh's first node", default=ZERO)
-    angular_velocity: Vec3 = quantity("rad/s", "of the whole, world axes", default=ZERO)
-    velocities: tuple[NodeVelocity, ...] = word("at the start, of sets of nodes", default=())
+    velocity: Vec3 = quantity("m/s", "initial velocity of the mesh's first node", default=ZERO)
+    angular_velocity: Vec3 = quantity(
+        "rad/s", "initial angular velocity of the whole part, world axes", default=ZERO
+    )
+    velocities: tuple[NodeVelocity, ...] = word("initial velocities of sets of nodes", default=())
     impulses: tuple[Impulse, ...] = word("impulses at the start, on regions", default=())
 
     def node_names(self, part: str) -> list[str]:
