@@ -329,7 +329,7 @@ def test_ties_are_refused_where_they_meet_or_cannot_act(tmp_path: Path) -> None:
     own = {"part": "fine", "nodes": "u0", "to": "fine"}
     assert "is tied itself" in said(lambda s: s["ties"].update(seam=own))
     method = {"integrator": "generalized_alpha", "step": 1e-5}
-    assert "integrator generalized_alpha takes none" in said(lambda s: s["control"].update(method))
+    assert "integrator generalized_alpha has none" in said(lambda s: s["control"].update(method))
     weak = STEEL | {"type": "elastoplastic", "yield_stress": 2e8, "failure_strain": 0.1}
     assert "may be deleted" in said(lambda s: s["materials"].update(steel=weak))
     assert "no set of nodes 'x'" in said(lambda s: s["ties"]["seam"].update(nodes="x"))
