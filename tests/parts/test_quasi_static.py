@@ -360,7 +360,7 @@ SHELL = """  q:
 """
 REFUSED = {
     "integrator": ("solution:", "integrator: radau_iia_5, solution:", "integrator: solution quasi"),
-    "drag": ("joints:", f"{SHELL}    drag: 2\njoints:", "and solution quasi_static takes none"),
+    "drag": ("joints:", f"{SHELL}    drag: 2\njoints:", "and solution quasi_static has none"),
     "welded": (
         "parts:",
         f"bodies: {{hub: {{mass: 1, inertia: [1, 1, 1], welded: [p_2]}}}}\nparts:\n{SHELL}",

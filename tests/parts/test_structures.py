@@ -400,7 +400,7 @@ WRONG = {
         "density: 7850, rate_D: 40, ",
         "has rate_D, and hinges follow no strain rate",
     ),
-    "sections:": ("bodies: {frame_A: {mass: 1, inertia: [1, 1, 1]}}\nsections:", "of another"),
+    "sections:": ("bodies: {frame_A: {mass: 1, inertia: [1, 1, 1]}}\nsections:", "already in use"),
 }
 
 
