@@ -363,5 +363,5 @@ def test_a_scene_has_the_same_text_every_time() -> None:
     for _ in range(2):
         module = Module(Tables(arrays()).slots)
         module.entry(work, "work")
-        texts.append(module.text())
+        texts.append(module.units())
     assert texts[0] == texts[1]

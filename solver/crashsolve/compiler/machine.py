@@ -172,14 +172,15 @@ def _compile_apart(
 
 
 def _link(names: tuple[str, ...], code: bytes) -> tuple[Function, ...]:
-    """Functions of an object file, linked into this process."""
+    """Functions of some object files, linked into this process."""
     # commands that only read a deck do not load it
     import llvmlite.binding as llvm
 
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), host_machine())
-    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+    for unit in pickle.loads(code):
+        engine.add_object_file(llvm.ObjectFileRef.from_data(unit))
     engine.finalize_object()
     forget_linker()
     return tuple(_function(engine, name) for name in names)

@@ -15,7 +15,6 @@ from crashsolve.compiler.specialise import (
     Source,
     SpecialiseError,
     are_same,
-    assigned_in,
     walk,
     word_of,
 )
@@ -99,8 +98,10 @@ class Program:
     def _resolve(self, source: Source, tree: ast.AST) -> None:
         """Copy the objects that a copied function or constant names."""
         nodes = walk(tree)
-        own = {n.arg for n in nodes if isinstance(n, ast.arg)} | assigned_in(tree)
-        for name in dict.fromkeys(n.id for n in nodes if isinstance(n, ast.Name)):
+        names = [n for n in nodes if isinstance(n, ast.Name)]
+        own = {n.arg for n in nodes if isinstance(n, ast.arg)}
+        own |= {n.id for n in names if isinstance(n.ctx, ast.Store)}
+        for name in dict.fromkeys(n.id for n in names):
             if name in own:
                 continue
             if name in source.constants:

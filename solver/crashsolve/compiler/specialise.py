@@ -389,8 +389,13 @@ def word_of(value: Any) -> str:
 
 
 def assigned_in(tree: ast.AST) -> set[str]:
-    """Names that are given a value."""
-    return {n.id for n in walk(tree) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+    """Names that are given a value; found once for a tree."""
+    found: set[str] | None = getattr(tree, "assigned_in_it", None)
+    if found is None:
+        names = (n for n in walk(tree) if isinstance(n, ast.Name))
+        found = {n.id for n in names if isinstance(n.ctx, ast.Store)}
+        tree.assigned_in_it = found  # type: ignore[attr-defined]
+    return found
 
 
 def _of_this_loop(body: list[ast.stmt]) -> Iterable[ast.AST]:

@@ -177,6 +177,7 @@ class Scene(Protocol):
     welded: dict[int, int]  # nodes that are part of a rigid body, and the body
     attached: dict[str, list[tuple[int, int]]]  # points of a part, and their bodies
     angles_at_start: dict[str, float]  # of joints that a posture has rotated [rad]
+    posed: dict[int, str]  # bodies that a posture has placed, and its root
     joints: dict[str, JointOfScene]
     surfaces: Mapping[str, SurfaceOfScene]
     curves: dict[str, int]

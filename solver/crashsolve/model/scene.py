@@ -97,6 +97,7 @@ class Scene:
         self.welded: dict[int, int] = {}  # nodes that are part of a rigid body
         # [rad] of joints that a posture has turned from the zero posture
         self.angles_at_start: dict[str, float] = {}
+        self.posed: dict[int, str] = {}  # bodies of postures, and the roots of these
         self._pose()
         self._meshed: dict[str, DiscretisedShell] = {}  # parts with points
         self._discretise()

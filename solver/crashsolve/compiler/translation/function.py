@@ -1,8 +1,9 @@
 """One kernel: its statements, and the kinds of its variables.
 
-A variable has a slot for every kind that it takes. Where branches with numbers of different kinds
-in a variable join, each is converted to the widest kind. The kinds at the end of a loop are known
-after its start has been translated: if they differ, the function is translated again.
+A variable has a slot for every kind that it takes; one that is set in a single place is that value
+itself, and needs no slot. Where branches with numbers of different kinds in a variable join, each
+is converted to the widest kind. The kinds at the end of a loop are known after its start has been
+translated: if they differ, the function is translated again.
 """
 
 from __future__ import annotations
@@ -53,6 +54,38 @@ def _stored(tree: ast.FunctionDef) -> frozenset[str]:
     return frozenset(n.id for n in names if isinstance(n.ctx, ast.Store))
 
 
+@cache
+def _settled(tree: ast.FunctionDef) -> frozenset[str]:
+    """Names that are set in one place, which is translated once and lies before all their uses.
+
+    In a loop it is set anew every time, so no use may lie outside of that loop.
+    """
+    stores: dict[str, list[list[ast.stmt]]] = {}
+    loads: dict[str, list[list[ast.stmt]]] = {}
+
+    def visit(node: ast.AST, loops: list[ast.stmt]) -> None:
+        if isinstance(node, ast.Name):
+            is_store = isinstance(node.ctx, ast.Store)
+            (stores if is_store else loads).setdefault(node.id, []).append(loops)
+        inside = [*loops, node] if isinstance(node, (ast.For, ast.While)) else loops
+        for child in ast.iter_child_nodes(node):
+            visit(child, loops if child is getattr(node, "iter", None) else inside)
+
+    visit(tree, [])
+    return frozenset(
+        name
+        for name, (loops, *others) in stores.items()
+        if not others
+        and not any(isinstance(loop, ast.For) and not _is_range(loop) for loop in loops)
+        and all(used[: len(loops)] == loops for used in loads.get(name, ()))
+    ) - {argument.arg for argument in tree.args.args}
+
+
+def _is_range(loop: ast.For) -> bool:
+    """Whether the body is translated once; it is for every item of a tuple."""
+    return isinstance(loop.iter, ast.Call)
+
+
 class Function(Expressions):
     """The text of a kernel for arguments of given kinds."""
 
@@ -64,7 +97,7 @@ class Function(Expressions):
         super().__init__(function.__globals__, module)
         self.tree, self.function, self.kinds = tree, function, kinds
         self.where = tree.lineno
-        self.stored = _stored(tree)
+        self.stored, self.settled = _stored(tree), _settled(tree)
         self.returns: Kind | None = None
         # kinds of variables at the start of loops, where the end brings other ones
         self.wider: dict[tuple[int, str], Kind] = {}
@@ -130,6 +163,10 @@ class Function(Expressions):
         """name = value."""
         if isinstance(value.kind, Known):
             self.bound[name] = value
+            return
+        if name in self.settled:
+            # what Python knows of the value does not count: variables are not constants
+            self.bound[name] = Value(value.kind, value.words)
             return
         key = (name, value.kind)
         if key not in self.slots:
