@@ -9,7 +9,6 @@ translated: if they differ, the function is translated again.
 from __future__ import annotations
 
 import ast
-from functools import cache
 from types import FunctionType
 from typing import TYPE_CHECKING
 
@@ -36,6 +35,8 @@ from crashsolve.compiler.translation.variables import (
     Edge,
     Loop,
     Slots,
+    settled_in,
+    stored_in,
     wider,
 )
 
@@ -45,45 +46,6 @@ if TYPE_CHECKING:
 
 class Again(Exception):
     """The function must be translated again: more is known of its variables."""
-
-
-@cache
-def _stored(tree: ast.FunctionDef) -> frozenset[str]:
-    """Names that a function gives a value to: once for all kinds of its arguments."""
-    names = (n for n in ast.walk(tree) if isinstance(n, ast.Name))
-    return frozenset(n.id for n in names if isinstance(n.ctx, ast.Store))
-
-
-@cache
-def _settled(tree: ast.FunctionDef) -> frozenset[str]:
-    """Names that are set in one place, which is translated once and lies before all their uses.
-
-    In a loop it is set anew every time, so no use may lie outside of that loop.
-    """
-    stores: dict[str, list[list[ast.stmt]]] = {}
-    loads: dict[str, list[list[ast.stmt]]] = {}
-
-    def visit(node: ast.AST, loops: list[ast.stmt]) -> None:
-        if isinstance(node, ast.Name):
-            is_store = isinstance(node.ctx, ast.Store)
-            (stores if is_store else loads).setdefault(node.id, []).append(loops)
-        inside = [*loops, node] if isinstance(node, (ast.For, ast.While)) else loops
-        for child in ast.iter_child_nodes(node):
-            visit(child, loops if child is getattr(node, "iter", None) else inside)
-
-    visit(tree, [])
-    return frozenset(
-        name
-        for name, (loops, *others) in stores.items()
-        if not others
-        and not any(isinstance(loop, ast.For) and not _is_range(loop) for loop in loops)
-        and all(used[: len(loops)] == loops for used in loads.get(name, ()))
-    ) - {argument.arg for argument in tree.args.args}
-
-
-def _is_range(loop: ast.For) -> bool:
-    """Whether the body is translated once; it is for every item of a tuple."""
-    return isinstance(loop.iter, ast.Call)
 
 
 class Function(Expressions):
@@ -97,7 +59,7 @@ class Function(Expressions):
         super().__init__(function.__globals__, module)
         self.tree, self.function, self.kinds = tree, function, kinds
         self.where = tree.lineno
-        self.stored, self.settled = _stored(tree), _settled(tree)
+        self.stored, self.settled = stored_in(tree), settled_in(tree)
         self.returns: Kind | None = None
         # kinds of variables at the start of loops, where the end brings other ones
         self.wider: dict[tuple[int, str], Kind] = {}
