@@ -197,11 +197,14 @@ class _EquilibriumSearch:
         """g (6 n,) of a configuration without velocities; the engine keeps its sample."""
         self.standing_tyres.follow(nodes)
         self.engine.sample_of(nodes)
-        found = self.engine.nodes[self.free]
+        # column by column: rows of all columns cost more than the sample
+        v_dot, w_dot, mass_inv, A, J = (
+            self.engine.nodes[name][self.free] for name in ("v_dot", "w_dot", "mass_inv", "A", "J")
+        )
         g = np.empty((len(self.free), 6))
-        g[:, :3] = found["v_dot"] / found["mass_inv"][:, None]
-        A, J = (found[name].reshape(-1, 3, 3) for name in ("A", "J"))
-        own = np.einsum("nji,nj->ni", A, found["w_dot"])
+        g[:, :3] = v_dot / mass_inv[:, None]
+        A, J = A.reshape(-1, 3, 3), J.reshape(-1, 3, 3)
+        own = np.einsum("nji,nj->ni", A, w_dot)
         g[:, 3:] = np.einsum("nij,njk,nk->ni", A, J, own)
         return g.ravel()
 
