@@ -5,6 +5,7 @@ python tests/stability/page.py grazing > ...              the cases with this wo
                                                           name, the others as the page has them
 """
 
+import re
 import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
@@ -109,7 +110,8 @@ def _verdict(sweep: Sweep, found: list[Outcome]) -> str:
         return VERDICTS["ends"]
     end = "stops" if sweep.end == EITHER else sweep.end
     message = ENDS[end][1].search(stopped[0].message)
-    text = message[0].rpartition("/")[2] if message else ""
+    # without the folders of a deck; units have slashes of their own
+    text = re.sub(r"^\S*/", "", message[0]) if message else ""
     some = f" in {len(stopped)} of {len(found)} runs" if len(stopped) < len(found) else ""
     return f"{VERDICTS[end]}{some}: {text}"
 

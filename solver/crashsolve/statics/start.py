@@ -5,13 +5,14 @@
 
 g are the forces at rest that joints do not hold, delta_c closes the joints. tau grows as g falls
 (pseudo-transient continuation): small steps along the forces at first, so that a body above its
-springs settles on them, Newton's steps in the end. Directions in which nothing acts, as those in
-which a car rolls, keep their coordinate; where a small force is left in such a direction, as by the
-aligning moments of leaning wheels, the run begins with it, and the log states it. Forces are those
-without motion: dampers, friction and slip of tyres are zero, but for the carcass of standing wheels
-(`standing_tyres.py`). Velocities of the deck remain, except for components that the joints of the
-new configuration do not allow. Consequence to test: loads sum to the weight and divide by their
-lever arms, and the motion that follows stays below 1 % of them.
+springs settles on them, Newton's steps in the end. Where a motion grows by itself tau stays below
+half the time in which it grows by e: it leads down to a stable equilibrium. Directions in which
+nothing acts, as those in which a car rolls, keep their coordinate; where a small force is left in
+such a direction, as by the aligning moments of leaning wheels, the run begins with it, and the log
+states it. Forces are those without motion: dampers, friction and slip of tyres are zero, but for
+the carcass of standing wheels (`standing_tyres.py`). Velocities of the deck remain, except for
+components that the joints of the new configuration do not allow. Consequence to test: loads sum to
+the weight and divide by their lever arms, and the motion that follows stays below 1 % of them.
 
 Reference: Kelley and Keyes (1998), Convergence analysis of pseudo-transient continuation, SIAM
 Journal on Numerical Analysis 35, 508-523.
@@ -87,7 +88,11 @@ class _RestState:
 
 @dataclass
 class _Correction:
-    """A correction (n, 6), its size before it is limited, and the state it is for with matrices."""
+    """A correction (n, 6), its size before it is limited, and the state it is for with matrices.
+
+    `time_of_growth` [s] is half the time in which the fastest motion away from that state grows by
+    e; 0 where none does.
+    """
 
     state: _RestState
     Z: np.ndarray
@@ -95,6 +100,7 @@ class _Correction:
     inverse: np.ndarray
     change: np.ndarray
     size: float
+    time_of_growth: float
 
     def for_state(self, state: "_RestState") -> np.ndarray:
         """The correction (n, 6) of another configuration by the same matrices."""
@@ -111,6 +117,31 @@ def _constrained_inverse(matrix: np.ndarray, M: np.ndarray, tau: float) -> np.nd
     kept = values > 1.0 / tau**2 + GROWTH**2
     inverse = V[kept].T @ ((U[:, kept] / values[kept]).T)
     return np.asarray(half.T @ inverse @ half)
+
+
+def _time_of_growth(K: np.ndarray, M: np.ndarray) -> float:
+    """Half the time [s] in which the fastest motion away from here grows by e; 0 where none does.
+
+    A longer pseudo time step would lead up to an unstable equilibrium. Loads that follow the motion
+    have no potential, and no such time.
+    """
+    if not K.size or _is_positive(K):
+        return 0.0
+    half = np.linalg.inv(np.linalg.cholesky(0.5 * (M + M.T)))
+    K = half @ K @ half.T
+    values = np.linalg.eigvalsh(0.5 * (K + K.T))
+    limit = max(GROWTH**2, ROUND_OFF * values[-1])
+    if values[0] >= -limit or np.abs(K - K.T).max() > ALIKE * np.abs(values).max():
+        return 0.0
+    return float(0.5 / np.sqrt(-values[0]))
+
+
+def _is_positive(K: np.ndarray) -> bool:
+    try:
+        np.linalg.cholesky(0.5 * (K + K.T))
+    except np.linalg.LinAlgError:
+        return False
+    return True
 
 
 class _EquilibriumSearch:
@@ -184,6 +215,9 @@ class _EquilibriumSearch:
             self.standing_tyres.accept(self.nodes)
             if growth <= 1.0 or correction.size <= SMALLEST:
                 tau = min(2.0 * tau / max(growth, 0.1), LONGEST)
+            elif tau < correction.time_of_growth:
+                # forces grow as it leaves an unstable equilibrium
+                tau = min(2.0 * tau, correction.time_of_growth, LONGEST)
             self._find_near_pairs()
 
     def _is_allowed(self, state: "_RestState") -> bool:
@@ -197,11 +231,14 @@ class _EquilibriumSearch:
         """g (6 n,) of a configuration without velocities; the engine keeps its sample."""
         self.standing_tyres.follow(nodes)
         self.engine.sample_of(nodes)
-        found = self.engine.nodes[self.free]
+        # column by column: rows of all columns cost more than the sample
+        v_dot, w_dot, mass_inv, A, J = (
+            self.engine.nodes[name][self.free] for name in ("v_dot", "w_dot", "mass_inv", "A", "J")
+        )
         g = np.empty((len(self.free), 6))
-        g[:, :3] = found["v_dot"] / found["mass_inv"][:, None]
-        A, J = (found[name].reshape(-1, 3, 3) for name in ("A", "J"))
-        own = np.einsum("nji,nj->ni", A, found["w_dot"])
+        g[:, :3] = v_dot / mass_inv[:, None]
+        A, J = A.reshape(-1, 3, 3), J.reshape(-1, 3, 3)
+        own = np.einsum("nji,nj->ni", A, w_dot)
         g[:, 3:] = np.einsum("nij,njk,nk->ni", A, J, own)
         return g.ravel()
 
@@ -242,11 +279,14 @@ class _EquilibriumSearch:
         Z, G = state.motions, self._tangent(state.g)
         mass = self._mass()
         matrix = Z.T @ (mass / tau**2 - G) @ Z
+        unstable = 0.0 if self.drifts else _time_of_growth(-Z.T @ G @ Z, Z.T @ mass @ Z)
+        if 0.0 < unstable < tau:
+            matrix = Z.T @ (mass / unstable**2 - G) @ Z
         if self.drifts:
             inverse = _constrained_inverse(matrix, Z.T @ mass @ Z, tau)
         else:
             inverse = np.linalg.pinv(matrix, rcond=1e-15)
-        found = _Correction(state, Z, G, inverse, np.zeros((0, 6)), 0.0)
+        found = _Correction(state, Z, G, inverse, np.zeros((0, 6)), 0.0, unstable)
         change = found.for_state(state)
         found.size = largest_motion(change, self.model.size)
         displacement = np.abs(change[:, :3]).max(initial=0.0) / (

@@ -10,7 +10,7 @@ import numpy as np
 
 from crashsolve.compiler.machine import runs_checked, runs_plain
 from crashsolve.compiler.table import Tables
-from crashsolve.foundation.rows import as_rows
+from crashsolve.foundation.rows import as_rows, copy_rows
 from crashsolve.model import ledger as energy
 from crashsolve.model.clock import (
     CORNER,
@@ -361,8 +361,10 @@ class Engine:
 
     def sample_of(self, nodes: np.ndarray) -> None:
         """A sample of other positions and velocities, at present; the run is as before."""
-        self.nodes[:], self.rows[:] = nodes, self.state.rows
-        self.ledger[:], self.sample_clock[:] = self.state.ledger, self.state.clock
+        copy_rows(nodes, self.nodes)
+        copy_rows(self.state.rows, self.rows)
+        copy_rows(self.state.ledger, self.ledger)
+        copy_rows(self.state.clock, self.sample_clock)
         self._advance(self.sample_clock[0]["time"], True, self._sampled)
 
     def probing(self, arrays: dict[str, np.ndarray]) -> Tables:
