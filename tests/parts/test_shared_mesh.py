@@ -260,7 +260,7 @@ WRONG = {
     "half": (("top", "mesh", {**TOP, "high": None}), "low and high belong together"),
     "drag": (("top", "drag", 3.0), "nodes of 'low' have another drag"),
     "speed": (("top", "velocity", [1, 0, 0]), "begins with another velocity in 'low'"),
-    "named": (("top", "nodes", [{"name": "n", "at": [0.1, 0.2, 0]}]), "in 'low'; say so in one"),
+    "named": (("top", "nodes", [{"name": "n", "at": [0.1, 0.2, 0]}]), "in 'low'; state it in one"),
 }
 
 
@@ -289,7 +289,7 @@ def test_elements_in_no_part_are_reported(tmp_path: Path) -> None:
 def test_a_mesh_in_a_mesh_and_one_without_parts(tmp_path: Path) -> None:
     scene = two_parts()
     scene["meshes"]["other"] = {"type": "shared", "mesh": "plate"}
-    assert "holds no nodes of its own" in refusal(tmp_path, yaml.safe_dump(scene))
+    assert "has no nodes of its own" in refusal(tmp_path, yaml.safe_dump(scene))
     scene["meshes"]["other"] = MESH
     path = tmp_path / "spare.yaml"
     path.write_text(yaml.safe_dump(scene), "utf-8")
