@@ -10,8 +10,8 @@ elements and 3.6 us of 20; with RK4 at 5e-5 s and 10 elements 0.34 s for 0.26 % 
 """
 
 import time
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -31,7 +31,7 @@ CONTROLLED = [
 ]
 
 
-def run(deck: str, settings: dict[str, Any]) -> tuple[np.ndarray, np.ndarray, int, float]:
+def run(deck: str, settings: Mapping[str, object]) -> tuple[np.ndarray, np.ndarray, int, float]:
     """Places (n, 2, 3) of both ends, impulses (n, 3) [N s], steps and CPU time [s]."""
     changes = {f"control.{name}": str(value) for name, value in settings.items()}
     path = SCENES / f"beam_impact_{deck}.yaml"

@@ -19,7 +19,6 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
 
 import numpy as np
 
@@ -86,7 +85,7 @@ class Stopwatch:
             setattr(Engine, name, self._timed(getattr(Engine, name)))
 
     def _timed(self, method: Callable[..., None]) -> Callable[..., None]:
-        def timed(*words: Any) -> None:
+        def timed(*words: object) -> None:
             begun = time.process_time()
             try:
                 method(*words)

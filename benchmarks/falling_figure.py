@@ -11,7 +11,7 @@ the same figure in joint angles stands beside it.
 
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -62,11 +62,11 @@ def figure() -> dict[str, Body]:
     return found
 
 
-def deck_of(bodies: dict[str, Body], control: dict[str, Any]) -> Path:
+def deck_of(bodies: dict[str, Body], control: Mapping[str, object]) -> Path:
     """The figure as a deck."""
     deck = {
         "title": "A figure of 13 bodies falls",
-        "control": {"end_time": END, "estimate": "off"} | control,
+        "control": {"end_time": END, "estimate": "off", **control},
         "bodies": {
             name: {word: np.array(value).tolist() for word, value in body.items()}
             for name, body in bodies.items()
@@ -83,7 +83,7 @@ def deck_of(bodies: dict[str, Body], control: dict[str, Any]) -> Path:
     return path
 
 
-def crashsolve(bodies: dict[str, Body], control: dict[str, Any]) -> tuple[np.ndarray, float]:
+def crashsolve(bodies: dict[str, Body], control: Mapping[str, object]) -> tuple[np.ndarray, float]:
     """Mass centres at the end [m], and CPU time [s]."""
     deck = read_deck(deck_of(bodies, control), {})
     engine = Engine(*build(deck))

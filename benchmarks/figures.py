@@ -1,10 +1,15 @@
 """What figures of errors over meshes share."""
 
+from __future__ import annotations
+
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
-def finish(figure: Any, axes: Any, meshes: tuple[int, ...], path: Path) -> None:
+def finish(figure: Figure, axes: Any, meshes: tuple[int, ...], path: Path) -> None:
     """Mark the meshes on the abscissae, add the legend, and write the figure."""
     for axis in axes:
         axis.set_xticks(meshes, [str(n) for n in meshes])

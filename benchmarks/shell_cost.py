@@ -115,7 +115,7 @@ class Counted(float):
 def _counting(name: str) -> Any:
     plain = getattr(float, name)
 
-    def act(self: Any, *others: Any) -> Any:
+    def act(self: Counted, *others: float) -> Counted:
         Counted.count += 1
         return Counted(plain(float(self), *map(float, others)))
 
@@ -127,7 +127,7 @@ for _name in ("add", "sub", "mul", "truediv"):
         setattr(Counted, f"__{_side}{_name}__", _counting(f"__{_side}{_name}__"))
 
 
-class Column(list[Any]):
+class Column(list[object]):
     """Numbers that stay such numbers: those of numpy would not count."""
 
     def __setitem__(self, at: Any, value: Any) -> None:

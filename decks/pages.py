@@ -1,5 +1,7 @@
 """What the scripts that write pages beside decks share: runs, numbers of results, text."""
 
+from __future__ import annotations
+
 import csv
 import json
 import subprocess
@@ -7,9 +9,12 @@ import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from crashpost.results.result import Result
 
 
 def in_folder(main: Callable[[Path], None]) -> None:
@@ -27,13 +32,13 @@ def finished(folder: Path) -> bool:
     return log.exists() and "N o r m a l" in log.read_text("utf-8")
 
 
-def values(result: Any, channel: str) -> np.ndarray:
+def values(result: Result, channel: str) -> np.ndarray:
     """A history of a result, in its unit."""
     found: np.ndarray = result.series(channel).values
     return found
 
 
-def swept(plan: dict[str, Any], path: Path, folder: Path) -> list[dict[str, str]]:
+def swept(plan: dict[str, object], path: Path, folder: Path) -> list[dict[str, str]]:
     """Rows of the table of `crashsolve sweep`, which is run if it has not been yet.
 
     The plan is written to `path`, the runs to `folder`.

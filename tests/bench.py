@@ -3,21 +3,30 @@
 Nothing is compiled, so that tests are quick and every line is seen by coverage and debugger.
 """
 
-from collections.abc import Callable
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pytest
+from numpy.typing import ArrayLike
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.foundation.orientation import matrix
 from crashsolve.foundation.record import Record
+from crashsolve.foundation.rows import Rows as Columned
 from crashsolve.foundation.rows import as_rows
 from crashsolve.foundation.sparse.bordered import BLOCK, SLOT
 from crashsolve.model.build import build
+from crashsolve.model.model import Group, Model
 from crashsolve.model.nodes import COMPLIANT, NODE, ROW
+
+if TYPE_CHECKING:
+    from crashsolve.foundation.rows import RowOfTable
 
 BODIES = """
 title: bench
@@ -50,6 +59,9 @@ parts:
 """
 
 
+Vector = Sequence[float] | np.ndarray | None
+
+
 class Bench:
     """The bodies a and b (nodes 1 and 2) and whatever `text` adds to the deck."""
 
@@ -59,7 +71,7 @@ class Bench:
         self._read(path)
 
     @classmethod
-    def of_deck(cls, path: Path) -> "Bench":
+    def of_deck(cls, path: Path) -> Bench:
         """The bodies of a deck as it is."""
         bench = cls.__new__(cls)
         bench._read(path)
@@ -68,13 +80,15 @@ class Bench:
     def _read(self, path: Path) -> None:
         self.model, state = build(read_deck(path))
         self.tables = {"nodes": state.nodes, "rows": state.rows, "curves": self.model.curves}
-        self.nodes: Any = as_rows(state.nodes)
-        self.rows: Any = as_rows(state.rows)
-        self.curves: Any = as_rows(self.model.curves)
+        self.nodes: Columned = as_rows(state.nodes)
+        self.rows: Columned = as_rows(state.rows)
+        self.curves: Columned = as_rows(self.model.curves)
         for node in range(1, len(self.nodes)):
             self.move(node)
 
-    def move(self, node: int, r: Any = None, q: Any = None, v: Any = None, w: Any = None) -> None:
+    def move(
+        self, node: int, r: Vector = None, q: Vector = None, v: Vector = None, w: Vector = None
+    ) -> None:
         """Give a body position, unit quaternion, velocity, angular velocity; None keeps what is."""
         b = self.nodes[node]
         for name, value in (("r", r), ("q", q), ("v", v), ("w", w)):
@@ -85,7 +99,7 @@ class Bench:
         b.A, b.W = A.ravel(), W.ravel()
         b.L = np.linalg.solve(W, b.w)
 
-    def rotation(self, node: int, rotation: Any) -> None:
+    def rotation(self, node: int, rotation: ArrayLike) -> None:
         """Turn a body by a rotation vector in world axes [rad]."""
         self.move(node, q=product(exponential(rotation), self.nodes[node].q))
 
@@ -114,10 +128,10 @@ class Bench:
             self.move(node, r=R @ b.r + [5, -3, 2], v=R @ b.v, w=R @ b.w)
         return R
 
-    def state(self) -> Any:
+    def state(self) -> Columned:
         return self.nodes.copy()
 
-    def law(self, keyword: str, name: str) -> "Law":
+    def law(self, keyword: str, name: str) -> Law:
         return Law(self, keyword, name)
 
 
@@ -137,7 +151,7 @@ class Law:
         # that of its material, where its kernels call one
         self.materials = [law for number, law in group.materials if self.p.law == number]
 
-    def force(self, h: float = 1.0, t: float = 0.0) -> Any:
+    def force(self, h: float = 1.0, t: float = 0.0) -> RowOfTable:
         """Forces of this law alone; h = 0 is a sample. Returns its outputs."""
         nodes = self.bench.nodes
         for name in ("force", "torque", "stiffness", "damping", "external"):
@@ -168,7 +182,7 @@ class Law:
         for name in self.old.dtype.names:
             self.old[name] = self.new[name]
 
-    def measure(self, t: float = 0.0) -> Any:
+    def measure(self, t: float = 0.0) -> RowOfTable:
         """Outputs of a sensor, every column written."""
         spoil(self.out, self.module.OUTPUT)
         bench = self.bench
@@ -192,23 +206,23 @@ def check_power(law: Law, draws: int, **tolerances: float) -> None:
     assert met >= 5 and free >= 5
 
 
-def _no_force(*args: Any) -> None:
+def _no_force(*args: object) -> None:
     raise AssertionError("the law has no force")
 
 
 class Rows:
     """Constraint rows of one joint with its own nodes, movable by hand."""
 
-    def __init__(self, model: Any, state: Any, group: Any, name: str) -> None:
+    def __init__(self, model: Model, state: Any, group: Group, name: str) -> None:
         joint = next(j for j in model.joints if j.name == name)
         k = group.names.index(name)
-        self.module: Any = group.module
+        self.module = group.module
         self.p = as_rows(group.parameters.copy())[k]
         self.old, self.new = as_rows(group.history.copy())[:, k]
         self.parts, self.m = joint.parts, joint.rows
         self.ends = joint.nodes
         self.curves = as_rows(model.curves)
-        self.nodes: Any = as_rows(np.zeros(len(state.nodes), NODE.dtype))
+        self.nodes: Columned = as_rows(np.zeros(len(state.nodes), NODE.dtype))
         self.nodes[:] = state.nodes
         self.rows = as_rows(np.zeros(joint.parts * joint.rows, ROW.dtype))
         self.p.first_row = 0
@@ -269,7 +283,7 @@ class Rows:
         return np.array([[*node.v, *node.w] for node in self.nodes]).ravel()
 
 
-def write_rows(law: Any, word: str, p: Any, old: Any, *rest: Any) -> None:
+def write_rows(law: ModuleType, word: str, p: RowOfTable, old: RowOfTable, *rest: object) -> None:
     """Residual, Jacobian or convective term of all rows of a joint, as the step has them."""
     nodes, rows, _ = rest[-3:]
     first = p.first_row
@@ -291,7 +305,7 @@ def refusal(folder: Path, text: str) -> str:
     return str(caught.value)
 
 
-def assert_balanced(nodes: Any) -> None:
+def assert_balanced(nodes: Columned) -> None:
     """That there are forces on the bodies, and that their sum and their moment vanish."""
     assert np.abs(nodes.torque).max() > 0.1
     moment = (nodes.torque + np.cross(nodes.r, nodes.force)).sum(axis=0)
@@ -300,13 +314,13 @@ def assert_balanced(nodes: Any) -> None:
     np.testing.assert_allclose(moment, 0.0, atol=1e-11)
 
 
-def pair_of_blocks(flips: int) -> tuple[Any, Any]:
+def pair_of_blocks(flips: int) -> tuple[Columned, Columned]:
     """Place of nodes a and b, and empty blocks of a, b and both; that has rows of b if it flips."""
     position = as_rows(np.array((0, 1, 2, flips), SLOT.dtype))
     return position, as_rows(np.zeros(3, BLOCK.dtype))
 
 
-def matrix_of_pair(blocks: Any, flips: int) -> np.ndarray:
+def matrix_of_pair(blocks: Columned, flips: int) -> np.ndarray:
     """Such blocks as one matrix (12, 12)."""
     K = np.zeros((12, 12))
     K[:6, :6], K[6:, 6:] = (blocks[k].stiff.reshape(6, 6) for k in (0, 1))
@@ -315,13 +329,13 @@ def matrix_of_pair(blocks: Any, flips: int) -> np.ndarray:
     return K
 
 
-def spoil(values: Any, record: Record) -> None:
+def spoil(values: RowOfTable, record: Record) -> None:
     """Fill with what nobody would write, so that a column left out is seen."""
     for column in record.columns:
         values[column.name] = np.nan if column.format[1] is np.float64 else -(2**40)
 
 
-def written(values: Any, record: Record) -> bool:
+def written(values: RowOfTable, record: Record) -> bool:
     """Whether every column has been written since it was spoilt."""
     spoilt = {True: np.isnan, False: lambda x: np.equal(x, -(2**40))}
     return not any(
@@ -330,14 +344,14 @@ def written(values: Any, record: Record) -> bool:
     )
 
 
-def exponential(rotation: Any) -> np.ndarray:
+def exponential(rotation: ArrayLike) -> np.ndarray:
     """Unit quaternion of a rotation vector."""
     x = np.asarray(rotation, float)
     angle = np.linalg.norm(x)
     return np.array([np.cos(angle / 2), *(0.5 * np.sinc(angle / (2 * np.pi)) * x)])
 
 
-def product(p: Any, q: Any) -> np.ndarray:
+def product(p: Sequence[float] | np.ndarray, q: Sequence[float] | np.ndarray) -> np.ndarray:
     """Quaternion p q: first q, then p."""
     v, w = np.asarray(p[1:]), np.asarray(q[1:])
     return np.array([p[0] * q[0] - v @ w, *(p[0] * w + q[0] * v + np.cross(v, w))])

@@ -7,7 +7,6 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import Any
 
 import forked
 import h5py
@@ -24,11 +23,11 @@ def environment(**changes: str) -> dict[str, str]:
     return {k: v for k, v in os.environ.items() if k not in OWN} | changes
 
 
-def arguments(*words: Any) -> list[str]:
+def arguments(*words: object) -> list[str]:
     return [sys.executable, "-m", "crashsolve", *map(str, words)]
 
 
-def crashsolve(*words: Any, **changes: str) -> subprocess.CompletedProcess[str]:
+def crashsolve(*words: object, **changes: str) -> subprocess.CompletedProcess[str]:
     """Run the command to its end; `changes` are environment variables."""
     given = environment(**changes)
     if forked.can_fork(given):
@@ -38,7 +37,7 @@ def crashsolve(*words: Any, **changes: str) -> subprocess.CompletedProcess[str]:
     )
 
 
-def start(*words: Any, **changes: str) -> subprocess.Popen[str]:
+def start(*words: object, **changes: str) -> subprocess.Popen[str]:
     """Start the command without waiting for it."""
     return subprocess.Popen(
         arguments(*words),
@@ -53,7 +52,7 @@ def datasets(path: Path) -> dict[str, np.ndarray]:
     """All datasets of an HDF5 file by their paths."""
     found: dict[str, np.ndarray] = {}
 
-    def keep(name: str, item: Any) -> None:
+    def keep(name: str, item: object) -> None:
         if isinstance(item, h5py.Dataset):
             text = h5py.check_string_dtype(item.dtype)
             found[name] = item.asstr()[()].astype(str) if text else item[()]

@@ -14,6 +14,7 @@ import pickle
 import subprocess
 import sys
 import tempfile
+from collections.abc import Mapping
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
@@ -30,7 +31,7 @@ APART = ("__main__", "examples", "study", "sweep")
 READ_LATE = {"CRASHSOLVE_CACHE", "CRASHSOLVE_PLAIN", "PYTEST_CURRENT_TEST"}
 
 # source, path, names and slots of tables of what is to be compiled
-Request = tuple[Path, Path, list[str], dict[str, Any]]
+Request = tuple[Path, Path, list[str], dict[str, object]]
 # what runs have in place of this, here
 _apart = machine._compile_apart
 
@@ -173,6 +174,6 @@ def _compile(*request: Any) -> int:
     return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
 
 
-def _compile_here(source: Path, path: Path, names: list[str], slots: dict[str, Any]) -> None:
+def _compile_here(source: Path, path: Path, names: list[str], slots: Mapping[str, object]) -> None:
     sys.stdin = io.TextIOWrapper(io.BytesIO(pickle.dumps(slots)))
     process.main(source, path, names)

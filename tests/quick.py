@@ -13,6 +13,6 @@ def first_quick(values: Iterable[Any], count: int = 1) -> list[Any]:
     return [*found[:count], *late[count:]]
 
 
-def _case(value: Any) -> Any:
+def _case(value: object) -> Any:
     """A case of one value or of several."""
     return pytest.param(*value) if isinstance(value, (tuple, list)) else pytest.param(value)

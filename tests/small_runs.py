@@ -1,7 +1,7 @@
 """Runs of small scenes, in processes of their own, and orders of their errors."""
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import yaml
@@ -27,7 +27,7 @@ loads: {f: {type: force, body: arm_tip, at: [0, 0, 0], force: [0, 0, 100]}}"""
 
 def run(
     folder: Path,
-    scene: dict[str, Any],
+    scene: Mapping[str, object],
     end: float,
     step: float | None = None,
     plain: bool = False,
@@ -40,7 +40,7 @@ def run(
     control = {"end_time": end, "energy_limit": "off"} | ({"step": step} if step else {})
     # a sample cuts the step that would pass it: no more of them than these
     output = {"history": {"interval": end}, "states": {"interval": end}}
-    text = yaml.safe_dump({"control": control, "output": output} | scene, sort_keys=False)
+    text = yaml.safe_dump({"control": control, "output": output, **scene}, sort_keys=False)
     deck.write_text(text, "utf-8")
     done = crashsolve(deck, "-o", out, CRASHSOLVE_PLAIN="1" if plain else "0")
     assert done.returncode == 0, done.stdout + done.stderr

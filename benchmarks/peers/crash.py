@@ -33,7 +33,7 @@ def methods(
     entries: Sequence[tuple[str, str, Sequence[float]]],
     watch: Watch,
     overrides: dict[str, str] | None = None,
-    **control: Any,
+    **control: object,
 ) -> list[Method]:
     """One method per entry (integrator, word of control that is varied, its values).
 

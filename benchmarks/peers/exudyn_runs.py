@@ -21,10 +21,10 @@ from problem import Method, Run
 ADAPTIVE = ("DOPRI5", "DVERK6", "ODE23")
 
 # fills a system and returns the function that reads the values to compare
-Fill = Callable[[Any], Callable[[], Any]]
+Fill = Callable[["exu.MainSystem"], Callable[[], object]]
 
 
-def settings(end: float, solver: str, value: float) -> Any:
+def settings(end: float, solver: str, value: float) -> exu.SimulationSettings:
     """Settings of a run without files; `value` is a tolerance where the solver adapts its step."""
     given = exu.SimulationSettings()
     given.solution.file.write = False
@@ -59,7 +59,7 @@ def methods(
             if not system.SolveDynamic(given, solverType=kind, showHints=False):
                 raise ArithmeticError("no convergence")
 
-        def watched(_keep: Any = container) -> np.ndarray:
+        def watched(_keep: object = container) -> np.ndarray:
             return np.array(watch(), float)
 
         return Run(solve, watched)
@@ -76,7 +76,7 @@ def methods(
     ]
 
 
-def coordinates(system: Any, node: int) -> np.ndarray:
+def coordinates(system: exu.MainSystem, node: int) -> np.ndarray:
     """Reference plus present coordinates of a node."""
     total = system.GetNodeOutput(node, exu.OutputVariableType.Coordinates)
     start = system.GetNodeOutput(
@@ -86,7 +86,7 @@ def coordinates(system: Any, node: int) -> np.ndarray:
 
 
 def plane_body(
-    system: Any,
+    system: exu.MainSystem,
     mass: float,
     inertia: float,
     configuration: Sequence[float],
@@ -99,28 +99,31 @@ def plane_body(
     return node, system.AddObject(ObjectRigidBody2D(mass=mass, inertia=inertia, nodeNumber=node))
 
 
-def point(system: Any, body: int, position: Sequence[float]) -> int:
+def point(system: exu.MainSystem, body: int, position: Sequence[float]) -> int:
     """Marker at a point in the axes of a body."""
     return system.AddMarker(MarkerBodyPosition(bodyNumber=body, localPosition=[*position, 0.0][:3]))
 
 
-def ground(system: Any) -> int:
+def ground(system: exu.MainSystem) -> int:
     return system.AddObject(ObjectGround())
 
 
-def hinge(system: Any, first: int, second: int) -> None:
+def hinge(system: exu.MainSystem, first: int, second: int) -> None:
     """Plane hinge between two markers."""
     system.AddObject(ObjectJointRevolute2D(markerNumbers=[first, second]))
 
 
-def weight(system: Any, body: int, gravity: Sequence[float]) -> None:
+def weight(system: exu.MainSystem, body: int, gravity: Sequence[float]) -> None:
     """Gravity on one body."""
     marker = system.AddMarker(MarkerBodyMass(bodyNumber=body))
     system.AddLoad(LoadMassProportional(markerNumber=marker, loadVector=list(gravity)))
 
 
 def tree(
-    system: Any, links: Sequence[dict[str, Any]], gravity: Sequence[float], rates: Sequence[float]
+    system: exu.MainSystem,
+    links: Sequence[dict[str, Any]],
+    gravity: Sequence[float],
+    rates: Sequence[float],
 ) -> tuple[int, int]:
     """Node and object of a tree; a link has type, parent, offset, mass, centre, inertia, start."""
     n = len(links)

@@ -10,7 +10,7 @@ from numba.extending import intrinsic
 from problem import Method, Run
 
 # model and data to (actions before the solve, the values to compare)
-Watch = Callable[[Any, Any], Any]
+Watch = Callable[["mujoco.MjModel", "mujoco.MjData"], object]
 
 # warnings are counted in the data of a run; by default they would also go to a file
 mujoco.set_mju_user_warning(lambda _text: None)
@@ -24,8 +24,8 @@ def methods(
     end: float,
     entries: Sequence[tuple[str, str, Sequence[float], float]],
     watch: Watch,
-    start: Callable[[Any, Any], object] | None = None,
-    law: Callable[[Any, Any, float], object] | None = None,
+    start: Callable[[mujoco.MjModel, mujoco.MjData], object] | None = None,
+    law: Callable[[mujoco.MjModel, mujoco.MjData, float], object] | None = None,
 ) -> list[Method]:
     """One method per entry (integrator, settings of the model, steps, settling).
 
@@ -107,7 +107,9 @@ def floats(_context: Any, _position: Any = None) -> Any:
     return types.CPointer(types.float64)(types.int64), generate
 
 
-def native(kernel: Any, history: Any = None) -> Callable[[Any, Any, float], object]:
+def native(
+    kernel: Any, history: Any = None
+) -> Callable[[mujoco.MjModel, mujoco.MjData, float], object]:
     """Compiled force law for MuJoCo from a kernel (positions, velocities, forces, history).
 
     Where the arrays of a run are is written into a box that the law reads: it is compiled once.
@@ -116,7 +118,7 @@ def native(kernel: Any, history: Any = None) -> Callable[[Any, Any, float], obje
     at = box.ctypes.data
 
     @cfunc(types.void(types.voidptr, types.voidptr))
-    def law(_model: Any, _data: Any) -> None:
+    def law(_model: mujoco.MjModel, _data: mujoco.MjData) -> None:
         positions = carray(floats(at), 5).view(np.int64)
         n = positions[3]
         kernel(
@@ -126,7 +128,7 @@ def native(kernel: Any, history: Any = None) -> Callable[[Any, Any, float], obje
             carray(floats(positions[4]), positions[3]),
         )
 
-    def bind(_model: Any, data: Any, _step: float) -> object:
+    def bind(_model: mujoco.MjModel, data: mujoco.MjData, _step: float) -> object:
         kept[:] = 0.0
         arrays = (data.qpos, data.qvel, data.qfrc_passive)
         box.view(np.int64)[:3] = [array.ctypes.data for array in arrays]

@@ -3,15 +3,22 @@
 make crush       (or: python decks/benchmark/tube_crush.py, in an environment with matplotlib)
 """
 
+from __future__ import annotations
+
 import json
 import subprocess
 import sys
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
@@ -25,15 +32,15 @@ DECK = HERE / "tube_crush.yaml"
 PICTURES = HERE / "tube_crush"
 MEASURED = ROOT.parent / "shared" / "data" / "tube_crush"
 # what is set for each run
-COARSE = {"across": 12, "along": 72}
-MESHES: dict[str, dict[str, Any]] = {
+COARSE: dict[str, int | str] = {"across": 12, "along": 72}
+MESHES: dict[str, dict[str, int | str]] = {
     "reduced, 5 mm": COARSE,
     "fully integrated, 5 mm": COARSE | {"parts.tube.element": "fully_integrated"},
     "reduced, 3 mm": {},
     "fully integrated, 3 mm": {"parts.tube.element": "fully_integrated"},
 }
 # steps of the reduced element on 5 mm
-STEPS: dict[str, dict[str, Any]] = {
+STEPS: dict[str, dict[str, object]] = {
     "0.9 of the bound": {"control.safety": 0.9},
     "0.99 of the bound": {},
     "0.55 us": {"control.step": 5.5e-7},
@@ -57,7 +64,9 @@ PUBLISHED = {
 }
 
 
-def run(folder: Path, name: str, settings: dict[str, Any], codes: tuple[int, ...] = (0,)) -> Path:
+def run(
+    folder: Path, name: str, settings: Mapping[str, object], codes: tuple[int, ...] = (0,)
+) -> Path:
     """Folder of a result of the deck, taken from `folder` if it is there; how it may end."""
     out = folder / name.replace(",", "").replace(" ", "_")
     if not (out / "status.json").exists():
@@ -72,7 +81,7 @@ def run(folder: Path, name: str, settings: dict[str, Any], codes: tuple[int, ...
 
 
 def status(out: Path) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads((out / "status.json").read_text("utf-8"))
+    found: dict[str, object] = json.loads((out / "status.json").read_text("utf-8"))
     return found
 
 
@@ -187,7 +196,7 @@ def stepped(folder: Path) -> str:
 # --- pictures -----------------------------------------------------------------------------------
 
 
-def draw_curves(runs: dict[str, Result], plt: Any, name: str, until: float) -> None:
+def draw_curves(runs: dict[str, Result], plt: ModuleType, name: str, until: float) -> None:
     """Force over shortening [mm], beside what has been measured where it is at hand."""
     figure, ax = plt.subplots(figsize=(9.0, 4.5))
     for element, style in (("belytschko_tsay", "0.5"), ("qeph", "0.75")):
@@ -206,7 +215,7 @@ def draw_curves(runs: dict[str, Result], plt: Any, name: str, until: float) -> N
     save(figure, name)
 
 
-def draw_film(result: Result, plt: Any) -> None:
+def draw_film(result: Result, plt: ModuleType) -> None:
     """The tube at FRAMES, coloured by plastic strain in its middle surface."""
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
@@ -230,7 +239,7 @@ def draw_film(result: Result, plt: Any) -> None:
     save(figure, "film")
 
 
-def save(figure: Any, name: str) -> None:
+def save(figure: Figure, name: str) -> None:
     PICTURES.mkdir(exist_ok=True)
     figure.tight_layout()
     figure.savefig(PICTURES / f"{name}.png", dpi=110, bbox_inches="tight")

@@ -5,13 +5,18 @@ make certification  (or: python decks/occupants/certification.py [FOLDER], with 
 Runs whose results are in FOLDER are not repeated.
 """
 
+from __future__ import annotations
+
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
@@ -75,7 +80,7 @@ def framed(title: str, x: str, y: str) -> Any:
     return figure, axes
 
 
-def save(figure: Any, name: str) -> None:
+def save(figure: Figure, name: str) -> None:
     figure.savefig(PAGE.with_suffix("") / f"{name}.png", dpi=110)
     plt.close(figure)
 

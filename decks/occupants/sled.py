@@ -181,7 +181,7 @@ def curves(rows: dict[Key, Row], folder: Path) -> None:
 
 def main(folder: Path) -> None:
     """Run what is not there, draw the picture and write the page."""
-    plan: dict[str, Any] = yaml.safe_load(PLAN.read_text("utf-8"))
+    plan: dict[str, object] = yaml.safe_load(PLAN.read_text("utf-8"))
     plan["deck"] = str(HERE / "tests" / "sled.yaml")
     rows = {key(row): row for row in swept(plan, folder / "sled.plan.yaml", folder / "sled")}
     curves(rows, folder / "sled")

@@ -3,6 +3,8 @@
 make beam        (or: python decks/scenes/beam_impact.py, in an environment with matplotlib)
 """
 
+from __future__ import annotations
+
 import json
 import subprocess
 import sys
@@ -10,9 +12,13 @@ import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from os import cpu_count
 from pathlib import Path
-from typing import Any
+from types import ModuleType
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
@@ -51,7 +57,7 @@ class Runs:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
 
-    def __call__(self, deck: str, **settings: Any) -> Result:
+    def __call__(self, deck: str, **settings: object) -> Result:
         """Result of a deck of this folder with parameters set."""
         words = [f"{name.replace('__', '.')}={value}" for name, value in settings.items()]
         out = self.folder / "_".join([deck, *words])
@@ -64,7 +70,7 @@ class Runs:
                 raise RuntimeError(f"{deck} {words}: {done.stdout[-500:]}{done.stderr}")
         return Result(out)
 
-    def beam(self, model: str, elements: int, mu: float, **settings: Any) -> Result:
+    def beam(self, model: str, elements: int, mu: float, **settings: object) -> Result:
         kind, given = MODELS[model]
         return self(f"beam_impact_10_{kind}", elements=elements, mu=mu, **given, **settings)
 
@@ -92,7 +98,7 @@ def groups(result: Result, node: int) -> list[tuple[float, float]]:
 # --- pictures -----------------------------------------------------------------------------------
 
 
-def draw_frames(runs: Runs, plt: Any) -> None:
+def draw_frames(runs: Runs, plt: ModuleType) -> None:
     """Fig. 9: both models and the rigid bar, at the chapter's times."""
     figure, axes = plt.subplots(len(TIMES), len(MESHES), figsize=(9.0, 15.0), sharex=True)
     bar = runs("rigid_bar", control__end_time=2)
@@ -122,7 +128,7 @@ def draw_frames(runs: Runs, plt: Any) -> None:
     save(figure, "frames")
 
 
-def draw_forces(runs: Runs, plt: Any) -> None:
+def draw_forces(runs: Runs, plt: ModuleType) -> None:
     """Fig. 10: forces on both end nodes, 10 elements, on a log axis."""
     rows = [("continuous, K = 1.2e8", 0.0), ("continuous, K = 1.2e8", 0.35), ("unilateral", 0.0)]
     figure, axes = plt.subplots(len(rows), 1, figsize=(9.0, 9.0), sharex=True)
@@ -146,7 +152,7 @@ def draw_forces(runs: Runs, plt: Any) -> None:
     save(figure, "forces")
 
 
-def draw_meshes(runs: Runs, plt: Any) -> None:
+def draw_meshes(runs: Runs, plt: ModuleType) -> None:
     """Impulse, captured energy and tip path over the number of elements."""
     figure, axes = plt.subplots(1, 3, figsize=(12.0, 4.0))
     for mu, style in zip(FRICTIONS, ("-", "--"), strict=True):
@@ -171,7 +177,7 @@ def draw_meshes(runs: Runs, plt: Any) -> None:
     save(figure, "meshes")
 
 
-def save(figure: Any, name: str) -> None:
+def save(figure: Figure, name: str) -> None:
     PICTURES.mkdir(exist_ok=True)
     figure.tight_layout()
     figure.savefig(PICTURES / f"{name}.png", dpi=90)

@@ -9,7 +9,7 @@ import json
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
+from types import ModuleType
 
 import numpy as np
 
@@ -139,7 +139,7 @@ def bent_table(runs: Runs) -> str:
     return "\n".join([head, "|---" * (len(REPORTED) + 1) + "|", *rows])
 
 
-def draw_bent(runs: Runs, plt: Any) -> None:
+def draw_bent(runs: Runs, plt: ModuleType) -> None:
     """Moments over plastic angles."""
     figure, axes = plt.subplots(figsize=(7, 4.2), layout="constrained")
     for name, style in zip(BENT, (":", "-.", "--", "-"), strict=True):
@@ -209,13 +209,17 @@ def table(runs: Runs, scene: str) -> str:
     return "\n".join([f"|{head}|", f"|{rule}|", *lines])
 
 
-def draw(runs: Runs, scene: str, plt: Any) -> None:
+def draw(runs: Runs, scene: str, plt: ModuleType) -> None:
     """Deflections and forces of all descriptions over time."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(12, 4.2), layout="constrained")
     names = (*PLAIN[1:], *SCENES[scene][1])
     for name in names:
         result = runs(scene, name)
-        look: dict[str, Any] = {"color": COLOURS[name], "label": DESCRIPTIONS[name][0], "lw": 1.2}
+        look: dict[str, object] = {
+            "color": COLOURS[name],
+            "label": DESCRIPTIONS[name][0],
+            "lw": 1.2,
+        }
         if name == names[-1]:
             look |= {"color": BEST, "lw": 2.2}
         elif name in SCENES[scene][1]:

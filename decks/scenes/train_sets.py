@@ -9,7 +9,9 @@ import json
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -36,7 +38,7 @@ MASS, MOVING = 680e3, 340e3  # both trains, the moving one [kg]
 # a parked train that stands as Table 2 prints it: its motor car at the far end
 REVERSED = {9: (51, 26), 10: (34, 26), 15: (51, 26), 16: (68, 20)}
 # ends out of line, m
-OFFSETS: tuple[dict[str, Any], ...] = (
+OFFSETS: tuple[dict[str, float], ...] = (
     {},
     {"lift_parked": 0.04},
     {"aside_parked": 0.04},
@@ -51,7 +53,7 @@ class Runs:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
 
-    def __call__(self, speed: int = 55, deck: str = "", **settings: Any) -> Result:
+    def __call__(self, speed: int = 55, deck: str = "", **settings: object) -> Result:
         """Result at a speed [km/h] with parameters or fields set; dots of fields written __."""
         words = [f"speed={speed} km/h", "control.estimate=off"]
         words += [f"{name.replace('__', '.')}={value}" for name, value in settings.items()]
@@ -119,7 +121,7 @@ def rails(result: Result, what: str) -> np.ndarray:
     return values(result, " + ".join(f"rcforc.car_{i}_rails.{what}" for i in CARS))
 
 
-def draw_bars(runs: Runs, plt: Any) -> None:
+def draw_bars(runs: Runs, plt: ModuleType) -> None:
     """Figs 13 and 14."""
     names = [f"{i}-{i + 1}" for i in INTERFACES]
     for file, measure, scale, limit, label, title in (
@@ -143,7 +145,7 @@ def draw_bars(runs: Runs, plt: Any) -> None:
         plt.close(figure)
 
 
-def draw_crush(runs: Runs, plt: Any) -> None:
+def draw_crush(runs: Runs, plt: ModuleType) -> None:
     """Crush and energy per interface."""
     figure, both = plt.subplots(1, 2, figsize=(12, 4.2), layout="constrained")
     for k, speed in enumerate(SPEEDS):
@@ -160,7 +162,7 @@ def draw_crush(runs: Runs, plt: Any) -> None:
     plt.close(figure)
 
 
-def draw_motion(runs: Runs, plt: Any) -> None:
+def draw_motion(runs: Runs, plt: ModuleType) -> None:
     """Time and position of all cars, and their speeds, at 55 km/h."""
     result = runs(55)
     figure, (left, right) = plt.subplots(1, 2, figsize=(12, 5), layout="constrained")
@@ -186,7 +188,7 @@ def table(head: str, lines: list[list[str]]) -> str:
     return "\n".join([f"|{head}|", f"|{rule}|", *(f"| {' | '.join(line)} |" for line in lines)])
 
 
-def largest(result: Result, measure: Any) -> tuple[float, str]:
+def largest(result: Result, measure: Callable[[Result, int], np.ndarray]) -> tuple[float, str]:
     """The largest magnitude over all interfaces, and where it is."""
     found = {i: abs(extreme(measure(result, i))) for i in INTERFACES}
     i = max(found, key=lambda k: found[k])
@@ -300,7 +302,7 @@ def plane_and_space(runs: Runs) -> str:
     return ", ".join(parts)
 
 
-def draw_assumptions(folder: Path, plt: Any) -> None:
+def draw_assumptions(folder: Path, plt: ModuleType) -> None:
     """Largest gap and force of every run of the sweeps, beside what the chapter has."""
     stands, every = sweeps.one_at_a_time(folder / "one")
     draws = sweeps.all_at_once(folder / "all")

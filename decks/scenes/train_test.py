@@ -10,6 +10,7 @@ import re
 import sys
 import tempfile
 from pathlib import Path
+from typing import Any
 
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parent)]
@@ -84,7 +85,7 @@ def ranges() -> dict[str, tuple[str, ...]]:
     return found
 
 
-def number(text: object) -> object:
+def number(text: object) -> Any:
     """A bare number as such; one with a unit as it is written."""
     return float(text) if isinstance(text, str) and " " not in text else text
 

@@ -269,3 +269,36 @@ class Roads:
     road_half: Numbers[float]  # [m] half edges of a box
     road_root: Numbers[int]  # [index] first box of the tree of a mesh, or curve of a profile
     thickness: Numbers[float]  # [m] of a mesh; infinite for a closed one
+
+class VonMisesMetal:
+    young: float  # [Pa] E
+    poisson: float  # [1] nu
+    shear: float  # [Pa] G
+    density: float  # [kg/m^3] rho
+    plane: float  # [Pa] E / (1 - nu^2)
+    across: float  # [1] nu / (1 - nu)
+    softness: float  # [1/Pa] nu / E
+    falls_1: float  # [Pa] c_1 of the plastic return
+    falls_2: float  # [Pa] c_2
+    kinematic: float  # [Pa] H_k, of what moves the yield surface
+    rated: int  # [flag] whether the rate of strain has a factor
+    heating: float  # [m^3/J] temperature, 1 at melting, over plastic work per volume; 0 for none
+    temperature_row: int  # [index] of a layer
+    failure: float  # [1] plastic strain at which a layer fails; 0 for none
+
+class ElasticMaterial:
+    young: float  # [Pa] E
+    poisson: float  # [1] nu
+    shear: float  # [Pa] G
+    density: float  # [kg/m^3] rho
+    plane: float  # [Pa] E / (1 - nu^2)
+    across: float  # [1] nu / (1 - nu)
+
+class VonMisesSolid:
+    stress: Numbers[float]  # [Pa] xx, yy, zz, xy, yz, zx
+    plastic_strain: float  # [1] e
+    alpha: Numbers[float]  # [Pa] middle of the yield surface
+    temperature: float  # [1] from 0 at the start to 1 at melting
+
+class ElasticSolid:
+    stress: Numbers[float]  # [Pa] xx, yy, zz, xy, yz, zx

@@ -17,7 +17,6 @@ import sys
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
 from crashsolve import __version__
 from crashsolve.channels.command_line import add_completion, completion, protected
@@ -37,6 +36,8 @@ from crashsolve.foundation.streams import (
 
 COMMANDS: tuple[str, ...] = ("run", "check", "explain", "study", "sweep", "posture", "example")
 COMMANDS += ("manual", "schema", "keywords", "equations", "completion")
+
+Commands = argparse._SubParsersAction
 
 SWEEP = "Run a deck over values of its parameters, as a plan defines them; finished runs are kept"
 STUDY = "Run a deck with many steps or methods: error, observed order and CPU time of each"
@@ -139,14 +140,14 @@ def _parser(requested: Sequence[str]) -> argparse.ArgumentParser:
     return parser
 
 
-def _posture_arguments(commands: Any) -> None:
+def _posture_arguments(commands: Commands) -> None:
     from crashsolve.photogrammetry.command import add_arguments
 
     text = "initial posture of an occupant from digitised points in the pictures of cameras"
     add_arguments(commands.add_parser("posture", help=text, description=text.capitalize()))
 
 
-def _document_arguments(commands: Any) -> None:
+def _document_arguments(commands: Commands) -> None:
     """Commands that print the examples, the manual, and pages made from the cards."""
     example = commands.add_parser("example", help="list example decks, print one, or write it")
     example.add_argument("name", nargs="?", help="name of a deck; without a name all are listed")

@@ -10,7 +10,6 @@ import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from tempfile import TemporaryFile
-from typing import Any
 
 from crashsolve.foundation.errors import CrashsolveError, ExitCode
 
@@ -27,10 +26,10 @@ class RunFailed(CrashsolveError):
 
 
 def run(
-    deck: Path | str | Mapping[str, Any],
+    deck: Path | str | Mapping[str, object],
     folder: Path | str | None = None,
     *,
-    set: Mapping[str, Any] | None = None,
+    set: Mapping[str, object] | None = None,
     restart: bool = False,
     report: Callable[[str], object] | None = None,
 ) -> Path:

@@ -18,6 +18,7 @@ from crashsolve.hinges import _joint as hinge
 from crashsolve.hinges import _law as hinge_law
 from crashsolve.joints import _card as joint
 from crashsolve.loads._on_body import BODY_LOAD
+from crashsolve.materials import _von_mises, elastic
 from crashsolve.model.contact import records as contact
 from crashsolve.model.force_columns import FORCE_HISTORY, FORCE_OUTPUT, ROW_PARAMETERS
 from crashsolve.parts import beam
@@ -28,6 +29,8 @@ PACKAGE = Path(__file__).resolve().parent
 SHARED_PATH = PACKAGE / "_shared_rows.pyi"
 HEAD = "# written by `python -m crashsolve.stubs` from the records of the law"
 RECORDS = {"Parameters": "PARAMETERS", "History": "HISTORY", "Output": "OUTPUT"}
+# of a material, whose kernels take its row as `m`
+RECORDS_OF_MATERIAL = {"Parameters": "PARAMETERS", "Solid": "SOLID"}
 SHARED = {
     "RowParameters": ROW_PARAMETERS,
     "ForceHistory": FORCE_HISTORY,
@@ -60,6 +63,10 @@ PARTS = {
     "TyreDeflection": _tyre.CARCASS,
     "TyreForces": _tyre.FORCES_OF_TYRE,
     "Roads": _road.ROADS,
+    "VonMisesMetal": _von_mises.PARAMETERS,
+    "ElasticMaterial": elastic.PARAMETERS,
+    "VonMisesSolid": _von_mises.SOLID,
+    "ElasticSolid": elastic.SOLID,
 }
 # where the names are that a stub imports
 HOMES = {
@@ -70,7 +77,7 @@ HOMES = {
 
 
 def laws() -> Iterator[tuple[Path, ModuleType]]:
-    """Path of the stub of every law with kernels of a row `p`, and its module."""
+    """Path of the stub of every law with kernels of a row `p`, or `m`, and its module."""
     for folder in dict.fromkeys(family.folder for family in families().values()):
         for path in sorted((PACKAGE / folder).glob("*.py")):
             if _has_kernels(path):
@@ -83,7 +90,8 @@ def _has_kernels(path: Path) -> bool:
     """Whether functions of a file take a row of parameters first."""
     tree = ast.parse(path.read_text("utf-8"))
     functions = (node for node in tree.body if isinstance(node, ast.FunctionDef))
-    return any(function.args.args and function.args.args[0].arg == "p" for function in functions)
+    first = {function.args.args[0].arg for function in functions if function.args.args}
+    return "p" in first or ("m" in first and path.parent.name == "materials")
 
 
 def bases(law: ModuleType) -> dict[str, str]:
@@ -102,7 +110,7 @@ def bases(law: ModuleType) -> dict[str, str]:
 def stub(law: ModuleType) -> str:
     """Text of the stub of a law."""
     own, classes = bases(law), []
-    for name, word in RECORDS.items():
+    for name, word in (RECORDS_OF_MATERIAL if hasattr(law, "SOLID") else RECORDS).items():
         record = getattr(law, word, Record())
         if record.columns or name in own:
             classes.append(_class(name, *_divided(record, own.get(name, ""))))

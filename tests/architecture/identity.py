@@ -153,18 +153,18 @@ class Folded(ast.NodeTransformer):
                 break
         return found
 
-    def visit_If(self, node: ast.If) -> Any:
+    def visit_If(self, node: ast.If) -> ast.If | list[ast.stmt]:
         test, decided = self.decide(node.test)
         if decided is not None:
             return self.block(node.body if decided else node.orelse)
         node.test, node.body, node.orelse = test, self.block(node.body), self.block(node.orelse)
         return node
 
-    def visit_For(self, node: ast.For) -> Any:
+    def visit_For(self, node: ast.For) -> ast.For | list[ast.stmt]:
         node.body = self.block(node.body)
         return node
 
-    def visit_While(self, node: ast.While) -> Any:
+    def visit_While(self, node: ast.While) -> ast.AST:
         node.body = self.block(node.body)
         return node
 

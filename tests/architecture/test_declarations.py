@@ -97,7 +97,7 @@ def test_a_declaration_that_is_forgotten_is_named(name: str) -> None:
         ("at_rest", "no"),
     ],
 )
-def test_a_declaration_of_a_wrong_kind_is_refused(name: str, value: Any) -> None:
+def test_a_declaration_of_a_wrong_kind_is_refused(name: str, value: object) -> None:
     with pytest.raises(FamilyError, match=name):
         declared(**{name: value})
 
@@ -114,13 +114,15 @@ def test_a_declaration_of_a_wrong_kind_is_refused(name: str, value: Any) -> None
         ({"default": "rope"}, "default 'rope' has no file in its folder"),
     ],
 )
-def test_names_that_are_taken_or_unknown_are_refused(other: dict[str, Any], reported: str) -> None:
+def test_names_that_are_taken_or_unknown_are_refused(
+    other: dict[str, object], reported: str
+) -> None:
     family = declared(folder="tethers", **other)
     with pytest.raises(FamilyError, match=f"^crashsolve/tethers/__init__.py: {reported}"):
         _refuse_clashes([*families().values(), family])
 
 
-def law(source: ModuleType = linear, **other: Any) -> ModuleType:
+def law(source: ModuleType = linear, **other: object) -> ModuleType:
     """A law with some names changed, or left out where they are None."""
     module = ModuleType(f"{source.__package__}.changed")
     for name, value in (vars(source) | other).items():
@@ -172,7 +174,7 @@ def test_what_a_law_lacks_or_has_wrongly_is_reported(other: dict[str, Any], repo
         ),
     ],
 )
-def test_what_a_material_lacks_is_reported(other: dict[str, Any], reported: str) -> None:
+def test_what_a_material_lacks_is_reported(other: dict[str, object], reported: str) -> None:
     refuse_incomplete(law(elastic))
     with pytest.raises(FamilyError, match=reported):
         refuse_incomplete(law(elastic, **other))
@@ -193,7 +195,7 @@ def test_what_a_material_lacks_is_reported(other: dict[str, Any], reported: str)
     ],
 )
 def test_what_a_method_of_integration_lacks_is_reported(
-    other: dict[str, Any], reported: str
+    other: dict[str, object], reported: str
 ) -> None:
     refuse_incomplete_method(law(dormand_prince_5))
     with pytest.raises(FamilyError, match=reported):

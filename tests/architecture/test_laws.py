@@ -2,7 +2,6 @@
 
 from importlib import import_module
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -35,8 +34,8 @@ def test_a_law_has_card_build_and_kernels(law: tuple[str, str]) -> None:
     if hasattr(module, "expand"):
         return  # written out in other cards: there is nothing of it to build
     assert callable(module.build)
-    law = BY_FOLDER[folder].law
-    for name in (*provided(law), *constants(law)):
+    role = BY_FOLDER[folder].law
+    for name in (*provided(role), *constants(role)):
         assert hasattr(module, name)
 
 
@@ -53,7 +52,7 @@ def _modules(card: Card) -> set[str]:
     return {type(card).__module__}.union(*map(_modules, parts))
 
 
-def _cards(value: Any) -> list[Card]:
+def _cards(value: object) -> list[Card]:
     values = value if isinstance(value, tuple) else (value,)
     return [part for part in values if isinstance(part, Card)]
 

@@ -67,7 +67,7 @@ def _as_group(name: str) -> Damage:
     return change
 
 
-def _attribute(name: str, value: Any) -> Damage:
+def _attribute(name: str, value: object) -> Damage:
     def change(file: h5py.File) -> None:
         file.attrs[name] = value
 

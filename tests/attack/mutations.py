@@ -62,7 +62,7 @@ def holder(data: Any, route: Route) -> Any:
     return data
 
 
-def change_number(data: Any, rng: random.Random) -> None:
+def change_number(data: object, rng: random.Random) -> None:
     """Another number in place of one, with its unit."""
     found = [
         route
@@ -83,7 +83,7 @@ def change_number(data: Any, rng: random.Random) -> None:
     holder(data, route)[route[-1]] = f"{new}{unit}" if unit else new
 
 
-def change_anything(data: Any, rng: random.Random) -> None:
+def change_anything(data: object, rng: random.Random) -> None:
     """A value replaced, left out, or put into the position of another."""
     found = list(routes(data))
     route = rng.choice(found)
@@ -99,7 +99,7 @@ def change_anything(data: Any, rng: random.Random) -> None:
         table[route[-1]] = copy.deepcopy(rng.choice(WORDS))
 
 
-ATTRIBUTES: tuple[Any, ...] = (1, b"\xff\xfe", "{", "[1]", "null", '{"figures": 5}', "[[1]]")
+ATTRIBUTES: tuple[object, ...] = (1, b"\xff\xfe", "{", "[1]", "null", '{"figures": 5}', "[[1]]")
 ATTRIBUTES += ('[{"channel": 1}]', np.zeros(3), "[]", "\x1b[2J", np.nan, "[" * 5000, "9" * 5000)
 ATTRIBUTES += ('{"figures": [{"y": [{}]}]}', '{"figures": [1]}')
 ATTRIBUTES += ('[{"channel": "a", "statistic": "max", "value": "x", "tolerance": []}]',)
@@ -143,7 +143,7 @@ def _damage_structure(path: Path, rng: random.Random) -> str:
             file[name][...] = rng.choice((np.nan, np.inf, 1e308))
             return f"values of {name}"
         del file[name]
-        new: tuple[Any, ...] = (np.zeros((3, 3, 3)), "text", np.array([b"a", b"b"]))
+        new: tuple[object, ...] = (np.zeros((3, 3, 3)), "text", np.array([b"a", b"b"]))
         new += (np.full(5, 1j), h5py.SoftLink("/"), h5py.ExternalLink("/etc/passwd", "/"))
         if direction == 4:
             group.create_dataset(last, shape=(10**12,), chunks=(1024,), dtype="f8")

@@ -4,7 +4,6 @@ import copy
 import json
 import random
 from pathlib import Path
-from typing import Any
 
 import pytest
 import yaml
@@ -62,7 +61,7 @@ def test_a_mutated_plan_is_read_or_refused(seed: int, tmp_path: Path) -> None:
     assert 0 < good < 150
 
 
-def sweep_folder(folder: Path) -> dict[str, Any]:
+def sweep_folder(folder: Path) -> dict[str, object]:
     """sweep.json of one run that has failed."""
     mark = {"deck": "d", "files": "f", "version": "v"}
     run = folder / "runs" / "0001"

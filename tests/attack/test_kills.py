@@ -11,7 +11,6 @@ import subprocess
 import time
 import xml.etree.ElementTree
 from pathlib import Path
-from typing import Any
 
 import h5py
 import pytest
@@ -68,7 +67,7 @@ def steps_of(folder: Path) -> int:
     return int(json.loads(status.read_text("utf-8"))["cycle"]) if status.exists() else 0
 
 
-def killed_after(seconds: float, words: tuple[Any, ...]) -> bool:
+def killed_after(seconds: float, words: tuple[object, ...]) -> bool:
     """Start a run and kill it; False for one that came to its end before."""
     run = start(*words, "--restart")
     try:

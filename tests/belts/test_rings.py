@@ -2,14 +2,15 @@
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from bench import Bench, Law, assert_balanced, refusal, written
+from bench import Bench, Law, assert_balanced, exponential, product, refusal, written
+from numpy.typing import ArrayLike
 
 from crashsolve.belts import _flow
 from crashsolve.belts import belt as belt_law
+from crashsolve.foundation.orientation import matrix
 
 BODIES = """
 title: belt
@@ -46,7 +47,7 @@ def angles(law: Law) -> np.ndarray:
     return np.array(law.out.angle[1 : law.p.segments])
 
 
-def go(law: Law, moves: Iterable[Any], node: int = 1, steps: int = 1) -> None:
+def go(law: Law, moves: Iterable[ArrayLike], node: int = 1, steps: int = 1) -> None:
     """Move a body by each of some displacements [m], in equal steps."""
     for move in moves:
         for _ in range(steps):
@@ -176,6 +177,51 @@ def test_energy_is_balanced_on_any_motion_in_tension(
     # round-off of sums of 30 or 300 terms of some J
     assert work - lost == pytest.approx(float(law.out.stored) - first, abs=1e-9)
     assert law.out.friction + law.out.hysteresis == pytest.approx(lost, rel=1e-12)
+
+
+# every fitting moves: with a, with b, with a again
+CARRIED = """
+      - {anchor: {body: a, at: [-1, 0, -0.5]}}
+      - {ring: {body: b, at: [0.1, 0.1, 0], friction: 0.3}}
+      - {ring: {body: a, at: [0.4, -0.3, 0.2], friction: 0.7}}
+      - {ring: {body: b, at: [0.3, -0.2, 0.5], friction: 0.2}}
+      - {anchor: {body: a, at: [0.1, 0, -0.1]}}
+"""
+
+
+def drawn_while_carried(folder: Path, webbing: str, spin: float, drift: float) -> np.ndarray:
+    """Forces, flows and losses of a motion of a and b, in a frame that rotates and moves."""
+    law, rng, found = belt(folder, webbing, -0.3, CARRIED), np.random.default_rng(7), []
+    r = [np.array(law.bench.nodes[node].r) for node in (1, 2)]
+    q = [np.array(law.bench.nodes[node].q) for node in (1, 2)]
+    for k in range(60):
+        frame = exponential(spin * k * np.array([0.3, -0.5, 0.8]))
+        for i in (0, 1):
+            r[i] = r[i] + rng.uniform(-0.03, 0.03, 3)
+            q[i] = product(exponential(rng.uniform(-0.1, 0.1, 3)), q[i])
+            at = matrix(frame) @ r[i] + drift * k * np.array([1.0, 2.0, -1.0])
+            law.bench.move(i + 1, r=at, q=product(frame, q[i]))
+        law.force(1e-3)
+        found.append([*forces(law), *law.new.flow[1:4], float(law.out.loss)])
+        law.accept()
+    return np.array(found)
+
+
+@pytest.mark.parametrize("webbing", [ELASTIC, DRAWN])
+def test_rings_that_move_pass_what_their_motion_against_the_others_draws(
+    tmp_path: Path, webbing: str
+) -> None:
+    still = drawn_while_carried(tmp_path, webbing, 0.0, 0.0)
+    carried = drawn_while_carried(tmp_path, webbing, 0.05, 0.02)
+    # it slips through all of them, to both sides
+    assert (still[:, 4:7].max(axis=0) > 1e-3).all() and (still[:, 4:7].min(axis=0) < -1e-3).all()
+    # a common motion of 3 rad and 3 m draws nothing: round-off of lengths of some m, times 1e5 N/m;
+    # without force, webbing may lie at either side of a ring
+    taut = still[:, :4].min(axis=1) > 0.0
+    assert taut.sum() > 20
+    loads = [*range(4), 7]
+    np.testing.assert_allclose(carried[:, loads], still[:, loads], rtol=1e-8, atol=1e-8)
+    np.testing.assert_allclose(carried[taut], still[taut], rtol=1e-8, atol=1e-8)
 
 
 @pytest.mark.parametrize("webbing", [ELASTIC, DRAWN])

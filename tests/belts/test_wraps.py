@@ -1,11 +1,13 @@
 """Belts over bodies: geodesics, silhouettes, friction over the angle wrapped, energy."""
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from bench import Bench, Law, assert_balanced, refusal
+from numpy.typing import ArrayLike
 from quick import first_quick
 from scipy.optimize import minimize
 
@@ -30,7 +32,9 @@ surfaces:
 SEMI = (0.15, 0.2, 0.1)
 
 
-def belt(folder: Path, surface: str, mu: float, slack: float = -0.05, at: Any = (0, 0.6, 0)) -> Law:
+def belt(
+    folder: Path, surface: str, mu: float, slack: float = -0.05, at: Sequence[float] = (0, 0.6, 0)
+) -> Law:
     text = (
         f"belts:\n  s:\n    webbing: {{stiffness: 1e5}}\n    slack: {slack}\n    route:\n"
         f"      - {{anchor: {{at: {list(at)}}}}}\n"
@@ -40,12 +44,12 @@ def belt(folder: Path, surface: str, mu: float, slack: float = -0.05, at: Any = 
     return Bench(folder, text, BODIES).law("belts", "s")
 
 
-def length_over(arc: Any, A: Any, B: Any) -> float:
+def length_over(arc: SimpleNamespace, A: ArrayLike, B: ArrayLike) -> float:
     straight = np.linalg.norm(np.subtract(arc.first, A)) + np.linalg.norm(np.subtract(B, arc.last))
     return float(straight + arc.length)
 
 
-def ends(seed: int) -> tuple[Any, Any]:
+def ends(seed: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Two points on about opposite sides."""
     rng = np.random.default_rng(seed)
     u = rng.normal(size=3)

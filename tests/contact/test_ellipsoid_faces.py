@@ -1,5 +1,6 @@
 """Claims of ellipsoids that press on faces of shells: the nearest point, sides, what is refused."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -7,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
+from numpy.typing import ArrayLike
 
 from crashsolve.contact.cells import Near, corner_points
 from crashsolve.contact.narrow import _ellipsoid_face, _face, sphere_ellipsoid
@@ -23,13 +25,15 @@ def rotated(rng: np.random.Generator) -> np.ndarray:
     return np.linalg.qr(rng.normal(size=(3, 3)))[0]
 
 
-def nearest(s: Any, corners: np.ndarray, far: float = FAR) -> tuple[np.ndarray, float, np.ndarray]:
+def nearest(
+    s: Sequence[float] | np.ndarray, corners: np.ndarray, far: float = FAR
+) -> tuple[np.ndarray, float, np.ndarray]:
     seen = [tuple(map(float, x)) for x in corners]
     N, _, distance, m = _ellipsoid_face.nearest_to_ellipsoid(tuple(s), far, *seen)
     return np.array(N), distance, np.array(m)
 
 
-def away(s: Any, x: Any) -> float:
+def away(s: np.ndarray, x: np.ndarray) -> float:
     """Signed distance from the ellipsoid."""
     return float(sphere_ellipsoid.from_ellipsoid(tuple(s), tuple(map(float, x)))[0])
 
@@ -99,7 +103,9 @@ FLOOR = {
 DRUM = {"type": "cylinder", "radius": 1, "length": 1, "elements": [24, 1]}
 
 
-def bench(folder: Path, semi: Any, mesh: Any = FLOOR, **words: Any) -> Any:
+def bench(
+    folder: Path, semi: Sequence[float] | np.ndarray, mesh: Any = FLOOR, **words: object
+) -> Any:
     """Faces of a floor and an ellipsoid, its contact moved by hand as plain Python."""
     deck = {
         "control": {"end_time": 1},
@@ -128,7 +134,7 @@ def bench(folder: Path, semi: Any, mesh: Any = FLOOR, **words: Any) -> Any:
     return g
 
 
-def look(g: Any, x: Any, A: Any, is_smooth: bool = False) -> Any:
+def look(g: Any, x: ArrayLike, A: np.ndarray, is_smooth: bool = False) -> Any:
     """What the ellipsoid finds at x, a step later each time: side, depth, normal, ball's centre."""
     body, mesh = g.nodes[1], (g.points, g.corners, g.beside, g.around_first, g.around, g.deleted)
     body.r, body.A = x, np.ravel(A)

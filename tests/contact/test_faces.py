@@ -1,5 +1,6 @@
 """Claims of contact with the faces of shells: nearest points, near faces, sides, bounces."""
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -94,11 +95,20 @@ def test_a_triangle_written_as_a_face_is_one() -> None:
 # --- who is near, and on which side --------------------------------------------------------------
 
 
+# positions of nodes, and corners of faces
+Mesh = tuple[Sequence[Sequence[float]], Sequence[Sequence[int]]]
+
+
 class Bench:
     """A part `folded` and a ball, its contact run as plain Python and moved by hand."""
 
     def __init__(
-        self, folder: Path, nodes: Any, quads: Any, gap: float = 0.1, **words: Any
+        self,
+        folder: Path,
+        nodes: Sequence[Sequence[float]],
+        quads: Sequence[Sequence[int]],
+        gap: float = 0.1,
+        **words: object,
     ) -> None:
         deck = {
             "control": {"end_time": 1},
@@ -127,7 +137,7 @@ class Bench:
         loads = model.nodal_loads
         self.groups = [self._group(group.arrays | loads) for group in model.nodal_groups]
 
-    def _group(self, arrays: Any) -> Any:
+    def _group(self, arrays: Mapping[str, np.ndarray]) -> SimpleNamespace:
         tables = {name: as_rows(array) for name, array in arrays.items()}
         g = SimpleNamespace(**tables)
         g.points, g.corners = as_rows(self.state.points), self.elements.corners
@@ -137,14 +147,14 @@ class Bench:
         g.mesh = (g.points, g.corners, g.beside, g.around_first, g.around, g.deleted)
         return g
 
-    def search(self, g: Any) -> None:
+    def search(self, g: SimpleNamespace) -> None:
         node_contact.clear_loads(g)
         projection.update_face_lists(
             *(0.0, g.p[0], g.totals[0], g.probes, g.nodes, g),
             Near(g.grid, g.lists, (g.excluded_first, g.excluded)),
         )
 
-    def look(self, x: Any, h: float = 1.0, is_smooth: bool = False) -> Any:
+    def look(self, x: Sequence[float] | np.ndarray, h: float = 1.0, is_smooth: bool = False) -> Any:
         """What the ball finds at x, each time a step later; None for nothing."""
         g = self.groups[0]
         g.nodes[1].r, g.totals[0].listed = x, -1.0
@@ -208,7 +218,7 @@ MIXED = (STRIP[0], [[2, 5, 6, 6], [1, 2, 3, 4], [2, 6, 3, 3]])
 
 
 @pytest.mark.parametrize("mesh", [STRIP, CUT, MIXED], ids=["quads", "triangles", "both"])
-def test_a_ball_is_pushed_back_to_the_side_it_came_from(tmp_path: Path, mesh: Any) -> None:
+def test_a_ball_is_pushed_back_to_the_side_it_came_from(tmp_path: Path, mesh: Mesh) -> None:
     bench = Bench(tmp_path, *mesh)
     assert bench.look([0.4, 0.5, 0.2]) == []
     # past the mid-surface, and over the side between the faces while behind it
@@ -227,7 +237,7 @@ def test_a_ball_is_pushed_back_to_the_side_it_came_from(tmp_path: Path, mesh: An
 
 
 @pytest.mark.parametrize("mesh", [STRIP, CUT, MIXED], ids=["quads", "triangles", "both"])
-def test_round_a_free_border_there_is_no_crossing(tmp_path: Path, mesh: Any) -> None:
+def test_round_a_free_border_there_is_no_crossing(tmp_path: Path, mesh: Mesh) -> None:
     bench = Bench(tmp_path, *mesh)
     for angle in np.radians(np.arange(80, -81, -10)):
         x = np.array([0.0, 0.5, 0.0]) + 0.07 * np.array([-np.cos(angle), 0.0, np.sin(angle)])
@@ -237,7 +247,7 @@ def test_round_a_free_border_there_is_no_crossing(tmp_path: Path, mesh: Any) -> 
 
 
 @pytest.mark.parametrize("mesh", [STRIP, CUT, MIXED], ids=["quads", "triangles", "both"])
-def test_a_deleted_element_is_met_no_more(tmp_path: Path, mesh: Any) -> None:
+def test_a_deleted_element_is_met_no_more(tmp_path: Path, mesh: Mesh) -> None:
     bench = Bench(tmp_path, *mesh)
     g, blocks = bench.groups[0], bench.state.blocks
     assert len(bench.look([1.6, 0.3, 0.05])) == len(bench.look([0.4, 0.6, 0.05])) == 1
@@ -378,7 +388,9 @@ STICK = {
         ({"control": {"integrator": "radau_iia_5"}}, "touch in explicit steps"),
     ],
 )
-def test_what_cannot_be_is_refused(change: dict[str, Any], message: str, tmp_path: Path) -> None:
+def test_what_cannot_be_is_refused(
+    change: Mapping[str, Mapping[str, object]], message: str, tmp_path: Path
+) -> None:
     Bench(tmp_path, *STRIP)
     deck = yaml.safe_load((tmp_path / "bench.yaml").read_text("utf-8"))
     deck["sections"] = {"bar": {"type": "circle", "radius": 0.1}}

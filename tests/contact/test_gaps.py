@@ -3,11 +3,11 @@
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from bench import exponential, product
+from numpy.typing import ArrayLike
 from touching import Contact
 
 from crashsolve.contact import narrow
@@ -221,7 +221,7 @@ def test_points_inside_an_ellipsoid_leave_by_the_nearest_point(tmp_path: Path) -
         assert np.linalg.norm(found[1]) == pytest.approx(1.0, abs=1e-14)
 
 
-def from_inside(pair: Pair, centre: Any) -> tuple[float, np.ndarray, np.ndarray]:
+def from_inside(pair: Pair, centre: ArrayLike) -> tuple[float, np.ndarray, np.ndarray]:
     """Gap with the sphere's centre at a point of the other shape; normal in axes of body b."""
     nodes = pair.bench.nodes
     pair.bench.move(1, r=np.zeros(3), q=np.array([1.0, 0, 0, 0]))

@@ -13,9 +13,13 @@ LAW = "lankarani_nikravesh with restitution"
 TOO_FAST = "impact faster than 1e-5 sqrt(E/rho): outside the law's range of validity"
 
 
-def drop(**balls: tuple[float, float]) -> dict[str, Any]:
+def drop(**balls: tuple[float, float]) -> dict[str, object]:
     """Steel balls 1 um above a floor, each with its speed and the restitution asked for."""
-    scene: dict[str, Any] = {"bodies": {}, "surfaces": {"floor": {"type": "plane"}}, "contacts": {}}
+    scene: dict[str, Any] = {
+        "bodies": {},
+        "surfaces": {"floor": {"type": "plane"}},
+        "contacts": {},
+    }
     for k, (name, (speed, restitution)) in enumerate(balls.items()):
         scene["bodies"][name] = {
             "mass": 1,

@@ -10,6 +10,8 @@ from small_runs import last, run
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.model.build import build
 from crashsolve.model.contact import pairs
+from crashsolve.model.contact.groups import ContactGroup
+from crashsolve.model.model import Model, State
 from crashsolve.system.engine import Engine
 
 LAW = "normal: {type: hunt_crossley, stiffness: 1e6, restitution: 0.8}"
@@ -44,7 +46,7 @@ def heap(
     return path
 
 
-def built(path: Path) -> tuple[Any, Any]:
+def built(path: Path) -> tuple[Model, State]:
     return build(read_deck(path))
 
 
@@ -91,6 +93,7 @@ def test_many_pairs_are_searched_for_the_near_ones(tmp_path: Path) -> None:
     (group,) = model.contact_groups
     r, radius = state.nodes["r"][1:], group.elements_a["radius"]
     gap = np.linalg.norm(r[:, None] - r, axis=2) - radius[:, None] - radius
+    assert group.search is not None
     near = np.argwhere(np.triu(gap < group.search.margin, 1))
     found = np.stack([group.parameters["a"], group.parameters["b"]], axis=1)
     assert found.tolist() == near.tolist()
@@ -122,7 +125,7 @@ def test_a_renewed_list_keeps_the_histories_of_its_pairs(tmp_path: Path) -> None
     assert len(group.output) == len(group.parameters)
 
 
-def _rows(group: Any, current: int) -> Any:
+def _rows(group: ContactGroup, current: int) -> Any:
     return zip(group.parameters, group.history[current], strict=True)
 
 
@@ -166,7 +169,7 @@ def test_no_step_is_so_long_that_a_body_outruns_the_list(tmp_path: Path) -> None
     assert state.nodes["v"][48, 2] < 99.0
 
 
-def spread(speed: float) -> dict[str, Any]:
+def spread(speed: float) -> dict[str, object]:
     """34 balls a metre apart, all of which might touch; the first two meet, the others rest."""
     scene: dict[str, Any] = {"bodies": {}, "surfaces": {}, "contacts": {}}
     for k in range(34):
@@ -194,6 +197,7 @@ def test_what_pairs_met_that_left_the_list_is_still_known(tmp_path: Path) -> Non
 def test_an_onset_in_the_first_step_of_a_new_list_is_located(tmp_path: Path) -> None:
     model, state = built(heap(tmp_path, 48, step_max=0.5))
     (group,) = model.contact_groups
+    assert group.search is not None
     slack = float(group.search.slack[0])
     state.nodes["v"][1:] = 0.0
     state.nodes["r"][1:] += np.arange(48)[:, None] * [10.0, 0.0, 0.0]

@@ -64,6 +64,16 @@ THROUGH = {
         "type: box, size: [0.1, 0.1, 2e-3]",
         None,
     ),
+    "a block, an open mesh": (
+        "type: box, body: ball, size: [3e-3, 3e-3, 2e-3]",
+        f"type: mesh, {SQUARE}, faces: [[0, 1, 2], [0, 2, 3]], thickness: 2e-3",
+        None,
+    ),
+    "a rod, an open mesh": (
+        "type: cylinder, body: ball, radius: 2e-3, length: 4e-3, axis: [1, 0, 0]",
+        f"type: mesh, {SQUARE}, faces: [[0, 1, 2], [0, 2, 3]], thickness: 2e-3",
+        None,
+    ),
 }
 
 
@@ -78,7 +88,15 @@ def test_what_flies_through_something_stops_the_run(case: str, tmp_path: Path) -
     assert "E r r o r    t e r m i n a t i o n" in done.stdout
 
 
-@pytest.mark.parametrize("case", ["a ball, an open mesh", "an egg, an open mesh"])
+@pytest.mark.parametrize(
+    "case",
+    [
+        "a ball, an open mesh",
+        "an egg, an open mesh",
+        "a block, an open mesh",
+        "a rod, an open mesh",
+    ],
+)
 def test_what_comes_from_behind_an_open_mesh_stops_the_run(case: str, tmp_path: Path) -> None:
     """It would meet its whole depth at once, and gain that energy."""
     striker, struck, _ = THROUGH[case]
@@ -96,7 +114,7 @@ def fly(
     struck: str,
     height: float,
     speed: float,
-    step: Any,
+    step: float | None,
     beside: float = 5e-4,
     stiffness: float = 1e6,
 ) -> Any:

@@ -1,5 +1,6 @@
 """Claims of probes between several walls of one surface: creases, closing folds, corners."""
 
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ from crashsolve.system.contact import projection, walls
 GAP = 0.1
 
 
-def found(bench: Bench, x: Any) -> list[tuple[float, float, np.ndarray]]:
+def found(bench: Bench, x: Sequence[float]) -> list[tuple[float, float, np.ndarray]]:
     """Weight, depth and normal of all walls that a ball at x touches, which has never touched."""
     g = bench.groups[0]
     g.nodes[1].r, g.totals[0].listed = x, -1.0
@@ -34,12 +35,12 @@ def found(bench: Bench, x: Any) -> list[tuple[float, float, np.ndarray]]:
     return hits
 
 
-def energy(hits: Any) -> float:
+def energy(hits: Iterable[tuple[float, float, np.ndarray]]) -> float:
     """Of all walls, with a stiffness of 2 N/m [J]."""
     return sum(weight * depth**2 for weight, depth, _ in hits)
 
 
-def force(hits: Any) -> np.ndarray:
+def force(hits: Iterable[tuple[float, float, np.ndarray]]) -> np.ndarray:
     """Its sum of them (3,) [N]."""
     return sum((2 * weight * depth * n for weight, depth, n in hits), np.zeros(3))
 
@@ -136,7 +137,7 @@ def test_the_walls_that_go_on_keep_their_records(tmp_path: Path) -> None:
     assert (nearest.partner, other.partner) == (1, 0)
 
 
-GROOVE: dict[str, Any] = {
+GROOVE: dict[str, object] = {
     "title": "a ball swings in a groove",
     "control": {"end_time": 0.02, "step": 2e-5, "estimate": "off"},
     "materials": {"m": {"type": "elastic", "young": 1e9, "poisson": 0.3, "density": 1e3}},

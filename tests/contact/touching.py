@@ -1,5 +1,6 @@
 """One contact of a small deck, its kernels run as plain Python and driven by hand."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -77,8 +78,8 @@ class Contact:
     def friction_force(
         self,
         normal: float,
-        slip: Any,
-        n: Any,
+        slip: Sequence[float] | np.ndarray,
+        n: Sequence[float] | np.ndarray,
         h: float = 0.0,
         mass: float = 1.0,
         compliance: float = 0.0,

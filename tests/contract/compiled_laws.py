@@ -91,7 +91,7 @@ class CompiledLaws:
         tables = Tables(self.arrays | {"which": np.array([k])})
         function = self._checked(tables)
 
-        def force(p: Any, old: Any, new: Any, out: Any, t: float, h: float, *scene: Any) -> None:
+        def force(p: Any, old: Any, new: Any, out: Any, t: float, h: float, *scene: object) -> None:
             time[0] = t
             function(h, True, tables)
 

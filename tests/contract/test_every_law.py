@@ -9,7 +9,7 @@ import re
 from functools import cache
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -35,7 +35,7 @@ def laws_with(what: str) -> list[tuple[str, str]]:
     ]
 
 
-def module_of(law: tuple[str, str]) -> Any:
+def module_of(law: tuple[str, str]) -> ModuleType:
     return import_module(law_class(families()[law[0]].folder, law[1]).__module__)
 
 

@@ -2,7 +2,6 @@
 
 import ast
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -40,7 +39,7 @@ def ends(i: int) -> dict[str, str]:
     return {"a": "ground" if i == 0 else f"bar_{i - 1}", "b": f"bar_{i}"}
 
 
-def bushings(k: float) -> dict[str, Any]:
+def bushings(k: float) -> dict[str, object]:
     """Hinges about y of stiffness k [N/m, N m/rad] and a time of relaxation of 0.1 ms."""
     c = 1e-4 * k
     springs = {

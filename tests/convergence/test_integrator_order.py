@@ -1,7 +1,6 @@
 """Claim: RATTLE is of second order on mechanisms, free bodies and located Hertz impacts."""
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,12 +14,12 @@ from crashsolve.system.engine import Engine
 # the slope of a method of order p over halved steps is p but for terms one order higher
 SLOPE = 0.15
 
-PENDULUM: dict[str, Any] = {
+PENDULUM: dict[str, object] = {
     "bodies": {"bob": {"mass": 1.0, "inertia": [1e-10] * 3, "position": [-1, 0, 0]}},
     "joints": {"pin": {"type": "revolute", "b": "bob", "at": [0, 0, 0], "axis": [0, 0, 1]}},
     "loads": {"weight": {"type": "gravity", "acceleration": [0, -9.81, 0]}},
 }
-TOP: dict[str, Any] = {
+TOP: dict[str, object] = {
     "bodies": {
         "top": {
             "mass": 15.0,
@@ -33,7 +32,7 @@ TOP: dict[str, Any] = {
     "joints": {"tip": {"type": "spherical", "b": "top", "at": [0, 0, 0]}},
     "loads": {"weight": {"type": "gravity"}},
 }
-IMPACT: dict[str, Any] = {
+IMPACT: dict[str, object] = {
     "bodies": {
         "ball": {
             "mass": 1.0,
@@ -58,7 +57,7 @@ IMPACT: dict[str, Any] = {
 RETURNED = 0.7252411140101969
 
 
-def final(folder: Path, scene: dict[str, Any], end: float, step: float) -> Engine:
+def final(folder: Path, scene: dict[str, object], end: float, step: float) -> Engine:
     """The scene after a run with a fixed step."""
     path = folder / "deck.yaml"
     control = {"end_time": end, "step": step, "energy_limit": "off"}

@@ -1,5 +1,6 @@
 """Claim: Runge-Kutta methods have their declared orders and keep the tolerance asked for."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -65,18 +66,22 @@ EITHER = pytest.mark.parametrize(
 )
 
 
-def start(folder: Path, scene: dict[str, Any], end: float, **control: Any) -> Engine:
+def start(folder: Path, scene: Mapping[str, object], end: float, **control: Any) -> Engine:
     """The scene, ready to step."""
     path = folder / "deck.yaml"
     given = {"end_time": end, "energy_limit": "off"} | control
-    path.write_text(yaml.safe_dump({"control": given} | scene, sort_keys=False))
+    path.write_text(yaml.safe_dump({"control": given, **scene}, sort_keys=False))
     engine = Engine(*build(read_deck(path)))
     engine.start()
     return engine
 
 
 def run(
-    folder: Path, scene: dict[str, Any], end: float, at: float | None = None, **control: Any
+    folder: Path,
+    scene: Mapping[str, object],
+    end: float,
+    at: float | None = None,
+    **control: object,
 ) -> Engine:
     """The scene at its end, or sampled within the step that passes a time."""
     engine = start(folder, scene, end, **control)
@@ -88,7 +93,7 @@ def run(
     return engine
 
 
-def solved(deck: Path, **control: Any) -> Engine:
+def solved(deck: Path, **control: object) -> Engine:
     """A benchmark at its end, with another integrator and no step given."""
     given = read_deck(deck)
     words = {"step": "auto", "constraint_tolerance": 1e-13} | control

@@ -1,7 +1,7 @@
 """Claim: a card holds SI numbers, and says in words what is wrong."""
 
 import math
-from typing import Any, Literal
+from typing import Literal
 
 import pytest
 from pydantic import ValidationError, model_validator
@@ -42,7 +42,7 @@ class Sample(Card):
         return self
 
 
-def diagnostic(**fields: Any) -> tuple[Any, ...]:
+def diagnostic(**fields: object) -> tuple[object, ...]:
     with pytest.raises(ValidationError) as caught:
         Sample.model_validate(fields)
     (found,) = diagnostics_of(Sample, caught.value)
@@ -112,7 +112,7 @@ def test_bare_numbers_are_in_the_units_of_the_file() -> None:
     ],
 )
 def test_an_error_has_its_location_and_words(
-    fields: dict[str, Any], path: tuple[Any, ...], message: str
+    fields: dict[str, object], path: tuple[str | int, ...], message: str
 ) -> None:
     assert diagnostic(**fields) == (path, message)
 
@@ -139,5 +139,5 @@ HALF = math.sqrt(0.5)
         ({"euler": ["90 deg", "90 deg", 0], "sequence": "zxy"}, (0.5, 0.5, 0.5, 0.5)),
     ],
 )
-def test_rotation(fields: dict[str, Any], quaternion: tuple[float, ...]) -> None:
+def test_rotation(fields: dict[str, object], quaternion: tuple[float, ...]) -> None:
     assert Rotation.model_validate(fields).quaternion() == pytest.approx(quaternion, abs=1e-15)

@@ -3,6 +3,7 @@
 from importlib import import_module
 from math import pi
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -31,7 +32,7 @@ LAWS = [
 KINDS = ("linear", "smooth", "cubic")
 
 
-def values(x: Any, c: Any, at: Any, derivative: int = 0) -> Any:
+def values(x: np.ndarray, c: np.ndarray, at: float | np.ndarray, derivative: int = 0) -> np.ndarray:
     """Value or derivative of piecewise cubics, by numpy alone."""
     i = np.clip(np.searchsorted(x, at, side="right") - 1, 0, len(x) - 2)
     s = at - x[i]
@@ -97,7 +98,7 @@ def test_codes_of_extrapolation_are_those_of_the_evaluator() -> None:
     assert EXTRAPOLATE == {"refuse": curve.REFUSE, "hold": curve.HOLD, "linear": curve.LINEAR}
 
 
-def card_of(units: dict[str, str] | None = None, **fields: Any) -> table.Table:
+def card_of(units: dict[str, str] | None = None, **fields: object) -> table.Table:
     names = {**dict(zip(BASES, ("m", "kg", "s", "rad"), strict=True)), **(units or {})}
     bases = {base: parse_unit(name) for base, name in names.items()}
     return table.Table.model_validate(fields, context=Context(bases) if units else Context())
@@ -196,6 +197,16 @@ def test_slopes_of_a_formula_are_its_derivative() -> None:
 def test_a_formula_that_jumps_is_refused() -> None:
     with pytest.raises(ValueError, match="error|jumps"):
         formula.Formula.model_validate({"expression": "atan2(0, x-0.3)", "from": 0, "to": 1})
+
+
+def test_a_pulse_between_the_points_of_a_formula_is_warned_of() -> None:
+    scene: Any = SimpleNamespace(warnings=[])
+    for width, count in ((1e-3, 0), (1e-5, 1)):
+        text = f"exp(-((x-1.234e-3)/{width})**2)"
+        card = formula.Formula.model_validate({"expression": text, "from": 0, "to": 100})
+        formula.build(card, scene)
+        assert len(scene.warnings) == count
+    assert "0.0015 apart: a narrower pulse needs a shorter range" in scene.warnings[0]
 
 
 def test_one_segment_is_enough_for_a_cubic_formula() -> None:

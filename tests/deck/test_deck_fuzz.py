@@ -14,7 +14,7 @@ from crashsolve.deck.reading.deck import Deck, read_deck
 from crashsolve.foundation.errors import DeckErrors
 
 TEXT = (Path(__file__).parent / "fuzzed.yaml").read_text("utf-8")
-DATA: dict[str, Any] = yaml.safe_load(TEXT)
+DATA: dict[str, object] = yaml.safe_load(TEXT)
 Route = tuple[str | int, ...]
 SPOIL = settings(
     max_examples=100,
@@ -103,7 +103,9 @@ def test_any_unknown_word_is_refused(route: Route, word: str, tmp_path: Path) ->
 
 @SPOIL
 @given(route=st.sampled_from(ROUTES), value=VALUES)
-def test_a_value_of_any_kind_is_read_or_refused(route: Route, value: Any, tmp_path: Path) -> None:
+def test_a_value_of_any_kind_is_read_or_refused(
+    route: Route, value: object, tmp_path: Path
+) -> None:
     data = copy.deepcopy(DATA)
     holder(data, route)[route[-1]] = value
     outcome(tmp_path, yaml.safe_dump(data, sort_keys=False))

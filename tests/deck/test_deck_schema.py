@@ -30,7 +30,7 @@ LAWS = [
 ]
 
 
-def references(schema: Any) -> list[str]:
+def references(schema: object) -> list[str]:
     """All `$ref` within a schema."""
     if isinstance(schema, dict):
         own = [schema["$ref"]] if "$ref" in schema else []
@@ -117,11 +117,11 @@ BOUNDS = {
 }
 
 
-def is_kind(value: Any, kind: str) -> bool:
+def is_kind(value: object, kind: str) -> bool:
     return isinstance(value, KINDS[kind]) and (kind == "boolean" or not isinstance(value, bool))
 
 
-def faults(value: Any, schema: Any, root: Any, path: str = "") -> Iterator[str]:
+def faults(value: object, schema: Any, root: Any, path: str = "") -> Iterator[str]:
     """Where a value breaks a schema, by the rules of JSON Schema 2020-12 that the schema uses."""
     known = {"$ref", "type", "enum", "const", "anyOf", "allOf", "if", "then", "else", "not"}
     known |= {"properties", "required", "additionalProperties", "items", "description", *BOUNDS}

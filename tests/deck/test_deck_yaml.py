@@ -1,7 +1,5 @@
 """Claim: scalars follow YAML 1.2, and every key and value knows its location."""
 
-from typing import Any
-
 import pytest
 
 from crashsolve.deck.source import Position, Table, locate, parse_yaml
@@ -52,7 +50,7 @@ def parsed(text: str) -> Table:
         ("nan", "nan"),
     ],
 )
-def test_scalar(text: str, value: Any) -> None:
+def test_scalar(text: str, value: object) -> None:
     found = parsed(f"key: {text}")["key"]
     assert found == value
     assert type(found) is type(value)
@@ -89,7 +87,7 @@ bodies:
         (("bodies", 3), True, 2, 1),
     ],
 )
-def test_place(path: tuple[Any, ...], key: bool, line: int, column: int) -> None:
+def test_place(path: tuple[str | int, ...], key: bool, line: int, column: int) -> None:
     start = Position("deck.yaml", 1, 1)
     assert locate(start, parsed(DECK), path, key) == ("deck.yaml", line, column)
 

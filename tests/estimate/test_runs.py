@@ -41,7 +41,7 @@ def watched(folder: Path) -> dict[str, dict[str, Any]]:
     return {entry["channel"]: entry for entry in status["watched"]}
 
 
-def run(folder: Path, *words: Any) -> dict[str, dict[str, Any]]:
+def run(folder: Path, *words: object) -> dict[str, dict[str, Any]]:
     """The estimates of the pendulum."""
     done = crashsolve(PENDULUM, "-o", folder, *words)
     assert done.returncode == 0, done.stdout + done.stderr

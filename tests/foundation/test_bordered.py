@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from crashsolve.foundation.rows import as_rows
+from crashsolve.foundation.rows import Rows, as_rows
 from crashsolve.foundation.sparse.bordered import assemble, factorise, plan, solve
 from crashsolve.model.nodes import COMPLIANT
 
@@ -30,7 +30,7 @@ class Bordered:
             # both parts of the gear's last row repeat those of the one before
             rows["D"][[3, 6]] = rows["D"][[2, 5]]
         rows["stiffness"][7:], rows["damping"][7:] = [3.0, -0.5, 2.0], [0.1, 0.2, 0.3]
-        self.rows: Any = as_rows(rows)
+        self.rows: Rows = as_rows(rows)
         A = np.zeros((42, 42))
         for p, c in enumerate(self.matrix.columns):
             if c.node:

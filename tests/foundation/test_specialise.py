@@ -2,9 +2,9 @@
 
 import ast
 import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import ModuleType
-from typing import Any
 
 import pytest
 
@@ -86,8 +86,12 @@ class Group:
         self.word, self.law, self.is_round, self.rows = word, law, is_round, [1.0]
 
 
+# makes a program with some placeholders changed
+Make = Callable[..., Program]
+
+
 @pytest.fixture
-def program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
+def program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Make]:
     """A program of loops in files of their own, for two groups."""
     for name, text in (("bench_home", HOME), ("bench_loops", LOOPS)):
         (tmp_path / f"{name}.py").write_text(text)
@@ -96,7 +100,7 @@ def program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
     laws[0].push = lambda row, largest: 0.0  # type: ignore[attr-defined]
     groups = (Group("soft_springs", laws[0], True), Group("stiff_springs", laws[1], False))
 
-    def make(**changes: Any) -> Program:
+    def make(**changes: object) -> Program:
         given = {"GROUPS": groups, "FLAG": True} | changes
         return Program(given, "bench_home", lambda name: name == "bench_loops", {})
 
@@ -111,7 +115,7 @@ def body(text: str, name: str) -> str:
     return "\n".join(map(ast.unparse, functions[name].body))
 
 
-def test_groups_are_written_out_without_excluded_blocks(program: Any) -> None:
+def test_groups_are_written_out_without_excluded_blocks(program: Make) -> None:
     made = program()
     assert made.add("bench_loops", "total") == "total"
     text = made.text()
@@ -135,13 +139,13 @@ def test_groups_are_written_out_without_excluded_blocks(program: Any) -> None:
     assert max(text.index("LARGEST = "), text.index("def one_")) < text.index("def total")
 
 
-def test_a_flag_turns_the_other_branch_on(program: Any) -> None:
+def test_a_flag_turns_the_other_branch_on(program: Make) -> None:
     made = program(FLAG=False, GROUPS=())
     made.add("bench_loops", "total")
     assert body(made.text(), "total") == "'The sum.'\nfound = 0.0\nreturn sin(time)"
 
 
-def test_what_depends_on_no_placeholder_keeps_its_text(program: Any) -> None:
+def test_what_depends_on_no_placeholder_keeps_its_text(program: Make) -> None:
     made = program()
     made.add("bench_loops", "same")
     assert "    # a comment that is kept\n    return 2.0  *  time\n" in made.text()
@@ -156,13 +160,13 @@ def test_what_depends_on_no_placeholder_keeps_its_text(program: Any) -> None:
     ],
 )
 def test_a_loop_that_cannot_be_copied_is_refused_with_the_reason(
-    program: Any, name: str, reported: str
+    program: Make, name: str, reported: str
 ) -> None:
     with pytest.raises(SpecialiseError, match=reported):
         program().add("bench_loops", name)
 
 
-def test_a_name_has_one_meaning(program: Any) -> None:
+def test_a_name_has_one_meaning(program: Make) -> None:
     made = program()
     made.alias(ModuleType("math.sin"))
     made._meanings["sin"] = ("elsewhere", "sin")
@@ -170,7 +174,7 @@ def test_a_name_has_one_meaning(program: Any) -> None:
         made.add("bench_loops", "clashes")
 
 
-def test_a_placeholder_without_a_value_is_reported(program: Any) -> None:
+def test_a_placeholder_without_a_value_is_reported(program: Make) -> None:
     made = program()
     del made.placeholders["FLAG"]
     with pytest.raises(SpecialiseError, match="nothing stands for the placeholder FLAG"):

@@ -20,7 +20,7 @@ from math import (
     tanh,
 )
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -46,8 +46,8 @@ ON, OFF = True, False
 
 
 class Pair(NamedTuple):
-    first: Any
-    second: Any
+    first: object
+    second: object
 
 
 @kernel
@@ -363,5 +363,5 @@ def test_a_scene_has_the_same_text_every_time() -> None:
     for _ in range(2):
         module = Module(Tables(arrays()).slots)
         module.entry(work, "work")
-        texts.append(module.text())
+        texts.append(module.units())
     assert texts[0] == texts[1]

@@ -14,7 +14,7 @@ from crashpost.cli import main as crashpost
 from crashpost.results.result import Result
 
 
-def scene(**hinge: Any) -> dict[str, Any]:
+def scene(**hinge: object) -> dict[str, Any]:
     """A rotor on an arm, beside one in two directions, each on hinges that soften."""
     points = [[0, 0], [0.002, 300], [0.05, 400], [0.06, 200], [1, 150]]
     rotor = {"mass": 2, "inertia": [1, 1, 2], "position": [0.5, 0, 0], "velocity": [0, 4, 0]}

@@ -4,9 +4,8 @@ The kernels are called with angles; the models they are compared with are writte
 terms: envelopes over the angle instead of a slider over the plastic angle.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -29,7 +28,9 @@ curves:
             extrapolate: hold}}
 """
 HINGE = "type: bending, a: a, b: b, at: [0, 0, 0], axis: [0, 0, 1]"
-Walk = Callable[[Any], np.ndarray]
+Walk = Callable[[Sequence[float] | np.ndarray], np.ndarray]
+# of a curve: angle and moment of each
+Points = Sequence[Sequence[float]]
 
 
 class Driven:
@@ -50,18 +51,18 @@ class Driven:
         law.accept()
         return self.moment
 
-    def walk(self, angles: Any) -> np.ndarray:
+    def walk(self, angles: Sequence[float] | np.ndarray) -> np.ndarray:
         return np.array([self.go(float(angle)) for angle in angles])
 
 
-def read(points: Any, angle: float) -> float:
+def read(points: Points, angle: float) -> float:
     return float(np.interp(angle, *np.transpose(points)))
 
 
 class Isotropic:
     """The curve over alpha + M / k: yield level follows the sum of plastic angles."""
 
-    def __init__(self, up: Any, down: Any) -> None:
+    def __init__(self, up: Points, down: Points) -> None:
         self.sides, self.alpha, self.x, self.M = (up, down), 0.0, 0.0, 0.0
 
     def go(self, angle: float) -> float:
@@ -77,7 +78,7 @@ class Isotropic:
 class Kinematic:
     """Between two envelopes, each the curve on one side and its mirror image on the other."""
 
-    def __init__(self, up: Any, down: Any) -> None:
+    def __init__(self, up: Points, down: Points) -> None:
         self.sides, self.x, self.M = (up, down), 0.0, 0.0
         self.first = up[1][1], down[1][1]
 
@@ -99,7 +100,7 @@ class Kinematic:
 class PeakOriented:
     """Straight lines in the plane of angle and moment, from corner to corner."""
 
-    def __init__(self, up: Any, down: Any) -> None:
+    def __init__(self, up: Points, down: Points) -> None:
         self.sides, self.x, self.M, self.zero = (up, down), 0.0, 0.0, 0.0
         self.peak = [[up[1][0], up[1][1]], [down[1][0], down[1][1]]]
 
@@ -181,7 +182,7 @@ def test_a_random_walk_follows_an_independent_model(tmp_path: Path, cyclic: str,
 class Lifted:
     """A slider found by halving: k (x - x_p) = phi R, with R of each law in its own words."""
 
-    def __init__(self, cyclic: str, up: Any, down: Any) -> None:
+    def __init__(self, cyclic: str, up: Points, down: Points) -> None:
         self.sides = [(p[:, 0] - p[:, 1] / ELASTIC, p[:, 1]) for p in map(np.array, (up, down))]
         self.cyclic, self.x, self.alpha, self.M = cyclic, 0.0, 0.0, 0.0
         self.zero, self.peak = 0.0, [0.0, 0.0]
@@ -322,7 +323,7 @@ def test_the_loss_never_falls(tmp_path: Path) -> None:
             before = hinge.lost
 
 
-def lifted(points: Any, phi: float) -> list[list[float]]:
+def lifted(points: Points, phi: float) -> list[list[float]]:
     """The curve whose yield moments at the same plastic angles are phi times as large."""
     return [[x + (phi - 1.0) * y / ELASTIC, phi * y] for x, y in points]
 
@@ -330,7 +331,7 @@ def lifted(points: Any, phi: float) -> list[list[float]]:
 @pytest.mark.parametrize("cyclic", ["isotropic", "peak_oriented"])
 @pytest.mark.parametrize(("name", "points", "phi"), [("up", POINTS, 1.6), ("down", OTHER, 21.0)])
 def test_a_factor_multiplies_yield_and_leaves_the_elastic_line(
-    tmp_path: Path, cyclic: str, name: str, points: Any, phi: float
+    tmp_path: Path, cyclic: str, name: str, points: Points, phi: float
 ) -> None:
     hinge = Driven(tmp_path, f"curve: {name}, cyclic: {cyclic}")
     steep = f"curves:\n  more: {{points: {lifted(points, phi)}, extrapolate: hold}}\n"

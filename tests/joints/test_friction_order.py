@@ -6,7 +6,6 @@ motion turns back: there are no corners.
 
 from math import cos, hypot, sin
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -22,7 +21,7 @@ INERTIA, PIN, FULL_TURN = 0.2, 0.1, 12.0
 PRESS, MU, SPEED = 20.0, 0.3, 5.0
 
 
-def pendulum_and_slider() -> dict[str, Any]:
+def pendulum_and_slider() -> dict[str, object]:
     times = np.linspace(0.0, 1.0, 201)
     points = np.stack([times, 1.0 + 0.5 * np.sin(6.0 * times)], axis=1)
     friction_force = {
@@ -64,7 +63,7 @@ def pendulum_and_slider() -> dict[str, Any]:
     }
 
 
-def ladder(speed: float) -> dict[str, Any]:
+def ladder(speed: float) -> dict[str, object]:
     """Two blocks on crossed rails with a link between, which leans at 69 degrees.
 
     Friction on the level rail changes the force in the link, which presses on that rail.

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from crashsolve.foundation.rows import Rows as Columned
 from crashsolve.foundation.rows import as_rows
 from crashsolve.foundation.sparse.planning import plan
 from crashsolve.foundation.sparse.saddle import factorise, solve_rows
@@ -41,7 +42,7 @@ class Rows:
             A = np.linalg.qr(rng.normal(size=(3, 3)))[0]
             weight[k][3:, 3:] = A @ weight[k][3:, 3:] @ A.T
             nodes[k]["mass_inv"], nodes[k]["W"] = weight[k][0, 0], weight[k][3:, 3:].ravel()
-        self.nodes: Any = as_rows(nodes)
+        self.nodes: Columned = as_rows(nodes)
         dense = []
         for (m, ends), start in zip(joints, self.start, strict=False):
             D = np.zeros((m, 24))
@@ -57,7 +58,7 @@ class Rows:
         for k in range(4):
             mass_inv[6 * k : 6 * k + 6, 6 * k : 6 * k + 6] = weight[k]
         self.S = D @ mass_inv @ D.T
-        self.table: Any = as_rows(table)
+        self.table: Columned = as_rows(table)
         saddle = plan([m for m, _ in joints], [ends for _, ends in joints], hubs)
         self.saddle: Any = saddle._make(as_rows(part) for part in saddle)
 

@@ -1,8 +1,7 @@
 """What stops and friction of joints promise: balance, energy, limits, complete output."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -166,7 +165,9 @@ def test_what_is_held_springs_back_to_where_it_was(make: Make, case: str) -> Non
     np.testing.assert_allclose(wrench(law, case), 0.0, atol=1e-10)
 
 
-def press(law: Law, opening: Any, closing: Any, before: float, h: float = 0.1) -> float:
+def press(
+    law: Law, opening: Sequence[float], closing: Sequence[float], before: float, h: float = 0.1
+) -> float:
     """Limit at the end of a step h, after one of 0.3 s at the start of which `before` pressed."""
     rows = slice(law.p.first_row, law.p.first_row + len(opening))
     law.bench.rows.multiplier[rows] = opening

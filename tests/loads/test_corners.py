@@ -1,6 +1,7 @@
 """Claim: steps end at the corners of curves of time, so that no pulse is half seen."""
 
 import re
+from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -34,12 +35,12 @@ SCENE: dict[str, Any] = {
 }  # fmt: skip
 
 
-def written(folder: Path, scene: dict[str, Any], **control: Any) -> Path:
+def written(folder: Path, scene: Mapping[str, Any], **control: Any) -> Path:
     path = folder / "deck.yaml"
     given = {"end_time": 0.1, "estimate": "off", "energy_limit": "off"} | control
     # a sample would cut the steps
     output = {"history": {"interval": 0.1}, "states": {"interval": 0.1}}
-    path.write_text(yaml.safe_dump({"control": given, "output": output} | scene))
+    path.write_text(yaml.safe_dump({"control": given, "output": output, **scene}))
     return path
 
 
@@ -95,7 +96,7 @@ def test_equilibria_do_not_pass_by_the_top_of_a_load(tmp_path: Path) -> None:
     assert end - 1.0 == pytest.approx(1e6 / 1e8, rel=0.05)
 
 
-def points_of(curve: dict[str, Any], folder: Path) -> np.ndarray:
+def points_of(curve: Mapping[str, object], folder: Path) -> np.ndarray:
     scene = SCENE | {"curves": SCENE["curves"] | {"pulse": curve}}
     model, _ = build(read_deck(written(folder, scene)))
     return corners(model.curves, model.curve_names["pulse"])

@@ -1,5 +1,6 @@
 """Forces on sets of nodes: the shares of the nodes, their sum, and what is refused."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -17,12 +18,16 @@ GRID = {"type": "grid", "along": [2, 0, 0], "across": [0, 1, 0], "elements": [4,
 STEEL = {"type": "elastic", "young": 1, "poisson": 0, "density": 1}
 
 
-def loaded(folder: Path, *loads: dict[str, Any], **words: Any) -> tuple[Any, Any, Any]:
+def loaded(folder: Path, *loads: Mapping[str, object], **words: object) -> tuple[Any, Any, Any]:
     """Points, ground and outputs after a step of 0.1 s at 1 m/s in y, from factor 3 to 1."""
     part = {"type": "shell", "thickness": 0.1, "material": "m", "mesh": GRID} | words
     force = {"type": "nodal_force", "part": "s", "nodes": "u1", "force": [0, 8, 4]}
-    deck = {"control": {"end_time": 1}, "materials": {"m": STEEL}, "parts": {"s": part}}
-    deck["loads"] = {f"q{k}": force | own for k, own in enumerate(loads)}
+    deck: dict[str, object] = {
+        "control": {"end_time": 1},
+        "materials": {"m": STEEL},
+        "parts": {"s": part},
+    }
+    deck["loads"] = {f"q{k}": {**force, **own} for k, own in enumerate(loads)}
     path = folder / "plate.yaml"
     path.write_text(yaml.safe_dump(deck), "utf-8")
     model, state = build(read_deck(path))

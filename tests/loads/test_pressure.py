@@ -1,8 +1,10 @@
 """Pressure on shells: a closed body of triangles and a quadrilateral, and what it does to each."""
 
+from __future__ import annotations
+
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -10,15 +12,18 @@ import yaml
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
-from crashsolve.foundation.rows import as_rows
+from crashsolve.foundation.rows import Rows, as_rows
 from crashsolve.model.build import build
+
+if TYPE_CHECKING:
+    from crashsolve.foundation.rows import RowOfTable
 
 # a pyramid whose base faces down; its triangles come first in the deck
 NODES = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.3, 0.4, 2]]
 FACES = [[1, 2, 5, 5], [2, 3, 5, 5], [3, 4, 5, 5], [4, 1, 5, 5], [1, 4, 3, 2]]
 
 
-def pressed(folder: Path, **words: Any) -> tuple[Any, Any]:
+def pressed(folder: Path, **words: object) -> tuple[Rows, RowOfTable]:
     """Points of the pyramid under a pressure of 12 Pa, and the output of the load."""
     steel = {"type": "elastoplastic", "young": 1, "poisson": 0, "density": 1, "yield_stress": 1}
     part = {"type": "shell", "thickness": 0.1, "material": "m"}

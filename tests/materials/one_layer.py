@@ -10,7 +10,7 @@ import tempfile
 from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import yaml
@@ -23,9 +23,12 @@ from crashsolve.elements.shells.resultants import clear_resultants
 from crashsolve.elements.shells.tangents.layers import layers_and_tangent
 from crashsolve.elements.shells.tangents.records import ACROSS_OUT, POINT_ROWS, SIDE
 from crashsolve.foundation.point import LANES
-from crashsolve.foundation.rows import as_rows
+from crashsolve.foundation.rows import Rows, as_rows
 from crashsolve.materials._von_mises import LAYER
 from crashsolve.model.build import build
+
+if TYPE_CHECKING:
+    from crashsolve.foundation.rows import RowOfTable
 
 Example = dict[str, Any]
 DECK: dict[str, Any] = {
@@ -72,9 +75,9 @@ class Layers:
     def __init__(self, folder: Path, example: Example) -> None:
         self.model, state = model_of(folder, example, False)
         group = self.model.element_groups()[0]
-        self.p: Any = as_rows(group.parameters)[0]
+        self.p: RowOfTable = as_rows(group.parameters)[0]
         self.m, self.law = self.p.material, group.materials[0][1]
-        self.curves: Any = as_rows(self.model.curves)
+        self.curves: Rows = as_rows(self.model.curves)
         self.blocks, self.work = state.blocks, np.zeros(WORK.SIZE * LANES)
         self.first = int(self.p.first) + LANES * BLOCK.SIZE
         self.put(WORK.depth, np.ones(LANES))

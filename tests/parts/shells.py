@@ -1,9 +1,12 @@
 """A few shell elements whose kernels run as plain Python, moved by hand."""
 
+from __future__ import annotations
+
+from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import yaml
@@ -12,8 +15,11 @@ from crashsolve.deck.reading.deck import read_deck
 from crashsolve.elements.shells.forces import blocks
 from crashsolve.elements.shells.records import BLOCK, EROSION
 from crashsolve.foundation.orientation import matrix
-from crashsolve.foundation.rows import as_rows
+from crashsolve.foundation.rows import Rows, as_rows
 from crashsolve.model.build import build
+
+if TYPE_CHECKING:
+    from crashsolve.foundation.rows import RowOfTable
 
 STEEL = {"type": "elastic", "young": 2e5, "poisson": 0.3, "density": 8.0}
 # the patch of MacNeal and Harder (1985): five elements of odd shapes on 0.24 by 0.12
@@ -36,8 +42,8 @@ class Elements:
         mesh: Any = SQUARE,
         thickness: float = 0.05,
         material: dict[str, Any] = STEEL,
-        curves: dict[str, Any] | None = None,
-        **words: Any,
+        curves: Mapping[str, Mapping[str, object]] | None = None,
+        **words: object,
     ) -> None:
         nodes = np.asarray(mesh[0], float)
         nodes = np.hstack([nodes, np.zeros((len(nodes), 3 - nodes.shape[1]))])
@@ -45,7 +51,7 @@ class Elements:
         part["mesh"] = {"type": "listed", "nodes": nodes.tolist(), "quads": mesh[1]}
         deck = {"control": {"end_time": 1}, "materials": {"steel": material}, "parts": {"s": part}}
         if curves:
-            deck["curves"] = {name: {"type": "table"} | card for name, card in curves.items()}
+            deck["curves"] = {name: {"type": "table", **card} for name, card in curves.items()}
         path = folder / "elements.yaml"
         path.write_text(yaml.safe_dump(deck), "utf-8")
         self.model, self.state = model, _ = build(read_deck(path))
@@ -56,8 +62,8 @@ class Elements:
         self.kinds = [import_module(f"crashsolve.elements.shells.forces.{name}") for name in used]
         self.new = as_rows(group.history)[1, 0]
         self.out = as_rows(group.output)[0]
-        self.clock: Any = as_rows(self.state.clock)[0]
-        self.points: Any = as_rows(self.state.points)
+        self.clock: RowOfTable = as_rows(self.state.clock)[0]
+        self.points: Rows = as_rows(self.state.points)
         e = model.elements
         assert e is not None
         self.element_cuts, self.cuts = e.element_cuts, e.cuts
@@ -90,7 +96,7 @@ class Elements:
         self.move(motion)
         return R
 
-    def energies(self) -> Any:
+    def energies(self) -> RowOfTable:
         self.module.energies(self.p, self.new, self.out, self.scene)
         for kind in self.kinds:
             blocks.add_energies(kind, self.p, self.out, self.scene, self.material)

@@ -1,7 +1,6 @@
 """Claims of damping, viscosity and mass scaling: power, momentum, steps, and clear refusals."""
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +10,7 @@ from shells import SQUARE, Elements
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.build import build
+from crashsolve.model.model import Model, State
 from crashsolve.system.diagnosis import limiter
 
 DECK = ONE_BEAM.replace("end_time: 1", "end_time: 1, safety: 0.5")
@@ -71,7 +71,7 @@ def test_viscosity_is_the_impedance_of_the_bar_and_more_in_compression(
     assert float(law.force().force[0]) == pytest.approx(0.0, abs=1e-10)
 
 
-def rates(folder: Path, words: str) -> tuple[Any, Any]:
+def rates(folder: Path, words: str) -> tuple[Model, State]:
     path = folder / "deck.yaml"
     path.write_text(DECK.replace("WORDS", words).replace("elements: 1", "elements: 4"), "utf-8")
     return build(read_deck(path))

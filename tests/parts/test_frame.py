@@ -8,6 +8,7 @@ import pytest
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.build import build
+from crashsolve.model.model import Model, State
 
 DECK = """title: frames
 control: {end_time: 1}
@@ -29,7 +30,7 @@ LINE = ["line_start", "line_1", "line_2", "line_end"]
 BAR = ["bar_1", "bar_bar1_1", "bar_bar1_2", "bar_2"]
 
 
-def scene(folder: Path, text: str = DECK) -> tuple[object, object]:
+def scene(folder: Path, text: str = DECK) -> tuple[Model, State]:
     path = folder / "frame.yaml"
     path.write_text(text, "utf-8")
     return build(read_deck(path))

@@ -50,7 +50,8 @@ def test_it_stops_at_the_limit_load(tmp_path: Path, load: float, steps: int) -> 
     # from below, by no more than a load step halved seven times and another; of the closed form
     # four elements differ by a percent
     assert 0.97 * LIMIT - load / steps / 64 < reached < 1.02 * LIMIT
-    assert "prescribe" in message
+    assert "a limit point between" in message
+    assert "control.path: arc_length, prescribe the motion by a driver" in message
 
 
 def test_below_it_the_run_ends_normally(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """Meshes: area, orientation, sets, files; what is wrong with one is said, with its position."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -69,7 +70,7 @@ two squares
 """
 
 
-def meshed(folder: Path, mesh: dict[str, Any], **words: Any) -> Any:
+def meshed(folder: Path, mesh: Mapping[str, object], **words: object) -> Any:
     part = {"type": "shell", "mesh": mesh, "thickness": 0.01, "material": "m"} | words
     path = folder / "mesh.yaml"
     path.write_text(yaml.safe_dump(DECK | {"parts": {"s": part}}), "utf-8")
@@ -78,7 +79,7 @@ def meshed(folder: Path, mesh: dict[str, Any], **words: Any) -> Any:
     return model.elements.parts["s"]
 
 
-def refusal(folder: Path, mesh: dict[str, Any], **words: Any) -> str:
+def refusal(folder: Path, mesh: Mapping[str, object], **words: object) -> str:
     with pytest.raises(DeckErrors) as caught:
         meshed(folder, mesh, **words)
     return str(caught.value)

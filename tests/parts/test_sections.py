@@ -1,7 +1,6 @@
 """Sections of beams against integrals, tables and each other."""
 
 from math import pi
-from typing import Any
 
 import numpy as np
 import pytest
@@ -26,7 +25,7 @@ SECTIONS = {
 }
 
 
-def section(word: str, poisson: float = NU, **fields: Any) -> dict:
+def section(word: str, poisson: float = NU, **fields: object) -> dict:
     kind = law_class("sections", word)
     return __import__(kind.__module__, fromlist=["build"]).build(kind(**fields), poisson)
 

@@ -1,5 +1,6 @@
 """Claim: parts that share a mesh are joined at its nodes, and are parts like any other."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +29,7 @@ LOW = {"type": "shared", "mesh": "plate", "low": [-1, -1, -1], "high": [1, 0.2, 
 TOP = {"type": "shared", "mesh": "plate", "low": [-1, 0.2, -1], "high": [1, 1, 1]}
 
 
-def deck(parts: dict[str, Any], **control: Any) -> dict[str, Any]:
+def deck(parts: Mapping[str, object], **control: object) -> dict[str, Any]:
     control = {"end_time": 5e-4, "integrator": "rattle", "estimate": "off"} | control
     return {
         "control": control,
@@ -38,22 +39,22 @@ def deck(parts: dict[str, Any], **control: Any) -> dict[str, Any]:
     }
 
 
-def traces(*names: str) -> dict[str, Any]:
+def traces(*names: str) -> dict[str, object]:
     return {"traces": [{"name": name, "at": TRACES[name]} for name in names]}
 
 
-def one_part(**control: Any) -> dict[str, Any]:
+def one_part(**control: object) -> dict[str, Any]:
     plate = PLATE | HELD | THROWN | traces("a", "b", "c") | {"mesh": MESH}
     return deck({"plate": plate}, **control)
 
 
-def two_parts(**control: Any) -> dict[str, Any]:
+def two_parts(**control: object) -> dict[str, Any]:
     parts = {"low": PLATE | {"mesh": LOW} | HELD | traces("a")}
     parts["top"] = PLATE | {"mesh": TOP} | THROWN | traces("b", "c")
     return {"meshes": {"plate": MESH}} | deck(parts, **control)
 
 
-def solved(folder: Path, scene: dict[str, Any], name: str, **words: str) -> Result:
+def solved(folder: Path, scene: Mapping[str, object], name: str, **words: str) -> Result:
     path = folder / f"{name}.yaml"
     path.write_text(yaml.safe_dump(scene, sort_keys=False), "utf-8")
     done = crashsolve(path, "-o", folder / name, **words)

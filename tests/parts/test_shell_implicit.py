@@ -1,9 +1,10 @@
 """What shells promise to implicit integrators: their tangent, order 2, energy, the same answer."""
 
+from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -18,11 +19,14 @@ from crashsolve.deck.reading.deck import read_deck
 from crashsolve.elements.shells.forces import blocks
 from crashsolve.elements.shells.tangents import blocks as slopes
 from crashsolve.foundation.orientation import matrix
-from crashsolve.foundation.rows import as_rows
+from crashsolve.foundation.rows import Rows, as_rows
 from crashsolve.model.build import build
 from crashsolve.model.implicit.compliance import compliance
 from crashsolve.system import points
 from crashsolve.system.implicit import global_matrix, stiffness
+
+if TYPE_CHECKING:
+    from crashsolve.foundation.rows import RowOfTable
 
 YIELDING = STEEL | {"type": "elastoplastic", "yield_stress": 200.0, "hardening": 2e4}
 MOVING = YIELDING | {"kinematic": 0.6, "rate_D": 40.0, "rate_q": 5.0}
@@ -32,7 +36,7 @@ RUBBER = {"type": "neo_hookean", "young": 3.0, "poisson": 0.4, "density": 1.0}
 THINNING = {"thinning": True}
 WELDED = {"welded": [{"nodes": "some", "to": "hub"}]}
 # element, mesh, material, words of the part: all that has a tangent of its own
-CASES: dict[str, tuple[str, Any, dict[str, Any], dict[str, Any]]] = {
+CASES: dict[str, tuple[str, Any, Mapping[str, object], dict[str, Any]]] = {
     "reduced": ("reduced", PATCH, STEEL, {"damping": 0.01}),
     "reduced, yielding": ("reduced", ODD, MOVING, THINNING),
     "reduced, hot": ("reduced", ODD, HOT, {}),
@@ -58,7 +62,7 @@ class Implicit:
         folder: Path,
         element: str,
         mesh: Any,
-        material: dict[str, Any],
+        material: Mapping[str, object],
         words: dict[str, Any],
     ) -> None:
         nodes = [[*node, 0.0] for node in mesh[0]]
@@ -79,13 +83,13 @@ class Implicit:
         path = folder / "elements.yaml"
         path.write_text(yaml.safe_dump(deck), "utf-8")
         self.model, state = build(read_deck(path))
-        self.nodes: Any = as_rows(state.nodes)
+        self.nodes: Rows = as_rows(state.nodes)
         e, tables = self.model.elements, compliance(self.model, state, 1)
         assert e is not None
         arrays = tables | {"points": state.points, "control": self.model.control}
         arrays |= {"curves": self.model.curves}
         views = {k: as_rows(a) for k, a in arrays.items()}
-        self.attached_points: Any = as_rows(e.attached_points)
+        self.attached_points: Rows = as_rows(e.attached_points)
         self.scene = SimpleNamespace(
             **views,
             lanes=state.blocks,
@@ -93,12 +97,12 @@ class Implicit:
             work=e.work,
             attached_points=self.attached_points,
         )
-        self.clock: Any = as_rows(state.clock)[0]
+        self.clock: RowOfTable = as_rows(state.clock)[0]
         group = self.model.element_groups()[0]
         self.p = as_rows(group.parameters)[0]
         self.material = group.materials[0][1]
-        words = [word for column, word in group.module.KINDS.items() if self.p[column]]
-        self.kinds = [import_module(f"crashsolve.elements.shells.forces.{word}") for word in words]
+        kinds = [word for column, word in group.module.KINDS.items() if self.p[column]]
+        self.kinds = [import_module(f"crashsolve.elements.shells.forces.{word}") for word in kinds]
         for b in self.nodes[1:]:
             b.start_r, b.start_q, b.start_A = b.r, b.q, b.A
 

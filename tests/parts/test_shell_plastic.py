@@ -16,7 +16,7 @@ from crashsolve.elements.shells.records import (
 )
 from crashsolve.elements.shells.return_mapping import NEAR, step_to_root
 from crashsolve.foundation.curve import curve_line, curve_value, pack
-from crashsolve.foundation.rows import as_rows
+from crashsolve.foundation.rows import Rows, as_rows
 from crashsolve.materials._von_mises import LAYER
 
 STRAIN = LAYER.plastic_strain
@@ -79,7 +79,7 @@ def stretched(strain: Any) -> np.ndarray:
 @pytest.mark.parametrize("material", MATERIALS.values(), ids=MATERIALS)
 @pytest.mark.parametrize("kind", KINDS)
 def test_yielding_layers_meet_the_yield_condition_to_round_off(
-    tmp_path: Path, material: dict[str, Any], kind: str
+    tmp_path: Path, material: dict[str, object], kind: str
 ) -> None:
     rng = np.random.default_rng(1)
     shell = Elements(tmp_path, ODD, 0.1, material, layers=5, element=kind)
@@ -167,7 +167,7 @@ def test_the_line_of_a_curve_touches_it(bend: float) -> None:
     """Straight segments say where they end; what is bent holds nowhere but at the point."""
     coefficients = [[200.0, 5.0, bend, 0.0], [205.0 + bend, 2.0, bend, 0.0]]
     table, (first,) = pack([([0.0, 1.0, 3.0], coefficients, 1)])
-    curves: Any = as_rows(table)
+    curves: Rows = as_rows(table)
     for x in (0.0, 0.4, 1.0, 2.9, 4.0):
         y, slope, _ = curve_value(curves, first, x)
         at_0, rise, end = curve_line(curves, first, x)
@@ -266,7 +266,7 @@ def test_the_rate_lifts_the_yield_stress_as_cowper_and_symonds_say(tmp_path: Pat
 
 @pytest.mark.parametrize("material", MATERIALS.values(), ids=MATERIALS)
 @pytest.mark.parametrize("kind", first_quick(KINDS))
-def test_work_is_stored_or_plastic(tmp_path: Path, material: dict[str, Any], kind: str) -> None:
+def test_work_is_stored_or_plastic(tmp_path: Path, material: dict[str, object], kind: str) -> None:
     rng = np.random.default_rng(5)
     shell = Elements(tmp_path, ODD, 0.1, material, layers=4, element=kind)
     direction, work, last = rng.normal(size=(4, 6)), 0.0, np.zeros((4, 6))

@@ -1,7 +1,6 @@
 """Claims of shells that are part of other bodies: mass goes over whole, errors are refused."""
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -9,6 +8,7 @@ import pytest
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.build import build
+from crashsolve.model.model import Model, State
 
 DECK = """
 title: a plate on a hub
@@ -32,13 +32,19 @@ parts:
 """  # noqa: E501
 
 
-def model_of(folder: Path, text: str = DECK) -> tuple[Any, Any]:
+def attached(model: Model) -> np.ndarray:
+    """Points that are part of bodies."""
+    assert model.elements is not None
+    return model.elements.attached_points
+
+
+def model_of(folder: Path, text: str = DECK) -> tuple[Model, State]:
     path = folder / "deck.yaml"
     path.write_text(text, "utf-8")
     return build(read_deck(path))
 
 
-def totals(model: Any, state: Any) -> tuple[float, np.ndarray, np.ndarray]:
+def totals(model: Model, state: State) -> tuple[float, np.ndarray, np.ndarray]:
     """Mass, mass centre and inertia about the origin of all that moves."""
     nodes, points = state.nodes[1:], state.points[state.points["fixed"] < 64]
     m = np.concatenate([1.0 / nodes["mass_inv"], 1.0 / points["mass_inv"]])
@@ -60,8 +66,8 @@ def test_welding_changes_neither_mass_nor_its_centre_nor_its_inertia(tmp_path: P
 
 def test_points_ride_where_they_are_and_on_the_nearest_node(tmp_path: Path) -> None:
     model, state = model_of(tmp_path)
-    assert len(model.elements.attached_points) == 4
-    for attached_point in model.elements.attached_points:
+    assert len(attached(model)) == 4
+    for attached_point in attached(model):
         node, point = state.nodes[attached_point["node"]], state.points[attached_point["point"]]
         position = node["r"] + node["A"].reshape(3, 3) @ attached_point["spot"]
         np.testing.assert_allclose(position, point["r"], atol=1e-15)
@@ -101,7 +107,7 @@ FAR = DECK.replace(
 
 def test_a_weld_reaches_no_farther_than_an_element_or_what_the_card_allows(tmp_path: Path) -> None:
     # sides of 0.1 m
-    assert len(model_of(tmp_path, FAR.replace("{z}", "0.0999"))[0].elements.attached_points) == 4
+    assert len(attached(model_of(tmp_path, FAR.replace("{z}", "0.0999"))[0])) == 4
     with pytest.raises(DeckErrors) as caught:
         model_of(tmp_path, FAR.replace("{z}", "0.3"))
     reported = str(caught.value)
@@ -116,7 +122,7 @@ def test_a_weld_reaches_no_farther_than_an_element_or_what_the_card_allows(tmp_p
         in str(caught.value)
     )
     far = FAR.replace("{nodes: u1, part: rib}", "{nodes: u1, part: rib, within: 0.5}")
-    assert len(model_of(tmp_path, far.replace("{z}", "0.3"))[0].elements.attached_points) == 4
+    assert len(attached(model_of(tmp_path, far.replace("{z}", "0.3"))[0])) == 4
 
 
 def test_a_shell_is_welded_to_the_named_nodes_of_a_shell(tmp_path: Path) -> None:

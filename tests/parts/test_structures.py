@@ -1,7 +1,6 @@
 """Claims: a structure has the mass and stiffness of its members in all descriptions; its cards."""
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,6 +11,7 @@ from crashsolve import run
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.build import build
+from crashsolve.model.model import Model, State
 from crashsolve.simulation import body_shapes
 
 ALL = ("rigid", "hinges", "segments", "beams", "shells")
@@ -58,11 +58,13 @@ def written(folder: Path, text: str) -> Path:
     return path
 
 
-def built(folder: Path, text: str) -> tuple[Any, Any]:
+def built(folder: Path, text: str) -> tuple[Model, State]:
     return build(read_deck(written(folder, text)))
 
 
-def moments(state: Any, model: Any) -> tuple[float, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def moments(
+    state: State, model: Model
+) -> tuple[float, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Mass, mass centre, inertia about it, momentum and angular momentum about it of a model."""
     nodes = state.nodes[1:]
     mass = np.where(nodes["mass_inv"] < 1e200, 1.0 / nodes["mass_inv"], 0.0)

@@ -19,7 +19,7 @@ from crashpost.results.result import Result
 E, SIDE, LENGTH = 1e9, 0.01, 1.0
 BENDING = E * SIDE**4 / 12.0
 EULER = np.pi**2 * BENDING / (4.0 * LENGTH**2)
-STEEL: dict[str, dict[str, Any]] = {
+STEEL: dict[str, dict[str, object]] = {
     "beam": {"type": "elastic"},
     "fibre_beam": {"type": "elastoplastic", "yield_stress": 1e9, "hardening": 1e8},
 }

@@ -1,5 +1,6 @@
 """Claim: tied meshes move as one where linear fields allow it, and nothing is lost at the tie."""
 
+from collections.abc import Callable, Mapping
 from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
@@ -15,8 +16,9 @@ from crashpost.results.result import Result
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.elements.shells.forces import blocks
 from crashsolve.foundation.point import POINT, TIE
-from crashsolve.foundation.rows import as_rows
+from crashsolve.foundation.rows import Rows, as_rows
 from crashsolve.model.build import build
+from crashsolve.model.model import Model, State
 from crashsolve.system import ties
 from crashsolve.ties._faces import nearest_face
 
@@ -25,7 +27,11 @@ SHELL = {"type": "shell", "thickness": 0.002, "material": "steel"}
 RANDOM = np.random.default_rng(5)
 
 
-def grid(x: float, count: int, across: int = 0, z: float = 0.0) -> dict[str, Any]:
+# velocities of points (n, 3) at positions (n, 3)
+Field = Callable[[np.ndarray], np.ndarray]
+
+
+def grid(x: float, count: int, across: int = 0, z: float = 0.0) -> dict[str, object]:
     """A plate of 0.2 by 0.2 whose side u0 is at x."""
     counts = [count, across or count]
     return {
@@ -37,7 +43,7 @@ def grid(x: float, count: int, across: int = 0, z: float = 0.0) -> dict[str, Any
     }
 
 
-def pair(coarse: int, fine: int, z: float = 0.0, **words: Any) -> dict[str, Any]:
+def pair(coarse: int, fine: int, z: float = 0.0, **words: object) -> dict[str, Any]:
     """Two plates of so many elements a side, the second of which rides on the first."""
     return {
         "control": {"end_time": 5e-4, "estimate": "off"},
@@ -51,13 +57,13 @@ def pair(coarse: int, fine: int, z: float = 0.0, **words: Any) -> dict[str, Any]
     }
 
 
-def built(folder: Path, scene: dict[str, Any]) -> tuple[Any, Any]:
+def built(folder: Path, scene: dict[str, object]) -> tuple[Model, State]:
     path = folder / "deck.yaml"
     path.write_text(yaml.safe_dump(scene), "utf-8")
     return build(read_deck(path))
 
 
-def solved(folder: Path, scene: dict[str, Any], name: str) -> Result:
+def solved(folder: Path, scene: Mapping[str, object], name: str) -> Result:
     path = folder / f"{name}.yaml"
     path.write_text(yaml.safe_dump(scene, sort_keys=False), "utf-8")
     done = crashsolve(path, "-o", folder / name)
@@ -65,7 +71,9 @@ def solved(folder: Path, scene: dict[str, Any], name: str) -> Result:
     return Result(folder / name)
 
 
-def forces(folder: Path, scene: dict[str, Any], v: Any, w: Any) -> tuple[np.ndarray, np.ndarray]:
+def forces(
+    folder: Path, scene: dict[str, object], v: Field, w: Field
+) -> tuple[np.ndarray, np.ndarray]:
     """Forces and torques (n, 6) of a step of 1 s with fields of motion; and positions."""
     model, state = built(folder, scene)
     group, points = model.element_groups()[0], as_rows(state.points)
@@ -73,6 +81,7 @@ def forces(folder: Path, scene: dict[str, Any], v: Any, w: Any) -> tuple[np.ndar
     points.v, points.w = v(x), w(x)
     points.r = x + points.v
     e = model.elements
+    assert e is not None
     seen = SimpleNamespace(
         points=points,
         corners=e.corners,
@@ -107,7 +116,7 @@ def turned_across(x: np.ndarray) -> np.ndarray:
     return SIZE * np.outer(x[:, 0], [0, -1.0, 0])
 
 
-def residual(folder: Path, scene: dict[str, Any], v: Any, w: Any) -> float:
+def residual(folder: Path, scene: dict[str, object], v: Field, w: Field) -> float:
     """Largest force, or torque on 0.05 m, at nodes within, over the largest at the border."""
     found, x = forces(folder, scene, v, w)
     eps = 1e-9
@@ -120,7 +129,7 @@ def residual(folder: Path, scene: dict[str, Any], v: Any, w: Any) -> float:
     ("v", "w"), [(membrane, still), (bent_across, turned_across)], ids=["membrane", "bending"]
 )
 def test_a_patch_passes_where_nodes_of_the_faces_have_tied_ones(
-    tmp_path: Path, v: Any, w: Any
+    tmp_path: Path, v: Field, w: Field
 ) -> None:
     # what a plate of one mesh has as well: terms of second order, 2e-8 at these strains
     assert residual(tmp_path, pair(2, 4), v, w) < 1e-6
@@ -129,7 +138,7 @@ def test_a_patch_passes_where_nodes_of_the_faces_have_tied_ones(
     assert residual(tmp_path, pair(4, 6), v, w) == pytest.approx(1 / 9, rel=1e-6)
 
 
-def row(height: float, triangle: bool = False) -> Any:
+def row(height: float, triangle: bool = False) -> tuple[Rows, Rows]:
     """A tie on a warped face, with weights that reach beside it, and its points."""
     table, points = np.zeros(1, TIE.dtype), np.zeros(5, POINT.dtype)
     points["r"][:4] = np.array([[0, 0, 0], [1.1, 0.1, 0], [1, 0.9, 0.1], [-0.1, 1, 0.0]])
@@ -227,7 +236,7 @@ def test_free_flight_turns_both_without_strain(tmp_path: Path) -> None:
     assert kinetic[-1] == pytest.approx(kinetic[0], rel=1e-6)
 
 
-def pressed(parts: dict[str, Any], **words: Any) -> dict[str, Any]:
+def pressed(parts: dict[str, Any], **words: object) -> dict[str, Any]:
     """Thick plates of 0.4 by 0.2 held at both ends, under pressure, over half a period."""
     scene = pair(2, 2) | {
         "parts": {name: part | {"thickness": 0.02} for name, part in parts.items()}
@@ -289,7 +298,7 @@ def test_a_tie_shortens_no_step_of_equal_elements(tmp_path: Path) -> None:
     assert steps[1] >= steps[0]
 
 
-WRONG: dict[str, tuple[dict[str, Any], str]] = {
+WRONG: dict[str, tuple[dict[str, object], str]] = {
     "far": ({"mesh": grid(0.203, 3)}, "0.003 m from the nearest face of 'coarse', more than 0.002"),
     "beside": ({"mesh": grid(0.3, 3)}, "lies beside all faces of 'coarse'; leave it out"),
     "held": (
@@ -318,7 +327,7 @@ def test_what_cannot_be_tied_is_refused(tmp_path: Path, name: str) -> None:
 
 
 def test_ties_are_refused_where_they_meet_or_cannot_act(tmp_path: Path) -> None:
-    def said(change: Any) -> str:
+    def said(change: Callable[[dict[str, Any]], object]) -> str:
         scene = pair(2, 3)
         change(scene)
         return refusal(tmp_path, yaml.safe_dump(scene, sort_keys=False))

@@ -56,7 +56,11 @@ def two_cars() -> Families:
 
 
 def write_result(
-    folder: Path, families: Families, time: np.ndarray = TIME, reserved: int = 0, **attributes: Any
+    folder: Path,
+    families: Families,
+    time: np.ndarray = TIME,
+    reserved: int = 0,
+    **attributes: object,
 ) -> Path:
     """Write history.h5 as FILE_FORMAT.md has it, with `reserved` rows not yet filled."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -74,13 +78,15 @@ def write_result(
     return folder
 
 
-def write_status(folder: Path, state: str = "finished", **entries: Any) -> None:
+def write_status(folder: Path, state: str = "finished", **entries: object) -> None:
     """Write status.json."""
     status = {"state": state, "time": TIME[-1], "end_time": TIME[-1], "cycle": 1000, "cpu": 0.2}
     (folder / "status.json").write_text(json.dumps({**status, **entries}))
 
 
-def expectation(channel: str, statistic: str, value: float, tolerance: float, **other: Any) -> Any:
+def expectation(
+    channel: str, statistic: str, value: float, tolerance: float, **other: object
+) -> Any:
     """One `expect` entry as the solver stores it."""
     entry = {"channel": channel, "statistic": statistic, "value": value, "tolerance": tolerance}
     return {**entry, "relative": False, "because": "exact", "source": "by hand", **other}

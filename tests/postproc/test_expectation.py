@@ -2,7 +2,6 @@
 
 import json
 from pathlib import Path
-from typing import Any
 
 import pytest
 from small_results import SPEED, Command, expectation, two_cars, write_result, write_status
@@ -15,7 +14,7 @@ from crashpost.values.expectation import Expectation, Verdict, expectations, jud
 LEFT_OVER = expectation("rbdout.A.velocity.x", "final", SPEED / 3, 1e-9)
 
 
-def result_expecting(folder: Path, *entries: Any) -> Path:
+def result_expecting(folder: Path, *entries: object) -> Path:
     write_result(folder, two_cars(), expect=json.dumps(entries))
     write_status(folder)
     return folder
@@ -100,7 +99,7 @@ def test_tolerances_are_closed_and_nothing_passes_without_a_number(
     ],
 )
 def test_a_channel_in_percent_is_judged_in_the_unit_of_the_entry(
-    tmp_path: Path, unit: Any, value: float, tolerance: float, passed: bool
+    tmp_path: Path, unit: object, value: float, tolerance: float, passed: bool
 ) -> None:
     families = two_cars()
     families["glstat"][1]["energy/balance"][2][7] = 5.0
@@ -153,6 +152,6 @@ def test_entries_may_hold_more_than_crashpost_reads(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "entry", [{"channel": "a"}, {**LEFT_OVER, "value": "soon"}, {**LEFT_OVER, "during": [1]}, 3]
 )
-def test_broken_entries_are_refused(tmp_path: Path, entry: Any) -> None:
+def test_broken_entries_are_refused(tmp_path: Path, entry: object) -> None:
     with pytest.raises(PostError, match="broken expect entry"):
         expectations(Result(result_expecting(tmp_path, entry)))

@@ -3,6 +3,7 @@
 import subprocess
 import sys
 from pathlib import Path
+from types import ModuleType
 
 import h5py
 import numpy as np
@@ -69,7 +70,7 @@ def test_every_shape_alone_on_the_ground_is_in_the_page(tmp_path: Path, shape: s
     shown: list[object] = []
     whole = model_page._put
 
-    def put(k3d: object, plot: object, *rest: object) -> None:
+    def put(k3d: ModuleType, plot: "k3d.Plot", *rest: object) -> None:
         whole(k3d, plot, *rest)
         shown.extend(plot.objects)
 

@@ -4,7 +4,6 @@ import json
 import re
 from html.parser import HTMLParser
 from pathlib import Path
-from typing import Any
 from xml.etree import ElementTree
 
 import h5py
@@ -25,7 +24,7 @@ from crashpost.values.words import labels
 
 FORCE = "-deforc.buffer.force"
 PEAK = 6.708203932499369  # MN: speed times the root of stiffness times reduced mass
-FIGURE: dict[str, Any] = {
+FIGURE: dict[str, object] = {
     "title": "Buffer force <A>",
     "y": [{"channel": FORCE, "label": "run & read"}, "2 * deforc.buffer.force"],
     "x_unit": "ms",
@@ -50,7 +49,7 @@ FIGURE: dict[str, Any] = {
 }
 
 
-def write(folder: Path, *figures: Any, **attributes: Any) -> Result:
+def write(folder: Path, *figures: object, **attributes: object) -> Result:
     described = {"report": json.dumps({"figures": figures})} if figures else {}
     write_result(folder, two_cars(), title="Cars <2>", **described, **attributes)
     write_status(folder)
@@ -238,7 +237,7 @@ def test_offsets_and_scales_apply_to_curve_and_comparison_alike(tmp_path: Path) 
     ],
 )
 def test_a_wrong_description_is_refused_naming_the_figure(
-    change: dict[str, Any], words: str
+    change: dict[str, object], words: str
 ) -> None:
     with pytest.raises(PostError) as refusal:
         figures_of({"figures": [{**FIGURE, **change}]})

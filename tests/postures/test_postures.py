@@ -92,6 +92,19 @@ WRONG = {
         "{root: thigh, joints: [{joint: knee, angle: 1, rotation: {euler: [0, 0, 0]}}]}"
     ),
     "unknown joint 'elbow'": "{root: thigh, joints: [{joint: elbow}]}",
+    # else the joint would be mounted anew, on a shank that is bent sideways
+    "joints.rotation: 'knee' rotates about its axis alone; give an angle": (
+        "{root: thigh, joints: [{joint: knee, rotation: {axis: [1, 0, 0], angle: 0.9}}]}"
+    ),
+    "joints.angular_velocity: 'knee' rotates about its axis alone": (
+        "{root: thigh, joints: [{joint: knee, angular_velocity: [1, 0, 0]}]}"
+    ),
+    "joints.angle: 'ankle' leaves no rotation that a posture can give it": (
+        "{root: shank, joints: [{joint: ankle, angle: 0.2}]}"
+    ),
+    "joints: 'thigh' is placed by the posture of 'thigh' too": (
+        "{root: thigh, joints: [{joint: knee}]}\n  q: {root: trunk, joints: [{joint: hip}]}"
+    ),
 }
 
 
@@ -105,8 +118,10 @@ def test_an_angle_past_the_range_is_refused_with_how_far(tmp_path: Path) -> None
         "\nsprings: {s: {type: rotation_stop, joint: knee, lower: 0, upper: 0.5, stiffness: 9}}\n"
     )
     posture = "{root: thigh, joints: [{joint: knee, angle: 0.9}]}"
-    text = CHAIN.replace("POSTURE", posture) + stop
-    assert "rotates 'knee' to 0.9 rad, 0.4 rad past the range" in refusal(tmp_path, text)
+    turned = "{root: shank, joints: [{joint: knee, rotation: {axis: [0.4, 2, 0], angle: 0.9}}]}"
+    for words in (posture, turned):
+        text = CHAIN.replace("POSTURE", words) + stop
+        assert "rotates 'knee' to 0.9 rad, 0.4 rad past the range" in refusal(tmp_path, text)
 
 
 RATES = (

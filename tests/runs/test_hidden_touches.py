@@ -13,6 +13,7 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
+from command import crashsolve, differences
 from quick import first_quick
 
 DECK = """\
@@ -74,3 +75,44 @@ def test_the_run_is_as_without_samples_between(tmp_path: Path) -> None:
     assert force[plain].max() == 0.0 < force[~plain].min() + 1.0
     assert np.allclose(z[plain][:10], -1.0, rtol=1e-12)
     assert np.ptp(z[plain][11:]) < 1e-12
+
+
+# stops at the first step after a time, within an interval, as a signal does that comes then
+STOPPED = """\
+import sys
+from pathlib import Path
+from crashsolve.foundation.errors import RunStopped
+from crashsolve.simulation import solve
+from crashsolve.system import engine
+
+deck, folder, until = Path(sys.argv[1]), Path(sys.argv[2]), float(sys.argv[3])
+engine.LONGEST_CALL = 0.0  # look at every step
+engine.FIRST_CALL = 1
+
+class Run(solve.Run):
+    def _handle_requests_at_once(self):
+        if float(self.engine.clock["time"]) > until:
+            self.requests.words.add("stop")
+        super()._handle_requests_at_once()
+
+solve.Run = Run
+try:
+    solve.solve(deck, folder, {}, False)
+except RunStopped:
+    sys.exit(3)
+"""
+
+
+def test_a_run_that_goes_on_within_an_interval_begins_it_where_it_began(tmp_path: Path) -> None:
+    deck = DECK.replace("{end_time", "{step_max: 2e-3, end_time").replace("ESTIMATE", '"off"')
+    # states at events before a dump are not written after it
+    deck = deck.replace("INTERVAL}", "0.1}, states: {interval: 0.1}")
+    path, whole, cut = tmp_path / "deck.yaml", tmp_path / "whole", tmp_path / "cut"
+    path.write_text(deck, "utf-8")
+    assert crashsolve(path, "-o", whole).returncode == 0
+    # during the touch, which lasts from 0.1043 to 0.1052 s
+    command = [sys.executable, "-c", STOPPED, str(path), str(cut), "0.105"]
+    assert subprocess.run(command, capture_output=True).returncode == 3
+    assert 0.1 < json.loads((cut / "status.json").read_text("utf-8"))["time"] < 0.2
+    assert crashsolve(path, "-o", cut, "--restart").returncode == 0
+    assert [name for name in differences(cut, whole) if not name.startswith("dump:")] == []

@@ -47,7 +47,7 @@ pytestmark = pytest.mark.xdist_group("runs")
 
 
 def status(folder: Path) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads((folder / "status.json").read_text("utf-8"))
+    found: dict[str, object] = json.loads((folder / "status.json").read_text("utf-8"))
     return found
 
 
@@ -217,7 +217,7 @@ def middle_of_an_array(path: Path) -> int:
     """Where in a dump the middle byte of its largest array is."""
     found: list[tuple[int, int]] = []
 
-    def visit(name: str, one: Any) -> None:
+    def visit(name: str, one: h5py.Dataset | h5py.Group) -> None:
         if isinstance(one, h5py.Dataset) and one.id.get_offset() is not None:
             found.append((one.id.get_storage_size(), one.id.get_offset()))
 

@@ -3,7 +3,6 @@
 import json
 from math import pi, sin, sqrt
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -21,7 +20,7 @@ OMEGA = sqrt(STIFFNESS / MASS)
 FIRST = GAP / SPEED
 RELEASE = FIRST + pi / OMEGA
 T, WINDOW = 0.0301234567, [0.0277777, 0.0432101]
-SCENE: dict[str, Any] = {
+SCENE: dict[str, object] = {
     "bodies": {
         "ball": {"mass": MASS, "inertia": [1.0] * 3, "position": [0, 0, RADIUS + GAP],
                  "velocity": [1, 0, -SPEED]},
@@ -37,7 +36,7 @@ DEPTH = SPEED / OMEGA * sin(OMEGA * (T - FIRST))
 QUOTIENT = "rcforc.hit.normal / rcforc.hit.touching"
 
 
-def requested(channel: str, at: str, value: float, **words: Any) -> dict[str, Any]:
+def requested(channel: str, at: str, value: float, **words: object) -> dict[str, object]:
     card = {"channel": channel, "statistic": at, "value": value, "because": "exact"}
     return card | {"tolerance": 1.0, "source": "half a vibration"} | words
 

@@ -3,7 +3,6 @@
 import csv
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -27,7 +26,7 @@ SLOPE = 0.15
 pytestmark = pytest.mark.xdist_group("runs")
 
 
-def study(folder: Path, *words: Any, **changes: str) -> str:
+def study(folder: Path, *words: object, **changes: str) -> str:
     """What a study of the pendulum prints."""
     done = crashsolve(
         *("study", PENDULUM, "-o", folder, "--integrators", "rattle"),

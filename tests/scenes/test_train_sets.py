@@ -1,5 +1,6 @@
 """Claims of the train sets: the deck's own, and what would make it lie, each on few bodies."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ SHARED = SCENES / "shared"
 MASS, LENGTH, MU, GRAVITY = 34e3, 26.0, 0.15, 9.81
 
 
-def car(name: str, position: str, train: str, dimension: str) -> dict[str, Any]:
+def car(name: str, position: str, train: str, dimension: str) -> dict[str, object]:
     """An include of the one car that all decks share."""
     words = {"car": name, "x": position, "mass": "mass_1", "length": "length_1"}
     words |= {"train": train, "left": "LE", "right": "LE", "dimension": dimension}
@@ -129,7 +130,7 @@ def test_a_coupler_pulls_until_it_breaks_and_nothing_else_pulls(tmp_path: Path) 
     assert 65e3 * (1.0 - 1e-9) < lost < 1.2 * 65e3
 
 
-def two_ends(high: dict[str, Any]) -> dict[str, Any]:
+def two_ends(high: Mapping[str, object]) -> dict[str, object]:
     """The heavy right end of a car a, the light left end of a car b, and where both cars begin."""
     low = {"mass": 1e9, "inertia": [1e9, 1e9, 1e9], "position": [-0.3, 0, 0]}
     words = {"n": "1_2", "a": "a", "b": "b", "dimension": "plane"}
@@ -138,7 +139,7 @@ def two_ends(high: dict[str, Any]) -> dict[str, Any]:
             str(SHARED / "rail_plane.yaml"),
             {"file": str(SHARED / "rail_interface.yaml"), "with": words},
         ],
-        "bodies": {"a_right": low, "b_left": {"inertia": [1e9, 1e9, 1e9]} | high},
+        "bodies": {"a_right": low, "b_left": {"inertia": [1e9, 1e9, 1e9], **high}},
         "surfaces": {
             "b_left_shell": {"type": "box", "body": "b_left", "size": [0.6, 2.6, 0.5]},
             "a_shell": {"type": "box", "at": [-6, 0, 0], "size": [10, 5, 4]},

@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from subprocess import TimeoutExpired
-from typing import Any
 
 import numpy as np
 import yaml
@@ -56,7 +55,7 @@ class Sweep:
     also: dict[str, str] = field(default_factory=dict)
     quick: tuple[float, ...] = ()  # values for the normal suite, as plain Python
     look: Look | None = None
-    make: Callable[[int], dict[str, Any]] | None = None  # writes the deck for a number of bodies
+    make: Callable[[int], dict[str, object]] | None = None  # writes the deck for a number of bodies
 
     @property
     def path(self) -> Path:

@@ -34,7 +34,7 @@ def written(folder: Path, count: int = 3, step: str = SHORT) -> Path:
     return path
 
 
-def words_of(plan: Path) -> tuple[Any, ...]:
+def words_of(plan: Path) -> tuple[object, ...]:
     return ("sweep", plan, "-o", plan.parent / "out", "--jobs", "2")
 
 
@@ -60,7 +60,7 @@ def status(folder: Path, number: int) -> dict[str, Any]:
         text = (folder / "runs" / f"{number:04d}" / "status.json").read_text("utf-8")
     except OSError:
         return {}
-    found: dict[str, Any] = json.loads(text)
+    found: dict[str, object] = json.loads(text)
     return found
 
 

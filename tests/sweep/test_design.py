@@ -2,6 +2,7 @@
 
 import csv
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -24,12 +25,12 @@ from crashsolve.sweep.plan import Design, Measure, Plan, PlanCard
 MEASURE = Measure(channel="a.b.c", statistic="max")
 
 
-def plan(design: dict[str, Any], **axes: dict[str, Any]) -> Plan:
+def plan(design: Mapping[str, Any], **axes: Mapping[str, Any]) -> Plan:
     card = PlanCard.model_construct(design=Design(**design), measure=(MEASURE,))
     return Plan(Path("plan.yaml"), card, {name: Axis(**axis) for name, axis in axes.items()}, {})
 
 
-def numbers(design: dict[str, Any], **axes: dict[str, Any]) -> np.ndarray:
+def numbers(design: Mapping[str, Any], **axes: Mapping[str, Any]) -> np.ndarray:
     """Values of all runs, a column for each parameter."""
     points = points_of(plan(design, **axes))
     return np.array([[float(text) for text in point.values()] for point in points])

@@ -38,7 +38,7 @@ def image(eye: Any, x: Array) -> Array:
     return found
 
 
-def posture_at(time: float) -> dict[str, Any]:
+def posture_at(time: float) -> dict[str, object]:
     """The card of shared/true.yaml, moved on to a time with constant rates."""
     card: dict[str, Any] = yaml.safe_load((HERE / "shared" / "true.yaml").read_text("utf-8"))
     card, dt = card["postures"]["posture"], time - START
@@ -104,7 +104,7 @@ def _write(path: Path, head: str, lines: list[str]) -> None:
     path.write_text(text, "utf-8")
 
 
-def _moved(card: dict[str, Any], w: list[float], dt: float) -> dict[str, Any]:
+def _moved(card: dict[str, object], w: list[float], dt: float) -> dict[str, object]:
     """A rotation after a time at an angular velocity, in the axes in which it is given."""
     axis = np.array(card["axis"], float)
     old = rotation(axis / np.linalg.norm(axis) * card["angle"])

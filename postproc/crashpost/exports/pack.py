@@ -7,7 +7,6 @@ is that of the VTK file formats, VTKHDF 2.0, with steps; states are read one by 
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import h5py
 import numpy as np
@@ -38,7 +37,7 @@ def pack(states: States, path: Path, progress: Callable[[int, int], None]) -> st
 
 
 class _Packing:
-    def __init__(self, states: States, file: Any) -> None:
+    def __init__(self, states: States, file: h5py.File) -> None:
         self.states = states
         self.root = file.create_group("VTKHDF")
         self.root.attrs["Version"] = (2, 0)

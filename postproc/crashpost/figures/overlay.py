@@ -6,7 +6,6 @@ numbers and words of their decks, and else the names of their folders.
 """
 
 from collections.abc import Sequence
-from typing import Any
 
 from crashpost.errors import PostError
 from crashpost.results.result import Result
@@ -69,7 +68,7 @@ def _decks(results: Sequence[Result]) -> list[Json]:
     return found
 
 
-def _collect(part: Any, path: str, leaves: Json) -> None:
+def _collect(part: dict[str, object] | list[object], path: str, leaves: Json) -> None:
     pairs = part.items() if isinstance(part, dict) else enumerate(part, start=1)
     for key, inner in pairs:
         where = f"{path}.{key}" if path else str(key)

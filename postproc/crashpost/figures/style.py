@@ -5,8 +5,6 @@ and from each other also to eyes without red, green or blue cones. Neighbours di
 as well, for prints in grey. A test computes both.
 """
 
-from typing import Any
-
 INK, MUTED, RULE, FRAME = "#1c2126", "#5b6570", "#e4e7ea", "#b9c0c6"
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#332288", "#cc79a7", "#882255", INK)
 REFERENCE_COLOURS = ("#8a6d00", "#a0527d", "#3c7d78")
@@ -15,7 +13,7 @@ DASHES: tuple[tuple[float, ...], ...] = ((), (5.0, 1.8), (1.2, 1.4), (5.0, 1.6, 
 # as many lines as differ in colour and dashes together
 MOST_LINES = len(COLOURS) * len(DASHES)
 
-MATPLOTLIB: dict[Any, Any] = {
+MATPLOTLIB: dict[str, object] = {
     "font.size": 10,
     "font.family": "sans-serif",
     "axes.edgecolor": FRAME,

@@ -3,10 +3,12 @@
 k3d (three.js inside) draws it in any browser. States and triangles are thinned to a stated size.
 """
 
+from __future__ import annotations
+
 import json
 from html import escape
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,6 +21,11 @@ from crashpost.renders.painting import Task, View, clock
 from crashpost.renders.shapes import ARROW, Drawing, Surface
 from crashpost.results.result import Result
 from crashpost.results.states import States
+
+if TYPE_CHECKING:
+    from types import ModuleType
+
+    import k3d
 
 # states on the page, and numbers of all vertices at all states together
 MOST_STATES, MOST_NUMBERS = 60, 3_000_000
@@ -203,8 +210,8 @@ def _colour_scale(scene: Scene, numbers: list[int]) -> ColourScale:
 
 
 def _put(
-    k3d: Any,
-    shown: Any,
+    k3d: ModuleType,
+    shown: k3d.Plot,
     frames: dict[str, Drawing],
     colour_scale: ColourScale,
     arrow: float,
@@ -238,7 +245,9 @@ def _put(
         shown += _segments(k3d, _arrow_ends(frames, arrow), ARROW, 2.0 * width)
 
 
-def _plain_mesh(k3d: Any, first: Surface, same: dict[str, Surface], kind: int) -> Any:
+def _plain_mesh(
+    k3d: ModuleType, first: Surface, same: dict[str, Surface], kind: int
+) -> k3d.objects.Mesh:
     """Mesh of the polygons with one colour of a surface's palette."""
     of = first.which == kind
     still = all(np.array_equal(s.points, first.points) for s in same.values())
@@ -260,8 +269,8 @@ def _plain_mesh(k3d: Any, first: Surface, same: dict[str, Surface], kind: int) -
 
 
 def _field_mesh(
-    k3d: Any, first: Surface, same: dict[str, Surface], colour_scale: ColourScale
-) -> Any:
+    k3d: ModuleType, first: Surface, same: dict[str, Surface], colour_scale: ColourScale
+) -> k3d.objects.Mesh:
     """Mesh coloured by a field, polygon by polygon."""
     per_cell = first.corners.shape[1] - 2
     vertices, values = {}, {}
@@ -292,8 +301,9 @@ def _field_mesh(
     )
 
 
-def _at_vertices(values: Any, corners: np.ndarray, count: int) -> np.ndarray:
+def _at_vertices(values: np.ndarray | None, corners: np.ndarray, count: int) -> np.ndarray:
     """Values (n,) of points: the mean of those of the polygons around each."""
+    assert values is not None
     weights = np.repeat(values, corners.shape[1])
     sums = np.bincount(corners.ravel(), weights, minlength=count)
     around = np.bincount(corners.ravel(), minlength=count)
@@ -323,7 +333,9 @@ def _fan(corners: np.ndarray) -> np.ndarray:
     return np.stack([corners[:, [0, k, k + 1]] for k in inner], axis=1).reshape(-1, 3)
 
 
-def _segments(k3d: Any, ends: dict[str, np.ndarray], colour: str, width: float) -> Any:
+def _segments(
+    k3d: ModuleType, ends: dict[str, np.ndarray], colour: str, width: float
+) -> k3d.objects.Lines:
     """Lines (n, 2, 3) that move."""
     count = len(next(iter(ends.values())))
     vertices = {key: two.reshape(-1, 3).astype(np.float32) for key, two in ends.items()}

@@ -5,6 +5,8 @@ cannot paint, the parent reports the cause and the remedy, and matplotlib paints
 instead.
 """
 
+from __future__ import annotations
+
 import json
 import signal
 import subprocess
@@ -13,7 +15,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryFile
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -42,6 +44,9 @@ LOWEST, SMALL = 16, 400
 NOTHING = 1e-9
 
 if TYPE_CHECKING:
+    import subprocess
+
+    from crashpost.renders import paint_plain, paint_vtk
     from crashpost.renders.sheet import Key, Margins
 
 Progress = Callable[[int, int], None]
@@ -102,7 +107,12 @@ def appearance_of(task: Task) -> Appearance:
     return replace(appearance, cut=task.cut, sections=task.sections)
 
 
-def render_task(states: States, task: Task, painter: Any, progress: Progress) -> None:
+def render_task(
+    states: States,
+    task: Task,
+    painter: type[paint_plain.Painter] | type[paint_vtk.Painter],
+    progress: Progress,
+) -> None:
     """Make one strip or film."""
     # matplotlib takes a quarter of a second, which a wrong word need not
     from crashpost.renders import sheet as compose
@@ -158,8 +168,8 @@ def _painted(
     scene: Scene,
     task: Task,
     placed: Sequence[cameras.Camera],
-    key: "Key",
-    plotter: Any,
+    key: Key,
+    plotter: paint_plain.Painter | paint_vtk.Painter,
     progress: Progress,
     thickness: float = 1.0,
 ) -> Iterator[np.ndarray]:
@@ -173,7 +183,7 @@ def _painted(
     plotter.close()
 
 
-def _film_size(task: Task, key: "Key") -> tuple[tuple[int, int], "Margins"]:
+def _film_size(task: Task, key: Key) -> tuple[tuple[int, int], Margins]:
     """Width and height of a film [pixels], and the room below its picture."""
     from crashpost.renders import sheet as compose
 
@@ -298,8 +308,9 @@ def _in_child(folder: Path, tasks: Sequence[Task], progress: Progress) -> str:
     return "" if code == 0 else _reason(code, words)
 
 
-def _send(child: Any, job: str) -> None:
+def _send(child: subprocess.Popen[str], job: str) -> None:
     try:
+        assert child.stdin is not None
         child.stdin.write(job)
         child.stdin.close()
     except BrokenPipeError:

@@ -4,10 +4,12 @@ A strip is one sheet with a picture for each moment; a film has one sheet, on wh
 change.
 """
 
+from __future__ import annotations
+
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING
 
 import matplotlib as mpl
 import numpy as np
@@ -24,6 +26,9 @@ from crashpost.renders.camera import Camera, round_length
 from crashpost.renders.colour_scale import ColourScale
 from crashpost.renders.shapes import ARROW
 from crashsolve.channels.display import factor, readable
+
+if TYPE_CHECKING:
+    from PIL import ImageFont
 
 # inches
 WIDTH, LEAST_WIDTH, GAP, CAPTION, TITLE, LINE, FOOTER = 7.2, 4.8, 0.12, 0.24, 0.36, 0.18, 0.66
@@ -175,7 +180,7 @@ def with_footer(sizes: Layout, key: Key) -> Layout:
     return replace(sizes, footer=key.footer(sizes.width, sizes.panel[0]))
 
 
-def draw_scale_bar(axes: Any, ends: tuple[float, float], height: float) -> None:
+def draw_scale_bar(axes: Axes, ends: tuple[float, float], height: float) -> None:
     """A line with caps, in inches."""
     axes.plot(ends, (height, height), color=INK, linewidth=2.2, solid_capstyle="butt")
     for end in ends:
@@ -194,7 +199,7 @@ class Sheet:
     """The sheet of a film (height, width, 3): a window for the picture, a line for the time."""
 
     def __init__(
-        self, title: str, key: Key, size: tuple[int, int], speed: str, position: "Margins"
+        self, title: str, key: Key, size: tuple[int, int], speed: str, position: Margins
     ) -> None:
         width, height = size
         self.window = film_window(size, position.below)
@@ -265,7 +270,7 @@ def film_window(
     return 0, top, size[0], size[1] - top - bottom
 
 
-def _font() -> Any:
+def _font() -> ImageFont.FreeTypeFont:
     from matplotlib import font_manager
     from PIL import ImageFont
 

@@ -4,19 +4,24 @@ The deck asks for scenes under `output: report: scenes:`; without any, four mome
 contact forces where there are contacts and plastic strain where something yields.
 """
 
+from __future__ import annotations
+
 import base64
 import sys
 from collections.abc import Sequence
 from math import isfinite
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from crashpost.errors import PostError, unknown
 from crashpost.figures.page import details, escape
 from crashpost.results.result import Result
 from crashpost.results.states import States
 from crashpost.results.status import Json
+
+if TYPE_CHECKING:
+    from crashpost.renders.painting import Task
 
 CHOICES = ("all", "strips", "none")
 WORDS = ("view", "color", "arrows", "follow", "close_up", "cut")
@@ -68,7 +73,7 @@ def scenes_of(described: Any) -> list[Json]:
 def default_scene(result: Result, states: States) -> Json:
     """Four moments of the run, one of them that of the largest contact force."""
     first, last = float(states.times[0]), float(states.times[-1])
-    at: list[Any] = [first + k / 3 * (last - first) for k in range(4)]
+    at: list[float | str] = [first + k / 3 * (last - first) for k in range(4)]
     found: Json = {"title": "The run", "at": at}
     if "contacts" in states.blocks:
         found["arrows"] = "rcforc"
@@ -98,7 +103,7 @@ def _strongest(result: Result) -> str:
     return f"rcforc.{name}.normal" if name and largest[name] > 0 else ""
 
 
-def _in_order(result: Result, states: States, at: Sequence[object]) -> list[Any]:
+def _in_order(result: Result, states: States, at: Sequence[object]) -> list[object]:
     from crashpost.results.moments import moment
 
     last = float(states.times[-1])
@@ -106,7 +111,7 @@ def _in_order(result: Result, states: States, at: Sequence[object]) -> list[Any]
     return [numbers[number] for number in sorted(numbers)]
 
 
-def _tasks(result: Result, folder: Path, scenes: Sequence[Json], *, with_film: bool) -> list[Any]:
+def _tasks(result: Result, folder: Path, scenes: Sequence[Json], *, with_film: bool) -> list[Task]:
     from crashpost.renders.film_file import can_write_mp4
     from crashpost.renders.tasks import film_task, strip_task
 

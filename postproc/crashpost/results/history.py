@@ -220,7 +220,7 @@ class History:
             raise PostError(f"{self.file}: the times of the samples are damaged")
         return time
 
-    def _whole(self, dataset: Any, axes: int) -> h5py.Dataset:
+    def _whole(self, dataset: h5py.Dataset | h5py.Group | h5py.Datatype, axes: int) -> h5py.Dataset:
         """The dataset itself, which must lie in this file with all that it claims to hold."""
         name = f"{self.file}: '{dataset.name}'"
         if not isinstance(dataset, h5py.Dataset) or len(dataset.shape or ()) != axes:

@@ -3,11 +3,17 @@
 All raise Damaged, which the reader of a file turns into an error with the name of the file.
 """
 
+from __future__ import annotations
+
+from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING
 
 import h5py
 import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 # a section's outline in a plane, and how many corners a cell may have
 FLAT, CORNERS = 2, (1, 2, 3, 4, 6, 8)
@@ -35,7 +41,11 @@ class Block:
         return sum(len(rows) for rows, _ in self.cells)
 
 
-def numbers_of(item: Any) -> np.ndarray:
+# what a group of a file of states holds
+Item = h5py.Dataset | h5py.Group | h5py.Datatype
+
+
+def numbers_of(item: Item) -> np.ndarray:
     """The finite numbers of a dataset."""
     if not isinstance(item, h5py.Dataset):
         raise Damaged(f"{item.name} is no dataset")
@@ -52,7 +62,7 @@ def numbers_of(item: Any) -> np.ndarray:
     return values
 
 
-def points_of(item: Any) -> np.ndarray:
+def points_of(item: Item) -> np.ndarray:
     """Points (n, 3)."""
     points = numbers_of(item)
     if points.ndim != 2 or points.shape[1] != 3:
@@ -60,7 +70,7 @@ def points_of(item: Any) -> np.ndarray:
     return points
 
 
-def corners_of(item: Any) -> np.ndarray:
+def corners_of(item: Item) -> np.ndarray:
     """Numbers of points of cells, (m, k) or a list of mixed cells."""
     cells = numbers_of(item)
     if cells.dtype.kind not in "iu" or cells.ndim not in (1, 2):
@@ -77,7 +87,7 @@ def check_corners(cells: list[tuple[np.ndarray, np.ndarray]], count: int) -> Non
             raise Damaged(f"cells name points that are not among the {count}")
 
 
-def field_of(block: Block, name: str, item: Any) -> np.ndarray:
+def field_of(block: Block, name: str, item: Item) -> np.ndarray:
     """Values of a field at the points or cells of a block."""
     values = numbers_of(item)
     if values.ndim not in (1, 2) or len(values) not in (len(block.points), block.n_cells):
@@ -112,7 +122,7 @@ def check_numbers(blocks: dict[str, Block], names: dict[str, list[str]], n_secti
         raise Damaged(f"{len(centres.points)} mass centres of {len(names['bodies'])} bodies")
 
 
-def sections_of(entries: Any) -> list[np.ndarray]:
+def sections_of(entries: Iterable[ArrayLike]) -> list[np.ndarray]:
     """Outlines (n, 2) of sections."""
     found = [np.array(entry, float) for entry in entries]
     if any(one.ndim != FLAT or one.shape[1] != FLAT or not np.isfinite(one).all() for one in found):

@@ -7,7 +7,6 @@ import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import h5py
 import numpy as np
@@ -112,7 +111,7 @@ class States:
             blocks = (name for name in self.blocks if name.startswith("part_"))
             names["parts"] = [name.removeprefix("part_") for name in blocks]
 
-    def _check(self, path: Path, attributes: Any) -> None:
+    def _check(self, path: Path, attributes: h5py.AttributeManager) -> None:
         version = attributes.get("format_version")
         if attributes.get("format") != FORMAT or version not in FORMAT_VERSIONS:
             raise PostError(
@@ -120,7 +119,7 @@ class States:
                 f"{FORMAT_VERSIONS[0]} to {FORMAT_VERSIONS[-1]} (version {version})"
             )
 
-    def _block(self, name: str, group: Any) -> Block:
+    def _block(self, name: str, group: h5py.Group) -> Block:
         points, cells = points_of(group["points"]), corners_of(group["cells"])
         kinds = [(np.arange(len(cells)), cells)] if cells.ndim == 2 else _by_kind(cells)
         check_corners(kinds, len(points))

@@ -16,7 +16,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from math import isfinite, nan
 from pathlib import Path
-from typing import Any
 
 from crashpost.errors import PostError
 from crashpost.results.answer import answer
@@ -68,7 +67,7 @@ class Row:
     """One run; NaN stands for a number that there is not."""
 
     number: int
-    values: list[Any]
+    values: list[float | str]
     state: str
     message: str = ""
     measured: list[float] = field(default_factory=list)
@@ -204,7 +203,7 @@ def _table(path: Path) -> Json:
     return found if isinstance(found, dict) else {}
 
 
-def columns(sweep: Sweep) -> Iterator[tuple[str, list[Any]]]:
+def columns(sweep: Sweep) -> Iterator[tuple[str, list[object]]]:
     """Headings and cells of the table; estimated errors stand beside their measures."""
     rows = sweep.rows
     yield "run", [row.number for row in rows]
@@ -244,7 +243,7 @@ def _cell(value: object) -> str:
     return str(value)
 
 
-def _write_parquet(path: Path, named: list[tuple[str, list[Any]]]) -> bool:
+def _write_parquet(path: Path, named: list[tuple[str, list[object]]]) -> bool:
     try:
         import pandas
         import pyarrow  # noqa: F401

@@ -6,7 +6,6 @@ its directions before and behind it.
 
 from importlib import import_module
 from math import atan2, pi
-from typing import Any
 
 import numpy as np
 from pydantic import model_validator
@@ -217,7 +216,9 @@ def _turn_about_cylinders(columns: Columns, route: tuple[Fitting, ...], scene: S
             columns["turned"][i] = turned - sum(float(np.arccos(R / a)) for a in radii)
 
 
-def refuse_route(route: tuple[Fitting, ...], laid: Any, lengths: np.ndarray, scene: Scene) -> None:
+def refuse_route(
+    route: tuple[Fitting, ...], laid: np.void, lengths: np.ndarray, scene: Scene
+) -> None:
     """Refuse fittings that make no route at the start; `laid` has the columns LAID."""
     for i, fitting in enumerate(route):
         if fitting.wrap and laid["touches"][i] < 0:

@@ -9,7 +9,7 @@ straight changes nothing.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from pydantic import model_validator
@@ -152,7 +152,7 @@ def build(card: Belt, scene: Scene) -> Columns:
     return columns | {"start": start, "total": total, "first": first, "shortest": shortest}
 
 
-def laid_at_start(columns: Columns, scene: Scene) -> tuple[Any, np.ndarray]:
+def laid_at_start(columns: Columns, scene: Scene) -> tuple[np.void, np.ndarray]:
     """Columns LAID and lengths of the segments at the start [m]."""
     p, new, old = (as_rows(np.zeros(1, r.dtype))[0] for r in (ROUTE, LAID, LAID))
     out, nodes = (

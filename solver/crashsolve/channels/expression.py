@@ -15,7 +15,7 @@ import re
 import warnings
 from collections.abc import Callable
 from functools import lru_cache
-from typing import Any
+from typing import ParamSpec, TypeVar
 
 import numpy as np
 
@@ -27,6 +27,9 @@ from crashsolve.channels.term import Term, common_unit
 from crashsolve.channels.units import describe, parse_unit, split_quantity
 
 Lookup = Callable[[str], Series]
+# arguments and result of a step of the evaluation
+P = ParamSpec("P")
+R = TypeVar("R")
 
 FOLDER = "functions"
 LONGEST = 4000
@@ -194,10 +197,10 @@ class _Evaluation:
         result: Term = self.reported(module_of(FOLDER, function).apply, self.time, *terms)
         return result
 
-    def reported(self, act: Callable[..., Any], *arguments: object) -> Any:
+    def reported(self, act: Callable[P, R], *arguments: P.args, **words: P.kwargs) -> R:
         """The result of a step; raises its ChannelError with the expression in it."""
         try:
-            return act(*arguments)
+            return act(*arguments, **words)
         except ChannelError as error:
             location = f" in '{self.expression}'" if len(self.expression) <= SHOWN else ""
             raise type(error)(f"{error}{location}") from None

@@ -19,7 +19,6 @@ The difference of value and refined is the estimated error of sampling.
 
 import math
 from types import ModuleType
-from typing import Any
 
 import numpy as np
 
@@ -122,7 +121,7 @@ def requested_moment(text: str) -> float | None:
     return arguments[0] if arguments and is_of_a_moment(text) else None
 
 
-def _read(text: str) -> tuple[ModuleType, tuple[Any, ...]]:
+def _read(text: str) -> tuple[ModuleType, tuple[float, ...]]:
     """The file of a statistic and its argument, if any; raises ChannelError."""
     word, colon, given = text.partition(":")
     if word not in words_in(FOLDER):

@@ -8,6 +8,8 @@ the others wait.
 The process that compiles is `python -m crashsolve.compiler.process`.
 """
 
+from __future__ import annotations
+
 import ctypes
 import hashlib
 import os
@@ -19,12 +21,15 @@ from functools import cache
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Protocol
 
 from crashsolve.compiler.cache import CacheError, cache_folder, locked, read_sealed
 from crashsolve.compiler.pages import release_pages
 from crashsolve.compiler.table import Tables
 from crashsolve.foundation.errors import CrashsolveError, ExitCode
+
+if TYPE_CHECKING:
+    import llvmlite.binding as llvm
 
 
 class BoundsError(CrashsolveError):
@@ -36,6 +41,13 @@ class CompileError(CrashsolveError):
 
 
 Function = Callable[[float, bool, Tables], None]
+
+
+class Engine(Protocol):
+    """Owner of loaded code."""
+
+    def get_function_address(self, name: str) -> int:
+        """Where a function begins."""
 
 
 class Failure(ctypes.Structure):
@@ -160,14 +172,15 @@ def _compile_apart(
 
 
 def _link(names: tuple[str, ...], code: bytes) -> tuple[Function, ...]:
-    """Functions of an object file, linked into this process."""
+    """Functions of some object files, linked into this process."""
     # commands that only read a deck do not load it
     import llvmlite.binding as llvm
 
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), host_machine())
-    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+    for unit in pickle.loads(code):
+        engine.add_object_file(llvm.ObjectFileRef.from_data(unit))
     engine.finalize_object()
     forget_linker()
     return tuple(_function(engine, name) for name in names)
@@ -180,7 +193,7 @@ def forget_linker() -> None:
     release_pages("libllvmlite")
 
 
-def _function(engine: Any, name: str) -> Function:
+def _function(engine: Engine, name: str) -> Function:
     """A compiled function, as Python calls it."""
     address = engine.get_function_address(name)
     call = SIGNATURE(address)
@@ -194,7 +207,7 @@ def _function(engine: Any, name: str) -> Function:
     return _checked(function, engine) if runs_checked() else function
 
 
-def _checked(function: Function, engine: Any) -> Function:
+def _checked(function: Function, engine: Engine) -> Function:
     """A compiled function that raises BoundsError after the first access out of bounds."""
     address = ctypes.CFUNCTYPE(ctypes.c_void_p)(engine.get_function_address("first_failure"))()
     failure = Failure.from_address(address)
@@ -210,7 +223,7 @@ def _checked(function: Function, engine: Any) -> Function:
     return checked
 
 
-def host_machine(vectors: bool = False) -> Any:
+def host_machine(vectors: bool = False) -> llvm.TargetMachine:
     """The compiler's target: this processor, code to be loaded into a process."""
     import llvmlite.binding as llvm
 

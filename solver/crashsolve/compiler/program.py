@@ -9,14 +9,12 @@ from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
-from typing import Any
 
 from crashsolve.compiler.specialise import (
     Copy,
     Source,
     SpecialiseError,
     are_same,
-    assigned_in,
     walk,
     word_of,
 )
@@ -27,7 +25,7 @@ class Program:
 
     def __init__(
         self,
-        placeholders: dict[str, Any],
+        placeholders: dict[str, object],
         home: str,
         is_copied: Callable[[str], bool],
         replaced: dict[str, str],
@@ -40,11 +38,11 @@ class Program:
         self.is_copied, self.replaced = is_copied, replaced
         self._sources: dict[str, Source] = {}
         # meaning of every name of the text
-        self._meanings: dict[str, tuple[Any, ...]] = {}
+        self._meanings: dict[str, tuple[object, ...]] = {}
         self._imports: dict[str, tuple[str, str]] = {}
         self._parts: list[str] = []
         # copied objects must stay alive, because their identity is the key
-        self._bound: list[Any] = []
+        self._bound: list[object] = []
         # copies that are empty
         self.empty: set[str] = set()
 
@@ -56,7 +54,7 @@ class Program:
         ]
         return "\n".join(lines) + "\n\n\n" + "\n\n\n".join(self._parts) + "\n"
 
-    def add(self, module: str, name: str, bound: dict[str, Any] | None = None) -> str:
+    def add(self, module: str, name: str, bound: dict[str, object] | None = None) -> str:
         """Copy a function with some arguments bound, and all that it needs; returns its name."""
         module = self.replaced.get(module, module)
         source, bound = self.source(module), bound or {}
@@ -100,8 +98,10 @@ class Program:
     def _resolve(self, source: Source, tree: ast.AST) -> None:
         """Copy the objects that a copied function or constant names."""
         nodes = walk(tree)
-        own = {n.arg for n in nodes if isinstance(n, ast.arg)} | assigned_in(tree)
-        for name in dict.fromkeys(n.id for n in nodes if isinstance(n, ast.Name)):
+        names = [n for n in nodes if isinstance(n, ast.Name)]
+        own = {n.arg for n in nodes if isinstance(n, ast.arg)}
+        own |= {n.id for n in names if isinstance(n.ctx, ast.Store)}
+        for name in dict.fromkeys(n.id for n in names):
             if name in own:
                 continue
             if name in source.constants:

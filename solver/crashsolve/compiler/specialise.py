@@ -18,10 +18,10 @@ import ast
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from types import ModuleType
-from typing import Any
+from typing import Any, Protocol
 
 # functions that may be called with placeholders
-BUILTINS: dict[str, Callable[..., Any]] = {
+BUILTINS: dict[str, Callable[..., object]] = {
     f.__name__: f for f in (all, any, bool, enumerate, getattr, hasattr, len, range, zip)
 }
 # the argument whose attributes are the scene's tables
@@ -56,11 +56,31 @@ class Source:
     imports: dict[str, tuple[str, str]] = field(default_factory=dict)  # module and name there
 
 
+class Program(Protocol):
+    """The module that copies become part of, see program.py."""
+
+    home: str  # module from which loops import placeholders
+    placeholders: dict[str, object]
+    empty: set[str]  # copies that do nothing
+
+    def find(self, source: Source, name: str) -> tuple[str, str] | None:
+        """Module and name of a function that is copied; None for any other."""
+
+    def source(self, module: str) -> Source:
+        """The file of a module."""
+
+    def add(self, module: str, name: str, bound: dict[str, object] | None = None) -> str:
+        """Name of a copy with some arguments bound."""
+
+    def alias(self, module: ModuleType) -> str:
+        """Name of an imported module."""
+
+
 class Copy(ast.NodeTransformer):
     """A copy of one function for given values of some of its arguments."""
 
     def __init__(
-        self, program: Any, source: Source, function: ast.FunctionDef, bound: dict[str, Any]
+        self, program: Program, source: Source, function: ast.FunctionDef, bound: dict[str, object]
     ) -> None:
         self.program, self.source = program, source
         self.known = dict(bound)
@@ -97,7 +117,7 @@ class Copy(ast.NodeTransformer):
             return self._value_of_call(node)
         raise _Unknown
 
-    def _value_of_name(self, name: str) -> Any:
+    def _value_of_name(self, name: str) -> object:
         if name in self.known:
             return self.known[name]
         module, there = self.source.imports.get(name, ("", ""))
@@ -107,7 +127,7 @@ class Copy(ast.NodeTransformer):
             return self.program.placeholders[there]
         raise _Unknown
 
-    def _value_of_attribute(self, value: Any, name: str) -> Any:
+    def _value_of_attribute(self, value: Any, name: str) -> object:
         if isinstance(value, (Table, int, float, tuple)):
             raise _Unknown
         if isinstance(value, ModuleType):
@@ -127,7 +147,7 @@ class Copy(ast.NodeTransformer):
             return tuple(Table(f"{word}_{k}") for k in range(len(found)))
         return Table(word)
 
-    def _value_of_choice(self, node: ast.BoolOp) -> Any:
+    def _value_of_choice(self, node: ast.BoolOp) -> object:
         is_and, value = isinstance(node.op, ast.And), None
         for part in node.values:
             value = self.value(part)
@@ -135,7 +155,7 @@ class Copy(ast.NodeTransformer):
                 break
         return value
 
-    def _value_of_comparison(self, node: ast.Compare) -> Any:
+    def _value_of_comparison(self, node: ast.Compare) -> bool:
         left, right = self.value(node.left), self.value(node.comparators[0])
         match node.ops[0]:
             case ast.Is():
@@ -150,7 +170,7 @@ class Copy(ast.NodeTransformer):
                 return left > right
         raise _Unknown
 
-    def _value_of_call(self, node: ast.Call) -> Any:
+    def _value_of_call(self, node: ast.Call) -> object:
         if isinstance(node.func, ast.Name) and node.func.id in BUILTINS:
             return BUILTINS[node.func.id](*map(self.value, node.args))
         raise _Unknown
@@ -171,7 +191,7 @@ class Copy(ast.NodeTransformer):
             return False
         return True
 
-    def rendered(self, value: Any) -> ast.expr:
+    def rendered(self, value: object) -> ast.expr:
         """A known value as an expression of the copy."""
         if value is None or isinstance(value, (bool, int, float, str)):
             return ast.Constant(value)
@@ -205,7 +225,7 @@ class Copy(ast.NodeTransformer):
                 return self.rendered(value)
         return super().visit(node)
 
-    def visit_If(self, node: ast.If) -> Any:
+    def visit_If(self, node: ast.If) -> ast.If | list[ast.stmt]:
         test = self._condition(node.test)
         if isinstance(test, bool):
             return self.block(node.body if test else node.orelse)
@@ -213,14 +233,14 @@ class Copy(ast.NodeTransformer):
         node.body, node.orelse = self.block(node.body) or [ast.Pass()], self.block(node.orelse)
         return node
 
-    def visit_IfExp(self, node: ast.IfExp) -> Any:
+    def visit_IfExp(self, node: ast.IfExp) -> ast.expr:
         test = self._condition(node.test)
         if isinstance(test, bool):
             return self.visit(node.body if test else node.orelse)
         node.test, node.body, node.orelse = test, self.visit(node.body), self.visit(node.orelse)
         return node
 
-    def visit_BoolOp(self, node: ast.BoolOp) -> Any:
+    def visit_BoolOp(self, node: ast.BoolOp) -> ast.expr:
         test = self._condition(node)
         return ast.Constant(test) if isinstance(test, bool) else test
 
@@ -249,13 +269,13 @@ class Copy(ast.NodeTransformer):
             return is_and
         return left[0] if len(left) == 1 else ast.BoolOp(node.op, left)
 
-    def visit_While(self, node: ast.While) -> Any:
+    def visit_While(self, node: ast.While) -> ast.While:
         test = self._condition(node.test)
         node.test = ast.Constant(test) if isinstance(test, bool) else test
         node.body = self.block(node.body) or [ast.Pass()]
         return node
 
-    def visit_For(self, node: ast.For) -> Any:
+    def visit_For(self, node: ast.For) -> ast.For | list[ast.stmt]:
         is_known, values = self.known_value(node.iter)
         if not is_known:
             node.iter = self.visit(node.iter)
@@ -278,14 +298,14 @@ class Copy(ast.NodeTransformer):
         elif isinstance(target, ast.Name):
             self.known[target.id] = value
 
-    def visit_Expr(self, node: ast.Expr) -> Any:
+    def visit_Expr(self, node: ast.Expr) -> ast.Expr | list[ast.stmt]:
         node.value = self.visit(node.value)
         match node.value:
             case ast.Call(func=ast.Name(id=word)) if word in self.program.empty:
                 return []
         return node
 
-    def visit_Call(self, node: ast.Call) -> Any:
+    def visit_Call(self, node: ast.Call) -> ast.AST:
         found = None
         if isinstance(node.func, ast.Name) and node.func.id not in self.unknown:
             found = self.program.find(self.source, node.func.id)
@@ -304,7 +324,7 @@ class Copy(ast.NodeTransformer):
         return ast.Call(ast.Name(word, ast.Load()), given, [])
 
 
-def _is_bound(value: Any) -> bool:
+def _is_bound(value: object) -> bool:
     """Whether a value is no argument of a compiled function: there is a copy for it instead."""
     return not (value is None or isinstance(value, (bool, int, float, str, Table, tuple)))
 
@@ -369,8 +389,13 @@ def word_of(value: Any) -> str:
 
 
 def assigned_in(tree: ast.AST) -> set[str]:
-    """Names that are given a value."""
-    return {n.id for n in walk(tree) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+    """Names that are given a value; found once for a tree."""
+    found: set[str] | None = getattr(tree, "assigned_in_it", None)
+    if found is None:
+        names = (n for n in walk(tree) if isinstance(n, ast.Name))
+        found = {n.id for n in names if isinstance(n.ctx, ast.Store)}
+        tree.assigned_in_it = found  # type: ignore[attr-defined]
+    return found
 
 
 def _of_this_loop(body: list[ast.stmt]) -> Iterable[ast.AST]:

@@ -7,7 +7,6 @@ Consequence to test: the same pairs as comparing all with all.
 """
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -92,7 +91,7 @@ def _spheres(centres: np.ndarray, radii: np.ndarray, low: np.ndarray, width: flo
     return spheres
 
 
-def _keys(cubes: np.ndarray) -> Any:
+def _keys(cubes: np.ndarray) -> np.ndarray:
     """One number per cube; neighbours along the last axis are consecutive."""
     return (cubes[:, 0] << 42) + (cubes[:, 1] << 21) + cubes[:, 2]
 

@@ -175,4 +175,10 @@ def build(card: Formula, scene: Scene) -> tuple[Array, Array, int]:
             f"{tolerance:.0e} of its largest value, where {TOLERANCE:.0e} is usual; give a shorter "
             "range"
         )
+    if not y.any():
+        scene.warnings.append(
+            f"formula '{card.expression}' is 0 at all points at which it was evaluated, "
+            f"{(card.to - card.from_) / max(LOOKS, LEAST * card.segments):.2g} apart: a narrower "
+            "pulse needs a shorter range or more segments"
+        )
     return x, hermite(x, y, slopes), EXTRAPOLATE[card.extrapolate]

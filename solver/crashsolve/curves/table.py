@@ -56,7 +56,7 @@ def _is_pair(point: object) -> bool:
 
 
 def _column(
-    values: list[Any], j: int, named: Unit | None, context: Context
+    values: list[object], j: int, named: Unit | None, context: Context
 ) -> tuple[list[float], Unit | None]:
     """A column in SI, and its unit: the one named, else that of the first value which has one.
 

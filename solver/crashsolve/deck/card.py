@@ -12,7 +12,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from os.path import isfile
-from typing import Annotated, Any, ClassVar, Self, get_args
+from typing import Annotated, ClassVar, Self, get_args
 
 from pydantic import (
     AfterValidator,
@@ -161,7 +161,7 @@ class Card(BaseModel):
     @classmethod
     def _read(
         cls, value: object, handler: ValidatorFunctionWrapHandler, info: ValidationInfo
-    ) -> Any:
+    ) -> object:
         """Bring a value to SI, or open a nested law; then check type and bounds."""
         field = declared(cls, str(info.field_name))
         context = info.context or Context()

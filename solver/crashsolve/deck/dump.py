@@ -15,7 +15,7 @@ class Written(Protocol):
     """An entry: its card."""
 
     @property
-    def card(self) -> Any: ...
+    def card(self) -> Card: ...
 
 
 class Dumped(Protocol):
@@ -45,7 +45,7 @@ def as_data(value: object) -> Any:
         return str(value)
     if not isinstance(value, Card):
         return value
-    data: dict[str, Any] = {}
+    data: dict[str, object] = {}
     for word, name in deck_words(type(value)).items():
         part, field = getattr(value, name), declared(type(value), name)
         if part is not None or field.info.default is not None:
@@ -53,14 +53,14 @@ def as_data(value: object) -> Any:
     return data
 
 
-def as_law(card: Card) -> dict[str, Any]:
+def as_law(card: Card) -> dict[str, object]:
     """A card of a family as plain data, its type first."""
     return {"type": type_word(card), **as_data(card)}
 
 
 def as_text(deck: Dumped) -> str:
     """The deck as one YAML text that reads back as the same deck."""
-    data: dict[str, Any] = {"title": deck.title, "parameters": deck.parameters}
+    data: dict[str, object] = {"title": deck.title, "parameters": deck.parameters}
     data["control"] = as_data(deck.control)
     for keyword, entries in deck.entries.items():
         data[keyword] = {name: as_law(entry.card) for name, entry in entries.items()}

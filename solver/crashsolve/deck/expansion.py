@@ -16,7 +16,7 @@ from crashsolve.deck.card import law_class
 from crashsolve.deck.diagnostics import Diagnostic
 from crashsolve.deck.keywords import SECTIONS
 from crashsolve.deck.laws import types_in
-from crashsolve.deck.reading.items import Item, Items
+from crashsolve.deck.reading.items import Entry, Item, Items
 from crashsolve.deck.source import locate
 
 # stands for the file of cards that are made: they have no units of their own
@@ -64,8 +64,8 @@ def stands_for_many(item: Item) -> bool:
 
 
 def expand(
-    entry: Any,
-    laws: Mapping[str, Mapping[str, Any]],
+    entry: Entry,
+    laws: Mapping[str, Mapping[str, Entry]],
     control: object,
     items: Items,
     refuse: Callable[[Item, Diagnostic], None],
@@ -83,7 +83,7 @@ def expand(
     return add(entry, made, items, refuse)
 
 
-def known(laws: Mapping[str, Mapping[str, Any]]) -> dict[str, dict[str, Law]]:
+def known(laws: Mapping[str, Mapping[str, Entry]]) -> dict[str, dict[str, Law]]:
     """Entries of sections and materials as those who write cards out see them."""
     return {
         keyword: {
@@ -95,7 +95,7 @@ def known(laws: Mapping[str, Mapping[str, Any]]) -> dict[str, dict[str, Law]]:
 
 
 def add(
-    entry: Any, made: list[Made], items: Items, refuse: Callable[[Item, Diagnostic], None]
+    entry: Entry, made: list[Made], items: Items, refuse: Callable[[Item, Diagnostic], None]
 ) -> bool:
     """Add cards that an entry is written out in; returns whether none has a name of another.
 

@@ -8,12 +8,12 @@ not provide all that its family promises, is one error at import, in words.
 
 import re
 import traceback
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields, replace
 from functools import cache
 from importlib import import_module
 from pathlib import Path
-from types import FunctionType
+from types import FunctionType, ModuleType
 from typing import Any, Protocol
 
 from crashsolve.deck.roles import Expanded, OwnRows, StepLaw
@@ -36,8 +36,8 @@ class FamilyError(CrashsolveError):
     """A family, or a law of it, lacks an attribute or function that it must have."""
 
 
-class _Missing:
-    """Default of a declaration that is missing."""
+# default of a declaration that is missing
+MISSING: Any = object()
 
 
 @dataclass(frozen=True)
@@ -45,21 +45,23 @@ class Family:
     """Declaration of a folder of laws. Raises FamilyError naming all that is missing."""
 
     # which question each declaration answers, as the error asks it
-    entry: Any = _Missing  # name of one entry of its section; None for laws within cards
-    follows: Any = _Missing  # which section does it follow, in decks, manuals and the build?
-    law: Any = _Missing  # Protocol of the file of a law
-    energy: Any = _Missing  # entries of the ledger, the default first: NAME_stored and _dissipated
-    channels: Any = _Missing  # first words of its channels and their content, the default first
-    picture: Any = _Missing  # how is it drawn: LINE, ROUTE, ELEMENTS, MARK, or None
-    uses: Any = _Missing  # of which other families may its files import?
-    integrators: Any = _Missing  # by which methods can it be stepped: names, or ANY
+    entry: str | None = MISSING  # name of one entry of its section; None for laws within cards
+    follows: str | None = MISSING  # which section does it follow, in decks, manuals and the build?
+    law: type = MISSING  # Protocol of the file of a law
+    # entries of the ledger, the default first: NAME_stored and _dissipated
+    energy: tuple[str, ...] = MISSING
+    # first words of its channels and their content, the default first
+    channels: dict[str, str] | None = MISSING
+    picture: str | None = MISSING  # how is it drawn: LINE, ROUTE, ELEMENTS, MARK, or None
+    uses: tuple[str, ...] = MISSING  # of which other families may its files import?
+    integrators: tuple[str, ...] = MISSING  # by which methods can it be stepped: names, or ANY
     default: str = ""  # type of an entry that names none
     at_rest: bool = False  # do quasi-static runs take laws of it that keep more than losses?
     section: str = ""  # keyword of decks, where it is not the name of the folder
     folder: str = ""  # found by families()
 
     def __post_init__(self) -> None:
-        missing = [f.name for f in fields(self) if getattr(self, f.name) is _Missing]
+        missing = [f.name for f in fields(self) if getattr(self, f.name) is MISSING]
         if missing:
             raise FamilyError(
                 f"a family must declare {', '.join(missing)}: see the fields of Family in "
@@ -155,18 +157,18 @@ def provided(law: type) -> tuple[str, ...]:
     return tuple(dict.fromkeys(n for n in found if not n.startswith("_")))
 
 
-def constants(law: object) -> tuple[str, ...]:
+def constants(law: type) -> tuple[str, ...]:
     """Constants that a law must have, by the Protocol of its family."""
     return tuple(dict.fromkeys(n for part in _roles(law) for n in part.__annotations__))
 
 
-def _roles(law: Any) -> list[Any]:
+def _roles(law: type) -> list[type]:
     if not getattr(law, "_is_protocol", False) or law is Protocol:
         raise FamilyError(f"a family's `law` must be a Protocol made of roles, not {law!r}")
     return [r for r in law.__mro__ if r is not Protocol and "_is_protocol" in vars(r)]
 
 
-def check_law(module: Any) -> None:
+def check_law(module: ModuleType) -> None:
     """Raises FamilyError for a law that lacks a part of the Protocol of its family."""
     package, *folders, _ = module.__name__.split(".")
     folder = "/".join(folders) if package == PACKAGE else ""
@@ -186,7 +188,9 @@ def check_law(module: Any) -> None:
     check_arguments(module, wanted)
 
 
-def _check_provided(module: Any, functions: dict[str, Any], names: Iterable[str]) -> None:
+def _check_provided(
+    module: ModuleType, functions: Mapping[str, object], names: Iterable[str]
+) -> None:
     """Raises FamilyError for functions or constants that a law lacks."""
     missing = [
         f"{name} ({_first_line(function)})"
@@ -198,7 +202,7 @@ def _check_provided(module: Any, functions: dict[str, Any], names: Iterable[str]
         raise FamilyError(f"{module.__name__} must provide {', '.join(missing)}")
 
 
-def _check_words(module: Any, family: Family) -> None:
+def _check_words(module: ModuleType, family: Family) -> None:
     """Raises FamilyError for a word of LEDGER or FAMILY that the family does not declare."""
     for constant, known in (("LEDGER", family.energy), ("FAMILY", family.channels or ())):
         if getattr(module, constant, next(iter(known), "")) not in (*known, ""):
@@ -206,7 +210,7 @@ def _check_words(module: Any, family: Family) -> None:
             raise FamilyError(f"{message}, as declared in {PACKAGE}/{family.folder}/__init__.py")
 
 
-def check_arguments(module: Any, wanted: dict[str, Any]) -> None:
+def check_arguments(module: ModuleType, wanted: Mapping[str, FunctionType]) -> None:
     """Raises FamilyError for functions of a law whose arguments differ from those of the
     Protocol.
     """
@@ -223,7 +227,7 @@ def check_arguments(module: Any, wanted: dict[str, Any]) -> None:
             raise FamilyError(f"{module.__name__} must provide {message}")
 
 
-def _check_records(module: Any) -> None:
+def _check_records(module: ModuleType) -> None:
     """Raises FamilyError for columns that a law of the step lacks, or names and has not."""
     needed = ("PARAMETERS", "OUTPUT") if hasattr(module, "force") else ("PARAMETERS",)
     missing = [name for name in needed if not hasattr(module, name)]
@@ -243,7 +247,7 @@ def _check_records(module: Any) -> None:
             raise FamilyError(f"{module.__name__}: {name} must name {kind} of PARAMETERS")
 
 
-def _has_own_rows(module: Any) -> bool:
+def _has_own_rows(module: ModuleType) -> bool:
     """Whether a joint has rows that none of its basic constraints brings.
 
     Raises FamilyError where their number is not that of all its rows.
@@ -256,7 +260,7 @@ def _has_own_rows(module: Any) -> bool:
     return bool(rows > basic)
 
 
-def _arguments(function: Any) -> tuple[str, ...]:
+def _arguments(function: FunctionType) -> tuple[str, ...]:
     code = function.__code__
     return tuple(code.co_varnames[: code.co_argcount])
 
@@ -300,7 +304,7 @@ def _root() -> Path:
     return Path(next(iter(import_module(PACKAGE).__path__)))
 
 
-def imported(name: str, path: Path) -> Any:
+def imported(name: str, path: Path) -> ModuleType:
     """The module of a file.
 
     Raises FamilyError with file and line for any exception at its import.
@@ -367,5 +371,5 @@ def _in_order(waiting: dict[str, Family]) -> dict[str, Family]:
                 "which is no section"
             )
         for name in ready:
-            order.insert(order.index(waiting.pop(name).follows) + 1, name)
+            order.insert(order.index(waiting.pop(name).follows or FIRST) + 1, name)
     return {name: sections[name] for name in order[1:]}

@@ -7,7 +7,7 @@ from functools import cache, cached_property
 from types import NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin
 
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, Field, JsonValue
 from pydantic.fields import FieldInfo
 
 from crashsolve.channels.units import parse_unit
@@ -47,7 +47,7 @@ def word(
     meaning: str,
     default: object = REQUIRED,
     *,
-    default_factory: Callable[[], Any] | None = None,
+    default_factory: Callable[[], object] | None = None,
     ge: float | None = None,
     le: float | None = None,
 ) -> Any:
@@ -62,7 +62,9 @@ def Law(folder: str, meaning: str = "", default: object = REQUIRED) -> Any:
 
 
 def _noted(default: object, bounds: Mapping[str, float | None], **notes: str) -> object:
-    given: Any = {name: bound for name, bound in bounds.items() if bound is not None}
+    given: dict[str, JsonValue] = {
+        name: bound for name, bound in bounds.items() if bound is not None
+    }
     return Field(default=default, json_schema_extra={**notes, "bounds": given})
 
 
@@ -77,7 +79,7 @@ class Declared:
     bounds: Mapping[str, float] = field(default_factory=dict)
 
     @cached_property
-    def parts(self) -> tuple[Any, ...]:
+    def parts(self) -> tuple[object, ...]:
         """Members of the annotation, a union taken apart and without None."""
         return tuple(part for part in _members(self.info.annotation) if part is not NoneType)
 
@@ -101,7 +103,7 @@ class Declared:
         return None
 
 
-def _members(annotation: object) -> tuple[Any, ...]:
+def _members(annotation: object) -> tuple[object, ...]:
     if get_origin(annotation) in (Union, UnionType):
         return get_args(annotation)
     return (annotation,)

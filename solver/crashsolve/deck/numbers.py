@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
 
 from crashsolve.channels.units import (
     BASES,
@@ -101,7 +100,7 @@ class SiFloat(float):
         self.foreign = foreign
         return self
 
-    def __getnewargs__(self) -> tuple[Any, ...]:  # type: ignore[override]
+    def __getnewargs__(self) -> tuple[object, ...]:  # type: ignore[override]
         """Arguments with which a copy is made."""
         return float(self), self.unit, self.derived, self.foreign
 

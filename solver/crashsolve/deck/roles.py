@@ -5,9 +5,12 @@ law that provides one is asked by it, wherever its family stands. Type checkers,
 law that lacks something, the contract tests and ADDING.md all read these classes.
 """
 
+from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
-from crashsolve.deck.building import Pair, Scene
+import numpy as np
+
+from crashsolve.deck.building import Columns, Pair, Scene
 
 
 class Built(Protocol):
@@ -20,10 +23,12 @@ class Built(Protocol):
 class Expanded(Protocol):
     """A law that is written out in other cards, when the deck is read, and not built itself."""
 
-    def expand(self, name: str, card: object, laws: Any, control: Any) -> Any:
+    def expand(
+        self, name: str, card: object, laws: Mapping[str, object], control: Mapping[str, object]
+    ) -> Sequence[object]:
         """Entries by keyword and name, as a deck has them."""
 
-    def unused(self, card: Any) -> Any:
+    def unused(self, card: Any) -> Mapping[tuple[str | int, ...], str]:
         """Reasons why fields of the card have no effect beside the others, by path."""
 
 
@@ -45,7 +50,7 @@ class BasicConstraint(Protocol):
 class Constraint(Protocol):
     """Constraint rows between bodies, from row p.first_row on: basic ones, then its own."""
 
-    CONSTRAINTS: tuple[Any, ...]
+    CONSTRAINTS: tuple[BasicConstraint, ...]
     ROWS: int
     ANGULAR: tuple[bool, ...]
 
@@ -131,7 +136,7 @@ class Branches(Protocol):
 class NormalLaw(Protocol):
     """A law of the normal force of contact."""
 
-    def build(self, card: Any, scene: Scene, pair: Pair) -> Any:
+    def build(self, card: Any, scene: Scene, pair: Pair) -> Columns:
         """The row of PARAMETERS of a card; `pair` has the radii of both surfaces."""
 
     def normal_force(self, p, old, new, h, depth, rate, mass, curves):
@@ -150,7 +155,7 @@ class NormalLaw(Protocol):
 class FrictionLaw(Protocol):
     """A law of friction of contact."""
 
-    def build(self, card: Any, scene: Scene) -> Any:
+    def build(self, card: Any, scene: Scene) -> Columns:
         """Words into symbols."""
 
     def friction_force(self, p, old, new, slide, curves):
@@ -188,7 +193,7 @@ class GapRoutine(Protocol):
 class Shape(Protocol):
     """A shape that a surface may have: the elements that gap routines take."""
 
-    def build(self, card: Any, scene: Scene) -> Any:
+    def build(self, card: Any, scene: Scene) -> list[Columns]:
         """A list of elements, each a row of PARAMETERS."""
 
     def curvature_radius(self, card: Any) -> float | None:
@@ -198,7 +203,7 @@ class Shape(Protocol):
 class PointForce(Protocol):
     """A load on the points of parts that keep their elements in blocks."""
 
-    def members(self, card: Any, scene: Scene) -> Any:
+    def members(self, card: Any, scene: Scene) -> np.ndarray:
         """Points that an entry acts on (n,); without it those of all parts."""
 
     def force_on_points(self, p, old, new, out, t, h, nodes, curves, scene, members=None):

@@ -19,7 +19,7 @@ from crashsolve.deck.keywords import KEYWORDS, LISTS, SECTIONS, SINGLE
 from crashsolve.deck.laws import PACKAGE, package_folder, types_in
 
 Schema = dict[str, Any]
-_SCALARS: dict[Any, Schema] = {
+_SCALARS: dict[object, Schema] = {
     float: {"type": ["number", "string"]},
     # a whole number may be an expression
     int: {"type": ["integer", "string"]},

@@ -8,7 +8,7 @@ References: YAML 1.2.2 (2021), sections 10.2 and 10.3.
 import math
 import re
 from pathlib import Path
-from types import NoneType
+from types import NoneType, UnionType
 from typing import Any, NamedTuple, NoReturn
 
 import yaml
@@ -29,7 +29,12 @@ _WORDS: dict[str, bool | None] = {"": None, "~": None, "null": None, "Null": Non
 _WORDS |= {"true": True, "True": True, "TRUE": True, "false": False, "False": False, "FALSE": False}
 
 
-_CORE_TYPES: dict[str, Any] = {"int": int, "float": int | float, "bool": bool, "null": NoneType}
+_CORE_TYPES: dict[str, type | UnionType] = {
+    "int": int,
+    "float": int | float,
+    "bool": bool,
+    "null": NoneType,
+}
 # printable characters of YAML
 _FORBIDDEN = re.compile(r"[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
@@ -182,19 +187,19 @@ class _Parser:
         self.name = name
         self.loader = _LOADER(text)
         self.diagnostics = diagnostics
-        self.anchors: dict[str, tuple[Any, int]] = {}
+        self.anchors: dict[str, tuple[object, int]] = {}
         self.count = 0
 
-    def refuse(self, event: object, message: str, advice: str = "") -> Any:
+    def refuse(self, event: yaml.Event, message: str, advice: str = "") -> object:
         line, column = _position(event)
         self.diagnostics.append(DeckError(self.name, line, column, "", message, advice))
         return BROKEN
 
-    def refuse_tag(self, event: Any) -> Any:
-        name = event.tag.replace(_CORE_TAG, "!!")
+    def refuse_tag(self, event: yaml.ScalarEvent | yaml.CollectionStartEvent) -> object:
+        name = (event.tag or "").replace(_CORE_TAG, "!!")
         return self.refuse(event, f"the tag '{name}' is not allowed")
 
-    def abandon(self, event: object, message: str, advice: str = "") -> NoReturn:
+    def abandon(self, event: yaml.Event, message: str, advice: str = "") -> NoReturn:
         self.refuse(event, message, advice)
         raise _Abandoned
 
@@ -215,7 +220,7 @@ class _Parser:
             self.abandon(first, "a deck is a table of keywords", "begin with 'title: ...'")
         return value
 
-    def node(self, event: Any, depth: int) -> Any:
+    def node(self, event: yaml.NodeEvent, depth: int) -> object:
         if depth > MAX_DEPTH:
             self.abandon(event, f"nested more than {MAX_DEPTH} deep")
         before = self.count
@@ -225,6 +230,7 @@ class _Parser:
         elif isinstance(event, yaml.ScalarEvent):
             value = self.scalar(event)
         else:
+            assert isinstance(event, yaml.CollectionStartEvent)
             if event.tag not in (None, "!", _CORE_TAG + "map", _CORE_TAG + "seq"):
                 self.refuse_tag(event)
             value = (self.table if isinstance(event, yaml.MappingStartEvent) else self.rows)(depth)
@@ -235,7 +241,7 @@ class _Parser:
             self.anchors[event.anchor] = value, self.count - before
         return value
 
-    def alias(self, event: Any) -> Any:
+    def alias(self, event: yaml.AliasEvent) -> object:
         if event.anchor not in self.anchors:
             return self.refuse(event, f"no value has the anchor '&{event.anchor}' before this")
         value, size = self.anchors[event.anchor]
@@ -268,7 +274,7 @@ class _Parser:
                 table.put(key, other[key], other.keys_at[key], other.values_at[key])
         return table
 
-    def key(self, event: object, depth: int) -> str | None:
+    def key(self, event: yaml.NodeEvent, depth: int) -> str | None:
         if isinstance(event, yaml.ScalarEvent):
             word = self.scalar(event)
             if isinstance(word, str) and word:
@@ -281,14 +287,15 @@ class _Parser:
         self.node(event, depth + 1)
         return None
 
-    def merged(self, event: Any, value: Any) -> list[Table]:
-        tables = value if isinstance(value, Rows) else [value]
-        if all(isinstance(table, Table) for table in tables):
-            return list(tables)
+    def merged(self, event: yaml.Event, value: object) -> list[Table]:
+        given = value if isinstance(value, Rows) else [value]
+        tables = [table for table in given if isinstance(table, Table)]
+        if len(tables) == len(given):
+            return tables
         self.refuse(event, "'<<' needs a table, or a list of tables")
         return []
 
-    def scalar(self, event: Any) -> Any:
+    def scalar(self, event: yaml.ScalarEvent) -> object:
         tag = (event.tag or "").removeprefix(_CORE_TAG)
         bad = _CONTROL.search(event.value)
         if bad is not None:
@@ -305,12 +312,13 @@ class _Parser:
         return value
 
 
-def _position(event: Any) -> tuple[int, int]:
+def _position(event: yaml.Event) -> tuple[int, int]:
     mark = event.start_mark
+    assert mark is not None
     return mark.line + 1, mark.column + 1
 
 
-def plain_scalar(text: str) -> tuple[Any, str, str]:
+def plain_scalar(text: str) -> tuple[object, str, str]:
     """Value of an unquoted scalar, or its error with advice."""
     if text in _WORDS:
         return _WORDS[text], "", ""

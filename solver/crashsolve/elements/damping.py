@@ -14,8 +14,6 @@ References: von Neumann and Richtmyer (1950), Journal of Applied Physics 21, 232
 (1955), Los Alamos report LA-1930.
 """
 
-from typing import Any
-
 import numpy as np
 
 from crashsolve.deck.building import Scene
@@ -64,7 +62,7 @@ def coefficients(card: Damped, scene: Scene) -> tuple[float, float]:
     return card.viscosity.linear, card.viscosity.quadratic**2
 
 
-def mass_factors(card: Damped, squares: Any, scene: Scene) -> Any:
+def mass_factors(card: Damped, squares: np.ndarray, scene: Scene) -> np.ndarray:
     """Factors of the mass of elements with these squares of their highest frequency [1/s^2]."""
     if card.mass_scaling is None:
         return 0.0 * squares + 1.0

@@ -22,11 +22,16 @@ from crashsolve.estimate.error import Estimate
 class Missed(Protocol):
     """A contact of which the samples miss the peak (simulation/missed.py)."""
 
-    name: str
-    peak: float
-    shown: float
-    impulse: np.ndarray
-    bodies: frozenset[str]
+    @property
+    def name(self) -> str: ...
+    @property
+    def peak(self) -> float: ...
+    @property
+    def shown(self) -> float: ...
+    @property
+    def impulse(self) -> np.ndarray: ...
+    @property
+    def bodies(self) -> frozenset[str]: ...
 
     @property
     def shortfall(self) -> float:

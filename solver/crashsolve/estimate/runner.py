@@ -12,12 +12,11 @@ import time as clock
 from collections.abc import Callable, Sequence
 from math import inf, isfinite
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from crashsolve.deck.reading.deck import Deck
-from crashsolve.estimate.between import with_missed_contacts
+from crashsolve.estimate.between import Missed, with_missed_contacts
 from crashsolve.estimate.companion import Abandoned, coarsen
 from crashsolve.estimate.error import Estimate
 from crashsolve.estimate.estimator import COARSER, Estimator
@@ -90,7 +89,7 @@ class Estimating:
         history: Path,
         cycles: int,
         cpu_time: float,
-        missed: Sequence[Any] = (),
+        missed: Sequence[Missed] = (),
         mass: dict[str, float] | None = None,
     ) -> bool:
         """Estimate the errors of a finished run; whether it must be run again with other steps.

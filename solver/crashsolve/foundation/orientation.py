@@ -1,11 +1,11 @@
 """Rotations during the build, in numpy: quaternions (w, x, y, z) and matrices, body to world."""
 
-from typing import Any
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
 
-def matrix(q: Any) -> np.ndarray:
+def matrix(q: Iterable[float]) -> np.ndarray:
     """Rotation matrix (3, 3) of a unit quaternion (4,), scalar first."""
     w, x, y, z = q
     return np.array(
@@ -87,7 +87,7 @@ def quaternion_of(A: np.ndarray) -> np.ndarray:
     return q / np.linalg.norm(q)
 
 
-def relative(q_a: Any, q_b: Any) -> np.ndarray:
+def relative(q_a: Sequence[float] | np.ndarray, q_b: Sequence[float] | np.ndarray) -> np.ndarray:
     """Unit quaternion (4,) q_a^-1 q_b: orientation of b in axes of a."""
     w_a, w_b, v_a, v_b = q_a[0], q_b[0], np.asarray(q_a[1:]), np.asarray(q_b[1:])
     return np.array([w_a * w_b + v_a @ v_b, *(w_a * v_b - w_b * v_a - np.cross(v_a, v_b))])

@@ -5,9 +5,12 @@ elements need its spin alone. A point that the deck names rides on a body of tha
 joints, loads, contacts and sensors take hold of it as of any body.
 """
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from crashsolve.foundation.record import Record
+
+if TYPE_CHECKING:
+    import numpy as np
 
 # elements side by side, so that the compiler works on several at a time
 LANES = 16
@@ -66,7 +69,7 @@ BLOCKS = Record("""
 """)
 
 
-def blocks_of(p: Any) -> Any:
+def blocks_of(p: "np.ndarray | np.void") -> Any:
     """Number of blocks of a row of these columns, or of all rows of a table."""
     return (p["quads"] + LANES - 1) // LANES + (p["triangles"] + LANES - 1) // LANES
 

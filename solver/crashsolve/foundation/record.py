@@ -6,10 +6,11 @@ A law declares its columns by lifetime: PARAMETERS (Model), HISTORY (State), OUT
 import re
 from dataclasses import dataclass
 from inspect import cleandoc
-from typing import Any
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
+V = TypeVar("V", covariant=True)
 _INTEGER_UNITS = ("index", "flag", "count")
 
 
@@ -27,9 +28,15 @@ class Column:
         return self.unit in _INTEGER_UNITS
 
     @property
-    def format(self) -> tuple[Any, ...]:
+    def format(self) -> tuple[str, type] | tuple[str, type, tuple[int]]:
         kind = np.int64 if self.is_integer else np.float64
         return (self.name, kind) if self.size == 1 else (self.name, kind, (self.size,))
+
+
+class Named(Protocol[V]):
+    """A row or a dictionary of columns."""
+
+    def __getitem__(self, name: str, /) -> V: ...
 
 
 class Record:
@@ -58,12 +65,12 @@ class Record:
         """Both sets of columns; a name used twice is a programming error."""
         return Record(columns=self.columns + other.columns)
 
-    def columns_of(self, values: Any) -> dict[str, Any]:
+    def columns_of(self, values: "Named[V]") -> dict[str, V]:
         """The values of these columns out of a row that has them and others."""
         return {column.name: values[column.name] for column in self.columns}
 
     @property
-    def dtype(self) -> np.dtype[Any]:
+    def dtype(self) -> np.dtype[np.void]:
         """numpy structured dtype; an empty record keeps one unused word."""
         if not self.columns:
             return np.dtype([("unused", np.int64)])

@@ -4,11 +4,14 @@ What numpy.recarray does, in a quarter of the time: there every attribute is loo
 of Python, here the class of a row has a property for each column.
 """
 
+from __future__ import annotations
+
 from functools import cache
 from operator import itemgetter
-from typing import Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, SupportsIndex, TypeVar, overload
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 Number = TypeVar("Number", int, float)
 
@@ -21,7 +24,7 @@ class Row(Protocol):
     """A record of a table: its columns are attributes."""
 
     def __getattr__(self, name: str) -> Any: ...
-    def __setattr__(self, name: str, value: Any) -> None: ...
+    def __setattr__(self, name: str, value: object) -> None: ...
 
 
 class Numbers(Protocol[Number]):
@@ -31,8 +34,26 @@ class Numbers(Protocol[Number]):
     def __setitem__(self, i: int, value: Number) -> None: ...
 
 
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    class RowOfTable(np.void, Row):
+        """A row of Rows: a numpy record whose columns are attributes too."""
+
+
 class Rows(np.ndarray):
     """A structured array; `table[i].name` is a number of row i, `table.name` a column."""
+
+    if TYPE_CHECKING:
+        # numpy's own types say ndarray where it makes one of this class
+        @overload
+        def __getitem__(self, key: str) -> np.ndarray: ...  # type: ignore[override]
+        @overload
+        def __getitem__(self, key: SupportsIndex) -> RowOfTable: ...
+        @overload
+        def __getitem__(self, key: slice | Sequence[int] | np.ndarray) -> Rows: ...
+        @overload
+        def __getitem__(self, key: tuple[object, ...]) -> Any: ...
 
     def __getattr__(self, name: str) -> Any:
         if name not in (self.dtype.names or ()):
@@ -40,7 +61,7 @@ class Rows(np.ndarray):
         found = self[name]
         return found if found.dtype.names else found.view(np.ndarray)
 
-    def __setattr__(self, name: str, value: Any) -> None:
+    def __setattr__(self, name: str, value: object) -> None:
         if name in (self.dtype.names or ()):
             self[name] = value
         else:
@@ -62,7 +83,7 @@ def _layout(layout: np.dtype) -> np.dtype:
         return layout
     fields: Any = layout.fields
     parts = {name: fields[name] for name in layout.names}
-    plain: Any = {
+    plain = {
         "names": list(parts),
         "formats": [_layout(part[0]) for part in parts.values()],
         "offsets": [part[1] for part in parts.values()],
@@ -74,7 +95,7 @@ def _layout(layout: np.dtype) -> np.dtype:
 
 
 def _column(name: str) -> property:
-    def put(row: Any, value: Any) -> None:
+    def put(row: np.void, value: ArrayLike) -> None:
         row[name] = value
 
     return property(itemgetter(name), put)

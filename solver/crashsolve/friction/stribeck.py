@@ -25,7 +25,7 @@ from crashsolve.friction._card import columns
 from crashsolve.friction._regularised import against, speed, without_friction
 
 if TYPE_CHECKING:
-    from crashsolve.friction._rows.stribeck import Parameters
+    from crashsolve.friction._rows.stribeck import History, Parameters
 
 # of the slip without friction, that which is left; a dozen iterations find it
 CLOSED, PASSES = 1e-13, 60
@@ -61,7 +61,7 @@ build = columns
 
 
 @kernel
-def friction_force(p: Parameters, old, new, slide, curves):
+def friction_force(p: Parameters, old: History, new: History, slide, curves):
     """Force on a [N], stored [J], power [W], loss [J], stiffness and damping [N s/m]."""
     friction_force = vec(old.friction_force)
     free, normal_force = without_friction(slide, friction_force), slide.normal_force
@@ -113,7 +113,7 @@ def slip_left(p: Parameters, v_free, taken):
 
 
 @kernel
-def release(p: Parameters, old, new):
+def release(p: Parameters, old: History, new: History):
     """Nothing is remembered after separation."""
 
 

@@ -1,6 +1,6 @@
 """Words that hinges share, and the columns of the kernels of _law.py."""
 
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import ClassVar, Literal, NamedTuple, TypeVar
 
 import numpy as np
 from pydantic import model_validator
@@ -9,9 +9,10 @@ from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, CurveName, MaterialName, SectionName, quantity, word
 from crashsolve.hinges._backbone import Backbone, backbone, over_plastic_work, refuse_kinematic
 from crashsolve.hinges._law import ISOTROPIC, KINEMATIC, PEAK_ORIENTED
-from crashsolve.hinges._sections import axial_curve, bending_curve
+from crashsolve.hinges._sections import Points, axial_curve, bending_curve
 from crashsolve.joints._card import AxisJointCard
 
+Curve = TypeVar("Curve", "MomentCurve", "AxialCurve")
 CYCLIC = {"isotropic": ISOTROPIC, "kinematic": KINEMATIC, "peak_oriented": PEAK_ORIENTED}
 
 
@@ -95,7 +96,7 @@ class AxialCurve(Card):
         return _named_or_made(self)
 
 
-def _named_or_made(card: Any) -> Any:
+def _named_or_made(card: Curve) -> Curve:
     made = (card.section, card.material, card.length)
     if (card.name is None) == (card.section is None):
         raise ValueError("give the name of a curve, or section, material and length")
@@ -217,7 +218,7 @@ class Motion(NamedTuple):
 
 
 def backbones(
-    motions: tuple[Motion, ...], card: Any, built: Columns, scene: Scene
+    motions: tuple[Motion, ...], card: HingeCard, built: Columns, scene: Scene
 ) -> dict[str, Backbone]:
     """Yield moments over plastic angles, by the fields of a card that name curves."""
     found: dict[str, Backbone] = {}
@@ -234,7 +235,9 @@ def backbones(
     return found
 
 
-def pair_backbones(motions: tuple[Motion, ...], card: Any, built: Columns, scene: Scene) -> Columns:
+def pair_backbones(
+    motions: tuple[Motion, ...], card: PairCard, built: Columns, scene: Scene
+) -> dict[str, Backbone]:
     """Yield moments of two motions over plastic angles; on one ellipse, their squares over plastic
     work.
     """
@@ -256,7 +259,7 @@ def pair_backbones(motions: tuple[Motion, ...], card: Any, built: Columns, scene
     }
 
 
-def _points(source: Any, field: str, built: Columns, scene: Scene) -> Any:
+def _points(source: MomentCurve | AxialCurve, field: str, built: Columns, scene: Scene) -> Points:
     """Breakpoints, coefficients and the code of extrapolation."""
     if source.name is not None:
         if source.name not in built:
@@ -267,7 +270,7 @@ def _points(source: Any, field: str, built: Columns, scene: Scene) -> Any:
     return axial_curve(source, field, built, scene)
 
 
-def law(card: Any, motions: tuple[Motion, ...], scene: Scene) -> Columns:
+def law(card: HingeCard, motions: tuple[Motion, ...], scene: Scene) -> Columns:
     """Columns of LAW."""
     found = scene.own_backbones()
     # a second direction without a curve has the first one's
@@ -339,6 +342,6 @@ def _refuse_start(
         raise scene.fail("the hinge would have failed at the start", field)
 
 
-def rate_arm(card: Any) -> float:
+def rate_arm(card: HingeCard) -> float:
     """Arm of the speed in the rate factor [m/rad]; 1 where that speed is in rad/s."""
     return float(card.rate.arm) if card.rate and card.rate.arm else 1.0

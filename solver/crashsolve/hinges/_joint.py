@@ -3,10 +3,9 @@
 import numpy as np
 
 from crashsolve.deck.building import Columns, Scene
-from crashsolve.deck.card import Card
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
-from crashsolve.joints._card import direction
+from crashsolve.joints._card import Framed, direction
 
 LEDGER = "hinge"
 # directions typed with six digits are square to this; a worse one is an error
@@ -23,7 +22,7 @@ def at_start(p: np.void, speed: float) -> Columns:
     return {"x": -p["initial"], "latch": -1.0, "factor": 1.0, "speed": abs(speed)}
 
 
-def across(card: Card, field: str, scene: Scene) -> np.ndarray:
+def across(card: Framed, field: str, scene: Scene) -> np.ndarray:
     """Direction in a field of the card, which must be at right angles to its axis, and made so.
 
     Raises DeckErrors where it is not.

@@ -9,7 +9,7 @@ of a tip at some distance of the axis.
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from crashsolve.foundation.motion import rotation_tangent, twist
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import dot, sub, vec
 from crashsolve.hinges import _single
-from crashsolve.hinges._card import Motion, backbones, law, rate_arm
+from crashsolve.hinges._card import Motion, RotationalCard, backbones, law, rate_arm
 from crashsolve.hinges._joint import COMMON, LEDGER, at_start, motion_of, release_rows
 from crashsolve.hinges._law import LAW, PATH, growth_bound
 from crashsolve.joints import revolute
@@ -61,7 +61,7 @@ OUTPUT = COMMON + Record("""
 """)
 
 
-def build(card: Any, scene: Scene) -> Columns:
+def build(card: RotationalCard, scene: Scene) -> Columns:
     return dict(scene.joint_frame(card)) | law(card, MOTIONS, scene) | {"rate_arm": rate_arm(card)}
 
 

@@ -18,6 +18,7 @@ from crashsolve.model.clock import (
     RUNNING,
     STEP_TOO_SMALL,
 )
+from crashsolve.system import joint_work
 from crashsolve.system.constraints import (
     acceleration_right_side,
     clear_reaction,
@@ -37,6 +38,7 @@ from crashsolve.system.constraints import (
     worst_residual,
 )
 from crashsolve.system.contact.resting import record_motion
+from crashsolve.system.joint_work import MANY_ITERATIONS
 from crashsolve.system.kinetics import (
     accelerations,
     add_impulse,
@@ -144,6 +146,7 @@ def set_positions(h, clock, nodes, rows, saddle, scene):
         worst, row = worst_residual(rows)
         if is_closed(worst, previous, control):
             clock.residual = max(clock.residual, worst)
+            clock.last_iterations = iteration
             break
         if not worst < 1e3 or iteration == POSITION_ITERATIONS - 1:
             clock.status, clock.index, clock.value = POSITION, row, worst
@@ -218,6 +221,8 @@ def update_velocities(time, h, clock, nodes, rows, saddle, scene):
     if h > 0.0:
         if JOINTS:
             clock.driver_work += 0.5 * h * keep_trial(rows)
+            if clock.last_iterations >= MANY_ITERATIONS:
+                joint_work.add_first_half(scene.control[0], nodes, rows, h)
         add_impulse(clock, nodes, 0.5 * h)
         predict(nodes, h)
     refresh(nodes)
@@ -236,6 +241,8 @@ def update_velocities(time, h, clock, nodes, rows, saddle, scene):
         if h > 0.0:
             project_velocity(h, clock, scene.control[0], nodes, rows, saddle)
             clock.driver_work += 0.5 * h * driver_power(rows)
+            if clock.last_iterations >= MANY_ITERATIONS:
+                joint_work.add_second_half(nodes, rows, h)
         else:
             convective(clock.current, time, nodes, rows, scene.curves, scene)
             acceleration_right_side(rows, nodes)

@@ -1,6 +1,6 @@
 """Words that joints share: two bodies, and where the joint is at the start of the run."""
 
-from typing import Any, Literal
+from typing import Literal, Protocol
 
 import numpy as np
 
@@ -46,7 +46,14 @@ def own_frame(card: JointCard, scene: Scene) -> Columns:
     return dict(scene.joint_frame(card))
 
 
-def direction(card: Any, scene: Scene, field: str) -> np.ndarray:
+class Framed(Protocol):
+    """A card with directions in a frame."""
+
+    @property
+    def frame(self) -> str: ...
+
+
+def direction(card: Framed, scene: Scene, field: str) -> np.ndarray:
     """World components (3,) of a direction given in the frame of the card; length 1."""
     u: np.ndarray = scene.unit(getattr(card, field), field)
     return u if card.frame == "world" else scene.matrix(scene.node(card.frame)) @ u
@@ -56,7 +63,7 @@ def named_frame(scene: Scene, field: str, name: str, motion: str) -> Columns:
     """Columns of a joint that another card names, which must have a motion."""
     scene.refuse_joint(name, (motion,), field)
     try:
-        frame: dict[str, Any] = scene.built(scene.joint_entry(name).card)
+        frame: Columns = scene.built(scene.joint_entry(name).card)
     except ValueError:
         # reported at its own card
         raise scene.fail(f"'{name}' cannot be built", field) from None

@@ -8,7 +8,7 @@ needs the torque J alpha, and the driver's work is its kinetic energy.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import JointName, word
@@ -60,7 +60,7 @@ def build(card: RotationDriver, scene: Scene) -> Columns:
     return PARAMETERS.columns_of(columns)
 
 
-def turn_rate(frame: dict[str, Any], scene: Scene) -> float:
+def turn_rate(frame: Columns, scene: Scene) -> float:
     """Rate of the angle at the start [rad/s]."""
     a, b = frame["node_a"], frame["node_b"]
     return float(scene.matrix(a) @ frame["axis_a"] @ (scene.w[b] - scene.w[a]))

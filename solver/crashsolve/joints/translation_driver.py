@@ -8,7 +8,7 @@ needs the force -m A omega^2 sin(omega t).
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -55,7 +55,7 @@ def build(card: TranslationDriver, scene: Scene) -> Columns:
     return PARAMETERS.columns_of(columns)
 
 
-def slide_rate(frame: dict[str, Any], scene: Scene) -> float:
+def slide_rate(frame: Columns, scene: Scene) -> float:
     """Rate of the travel at the start [m/s]."""
     (a, A), (b, B) = ((frame[n], scene.matrix(frame[n])) for n in ("node_a", "node_b"))
     s_a, s_b = A @ frame["point_a"], B @ frame["point_b"]

@@ -1,6 +1,8 @@
 """Words, parameters and the present vector that a force and a torque on a body share."""
 
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
+
+from numpy.typing import ArrayLike
 
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, CurveName, word
@@ -31,7 +33,7 @@ BODY_LOAD = Record("""
 """)
 
 
-def body_load(card: Any, vector: Any, scene: Scene) -> Columns:
+def body_load(card: BodyLoadCard, vector: ArrayLike, scene: Scene) -> Columns:
     """Parameters of a load from the words of its card."""
     if card.body == "ground":
         raise scene.fail("the ground does not move; name a body", "body")

@@ -8,8 +8,10 @@ law gives Y, f and g; elements return stresses to the yield surface (elements/sh
 elements/beams/fibres.py).
 """
 
+from __future__ import annotations
+
 from math import sqrt
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,6 +20,9 @@ from crashsolve.deck.card import Card
 from crashsolve.foundation.kernels import inlined, kernel
 from crashsolve.foundation.record import Record, rows_of
 from crashsolve.materials import elastic
+
+if TYPE_CHECKING:
+    from crashsolve.materials._rows._von_mises import Parameters, Solid
 
 PARAMETERS = elastic.PARAMETERS + Record("""
     softness         1/Pa   nu / E
@@ -92,13 +97,13 @@ def invariant(s):
 
 
 @inlined
-def softening(m, temperature, material):
+def softening(m: Parameters, temperature, material):
     """Factor of heat on the yield stress."""
     return material.heat_factor(m, temperature) if m.heating > 0.0 else 1.0
 
 
 @inlined
-def flowed(m, size, falls, e, heat, h, before, curves, material):
+def flowed(m: Parameters, size, falls, e, heat, h, before, curves, material):
     """Rate of the plastic strain [1/s] over a step of h with this trial stress.
 
     `falls`: by how much the size of the stress falls over that strain; `before`: the rate in the
@@ -111,7 +116,7 @@ def flowed(m, size, falls, e, heat, h, before, curves, material):
 
 
 @kernel
-def flow_rate(m, size, falls, e, limit, heat, h, before, curves, material):
+def flow_rate(m: Parameters, size, falls, e, limit, heat, h, before, curves, material):
     """Rate of the plastic strain [1/s] over a step of h that returns this trial stress to yield.
 
         size - falls r - heat Y(e + h r) f(r) = 0,   limit = heat Y(e)
@@ -141,7 +146,7 @@ def flow_rate(m, size, falls, e, limit, heat, h, before, curves, material):
 
 
 @inlined
-def first_rate(m, size, falls, e, limit, heat, h, before, curves, material):
+def first_rate(m: Parameters, size, falls, e, limit, heat, h, before, curves, material):
     """A first rate: the last one, corrected without asking for its factor again.
 
     Without one it is exact where nothing hardens and stress is linear in the rate.
@@ -166,7 +171,7 @@ def correction(gap, falls, strength):
 
 
 @inlined
-def resistance(m, e, r, heat, h, factor, curves, material):
+def resistance(m: Parameters, e, r, heat, h, factor, curves, material):
     """Yield stress [Pa] after a step of h with this rate, its slope by the rate, the slope of that.
 
     `factor`: that of the rate.
@@ -184,7 +189,7 @@ def resistance(m, e, r, heat, h, factor, curves, material):
 
 
 @inlined
-def solid(m, old, new, d, h, curves, material):
+def solid(m: Parameters, old: Solid, new: Solid, d, h, curves, material):
     """Radial return; heat is that before the step, and a step of no length leaves all as it is."""
     trial, grown = old.stress, elastic.hooke(m, d)
     xi = (

@@ -5,6 +5,10 @@
 Consequence to test: a bar's elongation is N L / (E A).
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from crashsolve.deck.building import Columns, Scene
@@ -12,6 +16,9 @@ from crashsolve.deck.card import Card, quantity
 from crashsolve.foundation.kernels import inlined
 from crashsolve.foundation.point import LANES
 from crashsolve.foundation.record import Record, rows_of
+
+if TYPE_CHECKING:
+    from crashsolve.materials._rows.elastic import Parameters, Solid
 
 
 class Elastic(Card):
@@ -67,7 +74,7 @@ def plastic_strain(card: Elastic, layer: np.ndarray) -> np.ndarray:
 
 
 @inlined
-def update(m, blocks, at, d, h, curves):
+def update(m: Parameters, blocks, at, d, h, curves):
     """Update of a layer within its yield stress."""
     x, y, xy = d
     s_x = blocks[at] + m.plane * (x + m.poisson * y)
@@ -77,7 +84,7 @@ def update(m, blocks, at, d, h, curves):
 
 
 @inlined
-def tangent(m, blocks_before, blocks, at, d, direction, h, curves):
+def tangent(m: Parameters, blocks_before, blocks, at, d, direction, h, curves):
     both = m.young / (1.0 - m.poisson) * (direction[0] + direction[1])
     apart = 2.0 * m.shear * (direction[0] - direction[1])
     stress = (0.5 * (both + apart), 0.5 * (both - apart), m.shear * direction[2])
@@ -94,7 +101,7 @@ def hooke(m, d):
 
 
 @inlined
-def solid(m, old, new, d, h, curves, material):
+def solid(m: Parameters, old: Solid, new: Solid, d, h, curves, material):
     grown = hooke(m, d)
     for k in range(6):
         new.stress[k] = old.stress[k] + grown[k]
@@ -102,7 +109,7 @@ def solid(m, old, new, d, h, curves, material):
 
 
 @inlined
-def solid_energy(m, new):
+def solid_energy(m: Parameters, new: Solid):
     """Stored energy from the stress [J/m^3]."""
     s = new.stress
     trace = s[0] + s[1] + s[2]
@@ -112,7 +119,7 @@ def solid_energy(m, new):
 
 
 @inlined
-def energy(m, blocks, at):
+def energy(m: Parameters, blocks, at):
     """Stored energy from the stress [J/m^3]."""
     x, y, s = blocks[at], blocks[at + LANES], blocks[at + 2 * LANES]
     density = x * x + y * y - 2.0 * m.poisson * x * y + 2.0 * (1.0 + m.poisson) * s * s
@@ -120,11 +127,11 @@ def energy(m, blocks, at):
 
 
 @inlined
-def fibre(m, old, new, i, strain, rate, h, curves):
+def fibre(m: Parameters, old, new, i, strain, rate, h, curves):
     sigma = m.young * strain
     return sigma, 0.5 * sigma * strain, 0.0
 
 
 @inlined
-def fibre_tangent(m, old, i, strain, rate, curves):
+def fibre_tangent(m: Parameters, old, i, strain, rate, curves):
     return 0.0, 0.0, 0.0

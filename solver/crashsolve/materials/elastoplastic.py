@@ -11,7 +11,9 @@ Int. J. Num. Meth. Eng. 22, 649-670. Cowper and Symonds (1957), Strain-hardening
 effects in the impact loading of cantilever beams, Brown University Report 28.
 """
 
-from typing import ClassVar
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from pydantic import model_validator
@@ -23,6 +25,9 @@ from crashsolve.foundation.kernels import inlined
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.rows import as_rows
 from crashsolve.materials import _von_mises, elastic
+
+if TYPE_CHECKING:
+    from crashsolve.materials._rows.elastoplastic import Parameters
 
 
 class Elastoplastic(elastic.Elastic):
@@ -43,7 +48,7 @@ class Elastoplastic(elastic.Elastic):
     )
 
     @model_validator(mode="after")
-    def _one_hardening(self) -> "Elastoplastic":
+    def _one_hardening(self) -> Elastoplastic:
         if (self.yield_stress is None) == (self.curve is None):
             raise ValueError("needs either yield_stress or curve")
         if self.curve is not None and self.hardening and self.kinematic < 1.0:
@@ -98,7 +103,7 @@ solid, solid_energy = _von_mises.solid, elastic.solid_energy
 
 
 @inlined
-def flow(m, e, curves):
+def flow(m: Parameters, e, curves):
     if m.curve > 0:
         Y, slope, _ = curve_value(curves, m.curve, e)
         return Y, slope
@@ -106,27 +111,27 @@ def flow(m, e, curves):
 
 
 @inlined
-def line(m, e, curves):
+def line(m: Parameters, e, curves):
     return curve_line(curves, m.curve, e)
 
 
 @inlined
-def rate_factor(m, rate):
+def rate_factor(m: Parameters, rate):
     return 1.0 + (rate / m.rate_D) ** (1.0 / m.rate_q)
 
 
 @inlined
-def rate_slopes(m, rate, factor):
+def rate_slopes(m: Parameters, rate, factor):
     over = 1.0 / (m.rate_q * rate)
     slope = (factor - 1.0) * over
     return slope, slope * over * (1.0 - m.rate_q)
 
 
 @inlined
-def rate_of(m, factor):
+def rate_of(m: Parameters, factor):
     return m.rate_D * (factor - 1.0) ** m.rate_q
 
 
 @inlined
-def heat_factor(m, temperature):
+def heat_factor(m: Parameters, temperature):
     return 1.0

@@ -13,7 +13,10 @@ Reference: Johnson and Cook (1983), A constitutive model and data for metals sub
 strains, high strain rates and high temperatures, 7th Int. Symposium on Ballistics, 541-547.
 """
 
+from __future__ import annotations
+
 from math import exp, log
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,6 +25,9 @@ from crashsolve.deck.card import quantity
 from crashsolve.foundation.kernels import inlined
 from crashsolve.foundation.record import Record
 from crashsolve.materials import _von_mises, elastic
+
+if TYPE_CHECKING:
+    from crashsolve.materials._rows.johnson_cook import Parameters
 
 
 class JohnsonCook(elastic.Elastic):
@@ -87,34 +93,34 @@ solid, solid_energy = _von_mises.solid, elastic.solid_energy
 
 
 @inlined
-def flow(m, e, curves):
+def flow(m: Parameters, e, curves):
     # the slope of the power at no strain has no bound
     rises = m.power * e**m.exponent
     return m.yield_stress + rises, m.exponent * rises / max(e, 1e-300)
 
 
 @inlined
-def strain_of_rise(m, rise):
+def strain_of_rise(m: Parameters, rise):
     return (rise / m.power) ** (1.0 / m.exponent)
 
 
 @inlined
-def rate_factor(m, rate):
+def rate_factor(m: Parameters, rate):
     return 1.0 + m.rate_C * log(max(rate / m.rate_0, 1.0))
 
 
 @inlined
-def rate_slopes(m, rate, factor):
+def rate_slopes(m: Parameters, rate, factor):
     slope = m.rate_C / rate if rate > m.rate_0 else 0.0
     return slope, -slope / rate
 
 
 @inlined
-def rate_of(m, factor):
+def rate_of(m: Parameters, factor):
     # any rate beyond numbers is beyond the bound of a step as well
     return m.rate_0 * exp(min((factor - 1.0) / m.rate_C, 600.0))
 
 
 @inlined
-def heat_factor(m, temperature):
+def heat_factor(m: Parameters, temperature):
     return max(1.0 - min(temperature, 1.0) ** m.softening, MOLTEN)

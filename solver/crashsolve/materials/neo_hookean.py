@@ -10,7 +10,10 @@ stress at a stretch is that of the formula, and a closed path of strain costs no
 Reference: Bonet and Wood (2008), Nonlinear Continuum Mechanics for Finite Element Analysis, 6.4.
 """
 
+from __future__ import annotations
+
 from math import exp, expm1, log1p, sqrt
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,6 +22,9 @@ from crashsolve.foundation.kernels import inlined
 from crashsolve.foundation.point import LANES
 from crashsolve.foundation.record import Record, rows_of
 from crashsolve.materials import elastic
+
+if TYPE_CHECKING:
+    from crashsolve.materials._rows.neo_hookean import Parameters, Solid
 
 
 class NeoHookean(elastic.Elastic):
@@ -73,7 +79,7 @@ plastic_strain = elastic.plastic_strain
 
 
 @inlined
-def update(m, blocks, at, d, h, curves):
+def update(m: Parameters, blocks, at, d, h, curves):
     """C grows by U exp(2 d) U, U the root of C; axes turn with the material, so that b is C."""
     G, L = m.shear, m.volumetric
     row, to = at + LANES * LAYER.metric, at + LANES * LAYER.across
@@ -117,7 +123,7 @@ def square_of(a, b, c):
 
 
 @inlined
-def tangent(m, blocks_before, blocks, at, d, direction, h, curves):
+def tangent(m: Parameters, blocks_before, blocks, at, d, direction, h, curves):
     row = at + LANES * LAYER.metric
     old = (blocks_before[row], blocks_before[row + LANES], blocks_before[row + 2 * LANES])
     new = (blocks[row], blocks[row + LANES], blocks[row + 2 * LANES])
@@ -130,7 +136,7 @@ def tangent(m, blocks_before, blocks, at, d, direction, h, curves):
 
 
 @inlined
-def slopes(m, old, new, across, d, more):
+def slopes(m: Parameters, old, new, across, d, more):
     """Change of the stress [Pa] of a neo-Hookean layer, and of the strain across, with its strains.
 
     `more` is the change of the strains, its last that of xy, not of twice xy.
@@ -162,7 +168,7 @@ def slopes(m, old, new, across, d, more):
 
 
 @inlined
-def energy(m, blocks, at):
+def energy(m: Parameters, blocks, at):
     C, across = at + LANES * LAYER.metric, blocks[at + LANES * LAYER.across]
     x, y, s = blocks[C], blocks[C + LANES], blocks[C + 2 * LANES]
     volume = 0.5 * log1p(x + y + x * y - s * s) + across
@@ -241,7 +247,7 @@ def volume_of(c):
 
 
 @inlined
-def solid(m, old, new, d, h, curves, material):
+def solid(m: Parameters, old: Solid, new: Solid, d, h, curves, material):
     """Update of a point as of a layer, with all six strains: C becomes U exp(2 d) U."""
     c = old.metric
     root = root_of((1.0 + c[0], 1.0 + c[1], 1.0 + c[2], c[3], c[4], c[5]))
@@ -257,7 +263,7 @@ def solid(m, old, new, d, h, curves, material):
 
 
 @inlined
-def solid_energy(m, new):
+def solid_energy(m: Parameters, new: Solid):
     c, volume = new.metric, volume_of(new.metric)
     trace = c[0] + c[1] + c[2] - 2.0 * volume
     return exp(-volume) * 0.5 * (m.shear * trace + m.volumetric * volume * volume)

@@ -7,7 +7,7 @@ that holds all over. Consequence to test: a mesh that is divided by 2 and joined
 """
 
 from collections import defaultdict
-from typing import Any
+from typing import Protocol
 
 import numpy as np
 
@@ -26,7 +26,14 @@ def joined(mesh: Mesh, factor: int) -> Mesh:
     return mesh
 
 
-def coarsened(mesh: Mesh, card: Any, scene: Scene) -> Mesh:
+class Joined(Protocol):
+    """A card of a mesh whose elements may be joined."""
+
+    @property
+    def joined(self) -> int: ...
+
+
+def coarsened(mesh: Mesh, card: Joined, scene: Scene) -> Mesh:
     """The mesh of a card with elements joined by `joined`; an error of the deck where that is
     impossible.
     """

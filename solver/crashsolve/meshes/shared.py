@@ -6,9 +6,8 @@ card. Consequence to test: a plate of two parts with equal data moves as the pla
 
 from pydantic import model_validator
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import MeshOfScene, Scene
 from crashsolve.deck.card import Card, MeshName, SetName, Vec3, quantity, word
-from crashsolve.meshes._mesh import Mesh
 
 
 class Shared(Card):
@@ -30,6 +29,5 @@ class Shared(Card):
         return self
 
 
-def build(card: Shared, scene: Scene) -> Mesh:
-    mesh: Mesh = scene.own_share()
-    return mesh
+def build(card: Shared, scene: Scene) -> MeshOfScene:
+    return scene.own_share()

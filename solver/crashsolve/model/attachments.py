@@ -8,12 +8,18 @@ that of a rigid body. Consequence to test: a free body with a beam welded on kee
 its angular momentum, as it would with the joint `weld`.
 """
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from crashsolve.deck.building import Scene
 from crashsolve.foundation.record import Record
+
+if TYPE_CHECKING:
+    from crashsolve.deck.building import EntryOfScene, PartOfScene
+    from crashsolve.elements.shells.cards import Weld
 
 ATTACHED_NODE = Record("""
     node      index     the attached node
@@ -29,7 +35,7 @@ SAME = 1e-9
 NOTHING = 1e-300
 
 
-def weld(entry: Any, scene: Scene) -> None:
+def weld(entry: EntryOfScene, scene: Scene) -> None:
     """Nodes welded to a body become its attached nodes. Writes: scene."""
     body, nodes = scene.names.index(entry.name), [scene.names.index(n) for n in entry.card.welded]
     flexible = {node for some in scene.part_nodes.values() for node in some}
@@ -46,7 +52,7 @@ def weld(entry: Any, scene: Scene) -> None:
         add_welded_mass(body, nodes, scene)
 
 
-def join(entry: Any, scene: Scene) -> None:
+def join(entry: EntryOfScene, scene: Scene) -> None:
     """A body that is part of another becomes its attached node, as do its own. Writes: scene."""
     body, name = scene.names.index(entry.name), entry.card.part_of
     whole = scene.names.index(name)
@@ -154,7 +160,12 @@ def _between(p: np.ndarray, q: np.ndarray) -> np.ndarray:
 
 
 def check_reach(
-    weld: Any, meshed: Any, points: np.ndarray, gaps: np.ndarray, field: str, scene: Scene
+    weld: Weld,
+    meshed: PartOfScene,
+    points: np.ndarray,
+    gaps: np.ndarray,
+    field: str,
+    scene: Scene,
 ) -> None:
     """No node may be welded to one that is farther away than `within`.
 
@@ -177,7 +188,9 @@ def check_reach(
         raise scene.fail(f"{message}; {advice}", field)
 
 
-def check_attached(meshed: Any, points: np.ndarray, body: int, field: str, scene: Scene) -> None:
+def check_attached(
+    meshed: PartOfScene, points: np.ndarray, body: int, field: str, scene: Scene
+) -> None:
     """The points must begin with the motion of their positions on the body."""
     arm = meshed.mesh.points[points] - scene.r[body]
     there = scene.v[body] + np.cross(scene.w[body], arm)

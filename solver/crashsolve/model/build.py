@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections import defaultdict
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from types import ModuleType
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from crashsolve.model.checks.finite import BEYOND_NUMBERS, of_model, refuse_beyo
 from crashsolve.model.checks.gyration import gyration_warnings
 from crashsolve.model.checks.sampling import step_warnings
 from crashsolve.model.checks.statics import is_incremental, refuse_motion
-from crashsolve.model.citations import citations
+from crashsolve.model.citations import citations, laws_in_use
 from crashsolve.model.clock import CLOCK, CONTROL
 from crashsolve.model.contact import records
 from crashsolve.model.contact.body_pairs import find_body_pairs
@@ -40,7 +41,7 @@ from crashsolve.model.force_columns import (
     ROW_PARAMETERS,
     history_of_force,
 )
-from crashsolve.model.hubs import plan_of
+from crashsolve.model.hubs import plan_of, set_references
 from crashsolve.model.implicit.assembly import add_nodes_of_points
 from crashsolve.model.integrator_selection import Choice, by_default, choose, resolve
 from crashsolve.model.ledger import ENTRIES
@@ -118,7 +119,7 @@ def _build(deck: Deck) -> tuple[Model, State]:
         saddle=saddle,
         control=_control(deck, scene),
         warnings=scene.warnings,
-        citations=citations(_modules(groups, [*contact_groups, *nodal_groups])),
+        citations=citations(laws_in_use(groups, [*contact_groups, *nodal_groups])),
         surfaces=scene.surfaces,
         elements=tables_of_elements(groups, scene),
         nodal_groups=nodal_groups,
@@ -213,15 +214,7 @@ def _build_curves(deck: Deck, scene: Scene) -> np.ndarray:
     return points
 
 
-def _modules(groups: list[Group], contact_groups: list[Any]) -> list[Any]:
-    """Modules of all laws in use, and of the integrator."""
-    laws = [module for g in groups for module in (g.module, *(law for _, law in g.materials))]
-    for c in contact_groups:
-        laws += [c.narrow, c.normal, getattr(c, "friction", None)]
-    return [*laws, import_module("crashsolve.system.kinetics")]
-
-
-def _module(entry: Entry) -> Any:
+def _module(entry: Entry) -> ModuleType:
     return import_module(entry.module_name)
 
 
@@ -267,7 +260,7 @@ def _refuse_doubles(deck: Deck, sections: list[str], scene: Scene) -> None:
     """Names that occur in two sections of joints. Writes: scene.errors."""
     names: dict[str, str] = {}
     for keyword in sections:
-        word = families()[keyword].entry
+        word = families()[keyword].entry or keyword
         for name, entry in deck.entries[keyword].items():
             first = names.setdefault(name, word)
             if first != word:
@@ -317,7 +310,9 @@ def _build_group(keyword: str, entries: list[Entry], scene: Scene) -> Group:
     return group
 
 
-def _members(module: Any, entries: list[Entry], table: np.ndarray, scene: Scene) -> np.ndarray:
+def _members(
+    module: ModuleType, entries: list[Entry], table: np.ndarray, scene: Scene
+) -> np.ndarray:
     """Points that the entries act on, one after the other. Writes: table."""
     lists = [np.zeros(0, np.int64)]
     for row, entry in zip(table, [] if scene.errors else entries, strict=not scene.errors):
@@ -391,6 +386,7 @@ def _state(model: Model, scene: Scene) -> State:
     card_history = np.zeros((2, len(model.contacts)), records.CARD_HISTORY.dtype)
     card_history["first_touch"] = card_history["last_release"] = start - 1.0
     nodes = initial_nodes(scene)
+    set_references(nodes, model.joints)
     # the ground never moves
     nodes["start_q"], nodes["start_A"] = nodes["q"], nodes["A"]
     return State(

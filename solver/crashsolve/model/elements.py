@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -48,7 +48,7 @@ def tables_of_elements(groups: list[Group], scene: Scene) -> Elements | None:
     """
     corners: list[np.ndarray] = []
     attached_points: list[np.ndarray] = []
-    parts: dict[str, Any] = {}
+    parts: dict[str, DiscretisedShell] = {}
     first = count = 0
     mass = 0.0
     for group in (g for g in groups if hasattr(g.module, "KINDS")):
@@ -83,9 +83,9 @@ def tables_of_elements(groups: list[Group], scene: Scene) -> Elements | None:
     return Elements(*tables, motion=np.zeros(1, MOTION.dtype), ties=scene.ties)
 
 
-def _cuts(groups: list[Group], parts: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:
+def _cuts(groups: list[Group], parts: dict[str, DiscretisedShell]) -> tuple[np.ndarray, np.ndarray]:
     """Elements of all sections, those of a block together, and the sections."""
-    found: list[tuple[Any, ...]] = []
+    found: list[tuple[object, ...]] = []
     count = 0
     for group in (g for g in groups if hasattr(g.module, "KINDS")):
         for i, (name, row) in enumerate(zip(group.names, group.parameters, strict=True)):
@@ -143,7 +143,7 @@ def initial_blocks(model: Model, deck: Deck, scene: Scene) -> np.ndarray:
     return numbers
 
 
-def _meshed(model: Model, scene: Scene) -> list[Any]:
+def _meshed(model: Model, scene: Scene) -> list[DiscretisedShell]:
     """Parts with points in place, in the order of their tables."""
     names = (name for g in model.element_groups() for name in g.names)
     return [scene.meshed(name) for name in names]

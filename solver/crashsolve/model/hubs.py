@@ -7,7 +7,7 @@ meet on it to pay for its column.
 """
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -42,8 +42,22 @@ def hubs_of(joints: Sequence[Joint], mass: np.ndarray) -> tuple[int, ...]:
     return tuple(found)
 
 
-def _connected(joints: Sequence[Joint]) -> list[list[Joint]]:
-    """Joints in groups that share bodies; the ground is one of them."""
+def set_references(nodes: np.ndarray, joints: Sequence[Joint]) -> None:
+    """Writes: nodes.reference, the first body of each mechanism, or the ground that holds it."""
+    for mechanism in mechanisms(joints):
+        held = {node for joint in mechanism for node in joint.nodes}
+        nodes["reference"][list(held)] = min(held)
+
+
+def mechanisms(joints: Sequence[Joint]) -> list[list[Joint]]:
+    """Joints in groups that share bodies other than the ground."""
+    return _connected(joints, lambda joint: [node for node in joint.nodes if node])
+
+
+def _connected(
+    joints: Sequence[Joint], ends: Callable[[Joint], Sequence[int]] = lambda joint: joint.nodes
+) -> list[list[Joint]]:
+    """Joints in groups that share bodies of their `ends`, of which the ground may be one."""
     parent: dict[int, int] = {}
 
     def root(node: int) -> int:
@@ -52,10 +66,10 @@ def _connected(joints: Sequence[Joint]) -> list[list[Joint]]:
         return node
 
     for joint in joints:
-        first = root(joint.nodes[0])
-        for node in joint.nodes[1:]:
+        first = root(ends(joint)[0])
+        for node in ends(joint)[1:]:
             parent[root(node)] = first
     groups: dict[int, list[Joint]] = defaultdict(list)
     for joint in joints:
-        groups[root(joint.nodes[0])].append(joint)
+        groups[root(ends(joint)[0])].append(joint)
     return list(groups.values())

@@ -24,12 +24,12 @@ allowed. Consequence to test: the choice follows from the deck alone, and the lo
 """
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from crashsolve.deck.reading.deck import Deck
-from crashsolve.foundation.rows import as_rows
+from crashsolve.foundation.rows import Rows, as_rows
 from crashsolve.model.model import Group, Model, State
 
 # so many stable explicit steps in the time of a crossing cost more than implicit ones
@@ -103,7 +103,7 @@ def resolve(control: np.ndarray) -> None:
     c["step_max"] = min(c["step_max"], (c["end"] - c["start"]) / LEAST_STEPS or 1.0)
 
 
-def with_chosen_method(deck: Deck, model: Model) -> Any:
+def with_chosen_method(deck: Deck, model: Model) -> Deck:
     """The deck with the method of its model: runs beside this one must not choose anew."""
     resolves = bool(model.control[0]["resolves"])
     chosen = {"integrator": model.integrator, "resolve": resolves}
@@ -156,7 +156,7 @@ def times(model: Model, state: State) -> tuple[float, float]:
     return float(crossing), float(2.0 / fastest) if fastest > 0.0 else 0.0
 
 
-def _world_tensors(nodes: Any) -> np.ndarray:
+def _world_tensors(nodes: Rows) -> np.ndarray:
     A, J_inv = nodes.A.reshape(-1, 3, 3), nodes.J_inv.reshape(-1, 3, 3)
     return np.einsum("nij,njk,nlk->nil", A, J_inv, A).reshape(-1, 9)
 

@@ -4,7 +4,8 @@ From kinetic to friction they are added up. `internal` is the sum of two of them
 added.
 """
 
-from typing import Any
+from types import ModuleType
+from typing import Protocol
 
 import numpy as np
 
@@ -60,7 +61,14 @@ MECHANICAL = (
 SPURIOUS = 10.0
 
 
-def entries_of(group: Any) -> tuple[int, int | None]:
+class Grouped(Protocol):
+    """A group of the entries of a family (model/model.py)."""
+
+    keyword: str
+    module: ModuleType
+
+
+def entries_of(group: Grouped) -> tuple[int, int | None]:
     """Entries of the energy that the laws of a group store, and of their losses.
 
     A law may name another word of its family (LEDGER) than the first. Raises: KeyError for a word

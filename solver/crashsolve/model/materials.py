@@ -7,13 +7,13 @@ the group uses; `law` is the number of its own.
 from dataclasses import replace
 from importlib import import_module
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from crashsolve.deck.building import Columns
 from crashsolve.deck.family import FamilyError, check_arguments, constants, provided
-from crashsolve.foundation.record import Record
+from crashsolve.foundation.record import Column, Record
 from crashsolve.materials import GeneralLaw, VonMisesLaw
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from crashsolve.model.scene import Scene
 
 
-def laws_of(entries: "list[Entry]", scene: "Scene") -> list[Any]:
+def laws_of(entries: "list[Entry]", scene: "Scene") -> list[ModuleType]:
     """Modules of the materials of some parts, each once."""
     words = [scene.deck.entries["materials"].get(entry.card.material) for entry in entries]
     names = dict.fromkeys(w.module_name for w in words if w)
@@ -31,7 +31,7 @@ def laws_of(entries: "list[Entry]", scene: "Scene") -> list[Any]:
     return laws
 
 
-def refuse_incomplete(law: Any) -> None:
+def refuse_incomplete(law: ModuleType) -> None:
     """Raises FamilyError for a material that lacks a part of its Protocol."""
     kind = VonMisesLaw if law.VON_MISES else GeneralLaw
     needless = {"update", "energy"}
@@ -47,13 +47,13 @@ def refuse_incomplete(law: Any) -> None:
     check_arguments(law, {n: getattr(kind, n) for n in provided(kind) if n in wanted})
 
 
-def with_constants(record: Record, laws: list[Any]) -> "np.dtype[Any]":
+def with_constants(record: Record, laws: list[ModuleType]) -> "np.dtype[np.void]":
     """Columns of a part, and the constants of its material as one."""
     own = joined([law.PARAMETERS for law in laws])
     return np.dtype([*record.dtype.descr, ("material", own.dtype.descr)])
 
 
-def with_memory(record: Record, laws: list[Any], count: int) -> Record:
+def with_memory(record: Record, laws: list[ModuleType], count: int) -> Record:
     """Columns of a part of fibres, and the history of so many of them."""
     columns = joined([law.FIBRE for law in laws]).columns
     return record + Record(columns=tuple(replace(column, size=count) for column in columns))
@@ -61,7 +61,7 @@ def with_memory(record: Record, laws: list[Any], count: int) -> Record:
 
 def joined(records: list[Record]) -> Record:
     """Columns of several laws; those of one name are one. Raises ValueError where they differ."""
-    found: dict[str, Any] = {}
+    found: dict[str, Column] = {}
     for column in (column for record in records for column in record.columns):
         known = found.setdefault(column.name, column)
         if (known.unit, known.size) != (column.unit, column.size):
@@ -70,7 +70,7 @@ def joined(records: list[Record]) -> Record:
     return Record(columns=tuple(found.values()))
 
 
-def fill(record: Any, values: Columns) -> None:
+def fill(record: np.void, values: Columns) -> None:
     """Write values into a record; an unknown or a missing column is a programming error."""
     for name, value in values.items():
         if isinstance(value, dict):

@@ -1,9 +1,12 @@
 """Model: the constant data of a run. State: all that changes. Both are arrays with meaning."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field
 from importlib import import_module
 from itertools import accumulate
-from typing import Any, ClassVar
+from types import ModuleType
+from typing import TYPE_CHECKING, ClassVar, cast
 
 import numpy as np
 
@@ -13,6 +16,12 @@ from crashsolve.model import ledger
 from crashsolve.model.contact.groups import ContactGroup, NodalGroup
 from crashsolve.model.phases import Phase
 from crashsolve.model.tables import present_tables
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from crashsolve.deck.building import Columns, SurfaceOfScene
+    from crashsolve.elements.shells.layout import DiscretisedShell
 
 
 @dataclass
@@ -32,15 +41,15 @@ class Group:
 
     keyword: str
     type: str
-    module: Any
+    module: ModuleType
     names: list[str]
     parameters: np.ndarray
     history: np.ndarray  # (2, n): accepted and new, see clock.current
     output: np.ndarray
     members: np.ndarray | None = None  # points that its entries act on, one after the other
-    pieces: Any = None  # the parameters of pieces of its entries, for several threads
-    spans: Any = None  # which of these are an entry's, of loads on elements
-    materials: tuple[tuple[int, Any], ...] = ()  # laws that its kernels call, by p.law
+    pieces: np.ndarray | None = None  # the parameters of pieces of its entries, for several threads
+    spans: np.ndarray | None = None  # which of these are an entry's, of loads on elements
+    materials: tuple[tuple[int, ModuleType], ...] = ()  # laws that its kernels call, by p.law
     powers: np.ndarray | None = None  # of all stages of a step with dense output, entry by entry
     data: tuple[np.ndarray, ...] = ()  # further tables that its kernels read, see shared_tables
 
@@ -56,8 +65,7 @@ class Group:
     @property
     def law(self) -> StepLaw:
         """Module of its kernels."""
-        law: StepLaw = self.module
-        return law
+        return cast(StepLaw, self.module)
 
     @property
     def constraints(self) -> tuple[tuple[BasicConstraint, int], ...]:
@@ -81,16 +89,15 @@ class Group:
     @property
     def fibre_law(self) -> FibreLaw:
         """The module as one whose fibres call a law of `materials`."""
-        law: FibreLaw = self.module
-        return law
+        return cast(FibreLaw, self.module)
 
     @property
-    def kinds(self) -> tuple[Any, ...]:
+    def kinds(self) -> tuple[ModuleType, ...]:
         """Modules with the kernels of those kinds of elements that there are."""
         return tuple(kind for _, kind in self.numbered_kinds)
 
     @property
-    def numbered_kinds(self) -> tuple[tuple[int, Any], ...]:
+    def numbered_kinds(self) -> tuple[tuple[int, ModuleType], ...]:
         """Modules of the kinds of elements with their positions among all kinds."""
         return tuple(
             (number, self._within(f"{self.module.KERNELS}.{name}"))
@@ -99,22 +106,22 @@ class Group:
         )
 
     @property
-    def tangent_kinds(self) -> tuple[Any, ...]:
+    def tangent_kinds(self) -> tuple[ModuleType, ...]:
         """Modules with the tangents of those kinds."""
         leaves = (kind.__name__.rpartition(".")[2] for kind in self.kinds)
         return tuple(self._within(f"{self.module.SLOPES}.{leaf}") for leaf in leaves)
 
     @property
-    def blocks(self) -> Any:
+    def blocks(self) -> ModuleType:
         """Module that takes elements of any kind block by block."""
         return self._within(f"{self.module.KERNELS}.blocks")
 
     @property
-    def slopes(self) -> Any:
+    def slopes(self) -> ModuleType:
         """Module that computes the tangents of elements of any kind block by block."""
         return self._within(f"{self.module.SLOPES}.blocks")
 
-    def _within(self, name: str) -> Any:
+    def _within(self, name: str) -> ModuleType:
         """A module of the solver by its name within the package."""
         return import_module(f"crashsolve.{name}")
 
@@ -171,7 +178,7 @@ class Joint:
     first_row: int
     rows: int  # of each part
     angular: tuple[bool, ...]
-    frame: dict[str, Any]
+    frame: Columns
 
     @property
     def node_a(self) -> int:
@@ -187,13 +194,29 @@ class Joint:
 
 
 @dataclass
+class Pieces:
+    """Tables that several threads need beside those of one."""
+
+    rows: dict[str, np.ndarray]  # parameters of parts, and of loads on them, by word, a piece each
+    spans: dict[str, np.ndarray]  # which of these are an entry's, of loads
+    pieces: np.ndarray
+    points: np.ndarray  # all of them, replicas at the end
+    originals: np.ndarray  # for which
+
+    @property
+    def replicas(self) -> np.ndarray:
+        """Points that collect forces for others."""
+        return self.points[len(self.points) - len(self.originals) :]
+
+
+@dataclass
 class Elements:
     """Tables of the elements of parts with points: corners, attached points, work space."""
 
     corners: np.ndarray
     attached_points: np.ndarray
     work: np.ndarray
-    parts: dict[str, Any]  # in place, by name
+    parts: dict[str, DiscretisedShell]  # in place, by name
     point_mass: float  # of the points that ride on no body of the deck
     element_cuts: (
         np.ndarray
@@ -201,9 +224,9 @@ class Elements:
     cuts: np.ndarray
     motion: np.ndarray  # momenta of the points at the last sample
     ties: np.ndarray  # points that ride on faces
-    holds: Any = None  # points that are held
-    block_sums: Any = None  # of loads on elements
-    pieces: Any = None  # for several threads, see model/partition.py
+    holds: np.ndarray = field(default_factory=lambda: np.zeros(0))  # points that are held
+    block_sums: np.ndarray = field(default_factory=lambda: np.zeros(0))  # of loads on elements
+    pieces: Pieces | None = None  # for several threads, see model/partition.py
     # points with bodies behind those that have names, for implicit integrators
     node_points: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
 
@@ -230,7 +253,7 @@ class Model:
     control: np.ndarray
     warnings: list[str]
     citations: list[str]
-    surfaces: dict[str, Any]
+    surfaces: Mapping[str, SurfaceOfScene]
     elements: Elements | None = None
     nodal_groups: list[NodalGroup] = field(default_factory=list)
     nodal_loads: dict[str, np.ndarray] = field(default_factory=dict)  # of all these groups
@@ -265,7 +288,7 @@ class Model:
         name, row = self._part_of(number)
         return f"{name}_{number - row['first_element'] + 1}"
 
-    def _part_of(self, element: int) -> tuple[str, Any]:
+    def _part_of(self, element: int) -> tuple[str, np.void]:
         """Name and row of the part with an element."""
         rows = reversed(self._rows_of_parts())
         return next((name, row) for name, row in rows if row["first_element"] <= element)
@@ -304,7 +327,7 @@ class Model:
         )
         return f"part '{name}', node {point - row['first_point'] + 1}"
 
-    def _rows_of_parts(self) -> list[tuple[str, Any]]:
+    def _rows_of_parts(self) -> list[tuple[str, np.void]]:
         """Names and rows of the parts with points."""
         return [
             (name, row)

@@ -27,6 +27,12 @@ NODE = Record("""
     was_pressed   m/s^2          the same in the last step
     joint_force   N           3  D^T lambda
     joint_torque  N m         3  D^T lambda about the mass centre
+    reference     index          body of its mechanism, or the ground, to whose velocity work of
+                                 joints is relative
+    joint_work    J              work of joints, less that of drivers, in steps of many iterations
+    joint_exchange  J              the same, taken and given both positive
+    joint_unseen  J              work of joints over what they stand open by, in these steps
+    largest_kinetic  J              largest kinetic energy in these steps
     external      N, N m      6  row 0: force and torque about the origin from outside
     v_dot         m/s^2       3  acceleration of the mass centre, at samples
     w_dot         rad/s^2     3  angular acceleration, at samples

@@ -8,15 +8,14 @@ so every sum has the order that it has without pieces.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from crashsolve.foundation.point import LANES, POINT
 from crashsolve.foundation.record import Record
-from crashsolve.model.model import Model, State
+from crashsolve.model.model import Model, Pieces, State
 
 if TYPE_CHECKING:
     from crashsolve.elements.shells.layout import DiscretisedShell
@@ -45,22 +44,6 @@ QUADS = ("one_point", "four_points")
 PIECES = 4
 
 
-@dataclass
-class Pieces:
-    """Tables that several threads need beside those of one."""
-
-    rows: dict[str, np.ndarray]  # parameters of parts, and of loads on them, by word, a piece each
-    spans: dict[str, np.ndarray]  # which of these are an entry's, of loads
-    pieces: np.ndarray
-    points: np.ndarray  # all of them, replicas at the end
-    originals: np.ndarray  # for which
-
-    @property
-    def replicas(self) -> np.ndarray:
-        """Points that collect forces for others."""
-        return self.points[len(self.points) - len(self.originals) :]
-
-
 def cut(model: Model, state: State, threads: int) -> Pieces:
     """All parts with points in pieces.
 
@@ -70,9 +53,9 @@ def cut(model: Model, state: State, threads: int) -> Pieces:
     assert elements is not None
     begin = len(elements.corners)
     corners = np.concatenate([elements.corners, elements.corners])
-    rows: dict[str, list[Any]] = {g.word: [] for g in model.element_groups()}
+    rows: dict[str, list[np.void]] = {g.word: [] for g in model.element_groups()}
     bounds_of: list[list[int]] = []
-    of_part: dict[int, list[tuple[int, int, Any]]] = {}
+    of_part: dict[int, list[tuple[int, int, np.void]]] = {}
     parts = [
         (g, *pair)
         for g in model.element_groups()
@@ -117,7 +100,7 @@ def _bounds(blocks: int, total: int, pieces: int) -> list[int]:
     return [blocks * k // own for k in range(own + 1)]
 
 
-def _piece(row: np.void, meshed: DiscretisedShell, begin: int, end: int, blocks: int) -> Any:
+def _piece(row: np.void, meshed: DiscretisedShell, begin: int, end: int, blocks: int) -> np.void:
     """The row of a part with the blocks from `begin` to `end`, and a share of its points."""
     one, triangles = row.copy(), int(row["triangles"])
     quads = int(row["element_count"]) - triangles
@@ -141,7 +124,7 @@ def _piece(row: np.void, meshed: DiscretisedShell, begin: int, end: int, blocks:
 
 
 def _all_replicas(
-    rows: list[Any],
+    rows: list[np.void],
     firsts: list[int],
     bounds: list[list[int]],
     corners: np.ndarray,
@@ -168,7 +151,7 @@ def _all_replicas(
 
 
 def _add_replicas(
-    rows: list[Any], bounds: list[list[int]], corners: np.ndarray, count: int, replicas: int
+    rows: list[np.void], bounds: list[list[int]], corners: np.ndarray, count: int, replicas: int
 ) -> list[np.ndarray]:
     """Rows of ORIGINAL, point by point, in as many shares as the parts of a mesh have pieces.
 
@@ -204,9 +187,11 @@ def _add_replicas(
     return np.split(originals, np.searchsorted(originals["point"], originals["point"][cuts]))
 
 
-def _loads(rows: np.ndarray, of_part: dict[int, Any]) -> tuple[list[Any], np.ndarray]:
+def _loads(
+    rows: np.ndarray, of_part: dict[int, list[tuple[int, int, np.void]]]
+) -> tuple[list[np.void], np.ndarray]:
     """Loads on parts, each on the pieces of its own; and where these are."""
-    found: list[Any] = []
+    found: list[np.void] = []
     spans = np.zeros(len(rows), SPAN.dtype)
     for row, span in zip(rows, spans, strict=True):
         pieces = of_part[int(row["first_corner"])]

@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any
+from types import ModuleType
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Columns, DeckOfScene, Scene
 
 
 @dataclass(frozen=True)
@@ -12,12 +12,12 @@ class Phase:
     """A stretch of the run's time [s], with the module of its type and its card."""
 
     name: str
-    module: Any
-    p: dict[str, Any]
+    module: ModuleType
+    p: Columns
     end: float
 
 
-def build_phases(deck: Any, scene: Scene) -> list[Phase]:
+def build_phases(deck: DeckOfScene, scene: Scene) -> list[Phase]:
     """Phases in the order of the deck; none where the run is one. Writes: scene.errors."""
     control, entries = deck.control, list(deck.entries["phases"].values())
     found, begun = [], control.start_time
@@ -33,7 +33,7 @@ def build_phases(deck: Any, scene: Scene) -> list[Phase]:
                 )
             if not is_last and given is None:
                 raise scene.fail("another phase follows: give end_time, at which this one ends")
-            end: Any = control.end_time if is_last else given
+            end = control.end_time if given is None else given
             if not begun < end <= control.end_time or (end == control.end_time and not is_last):
                 bounds = f"between {begun:g} s, where the phase begins, and {control.end_time:g} s"
                 raise scene.fail(

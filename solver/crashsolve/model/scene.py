@@ -16,6 +16,25 @@ import numpy as np
 
 from crashsolve.compiler.machine import runs_plain
 from crashsolve.deck.building import Columns
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from types import ModuleType
+
+    from numpy.typing import ArrayLike
+
+    from crashsolve.deck.building import (
+        Attached,
+        Jointed,
+        JointOfScene,
+        Meshed,
+        PartOfScene,
+        SurfaceOfScene,
+        Turning,
+    )
+    from crashsolve.elements.shells.cards import Weld
+    from crashsolve.elements.shells.layout import DiscretisedShell
+    from crashsolve.meshes._mesh import Mesh
 from crashsolve.deck.card import law_class
 from crashsolve.deck.family import CHOSEN, families
 from crashsolve.deck.laws import types_in
@@ -51,11 +70,11 @@ class Scene:
         self.errors: list[DeckError] = []
         self.stepwise: list[str] = []  # laws that count in whole steps
         self.methods: list[str] = []  # integrators of all families; empty for any
-        self.joints: dict[str, Any] = {}
+        self.joints: dict[str, JointOfScene] = {}
         # of hinges, by their names and fields
         self.backbones: dict[str, dict[str, Any]] = {}
         self.under_way = ""  # name of the entry that is being built
-        self.surfaces: dict[str, Any] = {}
+        self.surfaces: Mapping[str, SurfaceOfScene] = {}
         self.names = ["ground", *deck.entries["bodies"]]
         self.part_nodes: dict[str, list[int]] = {}  # of each part
         for part in deck.entries["parts"].values():
@@ -78,8 +97,9 @@ class Scene:
         self.welded: dict[int, int] = {}  # nodes that are part of a rigid body
         # [rad] of joints that a posture has turned from the zero posture
         self.angles_at_start: dict[str, float] = {}
+        self.posed: dict[int, str] = {}  # bodies of postures, and the roots of these
         self._pose()
-        self._meshed: dict[str, Any] = {}  # parts with points
+        self._meshed: dict[str, DiscretisedShell] = {}  # parts with points
         self._discretise()
         for part in deck.entries["parts"].values() if not self.errors else ():
             with self.building(part):
@@ -118,14 +138,14 @@ class Scene:
         self.tied_mass = 0.0  # of nodes whose faces have it besides [kg]
         self.ties = tie_nodes(self)
 
-    def _part_bodies(self, part: Entry) -> Any:
+    def _part_bodies(self, part: Entry) -> list[Columns]:
         """Nodes of a part that are bodies, a table of `_set_body` each."""
         module = import_module(part.module_name)
         if part.name in self._meshed:
             return module.bodies(self._meshed[part.name])
         return module.build(part.card, self)
 
-    def own_share(self) -> Any:
+    def own_share(self) -> Mesh:
         """Elements and points of a shared mesh that the part being built has."""
         return self._shares[self.under_way]
 
@@ -162,9 +182,9 @@ class Scene:
                 pairs += [(int(point), int(body)) for point in own]
         return pairs
 
-    def _weld_targets(self, weld: Any, part: Entry, field: str) -> list[int]:
+    def _weld_targets(self, weld: Weld, part: Entry, field: str) -> list[int]:
         """Bodies among which the nodes of a set find theirs."""
-        some = [self._index[weld.to]] if weld.to else self.part_nodes[weld.part]
+        some = [self._index[weld.to]] if weld.to else self.part_nodes[weld.part or ""]
         if 0 in some:
             raise self.fail("the ground holds nodes by `supports`", f"{field}.to")
         if weld.part == part.name or not some:
@@ -208,7 +228,7 @@ class Scene:
         """The exception for a card that cannot be built: `raise scene.fail(...)`."""
         return CardProblem(message, field)
 
-    def refuse_stepwise(self, module: Any, field: str | None = None) -> None:
+    def refuse_stepwise(self, module: ModuleType, field: str | None = None) -> None:
         """A law that is computed in whole steps has no order in a method that takes steps in
         stages.
         """
@@ -266,32 +286,32 @@ class Scene:
         """Positions and configurations at the start, as the node table names them."""
         return {"r": self.r, "A": self.A}
 
-    def law(self, keyword: str, name: str) -> tuple[Any, Any]:
+    def law(self, keyword: str, name: str) -> tuple[ModuleType, Any]:
         """Module and card of an entry that another card names."""
         entry = self.deck.entries[keyword][name]
         return import_module(entry.module_name), entry.card
 
-    def built(self, card: Any) -> Any:
+    def built(self, card: object) -> Any:
         """Columns that a law within a card builds."""
         return import_module(type(card).__module__).build(card, self)
 
-    def mesh(self, card: Any) -> Any:
+    def mesh(self, card: Meshed) -> Mesh:
         """The mesh of a part, refused where its elements do not hang together."""
-        mesh = self.built(card.mesh)
+        mesh: Mesh = self.built(card.mesh)
         # that of a shared mesh has been looked at as a whole
         if mesh.own is None and (wrong := faults(mesh)):
             raise self.fail(wrong, "mesh")
         return mesh
 
-    def meshed(self, part: str) -> Any:
+    def meshed(self, part: str) -> DiscretisedShell:
         """A part with points in place."""
         return self._meshed[part]
 
-    def on_mesh_of(self, meshed: Any) -> list[Any]:
+    def on_mesh_of(self, meshed: PartOfScene) -> list[DiscretisedShell]:
         """Parts in place with points of the same mesh, in the order of the deck."""
         return [part for part in self._with_points().values() if part.first == meshed.first]
 
-    def _with_points(self) -> dict[str, Any]:
+    def _with_points(self) -> dict[str, DiscretisedShell]:
         """Parts in place with points, type by type as the model has them."""
         entries = [self.deck.entries["parts"][name] for name in self._meshed]
         types = list(dict.fromkeys(entry.type for entry in entries))
@@ -302,7 +322,7 @@ class Scene:
         """Whether the nodes of a part are points."""
         return part in self._meshed
 
-    def skin(self, part: str, field: str) -> tuple[Any, int, int]:
+    def skin(self, part: str, field: str) -> tuple[DiscretisedShell, int, int]:
         """A part with points in place, its first corner, and the first point of its mesh."""
         corner = 0
         for name, meshed in self._with_points().items():
@@ -333,7 +353,7 @@ class Scene:
     def curve(self, name: str) -> int:
         return self.curves[name]
 
-    def unit(self, direction: Any, field: str) -> Vector:
+    def unit(self, direction: ArrayLike, field: str) -> Vector:
         """Unit vector; a zero direction is refused at `field`."""
         x = np.asarray(direction, float)
         length = float(np.linalg.norm(x))
@@ -341,14 +361,14 @@ class Scene:
             raise self.fail("a direction needs a length; give for instance [0, 0, 1]", field)
         return x / length
 
-    def from_mass_centre(self, node: int, point: Any) -> Vector:
+    def from_mass_centre(self, node: int, point: ArrayLike) -> Vector:
         """Point of the body's card frame, measured from the mass centre, body axes."""
         return np.asarray(point, float) - self.offset[node]
 
     def matrix(self, node: int) -> np.ndarray:
         return self.A[node].reshape(3, 3)
 
-    def world_point(self, node: int, point: Any) -> Vector:
+    def world_point(self, node: int, point: ArrayLike) -> Vector:
         """Start position of a point of the body's card frame."""
         return self.r[node] + self.matrix(node) @ self.from_mass_centre(node, point)
 
@@ -359,7 +379,7 @@ class Scene:
     def rotation_to_body(self, node: int, u: Vector) -> Vector:
         return self.matrix(node).T @ u
 
-    def attachments(self, card: Any) -> Columns:
+    def attachments(self, card: Attached) -> Columns:
         """Ends of a spring: `a`, `b`, `at_a`, `at_b` in each body's own axes."""
         if card.a == card.b:
             raise self.fail(f"joins '{card.a}' with itself; a and b must differ", "b")
@@ -378,7 +398,7 @@ class Scene:
         x_b = self.r[b] + self.matrix(b) @ ends["point_b"]
         return float(np.linalg.norm(x_b - x_a))
 
-    def turning(self, card: Any) -> Columns:
+    def turning(self, card: Turning) -> Columns:
         """Rotation of b about `axis` of a, with sides that meet at the start."""
         if card.a == card.b:
             raise self.fail(f"joins '{card.a}' with itself; a and b must differ", "b")
@@ -388,7 +408,7 @@ class Scene:
         side_b = self.rotation_to_body(b, self.matrix(a) @ side)
         return {"node_a": a, "node_b": b, "axis_a": axis, "side_a": side, "side_b": side_b}
 
-    def joint_point(self, card: Any) -> tuple[int, int, Vector]:
+    def joint_point(self, card: Jointed) -> tuple[int, int, Vector]:
         """Both nodes and the joint's point in world components at the start."""
         if card.a == card.b:
             raise self.fail(f"joins '{card.a}' with itself; a and b must differ", "b")
@@ -397,7 +417,7 @@ class Scene:
             return a, b, np.asarray(card.at, float)
         return a, b, self.world_point(self.node(card.frame), card.at)
 
-    def joint_frame(self, card: Any) -> Columns:
+    def joint_frame(self, card: Jointed) -> Columns:
         """Point and right-handed triad (axis, side, third) of a joint, axes of both bodies."""
         a, b, x = self.joint_point(card)
         frame = {

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,8 +21,7 @@ from crashsolve.meshes.shared import Shared
 from crashsolve.model.checks.mesh_check import faults
 
 if TYPE_CHECKING:
-    from crashsolve.deck.reading.items import Entry
-    from crashsolve.elements.shells.layout import DiscretisedShell
+    from crashsolve.deck.building import EntryOfScene, PartOfScene
     from crashsolve.meshes._mesh import Mesh
 
 # velocities of a node by two parts that differ by less than this share are the same
@@ -47,7 +46,7 @@ def shared_meshes(scene: Scene) -> dict[str, Mesh]:
     return found
 
 
-def _whole(entry: Entry, scene: Scene) -> Mesh:
+def _whole(entry: EntryOfScene, scene: Scene) -> Mesh:
     """The whole mesh, whose elements hang together."""
     try:
         whole = import_module(entry.module_name).build(entry.card, scene)
@@ -60,7 +59,7 @@ def _whole(entry: Entry, scene: Scene) -> Mesh:
     return whole
 
 
-def parts_of(mesh: str, scene: Scene) -> list[Entry]:
+def parts_of(mesh: str, scene: Scene) -> list[EntryOfScene]:
     """Parts with elements of a mesh, in the order of the deck."""
     parts = scene.deck.entries["parts"].values()
     return [part for part in parts if _name_of(part.card) == mesh]
@@ -71,7 +70,7 @@ def _name_of(card: Card) -> str:
     return mesh.mesh if isinstance(mesh, Shared) else ""
 
 
-def _shares(name: str, whole: Mesh, parts: list[Entry], scene: Scene) -> dict[str, Mesh]:
+def _shares(name: str, whole: Mesh, parts: list[EntryOfScene], scene: Scene) -> dict[str, Mesh]:
     """The mesh as each of its parts has it."""
     owner = np.full(len(whole.quads), -1)
     for k, part in enumerate(parts):
@@ -124,7 +123,7 @@ def _report_unowned(name: str, owner: np.ndarray, scene: Scene) -> None:
         scene.warn(f"mesh '{name}': {len(missing)} {noun} in no part and left out ({some})")
 
 
-def _numbered(whole: Mesh, owner: np.ndarray, parts: list[Entry]) -> dict[str, Mesh]:
+def _numbered(whole: Mesh, owner: np.ndarray, parts: list[EntryOfScene]) -> dict[str, Mesh]:
     """The mesh of each part, with the nodes in the order of the parts."""
     first = np.full(len(whole.points), len(parts))
     for k in reversed(range(len(parts))):
@@ -163,7 +162,7 @@ def join(scene: Scene) -> None:
             _join(entries, [scene.meshed(entry.name) for entry in entries], scene)
 
 
-def _join(entries: list[Entry], parts: list[DiscretisedShell], scene: Scene) -> None:
+def _join(entries: list[EntryOfScene], parts: list[PartOfScene], scene: Scene) -> None:
     n = len(parts[0].mesh.points)
     lumps = [part.lumps for part in parts if part.lumps is not None]
     corners, mass, inertia = (np.concatenate(numbers) for numbers in zip(*lumps, strict=True))
@@ -188,7 +187,14 @@ def _join(entries: list[Entry], parts: list[DiscretisedShell], scene: Scene) -> 
         part.velocity, part.spin, part.momentum = velocity, spin, momentum
 
 
-def _refuse_fixed(part: Any, fixed: Any, entries: Any, by: Any, both: Any, scene: Scene) -> None:
+def _refuse_fixed(
+    part: PartOfScene,
+    fixed: np.ndarray,
+    entries: list[EntryOfScene],
+    by: np.ndarray,
+    both: np.ndarray,
+    scene: Scene,
+) -> None:
     """A node that a body carries is held, welded or named in one part alone."""
     clash = (np.maximum(fixed[both], part.fixed[both]) >= ATTACHED) & (fixed[both] > 0)
     clash &= part.fixed[both] > 0
@@ -200,7 +206,14 @@ def _refuse_fixed(part: Any, fixed: Any, entries: Any, by: Any, both: Any, scene
         raise scene.fail(f"{message}; state it in one of them", field)
 
 
-def _refuse_apart(part: Any, motion: Any, entries: Any, by: Any, both: Any, scene: Scene) -> None:
+def _refuse_apart(
+    part: PartOfScene,
+    motion: tuple[np.ndarray, np.ndarray],
+    entries: list[EntryOfScene],
+    by: np.ndarray,
+    both: np.ndarray,
+    scene: Scene,
+) -> None:
     """A node begins with one velocity, whichever of its parts states it."""
     velocity, spin = motion
     apart = np.linalg.norm(part.velocity[both] - velocity[both], axis=1)
@@ -217,7 +230,7 @@ def _shown(x: np.ndarray) -> str:
     return "({}) m".format(", ".join(f"{value:.4g}" for value in x))
 
 
-def number_points(parts: list[DiscretisedShell]) -> int:
+def number_points(parts: list[PartOfScene]) -> int:
     """First point of each part's mesh among all, and the number of points. Writes: parts."""
     first, begun = 0, {}
     for part in parts:

@@ -1,11 +1,17 @@
 """Tables of a group in the composed step."""
 
-from typing import Any
+from typing import ClassVar, Protocol
 
 import numpy as np
 
 
-def present_tables(group: Any) -> dict[str, np.ndarray]:
+class Grouped(Protocol):
+    """A group of the entries of a type, or of contact pairs."""
+
+    TABLES: ClassVar[tuple[str, ...]]
+
+
+def present_tables(group: Grouped) -> dict[str, np.ndarray]:
     """Arrays of a group by the names of its TABLES; a tuple of arrays is counted from 0."""
     found: dict[str, np.ndarray] = {}
     for name in group.TABLES:

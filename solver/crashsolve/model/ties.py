@@ -12,7 +12,7 @@ from crashsolve.foundation.point import ATTACHED, TIE
 from crashsolve.ties._faces import normal_rate
 
 if TYPE_CHECKING:
-    from crashsolve.elements.shells.layout import DiscretisedShell
+    from crashsolve.deck.building import PartOfScene
 
 # velocities of a node and of its position that differ by less than this share are the same
 SAME = 1e-9
@@ -49,7 +49,7 @@ class Tie(Protocol):
     def to(self) -> str: ...
 
 
-def _sides(card: Tie, scene: Scene) -> tuple[DiscretisedShell, DiscretisedShell]:
+def _sides(card: Tie, scene: Scene) -> tuple[PartOfScene, PartOfScene]:
     tied, _, _ = scene.skin(card.part, "part")
     bearing, _, _ = scene.skin(card.to, "to")
     return tied, bearing

@@ -1,11 +1,17 @@
 """The command `crashsolve posture`: from pictures to the card of a posture."""
 
+from __future__ import annotations
+
 import argparse
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from crashsolve.foundation.errors import DeckError, DeckErrors, ExitCode
 from crashsolve.foundation.streams import printable
+
+if TYPE_CHECKING:
+    from crashsolve.photogrammetry.points import Measured
+    from crashsolve.photogrammetry.request import Requested
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -56,7 +62,7 @@ def posture(path: Path, folder: Path) -> list[str]:
     return [*lines, "", *(str(written) for written in report.write(folder, files))]
 
 
-def _start(requested: Any, seen: Any) -> int:
+def _start(requested: Requested, seen: Measured) -> int:
     """The frame at the start. Raises DeckErrors."""
     times = [frame.time for frame in seen.frames]
     if requested.card.start is None:

@@ -2,7 +2,6 @@
 
 from importlib import import_module
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -76,7 +75,9 @@ def _links(requested: Requested, deck: Deck, scene: Scene, root: int) -> list[Li
     return order
 
 
-def _landmarks(requested: Requested, scene: Scene, reached: set[int]) -> dict[str, tuple[int, Any]]:
+def _landmarks(
+    requested: Requested, scene: Scene, reached: set[int]
+) -> dict[str, tuple[int, np.ndarray]]:
     path, found, errors = requested.card.landmarks, {}, []
     for row in read_table(path, LANDMARKS):
         name = row.names["body"].replace(WHO, requested.card.occupant)

@@ -10,11 +10,11 @@ moves a in the same way. Consequence to test: joints close to round-off.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Jointed, Scene
 
 Array = np.ndarray
 
@@ -41,7 +41,7 @@ class Motion(NamedTuple):
     w: Array
 
 
-def link(scene: Scene, joint: str, card: Any) -> Link:
+def link(scene: Scene, joint: str, card: Jointed) -> Link:
     """A joint of the scene as a link of a chain, from where its bodies are now."""
     a, b, point = scene.joint_point(card)
     A_a, A_b = scene.matrix(a), scene.matrix(b)

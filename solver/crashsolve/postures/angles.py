@@ -8,13 +8,18 @@ Without rates the chain moves as one rigid body: v = v_0 + w x (x - x_0). Conseq
 joints close to round-off, and the zero posture leaves the bodies where their cards have them.
 """
 
+from importlib import import_module
+
 import numpy as np
 from pydantic import model_validator
 
-from crashsolve.deck.building import Scene
+from crashsolve.deck.building import Jointed, Scene
 from crashsolve.deck.card import BodyName, Card, JointName, Rotation, Vec3, quantity, word
 from crashsolve.foundation.orientation import matrix, quaternion_of
 from crashsolve.postures._chain import Link, Motion, in_order, link, next_body
+
+# directions typed with six digits agree to this
+TYPED = 1e-5
 
 
 class Turned(Card):
@@ -69,6 +74,10 @@ def build(card: Angles, scene: Scene) -> None:
             f"is not connected to '{card.root}' by the joints of this posture"
         )  # fmt: skip
         raise scene.fail(f"'{one.joint}' {how}", f"joints.{given_at[one.joint][1]}.joint")
+    twice = next((node for one in order for node in (one.a, one.b) if node in scene.posed), None)
+    if twice is not None:
+        by = scene.posed[twice]
+        raise scene.fail(f"'{scene.names[twice]}' is placed by the posture of '{by}' too", "joints")
     A, w = matrix(card.rotation.quaternion()), np.asarray(card.angular_velocity)
     arm = A @ scene.offset[root]
     v = np.asarray(card.velocity) + np.cross(w, arm)
@@ -79,11 +88,12 @@ def build(card: Angles, scene: Scene) -> None:
     for node, motion in placed.items():
         scene.A[node], scene.q[node] = motion.A.ravel(), quaternion_of(motion.A)
         scene.r[node], scene.v[node], scene.w[node] = motion.x, motion.v, motion.w
+        scene.posed[node] = card.root
 
 
-def _card(turned: Turned, i: int, scene: Scene) -> object:
+def _card(turned: Turned, i: int, scene: Scene) -> Jointed:
     """The card of a joint, which must move with its bodies."""
-    card = scene.joint_entry(turned.joint).card
+    card: Jointed = scene.joint_entry(turned.joint).card
     if getattr(card, "frame", "world") == "world":
         raise scene.fail(
             f"'{turned.joint}' is given in the world, where a posture moves its bodies; give its "
@@ -108,11 +118,39 @@ def _rotation(turned: Turned, one: Link, i: int, scene: Scene) -> tuple[np.ndarr
         Q = matrix(turned.rotation.quaternion())
     if turned.rate is not None and one.axis is not None:
         w_Q = turned.rate * one.axis
-    if turned.angle is not None and one.axis is not None:
-        scene.angles_at_start[turned.joint] = turned.angle
+    angle = turned.angle
+    if angle is not None and one.axis is not None:
         x, y, z = (float(value) for value in one.axis)
-        Q = matrix(Rotation(axis=(x, y, z), angle=turned.angle).quaternion())
+        Q = matrix(Rotation(axis=(x, y, z), angle=angle).quaternion())
+    _check_freedom(turned, one, Q, w_Q, f"joints.{i}", scene)
+    if turned.rotation is not None and one.axis is not None:
+        # of the same rotation about the axis, between -pi and pi
+        sine = 0.5 * np.array([Q[2, 1] - Q[1, 2], Q[0, 2] - Q[2, 0], Q[1, 0] - Q[0, 1]])
+        angle = float(np.arctan2(sine @ one.axis, 0.5 * (np.trace(Q) - 1.0)))
+    if angle is not None:
+        scene.angles_at_start[turned.joint] = angle
     return Q, w_Q
+
+
+def _check_freedom(
+    turned: Turned, one: Link, Q: np.ndarray, w_Q: np.ndarray, where: str, scene: Scene
+) -> None:
+    """Refuse what the joint does not allow: it would be mounted anew, turned, on one body."""
+    joint = import_module(scene.joint_entry(turned.joint).module_name)
+    free = getattr(joint, "FREE", ())
+    if "ball" in free or not any(joint.ANGULAR):
+        return
+    along = np.zeros((3, 0)) if "angle" not in free or one.axis is None else one.axis[:, None]
+    # what Q and w_Q do besides rotating about the axis; directions are typed with six digits
+    others = np.eye(3) - along @ along.T
+    fixed = along if along.size else np.eye(3)
+    rotation = "rotation" if turned.angle is None else "angle"
+    for field, excess in ((rotation, Q @ fixed - fixed), ("angular_velocity", others @ w_Q)):
+        if np.abs(excess).max() > TYPED * max(1.0, float(np.linalg.norm(w_Q))):
+            what = "rotates about its axis alone; give an angle" if along.size else (
+                "leaves no rotation that a posture can give it; give its bodies theirs"
+            )  # fmt: skip
+            raise scene.fail(f"'{turned.joint}' {what}", f"{where}.{field}")
 
 
 def _article(other: str) -> str:

@@ -1,10 +1,8 @@
 """Arrays that restore the State, of a restart dump or of the last sample."""
 
-from typing import Any
-
 import numpy as np
 
-from crashsolve.model.contact.groups import ContactGroup
+from crashsolve.model.contact.groups import ContactGroup, NodalGroup
 from crashsolve.model.contact.pairs import take_pairs
 from crashsolve.system.engine import Engine
 
@@ -71,7 +69,7 @@ def _lists(engine: Engine) -> list[ContactGroup]:
     return [c for c in engine.model.contact_groups if c.search is not None]
 
 
-def _nodal(engine: Engine) -> list[Any]:
+def _nodal(engine: Engine) -> list[NodalGroup]:
     """Groups of nodal contact."""
     return engine.model.nodal_groups
 
@@ -83,7 +81,7 @@ def _plain(array: np.ndarray) -> np.ndarray:
     return array.view(np.uint8).reshape(*array.shape, array.dtype.itemsize)
 
 
-def _columns(array: np.ndarray, dtype: Any) -> np.ndarray:
+def _columns(array: np.ndarray, dtype: np.dtype) -> np.ndarray:
     """Columns in place of bytes."""
     return array if dtype.names is None else array.view(dtype)[..., 0]
 
@@ -94,6 +92,8 @@ class Snapshot:
     def __init__(self, engine: Engine) -> None:
         self.engine = engine
         self._arrays: dict[str, np.ndarray] = {}
+        # where copies go: they become the snapshot when they have been made
+        self._targets: dict[str, np.ndarray] = {}
         self._pairs: list[tuple[np.ndarray, np.ndarray]] = []
         # number of the binding of arrays to which the copies belong
         self._bound = -1
@@ -102,13 +102,20 @@ class Snapshot:
         self.is_copied = not _nodal(engine) and all(a.flags.c_contiguous for a in arrays)
 
     def pieces(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Copies to be made, from and to, in bytes, as numpy copies columns one by one."""
+        """Copies to be made, from and to, in bytes, as numpy copies columns one by one.
+
+        Tables may be bound anew within an interval: what its begin has stored stays as it is.
+        """
         if self._bound != self.engine.bindings:
             now = {name: a for name, a in changing(self.engine).items() if a.size}
-            self._arrays = {name: a.copy() for name, a in now.items()}
-            self._pairs = [(_bytes(a), _bytes(self._arrays[name])) for name, a in now.items()]
+            self._targets = {name: np.empty_like(a) for name, a in now.items()}
+            self._pairs = [(_bytes(a), _bytes(self._targets[name])) for name, a in now.items()]
             self._bound = self.engine.bindings
         return self._pairs
+
+    def note_copies(self) -> None:
+        """All of `pieces` have been copied."""
+        self._arrays = self._targets
 
     def take(self) -> None:
         """Store the present arrays."""
@@ -117,6 +124,7 @@ class Snapshot:
             return
         for now, kept in self.pieces():
             kept[...] = now
+        self.note_copies()
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Copied arrays by name."""
@@ -124,7 +132,7 @@ class Snapshot:
 
     def recall(self, arrays: dict[str, np.ndarray]) -> None:
         """Restore the values of `arrays` of another snapshot."""
-        self._arrays, self._bound = dict(arrays), -1
+        self._arrays = dict(arrays)
 
     def restore_copy(self) -> None:
         """Restore the stored arrays."""
@@ -134,7 +142,7 @@ class Snapshot:
                 group.output[name] = 0.0
             if group.applied is not None:
                 group.applied[...] = 0
-        if self.is_copied and self._bound == self.engine.bindings:
+        if self._arrays is self._targets and self._bound == self.engine.bindings:
             for now, kept in self._pairs:
                 now[...] = kept
             return

@@ -1,8 +1,10 @@
 """From outputs to channels: the families of a scene and their values at the samples of a block."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Container, Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,6 +18,10 @@ from crashsolve.output.channels import Column, Family
 from crashsolve.recording.kept import Columns, SampledTables, Source, identity, merged
 from crashsolve.recording.momenta import OF_NODES, Momenta
 from crashsolve.system.engine import Engine
+
+if TYPE_CHECKING:
+    from crashsolve.elements.shells.layout import DiscretisedShell
+    from crashsolve.foundation.record import Column as RecordColumn
 
 AXES = ("x", "y", "z")
 BODY = (
@@ -271,7 +277,7 @@ class Histories:
         family = Family("secforc-shell", tuple(names), tuple(columns))
         return [(family, (elements.cuts,), lambda cuts: _stacked(cuts, OUTPUT))]
 
-    def _meshed(self) -> list[tuple[str, Any, Any]]:
+    def _meshed(self) -> list[tuple[str, DiscretisedShell, np.void]]:
         """Name, part in place and row of every part with points."""
         groups = self.engine.model.element_groups()
         elements = self.engine.model.elements
@@ -297,7 +303,7 @@ def _reactions_of(joints: list[Joint]) -> Callable[[np.ndarray, np.ndarray], np.
     """
     # every joint has a row at least
     firsts = np.cumsum([0, *(joint.rows for joint in joints[:-1])])
-    own: Any = [row for j in joints for row in range(j.first_row, j.first_row + j.rows)]
+    own = [row for j in joints for row in range(j.first_row, j.first_row + j.rows)]
     if np.array_equal(own, np.arange(len(own))):
         # as they lie
         own = slice(len(own))
@@ -322,7 +328,7 @@ def _columns(record: Record) -> list[Column]:
     return [column for c in record.columns for column in _components(c)]
 
 
-def _components(c: Any) -> list[Column]:
+def _components(c: RecordColumn) -> list[Column]:
     unit = "1" if c.unit == "count" else c.unit
     if c.size == 1:
         return [Column(c.name, "", unit, c.meaning)]

@@ -12,7 +12,7 @@ import time as clock
 from collections.abc import Iterable
 from math import inf
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from crashsolve.recording.kept import SampledTables
 from crashsolve.system.engine import Engine
 
 if TYPE_CHECKING:
+    from crashsolve.foundation.rows import RowOfTable
     from crashsolve.recording.changing import Snapshot
 
 ENTRIES = ("march", "check_interval", "start_interval", "finish_interval")
@@ -43,12 +44,12 @@ class March:
         self._kept: SampledTables | None = None
         state, control = engine.state, engine.model.control[0]
         self._job = np.zeros(1, march.JOB.dtype)
-        self.job: Any = as_rows(self._job)[0]
+        self.job: RowOfTable = as_rows(self._job)[0]
         self.job.is_dense, self.job.end = engine.is_dense, control["end"]
         self.job.limit, self.job.longest = control["energy_limit"], inf
         self.job.cards = len(engine.model.contacts)
         self.watch_table = np.zeros(1, march.WATCH.dtype)
-        self.watch: Any = as_rows(self.watch_table)[0]
+        self.watch: RowOfTable = as_rows(self.watch_table)[0]
         self.watch.watches = snapshot is not None
         self.marks = np.zeros(len(state.cards), march.MARK.dtype)
         self.phase = np.zeros(1, march.PHASE.dtype)
@@ -69,6 +70,7 @@ class March:
             if self.snapshot is not None and not self.snapshot.is_copied:
                 self.snapshot.take()
             self._call("start_interval")
+            self._note_snapshot()
 
     def finish_interval(self) -> None:
         """Count the interval that ends now."""
@@ -100,11 +102,18 @@ class March:
         self.job.most, self.job.first, self.job.total = count, kept.count, 0
         status = self.engine.within_pause(lambda: self._call("march"))
         kept.count += int(self.job.count)
+        if self.job.count:
+            self._note_snapshot()
         spent, share = clock.process_time() - begun, 1.0
         if self.job.total > 0:
             share = float(self.job.stepping) / float(self.job.total)
         left = status if self.job.why == march.STEPPED else None
         return int(self.job.count), spent * share, left
+
+    def _note_snapshot(self) -> None:
+        """An interval has begun, with a snapshot."""
+        if self.snapshot is not None and self.snapshot.is_copied:
+            self.snapshot.note_copies()
 
     def _call(self, name: str) -> None:
         self._entries[name](0.0, False, self._tables)

@@ -7,7 +7,6 @@ impulse of such a change count as external, as those of a prescribed motion: ene
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
 
 import numpy as np
 
@@ -41,7 +40,7 @@ class PhasedEngine(Engine):
     def __init__(self, model: Model, state: State, program: str = "") -> None:
         super().__init__(model, state, program)
         self.table = np.zeros(1, MEMORY.dtype)
-        self.memory: Any = self.table[0]
+        self.memory: np.void = self.table[0]
         self.aside = {"phases": self.table}
         self.rising = loads_without_curve(model)
         self.memory["share"] = 1.0

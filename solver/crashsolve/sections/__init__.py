@@ -2,13 +2,14 @@
 
 from typing import Any, Protocol
 
+from crashsolve.deck.building import Columns
 from crashsolve.deck.family import ANY, Family
 
 
 class SectionLaw(Protocol):
     """Functions of a cross section's file, beside its card."""
 
-    def build(self, card: Any, poisson: float) -> Any:
+    def build(self, card: Any, poisson: float) -> Columns:
         """Area, `second` (I_y, I_z), `torsion` and `shear` (kappa_y, kappa_z)."""
 
 

@@ -5,8 +5,10 @@ besides by lengths of sections, which structures give their bodies. One without 
 drawn by lines from its mass centre to where joints, springs and contact points act on it.
 """
 
+from __future__ import annotations
+
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,6 +19,12 @@ from crashsolve.deck.reading.items import Entry
 from crashsolve.foundation.orientation import perpendicular
 from crashsolve.model.model import Group, Model
 from crashsolve.output import shapes
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from crashsolve.bodies.rigid import Primitive
+    from crashsolve.deck.building import Columns
 
 # node, points from the mass centre in body axes, cells
 Piece = tuple[int, np.ndarray, np.ndarray]
@@ -55,14 +63,14 @@ def primitives(model: Model, deck: Deck, shaped: list[Piece]) -> list[Piece]:
     return pieces
 
 
-def _primitive(solid: Any) -> tuple[np.ndarray, np.ndarray]:
+def _primitive(solid: Primitive) -> tuple[np.ndarray, np.ndarray]:
     """Points and cells of a primitive."""
-    length = solid.length or 0.0
+    length, radius = solid.length or 0.0, solid.radius or 0.0
     if solid.shape == "box":
         return shapes.box(*(0.5 * np.asarray(solid.size)))
     if solid.shape == "sphere":
-        return shapes.sphere(solid.radius)
-    radius = solid.radius if solid.shape == "cylinder" else SLENDER * length
+        return shapes.sphere(radius)
+    radius = radius if solid.shape == "cylinder" else SLENDER * length
     return shapes.cylinder(radius, 0.5 * length)
 
 
@@ -186,7 +194,7 @@ def _placed(element: Columns, surface: shapes.Surface) -> shapes.Surface:
     return np.asarray(element["point"]) + points @ axes.T, triangles
 
 
-DRAW: dict[str, Any] = {
+DRAW: dict[str, Callable[[Columns], tuple[np.ndarray, np.ndarray]]] = {
     "sphere": lambda e: _placed(e, shapes.sphere(e["radius"])),
     "ellipsoid": lambda e: _placed(e, shapes.ellipsoid(*e["semi"])),
     "cylinder": lambda e: _placed(e, shapes.cylinder(e["radius"], e["half_length"])),

@@ -6,10 +6,12 @@ it to the event again, to the same bits, when it has ended. Consequence to test:
 state at the sample of the largest force, and all else is as without.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,6 +21,9 @@ from crashsolve.output.states import StateWriter
 from crashsolve.recording.changing import Snapshot, is_cheap
 from crashsolve.recording.sampling import Schedule
 from crashsolve.system.engine import Engine
+
+if TYPE_CHECKING:
+    import h5py
 
 TOUCH, FORCE, YIELD = "first touch", "largest contact force", "first yield"
 # outputs of laws that are 0 until they yield
@@ -41,7 +46,7 @@ class EventStates:
         engine: Engine,
         schedule: Schedule,
         wanted: bool,
-        fields: Callable[[], dict[str, Any]],
+        fields: Callable[[], dict[str, dict[str, np.ndarray]]],
     ) -> None:
         self.engine, self._schedule, self._fields = engine, schedule, fields
         # phases pass on more than a State
@@ -161,7 +166,7 @@ def _stop(is_asked: Callable[[], bool]) -> Callable[[], None]:
     return pause
 
 
-def _course(file: Any, name: str, rows: slice) -> np.ndarray:
+def _course(file: h5py.File, name: str, rows: slice) -> np.ndarray:
     """Quantities that grow at an event, at rows of a history."""
     if name == TOUCH:
         return np.count_nonzero(file["rcforc/onsets"][rows], axis=1)

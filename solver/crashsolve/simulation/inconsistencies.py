@@ -1,12 +1,12 @@
 """Inconsistencies of a model at its start: joints that do not close, contacts that penetrate."""
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 
 from crashsolve.deck.keywords import answering
 from crashsolve.deck.reading.deck import Deck
+from crashsolve.deck.reading.items import Entry
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.system.engine import Engine
 
@@ -24,7 +24,7 @@ def refuse_inconsistencies(deck: Deck, engine: Engine) -> None:
         raise DeckErrors(found)
 
 
-def _inconsistencies(deck: Deck, engine: Engine) -> Iterator[tuple[Any, str, str]]:
+def _inconsistencies(deck: Deck, engine: Engine) -> Iterator[tuple[Entry, str, str]]:
     """Card, cause and advice."""
     entries = deck.entries
     joints = {name: card for k in answering("joints") for name, card in entries[k].items()}

@@ -1,12 +1,17 @@
 """Contacts whose peak lies between two samples, by the peaks of all steps."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from crashsolve.model.model import Model
+
+if TYPE_CHECKING:
+    from crashsolve.system.engine import Engine
 
 # a peak of which the samples show less than this share is missed
 SHOWN = 0.5
@@ -39,7 +44,7 @@ class Missed:
         )
 
 
-def missed_contacts(engine: Any, history: Path) -> list[Missed]:
+def missed_contacts(engine: Engine, history: Path) -> list[Missed]:
     """Contacts whose largest normal force no sample shows, by the history of a finished run."""
     model, found = engine.model, list[Missed]()
     if not model.contacts:

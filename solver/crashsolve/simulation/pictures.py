@@ -1,6 +1,8 @@
 """From bodies to pictures: blocks of surfaces, mass centres, springs, beams and contact forces."""
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,6 +17,10 @@ from crashsolve.simulation.body_shapes import Piece, outline
 from crashsolve.simulation.contact_points import ContactPoints
 from crashsolve.simulation.hinge_marks import HingeMarks
 from crashsolve.system.engine import Engine
+
+if TYPE_CHECKING:
+    from crashsolve.deck.reading.items import Entry
+    from crashsolve.elements.shells.layout import DiscretisedShell
 
 VELOCITY = FieldSpec("velocity", "m/s", 3, "node")
 FORCE = FieldSpec("force", "N", 3, "node")
@@ -194,7 +200,7 @@ class Pictures:
             fields["contacts"] = self._contact_fields()
         return fields | self._marks.fields(nodes)
 
-    def _meshed(self, name: str) -> Any:
+    def _meshed(self, name: str) -> DiscretisedShell:
         """A part with points as it was laid."""
         assert self.engine.model.elements is not None
         return self.engine.model.elements.parts[name]
@@ -375,7 +381,7 @@ def _split_values(found: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     }
 
 
-def _elements(entry: Any, part: str) -> list[str]:
+def _elements(entry: Entry, part: str) -> list[str]:
     """Names of the elements of a part of beams."""
     return entry.card.element_names(part) if hasattr(entry.card, "element_names") else []
 

@@ -3,13 +3,15 @@
 Requests during the run, by signals and in control.txt, are those of requests.py.
 """
 
+from __future__ import annotations
+
 import os
 import signal
 import time
 from collections.abc import Mapping
 from contextlib import ExitStack, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -64,6 +66,7 @@ from crashsolve.system.flags import law_warnings
 
 if TYPE_CHECKING:
     from crashsolve.estimate.runner import Estimating
+    from crashsolve.output.restart import Dump
 
 # of the steps that an accuracy needs, in a restart dump
 COARSENESS = "run/coarseness"
@@ -133,7 +136,7 @@ class Run:
         self.log_step = out.log.interval or span / 20 or 1.0
         self.restart_step = out.restart.every
 
-    def prepare(self, restart: bool) -> Any:
+    def prepare(self, restart: bool) -> Dump | None:
         """Clear the folder, or find the dump to continue from; open the log. Raises OutputError."""
         self.notes: list[str] = []
         dump = newest_restart(self.folder, self.notes.append) if restart else None
@@ -151,7 +154,7 @@ class Run:
         self.requests.catch()
         return dump
 
-    def execute(self, dump: object, notes: list[str]) -> int:
+    def execute(self, dump: Dump | None, notes: list[str]) -> int:
         """The whole run. Raises SolverError, RunStopped, OutputError after flushing."""
         self.heartbeat.print_line = self.account.print_line
         try:
@@ -204,7 +207,7 @@ class Run:
             with suppress(OutputError):
                 act()
 
-    def _begin(self, dump: Any) -> None:
+    def _begin(self, dump: Dump | None) -> None:
         """Read the dump, if any; prepare the estimates; open the files."""
         # both measure from the start of the run, also after a restart
         self._use_engine(self.engine)
@@ -259,7 +262,7 @@ class Run:
             self.recorder.take(self.deck.control.start_time)
             self.write(self.deck.control.start_time, force=True)
 
-    def _prepare_estimates(self, dump: Any) -> "Estimating | None":
+    def _prepare_estimates(self, dump: Dump | None) -> Estimating | None:
         """Look up the watched channels, and the step an accuracy needs; None without any.
 
         Raises DeckErrors, SolverError, RunStopped.

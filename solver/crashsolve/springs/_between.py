@@ -1,6 +1,6 @@
 """What springs share: where their ends are, how they move, and how a force acts on both."""
 
-from typing import Any
+from typing import Protocol
 
 import numpy as np
 
@@ -41,7 +41,14 @@ def start_offset(scene: Scene, ends: Columns) -> np.ndarray:
     return np.asarray(scene.rotation_to_body(a, x_b - x_a))
 
 
-def rest_length(card: Any, scene: Scene, ends: Columns) -> float:
+class Sprung(Protocol):
+    """A card of a spring."""
+
+    @property
+    def length(self) -> float | None: ...
+
+
+def rest_length(card: Sprung, scene: Scene, ends: Columns) -> float:
     """Length without force [m]; one is refused that has no direction at the start."""
     start = scene.distance(ends)
     length = start if card.length is None else card.length

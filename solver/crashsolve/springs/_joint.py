@@ -4,7 +4,7 @@ from typing import Any
 
 from pydantic import model_validator
 
-from crashsolve.deck.building import Columns, Scene
+from crashsolve.deck.building import Columns, JointOfScene, Scene
 from crashsolve.deck.card import Card, CurveName, JointName, word
 from crashsolve.foundation.curve import curve_area, curve_value
 from crashsolve.foundation.kernels import kernel
@@ -43,7 +43,7 @@ class StopCard(Card):
         return self
 
 
-def named_joint(scene: Scene, name: str, *motions: str) -> Any:
+def named_joint(scene: Scene, name: str, *motions: str) -> JointOfScene:
     """The joint a card names, which must have one of some motions."""
     scene.refuse_joint(name, motions, "joint")
     return scene.joints[name]

@@ -151,12 +151,12 @@ def build(card: ConeStop, scene: Scene) -> Columns:
 
 def _stretch(azimuth: np.ndarray, half: np.ndarray) -> float:
     """Largest 1 + (theta_l' / sin theta)^2 from the limit to half a radian past it."""
-    narrow, most = half**-2.0, 0.0
-    for phi in np.linspace(0.0, 2.0 * pi, 721):
-        limit, slope = limit_between(azimuth, narrow, len(half), phi)
-        sines = np.sin(np.clip([limit, limit + 0.5], 0.0, 3.0))
-        most = max(most, (slope / sines.min()) ** 2)
-    return 1.0 + float(most)
+    # as plain numbers: numpy takes ten times as long one by one
+    at, narrow = azimuth.tolist(), (half**-2.0).tolist()
+    around = np.linspace(0.0, 2.0 * pi, 721).tolist()
+    limit, slope = np.array([limit_between(at, narrow, len(half), phi) for phi in around]).T
+    sines = np.sin(np.clip([limit, limit + 0.5], 0.0, 3.0)).min(axis=0)
+    return 1.0 + float(((slope / sines) ** 2).max())
 
 
 def _check_start(card: ConeStop, scene: Scene, p: Columns) -> None:

@@ -160,7 +160,7 @@ def level(p: Parameters, t, curves):
 
 
 @kernel
-def store_state(new, configuration, z, torque, slid):
+def store_state(new: History, configuration, z, torque, slid):
     """Writes: new."""
     for k in range(4):
         new.configuration[k] = configuration[k]
@@ -170,7 +170,7 @@ def store_state(new, configuration, z, torque, slid):
 
 
 @kernel
-def rotational_mobility(body, a, p):
+def rotational_mobility(body, a, p: Parameters):
     """Mobility about the axis of a [1/(kg m^2)]; an upper bound about any axis for a ball."""
     axis = vec(p.axis_a)
     if dot(axis, axis) > 0.0:

@@ -13,10 +13,9 @@ at once. Consequence to test: the work is the energy stored, however few the loa
 forces rise linearly.
 """
 
-from typing import Any
-
 import numpy as np
 
+from crashsolve.model.model import Group
 from crashsolve.statics.equations import Equations
 from crashsolve.statics.loading import potential
 
@@ -143,10 +142,10 @@ class Work:
         engine.forces_at_rest(now, engine.state.nodes)
         return float(0.5 * (self.reactions + engine.rows["reaction"][rows]) @ travel)
 
-    def _loads(self) -> list[Any]:
+    def _loads(self) -> list[Group]:
         return [g for g in self.engine.model.force_groups() if hasattr(g.module, "AMPLITUDE")]
 
-    def _of_surfaces(self) -> list[Any]:
+    def _of_surfaces(self) -> list[Group]:
         """Loads on elements: their own steps give no mean of their forces."""
         return [
             g
@@ -155,7 +154,7 @@ class Work:
             or (hasattr(g.module, "force_on_points") and not hasattr(g.module, "LEDGER"))
         ]
 
-    def _forces(self, g: Any, moment: float) -> np.ndarray:
+    def _forces(self, g: Group, moment: float) -> np.ndarray:
         """Forces and moments (entries, 6 n) of loads on the free nodes: with them less without."""
         loading, found = self.engine.loading, []
         for i in range(len(g.names)):

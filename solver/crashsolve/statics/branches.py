@@ -16,7 +16,7 @@ Cedolin (1991), Stability of Structures, 10.2 (the stable path).
 """
 
 from itertools import combinations
-from typing import Any
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -100,7 +100,9 @@ class Branches:
         return sorted(names)
 
 
-def slope_ahead(p: Any, state: Any, c: int, side: float, curves: Any) -> float | None:
+def slope_ahead(
+    p: SimpleNamespace, state: SimpleNamespace, c: int, side: float, curves: list[SimpleNamespace]
+) -> float | None:
     """Slope y' [N/m or N m/rad] of a law at yield in a direction; None where it does not yield."""
     k = p.stiffness[c]
     here, origin = side * k * (state.x[c] - state.plastic[c]), line_origin(p, state, c, side)

@@ -6,20 +6,34 @@
 stands here: n free nodes, m rows of joints.
 """
 
-from typing import Any, Protocol
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from crashsolve.model.model import Model, State
+from crashsolve.model.model import Group, Model, State
 from crashsolve.statics.loading import Loading
+
+if TYPE_CHECKING:
+    from crashsolve.foundation.rows import RowOfTable
 
 Tangent = tuple[np.ndarray, np.ndarray]
 
 
 class CurvesOfLaws(Protocol):
-    """Owner of the curves that laws read."""
+    """Owner of the curves that laws read, and of the groups that may yield."""
 
-    def curves(self) -> Any: ...
+    groups: list[Group]
+
+    def curves(self) -> list[SimpleNamespace]: ...
+
+
+class Flowing(Protocol):
+    """Owner of the groups whose fibres or walls may flow."""
+
+    groups: list[Group]
 
 
 class Residual(Protocol):
@@ -31,20 +45,24 @@ class Residual(Protocol):
 class Equations(Protocol):
     """Attributes and functions of a quasi-static engine."""
 
-    clock: Any
+    clock: RowOfTable
     model: Model
     state: State
-    nodes: Any  # of the last sample
-    rows: Any
+    nodes: np.ndarray  # of the last sample
+    rows: np.ndarray
     ledger: np.ndarray
     free: np.ndarray  # nodes (n,)
     tangent: Tangent | None  # K (6 n, 6 n) and D (m, 6 n) of the last pass
     known_tangent: Tangent | None  # of the last equilibrium
+    first: float  # size of the first correction of the last load step
+    least: float  # shortest load step
 
     loading: Loading
 
     @property
     def yielding(self) -> CurvesOfLaws: ...
+    @property
+    def plastic_flow(self) -> Flowing: ...
 
     # samples
     def forces_at_rest(self, time: float, nodes: np.ndarray) -> np.ndarray: ...

@@ -21,11 +21,11 @@ from crashsolve.model.model import Model, State
 from crashsolve.statics.balance import Forces, Work
 from crashsolve.statics.elimination import eliminate
 from crashsolve.statics.equations import Tangent
-from crashsolve.statics.limit_point import exchanged, passes_limit_point
+from crashsolve.statics.limit_point import Softening, exchanged, passes_limit_point
 from crashsolve.statics.loading import Loading, equal_part
 from crashsolve.statics.motions import largest_motion, move, perturb, rotations
 from crashsolve.statics.plastic_flow import PlasticFlow
-from crashsolve.statics.problem import Problem, first_unstable_mode
+from crashsolve.statics.problem import Problem, explanation
 from crashsolve.statics.stability import mass_matrix, unstable_mode
 from crashsolve.statics.yielding import Yielding
 from crashsolve.system.engine import Engine
@@ -66,7 +66,7 @@ class StaticEngine(Engine):
         self.forces, self.work = Forces(model.size, self.tolerance), Work(self)
         self.notes: list[str] = []
         self.origin = state.nodes.copy()
-        self.flutters = False
+        self.flutters, self.softening = False, Softening()
         self.least = self.first = 0.0  # shortest load step [s], change by the last tangent
         self.checks_limit_points, self.halvings, self.growth = True, HALVINGS, 2.0
         self.width = np.inf  # length of the last load step where they are short [s]
@@ -128,7 +128,7 @@ class StaticEngine(Engine):
                 self.known_tangent = tangent
                 if is_last:
                     ahead = [problem for problem in found if problem.target > start_time]
-                    raise first_unstable_mode(ahead).error(self, start_time)
+                    raise explanation(self, ahead).error(self, start_time)
             is_short = target < until and np.isfinite(self.width)
             # laws that yield continue to do so in the next load steps
             if is_short or any(p.kind == "jump" or not self.checks_limit_points for p in found):
@@ -246,7 +246,9 @@ class StaticEngine(Engine):
             change = self.correction(time, self.known_tangent if count == 0 else None)
             if count == 0:
                 self.first = self.size_of(change)
-                self.forces.include(self.imbalance(time)[0], self)
+                g = self.imbalance(time)[0]
+                self.forces.include(g, self)
+                self.softening.record(self.first, float(np.abs(g).max(initial=0.0)))
             size = self.size_of(change)
             if not np.isfinite(size) or self.plastic_flow.is_diverging(self.step_fraction(change)):
                 break

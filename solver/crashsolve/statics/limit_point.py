@@ -9,11 +9,12 @@ stops at its limit load, with any number of load steps.
 Reference: Crisfield (1991), Non-linear Finite Element Analysis of Solids and Structures 1, ch. 9.
 """
 
-from typing import Any
+from typing import Protocol
 
 import numpy as np
 
 from crashsolve.model import ledger as energy
+from crashsolve.statics.equations import CurvesOfLaws, Equations, Flowing
 
 # over the value by both tangents, beyond which a change of configuration has left the path; and
 # share of the value by the first of them, below which the load step is examined in halves
@@ -28,6 +29,46 @@ EXCHANGED = [*energy.MECHANICAL, energy.EXTERNAL_WORK, energy.DRIVER_WORK]
 # distance from where the way back ends to the start, over the change, of two equilibria
 ELSEWHERE = 0.1
 
+# compliance over the least so far, beyond which a load step that finds no equilibrium is at a limit
+# point: towards that it grows as 1 / sqrt(1 - load / limit load), to ten times where the load steps
+# are halved to a hundredth of the load
+SOFT = 4.0
+
+
+class Softening:
+    """Compliance of the last tangent, and the least so far [1/N]."""
+
+    def __init__(self) -> None:
+        self.last, self.least = 0.0, np.inf
+
+    def record(self, change: float, force: float) -> None:
+        """Record the change of configuration by a tangent, and the force that causes it [N]."""
+        self.last = change / force if force > 0.0 else 0.0
+        if self.last > 0.0:
+            self.least = min(self.least, self.last)
+
+
+class LoadSteps(Protocol):
+    """Attributes of an engine that takes load steps."""
+
+    checks_limit_points: bool
+    softening: Softening
+
+    @property
+    def yielding(self) -> CurvesOfLaws: ...
+    @property
+    def plastic_flow(self) -> Flowing: ...
+
+
+def is_at_limit_point(engine: LoadSteps) -> bool:
+    """Whether the last tangent is so soft that the load can hardly rise.
+
+    Of laws that yield nothing is said, nor of equilibria found by motion.
+    """
+    if engine.yielding.groups or engine.plastic_flow.groups or not engine.checks_limit_points:
+        return False
+    return bool(engine.softening.last > SOFT * engine.softening.least)
+
 
 def exchanged(change: np.ndarray) -> float:
     """Largest energy that a load step moves [J], not zero, of changes of the energy balance."""
@@ -35,7 +76,7 @@ def exchanged(change: np.ndarray) -> float:
 
 
 def passes_limit_point(
-    engine: Any, start: np.ndarray, start_time: float, target: float, missing: float
+    engine: Equations, start: np.ndarray, start_time: float, target: float, missing: float
 ) -> bool:
     """Whether the equilibria at both moments [s] are no neighbours; `start` are the nodes at first,
     `missing` the share of the energy exchanged between both that is not accounted for.
@@ -61,7 +102,7 @@ def passes_limit_point(
 
 
 def _ends_elsewhere(
-    engine: Any, start: np.ndarray, start_time: float, target: float, change: float
+    engine: Equations, start: np.ndarray, start_time: float, target: float, change: float
 ) -> bool:
     """Whether the way back from an equilibrium ends far from the nodes where it began."""
     here, tangent, first = engine.state.nodes.copy(), engine.tangent, engine.first

@@ -11,13 +11,13 @@ gravity included.
 """
 
 from math import ceil
-from typing import Any
+from types import ModuleType
 
 import numpy as np
 
 from crashsolve.foundation.curve import HOLD, LINEAR, POINT
 from crashsolve.foundation.errors import SolverError
-from crashsolve.model.model import Model
+from crashsolve.model.model import Group, Model
 
 # of a load step: a remainder below this is joined to the last one
 ALMOST = 1e-6
@@ -40,7 +40,7 @@ class Loading:
         # along a path of equilibria curves are read before the start as well
         self.follows_path = False
         # a group of loads and the number of an entry that does not act
-        self.silent: tuple[Any, int] | None = None
+        self.silent: tuple[Group, int] | None = None
         self.rising = loads_without_curve(model)
         for g in model.groups:
             p = g.parameters
@@ -88,7 +88,7 @@ class Loading:
             ]
         )
 
-    def full(self) -> list[tuple[Any, np.ndarray]]:
+    def full(self) -> list[tuple[ModuleType, np.ndarray]]:
         """Modules of loads, and the amplitudes of each."""
         return [(g.module, full) for g, _, full in self.rising]
 
@@ -113,7 +113,7 @@ class Loading:
         return float(value + (slope * (x - at) if beyond == LINEAR else 0.0))
 
 
-def loads_without_curve(model: Model) -> list[tuple[Any, np.ndarray, np.ndarray]]:
+def loads_without_curve(model: Model) -> list[tuple[Group, np.ndarray, np.ndarray]]:
     """Groups of loads, which entries of each have no curve, and the amplitudes of all entries."""
     found = []
     for g in model.groups:

@@ -14,7 +14,7 @@ References: Riks (1979), International Journal of Solids and Structures 15, 529-
 (1981), Computers and Structures 13, 55-62.
 """
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -34,6 +34,9 @@ from crashsolve.statics.equilibrium import (
 from crashsolve.statics.problem import Problem
 from crashsolve.statics.stability import count_unstable
 from crashsolve.system.diagnosis import curve_end
+
+if TYPE_CHECKING:
+    from crashsolve.foundation.rows import RowOfTable
 
 # of the run's span: difference by which the change of loads is found
 MOMENT_STEP = 1e-6
@@ -61,7 +64,7 @@ class PathEngine(StaticEngine):
         super().__init__(model, state, control, program)
         self.begin, self.end = control.start_time, control.end_time
         position = np.zeros(1, POSITION.dtype)
-        self.at: Any = as_rows(position)[0]
+        self.at: RowOfTable = as_rows(position)[0]
         self.at.moment = self.at.length = self.begin
         self.at.longest = np.inf
         # tangent of unit length, of positions and rotations in the metric, and of lambda

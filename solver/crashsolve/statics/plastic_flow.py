@@ -7,8 +7,6 @@ stretch nothing, and kept, while some elastic iterations bring the chain back to
 itself is evaluated again in the next pass, and in the equilibrium.
 """
 
-from typing import Any
-
 import numpy as np
 
 from crashsolve.model.checks.statics import follows_load_steps
@@ -27,14 +25,14 @@ NEAR = 1e-5
 class PlasticFlow:
     """The segments of a quasi-static run."""
 
-    def __init__(self, groups: list[Any]) -> None:
+    def __init__(self, groups: list[Group]) -> None:
         self.groups = [g for g in groups if follows_load_steps(g)]
 
     def is_diverging(self, step_fraction: float) -> bool:
         """Whether the iteration diverges: only this fraction of a correction is allowed."""
         return bool(self.groups) and step_fraction < LOST
 
-    def state(self, group: Group, current: int) -> Any:
+    def state(self, group: Group, current: int) -> np.ndarray:
         """History of a group: the accepted one, or that of the present correction."""
         is_frozen = group in self.groups and bool((group.parameters["at_rest"] == FROZEN).any())
         return group.history[1 - current if is_frozen else current]

@@ -3,12 +3,13 @@
 from crashsolve.foundation.errors import SolverError
 from crashsolve.model import ledger as energy
 from crashsolve.statics.equations import Equations
+from crashsolve.statics.limit_point import LoadSteps, is_at_limit_point
 from crashsolve.system.diagnosis import curve_end
 
 
 class Problem:
     """Reason why there is no next equilibrium: "lost", "balance", "unstable mode", "bifurcation",
-    "jump", "lost path", "end of curve".
+    "jump", "limit", "lost path", "end of curve".
     """
 
     def __init__(self, kind: str, target: float, location: str = "the model") -> None:
@@ -23,6 +24,7 @@ class Problem:
         texts |= {
             "bifurcation": self._bifurcation,
             "jump": self._beyond_limit_point,
+            "limit": self._at_limit_point,
             "lost path": self._lost_path,
         }
         cause, advice = texts[self.kind](engine, moment)
@@ -62,11 +64,25 @@ class Problem:
         )
 
     def _beyond_limit_point(self, engine: Equations, moment: float) -> tuple[str, str]:
+        return self._limit_point(
+            engine,
+            moment,
+            "the equilibrium under the higher load is far away (snap-through), and no path of "
+            "equilibria leads there while the load rises",
+        )
+
+    def _at_limit_point(self, engine: Equations, moment: float) -> tuple[str, str]:
+        return self._limit_point(
+            engine,
+            moment,
+            "displacements grow without bound there, and no equilibrium was found under the higher "
+            "load",
+        )
+
+    def _limit_point(self, engine: Equations, moment: float, what: str) -> tuple[str, str]:
         at = engine.loading.message
         return (
-            f"a limit point between {at(moment)} and {at(self.target)}: the equilibrium under the "
-            "higher load is far away (snap-through), and no path of equilibria leads there while "
-            "the load rises",
+            f"a limit point between {at(moment)} and {at(self.target)}: {what}",
             "the load there is the limit load; to follow the path beyond it set control.path: "
             "arc_length, prescribe the motion by a driver, whose reaction is the load, or say "
             "solution: transient with damping",
@@ -88,7 +104,13 @@ class Problem:
         )
 
 
-def first_unstable_mode(found: list[Problem]) -> Problem:
-    """The earliest unstable mode, which explains the failures beyond it; else the last problem."""
+def explanation(engine: LoadSteps, found: list[Problem]) -> Problem:
+    """The earliest unstable mode, which explains the failures beyond it; else the last problem,
+    which is that of a limit point where no equilibrium was found beside one.
+    """
     displacements = [problem for problem in found if problem.kind == "unstable mode"]
-    return min(displacements, key=lambda problem: problem.target) if displacements else found[-1]
+    if displacements:
+        return min(displacements, key=lambda problem: problem.target)
+    last = found[-1]
+    is_limit = last.kind == "lost" and is_at_limit_point(engine)
+    return Problem("limit", last.target, last.location) if is_limit else last

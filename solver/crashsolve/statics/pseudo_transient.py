@@ -14,7 +14,6 @@ Reference: Crisfield (1991), Non-linear Finite Element Analysis of Solids and St
 """
 
 from math import sqrt
-from typing import Any
 
 import numpy as np
 
@@ -242,7 +241,7 @@ class RestEngine(StaticEngine):
         return self.name_of(int(self.free[own[np.abs(mode).argmax() // 6]]))
 
 
-def warning_of_rotating_loads(groups: list[Any]) -> str | None:
+def warning_of_rotating_loads(groups: list[Group]) -> str | None:
     """Warning of rotating loads that the check of stability leaves out; None without any."""
     names = [name for g in groups for name in _rotating(g)]
     if not names:

@@ -19,7 +19,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import product
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 
@@ -245,8 +244,8 @@ class Yielding:
         )
 
     def _entries(
-        self, current: int, nodes: np.ndarray, groups: list[Any]
-    ) -> Iterator[tuple[Any, SimpleNamespace, SimpleNamespace, dict[int, SimpleNamespace]]]:
+        self, current: int, nodes: np.ndarray, groups: list[Group]
+    ) -> Iterator[tuple[Group, SimpleNamespace, SimpleNamespace, dict[int, SimpleNamespace]]]:
         """Group, parameters, accepted history with `fails`, and both nodes of every hinge."""
         for g in groups:
             old, new = g.history[current], g.history[1 - current]

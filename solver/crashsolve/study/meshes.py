@@ -19,6 +19,8 @@ from typing import Any
 
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.deck.reading.items import Entry
+from crashsolve.deck.run_cards.expect import Expect
+from crashsolve.deck.run_cards.watch import Watch
 
 # deformations of a structure's members, the word that divides them, and the order in its length
 STRUCTURE = {"segments": "divisions", "beams": "divisions", "shells": "across"}
@@ -113,7 +115,7 @@ def has_segments(deck: Deck) -> bool:
 
 
 def _of_part(deck: Deck, part: Entry) -> Iterator[Divisible]:
-    card: Any = part.card
+    card = part.card
     name, (path, mesh) = part.name, _mesh_of(deck, part)
     if hasattr(mesh, "division"):
         inner = frozenset(card.node_names(name)[1:-1]) | frozenset(card.element_names(name))
@@ -153,7 +155,7 @@ def _deformations(card: Any) -> list[str]:
 
 
 def _of_structure(deck: Deck, entry: Entry) -> Iterator[Divisible]:
-    card: Any = entry.card
+    card = entry.card
     if not hasattr(card, "deformation"):
         return
     base, inner = f"parts.{entry.name}", _inner_names(deck, entry)
@@ -194,6 +196,6 @@ def _check_names(deck: Deck, field: Divisible) -> None:
 def _words(deck: Deck) -> set[str]:
     texts = [path.read_text("utf-8", "replace") for path in deck.files]
     # a run in memory may watch channels that no file names
-    cards: list[Any] = [*deck.watch, *deck.expect]
+    cards: list[Watch | Expect] = [*deck.watch, *deck.expect]
     texts += [str(card.channel) for card in cards] + list(deck.given.values())
     return {word for text in texts for word in re.findall(r"\w+", text)}

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from types import ModuleType
-from typing import Any, NamedTuple, get_args
+from typing import NamedTuple, get_args
 
 from crashsolve.deck.card import Card
 from crashsolve.deck.family import CHOSEN
@@ -117,7 +117,7 @@ def varied(deck: Deck, text: str) -> tuple[str, list[str]]:
 def _words(deck: Deck, path: list[str]) -> list[str]:
     """The words among which a field of a card, at a path of the deck, chooses."""
     if path[0] == "control":
-        cards: list[Any] = [deck.control]
+        cards: list[Card] = [deck.control]
         names = path[1:]
     else:
         entries = [*deck.entries.get(path[0], {}).values(), *deck.written_out]

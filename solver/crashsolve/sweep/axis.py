@@ -9,7 +9,7 @@ References: Devroye, Non-uniform random variate generation (1986), section 2.1.
 """
 
 import math
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import ClassVar, Literal, NamedTuple
 
 from pydantic import field_validator, model_validator
 
@@ -41,7 +41,7 @@ class Axis(Card):
         "peak": ("triangular",),
     }
 
-    values: tuple[Any, ...] | None = word("values to take, numbers or words", None)
+    values: tuple[object, ...] | None = word("values to take, numbers or words", None)
     from_: float | str | None = word("least value, alone or with a unit", None)
     to: float | str | None = word("largest value, in the same unit", None)
     count: int | None = word("values of a range in a grid", None, ge=2, le=10_000)
@@ -55,7 +55,7 @@ class Axis(Card):
 
     @field_validator("values")
     @classmethod
-    def _plain(cls, values: tuple[Any, ...] | None) -> tuple[Any, ...] | None:
+    def _plain(cls, values: tuple[object, ...] | None) -> tuple[object, ...] | None:
         for i, value in enumerate(values or ()):
             if not isinstance(value, str | int | float | bool | None):
                 refuse(f"must be a number or a word, not {shown(value)}", within=(i,))

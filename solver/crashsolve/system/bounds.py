@@ -10,14 +10,15 @@ The run itself is not changed.
 
 from dataclasses import dataclass
 from time import monotonic
-from typing import Any
 
 import numpy as np
 
 from crashsolve.deck.keywords import SECTIONS
 from crashsolve.model.contact.body_pairs import body_pairs_of
+from crashsolve.model.contact.groups import ContactGroup
 from crashsolve.model.contact.pieces import tables_of
 from crashsolve.model.ledger import ENTRIES
+from crashsolve.model.model import Group
 from crashsolve.system.diagnosis import chooses_step, limiter
 from crashsolve.system.engine import Engine
 from crashsolve.system.placeholders import group_arrays
@@ -192,16 +193,16 @@ def _split(rows: np.ndarray) -> list[np.ndarray]:
     return [rows[k : k + 1] for k in range(len(rows))]
 
 
-def _only(group: Any, rows: np.ndarray) -> dict[str, np.ndarray]:
+def _only(group: Group | ContactGroup, rows: np.ndarray) -> dict[str, np.ndarray]:
     """The tables of a group with some of its rows alone."""
     tables = {
         "parameters": group.parameters[rows].copy(),
         "history": np.ascontiguousarray(group.history[:, rows]),
         "output": group.output[rows].copy(),
     }
-    if getattr(group, "in_pieces", False):
+    if isinstance(group, ContactGroup) and group.in_pieces:
         tables |= tables_of(group, tables["parameters"])
-    if getattr(group, "body_pairs", None) is not None:
+    if isinstance(group, ContactGroup) and group.body_pairs is not None:
         tables["body_pairs"] = body_pairs_of(group, tables["parameters"])
     return {f"{group.word}_{name}": table for name, table in tables.items()}
 

@@ -8,7 +8,6 @@ scene lacks appears in it. `crashsolve explain` prints it.
 import hashlib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 from crashsolve.compiler.cache import (
     cache_folder,
@@ -77,7 +76,7 @@ def composed(model: Model, deck: str) -> str:
     return text
 
 
-def _description(model: Any) -> Iterator[str]:
+def _description(model: Model) -> Iterator[str]:
     """Properties on which a composed step may depend beside the deck's text."""
     for name, value in placeholders(model).items():
         yield f"{name} {value if isinstance(value, bool) else [g.word for g in value]}"
@@ -112,7 +111,7 @@ def load(text: str, tables: Tables) -> Function:
 def ends_in_nan(advance: Function) -> Function:
     """Plain Python raises where compiled code continues with infinity or NaN, and is stopped."""
 
-    def plain(number: float, flag: bool, tables: Any) -> None:
+    def plain(number: float, flag: bool, tables: Tables) -> None:
         try:
             advance(number, flag, tables)
         except (ArithmeticError, ValueError) as error:

@@ -1,7 +1,7 @@
 """Why the compiled loop stopped: location, likely cause and advice, as the user reads them."""
 
 from math import isfinite
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from crashsolve.model.clock import (
 )
 from crashsolve.model.model import Model, State
 from crashsolve.system.gain import OVERSTATED, energy_gain, has_gain, overstates
+from crashsolve.system.joint_balance import gaining_joints
 from crashsolve.system.timestep import QUARTER
 
 # the best remedy where a shell folds on itself: a node meets the nearer of two walls alone
@@ -178,6 +179,16 @@ def open_joints(model: Model, state: State, clock: np.void) -> Diagnosis:
     return f"joint '{name}'", cause, closer(model, state) + "; or remove a joint"
 
 
+def broken_joints(model: Model, state: State) -> SolverError | None:
+    """The error for joints that have created or lost too much energy."""
+    one = gaining_joints(model, state)
+    if one is None:
+        return None
+    time, cycle = (state.clock[0][name].item() for name in ("time", "cycle"))
+    cause = f"{one}; they took and gave {one.exchange:.3g} J"
+    return SolverError(time, cycle, f"joint '{one.joint}'", cause, closer(model, state))
+
+
 def broken_velocities(model: Model, state: State) -> Diagnosis:
     """Velocities that cannot be brought onto D v = nu."""
     speed = velocity_error(model, state) / state.rows["scale"]
@@ -331,7 +342,7 @@ def find_law_gain(model: Model, state: State) -> Diagnosis:
     return where, why, f"{closer(model, state)}; control.energy_limit sets the bound"
 
 
-def _gain_of(now: Any, stored: float, limit: float) -> tuple[float, str]:
+def _gain_of(now: np.void, stored: float, limit: float) -> tuple[float, str]:
     """Energy that a law has created, over the energy it exchanged, and in words."""
     taken, initial = (
         0.5 * float(now["exchanged"] - now["work_done"]),

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from importlib import import_module
 from math import inf, nextafter
 from time import monotonic
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -30,10 +30,14 @@ from crashsolve.model.nodes import ESTIMATE
 from crashsolve.system.compose import compose, load
 from crashsolve.system.contact.effective_mass import EffectiveMasses
 from crashsolve.system.contact.initial_penetration import find_impact_speeds
-from crashsolve.system.diagnosis import diagnose, passed_through, velocity_error
+from crashsolve.system.diagnosis import broken_joints, diagnose, passed_through, velocity_error
+from crashsolve.system.joint_balance import joint_warnings
 from crashsolve.system.placeholders import group_arrays, is_shared, samples_within_steps
 from crashsolve.system.swings import swing_warnings
 from crashsolve.threads.sharing import arrays_of_threads
+
+if TYPE_CHECKING:
+    from crashsolve.foundation.rows import RowOfTable
 
 # an assembly error above this share of the model's size is an error in the deck, not round-off
 ASSEMBLY = 1e-6
@@ -134,8 +138,8 @@ class Engine:
         m, s = self.model, self.state
         self.bindings += 1
         # time, step, cycle and totals: at present, and of the last sample
-        self.clock: Any = as_rows(s.clock)[0]
-        self.sampled: Any = as_rows(self.sample_clock)[0]
+        self.clock: RowOfTable = as_rows(s.clock)[0]
+        self.sampled: RowOfTable = as_rows(self.sample_clock)[0]
         shared = (
             group_arrays(m, s) | m.saddle._asdict() | {"control": m.control, "curves": m.curves}
         )
@@ -374,6 +378,9 @@ class Engine:
     def finish(self) -> None:
         """Judge the balance of the whole run, however few its steps. Raises SolverError."""
         self._check_pass_through()
+        broken = broken_joints(self.model, self.state)
+        if broken is not None:
+            raise broken
         if energy.is_broken(self.ledger, self._limit):
             raise diagnose(self.model, self.state, self.clock, self.ledger)
 
@@ -386,6 +393,7 @@ class Engine:
     def step_warnings(self) -> list[str]:
         """Signs that the step is too long for the forces of joints, which have no stiffness."""
         found = self._balance_warnings() + swing_warnings(self.clock, self.model.bodies)
+        found += joint_warnings(self.model, self.state)
         cycles = int(self.clock["cycle"])
         iterations = int(self.clock["iterations"]) / max(cycles, 1)
         if self.model.integrator != "rattle" or iterations <= MANY_PASSES:

@@ -7,6 +7,7 @@ the compiled step tests the kind of its scene.
 """
 
 from importlib import import_module
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -99,7 +100,7 @@ def placeholders(model: Model) -> dict[str, Any]:
     }
 
 
-def method(model: Model) -> Any:
+def method(model: Model) -> ModuleType:
     """Module of the integrator."""
     return import_module(f"crashsolve.integrators.{model.integrator}")
 
@@ -136,7 +137,11 @@ def samples_within_steps(model: Model) -> bool:
 def group_arrays(model: Model, state: State) -> dict[str, np.ndarray]:
     """Arrays of all groups by their name in the composed module."""
     arrays: dict[str, np.ndarray] = {}
-    groups: list[Any] = [*model.groups, *model.contact_groups, *model.nodal_groups]
+    groups: list[Group | ContactGroup | NodalGroup] = [
+        *model.groups,
+        *model.contact_groups,
+        *model.nodal_groups,
+    ]
     for group in groups:
         arrays |= {f"{group.word}_{name}": array for name, array in group.tables().items()}
     arrays |= model.nodal_loads

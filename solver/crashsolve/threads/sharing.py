@@ -2,10 +2,10 @@
 
 from collections.abc import Callable
 from threading import Thread
-from typing import Any
 
 import numpy as np
 
+from crashsolve.compiler.table import Tables
 from crashsolve.foundation.record import Record
 from crashsolve.model.clock import CLOCK
 from crashsolve.model.elements import line_up
@@ -23,7 +23,7 @@ JOB = Record("""
 """)
 
 
-def shared_arrays(model: Model) -> dict[str, Any]:
+def shared_arrays(model: Model) -> dict[str, np.ndarray]:
     """Tables that all threads share: queues, job and pieces."""
     job = np.zeros(1, JOB.dtype)
     job["threads"] = model.threads
@@ -34,6 +34,7 @@ def shared_arrays(model: Model) -> dict[str, Any]:
     }
     if model.elements:
         pieces = model.elements.pieces
+        assert pieces is not None
         shared |= {
             "pieces": pieces.pieces,
             "originals": pieces.originals,
@@ -42,7 +43,7 @@ def shared_arrays(model: Model) -> dict[str, Any]:
     return shared
 
 
-def arrays_of_threads(model: Model) -> list[dict[str, Any]]:
+def arrays_of_threads(model: Model) -> list[dict[str, np.ndarray]]:
     """Tables of its own for each thread but the first.
 
     Number, clock, work space for a block of elements and for the area of contact of a pair.
@@ -62,7 +63,7 @@ def arrays_of_threads(model: Model) -> list[dict[str, Any]]:
 def together(first: Callable[..., None], other: Callable[..., None]) -> Callable[..., None]:
     """The compiled step `first`, during which other threads run `other`."""
 
-    def step(number: float, flag: bool, tables: Any) -> None:
+    def step(number: float, flag: bool, tables: Tables) -> None:
         tables.queues[:] = 0
         threads = [Thread(target=other, args=(0.0, False, own)) for own in tables.of_threads]
         for thread in threads:

@@ -14,13 +14,11 @@ large-scale Lagrangian computations, Computer Methods in Applied Mechanics and E
 107-137 (tied interfaces, with height zero).
 """
 
-from typing import Any
-
 import numpy as np
 
-from crashsolve.deck.building import Columns, Scene
+from crashsolve.deck.building import Columns, PartOfScene, Scene
 from crashsolve.deck.card import Card, PartName, SetName, quantity, word
-from crashsolve.ties._faces import nearest_face
+from crashsolve.ties._faces import OnFace, nearest_face
 
 IMPLICIT = ("generalized_alpha", "radau_iia_5")
 
@@ -72,7 +70,7 @@ def _refuse_method(scene: Scene) -> None:
     raise scene.fail(f"{message}; set integrator: rattle, or give both parts one mesh")
 
 
-def _refuse_fixed(node: int, tied: Any, scene: Scene) -> None:
+def _refuse_fixed(node: int, tied: PartOfScene, scene: Scene) -> None:
     """A node that has a motion given already."""
     if tied.fixed[node]:
         message = (
@@ -81,7 +79,7 @@ def _refuse_fixed(node: int, tied: Any, scene: Scene) -> None:
         raise scene.fail(f"{message} already; leave it out of the set", "nodes")
 
 
-def _too_far(found: Any, x: np.ndarray, card: NodeToFace, limit: float) -> str:
+def _too_far(found: OnFace | None, x: np.ndarray, card: NodeToFace, limit: float) -> str:
     if found is None:
         message = f"the node at {_shown(x)} lies beside all faces of '{card.to}'"
         return f"{message}; leave it out of the set, or move one of the parts"

@@ -11,7 +11,7 @@ sqrt(2 R h - h^2) away.
 from collections.abc import Sequence
 from importlib import import_module
 from math import sqrt
-from typing import Any
+from typing import Protocol
 
 import numpy as np
 
@@ -97,7 +97,7 @@ def _place_profile(profile: Profile, i: int, shapes: Columns, scene: Scene) -> N
     shapes["road_root"][i] = scene.curve(profile.curve)
 
 
-def _shape(name: str, card: Card, scene: Scene) -> Any:
+def _shape(name: str, card: Card, scene: Scene) -> Columns:
     """The one element of a surface."""
     elements = import_module(type(card).__module__).build(card, scene)
     if len(elements) != 1:
@@ -105,7 +105,16 @@ def _shape(name: str, card: Card, scene: Scene) -> Any:
     return elements[0]
 
 
-def mesh_tables(cards: Sequence[Any], table: np.ndarray, scene: Scene) -> tuple[np.ndarray, ...]:
+class Rolling(Protocol):
+    """A card of a tyre, by the names of its roads."""
+
+    @property
+    def road(self) -> Sequence[str]: ...
+
+
+def mesh_tables(
+    cards: Sequence[Rolling], table: np.ndarray, scene: Scene
+) -> tuple[np.ndarray, ...]:
     """Boxes and triangles of all meshes of some tyres; () without any. Writes: table.road_root."""
     solids, positions = [], []
     for row, card in zip(table, cards, strict=True):

@@ -3,7 +3,7 @@
 import ast
 import builtins
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from types import ModuleType
 from typing import Any
 
@@ -31,7 +31,7 @@ from crashsolve.compiler.translation.text import FLAGS, Text
 Builtin = Callable[["Expressions", list[Value]], Value]
 BUILTINS: dict[Any, Builtin] = {}
 # of constants, to settle before the run
-KNOWN_ORDERS: dict[type[ast.cmpop], Any] = {
+KNOWN_ORDERS: dict[type[ast.cmpop], Callable[[Any, Any], bool]] = {
     ast.Eq: operator.eq,
     ast.NotEq: operator.ne,
     ast.Lt: operator.lt,
@@ -49,7 +49,7 @@ class Expressions:
     # transformations of sums and products that LLVM may make
     flags = FLAGS
 
-    def __init__(self, names: dict[str, Any], module: Any) -> None:
+    def __init__(self, names: Mapping[str, object], module: Any) -> None:
         self.names, self.module = names, module
         # the owner of an index, for messages
         self.indexed: ast.expr | None = None

@@ -1,14 +1,16 @@
 """One kernel: its statements, and the kinds of its variables.
 
-A variable has a slot for every kind that it takes. Where branches with numbers of different kinds
-in a variable join, each is converted to the widest kind. The kinds at the end of a loop are known
-after its start has been translated: if they differ, the function is translated again.
+A variable has a slot for every kind that it takes; one that is set in a single place is that value
+itself, and needs no slot. Where branches with numbers of different kinds in a variable join, each
+is converted to the widest kind. The kinds at the end of a loop are known after its start has been
+translated: if they differ, the function is translated again.
 """
 
+from __future__ import annotations
+
 import ast
-from functools import cache
 from types import FunctionType
-from typing import Any
+from typing import TYPE_CHECKING
 
 from crashsolve.compiler.translation import arithmetic, memory
 from crashsolve.compiler.translation.expressions import Expressions
@@ -33,19 +35,17 @@ from crashsolve.compiler.translation.variables import (
     Edge,
     Loop,
     Slots,
+    settled_in,
+    stored_in,
     wider,
 )
+
+if TYPE_CHECKING:
+    import numpy as np
 
 
 class Again(Exception):
     """The function must be translated again: more is known of its variables."""
-
-
-@cache
-def _stored(tree: ast.FunctionDef) -> frozenset[str]:
-    """Names that a function gives a value to: once for all kinds of its arguments."""
-    names = (n for n in ast.walk(tree) if isinstance(n, ast.Name))
-    return frozenset(n.id for n in names if isinstance(n.ctx, ast.Store))
 
 
 class Function(Expressions):
@@ -59,7 +59,7 @@ class Function(Expressions):
         super().__init__(function.__globals__, module)
         self.tree, self.function, self.kinds = tree, function, kinds
         self.where = tree.lineno
-        self.stored = _stored(tree)
+        self.stored, self.set_once = stored_in(tree), settled_in(tree)
         self.returns: Kind | None = None
         # kinds of variables at the start of loops, where the end brings other ones
         self.wider: dict[tuple[int, str], Kind] = {}
@@ -125,6 +125,10 @@ class Function(Expressions):
         """name = value."""
         if isinstance(value.kind, Known):
             self.bound[name] = value
+            return
+        if name in self.set_once:
+            # what Python knows of the value does not count: variables are not constants
+            self.bound[name] = Value(value.kind, value.words)
             return
         key = (name, value.kind)
         if key not in self.slots:
@@ -244,7 +248,7 @@ class Function(Expressions):
         for target, item in zip(targets, items, strict=True):
             self.assign(target.value if isinstance(target, ast.Starred) else target, item)
 
-    def slot_of(self, target: ast.expr) -> tuple[str, Any]:
+    def slot_of(self, target: ast.expr) -> tuple[str, np.dtype]:
         """Address and type of a number that is to be written."""
         if isinstance(target, ast.Attribute):
             row = self.value(target.value)

@@ -63,7 +63,7 @@ NOTHING = Nothing()
 class Known(Kind):
     """A value known before the run: a module, a function, a class."""
 
-    what: Any
+    what: object
 
     @property
     def words(self) -> tuple[str, ...]:

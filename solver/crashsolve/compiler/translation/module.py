@@ -1,6 +1,15 @@
-"""A whole module in LLVM's language: some functions of a source file, and all they call."""
+"""Some functions of a source file and all they call, in LLVM's language, as units.
+
+A unit is a function with the small ones that it calls, which LLVM may inline. Large ones, which it
+would not, are units of their own. A symbol ends in a hash of the text of its function, which has
+the symbols of all that this calls: a symbol has one meaning in all scenes, and kernels with the
+same text are one. So the code of a unit serves every scene that needs it (compiler/process.py).
+"""
 
 import ast
+import hashlib
+import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -40,6 +49,11 @@ CHECKS = (
 )
 
 
+# a function with more lines is a unit of its own
+LARGE = 150
+REFERENCE = re.compile(r'@"([^"]+)"')
+
+
 class TranslationError(Exception):
     """A kernel cannot be compiled: file, line, and why."""
 
@@ -52,6 +66,24 @@ class Known:
     returns: Kind
 
 
+@dataclass(frozen=True)
+class Part:
+    """A translated function: its head and body, and the symbols that stand in these."""
+
+    head: str
+    body: str
+    references: tuple[str, ...]
+    is_first: bool  # of a unit
+
+    def text(self, is_called_elsewhere: bool) -> str:
+        linkage = "" if is_called_elsewhere else "linkonce_odr "
+        return f"define {linkage}{self.head} {self.body}"
+
+    @property
+    def declaration(self) -> str:
+        return f"declare {self.head}"
+
+
 class Module:
     """Functions of a module, each for every combination of kinds it is called with."""
 
@@ -59,7 +91,8 @@ class Module:
         self.is_checked = is_checked
         self.tables = tables_of(slots)
         self.has_lanes = "lanes" in slots
-        self.parts: list[str] = []
+        self.entries: set[str] = set()
+        self.parts: dict[str, Part] = {}
         self.constants: dict[str, str] = {}
         self._known: dict[tuple[FunctionType, tuple[Kind, ...]], Known | None] = {}
 
@@ -67,18 +100,48 @@ class Module:
         """A function of a number, a flag and the tables, which machine.py makes callable from
         Python.
         """
+        self.entries.add(name)
         self._translate(function, (FLOAT, BOOL, self.tables), name)
 
-    def text(self) -> str:
-        """The module. Constants stand first, by name."""
-        constants = [f"{name} = private constant {text}" for text, name in self.constants.items()]
+    def units(self) -> dict[str, str]:
+        """The texts of all units by names with a hash: the same name has the same text."""
+        if self.has_lanes or self.is_checked:
+            # lanes need all that a loop calls; failures are kept in one place
+            texts = [part.text(name in self.entries) for name, part in self.parts.items()]
+            whole = self._joined(texts, self.constants)
+            return {_named("whole", whole): whole}
+        firsts = [symbol for symbol, part in self.parts.items() if part.is_first]
+        return dict(map(self._unit, firsts))
+
+    def _unit(self, first: str) -> tuple[str, str]:
+        """Name and text of the unit that begins with a function."""
+        found, left = {first: self.parts[first].text(True)}, [first]
+        constants = list[str]()
+        while left:
+            for symbol in self.parts[left.pop()].references:
+                part = self.parts.get(symbol)
+                if part is None:
+                    constants.append(symbol)
+                elif symbol not in found:
+                    found[symbol] = part.declaration if part.is_first else part.text(False)
+                    left += [] if part.is_first else [symbol]
+        text = self._joined(list(found.values()), constants)
+        return _named(first, text), text
+
+    def _joined(self, parts: list[str], constants: Iterable[str]) -> str:
+        kept = [
+            f'@"{name}" = private constant {self.constants[name]}'
+            for name in dict.fromkeys(constants)
+        ]
         checks = CHECKS if self.is_checked else ()
         heads = [*builtin.declarations(), *threads.DECLARED, *addresses.DECLARED, *checks]
-        return "\n".join([*heads, *constants, *self.parts])
+        return "\n".join([*heads, *kept, *parts])
 
     def keep(self, text: str) -> str:
         """The name of a constant."""
-        return self.constants.setdefault(text, f"@c{len(self.constants)}")
+        name = _named("constant", text)
+        self.constants[name] = text
+        return f'@"{name}"'
 
     def call(self, text: Text, function: FunctionType, given: list[Value]) -> Value:
         """Call a kernel. Raises Untranslatable, TranslationError."""
@@ -87,8 +150,7 @@ class Module:
         key = (function, tuple(value.kind for value in given))
         if key not in self._known:
             self._known[key] = None
-            symbol = f"{function.__module__}.{function.__name__}.{len(self._known)}"
-            self._known[key] = self._translate(function, key[1], symbol)
+            self._known[key] = self._translate(function, key[1])
         called = self._known[key]
         if called is None:
             raise Untranslatable(f"{function.__name__} calls itself")
@@ -109,7 +171,8 @@ class Module:
         parts = (text.value(f"extractvalue {struct} {whole}, {k}") for k in range(len(kinds)))
         return Value(called.returns, tuple(parts))
 
-    def _translate(self, function: FunctionType, kinds: tuple[Kind, ...], symbol: str) -> Known:
+    def _translate(self, function: FunctionType, kinds: tuple[Kind, ...], entry: str = "") -> Known:
+        """A function as a part, under the name of an entry or one with a hash."""
         tree = _trees(Path(function.__code__.co_filename))[function.__code__.co_firstlineno]
         one = Function(tree, function, kinds, self)
         try:
@@ -118,28 +181,43 @@ class Module:
             where = f"{function.__code__.co_filename}:{one.where}: {function.__name__}"
             raise TranslationError(f"{where}: {why}") from why
         assert one.returns is not None
-        self.parts.append(self._whole(one, function, symbol))
+        how = function.compiled_as  # type: ignore[attr-defined]
+        before, after = _head(one, how)
+        end = [] if one.text.ended else ["unreachable"]
+        lines = ["{", "entry:", *one.rooms(), *one.text.lines, *end, "}"]
+        body = "\n".join(lines)
+        symbol = entry or _named(function.__name__, f"{how} {before} {after} {body}")
+        is_large = len(lines) > LARGE and how not in ("inlined", "stage")
+        self.parts[symbol] = Part(
+            head=f'{before} @"{symbol}"{after}',
+            body=body,
+            references=tuple(dict.fromkeys(REFERENCE.findall(body))),
+            is_first=is_large or how in ("entry", "apart"),
+        )
         return Known(symbol, one.returns)
 
-    def _whole(self, one: Function, function: FunctionType, symbol: str) -> str:
-        """The function with its head."""
-        how = function.compiled_as  # type: ignore[attr-defined]
-        alone = " noalias" * (how == "blockwise")
-        # Python passes a truth value as a byte
-        whole = " zeroext" * (how == "entry")
-        marks = {"ptr": alone, "i1": whole}
-        given = ", ".join(
-            f"{word}{marks.get(word, '')} {name}"
-            for k, kind in enumerate(one.kinds)
-            for word, name in zip(kind.words, one.arguments(k), strict=True)
-        )
-        assert one.returns is not None
-        linkage = "" if how == "entry" else "linkonce_odr "
-        head = f'define {linkage}{struct_of(one.returns.words)} @"{symbol}"({given}) nounwind'
-        head += " alwaysinline" * (how in ("inlined", "stage"))
-        head += " noinline" * (how == "apart")
-        end = [] if one.text.ended else ["unreachable"]
-        return "\n".join([head + " {", "entry:", *one.rooms(), *one.text.lines, *end, "}"])
+
+def _named(name: str, text: str) -> str:
+    """A name that no other text has."""
+    return f"{name}.{hashlib.sha256(text.encode()).hexdigest()[:20]}"
+
+
+def _head(one: Function, how: str) -> tuple[str, str]:
+    """What stands before and after the name of a function."""
+    alone = " noalias" * (how == "blockwise")
+    # Python passes a truth value as a byte
+    whole = " zeroext" * (how == "entry")
+    marks = {"ptr": alone, "i1": whole}
+    given = ", ".join(
+        f"{word}{marks.get(word, '')} {name}"
+        for k, kind in enumerate(one.kinds)
+        for word, name in zip(kind.words, one.arguments(k), strict=True)
+    )
+    assert one.returns is not None
+    after = f"({given}) nounwind"
+    after += " alwaysinline" * (how in ("inlined", "stage"))
+    after += " noinline" * (how == "apart")
+    return struct_of(one.returns.words), after
 
 
 @cache

@@ -1,6 +1,8 @@
 """Variables of a kernel: their storage, and their kinds where branches join."""
 
+import ast
 from dataclasses import dataclass, field
+from functools import cache
 
 from crashsolve.compiler.translation.kinds import Kind, Value, unify
 
@@ -54,3 +56,45 @@ def wider(one: Kind, other: Kind) -> Kind:
         if kind in (one, other):
             return kind
     return unify(one, other) or LOST
+
+
+@cache
+def stored_in(tree: ast.FunctionDef) -> frozenset[str]:
+    """Names that a function gives a value to: once for all kinds of its arguments."""
+    names = (n for n in ast.walk(tree) if isinstance(n, ast.Name))
+    return frozenset(n.id for n in names if isinstance(n.ctx, ast.Store))
+
+
+@cache
+def settled_in(tree: ast.FunctionDef) -> frozenset[str]:
+    """Names that are set in one place, which is translated once and lies before all their uses.
+
+    In a loop it is set anew every time, so no use may lie outside of that loop.
+    """
+    stores: dict[str, list[list[ast.stmt]]] = {}
+    loads: dict[str, list[list[ast.stmt]]] = {}
+
+    def visit(node: ast.AST, loops: list[ast.stmt]) -> None:
+        if isinstance(node, ast.Name):
+            is_store = isinstance(node.ctx, ast.Store)
+            (stores if is_store else loads).setdefault(node.id, []).append(loops)
+        inside = [*loops, node] if isinstance(node, (ast.For, ast.While)) else loops
+        for child in ast.iter_child_nodes(node):
+            visit(child, loops if child is getattr(node, "iter", None) else inside)
+
+    visit(tree, [])
+    return frozenset(
+        name
+        for name, (loops, *others) in stores.items()
+        if not others
+        and not any(isinstance(loop, ast.For) and not _is_range(loop) for loop in loops)
+        and all(used[: len(loops)] == loops for used in loads.get(name, ()))
+    ) - {argument.arg for argument in tree.args.args}
+
+
+def _is_range(loop: ast.For) -> bool:
+    """Whether the body is translated once; it is for every item of a tuple."""
+    match loop.iter:
+        case ast.Call(func=ast.Name(id="range")):
+            return True
+    return False

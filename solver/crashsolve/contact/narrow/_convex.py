@@ -11,10 +11,9 @@ Consequence to test: depth and normal of two spheres, and those of a brute-force
 References: Gilbert and Foo (1990), IEEE Trans. Robotics Autom. 6, 53-61 (support functions).
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from math import sqrt
 from types import ModuleType
-from typing import Any
 
 import numpy as np
 
@@ -47,7 +46,7 @@ ROUND_OFF = 1e-13
 STARTS, SEARCHES, SAME_MAXIMUM = 22, 4, 1.0 - 1e-8
 
 
-def expand(elements: Any, shape: Any) -> list[Columns]:
+def expand(elements: Iterable[Columns], shape: ModuleType) -> list[Columns]:
     """Elements of a shape as sums of ellipsoids."""
     return [_as_sum(element, shape.rounds(element)) for element in elements]
 

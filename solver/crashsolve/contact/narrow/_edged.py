@@ -11,8 +11,9 @@ is as good but for the rounding. Consequence to test: the depth is that of conta
 References: Gottschalk, Lin and Manocha (1996), Proc. SIGGRAPH, 171-180 (separating axes).
 """
 
+from collections.abc import Iterable, Sequence
 from math import sqrt
-from typing import Any
+from types import ModuleType
 
 import numpy as np
 
@@ -68,7 +69,9 @@ FLATNESS_POWER_OF_CAP = 1
 OUTERMOST = 0.9999
 
 
-def expand(elements: Any, shape: Any, others: Any = ()) -> list[Columns]:
+def expand(
+    elements: Iterable[Columns], shape: ModuleType, others: Sequence[Columns] = ()
+) -> list[Columns]:
     """Elements of boxes or cylinders with the ellipsoids that they are sums of.
 
     The rounding is a share of the least half size of the element and of all `others` that it may
@@ -100,7 +103,7 @@ def widest_half(element: Columns) -> float:
     return float(max(_half(element)))
 
 
-def _rounded(element: Columns, shape: Any, least: float, width: float) -> Columns:
+def _rounded(element: Columns, shape: ModuleType, least: float, width: float) -> Columns:
     is_round, r = "radius" in element, element.get("radius")
     half = _half(element)
     flatness = min(1.0, width / widest_half(element)) ** (

@@ -11,8 +11,8 @@ the edge. The deepest edge alone counts. Consequence to test: the shortest exit 
 References: Gottschalk, Lin and Manocha (1996), Proc. SIGGRAPH, 171-180 (separating axes).
 """
 
+from collections.abc import Iterable
 from math import copysign, sqrt
-from typing import Any
 
 import numpy as np
 
@@ -41,7 +41,7 @@ LEVEL = 1e-9
 ITERATIONS = 60
 
 
-def tables(elements_b: Any) -> tuple[np.ndarray, np.ndarray]:
+def tables(elements_b: Iterable[Columns]) -> tuple[np.ndarray, np.ndarray]:
     """Tables BOX and SEGMENT of the edges of all meshes. Writes: ridge_root; -1 without any."""
     boxes: list[np.ndarray] = [np.zeros(0, BOX.dtype)]
     segments: list[np.ndarray] = [np.zeros(0, SEGMENT.dtype)]

@@ -12,8 +12,11 @@ deepest in the body (`_ridges.py`). Consequence to test: the forces of a plane, 
 References: `cylinder_plane.py` and `box_plane.py` (positions), `sphere_mesh.py` (tree, sides).
 """
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from math import inf, sqrt
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,6 +30,9 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import world_position
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, add_scaled, dot, norm, scale, sub, vec
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 POINT, LOWEST, HIGHEST, RIDGES = 0, 1, 2, 3
 PARAMETERS_A = Record("""
@@ -51,14 +57,16 @@ SPOKES = 6
 MIDDLE = 0.8
 
 
-def part(element: Columns, half: Any, what: int, point: Any, rho: float, share: float) -> Columns:
+def part(
+    element: Columns, half: ArrayLike, what: int, point: ArrayLike, rho: float, share: float
+) -> Columns:
     """A position of a box or cylinder that may touch."""
     kept = {"node": element["node"], "axes": element["axes"], "half": np.asarray(half, float)}
     own = {"point": point, "rho": rho, "share": share, "what": what, "radius": 0.0}
     return kept | own | {"is_round": "radius" in element}
 
 
-def data(elements_a: Any, elements_b: Any) -> tuple[np.ndarray, ...]:
+def data(elements_a: object, elements_b: Sequence[Columns]) -> tuple[np.ndarray, ...]:
     """Tables of triangles and of edges of all meshes on side b."""
     return *_tree.data(elements_a, elements_b), *_ridges.tables(elements_b)
 

@@ -1,6 +1,6 @@
 """Triangles of meshes in a tree of boxes, as flat arrays for kernels."""
 
-from typing import Any
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -27,7 +27,7 @@ TRIANGLE = Record("""
 """)
 
 
-def data(elements_a: Any, elements_b: Any) -> tuple[np.ndarray, np.ndarray]:
+def data(elements_a: object, elements_b: Iterable[Columns]) -> tuple[np.ndarray, np.ndarray]:
     """Tables BOX and TRIANGLE of all meshes on side b, (boxes,) and (triangles,).
 
     Writes: root of each element.
@@ -84,7 +84,7 @@ def grow(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
     `low`, `high` (n, 3): corners of their contents.
     """
-    boxes: list[list[Any]] = []
+    boxes: list[list[object]] = []
     order: list[int] = []
 
     def split(part: np.ndarray) -> None:

@@ -20,7 +20,7 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 
 if TYPE_CHECKING:
-    from crashsolve.contact.normal._rows.penalty import Parameters
+    from crashsolve.contact.normal._rows.penalty import History, Parameters
 
 SHARE = 0.5
 LEFT_OUT = "the stiffness of penalty contacts"
@@ -56,18 +56,18 @@ def build(card: Penalty, scene: Scene, pair: Pair) -> Columns:
 
 
 @kernel
-def normal_force(p: Parameters, old, new, h, depth, rate, mass, curves):
+def normal_force(p: Parameters, old: History, new: History, h, depth, rate, mass, curves):
     """Returns force, stored energy, dissipated power, loss, stiffness, damping."""
     f = p.stiffness * depth
     return f, 0.5 * f * depth, 0.0, 0.0, p.stiffness, 0.0
 
 
 @kernel
-def release(p: Parameters, old, new):
+def release(p: Parameters, old: History, new: History):
     """Nothing is remembered after separation."""
 
 
 @kernel
-def normal_tangent(p: Parameters, state, depth, rate, mass, curves):
+def normal_tangent(p: Parameters, state: History, depth, rate, mass, curves):
     """Rise of the force over the depth and over its rate."""
     return p.stiffness, 0.0

@@ -1,7 +1,9 @@
 """Cylinder with flat caps, fixed in a body."""
 
+from __future__ import annotations
+
 from math import hypot, nan
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,6 +12,9 @@ from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 from crashsolve.foundation.orientation import perpendicular
 from crashsolve.foundation.record import Record
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 # rounding of the rims, in shares of the lesser half size
 ROUNDING = 1e-3
@@ -51,7 +56,7 @@ def curvature_radius(card: Cylinder) -> float | None:
     return nan
 
 
-def bounding(element: Columns) -> tuple[Any, float]:
+def bounding(element: Columns) -> tuple[ArrayLike, float]:
     """Centre (3,) [m] in body axes and radius [m] of an enclosing sphere."""
     return element["point"], hypot(element["radius"], element["half_length"])
 

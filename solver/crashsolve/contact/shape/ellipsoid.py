@@ -1,7 +1,9 @@
 """Ellipsoid fixed in a body."""
 
+from __future__ import annotations
+
 from math import nan
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -9,6 +11,9 @@ from crashsolve.contact.shape._placed import PLACED, PlacedCard, placement
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Vec3, quantity
 from crashsolve.foundation.record import Record
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 
 class Ellipsoid(PlacedCard):
@@ -30,7 +35,7 @@ def curvature_radius(card: Ellipsoid) -> float | None:
     return a if a == b == c else nan
 
 
-def bounding(element: Columns) -> tuple[Any, float]:
+def bounding(element: Columns) -> tuple[ArrayLike, float]:
     """Centre (3,) [m] in body axes and radius [m] of an enclosing sphere."""
     return element["point"], float(max(element["semi"]))
 

@@ -5,7 +5,6 @@ throughout, an open one down to `thickness` below its surface.
 """
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from pydantic import model_validator
@@ -126,7 +125,7 @@ def curvature_radius(card: Mesh) -> float | None:
     return None
 
 
-def bounding(element: Columns) -> tuple[Any, float]:
+def bounding(element: Columns) -> tuple[np.ndarray, float]:
     """Centre (3,) [m] in body axes and radius [m] of an enclosing sphere."""
     low, high = element["points"].min(axis=0), element["points"].max(axis=0)
     middle = 0.5 * (low + high)

@@ -1,10 +1,15 @@
 """Sphere fixed in a body."""
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 from crashsolve.foundation.record import Record
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 
 class Sphere(Card):
@@ -32,7 +37,7 @@ def curvature_radius(card: Sphere) -> float | None:
     return card.radius
 
 
-def bounding(element: Columns) -> tuple[Any, float]:
+def bounding(element: Columns) -> tuple[ArrayLike, float]:
     """Centre (3,) [m] in body axes and radius [m] of the smallest enclosing sphere."""
     return element["point"], float(element["radius"])
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from pydantic import ValidationError
 
@@ -105,7 +105,7 @@ class Deck:
         """The error for control.threads where there is nothing to share."""
         return placed(self.control_item, UNSHARED)
 
-    def expectations(self) -> list[dict[str, Any]]:
+    def expectations(self) -> list[dict[str, object]]:
         """The expect cards as plain data with their lines, as the results keep them."""
         pairs = zip(self.expect, self.expect_at, strict=True)
         return [as_data(card) | {"line": location.line} for card, location in pairs]
@@ -433,7 +433,9 @@ def _has_blocks(entries: dict[str, dict[str, Entry]]) -> bool:
     return any(hasattr(part, "KINDS") for part in parts)
 
 
-def _names(value: object, path: tuple[str | int, ...] = ()) -> Iterator[tuple[Any, Name]]:
+def _names(
+    value: object, path: tuple[str | int, ...] = ()
+) -> Iterator[tuple[tuple[str | int, ...], Name]]:
     """References to entries within a card, each with its path."""
     if isinstance(value, Name):
         yield path, value

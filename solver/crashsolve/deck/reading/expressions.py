@@ -8,7 +8,7 @@ import re
 import warnings
 from collections.abc import Callable, Mapping
 from fractions import Fraction
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from crashsolve.channels.units import PURE, SI, Unit
 from crashsolve.deck.words import choices
@@ -194,7 +194,7 @@ class Expression:
                 return OPERATORS[type(op)](self._evaluate(operand, names))
             case ast.Call(func=ast.Name(id=name), args=args, keywords=[]):
                 return self._function(name)(*(self._evaluate(arg, names) for arg in args))
-        part: Any = ast.get_source_segment(self.written, node) if hasattr(node, "lineno") else None
+        part = ast.get_source_segment(self.written, node) if hasattr(node, "lineno") else None
         advice = "an expression has numbers, parameters, + - * / ** and functions"
         message = (part or self.text).replace(OWN, "")
         raise ExpressionError(f"'{message}' cannot stand in an expression", advice)

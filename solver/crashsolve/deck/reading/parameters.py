@@ -229,7 +229,7 @@ class Parameters:
             self.diagnostics.append(DeckError(*item.at, card, message, str(error)))
             return BROKEN
 
-    def _checked(self, overrides: Mapping[str, str]) -> dict[str, Any]:
+    def _checked(self, overrides: Mapping[str, str]) -> dict[str, object]:
         """Overrides as values; those which do not fit the deck are reported and left out."""
         checked = {}
         for name, text in overrides.items():

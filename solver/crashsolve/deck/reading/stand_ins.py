@@ -23,7 +23,7 @@ class StandIns:
     def __init__(
         self,
         entries: list[Entry],
-        laws: Mapping[str, Mapping[str, object]],
+        laws: Mapping[str, Mapping[str, Entry]],
         control: object,
         items: Items,
         refuse: Callable[[Item, Diagnostic], None],
@@ -61,7 +61,7 @@ class StandIns:
         """Whether a name in a contact is that of an entry, and of no surface."""
         return isinstance(name, str) and name in self.entries and name not in self.items["surfaces"]
 
-    def _side(self, contact: Item, k: int, sides: list[Any]) -> Rows:
+    def _side(self, contact: Item, k: int, sides: list[Rows]) -> Rows:
         """The names of a side with those of surfaces in place of entries."""
         names, others = sides[k], sides[1 - k]
         found = Rows(names.file)

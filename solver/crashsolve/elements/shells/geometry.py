@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,6 +12,9 @@ from crashsolve.elements.shells.cards import NamedNode, SectionCut, ShellCard, T
 from crashsolve.elements.shells.forces.quadrilateral import rate_bound
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.point import LANES
+
+if TYPE_CHECKING:
+    from crashsolve.deck.building import MeshOfScene
 
 
 def rule(card: ShellCard, scene: Scene) -> tuple[np.ndarray, np.ndarray]:
@@ -44,7 +47,7 @@ def sides(x: np.ndarray, card: SectionCut, scene: Scene) -> np.ndarray:
     return is_front
 
 
-def sorted_mesh(mesh: Any, cut: bool) -> Any:
+def sorted_mesh(mesh: Any, cut: bool) -> MeshOfScene:
     """The mesh with its triangles last, a corner named twice at their end; or cut into triangles.
 
     A quadrilateral is cut along the shorter diagonal.

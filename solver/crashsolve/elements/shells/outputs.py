@@ -5,6 +5,7 @@ N = t/2 sum w sigma and so on, means of the points of a plane where there are se
 
 from __future__ import annotations
 
+from types import ModuleType
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -43,7 +44,7 @@ class Part(Protocol):
     """Attributes of a shell part that outputs need."""
 
     card: ShellCard
-    law: Any  # module of its material
+    law: ModuleType  # module of its material
     material: Any  # card of it
     rule: tuple[np.ndarray, np.ndarray]  # positions and weights of the layers
     layer_rows: int

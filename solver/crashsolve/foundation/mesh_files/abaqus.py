@@ -9,10 +9,10 @@ References: Abaqus Keywords Reference Manual, *ELEMENT, *ELGEN, *ELSET,
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Container, Iterable, Iterator
 from itertools import product
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from crashsolve.foundation.mesh_files.reading import SIDES, Lines
 
@@ -274,14 +274,14 @@ class _Reader:
             raise self.lines.fail(keyword.line, message)
         return name
 
-    def members(self, family: str, keyword: Keyword, known: dict[int, Any]) -> dict[int, None]:
+    def members(self, family: str, keyword: Keyword, known: Container[int]) -> dict[int, None]:
         """Identifiers that the lines of a set name."""
         own: dict[int, None] = {}
         what = {"NSET": "node", "ELSET": "element"}[family]
         for line, fields in keyword.rows:
             fields = [text for text in fields if text]
             if "GENERATE" in keyword.parameters:
-                numbers: Any = self.generated(line, fields)
+                numbers: Iterable[int] = self.generated(line, fields)
             else:
                 numbers = []
                 for text in fields:

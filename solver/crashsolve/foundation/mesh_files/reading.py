@@ -6,18 +6,21 @@ sets. What cannot be understood is refused with its line. Consequence to test: a
 elements however they are spread over blocks.
 """
 
+from __future__ import annotations
+
 import io
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 if TYPE_CHECKING:
     import meshio
+    from numpy.typing import ArrayLike
 
 SIDES = {"quad": 4, "triangle": 3}
 # lines that gmsh writes along the outline of an area
@@ -110,7 +113,7 @@ def read_mesh_file(path: Path) -> MeshFile:
         raise MeshFileError(f"meshio cannot read {path.name}: {error}") from None
 
 
-def _of_lines(lines: Lines, found: "meshio.Mesh") -> MeshFile:
+def _of_lines(lines: Lines, found: meshio.Mesh) -> MeshFile:
     """The mesh read by meshio, with the identifiers and sets of the lines."""
     shells = [number for number, (kind, _) in lines.elements.items() if kind in SIDES]
     corners, kinds = _elements(found)
@@ -140,7 +143,7 @@ def _numbers(position: dict[int, int], some: Iterable[int]) -> np.ndarray:
     return np.unique(np.array([position[number] for number in some], int))
 
 
-def _points(found: "meshio.Mesh") -> np.ndarray:
+def _points(found: meshio.Mesh) -> np.ndarray:
     """Points (n, 3); those of a plane lie at z = 0."""
     points = np.asarray(found.points, float)
     if points.ndim != 2 or points.shape[1] not in (2, 3):
@@ -153,7 +156,7 @@ def _points(found: "meshio.Mesh") -> np.ndarray:
     return points
 
 
-def _elements(found: "meshio.Mesh") -> tuple[np.ndarray, np.ndarray]:
+def _elements(found: meshio.Mesh) -> tuple[np.ndarray, np.ndarray]:
     """Corners (m, 4), rows of -1 for cells with neither four nor three corners, and kinds of all
     blocks.
     """
@@ -168,7 +171,7 @@ def _elements(found: "meshio.Mesh") -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate(corners), np.concatenate(kinds)
 
 
-def _of_meshio(found: "meshio.Mesh", path: Path) -> MeshFile:
+def _of_meshio(found: meshio.Mesh, path: Path) -> MeshFile:
     """A file of which meshio loses nothing, but for groups of gmsh that have no name."""
     corners, kinds = _elements(found)
     points = _points(found)
@@ -198,7 +201,7 @@ def _of_meshio(found: "meshio.Mesh", path: Path) -> MeshFile:
     return MeshFile(points, corners, kinds, element_sets, nodes, has_outlines=outlines)
 
 
-def _of_blocks(found: "meshio.Mesh", own: Any) -> np.ndarray:
+def _of_blocks(found: meshio.Mesh, own: Iterable[ArrayLike | None]) -> np.ndarray:
     """Elements of a set, counted over all blocks, from their numbers in each; None is none."""
     some, start = [np.zeros(0, int)], 0
     for block, numbers in zip(found.cells, own, strict=True):
@@ -211,7 +214,7 @@ def _of_blocks(found: "meshio.Mesh", own: Any) -> np.ndarray:
     return np.unique(np.concatenate(some))
 
 
-def _nodes_of(found: "meshio.Mesh", elements: np.ndarray) -> np.ndarray:
+def _nodes_of(found: meshio.Mesh, elements: np.ndarray) -> np.ndarray:
     """Points of these elements, of any kind."""
     some, start = [np.zeros(0, int)], 0
     for block in found.cells:
@@ -221,7 +224,7 @@ def _nodes_of(found: "meshio.Mesh", elements: np.ndarray) -> np.ndarray:
     return np.unique(np.concatenate(some))
 
 
-def _groups(found: "meshio.Mesh", path: Path) -> dict[str, np.ndarray]:
+def _groups(found: meshio.Mesh, path: Path) -> dict[str, np.ndarray]:
     """Elements of the physical groups of gmsh, by name, or by number where they have none.
 
     Numbers count in each dimension for themselves: one used for lines and for areas is left out.

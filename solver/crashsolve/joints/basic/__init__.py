@@ -9,10 +9,17 @@ Reference: Haug (1989), Computer Aided Kinematics and Dynamics of Mechanical Sys
 """
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Protocol
 
 
-def rows_of(constraints: Sequence[Any], *own: bool) -> tuple[int, tuple[bool, ...]]:
+class Rotating(Protocol):
+    """A basic constraint, by which of its rows are rotations."""
+
+    @property
+    def ANGULAR(self) -> tuple[bool, ...]: ...
+
+
+def rows_of(constraints: Sequence[Rotating], *own: bool) -> tuple[int, tuple[bool, ...]]:
     """ROWS and ANGULAR of a joint: the rows of its basic constraints, then those of its own."""
     angular = (*(row for basic in constraints for row in basic.ANGULAR), *own)
     return len(angular), angular

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from pydantic import BaseModel
@@ -17,7 +17,10 @@ from crashsolve.deck.fields import declared
 from crashsolve.foundation.errors import DeckError, DeckErrors
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from crashsolve.deck.reading.deck import Deck
+    from crashsolve.deck.reading.items import Entry
     from crashsolve.model.model import Model, State
 
 BEYOND = ("its numbers are too large or too small to compute with", "check powers and units")
@@ -62,7 +65,7 @@ def _sizes(value: object) -> Iterator[float]:
             yield from _sizes(one)
 
 
-def _larger(deck: Deck, units: tuple[str, ...], most: float) -> Iterator[tuple[Any, str, str]]:
+def _larger(deck: Deck, units: tuple[str, ...], most: float) -> Iterator[tuple[Entry, str, str]]:
     """Cards, fields and units of numbers in these units that are larger than `most`."""
     for entries in deck.entries.values():
         for entry in entries.values():
@@ -108,7 +111,9 @@ def _is_number(column: np.ndarray) -> np.ndarray:
     return ~np.isnan(column)
 
 
-def _rows_without_numbers(table: Any, is_sound: Any = _is_number) -> np.ndarray:
+def _rows_without_numbers(
+    table: np.ndarray, is_sound: Callable[[np.ndarray], np.ndarray] = _is_number
+) -> np.ndarray:
     """Rows with a column that is no number."""
     wrong = np.zeros(len(table), bool)
     for name in table.dtype.names or ():

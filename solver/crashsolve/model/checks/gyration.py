@@ -9,12 +9,10 @@ hundredth of their distance from the axis. Consequence to test: kg mm^2 taken fo
 reverse, is seen in a body of any size.
 """
 
-from typing import Any
-
 import numpy as np
 
 from crashsolve.deck.building import Columns, Scene
-from crashsolve.model.model import Joint
+from crashsolve.model.model import Group, Joint
 
 # k over the reach of all from the axis below which, and over that of surfaces above which, is
 # reported: cm for m changes k by 100, mm by 1000, and k is some third of the reach in most bodies
@@ -26,7 +24,7 @@ USUAL = 0.4
 Points = list[tuple[np.ndarray, float]]
 
 
-def gyration_warnings(scene: Scene, groups: list[Any], joints: list[Joint]) -> list[str]:
+def gyration_warnings(scene: Scene, groups: list[Group], joints: list[Joint]) -> list[str]:
     """One warning for every rigid body whose inertia is far too small or too large."""
     fixed, shapes = attached(groups, joints), outlines(scene)
     found = []
@@ -77,7 +75,7 @@ def _reported(gyration: float, word: str, reach: float, moment: float) -> str:
     )
 
 
-def attached(groups: list[Any], joints: list[Joint]) -> dict[int, Points]:
+def attached(groups: list[Group], joints: list[Joint]) -> dict[int, Points]:
     """Points of joints and springs from the mass centre of each body, body axes [m]."""
     found: dict[int, Points] = {}
 

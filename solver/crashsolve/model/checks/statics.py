@@ -1,12 +1,12 @@
 """Refuses models that a quasi-static solution does not support: path-dependent, or free to move."""
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 
 from crashsolve.deck.family import families
 from crashsolve.deck.reading.deck import Deck
+from crashsolve.deck.reading.items import Entry
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.model import Group
 
@@ -40,7 +40,7 @@ def refuse_motion(deck: Deck, groups: list[Group]) -> None:
         raise DeckErrors(found)
 
 
-def _refused_by_arc_length(deck: Deck, groups: list[Group]) -> Iterator[tuple[Any, str]]:
+def _refused_by_arc_length(deck: Deck, groups: list[Group]) -> Iterator[tuple[Entry, str]]:
     """Entries that cannot follow a path of equilibria yet."""
     beyond = "path: arc_length does not follow {} yet; set path: load"
     for entry in deck.entries["hinges"].values():
@@ -52,7 +52,7 @@ def _refused_by_arc_length(deck: Deck, groups: list[Group]) -> Iterator[tuple[An
                 yield entry, beyond.format(f"parts of type {g.type}")
 
 
-def _inconsistencies(deck: Deck, groups: list[Group]) -> Iterator[tuple[Any, str]]:
+def _inconsistencies(deck: Deck, groups: list[Group]) -> Iterator[tuple[Entry, str]]:
     """Entries that a quasi-static solution cannot have, and why."""
     yield from _with_velocities(deck)
     for entry in deck.entries["contacts"].values():
@@ -65,7 +65,7 @@ def _inconsistencies(deck: Deck, groups: list[Group]) -> Iterator[tuple[Any, str
                 yield entry, "a quasi-static solution has no path-dependent laws yet"
 
 
-def _with_velocities(deck: Deck) -> Iterator[tuple[Any, str]]:
+def _with_velocities(deck: Deck) -> Iterator[tuple[Entry, str]]:
     for entry in [*deck.entries["bodies"].values(), *deck.entries["parts"].values()]:
         card = entry.card
         moves = bool(np.any(card.velocity) or np.any(card.angular_velocity))
@@ -73,7 +73,7 @@ def _with_velocities(deck: Deck) -> Iterator[tuple[Any, str]]:
             yield entry, "a quasi-static solution has no velocities"
 
 
-def _refused_by_pseudo_transient(deck: Deck) -> Iterator[tuple[Any, str]]:
+def _refused_by_pseudo_transient(deck: Deck) -> Iterator[tuple[Entry, str]]:
     """Entries that cannot be combined with parts that take steps from rest."""
     for entry in deck.entries["bodies"].values():
         if entry.card.welded or entry.card.part_of:

@@ -18,17 +18,18 @@ from importlib.util import find_spec
 from itertools import product
 from math import inf
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from crashsolve.deck.building import Columns
 from crashsolve.deck.card import Card
 from crashsolve.deck.family import check_law
+from crashsolve.deck.roles import NormalLaw, StepFriction, StepGap
 from crashsolve.foundation.record import Record
 from crashsolve.model.attachments import IMPLICIT
 from crashsolve.model.contact import records
-from crashsolve.model.contact.doubles import warn_of_common_pairs
+from crashsolve.model.contact.doubles import TwoSided, warn_of_common_pairs
 from crashsolve.model.contact.floor import speed_floor
 from crashsolve.model.contact.groups import ContactGroup, NodalGroup
 from crashsolve.model.contact.holes import warn_of_holes
@@ -45,8 +46,13 @@ from crashsolve.model.materials import refuse_different
 from crashsolve.model.scene import Scene
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from numpy.typing import ArrayLike
+
     from crashsolve.deck.reading.deck import Deck
     from crashsolve.deck.reading.items import Entry
+    from crashsolve.model.contact.sides import Shaped
 
 NARROW = "crashsolve.contact.narrow"
 SHAPE = "crashsolve.contact.shape"
@@ -137,7 +143,7 @@ def _add_card(
             builder.add(index, entry, narrow, swapped, (some_a, some_b), on_both, scene)
 
 
-def _refuse_torsion(card: Any, scene: Scene) -> None:
+def _refuse_torsion(card: Card, scene: Scene) -> None:
     """Raises the error of a card whose torsion_radius has no effect."""
     if _torsion_radius(card) is not None:
         raise scene.fail(
@@ -148,7 +154,7 @@ def _refuse_torsion(card: Any, scene: Scene) -> None:
 
 
 def _builder_of(
-    home: Any, card: Any, laws: list[Any], builders: dict[str, GroupBuilder]
+    home: ModuleType, card: Card, laws: list[Card], builders: dict[str, GroupBuilder]
 ) -> GroupBuilder:
     """The builder of the group with this gap routine and these laws. Writes: builders."""
     key = "_".join([_leaf(home.__name__), *(_leaf(type(law).__module__) for law in laws)])
@@ -164,14 +170,14 @@ def _torsion_radius(card: Card) -> float | None:
     return getattr(card, "torsion_radius", None)
 
 
-def _laws(card: Any) -> list[Any]:
+def _laws(card: Any) -> list[Card]:
     """Laws of a contact card: those it names, or itself."""
     if not hasattr(card, "normal"):
         return [card]
     return [card.normal] + ([] if card.friction is None else [card.friction])
 
 
-def _by_shape(names: Any, surfaces: dict[str, Surface]) -> dict[str, list[Surface]]:
+def _by_shape(names: Iterable[str], surfaces: dict[str, Surface]) -> dict[str, list[Surface]]:
     """Surfaces of one side of a card by shape; one that is missing has been reported already."""
     found: dict[str, list[Surface]] = defaultdict(list)
     for name in dict.fromkeys(names):
@@ -184,12 +190,12 @@ def _leaf(module_name: str) -> str:
     return module_name.rpartition(".")[2].strip("_")
 
 
-def _home_of_gap(narrow: ModuleType) -> Any:
+def _home_of_gap(narrow: ModuleType) -> ModuleType:
     """Module in which the gap kernel is written: pairs of shapes that share it form one group."""
     return import_module(narrow.gap.__module__)
 
 
-def gap_routine(a: Surface, b: Surface, scene: Scene) -> tuple[Any, bool]:
+def gap_routine(a: Shaped, b: Shaped, scene: Scene) -> tuple[ModuleType, bool]:
     """Module of the gap between two shapes, and whether it takes them in reverse order."""
     for first, second, swapped in ((a, b, False), (b, a, True)):
         name = f"{NARROW}.{first.shape}_{second.shape}"
@@ -204,7 +210,7 @@ def gap_routine(a: Surface, b: Surface, scene: Scene) -> tuple[Any, bool]:
     )
 
 
-def measure_opposite_sides(card: Any, surfaces: dict[str, Surface]) -> None:
+def measure_opposite_sides(card: TwoSided, surfaces: dict[str, Surface]) -> None:
     """Report the surfaces of each side of a card the thinnest box or cylinder of the other, and
     the narrowest.
 
@@ -229,11 +235,11 @@ class Side:
         self.elements: list[Columns] = []
         self.surfaces: dict[str, range] = {}
         self._of: list[Surface] = []
-        self._bounds: list[tuple[Any, float, float]] = []
+        self._bounds: list[tuple[ArrayLike, float, float]] = []
         self._reaches: list[float] = []
         self._rounds: dict[str, int] = {}
 
-    def assign(self, surface: Surface, narrow: Any) -> None:
+    def assign(self, surface: Surface, narrow: ModuleType) -> None:
         """Append a surface's elements, taken apart as the gap asks, when it is first seen."""
         name = surface.entry.name
         if name in self.surfaces:
@@ -264,7 +270,7 @@ class Side:
         """Class of its radius of curvature."""
         return self._rounds[str(surface.radius)]
 
-    def mask(self, names: Any) -> np.ndarray:
+    def mask(self, names: Iterable[str]) -> np.ndarray:
         """Mask of the elements of the named surfaces."""
         mask = np.zeros(len(self.elements), bool)
         for name in names:
@@ -286,28 +292,33 @@ class Side:
         )
 
 
-def _bound(surface: Surface, element: Columns) -> tuple[Any, float, float]:
+def _bound(surface: Surface, element: Columns) -> tuple[ArrayLike, float, float]:
     """Bounding sphere of an element, body axes, and half its thickness; infinite for a plane."""
     if hasattr(surface.module, "bounding"):
         return *surface.module.bounding(element), surface.module.half_thickness(element)
     return element["point"], inf, inf
 
 
+# number of a card, floor of speeds, order of the sides, names of the surfaces on each, those on
+# both, and rows of laws by classes of radii
+NamedBlock = tuple[int, float, int, tuple[list[str], ...], set[str], dict[tuple[int, int], int]]
+
+
 class GroupBuilder:
     """Collects the pairs that share gap routine and laws."""
 
-    def __init__(self, word: str, home: Any, laws: list[Any]) -> None:
+    def __init__(self, word: str, home: ModuleType, laws: list[Card]) -> None:
         self.word, self.home = word, home
-        self.modules: list[Any] = [import_module(type(law).__module__) for law in laws]
+        self.modules: list[ModuleType] = [import_module(type(law).__module__) for law in laws]
         self.sides = (Side("a"), Side("b"))
         self.laws: list[Columns] = []
-        self.blocks: list[tuple[Any, ...]] = []
+        self.blocks: list[NamedBlock] = []
 
     def add(
         self,
         index: int,
         entry: Entry,
-        narrow: Any,
+        narrow: ModuleType,
         swapped: bool,
         surfaces: tuple[list[Surface], list[Surface]],
         on_both: set[str],
@@ -343,7 +354,7 @@ class GroupBuilder:
             law = law | {"torsion_radius": entry.card.torsion_radius}
         return dict(law)
 
-    def finish(self, nodes: Any, is_implicit: bool) -> ContactGroup:
+    def finish(self, nodes: dict[str, np.ndarray], is_implicit: bool) -> ContactGroup:
         """The group with its pairs, all of them or the near ones."""
         parameters, history = records.PARAMETERS, records.HISTORY
         if self._have_ends():
@@ -368,9 +379,9 @@ class GroupBuilder:
         rows = pairing.everything() if search is None else search.look(nodes)
         return ContactGroup(
             word=self.word,
-            narrow=self.home,
-            normal=self.modules[0],
-            friction=self.modules[1] if len(self.modules) > 1 else None,
+            narrow=cast(StepGap, self.home),
+            normal=cast(NormalLaw, self.modules[0]),
+            friction=cast(StepFriction, self.modules[1]) if len(self.modules) > 1 else None,
             elements_a=_table(elements[0], self.sides[0].record),
             elements_b=_table(elements[1], self.sides[1].record),
             data=data,

@@ -1,13 +1,24 @@
 """Two surfaces that two contact cards name: both forces act, and the stiffness is doubled."""
 
 from collections import defaultdict
+from collections.abc import Mapping
 from itertools import combinations
-from typing import Any
+from typing import Protocol
 
+from crashsolve.deck.building import EntryOfScene
 from crashsolve.model.scene import Scene
 
 
-def warn_of_common_pairs(entries: dict[str, Any], scene: Scene) -> None:
+class TwoSided(Protocol):
+    """A contact card, by the names of its surfaces."""
+
+    @property
+    def a(self) -> tuple[str, ...]: ...
+    @property
+    def b(self) -> tuple[str, ...]: ...
+
+
+def warn_of_common_pairs(entries: Mapping[str, EntryOfScene], scene: Scene) -> None:
     """Warn of every two contact cards that have a pair of surfaces in common."""
     named = defaultdict(list)
     for name, entry in entries.items():
@@ -23,7 +34,7 @@ def warn_of_common_pairs(entries: dict[str, Any], scene: Scene) -> None:
             )
 
 
-def _common(first: Any, second: Any) -> tuple[str, str] | None:
+def _common(first: TwoSided, second: TwoSided) -> tuple[str, str] | None:
     """Two surfaces that face each other in both cards."""
     for a, b in ((second.a, second.b), (second.b, second.a)):
         some_a = [name for name in first.a if name in set(a)]

@@ -1,7 +1,7 @@
 """Groups of contacts in the composed step: of pairs of elements, and of nodes on surfaces."""
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
@@ -18,12 +18,34 @@ def is_damper(friction: object) -> bool:
     return friction is not None and not getattr(friction, "STEPWISE", False)
 
 
+class NearPairs(Protocol):
+    """The list of near pairs of a group (model/contact/pairs.py)."""
+
+    seen: tuple[np.ndarray, ...]  # of both sides, when the list was made
+    slack: np.ndarray
+    margin: float  # beyond the gap [m]
+
+    @property
+    def laws(self) -> np.ndarray:
+        """Parameters of the laws, by kind of pair."""
+
+    def cards(self) -> list[int]:
+        """Contact cards whose pairs are in the list."""
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Arrays from which the step determines when pairs must be searched again."""
+
+    def look(self, nodes: np.ndarray) -> np.ndarray:
+        """Parameters of the near pairs now. Writes: seen."""
+
+
 class Touching:
     """Properties of a group of contacts by its laws; a group has a gap routine, friction,
     histories.
     """
 
     narrow: StepGap | None
+    normal: NormalLaw
     friction: StepFriction | None
 
     @property
@@ -64,11 +86,11 @@ class ContactGroup(Touching):
     friction: StepFriction | None
     elements_a: np.ndarray
     elements_b: np.ndarray
-    data: tuple[Any, ...]
+    data: tuple[np.ndarray, ...]
     parameters: np.ndarray
     history: np.ndarray
     output: np.ndarray
-    search: Any | None  # of the near pairs; None when all pairs are kept
+    search: NearPairs | None  # of the near pairs; None when all pairs are kept
     # of many pairs, see model/contact/pieces.py
     pieces: np.ndarray | None = None
     sums: np.ndarray | None = None  # of a piece, as a card has them
@@ -151,15 +173,15 @@ class ContactGroup(Touching):
     # where elements were when the list of near pairs was made, and how far they may go
 
     @property
-    def seen_a(self) -> Any:
+    def seen_a(self) -> np.ndarray | None:
         return self.search.seen[0] if self.search else None
 
     @property
-    def seen_b(self) -> Any:
+    def seen_b(self) -> np.ndarray | None:
         return self.search.seen[1] if self.search else None
 
     @property
-    def slack(self) -> Any:
+    def slack(self) -> np.ndarray | None:
         return self.search.slack if self.search else None
 
     def tables(self) -> dict[str, np.ndarray]:

@@ -6,12 +6,11 @@ while its radius and theirs are less than the distance to the nearest: the radiu
 
 from collections.abc import Iterator, Sequence
 from itertools import product
-from typing import Any, Protocol
 
 import numpy as np
 
-from crashsolve.deck.building import Columns, Scene
-from crashsolve.deck.reading.items import Entry
+from crashsolve.deck.building import Scene
+from crashsolve.model.contact.sides import Surface
 
 # of the radius of a hole: a probe that just fits is not reported
 FITS = 1e-6
@@ -21,19 +20,6 @@ INSTEAD = {
     "points": "use faces instead of nodes, or refine its mesh",
     "sphere": "give more of them, or another shape",
 }
-
-
-class Surface(Protocol):
-    """A surface and its elements (model/contact/build.py, node_to_surface.py)."""
-
-    @property
-    def entry(self) -> Entry: ...
-    @property
-    def module(self) -> Any: ...
-    @property
-    def shape(self) -> str: ...
-    @property
-    def elements(self) -> list[Columns]: ...
 
 
 def warn_of_holes(contact: str, sides: Sequence[Sequence[Surface]], scene: Scene) -> None:

@@ -1,7 +1,6 @@
 """Neighbours of the faces of a shell, and the faces that its own nodes never meet."""
 
 from itertools import permutations
-from typing import Any
 
 import numpy as np
 
@@ -61,7 +60,11 @@ def faces_beside(quads: np.ndarray) -> np.ndarray:
     return beside
 
 
-def excluded_faces(quads: np.ndarray, around: Any, ring: int) -> tuple[np.ndarray, np.ndarray]:
+# values by key: the first of each key (keys + 1,), and all values (n,)
+Grouped = tuple[np.ndarray, np.ndarray]
+
+
+def excluded_faces(quads: np.ndarray, around: Grouped, ring: int) -> tuple[np.ndarray, np.ndarray]:
     """Faces that each point never meets: its own, and those within `ring` of them."""
     first, faces = around
     count = len(first) - 1
@@ -78,7 +81,7 @@ def excluded_faces(quads: np.ndarray, around: Any, ring: int) -> tuple[np.ndarra
 
 
 def faces_within_reach(
-    points: np.ndarray, quads: np.ndarray, around: Any, reach: float
+    points: np.ndarray, quads: np.ndarray, around: Grouped, reach: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Faces with a corner within `reach` [m] of each point, along sides and diagonals of faces."""
     count = len(points)
@@ -139,7 +142,7 @@ def _reached(
     return np.sort(np.concatenate(met))
 
 
-def merged(one: Any, other: Any) -> tuple[np.ndarray, np.ndarray]:
+def merged(one: Grouped, other: Grouped) -> tuple[np.ndarray, np.ndarray]:
     """Values by key of two tables together, as `grouped` gives them (keys + 1,), (n,)."""
     count = len(one[0]) - 1
     keys = np.r_[*(np.repeat(np.arange(count), np.diff(first)) for first, _ in (one, other))]

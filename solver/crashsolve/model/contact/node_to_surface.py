@@ -6,15 +6,15 @@ word; see node_contact.py and projection.py in system/contact/ for their equatio
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from importlib import import_module
 from math import inf, isfinite
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from crashsolve.contact.cells import CELL, WALLS
 from crashsolve.deck.building import Columns
+from crashsolve.deck.roles import NormalLaw, StepFriction, StepGap
 from crashsolve.foundation.point import LANES
 from crashsolve.foundation.record import Record
 from crashsolve.model.attachments import IMPLICIT
@@ -31,13 +31,23 @@ from crashsolve.model.contact.near_faces import (
     merged,
     nothing,
 )
+from crashsolve.model.contact.sides import Probes, SurfaceOfProbes, Touching
 from crashsolve.model.nodes import NODE
 from crashsolve.model.partition import PIECES
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+    from types import ModuleType
+
     from crashsolve.deck.reading.items import Entry
     from crashsolve.elements.shells.layout import DiscretisedShell
+    from crashsolve.model.contact.sides import Shaped, Surface
     from crashsolve.model.scene import Scene
+
+    # finds the gap routine of two surfaces, and whether it takes them in reverse order
+    GapRoutines = Callable[[Shaped, Shaped, Scene], tuple[ModuleType, bool]]
+    # gap routine of a shape, tables of a group with `values` of its parameters, records of a probe
+    Sided = tuple[ModuleType | None, dict[str, Any], int]
 
 # lists of near faces: their margin over the mean radius of a face, and the initial room for the
 # faces of a probe
@@ -154,17 +164,6 @@ TOTALS_OF_STEP = Record("""
 """)
 
 
-@dataclass
-class Probes:
-    """The side of the probes: rows of PROBE, their radius, their part if they are shell points."""
-
-    rows: np.ndarray
-    radius: float
-    part: str | None
-    meshed: Any
-    first_point: int
-
-
 class NodalBuilder:
     """The groups of all cards."""
 
@@ -172,7 +171,7 @@ class NodalBuilder:
         self.scene = scene
         self.groups: list[NodalGroup] = []
 
-    def add(self, index: int, entry: Entry, a: Any, b: Any, routine: object) -> None:
+    def add(self, index: int, entry: Entry, a: Surface, b: Surface, routine: GapRoutines) -> None:
         """A group for two surfaces of a card. `routine(a, b, scene)` finds a gap routine."""
         self._refuse_implicit()
         law = self._law(entry)
@@ -197,7 +196,9 @@ class NodalBuilder:
         word = f"nodal_{len(self.groups)}"
         is_smooth = getattr(b.entry.card, "normals", None) == "continuous"
         can_fail = b.shape == "faces" and self.scene.can_fail(b.entry.card.part)
-        group = NodalGroup(word, entry.name, narrow, law, friction, arrays, is_smooth, can_fail)
+        laws = cast(NormalLaw, law), cast(StepFriction | None, friction)
+        gap = cast(StepGap | None, narrow)
+        group = NodalGroup(word, entry.name, gap, *laws, arrays, is_smooth, can_fail)
         self.groups.append(group)
 
     def _refuse_implicit(self) -> None:
@@ -207,19 +208,19 @@ class NodalBuilder:
             advice = "name the node that is hit, and use a point_set; or integrator: rattle"
             raise self.scene.fail(f"{message}; {advice}", "a")
 
-    def _law(self, entry: Entry) -> Any:
+    def _law(self, entry: Entry) -> ModuleType:
         """Module of the normal law; laws that nodal contact does not support are refused."""
         if not hasattr(entry.card, "normal"):
             message = "holds nodes that are bodies; shell nodes and faces need a law of force"
             raise self.scene.fail(f"{message}: type: force, normal: {{type: penalty}}")
         return import_module(type(entry.card.normal).__module__)
 
-    def _friction(self, entry: Entry) -> Any | None:
+    def _friction(self, entry: Entry) -> ModuleType | None:
         """Module of the friction law, if there is one."""
         card = entry.card.friction
         return None if card is None else import_module(type(card).__module__)
 
-    def _probes(self, surface: Any) -> Probes:
+    def _probes(self, surface: Surface) -> Probes:
         card = surface.entry.card
         if surface.shape == "points":
             meshed, _, first = self.scene.skin(card.part, "part")
@@ -235,7 +236,12 @@ class NodalBuilder:
         return Probes(rows, float(radius), None, None, 0)
 
     def _common(
-        self, probes: Probes, values: Columns, probe_states: int, law: Any, friction: Any
+        self,
+        probes: Probes,
+        values: Columns,
+        probe_states: int,
+        law: ModuleType,
+        friction: ModuleType | None,
     ) -> dict[str, np.ndarray]:
         """Arrays of every group."""
         record, probe_state = PARAMETERS + law.PARAMETERS, PROBE_STATE + law.HISTORY
@@ -271,7 +277,7 @@ class NodalBuilder:
             "found": np.zeros((n if threads > 1 else 1, 2 * WALLS), HIT.dtype),
         } | shared
 
-    def _on_shape(self, probes: Probes, a: Any, b: Any, routine: Any) -> Any:
+    def _on_shape(self, probes: Probes, a: Surface, b: Surface, routine: GapRoutines) -> Sided:
         """Points against a rigid shape: its own gap routine, with copies of its bodies."""
         seen = SurfaceOfProbes("sphere", a.entry)
         narrow, swapped = routine(seen, b, self.scene)
@@ -309,7 +315,7 @@ class NodalBuilder:
         values |= {"point_count": count, "extent": self.scene.size}
         return narrow, own | {"values": values}, 1
 
-    def _on_faces(self, probes: Probes, a: Any, b: Any, routine: object) -> Any:
+    def _on_faces(self, probes: Probes, a: Surface, b: Surface, routine: object) -> Sided:
         """Probes against the faces of a shell."""
         card = b.entry.card
         meshed, corner, first = self.scene.skin(card.part, "part")
@@ -329,6 +335,7 @@ class NodalBuilder:
         excluded = nothing(len(probes.rows))
         if is_own:
             self._refuse_too_thick(gap, meshed, card.part)
+            assert probes.meshed is not None
             excluded = self._excluded_faces(meshed, probes.meshed.used, card.ring, FOLDED * gap)
         room = ROOM * len(probes.rows)
         buckets = 1 << int(2 * count - 1).bit_length()
@@ -361,7 +368,9 @@ class NodalBuilder:
             values["over"] = max(a.elements[0]["semi"]) - probes.radius
         return None, own | {"values": values}, 2
 
-    def _excluded_faces(self, meshed: Any, nodes: np.ndarray, ring: int, reach: float) -> Any:
+    def _excluded_faces(
+        self, meshed: DiscretisedShell, nodes: np.ndarray, ring: int, reach: float
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Faces of a part that some nodes of its mesh never meet, by these nodes."""
         others = [own.mesh.quads for own in self.scene.on_mesh_of(meshed) if own is not meshed]
         quads, points = np.concatenate([meshed.mesh.quads, *others]), meshed.mesh.points
@@ -382,7 +391,7 @@ class NodalBuilder:
         advice = f"take elements of {gap / THICKEST:.3g} m or wider, thinner walls, or no contact"
         raise self.scene.fail(f"{message}; {advice} of '{part}' with itself", "a")
 
-    def _ellipsoids(self, a: Any, probes: Probes) -> dict[str, np.ndarray]:
+    def _ellipsoids(self, a: Surface, probes: Probes) -> dict[str, np.ndarray]:
         """Ellipsoids, and the ball that rolls in each."""
         record = import_module("crashsolve.contact.shape.ellipsoid").PARAMETERS
         return {"ellipsoids": table_of(a.elements, record), "balls": probes.rows.copy()}
@@ -396,27 +405,6 @@ class NodalBuilder:
             **{"first_number": first, "stride": stride},
             **{"first_third": first + filled * stride, "stride_third": meshed.stride_of(1)},
         }
-
-
-class Touching:
-    """The contact and its two surfaces, for the build of a normal law."""
-
-    def __init__(self, contact: str, a: Any, b: Any, scene: Scene) -> None:
-        self.contact, self.radius_a, self.radius_b = contact, a.radius, b.radius
-        stiff = []
-        for surface in (a, b):
-            if surface.shape in ("points", "faces"):
-                meshed, _, _ = scene.skin(surface.entry.card.part, "part")
-                stiff.append(meshed.material.young * meshed.card.thickness)
-        self.membrane = min(stiff)
-
-
-@dataclass
-class SurfaceOfProbes:
-    """A surface as gap routines see it."""
-
-    shape: str
-    entry: Any
 
 
 def table_of(rows: list[Columns], record: Record) -> np.ndarray:

@@ -9,15 +9,18 @@ leaves are added to its contact card.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from crashsolve.contact.broad import near_pairs
 from crashsolve.foundation.record import Record
-from crashsolve.model.contact.groups import ContactGroup
+from crashsolve.model.contact.groups import ContactGroup, NearPairs
 from crashsolve.model.contact.pieces import cut
 from crashsolve.model.model import State
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
 
 # a group with more possible pairs than this keeps lists of the near ones; implicit methods, whose
 # tangents need fixed pairs, from many more on, and groups whose pairs are skipped while separated
@@ -69,12 +72,14 @@ class Block:
 class Pairing:
     """All possible pairs of a contact group."""
 
-    def __init__(self, sides: tuple[Elements, Elements], blocks: list[Block], laws: Any) -> None:
+    def __init__(
+        self, sides: tuple[Elements, Elements], blocks: list[Block], laws: np.ndarray
+    ) -> None:
         self.sides, self.blocks, self.laws = sides, blocks, laws
 
     def should_search(self, is_implicit: bool) -> bool:
         """Whether there are many possible pairs, of elements with an end or with planes at rest."""
-        has_reach = "reach_a" in self.laws.dtype.names
+        has_reach = "reach_a" in (self.laws.dtype.names or ())
         above = SEARCH_ABOVE_RESTING if has_reach else SEARCH_ABOVE
         above = SEARCH_ABOVE_IMPLICIT if is_implicit else above
         count = sum(int(b.member[0].sum()) * int(b.member[1].sum()) for b in self.blocks)
@@ -134,6 +139,11 @@ class Search:
             np.zeros(len(side.centre), CENTRE_AT_SEARCH.dtype) for side in pairing.sides
         )
 
+    @property
+    def laws(self) -> np.ndarray:
+        """Parameters of the laws, by kind of pair."""
+        return self.pairing.laws
+
     def cards(self) -> list[int]:
         """Contact cards whose pairs are in the list."""
         return sorted({block.card for block in self.pairing.blocks})
@@ -142,7 +152,7 @@ class Search:
         """Arrays from which the step determines when pairs must be searched again."""
         return {"seen_a": self.seen[0], "seen_b": self.seen[1], "slack": self.slack}
 
-    def look(self, nodes: Any) -> np.ndarray:
+    def look(self, nodes: np.ndarray | Mapping[str, np.ndarray]) -> np.ndarray:
         """Parameters of the near pairs now. Writes: seen."""
         for side, seen in zip(self.pairing.sides, self.seen, strict=True):
             A = nodes["A"][side.node].reshape(-1, 3, 3)
@@ -165,7 +175,7 @@ class Search:
         return np.argwhere(height - first.radius[:, None] < self.margin)
 
 
-def resting(count: int, dtype: Any, search: Search | None) -> np.ndarray:
+def resting(count: int, dtype: np.dtype, search: NearPairs | None) -> np.ndarray:
     """Both sides of the history of separated pairs with at least this gap."""
     history = np.zeros((2, count), dtype)
     history["depth"] = -SEPARATION_OF_OTHERS * search.slack[0] if search else 0.0
@@ -183,7 +193,7 @@ def renew(groups: list[ContactGroup], state: State) -> None:
             _renew(group, group.search, state, current)
 
 
-def _renew(group: ContactGroup, search: Search, state: State, current: int) -> None:
+def _renew(group: ContactGroup, search: NearPairs, state: State, current: int) -> None:
     rows = search.look(state.nodes)
     before, after = (_identity(group, p) for p in (group.parameters, rows))
     # both lists are in ascending order, and so are the pairs that stay
@@ -210,7 +220,7 @@ def _identity(group: ContactGroup, rows: np.ndarray) -> np.ndarray:
     return (rows["card"] * len(group.elements_a) + rows["a"]) * width + rows["b"]
 
 
-def flags_of(law: Any) -> list[str]:
+def flags_of(law: object) -> list[str]:
     """Columns of HISTORY of a normal law that are flags, in the order of their bits."""
     return [*getattr(law, "WARNINGS", {}), *getattr(law, "REMARKS", {})]
 

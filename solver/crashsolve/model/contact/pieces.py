@@ -9,7 +9,7 @@ is the order of the sums.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -107,7 +107,7 @@ def _bodies(nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return load_rows, bearers
 
 
-def _ranges(bodies: int) -> Any:
+def _ranges(bodies: int) -> np.ndarray:
     """Pieces of a list of bodies."""
     size = _size(bodies, BODIES)
     first = np.arange(0, bodies, size)

@@ -5,7 +5,9 @@ rides on it; one that is held altogether rides on the ground. The elements' forc
 bodies, and their stiffness joins nodes that share an element (system/implicit/stiffness.py).
 """
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,6 +17,11 @@ from crashsolve.foundation.record import Record
 from crashsolve.foundation.sparse.bordered import plan
 from crashsolve.model.nodes import COMPLIANT, NODE
 
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from crashsolve.model.model import Elements, Model, State
+
 ALL_FIXED = 63  # all motions
 
 COUNTS = Record("""
@@ -23,9 +30,10 @@ COUNTS = Record("""
 """)
 
 
-def add_nodes_of_points(model: Any, state: Any) -> None:
+def add_nodes_of_points(model: Model, state: State) -> None:
     """Give every point a body to ride on. Writes: model.elements, state.nodes, points."""
     points, elements = state.points, model.elements
+    assert elements is not None
     alone = points["fixed"] < ATTACHED
     fixed = np.flatnonzero(alone & (points["fixed"] == ALL_FIXED))
     moving = np.flatnonzero(alone & (points["fixed"] != ALL_FIXED))
@@ -51,7 +59,9 @@ def add_nodes_of_points(model: Any, state: Any) -> None:
     points["fixed"] |= ATTACHED
 
 
-def assembled(model: Any, state: Any, laws: list[Any], factors: int) -> dict[str, np.ndarray]:
+def assembled(
+    model: Model, state: State, laws: list[tuple[int, list[Sequence[int]]]], factors: int
+) -> dict[str, np.ndarray]:
     """Tables of so many matrices and of the compliant rows beside each.
 
     `laws` are the rows of every group that has tangents, and the nodes of each of its members.
@@ -64,7 +74,7 @@ def assembled(model: Any, state: Any, laws: list[Any], factors: int) -> dict[str
         for k in range(0, len(nodes), 2)
         for _ in range(rows)
     ]
-    pairs = shared_by_shells(model, state) if model.elements else []
+    pairs = shared_by_shells(model.elements, state) if model.elements else []
     given = sum(joint.rows * joint.parts for joint in model.joints)
     near = set(pairs) | set(ends[given:])
     matrix, found = plan(list(range(1, len(state.nodes))), near, joints, ends)
@@ -74,21 +84,26 @@ def assembled(model: Any, state: Any, laws: list[Any], factors: int) -> dict[str
     for k in range(factors):
         tables |= {f"columns_{k}": matrix.columns.copy(), f"blocks_{k}": matrix.blocks.copy()}
         tables[f"compliant_{k}"] = rows.copy()
-    return tables | (tables_of_shell_tangents(model, state, pairs, found) if model.elements else {})
+    return tables | (
+        tables_of_shell_tangents(model.elements, state, pairs, found) if model.elements else {}
+    )
 
 
-def shared_by_shells(model: Any, state: Any) -> list[tuple[int, int]]:
+def shared_by_shells(elements: Elements, state: State) -> list[tuple[int, int]]:
     """Bodies of every two corners of the elements."""
-    attached_points, body = model.elements.attached_points, np.zeros(len(state.points), int)
+    attached_points, body = elements.attached_points, np.zeros(len(state.points), int)
     body[attached_points["point"]] = attached_points["node"]
-    return pairs_of(body[model.elements.corners.reshape(-1, 4, LANES)])
+    return pairs_of(body[elements.corners.reshape(-1, 4, LANES)])
 
 
 def tables_of_shell_tangents(
-    model: Any, state: Any, pairs: list[tuple[int, int]], found: dict[tuple[int, int], int]
+    elements: Elements,
+    state: State,
+    pairs: list[tuple[int, int]],
+    found: dict[tuple[int, int], int],
 ) -> dict[str, np.ndarray]:
     """Tables of the tangents of shells, and the addresses of their blocks."""
-    counts, attached_points = np.zeros(1, COUNTS.dtype), model.elements.attached_points
+    counts, attached_points = np.zeros(1, COUNTS.dtype), elements.attached_points
     counts["numbers"] = len(state.blocks)
     counts["arms"] = (attached_points["spot"].any(axis=1) & (attached_points["node"] > 0)).sum()
     return {

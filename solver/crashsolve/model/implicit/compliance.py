@@ -5,12 +5,11 @@ have a `tangent` follow; the bodies that they share decide the order of eliminat
 without one (loads, contacts that keep a list of near pairs) are left to the iteration.
 """
 
-from typing import Any
-
 import numpy as np
 
 from crashsolve.deck.family import FamilyError
 from crashsolve.foundation.sparse.planning import plan
+from crashsolve.model.contact.groups import ContactGroup
 from crashsolve.model.implicit.assembly import assembled
 from crashsolve.model.model import Group, Model, State
 from crashsolve.model.nodes import COMPLIANT, TANGENTS
@@ -19,7 +18,7 @@ from crashsolve.model.nodes import COMPLIANT, TANGENTS
 MOST_ROWS = 6
 
 
-def tangent_groups(model: Model) -> list[Any]:
+def tangent_groups(model: Model) -> list[Group]:
     """Groups of springs whose laws have a tangent."""
     return [g for g in model.groups if hasattr(g.module, "tangent")]
 
@@ -29,7 +28,7 @@ def has_nodal_tangents(model: Model) -> bool:
     return bool(model.elements) or any(hasattr(g.module, "tangent_blocks") for g in model.groups)
 
 
-def tangent_contacts(model: Model) -> list[Any]:
+def tangent_contacts(model: Model) -> list[ContactGroup]:
     """Contact groups that keep all their pairs."""
     return [c for c in model.contact_groups if c.search is None]
 

@@ -5,8 +5,9 @@ beside the rigid joint, `cards` of a member, whose names begin with that of the 
 those of the structure's card that it follows and others may not.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from importlib import import_module
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -46,12 +47,12 @@ def _members(whole: Plan) -> Iterator[Made]:
             seen.add((card.keyword, card.name))
 
 
-def description(member: Member) -> Any:
+def description(member: Member) -> ModuleType:
     """The module of how a member deforms."""
     return _description(member.deformation)
 
 
-def _description(word: str) -> Any:
+def _description(word: str) -> ModuleType:
     return import_module(f"{__package__}.{word}")
 
 
@@ -192,6 +193,6 @@ def _clusters(whole: Plan) -> Iterator[Made]:
             yield Made("joints", whole.body(point), fields, ("points", k))
 
 
-def plain(values: Any) -> list[float]:
+def plain(values: Iterable[float]) -> list[float]:
     """Numbers as a deck has them."""
     return [float(x) for x in values]

@@ -187,7 +187,7 @@ def _axes(along: np.ndarray, side: ArrayLike, constants: Columns, path: Steps) -
 
 def _refuse_twice(members: list[Member]) -> None:
     """Raises Problem for a member or a name given twice."""
-    seen: dict[Any, int] = {}
+    seen: dict[str | frozenset[str], int] = {}
     for member in members:
         for key in (member.name, frozenset(member.ends)):
             if key in seen:

@@ -5,7 +5,7 @@ there do not bend: the joint is as stiff as a box with bulkheads. A round tube h
 mass is less than the circle's by the share (pi / n)^2 / 6, n around.
 """
 
-from typing import Any
+import numpy as np
 
 from crashsolve.deck.expansion import Fields, Made, Problem
 from crashsolve.parts.structures.cards import plain
@@ -89,7 +89,7 @@ def mesh(member: Member, whole: Plan) -> Fields:
     raise Problem(member.path, message, "take rectangular_tube or tube, or another deformation")
 
 
-def outward(member: Member) -> Any:
+def outward(member: Member) -> np.ndarray:
     """Vector from the middle of the first end to the mesh's first node [m]."""
     card = member.section.card
     if member.section.type == "tube":

@@ -56,7 +56,7 @@ def _has_restitution(group: ContactGroup) -> bool:
     """Whether some pair of a group is damped by its mass."""
     if "mass_ratio" not in (group.history.dtype.names or ()):
         return False
-    rows = group.parameters if group.search is None else group.search.pairing.laws
+    rows = group.parameters if group.search is None else group.search.laws
     return bool((np.asarray(rows["damping_ratio"]) > 0.0).any())
 
 

@@ -1,6 +1,6 @@
 """Data of a contact pair in the step, as its kernels pass them on."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from crashsolve.foundation.rows import Row
 from crashsolve.foundation.vec3 import Vector
@@ -35,7 +35,7 @@ class Totals(NamedTuple):
     on_a: Row  # forces on both bodies: the bodies, or separate loads of the pair
     on_b: Row
     card: Row  # its contact card and the history of that, or those of its piece
-    count: Any
+    count: int
 
 
 class ContactPoint(NamedTuple):

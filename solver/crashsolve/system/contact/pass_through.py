@@ -72,6 +72,13 @@ def record_round(clock, h, p, old, new, depth, n):
 
 
 @kernel
+def record_round_pair(clock, h, p, old, new, depth, n, x, m, w):
+    """The same of two bodies, with the side from which one came. Writes: new."""
+    record_round(clock, h, p, old, new, depth, n)
+    record_side(old, new, m, w, n, x)
+
+
+@kernel
 def record_probe(clock, h, p, old, new, hit, retains_face, over):
     """The same for a node on the deepest of several shapes, which may have changed. Writes: new."""
     if old.active == 1 and old.face != hit.face:
@@ -103,16 +110,22 @@ def has_jumped(p, old, depth, n, cosine):
 
 @kernel
 def record_pass(clock, h, p, old, new, depth, n, has_passed):
-    """Record the time at which a pair first passed the middle, or began beyond it. Writes: new.
-
-    Negative where it began at the back of an open mesh, out of which the normal was before.
-    """
+    """Record the time at which a pair first passed the middle, or began beyond it. Writes: new."""
     new.pass_time = old.pass_time
     if old.active == 0:
         has_passed = h > 0.0 and depth > SUDDEN * p.thick
     if has_passed and old.pass_time == 0.0:
-        time = max(clock.time + h, 1e-300)
-        new.pass_time = -time if old.active == 0 and is_opposite(old, n) else time
+        new.pass_time = max(clock.time + h, 1e-300)
+
+
+@kernel
+def record_side(old, new, m, w, n, x):
+    """Negate the time at which a pair began too deep where it came from behind: where
+    it moves out along the normal, as what comes from outside never does. Writes: new.
+    """
+    is_first = old.active == 0 and old.pass_time == 0.0 and new.pass_time > 0.0
+    if is_first and dot(sub(velocity_at(m, x), velocity_at(w, x)), n) > 0.0:
+        new.pass_time = -new.pass_time
 
 
 @kernel

@@ -127,7 +127,7 @@ def some_pairs(group, piece, first, end, approached, clock, h, nodes, curves, sc
                 group, clock, h, Ends(p, old, new, a, b), depth, n, x, nodes, scene
             )
         elif group.has_ends:
-            pass_through.record_round(clock, h, p, old, new, depth, n)
+            pass_through.record_round_pair(clock, h, p, old, new, depth, n, x, m, w)
         motion = work.motion_over(h, old, depth, m, w, b.node) if KICK_DRIFT_KICK else None
         friction_loss = end_first_half(group, h, old, motion, m, count)
         if group.in_pieces and THREADS:
@@ -205,6 +205,7 @@ def retained_face(group, clock, h, ends, depth, n, x, nodes, scene):
     if group.has_core_depth and depth > a.radius:
         over = max(over, depth - group.narrow.middle(a, b, nodes, n))
     pass_through.record_face(clock, h, p, old, new, retained, over, depth, n)
+    pass_through.record_side(old, new, nodes[a.node], nodes[b.node], n, x)
     return depth, n, x, retained
 
 

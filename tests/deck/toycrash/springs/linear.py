@@ -1,7 +1,5 @@
 """Toy spring."""
 
-from typing import Any
-
 from crashsolve.deck.card import BodyName, Card, quantity, word
 
 
@@ -13,7 +11,7 @@ class Linear(Card):
     stiffness: float = quantity("N/m", "slope", gt=0)
 
 
-def build(card: Linear, scene: Any) -> dict[str, Any]:
+def build(card: Linear, scene: object) -> dict[str, object]:
     """What a law of the family provides; toys are only read."""
     raise NotImplementedError
 

@@ -10,7 +10,7 @@ Functions common to all kinds. A kind is a module (`reduced`, `full`, `triangle`
 and kernels are handed it as they are handed a material.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from crashsolve.elements.shells.damping import add_damping_to_bound, damp
 from crashsolve.elements.shells.erosion import (
@@ -36,7 +36,7 @@ class Span(NamedTuple):
     corner: int  # index of their corners
     element: int  # number of the first among all elements
     stride: int  # numbers of a block
-    count: Any  # elements
+    count: int  #  elements
 
 
 @kernel

@@ -1,0 +1,6 @@
+# written by `python -m crashsolve.stubs` from the records of the law
+from crashsolve._shared_rows import ElasticMaterial, ElasticSolid
+
+class Parameters(ElasticMaterial): ...
+
+class Solid(ElasticSolid): ...
