@@ -154,7 +154,7 @@ def test_a_file_gives_its_elements_and_its_sets(tmp_path: Path) -> None:
 def test_what_meshio_passes_over_is_refused_with_its_line(tmp_path: Path) -> None:
     (tmp_path / "plate.inp").write_text(INP + "*INSTANCE, NAME=A, PART=B\n1,0,0\n", "utf-8")
     reported = refusal(tmp_path, {"type": "file", "file": "plate.inp"})
-    moved = "*INSTANCE moves its part, whichwould be ignored; write the mesh flat"
+    moved = "*INSTANCE moves its part, which would be ignored; write the mesh flat"
     assert f"plate.inp, line 15: {moved}" in reported
 
 
@@ -162,7 +162,7 @@ def test_nodes_in_round_coordinates_are_refused(tmp_path: Path) -> None:
     text = INP.replace("*NODE", "*Node, nset=all, system=C")
     (tmp_path / "plate.inp").write_text(text, "utf-8")
     reported = refusal(tmp_path, {"type": "file", "file": "plate.inp"})
-    assert "plate.inp, line 3: *NODE, NSET=ALL, SYSTEM=Cwould be ignored" in reported
+    assert "plate.inp, line 3: *NODE, NSET=ALL, SYSTEM=C would be ignored" in reported
 
 
 @pytest.mark.parametrize("kind", ["quad", "triangle"])

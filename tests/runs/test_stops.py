@@ -130,7 +130,7 @@ def test_a_motion_that_is_not_finite_stops_the_run_and_reaches_no_file(tmp_path:
     done = crashsolve(deck, "-o", tmp_path, "--set", "limit=1e9", CRASHSOLVE_PLAIN="1")
     assert done.returncode == 4
     message = "t = 0.6 s, cycle 60, body 'block': its motion has diverged: positions or "
-    message += "velocities are no finite numbers; "
+    message += "velocities are not finite; "
     judge(tmp_path, 4, message + SHORTER)
     assert_finite(tmp_path)
 

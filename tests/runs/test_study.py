@@ -97,7 +97,7 @@ def test_complete_runs_are_kept(pendulum: tuple[Path, str]) -> None:
     assert {path: path.stat().st_mtime_ns for path in folder.glob("*/log.txt")} == before
     assert printed.count(": kept") == len(before) - 1 == 4
     assert "none of these settings meets it; the nearest is rattle 0.001" in printed
-    assert "sshould suffice" in printed
+    assert "s should suffice" in printed
 
 
 def test_without_a_known_value_the_runs_are_their_own_reference(

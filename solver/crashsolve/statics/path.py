@@ -255,7 +255,7 @@ class PathEngine(StaticEngine):
         where = "the loads of end_time"
         if not self.is_complete:
             where = (
-                f"the length of control.path_length, {self.at.passed:.6g} s, before it reached "
+                f"the length of control.path_length, {self.at.length:.6g} s, before it reached "
                 "the loads of end_time"
             )
         left = f"an equilibrium with {count} unstable modes" if count else "a stable equilibrium"

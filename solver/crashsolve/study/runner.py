@@ -265,7 +265,7 @@ def _advice(findings: list[Finding], trials: list[Trial], target: float, left_ou
     own = [f.order(nearest) for f in findings if not f.is_absolute]
     if order and error > target and all(abs(p - order) <= NEAR for p in own):
         text += (
-            f"; a step near {nearest.step * (target / error) ** (1 / order):.2g}s should suffice"
+            f"; a step near {nearest.step * (target / error) ** (1 / order):.2g} s should suffice"
         )
     return text
 
@@ -279,4 +279,4 @@ def _mesh_needed(findings: list[Finding], nearest: Trial, target: float) -> str:
             return ""
         factors.append((finding.error(nearest) / target) ** (1.0 / order))
     mesh = nearest.setting.series.mesh * max(factors, default=1.0)
-    return f"; elements divided by {ceil(mesh)}should suffice" if factors else ""
+    return f"; elements divided by {ceil(mesh)} should suffice" if factors else ""

@@ -144,9 +144,9 @@ class _Reader:
             return
         if word in LOST:
             advice = "write the mesh flat, with nodes and elements"
-            raise self.lines.fail(line, f"*{word}would be ignored; {advice}")
+            raise self.lines.fail(line, f"*{word} would be ignored; {advice}")
         if "SECTION" in word and (parameters.get("OFFSET") or "0").upper() not in MIDDLE:
-            message = f"*{word}, OFFSET={parameters['OFFSET']}would be ignored"
+            message = f"*{word}, OFFSET={parameters['OFFSET']} would be ignored"
             raise self.lines.fail(line, f"{message}: nodes lie in the middle of the thickness")
         if word not in PARAMETERS:
             if word not in SILENT:
@@ -156,7 +156,7 @@ class _Reader:
         if is_round or not parameters.keys() <= PARAMETERS[word]:
             pairs = parameters.items()
             reason = [name if value is None else f"{name}={value.upper()}" for name, value in pairs]
-            message = f"*{', '.join([word, *reason])}would be ignored"
+            message = f"*{', '.join([word, *reason])} would be ignored"
             raise self.lines.fail(line, f"{message}; write the mesh flat")
         readers = {"NODE": self.nodes, "ELEMENT": self.elements, "NSET": self.nset}
         readers |= {"ELSET": self.elset, "NGEN": self.ngen, "ELGEN": self.elgen}
@@ -171,7 +171,7 @@ class _Reader:
         self.framed[word] = (keyword.parameters.get("NAME") or "").upper()
         moved = [text for _, fields in keyword.rows for text in fields if text]
         if any(self.real(keyword.line, text) for text in moved):
-            message = f"*{word} moves its part, whichwould be ignored"
+            message = f"*{word} moves its part, which would be ignored"
             raise self.lines.fail(keyword.line, f"{message}; write the mesh flat")
 
     def nodes(self, keyword: Keyword) -> None:

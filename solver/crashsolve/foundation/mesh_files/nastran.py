@@ -43,7 +43,7 @@ def read_lines(path: Path) -> Lines:
     starts = [i for i, (_, text) in enumerate(rows) if re.match(r"\s*BEGIN\s+BULK", text, re.I)]
     first = starts[0] + 1 if starts else 0
     if len(starts) > 1:
-        raise lines.fail(rows[starts[1]][0], "a second BEGIN BULKwould be ignored")
+        raise lines.fail(rows[starts[1]][0], "a second BEGIN BULK would be ignored")
     sets |= _case_sets(rows[:first])
     cards = list(_cards(rows[first:], lines))
     for card in cards:
@@ -114,7 +114,7 @@ def _take(card: Card, lines: Lines, sets: dict[str, tuple[int, str]]) -> None:
     name = card.name.partition(" ")[0]
     if name in LOST:
         advice = "write the mesh flat, with grid points and elements"
-        raise lines.fail(card.line, f"{name}would be ignored; {advice}")
+        raise lines.fail(card.line, f"{name} would be ignored; {advice}")
     if name in SHELLS:
         _shell(card, SHELLS[name], lines)
     elif name in _other_types():
