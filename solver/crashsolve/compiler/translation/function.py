@@ -35,7 +35,7 @@ from crashsolve.compiler.translation.variables import (
     Edge,
     Loop,
     Slots,
-    settled_in,
+    set_once_in,
     stored_in,
     wider,
 )
@@ -59,7 +59,7 @@ class Function(Expressions):
         super().__init__(function.__globals__, module)
         self.tree, self.function, self.kinds = tree, function, kinds
         self.where = tree.lineno
-        self.stored, self.settled = stored_in(tree), settled_in(tree)
+        self.stored, self.set_once = stored_in(tree), set_once_in(tree)
         self.returns: Kind | None = None
         # kinds of variables at the start of loops, where the end brings other ones
         self.wider: dict[tuple[int, str], Kind] = {}
@@ -126,7 +126,7 @@ class Function(Expressions):
         if isinstance(value.kind, Known):
             self.bound[name] = value
             return
-        if name in self.settled:
+        if name in self.set_once:
             # what Python knows of the value does not count: variables are not constants
             self.bound[name] = Value(value.kind, value.words)
             return

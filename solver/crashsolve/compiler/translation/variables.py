@@ -66,7 +66,7 @@ def stored_in(tree: ast.FunctionDef) -> frozenset[str]:
 
 
 @cache
-def settled_in(tree: ast.FunctionDef) -> frozenset[str]:
+def set_once_in(tree: ast.FunctionDef) -> frozenset[str]:
     """Names that are set in one place, which is translated once and lies before all their uses.
 
     In a loop it is set anew every time, so no use may lie outside of that loop.
