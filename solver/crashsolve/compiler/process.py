@@ -117,7 +117,7 @@ def object_code(text: str, vectors: bool) -> bytes:
     target = _target(vectors)
     module = llvm.parse_assembly(text)
     # the higher levels take as long as all else; by them large scalar scenes are no faster,
-    # those of a few bodies 3 to 8 %
+    # those of a few bodies by 2 to 3 %
     options = llvm.create_pipeline_tuning_options(speed_level=3 if vectors else 1)
     # scalar kernels have nothing to vectorise, and the search for it takes time
     options.loop_vectorization, options.slp_vectorization = vectors, False
