@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from command import environment
 
-SMALL = [("checks", 1, 30), ("runs", 2, 2), ("compiled", 4, 4), ("looks", 3, 6)]
+SMALL = [("checks", 1, 20), ("runs", 2, 2), ("compiled", 4, 4), ("looks", 3, 3)]
 LARGE = [("checks", seed, 2000) for seed in range(100, 110)]
 LARGE += [("runs", seed, 50) for seed in range(200, 210)]
 LARGE += [("compiled", seed, 100) for seed in range(400, 404)]

@@ -182,9 +182,9 @@ def test_energy_is_balanced_on_any_motion_in_tension(
 # every fitting moves: with a, with b, with a again
 CARRIED = """
       - {anchor: {body: a, at: [-1, 0, -0.5]}}
-      - {ring: {body: b, at: [0.1, 0.1, 0], friction: 0.3}}
-      - {ring: {body: a, at: [0.4, -0.3, 0.2], friction: 0.7}}
-      - {ring: {body: b, at: [0.3, -0.2, 0.5], friction: 0.2}}
+      - {ring: {body: b, at: [0.1, 0.1, 0], friction_coefficient: 0.3}}
+      - {ring: {body: a, at: [0.4, -0.3, 0.2], friction_coefficient: 0.7}}
+      - {ring: {body: b, at: [0.3, -0.2, 0.5], friction_coefficient: 0.2}}
       - {anchor: {body: a, at: [0.1, 0, -0.1]}}
 """
 

@@ -36,7 +36,11 @@ CASES += [(deck, "triangles") for deck in ("shell_plate", "shell_panel", "shell_
 
 
 @pytest.mark.parametrize(
-    "deck, kind", [pytest.param(*c, marks=[pytest.mark.long] * (c[0] in LONG)) for c in CASES]
+    "deck, kind",
+    [
+        pytest.param(deck, kind, marks=[pytest.mark.long] * (deck in LONG or kind == "triangles"))
+        for deck, kind in CASES
+    ],
 )
 def test_every_element_meets_the_expectations(
     deck: str, kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

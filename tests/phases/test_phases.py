@@ -47,8 +47,7 @@ springs: {s: {type: linear, b: ball, stiffness: 200, length: 0.9}}
             ", integrator: dormand_prince_5, step_max: 5e-3",
             ", integrator: generalized_alpha, step_max: 5e-3",
             ", integrator: radau_iia_5, step_max: 5e-3",
-        ],
-        2,
+        ]
     ),
 )
 def test_a_mass_settles_on_its_spring_with_every_kind_of_method(tmp_path: Path, more: str) -> None:

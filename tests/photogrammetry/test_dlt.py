@@ -75,7 +75,7 @@ def test_without_noise_all_is_found(method: dlt.Method) -> None:
     np.testing.assert_allclose(dlt.reconstruct(np.array(L), images), POINT, atol=1e-11)
 
 
-@pytest.mark.parametrize("method", ["normalised", "least_squares"])
+@pytest.mark.parametrize("method", first_quick(["normalised", "least_squares"]))
 @pytest.mark.parametrize("cameras", first_quick([2, 4]))
 def test_errors_have_the_covariance_that_is_stated(method: dlt.Method, cameras: int) -> None:
     rng = np.random.default_rng(7)

@@ -168,4 +168,4 @@ def test_points_that_were_exchanged_are_refused(example: Path) -> None:
     text = path.read_text("utf-8").replace("0.02,1,knee_left,", "0.02,1,swapped,")
     text = text.replace("0.02,1,knee_right,", "0.02,1,knee_left,")
     path.write_text(text.replace("0.02,1,swapped,", "0.02,1,knee_right,"), "utf-8")
-    assert "do not belong together" in refusal(example)
+    assert "contradict each other" in refusal(example)
