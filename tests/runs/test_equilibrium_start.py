@@ -114,7 +114,7 @@ def test_a_cart_with_free_wheels_stands_on_a_banked_road(tmp_path: Path) -> None
     for load in loads:
         # 1 % is allowed
         assert np.abs(load - load[0]).max() < 1e-3 * load[0]
-    assert "nothing holds body" in (result.folder / "log.txt").read_text("utf-8")
+    assert "nothing supports body" in (result.folder / "log.txt").read_text("utf-8")
 
 
 def test_a_body_above_the_floor_is_set_down(tmp_path: Path) -> None:
