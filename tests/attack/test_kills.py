@@ -22,22 +22,27 @@ from crashsolve.output.restart import newest_restart
 
 ROOT = Path(__file__).resolve().parents[2]
 DECKS = ROOT / "decks"
-# decks, what is set in them, and how many kills each gets
+# decks, what is set in them, and how many kills each gets; states at intervals, since a continued
+# run writes states of those events alone that follow its dump
 CASES: dict[str, tuple[Path, dict[str, str], int]] = {
     "joints, springs and bristles": (ROOT / "tests/runs/mechanism.yaml", {}, 60),
     "unilateral contact": (
         DECKS / "benchmark/capture_loss.yaml",
-        {"output.restart.every": "1e-5 s"},
+        {"output.restart.every": "1e-5 s", "output.states.interval": "1e-5 s"},
         60,
     ),
     "failing shells": (
         DECKS / "verification/contact/faces_failing.yaml",
-        {"output.restart.every": "1e-4 s"},
+        {"output.restart.every": "1e-4 s", "output.states.interval": "1e-4 s"},
         40,
     ),
     "implicit steps of shells": (
         DECKS / "verification/parts/shell_ball_implicit.yaml",
-        {"output.restart.every": "2e-5 s", "control.end_time": "2e-4 s"},
+        {
+            "output.restart.every": "2e-5 s",
+            "output.states.interval": "2e-5 s",
+            "control.end_time": "2e-4 s",
+        },
         40,
     ),
 }
