@@ -122,12 +122,15 @@ def separation_of(p, s, other, n, distance, face, initial):
 
 @kernel
 def separation_at_start(s, one, two):
-    """Separation, 0 to 1, of two faces seen from side s as they were at the start."""
-    n, to = vec(one.normal), sub(vec(two.middle), vec(one.middle))
-    rise = dot(n, to) if s == 0 else -dot(n, to)
-    if rise <= 0.0:
+    """Separation, 0 to 1, of two faces seen from side s as they were at the start.
+
+    Each must rise above the plane of the other: which of both is nearer does not matter.
+    """
+    n, m, to = vec(one.normal), vec(two.normal), sub(vec(two.middle), vec(one.middle))
+    sign = 1.0 if s == 0 else -1.0
+    if min(sign * dot(n, to), -sign * dot(m, to)) <= 0.0:
         return 0.0
-    return min((1.0 - dot(n, vec(two.normal))) / FULL_SEPARATION, 1.0)
+    return min((1.0 - dot(n, m)) / FULL_SEPARATION, 1.0)
 
 
 @kernel
