@@ -32,7 +32,7 @@ from crashsolve.channels.statistic import (
 )
 from crashsolve.channels.statistics._top import plateau
 from crashsolve.deck.run_cards.statistic import PATH
-from crashsolve.recording.samples import Channel, Samples
+from crashsolve.recording.samples import Channel, Samples, are_among
 from crashsolve.study.convergence import NEAR, Convergence, analyse, distance
 from crashsolve.study.watch import Watch
 
@@ -113,7 +113,7 @@ class Judge:
         units = {c.name: c.unit for found in self.channels.values() for c in found}
         times = runs[0].time
         for run in runs[1:]:
-            times = np.intersect1d(times, run.time)
+            times = times[are_among(times, run.time)]
         has_steps = watch.statistic != PATH
         return [_value(resolved, replace(run, units=units).at(times, has_steps)) for run in runs]
 
@@ -194,7 +194,7 @@ class Judge:
             return None
         times = used[0].time
         for samples in used[1:]:
-            times = np.intersect1d(times, samples.time)
+            times = times[are_among(times, samples.time)]
         has_steps = watch.statistic != PATH
         values = [_value(watch, samples.at(times, has_steps)) for samples in used]
         steps = [1.0 / samples.cycles for samples in used]
