@@ -330,8 +330,10 @@ _AXES: dict[str, Vec3] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0,
 
 
 def _about(axis: Vec3, angle: float) -> Quaternion:
-    scale = math.sin(angle / 2.0) / math.hypot(*axis)
-    return math.cos(angle / 2.0), scale * axis[0], scale * axis[1], scale * axis[2]
+    length, sine = math.hypot(*axis), math.sin(angle / 2.0)
+    # 1 / length overflows where components are as small as a number can be
+    x, y, z = (component / length for component in axis)
+    return math.cos(angle / 2.0), sine * x, sine * y, sine * z
 
 
 def _product(a: Quaternion, b: Quaternion) -> Quaternion:

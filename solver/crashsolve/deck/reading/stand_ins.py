@@ -52,7 +52,8 @@ class StandIns:
         made = [self._side(contact, k, sides) for k in (0, 1)]
         for side, names in zip("ab", made, strict=True):
             value[side] = names
-        if all("nodes" in map(self._type, set(names) & self._added) for names in made):
+        added = ([name for name in names if self._is_added(name)] for names in made)
+        if all("nodes" in map(self._type, names) for names in added):
             message = "both of its structures have shells, and nodes cannot press on nodes"
             advice = "name the nodes of one and the faces of the other, as surfaces of their own"
             self.refuse(contact, Diagnostic((), message, advice))
@@ -60,6 +61,9 @@ class StandIns:
     def _is_one(self, name: object) -> bool:
         """Whether a name in a contact is that of an entry, and of no surface."""
         return isinstance(name, str) and name in self.entries and name not in self.items["surfaces"]
+
+    def _is_added(self, name: object) -> bool:
+        return isinstance(name, str) and name in self._added
 
     def _side(self, contact: Item, k: int, sides: list[Rows]) -> Rows:
         """The names of a side with those of surfaces in place of entries."""
