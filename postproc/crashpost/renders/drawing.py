@@ -39,7 +39,7 @@ from crashpost.results.states import States
 THICKNESS = {"springs": 1.6, "belts": 4.0}
 WHOLE = ("bodies", "links", "mass_centres", "hinges")
 # a moment this near a state is that state; edges drawn between two states may be this short
-LEAST_SHARE, MOST_SHRUNK = 1e-6, 0.97
+LEAST_SHARE, MAX_SHRUNK = 1e-6, 0.97
 
 
 class Scene:
@@ -190,7 +190,7 @@ class Scene:
         for _, corners in self.states.blocks[name].cells:
             if corners.shape[1] > 1:
                 lengths = [_edges(points, corners) for points in (before, after, between)]
-                if np.any(lengths[2] < MOST_SHRUNK * np.minimum(lengths[0], lengths[1])):
+                if np.any(lengths[2] < MAX_SHRUNK * np.minimum(lengths[0], lengths[1])):
                     return before if share < 0.5 else after
         return between
 

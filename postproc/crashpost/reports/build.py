@@ -35,7 +35,7 @@ from crashpost.values.summary import Peak, peaks, status_line
 from crashpost.values.units import PageUnits, Units, on_page, page_time_unit
 from crashsolve.channels.display import factor, readable
 
-OPEN_PEAKS, MOST_PEAKS = 30, 1000
+OPEN_PEAKS, MAX_PEAKS = 30, 1000
 GOOD, BAD = {"finished"}, {"failed", "killed"}
 
 
@@ -242,17 +242,17 @@ def _injury(result: Result) -> str:
 
 
 def _peaks(result: Result, page_units: PageUnits) -> str:
-    rows = [_peak_row(peak, page_units) for peak in islice(peaks(result), MOST_PEAKS + 1)]
+    rows = [_peak_row(peak, page_units) for peak in islice(peaks(result), MAX_PEAKS + 1)]
     time_unit = page_units.unit("s")
     header = ("channel", "unit", "least", f"at, {time_unit}", "greatest", f"at, {time_unit}")
     classes = ("name", "", "num", "num", "num", "num")
     if len(rows) <= OPEN_PEAKS:
         return table(header, rows, classes)
-    more = len(rows) > MOST_PEAKS
+    more = len(rows) > MAX_PEAKS
     title = (
-        f"The first {MOST_PEAKS} channels; peaks.txt has all" if more else f"{len(rows)} channels"
+        f"The first {MAX_PEAKS} channels; peaks.txt has all" if more else f"{len(rows)} channels"
     )
-    return details(title, table(header, rows[:MOST_PEAKS], classes))
+    return details(title, table(header, rows[:MAX_PEAKS], classes))
 
 
 def _peak_row(peak: Peak, page_units: PageUnits) -> list[str]:

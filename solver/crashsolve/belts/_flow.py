@@ -30,7 +30,7 @@ NEARLY, MANY = 1e-13, 40
 # too small to affect any result: a flow over the length of the belt, a force over its stiffness
 SETTLED = 1e-10
 # of a segment, that one pass may take from it
-MOST_TAKEN = 0.8
+MAX_WITHDRAWN = 0.8
 # halvings and steps of the flow through one ring
 HALVINGS = 60
 
@@ -301,8 +301,8 @@ def correct(p, old, new, out, curves):
         new.change[j] -= new.above[j] * new.change[j + 1]
     for i in range(n):
         taken = new.change[i + 1] - new.change[i]
-        if taken > MOST_TAKEN * new.webbing[i]:
-            share = min(share, MOST_TAKEN * new.webbing[i] / taken)
+        if taken > MAX_WITHDRAWN * new.webbing[i]:
+            share = min(share, MAX_WITHDRAWN * new.webbing[i] / taken)
     largest = 0.0
     for j in range(n):
         now = new.flow[j] + share * new.change[j]

@@ -17,7 +17,7 @@ from pydantic import model_validator
 from crashsolve.belts._flow import PASSES, solve_flow
 from crashsolve.belts._route import (
     LAID,
-    MOST,
+    FITTINGS,
     ROUTE,
     SEGMENTS,
     SHORT,
@@ -92,20 +92,20 @@ HISTORY = (
     webbing     m    {SEGMENTS}  L, unstrained length
     residual    m    {SEGMENTS}  S, residual elongation
     tension     N    {SEGMENTS}  T
-    slip        m    {MOST}  webbing that has passed each fitting, towards the end
+    slip        m    {FITTINGS}  webbing that has passed each fitting, towards the end
     friction    J        lost at rings
     drawn       J        lost in webbing
     straight    m    {SEGMENTS}  length
     short       flag     a segment has reached zero length
     unsettled   flag     the flows of some step are not found
     passes      count    of the search for the flows
-    flow        m    {MOST}  q, that passes each fitting in the step
-    grip        1    {MOST}  exp(mu beta)
+    flow        m    {FITTINGS}  q, that passes each fitting in the step
+    grip        1    {FITTINGS}  exp(mu beta)
     softens     N/m  {SEGMENTS}  fall of T over webbing that flows in
     moved       m    {SEGMENTS}  growth of S in the step
-    direction   flag  {MOST}  1 onwards, -1 back, 0 not
-    above       1    {MOST}  part of the tridiagonal matrix
-    change      m    {MOST}  of the flow in a pass
+    direction   flag  {FITTINGS}  1 onwards, -1 back, 0 not
+    above       1    {FITTINGS}  part of the tridiagonal matrix
+    change      m    {FITTINGS}  of the flow in a pass
 """)
 )
 OUTPUT = Record(f"""
@@ -113,8 +113,8 @@ OUTPUT = Record(f"""
     length      m    {SEGMENTS}  present length of each segment
     webbing     m    {SEGMENTS}  its unstrained length
     strain      1    {SEGMENTS}  of each segment; negative: slack
-    slip        m    {MOST}  webbing that has passed each fitting, towards the end of the route
-    angle       rad  {MOST}  by which the belt turns at each fitting
+    slip        m    {FITTINGS}  webbing that has passed each fitting, towards the end of the route
+    angle       rad  {FITTINGS}  by which the belt turns at each fitting
     friction    J        lost at rings so far
     hysteresis  J        lost in webbing so far
     retractor   J        energy taken by the retractor so far; negative where it has done work
@@ -207,7 +207,7 @@ def clear_unused(p: Parameters, old: History, new: History, out: Output):
         new.softens[i] = new.moved[i] = 0.0
         out.force[i] = out.length[i] = out.webbing[i] = out.strain[i] = 0.0
         put_triple(new.along, i, (0.0, 0.0, 0.0))
-    for j in range(p.segments, MOST):
+    for j in range(p.segments, FITTINGS):
         put_triple(new.arrive, j, (0.0, 0.0, 0.0))
         put_triple(new.leave, j, (0.0, 0.0, 0.0))
         clear_surface(new, j)

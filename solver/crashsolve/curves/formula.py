@@ -30,7 +30,7 @@ from crashsolve.deck.reading.expressions import Expression, ExpressionError
 # of those that need too many
 TOLERANCE, FLOOR, LOOSEST, ROUND_OFF = 1e-9, 1e-6, 2e-4, 1e-15
 # points at which a formula is evaluated, in each piece at least so many; and the most cubics
-LOOKS, LEAST, MOST = 65_536, 5, 450_000
+LOOKS, LEAST, MAX_CUBICS = 65_536, 5, 450_000
 # [of the range] the shortest cubic, which holds a kink; and least size of a jump, of the largest
 # value
 SMALLEST, JUMP = 1e-13, 1e-3
@@ -111,14 +111,14 @@ def _sample(
         with np.errstate(over="ignore"):
             error -= ROUND_OFF * (largest + np.maximum(np.abs(left), np.abs(right)) * steepest)
         is_rough = (error > tolerance * scale) & (right - left > least)
-        while count + is_rough.sum() > MOST:
+        while count + is_rough.sum() > MAX_CUBICS:
             tolerance *= 10.0
             # a fast one: of its largest value
             scale = np.full_like(scale, largest)
             is_rough &= error > tolerance * scale
             if tolerance > LOOSEST:
                 raise ExpressionError(
-                    f"needs more than {MOST} cubics from {start:g} to {end:g}",
+                    f"needs more than {MAX_CUBICS} cubics from {start:g} to {end:g}",
                     "give a shorter range",
                 )
         done.append(left[~is_rough])

@@ -35,7 +35,7 @@ STRIDE = 8.0
 # a run shorter than this [s of CPU] may cost less than the estimates of its errors
 SHORT = 5.0
 # and so much at most [s of CPU], for a companion may get stuck
-MOST_OF_SHORT = 2.0 * SHORT
+MAX_FOR_SHORT = 2.0 * SHORT
 # an error below this share of the scale is none to warn of, however near to zero the value is
 SMALL = 1e-6
 
@@ -105,7 +105,7 @@ class Estimating:
             if not self._companions or not self.estimator.compares_with_coarser:
                 is_free = self.accuracy is not None or self.is_full
                 budget = inf if is_free or cpu_time < SHORT else cpu_time
-                limit = inf if is_free else MOST_OF_SHORT
+                limit = inf if is_free else MAX_FOR_SHORT
                 self._companions = self.estimator.companion_runs(
                     self.coarseness, cycles, self.problems, budget, limit
                 )

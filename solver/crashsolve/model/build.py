@@ -340,7 +340,7 @@ def _build_parts(entries: list[Entry], scene: Scene) -> Group:
     columns, history = module.PARAMETERS.dtype, module.HISTORY
     if laws and not scene.errors:
         columns = with_constants(module.PARAMETERS, laws)
-        history = with_memory(history, laws, module.MOST_FIBRES)
+        history = with_memory(history, laws, module.MAX_FIBRES)
     elif laws:
         # of a deck with errors nothing will run, and the material has no columns
         rows = [{name: row[name] for name in row if name != "material"} for row in rows]

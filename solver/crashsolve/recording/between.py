@@ -19,7 +19,7 @@ from crashsolve.recording.marching import March
 from crashsolve.system.engine import Engine
 
 # rows of one interval at most
-MOST_ROWS = 512
+MAX_ROWS = 512
 # steps that are run again: so many, and this share of all
 FREE_STEPS, SHARE = 4000, 0.05
 
@@ -87,7 +87,7 @@ class Between:
         self.spent += steps
         self._end.take()
         self._begin.restore_copy()
-        self.engine.revisit(until, ceil(steps / MOST_ROWS), self._sample)
+        self.engine.revisit(until, ceil(steps / MAX_ROWS), self._sample)
         self._end.restore_copy()
 
     def _sample(self) -> None:

@@ -23,7 +23,7 @@ class Columns:
 Source = np.ndarray | Columns | Callable[[], np.ndarray]
 
 # [bytes] of a block, and samples in it: larger ones are no faster
-MOST_BYTES, MOST_SAMPLES = 1 << 22, 256
+MAX_BYTES, MAX_SAMPLES = 1 << 22, 256
 
 
 class SampledTables:
@@ -33,7 +33,7 @@ class SampledTables:
         self._requested = [(i, s) for i, s in enumerate(sources) if callable(s)]
         tables = [_layout(source) for source in sources]
         size = sum(dtype.itemsize * int(np.prod(shape)) for shape, dtype in tables)
-        self.most = min(max(MOST_BYTES // max(size, 1), 1), MOST_SAMPLES)
+        self.most = min(max(MAX_BYTES // max(size, 1), 1), MAX_SAMPLES)
         self._tables = [np.empty((self.most, *shape), dtype) for shape, dtype in tables]
         # from and to, the latter (samples, ...): numpy would copy columns one by one
         self.pieces = [

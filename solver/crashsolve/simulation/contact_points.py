@@ -13,7 +13,7 @@ from crashsolve.system.engine import Engine
 # contact points drawn per element where pairs come and go; balls in a heap have three each
 TOUCHES = 3
 # of the nodes of a group: more arrows hide each other
-MOST_NODES = 200
+MAX_NODES = 200
 
 Points = tuple[np.ndarray, np.ndarray, np.ndarray]  # position (k, 3), force (k, 3), card (k,)
 
@@ -24,7 +24,7 @@ class ContactPoints:
     def __init__(self, engine: Engine) -> None:
         self.engine, model = engine, engine.model
         self._pairs = [(g, n) for g in model.contact_groups if (n := _pair_slots(g))]
-        self._nodal = [(g, min(g.slot_in_use.size, MOST_NODES)) for g in model.nodal_groups]
+        self._nodal = [(g, min(g.slot_in_use.size, MAX_NODES)) for g in model.nodal_groups]
         self.count = sum(positions for _, positions in [*self._pairs, *self._nodal])
 
     def found(self) -> Points:

@@ -19,7 +19,7 @@ from crashsolve.output.log import Log
 LOOK = 0.1
 WORDS = {"stop", "dump", "states"}
 # [bytes] of control.txt that are read
-MOST_CONTROL = 4096
+MAX_CONTROL = 4096
 SIGNALS: dict[int, str] = {signal.SIGTERM: "stop", signal.SIGINT: "stop", signal.SIGUSR1: "dump"}
 SIGNALS |= {signal.SIGHUP: "stop"}
 
@@ -91,7 +91,7 @@ class Requests:
         words: set[str] = set()
         # who has written it may take it back at any moment
         with reported(self._path), suppress(FileNotFoundError):
-            text = read_plain(self._path, MOST_CONTROL)
+            text = read_plain(self._path, MAX_CONTROL)
             if text is None:
                 self._log.warning("control.txt is not a plain file and is ignored")
                 return

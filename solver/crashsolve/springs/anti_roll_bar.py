@@ -24,7 +24,7 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import add_stiffness_bound, apply_force, arm, mobility, point_at
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import ZERO, Vector, add, cross, dot, norm, scale, sub, vec
-from crashsolve.springs._several import MOST, PARTS, POINTS, arm_of
+from crashsolve.springs._several import MAX_POINTS, PARTS, POINTS, arm_of
 
 if TYPE_CHECKING:
     from crashsolve.springs._rows.anti_roll_bar import History, Output, Parameters
@@ -78,7 +78,7 @@ def build(card: AntiRollBar, scene: Scene) -> Columns:
     if node == 0:
         raise scene.fail("the ground does not roll; name the body that does", "body")
     left, right = _end("left", card, scene), _end("right", card, scene)
-    more = MOST - 4
+    more = MAX_POINTS - 4
     return {
         "count": 4,
         "node": np.array([left.node, node, node, right.node] + more * [right.node]),

@@ -49,7 +49,7 @@ if TYPE_CHECKING:
 
 LEDGER = "joint"
 COUNTS_ROTATIONS = True
-MOST = 24  # half angles of one cone
+MAX_ANGLES = 24  # half angles of one cone
 # sine below which s lies on the axis and has no azimuth
 ON_AXIS = 1e-12
 
@@ -78,8 +78,8 @@ class ConeStop(RangeCard):
         if (self.half_angles is None) == (self.table is None):
             raise ValueError("needs one of half_angles and table")
         azimuths = [azimuth for azimuth, _ in self.limits()]
-        if not 2 <= len(azimuths) <= MOST:
-            raise ValueError(f"table: needs 2 to {MOST} azimuths, has {len(azimuths)}")
+        if not 2 <= len(azimuths) <= MAX_ANGLES:
+            raise ValueError(f"table: needs 2 to {MAX_ANGLES} azimuths, has {len(azimuths)}")
         given = "half_angles" if self.table is None else "table"
         if max(half for _, half in self.limits()) > LARGEST:
             raise ValueError(
@@ -106,8 +106,8 @@ PARAMETERS = MOMENT + Record(f"""
     third_a   1      3  c x side, axes of a
     pointer   1      3  s, axes of b
     points    count     of azimuths
-    azimuth   rad    {MOST}  rising
-    narrow    1      {MOST}  f = 1 / theta_l^2 there
+    azimuth   rad    {MAX_ANGLES}  rising
+    narrow    1      {MAX_ANGLES}  f = 1 / theta_l^2 there
     stretch   1         largest |grad e|^2 at the limit
 """)
 HISTORY = REACHED
@@ -131,7 +131,7 @@ def build(card: ConeStop, scene: Scene) -> Columns:
         raise scene.fail("must not be along the axis, where there is no azimuth", "toward")
     side = scene.unit(side, "toward")
     azimuth, half = np.array(card.limits()).T
-    fill = np.zeros(MOST - len(half))
+    fill = np.zeros(MAX_ANGLES - len(half))
     ends = (joint.node_a, joint.node_b) if card.carrier == "a" else (joint.node_b, joint.node_a)
     columns = moment_columns(card, scene, "positive") | {
         "node_a": ends[0],

@@ -28,7 +28,7 @@ from crashsolve.statics.equations import Equations
 # elastic range: corners are met to CLOSE of a load step, and slopes change at corners alone
 NEAR = 1e-6
 # more sets than two to this power are not tried
-MOST = 10
+MAX_CANDIDATES = 10
 # works and displacements that differ by less are alike
 ALIKE = 1e-6
 Set = tuple[int, ...]
@@ -47,7 +47,7 @@ class Branches:
     def __init__(self, engine: Equations, candidates: list[Candidate], time: float) -> None:
         self.candidates = candidates
         self.sets: list[tuple[float, Set, np.ndarray]] = []
-        if not 0 < len(self.candidates) <= MOST:
+        if not 0 < len(self.candidates) <= MAX_CANDIDATES:
             return
         g, self.D, phi = engine.imbalance(time)
         self.elastic = engine.elastic_tangent(time, g, self.D)

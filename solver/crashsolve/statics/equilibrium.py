@@ -34,7 +34,7 @@ from crashsolve.system.engine import Engine
 STEP = 1e-7
 # largest rotation [rad] and displacement (over the model's size) of a correction
 LARGEST_ROTATION, LARGEST_DISPLACEMENT = 0.3, 0.2
-MOST_ITERATIONS = 40
+MAX_ITERATIONS = 40
 # a correction that falls no more is round-off below this, in the model's size or rad
 STAGNATION_TOLERANCE = 1e-9
 # a displacement that is nothing but round-off, and an energy, over the largest force times the size
@@ -242,7 +242,7 @@ class StaticEngine(Engine):
     def iterate(self, time: float) -> int:
         """Number of Newton's iterations to the equilibrium at a time [s]; 0 without convergence."""
         start, previous = self.state.nodes.copy(), np.inf
-        for count in range(MOST_ITERATIONS):
+        for count in range(MAX_ITERATIONS):
             change = self.correction(time, self.known_tangent if count == 0 else None)
             if count == 0:
                 self.first = self.size_of(change)

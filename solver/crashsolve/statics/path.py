@@ -26,7 +26,7 @@ from crashsolve.model.model import Model, State
 from crashsolve.statics.elimination import eliminate
 from crashsolve.statics.equilibrium import (
     HALVINGS,
-    MOST_ITERATIONS,
+    MAX_ITERATIONS,
     NOWHERE,
     STAGNATION_TOLERANCE,
     StaticEngine,
@@ -175,7 +175,7 @@ class PathEngine(StaticEngine):
         self.forces.include(self.imbalance(min(time, self.end))[0], self)
         self.shift(self.state.nodes, (ahead[:-1] / self._metric).reshape(-1, 6))
         previous = np.inf
-        for count in range(MOST_ITERATIONS):
+        for count in range(MAX_ITERATIONS):
             clock.time = time
             if time > self.end:
                 return 0

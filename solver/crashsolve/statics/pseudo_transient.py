@@ -30,7 +30,7 @@ from crashsolve.system.diagnosis import diagnose
 # most steps for one load; a model that needs more can move freely
 REPEATS = 150
 # h over 1 / omega of the fastest vibration: at first, at most, and how it grows
-FIRST, MOST, GROWTH = 1e3, 1e8, 32.0
+FIRST, LONGEST, GROWTH = 1e3, 1e8, 32.0
 # the same where unstable modes are looked for
 CERTAIN = 1e7
 # residual that a step may leave, of the distance to equilibrium
@@ -68,7 +68,7 @@ class RestEngine(StaticEngine):
         """Step from rest to the equilibrium at a time [s]; returns it, None without convergence."""
         clock, nodes = self.clock, self.state.nodes
         start_time, start, previous = float(clock.time), nodes.copy(), np.inf
-        growth, highest, last_good, cycle = GROWTH, MOST, 0.0, int(clock.cycle)
+        growth, highest, last_good, cycle = GROWTH, LONGEST, 0.0, int(clock.cycle)
         self.forces.include(self.forces_at_rest(time, nodes), self)
         self._set_first_step()
         first = self.pseudo
@@ -108,7 +108,7 @@ class RestEngine(StaticEngine):
             ):
                 self.pseudo = min(self.pseudo * growth, highest / self.highest_frequency)
             # a step that failed far from equilibrium may converge near it
-            highest, last_good, previous = min(highest * RELENTING, MOST), used, change
+            highest, last_good, previous = min(highest * RELENTING, LONGEST), used, change
         self.pseudo = (
             max(first, QUIET / self.highest_frequency) if self.shortens_corrections else first
         )
@@ -130,7 +130,7 @@ class RestEngine(StaticEngine):
 
     def _is_longest_step(self) -> bool:
         """Whether h has reached its largest value."""
-        return self.pseudo >= 0.5 * MOST / self.highest_frequency
+        return self.pseudo >= 0.5 * LONGEST / self.highest_frequency
 
     def _set_first_step(self) -> None:
         """Set h from the highest frequency of elements and springs. Writes: self."""

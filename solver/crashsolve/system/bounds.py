@@ -24,7 +24,7 @@ from crashsolve.system.engine import Engine
 from crashsolve.system.placeholders import group_arrays
 
 # more of one group on one body are evaluated together
-MOST = 32
+MAX_PER_BODY = 32
 # a step is cut into equal ones: a step of less than half of the wanted one has another cause
 EQUAL = 0.499
 # [s] after which it is looked for anew who sets the step
@@ -188,7 +188,7 @@ def _actors(engine: Engine, at: int) -> list[Actor]:
 
 def _split(rows: np.ndarray) -> list[np.ndarray]:
     """Each by itself, or all together where they are many."""
-    if len(rows) > MOST:
+    if len(rows) > MAX_PER_BODY:
         return [rows]
     return [rows[k : k + 1] for k in range(len(rows))]
 

@@ -20,7 +20,7 @@ from crashsolve.channels.term import Term, duration, in_gravities
 
 EXPONENT = 2.5
 # windows that are evaluated: some ten seconds of work
-MOST_WINDOWS = 1_000_000_000
+MAX_WINDOWS = 1_000_000_000
 
 
 class Worst(NamedTuple):
@@ -39,7 +39,7 @@ def worst(time: np.ndarray, a: Term, window: Term | None, function: str) -> Wors
     length = np.inf if window is None else duration(window, function)
     if np.isnan(size).any():
         raise ChannelError(f"division by zero within {function}()")
-    if len(time) * np.searchsorted(time, time[0] + length) > MOST_WINDOWS:
+    if len(time) * np.searchsorted(time, time[0] + length) > MAX_WINDOWS:
         advice = "give a shorter window, or a longer output.history.interval"
         raise ChannelError(f"{function}() of {len(time)} samples has too many windows: {advice}")
     gained = cumulative(time, size)

@@ -25,7 +25,7 @@ MANY = 1000
 # pairs of a piece, and bodies, but for the last ones, as long as there are not too many pieces;
 # their number has 16 bits (threads/worker.py), and each card begins with a piece of its own
 PAIRS, BODIES = 128, 64
-MOST = 30_000
+MAX_PIECES = 30_000
 
 PIECE = Record("""
     first    index  first pair
@@ -48,7 +48,7 @@ RANGE = Record("""
 def has_many(group: ContactGroup) -> bool:
     """Whether the pairs of a group are done in pieces."""
     elements = len(group.elements_a) + len(group.elements_b)
-    return elements >= MANY and not group.is_unilateral and _cards(group) <= MOST
+    return elements >= MANY and not group.is_unilateral and _cards(group) <= MAX_PIECES
 
 
 def _cards(group: ContactGroup) -> int:
@@ -118,4 +118,4 @@ def _ranges(bodies: int) -> np.ndarray:
 
 def _size(count: int, usual: int) -> int:
     """Number of pairs in a piece, of `count`."""
-    return max(usual, -(-count // MOST))
+    return max(usual, -(-count // MAX_PIECES))
