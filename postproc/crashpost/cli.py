@@ -200,12 +200,12 @@ def _window(text: str) -> tuple[float, float]:
 
 def _expect(options: argparse.Namespace) -> int:
     result = _open(options)
-    from crashpost.values.expectation import judge, verdict_table
+    from crashpost.values.expectation import check_expectations, verdict_table
 
     state = result.status.get("state", "unknown")
     if not result.finished and not options.partial:
         raise PostError(f"the run is not finished (state: {state}); --partial judges what there is")
-    verdicts = judge(result)
+    verdicts = check_expectations(result)
     if not verdicts:
         print("the deck expects nothing")
         return 0

@@ -232,7 +232,7 @@ class Tyre:
     length: float  # [m] l; 0 for the chord of the circle
     sigma_x: float  # [m] relaxation length along the wheel
     sigma_y: float  # [m] the same across
-    still_damping: float  # [N s/m] k_V
+    standstill_damping: float  # [N s/m] k_V
     low_speed: float  # [m/s] V_low
     side_stiffness: float  # [N/m] of the carcass; infinite for none
     resistance: float  # [1] coefficient of rolling resistance
@@ -244,8 +244,8 @@ class TyreDeflection:
     q_x: Numbers[float]  # [m] deflection of the carcass along the wheel, on each road
     q_y: Numbers[float]  # [m] the same across
     store: Numbers[float]  # [J] energy in it
-    sunk: int  # [flag] whether its centre has been on a road or below it
-    doubled: int  # [flag] whether two roads have pressed it from one side
+    bottomed: int  # [flag] whether its centre has been on a road or below it
+    roads_overlap: int  # [flag] whether two roads have pressed it from one side
 
 class TyreForces:
     force: Numbers[float]  # [N] on the wheel, world axes

@@ -266,13 +266,13 @@ class Scene:
             return set(range(1, len(bodies))), set(parts)
         shown, selected = set[int](), set[str]()
         for word in self.appearance.show:
-            met = {k for k, name in enumerate(bodies) if k and fnmatchcase(name, word)}
+            matching = {k for k, name in enumerate(bodies) if k and fnmatchcase(name, word)}
             # bodies whose names begin with that of another are shown with it
-            met |= {k for k in range(1, len(bodies)) if self.groups[k] in met}
+            matching |= {k for k in range(1, len(bodies)) if self.groups[k] in matching}
             own = {name for name in parts if fnmatchcase(name, word)}
-            if not met and not own:
+            if not matching and not own:
                 raise unknown("body or part", word, [*bodies[1:], *parts])
-            shown |= met
+            shown |= matching
             selected |= own
         return shown, selected
 

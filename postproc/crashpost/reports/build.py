@@ -29,7 +29,7 @@ from crashpost.values import injury, occupant_injury
 from crashpost.values.accuracy import HEADER as ERRORS
 from crashpost.values.accuracy import accuracy_rows, cost_rows, worst_error
 from crashpost.values.events import events
-from crashpost.values.expectation import Verdict, judge
+from crashpost.values.expectation import Verdict, check_expectations
 from crashpost.values.figure import Figure, figures_of
 from crashpost.values.summary import Peak, peaks, status_line
 from crashpost.values.units import PageUnits, Units, on_page, page_time_unit
@@ -60,7 +60,7 @@ class _Report:
         self.momentum = gallery.momentum_figures(result)
         shown = [*self.chosen, *self.energy, *self.momentum]
         self.page_units = PageUnits(result, shown, units, self.time_unit)
-        self.verdicts = judge(result)
+        self.verdicts = check_expectations(result)
         self.problems: list[str] = []
         self.drawn = self.missed = 0
 
@@ -164,9 +164,9 @@ def _comparisons(found: list[Comparison]) -> str:
         # a number is not parted from its unit
         unit = f"\u00a0{c.unit}"
         difference = "in range" if inside else f"{size}{unit}{percent}"
-        ours, published = f"{c.ours:.4g}{unit}", f"{c.published}{unit}"
+        computed, published = f"{c.computed:.4g}{unit}", f"{c.published}{unit}"
         verdict = {None: "", True: "missed", False: "met"}[c.missed]
-        rows.append([c.label, ours, published, difference, verdict, c.source])
+        rows.append([c.label, computed, published, difference, verdict, c.source])
     header = ("", "this run", "published", "difference", "", "source")
     return table(header, rows, ("", "num", "num", "num", "", ""))
 

@@ -24,7 +24,7 @@ SHOWN = 0.999
 # [of the largest value] less is round-off
 LEAST = 1e-9
 # [of a touch] a force that ends so much before its surfaces part is reported by itself
-LATE = 0.05
+EARLY_END = 0.05
 
 
 class Event(NamedTuple):
@@ -81,7 +81,7 @@ def _of_contacts(result: Result, family: Family, units: Mapping[str, str]) -> It
         if touch >= start and touch < release < end:
             # surfaces may stay together, or part late, where no force is left between them
             ended = float(ends[at])
-            if ended < release - LATE * (release - touch):
+            if ended < release - EARLY_END * (release - touch):
                 yield Event(ended, f"{_name(entity)}: the force has ended")
                 yield Event(release, f"{_name(entity)}: the surfaces separate")
             else:

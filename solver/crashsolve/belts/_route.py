@@ -102,7 +102,7 @@ ROUTE = Record(f"""
     friction_coefficient  1      {FITTINGS}      mu of rings and surfaces
     surface               flag   {FITTINGS}      0 for a point, else SPHERE, CYLINDER or ELLIPSOID
     axes                  1      {9 * FITTINGS}  axes of each surface in its body, by rows
-    semi                  m      {3 * FITTINGS}  semi-axes; radius first, half length of a cylinder last
+    semi                  m      {3 * FITTINGS}  semi-axes; radius first, half length of cylinder
     sense                 1      {FITTINGS}      1 or -1: how the belt turns about a cylinder
     turned                rad    {FITTINGS}      angle of it that is wrapped at the start
     shortest              m                  length below which a segment is taken as that long
@@ -112,7 +112,7 @@ LAID = Record(f"""
     arrive    m      {3 * FITTINGS}  where the belt reaches each fitting, world axes
     leave     m      {3 * FITTINGS}  where it leaves
     half      m      {FITTINGS}  half the arc on each surface
-    split     m      {FITTINGS}  middle of the arc from the material point of its body that divides it
+    split     m      {FITTINGS}  middle of the arc from the point of its body that divides it
     middle    m      {3 * FITTINGS}  middle of the arc from the mass centre, body axes
     lies      1      {3 * FITTINGS}  direction of the belt there, body axes
     wrapped   rad    {FITTINGS}  angle of a cylinder
@@ -147,9 +147,7 @@ def check_route(route: tuple[Fitting, ...]) -> None:
 
 def route_columns(route: tuple[Fitting, ...], scene: Scene) -> Columns:
     """Columns of ROUTE, except those that depend on lengths."""
-    columns: Columns = {
-        c.name: np.zeros((FITTINGS, max(c.size // FITTINGS, 1))) for c in TABLES
-    }
+    columns: Columns = {c.name: np.zeros((FITTINGS, max(c.size // FITTINGS, 1))) for c in TABLES}
     for i, fitting in enumerate(route):
         if fitting.wrap is not None:
             _place_surface(columns, i, fitting.wrap, scene)

@@ -16,10 +16,10 @@ from pathlib import Path
 import numpy as np
 
 from crashsolve.deck.reading.deck import Deck
-from crashsolve.estimate.between import Missed, with_missed_contacts
 from crashsolve.estimate.companion import Abandoned, coarsen
 from crashsolve.estimate.error import Estimate
 from crashsolve.estimate.estimator import COARSER, Estimator
+from crashsolve.estimate.missed_contacts import Missed, with_missed_contacts
 from crashsolve.foundation.errors import DeckError, DeckErrors, RunStopped, SolverError
 from crashsolve.output.channels import Family
 from crashsolve.output.files import Json
@@ -84,7 +84,7 @@ class Estimating:
         """Writes: control."""
         coarsen(control, self.coarseness, self.interval, self.estimator.order)
 
-    def judge(
+    def estimate(
         self,
         history: Path,
         cycles: int,
@@ -111,7 +111,7 @@ class Estimating:
                 )
         except Abandoned:
             self.problems.append("asked to stop")
-        found = self.estimator.judge(main, self._companions, self._meshes(cpu_time))
+        found = self.estimator.estimates(main, self._companions, self._meshes(cpu_time))
         self.found = with_missed_contacts(found, missed, mass or {})
         self._companions.append(main)
         self.cpu += clock.process_time() - start_time
@@ -159,7 +159,7 @@ class Estimating:
                 message = f"the pilot runs stop: {error.cause}"
                 m /= 2.0
                 continue
-            estimates = estimator.judge(pilots[2.0 * m], [pilots[4.0 * m]])
+            estimates = estimator.estimates(pilots[2.0 * m], [pilots[4.0 * m]])
             worst = max(estimates, key=_of_steps)
             predicted = _of_steps(worst) / gain
             self.log.line(

@@ -31,8 +31,8 @@ MAX_ERRORS = 200
 _LONG = re.compile(r"[^\s'/]{101,}")
 
 
-def _cut(met: re.Match[str]) -> str:
-    return f"{met[0][:36]}... ({len(met[0])} letters)"
+def _cut(match: re.Match[str]) -> str:
+    return f"{match[0][:36]}... ({len(match[0])} letters)"
 
 
 class DeckError(CrashsolveError):

@@ -89,8 +89,8 @@ def _build(deck: Deck) -> tuple[Model, State]:
     scene.joints = {joint.name: joint for joint in joints}
     scene.size = max(scene.size, longest_arm(joints))
     for entries in _by_type(deck.entries["parts"]).values():
-        is_lean = hasattr(_module(entries[0]), "KINDS")
-        groups.append((build_elements if is_lean else _build_parts)(entries, scene))
+        is_meshed = hasattr(_module(entries[0]), "KINDS")
+        groups.append((build_elements if is_meshed else _build_parts)(entries, scene))
     for keyword in _sections(with_rows=False):
         for entries in _by_type(deck.entries[keyword]).values():
             groups.append(_build_group(keyword, entries, scene))

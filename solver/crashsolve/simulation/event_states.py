@@ -75,14 +75,14 @@ class EventStates:
         self._seen = now
         self._mark()
 
-    def write(self, states: StateWriter, history: Path, is_asked: Callable[[], bool]) -> None:
+    def write(self, states: StateWriter, history: Path, is_requested: Callable[[], bool]) -> None:
         """Go to the events again. Raises OutputError."""
         if not self._found:
             return
         times, target = self._times(history), float(self.engine.clock["sampled"])
         end, pause = Snapshot(self.engine), self.engine.on_pause
         end.take()
-        self.engine.on_pause = _stop(is_asked)
+        self.engine.on_pause = _stop(is_requested)
         try:
             for name, (before, started, _) in self._found.items():
                 if name in times and not states.has(times[name]):
@@ -156,11 +156,11 @@ class EventStates:
         return found
 
 
-def _stop(is_asked: Callable[[], bool]) -> Callable[[], None]:
+def _stop(is_requested: Callable[[], bool]) -> Callable[[], None]:
     """Callback at a pause: raises Abandoned where there is a request to the run."""
 
     def pause() -> None:
-        if is_asked():
+        if is_requested():
             raise Abandoned
 
     return pause

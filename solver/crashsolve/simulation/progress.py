@@ -68,18 +68,20 @@ def preparing(deck: Deck, folder: Path, heartbeat: Heartbeat, append: bool) -> I
         log = Log(folder / "log.txt", append=append)
         yield log
     except BaseException as error:
-        is_asked = isinstance(error, KeyboardInterrupt)
-        status.state = "stopped" if is_asked else "failed"
+        is_requested = isinstance(error, KeyboardInterrupt)
+        status.state = "stopped" if is_requested else "failed"
         code = getattr(error, "exit_code", ExitCode.INTERNAL)
-        status.exit_code = int(ExitCode.STOPPED if is_asked else code)
-        status.message = "interrupted while preparing" if is_asked else str(error) or repr(error)
+        status.exit_code = int(ExitCode.STOPPED if is_requested else code)
+        status.message = (
+            "interrupted while preparing" if is_requested else str(error) or repr(error)
+        )
         write_status(path, status)
-        if log is None and is_asked:
+        if log is None and is_requested:
             # the signal came while log.txt was being opened
             log = Log(folder / "log.txt", append=append)
         if log is not None:
-            (log.line if is_asked else log.error)(status.message)
-            log.finish(STOPPED if is_asked else ERROR)
+            (log.line if is_requested else log.error)(status.message)
+            log.finish(STOPPED if is_requested else ERROR)
         raise
 
 

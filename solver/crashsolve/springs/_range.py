@@ -28,7 +28,7 @@ from crashsolve.springs._resistance import (
 # without a curve: on the parabola, and on the straight line
 TRANSITION, STRAIGHT = 1, 2
 # a limit that is passed by less at the start is met exactly, but for round-off [rad]
-MET = 1e-9
+AT_LIMIT = 1e-9
 # beyond this angle neither an azimuth nor a twist is defined well [rad]
 LARGEST = 2.9
 

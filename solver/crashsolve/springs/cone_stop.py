@@ -33,8 +33,8 @@ from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import Vector, add_scaled, cross, dot, norm, put, scale, sub, vec
 from crashsolve.springs._joint import named_joint
 from crashsolve.springs._range import (
+    AT_LIMIT,
     LARGEST,
-    MET,
     MOMENT,
     REACHED,
     RangeCard,
@@ -165,7 +165,7 @@ def _check_start(card: ConeStop, scene: Scene, p: Columns) -> None:
     across = float(np.hypot(s @ p["side_a"], s @ p["third_a"]))
     theta, phi = atan2(across, s @ p["axis_a"]), atan2(s @ p["third_a"], s @ p["side_a"])
     limit = limit_between(p["azimuth"], p["narrow"], p["points"], phi)[0]
-    if theta > limit + MET:
+    if theta > limit + AT_LIMIT:
         raise scene.fail(
             f"'{card.joint}' begins at {theta:.4g} rad from the axis, {theta - limit:.3g} rad past "
             f"the limit {limit:.4g} rad at azimuth {phi:.4g} rad; rotate a body, or widen the cone",

@@ -36,11 +36,11 @@ CERTAIN = 1e7
 # residual that a step may leave, of the distance to equilibrium
 SLOW, UNKNOWN = 0.1, 0.9
 # how h grows where Newton's method has failed
-CAREFUL, RELENTING = 4.0, 1.2
+CAUTIOUS_GROWTH, RELAXATION = 4.0, 1.2
 # h over 1 / omega where corrections that go too far are shortened: with more inertia a step from
 # rest ends far from equilibrium, and the plastic flow on that detour remains; with less the nodes
 # between two elements that flow spin freely
-QUIET = FIRST * GROWTH**2
+SHORTENED_START = FIRST * GROWTH**2
 # load steps after which one of twice the length is tried
 TRIED = 5
 # first yield may lie so many halvings within a load step
@@ -85,7 +85,7 @@ class RestEngine(StaticEngine):
                 # too far for Newton's method: more inertia, and less at a time
                 self.pseudo = last_good if last_good else self.pseudo / GROWTH
                 ratio = self.pseudo * self.highest_frequency
-                growth, highest = CAREFUL, ratio * (1.0 if last_good else GROWTH)
+                growth, highest = CAUTIOUS_GROWTH, ratio * (1.0 if last_good else GROWTH)
                 if ratio < 0.5 * FIRST:
                     # more inertia would leave all of the motion to the elements beside a driver;
                     # the load step is too long
@@ -108,9 +108,11 @@ class RestEngine(StaticEngine):
             ):
                 self.pseudo = min(self.pseudo * growth, highest / self.highest_frequency)
             # a step that failed far from equilibrium may converge near it
-            highest, last_good, previous = min(highest * RELENTING, LONGEST), used, change
+            highest, last_good, previous = min(highest * RELAXATION, LONGEST), used, change
         self.pseudo = (
-            max(first, QUIET / self.highest_frequency) if self.shortens_corrections else first
+            max(first, SHORTENED_START / self.highest_frequency)
+            if self.shortens_corrections
+            else first
         )
         return None
 
@@ -150,7 +152,10 @@ class RestEngine(StaticEngine):
         if is_found or self.shortens_corrections:
             return is_found
         self.restore_state(saved)
-        self.shortens_corrections, self.pseudo = True, max(pseudo, QUIET / self.highest_frequency)
+        self.shortens_corrections, self.pseudo = (
+            True,
+            max(pseudo, SHORTENED_START / self.highest_frequency),
+        )
         if self._iterate(start_time, time):
             return True
         self.shortens_corrections, self.pseudo = False, pseudo

@@ -56,8 +56,8 @@ if TYPE_CHECKING:
 
 NARROW = "crashsolve.contact.narrow"
 SHAPE = "crashsolve.contact.shape"
-# shapes of surfaces that are no elements on bodies
-LEAN = {"points", "faces"}
+# shapes of surfaces of meshes, which are no elements on bodies
+MESHED = {"points", "faces"}
 # shapes whose edges are rounded by a share of the smaller side of a touch
 EDGED = {"box", "cylinder"}
 
@@ -124,16 +124,16 @@ def _add_card(
     bodies = [
         {e["node"] for group in side.values() for s in group for e in s.elements} for side in sides
     ]
-    is_lean = any(LEAN & set(side) for side in sides)
+    is_meshed = any(MESHED & set(side) for side in sides)
     is_whole = all(name in surfaces for name in (*card.a, *card.b))
-    if is_whole and not is_lean and len(bodies[0] | bodies[1]) == 1:
+    if is_whole and not is_meshed and len(bodies[0] | bodies[1]) == 1:
         raise scene.fail("all its surfaces are on one body; a body cannot touch itself", "b")
     law = import_module(type(laws[0]).__module__)
     if hasattr(law, "check"):
         law.check(laws[0], scene, *bodies)
     for some_a in sides[0].values():
         for some_b in sides[1].values():
-            if {some_a[0].shape, some_b[0].shape} & LEAN:
+            if {some_a[0].shape, some_b[0].shape} & MESHED:
                 _refuse_torsion(card, scene)
                 for a, b in product(some_a, some_b):
                     nodal.add(index, entry, a, b, gap_routine)
@@ -376,7 +376,7 @@ class GroupBuilder:
         data = getattr(self.home, "data", lambda *_: ())(*elements)
         pairing = self._pairing(parameters)
         search = Search(pairing) if pairing.should_search(is_implicit) else None
-        rows = pairing.everything() if search is None else search.look(nodes)
+        rows = pairing.everything() if search is None else search.update(nodes)
         return ContactGroup(
             word=self.word,
             narrow=cast(StepGap, self.home),

@@ -81,7 +81,7 @@ PARAMETERS = Record("""
     thick         m      of rigid shapes, from the surface of a probe that touches to both middles
     first_point   index  of the part whose speed counts
     point_count   count  its points
-    own           flag   whether the probes are among them
+    is_self_contact  flag   whether the probes are among them
     first_corner  index  of the faces
     face_count    count  faces
     quads         count  of them, quadrilaterals; triangles come after them
@@ -140,11 +140,11 @@ HIT = Record("""
     N         1      4  weights of the corners
 """)
 # of the probes that a piece has searched
-LOOK = Record("""
+SEARCH_RANGE = Record("""
     first  index  of those that touch, or have touched
     count  count  of these
 """)
-SEEN = Record("probe  index  that touches, or has touched")
+TOUCHING_PROBE = Record("probe  index  that touches, or has touched")
 # of a point that is touched
 STIFFNESS_BOUND = Record("""
     stiffness    1/s^2  sum of k N / m
@@ -158,8 +158,8 @@ TOTALS_OF_STEP = Record("""
     rate        1/s^2  largest bound of squared frequency of these
     damping     1/s    largest sum of c N / m
     shortened   1      largest factor by which contact has shortened the stable step
-    first_seen  index  first of the points whose speeds were read last
-    seen        count  points looked at
+    first_point  index  first of the points whose speeds were read last
+    point_count  count  number of these points
     speed       m/s    largest of their speeds
 """)
 
@@ -264,8 +264,11 @@ class NodalBuilder:
         shared = {}
         if threads > 1:
             ends = len(probes.rows) * np.arange(PIECES * threads) // (PIECES * threads)
-            shared = {"looks": np.zeros(len(ends), LOOK.dtype), "seen": np.zeros(n, SEEN.dtype)}
-            shared["looks"]["first"] = ends
+            shared = {
+                "search_ranges": np.zeros(len(ends), SEARCH_RANGE.dtype),
+                "touching_probes": np.zeros(n, TOUCHING_PROBE.dtype),
+            }
+            shared["search_ranges"]["first"] = ends
         return {
             "p": p,
             "totals": totals,
@@ -279,8 +282,8 @@ class NodalBuilder:
 
     def _on_shape(self, probes: Probes, a: Surface, b: Surface, routine: GapRoutines) -> Sided:
         """Points against a rigid shape: its own gap routine, with copies of its bodies."""
-        seen = SurfaceOfProbes("sphere", a.entry)
-        narrow, swapped = routine(seen, b, self.scene)
+        stand_in = SurfaceOfProbes("sphere", a.entry)
+        narrow, swapped = routine(stand_in, b, self.scene)
         if swapped or hasattr(narrow, "expand_a"):
             message = f"nodes of shells cannot press on a {b.entry.type}; give it another shape"
             raise self.scene.fail(message, "b")
@@ -310,7 +313,7 @@ class NodalBuilder:
             default=inf,
         )
         values = {"gap": probes.radius, "share": 1.0, "thick": probes.radius + thick}
-        values |= {"reach": REACH * thick, "first_point": probes.first_point, "own": 1}
+        values |= {"reach": REACH * thick, "first_point": probes.first_point, "is_self_contact": 1}
         count = len(probes.rows) if probes.meshed is None else len(probes.meshed.mass)
         values |= {"point_count": count, "extent": self.scene.size}
         return narrow, own | {"values": values}, 1
@@ -342,7 +345,7 @@ class NodalBuilder:
         margin = MARGIN * float(radius.mean())
         values = {
             **{"gap": gap, "share": probes.radius / gap, "reach": REACH * gap, "margin": margin},
-            **{"first_point": first, "point_count": len(meshed.mass), "own": is_own},
+            **{"first_point": first, "point_count": len(meshed.mass), "is_self_contact": is_own},
             **{"first_corner": corner, "face_count": count, "first_own": first},
             **self._positions(card.part, meshed),
             **{"bucket_count": buckets, "room": room},

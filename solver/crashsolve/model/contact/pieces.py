@@ -68,7 +68,7 @@ def tables_of(group: ContactGroup, rows: np.ndarray) -> dict[str, np.ndarray]:
     nodes = np.empty(2 * len(rows), np.int64)
     nodes[0::2] = group.elements_a["node"][rows["a"]]
     nodes[1::2] = group.elements_b["node"][rows["b"]]
-    load_rows, bearers = _bodies(nodes)
+    load_rows, loaded_bodies = _bodies(nodes)
     return {
         "pieces": pieces,
         "sums": np.zeros(len(pieces), records.CARD_OUTPUT.dtype),
@@ -76,8 +76,8 @@ def tables_of(group: ContactGroup, rows: np.ndarray) -> dict[str, np.ndarray]:
         "loads": np.zeros(2 * len(rows), records.LOAD.dtype),
         "applied": np.zeros(2 * len(rows), np.int8),
         "load_rows": load_rows,
-        "bearers": bearers,
-        "ranges": _ranges(len(bearers)),
+        "loaded_bodies": loaded_bodies,
+        "ranges": _ranges(len(loaded_bodies)),
     }
 
 
@@ -101,10 +101,10 @@ def _bodies(nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     load_rows = np.empty(len(nodes), np.int64)
     load_rows[order] = np.arange(len(nodes))
     first = np.flatnonzero(np.diff(nodes[order], prepend=-1))
-    bearers = np.zeros(len(first), BODY_OF_LOADS.dtype)
-    bearers["node"], bearers["first"] = nodes[order[first]], first
-    bearers["end"] = np.append(first, len(nodes))[1:]
-    return load_rows, bearers
+    loaded_bodies = np.zeros(len(first), BODY_OF_LOADS.dtype)
+    loaded_bodies["node"], loaded_bodies["first"] = nodes[order[first]], first
+    loaded_bodies["end"] = np.append(first, len(nodes))[1:]
+    return load_rows, loaded_bodies
 
 
 def _ranges(bodies: int) -> np.ndarray:

@@ -21,10 +21,10 @@ def node_to_shape(group, clock, h, nodes, curves, scene):
     node_contact.update_shapes(h, p, totals, probes, nodes, scene, copies)
     if THREADS and not group.keeps_faces:
         share_search(group, clock, h, scene)
-        for k in range(group.looks.shape[0]):
-            one = group.looks[k]
+        for k in range(group.search_ranges.shape[0]):
+            one = group.search_ranges[k]
             for j in range(one.first, one.first + one.count):
-                i = group.seen[j].probe
+                i = group.touching_probes[j].probe
                 x, v = node_contact.position_and_velocity(probes[i], h, nodes, scene.points)
                 nearest = ProbeHit(x, v, group.found[i, 0], False, -1.0)
                 apply_shape_forces(group, clock, h, i, nearest, nodes, curves, scene)

@@ -33,10 +33,10 @@ def node_to_surface(group, clock, h, nodes, curves, scene):
         projection.remove_near_faces(p, scene.lanes, group.deleted)
     if THREADS:
         share_search(group, clock, h, scene)
-        for k in range(group.looks.shape[0]):
-            one = group.looks[k]
+        for k in range(group.search_ranges.shape[0]):
+            one = group.search_ranges[k]
             for j in range(one.first, one.first + one.count):
-                i = group.seen[j].probe
+                i = group.touching_probes[j].probe
                 apply_face_forces(group, clock, h, i, group.found[i], nodes, curves, scene)
     else:
         for i in range(probes.shape[0]):

@@ -17,7 +17,7 @@ from crashsolve.deck.source import Rows
 BALLS = {"sphere", "ellipsoid", "nodes", "point_set"}
 
 
-class StandIns:
+class SurfaceGroups:
     """Entries whose names stand for surfaces, and the surfaces made of them."""
 
     def __init__(
@@ -36,7 +36,7 @@ class StandIns:
         self._made: dict[tuple[str, bool], list[Made]] = {}
         self._added: set[str] = set()
 
-    def put(self, contact: Item) -> None:
+    def substitute(self, contact: Item) -> None:
         """Put surfaces in place of the names of entries. Writes: items, the contact's value."""
         value = contact.value
         sides: list[Any] = [
@@ -44,7 +44,7 @@ class StandIns:
         ]
         if not all(isinstance(names, Rows) for names in sides):
             return
-        on_both = [name for name in sides[0] if self._is_one(name) and name in sides[1]]
+        on_both = [name for name in sides[0] if self._is_group(name) and name in sides[1]]
         if on_both:
             message = f"'{on_both[0]}' is on both sides, and has no contact with itself by its name"
             self.refuse(contact, Diagnostic(("b",), message, "see self_contact on its card"))
@@ -57,7 +57,7 @@ class StandIns:
             advice = "name the nodes of one and the faces of the other, as surfaces of their own"
             self.refuse(contact, Diagnostic((), message, advice))
 
-    def _is_one(self, name: object) -> bool:
+    def _is_group(self, name: object) -> bool:
         """Whether a name in a contact is that of an entry, and of no surface."""
         return isinstance(name, str) and name in self.entries and name not in self.items["surfaces"]
 
@@ -67,7 +67,7 @@ class StandIns:
         found = Rows(names.file)
         for i, name in enumerate(names):
             path = ("ab"[k], i)
-            one = self._surfaces(contact, path, name, others) if self._is_one(name) else [name]
+            one = self._surfaces(contact, path, name, others) if self._is_group(name) else [name]
             found.extend(one)
             found.values_at.extend([names.values_at[i]] * len(one))
         return found
