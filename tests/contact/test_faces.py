@@ -342,10 +342,10 @@ def test_a_continuous_field_points_to_the_axis_of_a_drum(
 
 
 def test_beyond_a_free_border_the_nearest_point_stays(tmp_path: Path) -> None:
-    smooth, nearest_place = Bench(tmp_path, *STRIP), Bench(tmp_path, *STRIP)
+    smooth, nearest = Bench(tmp_path, *STRIP), Bench(tmp_path, *STRIP)
     for x in ([-0.05, 0.5, 0.03], [0.4, 0.5, 0.06], [1.0, 0.2, 0.05]):
         ((_, depth, normal),) = smooth.look(x, is_smooth=True)
-        ((_, wanted, direction),) = nearest_place.look(x)
+        ((_, wanted, direction),) = nearest.look(x)
         assert depth == pytest.approx(wanted, abs=1e-14)
         np.testing.assert_allclose(normal, direction, atol=1e-13)
 

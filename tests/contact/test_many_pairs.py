@@ -226,10 +226,10 @@ def test_every_pair_is_in_one_piece_of_its_card_and_every_load_on_one_body() -> 
     assert pairs == list(enumerate(cards))
     assert (group.pieces["end"] - group.pieces["first"] <= pieces.PAIRS).all()
     assert len(group.pieces) <= MAX_PIECES
-    body = {at: b["node"] for b in group.bearers for at in range(b["first"], b["end"])}
+    body = {at: b["node"] for b in group.loaded_bodies for at in range(b["first"], b["end"])}
     assert [body[at] for at in group.load_rows] == [node for two in nodes for node in two]
     assert sorted(group.load_rows) == list(range(2000))
-    for b in group.bearers:
+    for b in group.loaded_bodies:
         # those of a body in the order of the pairs
         own = [load for load, at in enumerate(group.load_rows) if b["first"] <= at < b["end"]]
         assert [group.load_rows[load] for load in own] == list(range(b["first"], b["end"]))

@@ -237,4 +237,4 @@ def test_parts_of_shapes_are_followed_by_their_own_points(tmp_path: Path) -> Non
     assert group.search is not None
     group.search.update(state.nodes)
     points = state.nodes["r"][group.elements_a["node"]] + group.elements_a["point"]
-    np.testing.assert_allclose(group.search.seen[0]["r"], points, atol=1e-15)
+    np.testing.assert_allclose(group.search.references[0]["r"], points, atol=1e-15)

@@ -16,7 +16,7 @@ def test_files_that_each_include_the_next_twice_are_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Thirty of them would be a thousand million files; the bound is reported once."""
-    monkeypatch.setattr(files, "MAX_ERRORS", 200)
+    monkeypatch.setattr(files, "MAX_FILES", 200)
     first = "include: [{file: a1.yaml, with: {x: l}}, {file: a1.yaml, with: {x: r}}]\n"
     (tmp_path / "a0.yaml").write_text(f"control: {{end_time: 1}}\n{first}")
     for k in range(1, 31):

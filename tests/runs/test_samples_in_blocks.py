@@ -140,7 +140,7 @@ def test_a_pause_within_a_block_finds_all_samples_recorded(tmp_path: Path) -> No
         engine=engine,
         resampling=resampling,
         histories=histories,
-        recorder=SimpleNamespace(taken=times.extend),
+        recorder=SimpleNamespace(add_stored=times.extend),
         cpu={"steps": 0.0, "output": 0.0},
         sampled=0.0,
         account=SimpleNamespace(keep_alive=lambda: None),

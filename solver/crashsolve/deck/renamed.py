@@ -9,6 +9,7 @@ RENAMED = {
     "cuts": "section_cuts",
     "friction": "friction_coefficient",
     "hold": "supports",
+    "most": "limit",
     "slide_driver": "translation_driver",
     "slide_friction": "translation_friction",
     "slide_limit": "translation_stop",

@@ -308,7 +308,7 @@ class StepWatch:
         self._from: tuple[float, int] | None = None
         self._has_fallen = False
 
-    def look(self, time: float, cycle: int) -> str:
+    def warning(self, time: float, cycle: int) -> str:
         """The warning at this time [s] and cycle; empty for none, or for one given before."""
         if self._from is None or cycle < self._from[1]:
             self._from = time, cycle

@@ -16,7 +16,7 @@ from crashsolve.output.files import read_plain, reported
 from crashsolve.output.log import Log
 
 # [s] between two looks at control.txt, which cost as much as a step of a small scene
-LOOK = 0.1
+POLL = 0.1
 WORDS = {"stop", "dump", "states"}
 # [bytes] of control.txt that are read
 MAX_CONTROL = 4096
@@ -85,7 +85,7 @@ class Requests:
         now = time.monotonic()
         if now < self._due:
             return
-        self._due = now + LOOK
+        self._due = now + POLL
         if not self._path.exists():
             return
         words: set[str] = set()

@@ -44,7 +44,7 @@ class Link(Card):
 
 
 class AntiRollBar(Card):
-    """Torsion bar in bearings of a body, which resists that its two links move apart."""
+    """Torsion bar in bearings of a body; it resists relative motion of its two links."""
 
     body: BodyName = word("body with the bearings")
     at: Vec3 = quantity("m", "a point on the axis of the bar, in the frame of the body")

@@ -109,7 +109,7 @@ class ShellCard(Damped):
     material: MaterialName = word("material of the shell")
     layers: int = word("integration points through the thickness", 5, ge=1, le=MAX_LAYERS)
     rule: Literal["gauss", "lobatto"] = word(
-        "positions of these points; lobatto: at the faces too", "gauss"
+        "positions of these points; lobatto: at the surfaces too", "gauss"
     )
     thinning: bool = word("the thickness follows the strain", default=False)
     nodes: tuple[NamedNode, ...] = word("nodes that are bodies of the deck", default=())
