@@ -204,10 +204,12 @@ def _expect(options: argparse.Namespace) -> int:
 
     state = result.status.get("state", "unknown")
     if not result.finished and not options.partial:
-        raise PostError(f"the run is not finished (state: {state}); --partial judges what there is")
+        raise PostError(
+            f"the run is not finished (state: {state}); --partial evaluates the results so far"
+        )
     verdicts = check_expectations(result)
     if not verdicts:
-        print("the deck expects nothing")
+        print("the deck has no expectations")
         return 0
     _say(verdict_table(verdicts))
     failed = sum(not verdict.passed for verdict in verdicts)

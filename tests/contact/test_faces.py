@@ -385,7 +385,7 @@ STICK = {
         ({"surfaces": {"own": {"radius": 0.0}}}, "no thickness of their own"),
         ({"contacts": {"hit": {"a": ["faces"]}}}, "only nodes, balls and ellipsoids can"),
         ({"control": {"integrator": "dormand_prince_5"}}, "whole steps"),
-        ({"control": {"integrator": "radau_iia_5"}}, "touch in explicit steps"),
+        ({"control": {"integrator": "radau_iia_5"}}, "needs explicit steps"),
     ],
 )
 def test_what_cannot_be_is_refused(

@@ -52,7 +52,7 @@ def test_what_cannot_be_evaluated_fails_with_its_reason(
 
 
 def test_a_deck_that_expects_nothing_passes_and_says_so(cars: Path, crashpost: Command) -> None:
-    assert crashpost("expect", cars) == (0, "the deck expects nothing\n", "")
+    assert crashpost("expect", cars) == (0, "the deck has no expectations\n", "")
 
 
 @pytest.mark.parametrize("state", ["running", "stopped", "failed"])

@@ -347,7 +347,7 @@ def test_what_is_not_filtered_is_not_called_filtered_nor_judged(tmp_path: Path) 
     rows = injury.measures(result)
     assert rows[0][1] == "not filtered" and "not every 1 ms" in rows[0][-1]
     assert not any("CFC" in row[1] for row in rows)
-    assert {row[4] for row in rows} == {"", "not judged: not filtered"}
+    assert {row[4] for row in rows} == {"", "not assessed: not filtered"}
     (figure,) = injury.injury_figures(result)
     assert figure.y[0].label == "resultant, not filtered"
 

@@ -128,15 +128,15 @@ class Group:
     @property
     def tangent_parts(self) -> int:
         """Rows of two bodies each that every row of its tangents is made of."""
-        return self.most_nodes // 2 if self.joins_several else 1
+        return self.max_nodes // 2 if self.joins_several else 1
 
     @property
     def joins_several(self) -> bool:
         """Whether an entry acts on any number of bodies: `node` then is a column of several."""
-        return self.most_nodes > 0
+        return self.max_nodes > 0
 
     @property
-    def most_nodes(self) -> int:
+    def max_nodes(self) -> int:
         """Entries of that column; 0 for a law without one."""
         names = self.parameters.dtype.names or ()
         shape = self.parameters.dtype["node"].shape if "node" in names else ()

@@ -99,7 +99,9 @@ def moment_columns(card: RangeCard, scene: Scene, acts: str) -> Columns:
             raise scene.fail("must begin at 0, where the limit is met", "curve")
         columns = resistance(_Curve(card, acts), scene)
     else:
-        columns = {column.name: 0 for column in RESISTANCE.columns} | {"stiffest": card.stiffness}
+        columns = {column.name: 0 for column in RESISTANCE.columns} | {
+            "largest_slope": card.stiffness
+        }
     return columns | {
         "stop_stiffness": card.stiffness or 0.0,
         "transition": card.transition,

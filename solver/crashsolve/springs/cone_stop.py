@@ -233,7 +233,7 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
     put(out.moment, matvec_t(nodes[p.node_b].A, scale(-out.torque, at.gradient)))
     # counted within the cone as well: nothing else shortens the step before the limit is met
     within = p.stretch if at.past <= 0.0 else 1.0
-    stiffness, damping = within * p.stiffest, within * p.stop_damping
+    stiffness, damping = within * p.largest_slope, within * p.stop_damping
     twist(p, nodes, out.torque, at.gradient, stiffness, damping)
 
 

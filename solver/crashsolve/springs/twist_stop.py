@@ -156,7 +156,7 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
     out.angle, out.margin = angle, min(p.upper - angle, angle - p.lower)
     out.energy = out.stored
     put(out.moment, matvec_t(nodes[p.node_b].A, scale(-out.torque, g)))
-    twist(p, nodes, out.torque, g, p.stiffest, p.stop_damping)
+    twist(p, nodes, out.torque, g, p.largest_slope, p.stop_damping)
 
 
 @kernel

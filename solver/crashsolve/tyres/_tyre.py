@@ -107,7 +107,7 @@ TYRE = ROADS + Record("""
     radius          m         R
     stiffness       N/m       k; not used with a curve
     curve           index     y; 0 for none
-    stiffest        N/m       largest slope of the vertical force
+    largest_slope   N/m       largest slope of the vertical force
     damping         N s/m     c
     damping_depth   m         depth over which it grows
     rim_depth       m         depth at which the rim is met; infinite for none
@@ -175,7 +175,7 @@ def tyre_columns(card: TyreCard, scene: Scene) -> Columns:
         "radius": card.radius,
         "stiffness": k,
         "curve": curve,
-        "stiffest": slope + card.rim_stiffness,
+        "largest_slope": slope + card.rim_stiffness,
         "damping": card.damping,
         "damping_depth": card.damping_depth,
         "rim_depth": rim,
@@ -292,7 +292,7 @@ def vertical_force(p, at, curves):
     c = p.damping * share * share * (3.0 - 2.0 * share)
     total = max(elastic + c * at.closing, 0.0)
     # the rim counts before it is met: nothing else shortens the step by then
-    return total, stored, (total - elastic) * at.closing, max(slope, p.stiffest), c
+    return total, stored, (total - elastic) * at.closing, max(slope, p.largest_slope), c
 
 
 class Grip(NamedTuple):
@@ -429,7 +429,7 @@ def bound_step(p, nodes, curves, data):
     Writes: nodes.
     """
     at, wheel = patch_of(p, 0, nodes, curves, data), nodes[p.node]
-    load(wheel, at.bottom, at.n, p.stiffest, p.damping)
+    load(wheel, at.bottom, at.n, p.largest_slope, p.damping)
     load(wheel, at.bottom, at.x, p.C_x / p.sigma_x, p.standstill_damping)
     load(wheel, at.bottom, at.y, p.C_y / p.sigma_y, p.standstill_damping)
 

@@ -23,7 +23,7 @@ def apply(time: np.ndarray, x: Term, length: Term) -> Term:
     """The level so far, in the unit of x; raises ChannelError for a run that is shorter."""
     span, values = duration(length, "clip"), np.array(x.over(time))
     if not time[-1] - time[0] >= span:
-        raise TooShort(f"clip() looks for {1e3 * span:g} ms, longer than the history")
+        raise TooShort(f"clip() needs a history of {1e3 * span:g} ms or more")
     starts = np.union1d(time, time - span)
     starts = starts[(starts >= time[0]) & (starts <= time[-1] - span)]
     inner, ends = Spans(-values), starts + span

@@ -46,7 +46,9 @@ class SurfaceGroups:
             return
         on_both = [name for name in sides[0] if self._is_group(name) and name in sides[1]]
         if on_both:
-            message = f"'{on_both[0]}' is on both sides, and has no contact with itself by its name"
+            message = (
+                f"'{on_both[0]}' is on both sides: its name does not define contact with itself"
+            )
             self.refuse(contact, Diagnostic(("b",), message, "see self_contact on its card"))
             return
         made = [self._side(contact, k, sides) for k in (0, 1)]
@@ -54,7 +56,7 @@ class SurfaceGroups:
             value[side] = names
         if all("nodes" in map(self._type, set(names) & self._added) for names in made):
             message = "both of its structures have shells, and nodes cannot press on nodes"
-            advice = "name the nodes of one and the faces of the other, as surfaces of their own"
+            advice = "name the nodes of one and the faces of the other, as separate surfaces"
             self.refuse(contact, Diagnostic((), message, advice))
 
     def _is_group(self, name: object) -> bool:
@@ -81,8 +83,13 @@ class SurfaceGroups:
             self.refuse(entry.item, Diagnostic(problem.path, problem.message, problem.advice))
             return []
         if at_nodes != at_faces and types & BALLS and types - BALLS:
-            message = f"the shells of '{name}' meet balls at their faces, and others at their nodes"
-            self.refuse(contact, Diagnostic(path, message, "give the balls a contact of their own"))
+            message = (
+                f"the shells of '{name}' touch balls with their faces, and other shapes with their "
+                "nodes"
+            )
+            self.refuse(
+                contact, Diagnostic(path, message, "define a separate contact for the balls")
+            )
         made = at_faces if types <= BALLS else at_nodes
         add(entry, [card for card in made if card.name not in self._added], self.items, self.refuse)
         self._added |= {card.name for card in made}

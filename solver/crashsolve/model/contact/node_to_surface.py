@@ -204,7 +204,9 @@ class NodalBuilder:
     def _refuse_implicit(self) -> None:
         method = self.scene.deck.control.integrator
         if method in IMPLICIT:
-            message = f"nodes and faces of shells touch in explicit steps, and {method} has none"
+            message = (
+                f"contact of shell nodes and faces needs explicit steps, and {method} has none"
+            )
             advice = "name the node that is hit, and use a point_set; or integrator: rattle"
             raise self.scene.fail(f"{message}; {advice}", "a")
 

@@ -31,7 +31,7 @@ HISTORY = Record("""
     power                W        its present rate
     friction_dissipated  J        by friction
     friction_power       W        its present rate
-    push                 N     3  normal force on side a
+    normal_force         N     3  normal force on side a
     friction_force       N     3  friction on side a
     bristle_energy       J        recoverable energy of friction
     position             m     3  point of contact
