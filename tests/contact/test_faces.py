@@ -144,7 +144,7 @@ class Bench:
         g.nodes = as_rows(self.state.nodes)
         g.lists = (g.first, g.near, g.wait, g.due)
         g.grid = (g.cells, g.starts, g.sorted)
-        g.mesh = (g.points, g.corners, g.beside, g.around_first, g.around, g.deleted)
+        g.mesh = (g.points, g.corners, g.adjacent, g.around_first, g.around, g.deleted)
         return g
 
     def search(self, g: SimpleNamespace) -> None:
@@ -161,20 +161,20 @@ class Bench:
         g.due[:] = 0.0
         self.search(g)
         position = tuple(map(float, x))
-        sides = projection.Sides(g.probe_states, g.slot_in_use, g.found[0])
+        sides = projection.Sides(g.probe_states, g.slot_in_use, g.hits[0])
         projection.find_nearest_faces(0, position, g.p[0], g.totals[0], sides, g.mesh, g.lists)
         if is_smooth:
             excluded = (g.excluded_first, g.excluded)
-            normals.apply_field(0, position, None, g.p[0], g.mesh, excluded, g.found[0])
+            normals.apply_field(0, position, None, g.p[0], g.mesh, excluded, g.hits[0])
         hits = []
         for s in range(2):
             old, new = g.probe_states[g.slot_in_use[s], s], g.probe_states[1 - g.slot_in_use[s], s]
-            new.depth, new.active = g.found[0][s].depth, int(g.found[0][s].depth > 0.0)
-            new.face, new.normal = g.found[0][s].face, g.found[0][s].normal
+            new.depth, new.active = g.hits[0][s].depth, int(g.hits[0][s].depth > 0.0)
+            new.face, new.normal = g.hits[0][s].face, g.hits[0][s].normal
             if new.active or old.active:
                 node_contact.mark_for_acceptance(h, g.slot_in_use, s)
             if new.active:
-                hits.append((s, float(g.found[0][s].depth), np.array(g.found[0][s].normal)))
+                hits.append((s, float(g.hits[0][s].depth), np.array(g.hits[0][s].normal)))
         return hits
 
 
@@ -331,7 +331,7 @@ def test_a_continuous_field_points_to_the_axis_of_a_drum(
         direction = np.array([np.cos(phi), np.sin(phi), 0.0]) * np.sign(r - 1.0)
         np.testing.assert_allclose(normal, direction, atol=1e-12)
         # the force acts along the line through the ball and the position on the face
-        hit = bench.groups[0].found[0][0 if r > 1.0 else 1]
+        hit = bench.groups[0].hits[0][0 if r > 1.0 else 1]
         g = bench.groups[0]
         at = corner_points(g.p[0], hit.face, g.corners)
         position = np.array(hit.N) @ np.array(g.points.r)[list(at)]

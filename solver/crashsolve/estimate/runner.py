@@ -60,7 +60,7 @@ class Estimating:
         self.is_full = deck.control.estimate == "full"
         self.interval = Schedule.of(deck).interval
         self.coarseness, self.cpu, self.reruns = 1.0, 0.0, 0
-        self.found: list[Estimate] = []
+        self.estimates: list[Estimate] = []
         self.problems: list[str] = []
         self._companions: list[Samples] = []
 
@@ -112,7 +112,7 @@ class Estimating:
         except Abandoned:
             self.problems.append("asked to stop")
         found = self.estimator.estimates(main, self._companions, self._meshes(cpu_time))
-        self.found = with_missed_contacts(found, missed, mass or {})
+        self.estimates = with_missed_contacts(found, missed, mass or {})
         self._companions.append(main)
         self.cpu += clock.process_time() - start_time
         self._report(cpu_time)
@@ -142,7 +142,7 @@ class Estimating:
                 "scale": e.scale,
                 "how": e.how,
             }
-            for e in self.found
+            for e in self.estimates
         ]
 
     def _calibrate(self, accuracy: float) -> float:
@@ -179,13 +179,14 @@ class Estimating:
 
         Writes: the coarseness of that run.
         """
-        if self.accuracy is None or not self.found or "asked to stop" in self.problems:
+        if self.accuracy is None or not self.estimates or "asked to stop" in self.problems:
             return False
-        worst = max(self.found, key=_of_steps)
+        worst = max(self.estimates, key=_of_steps)
         error = _of_steps(worst)
         if error <= self.accuracy:
             sampling_error = max(
-                (e.sampling_error / e.scale for e in self.found if e.scale and e.error), default=0.0
+                (e.sampling_error / e.scale for e in self.estimates if e.scale and e.error),
+                default=0.0,
             )
             if sampling_error > self.accuracy:
                 self.log.warning(
@@ -205,9 +206,9 @@ class Estimating:
 
     def _report(self, cpu_time: float) -> None:
         """Write a line per watched number, and the cost of the estimates `cpu_time` [s] of CPU."""
-        lines = [_line(estimate) for estimate in self.found]
+        lines = [_line(estimate) for estimate in self.estimates]
         self.log.section("watched channels", lines)
-        for e in self.found:
+        for e in self.estimates:
             # peaks between samples have a warning of their own
             is_missed = "' between samples" in e.how
             if not e.error or e.value is None or is_missed:

@@ -105,10 +105,10 @@ def _walls(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Rows of all walls that touch, and the sides of probes that they belong to (n,)."""
     rows = owner = touching
-    if "beside" in (states.dtype.names or ()):
-        beside = states["beside"][in_use[touching], touching]
+    if "other_walls" in (states.dtype.names or ()):
+        others = states["other_walls"][in_use[touching], touching]
         for w in range(1, WALLS):
-            chosen = touching[beside >= w]
+            chosen = touching[others >= w]
             rows = np.r_[rows, len(in_use) + (WALLS - 1) * chosen + w - 1]
             owner = np.r_[owner, chosen]
     return rows, owner

@@ -43,21 +43,21 @@ def faces_at_start(corners: np.ndarray) -> np.ndarray:
     return found
 
 
-def faces_beside(quads: np.ndarray) -> np.ndarray:
+def adjacent_faces(quads: np.ndarray) -> np.ndarray:
     """The face across each side of each face (4 m,), -1 at a free border."""
     ends = np.stack([quads, np.roll(quads, -1, axis=1)], axis=-1).reshape(-1, 2)
     low, high = ends.min(axis=1), ends.max(axis=1)
     order = np.lexsort((high, low))
-    beside = np.full(len(ends), -1, np.int64)
+    adjacent = np.full(len(ends), -1, np.int64)
     # over the side of no length of a triangle lies the triangle itself
     none = np.flatnonzero(low == high)
-    beside[none] = none // 4
+    adjacent[none] = none // 4
     has_length = (low < high)[order[1:]]
     alike = (low[order[1:]] == low[order[:-1]]) & (high[order[1:]] == high[order[:-1]])
     same = np.flatnonzero(alike & has_length)
     one, other = order[same], order[same + 1]
-    beside[one], beside[other] = other // 4, one // 4
-    return beside
+    adjacent[one], adjacent[other] = other // 4, one // 4
+    return adjacent
 
 
 # values by key: the first of each key (keys + 1,), and all values (n,)

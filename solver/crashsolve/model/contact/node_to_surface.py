@@ -22,11 +22,11 @@ from crashsolve.model.contact import records
 from crashsolve.model.contact.floor import speed_floor
 from crashsolve.model.contact.groups import NodalGroup
 from crashsolve.model.contact.near_faces import (
+    adjacent_faces,
     chosen,
     excluded_faces,
     faces_around,
     faces_at_start,
-    faces_beside,
     faces_within_reach,
     merged,
     nothing,
@@ -93,7 +93,7 @@ PARAMETERS = Record("""
     first_own     index  first point of the part with the faces
     bucket_count  count  buckets of cubes, a power of two
     room          count  of the lists of near faces
-    first_beside  index  of records of walls beside the nearest
+    first_other_wall  index  of records of walls beside the nearest
 """)
 TOTALS = Record("""
     fastest         m/s    largest closing speed that there can be
@@ -125,14 +125,14 @@ FRICTION_STATE = Record("""
     bristle_energy  J     recoverable energy of friction
 """)
 # of probes on faces, in the record of the nearest wall on a side
-BESIDE = Record("beside  count  other walls touched on this side, while it is active")
+OTHER_WALLS = Record("other_walls  count  other walls touched on this side, while it is active")
 HIT = Record("""
     depth     m         penetration; 0: no touch
     distance  m         to the face
     face      index     the nearest
     crossed   flag      whether it has been passed
     weight    1         share of its force; less than 1 where it is one wall with a nearer one
-    beside    count     other walls found on this side, in that of the nearest
+    other_walls  count  other walls found on this side, in that of the nearest
     group     index     of the walls that are joined: the first of them
     joined    m         depth of all of these as one
     partner   index     which of the walls touched before it is; -1: none
@@ -253,7 +253,7 @@ class NodalBuilder:
         rows = probe_states * n
         if probe_states == 2:
             # an empty record, and one for contacts that end
-            probe_state, rows = probe_state + BESIDE, WALLS * rows + 1
+            probe_state, rows = probe_state + OTHER_WALLS, WALLS * rows + 1
         if friction is not None:
             record = record + friction.PARAMETERS
             probe_state = probe_state + FRICTION_STATE + friction.HISTORY
@@ -279,7 +279,7 @@ class NodalBuilder:
             "slot_in_use": np.zeros(probe_states * n, np.int64),
             "due": np.zeros(n),
             # threads search before the first one computes forces
-            "found": np.zeros((n if threads > 1 else 1, 2 * WALLS), HIT.dtype),
+            "hits": np.zeros((n if threads > 1 else 1, 2 * WALLS), HIT.dtype),
         } | shared
 
     def _on_shape(self, probes: Probes, a: Surface, b: Surface, routine: GapRoutines) -> Sided:
@@ -294,7 +294,7 @@ class NodalBuilder:
         first_body = self.scene.threads
         frames = np.zeros(first_body + len(bodies), NODE.dtype)
         frames["A"][:] = np.eye(3).ravel()
-        home = np.array([0] * first_body + bodies)
+        frame_bodies = np.array([0] * first_body + bodies)
         expand = getattr(narrow, "expand_b", lambda elements: elements)
         elements = [part for e in b.elements for part in expand([e])]
         probe_element = {"node": 0, "point": (0.0, 0.0, 0.0), "radius": probes.radius}
@@ -306,7 +306,7 @@ class NodalBuilder:
             "a": table_of(balls, import_module("crashsolve.contact.shape.sphere").PARAMETERS),
             "b": table_of(elements, record),
             "frames": frames,
-            "home": home,
+            "frame_bodies": frame_bodies,
             **{f"data_{k}": array for k, array in enumerate(data)},
         }
         own["b"]["node"] = [first_body + bodies.index(int(e["node"])) for e in elements]
@@ -351,7 +351,7 @@ class NodalBuilder:
             **{"first_corner": corner, "face_count": count, "first_own": first},
             **self._positions(card.part, meshed),
             **{"bucket_count": buckets, "room": room},
-            "first_beside": 2 * len(probes.rows),
+            "first_other_wall": 2 * len(probes.rows),
         }
         own = {
             "first": np.zeros(len(probes.rows) + 1, np.int64),
@@ -360,7 +360,7 @@ class NodalBuilder:
             "cells": np.zeros(count, CELL.dtype),
             "starts": np.zeros(buckets + 1, np.int64),
             "sorted": np.zeros(count, np.int64),
-            "beside": faces_beside(quads),
+            "adjacent": adjacent_faces(quads),
             "deleted": np.zeros(count, np.int64),
             "initial": faces_at_start(corners[: count * (a.shape == "sphere")]),
             "around_first": around[0],

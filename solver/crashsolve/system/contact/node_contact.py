@@ -333,9 +333,9 @@ def update_shapes(h, p, totals, probes, nodes, scene, copies):
     Writes: totals, frames.
     """
     clear_sums(totals)
-    speed, (frames, first_body, home) = 0.0, copies
+    speed, (frames, first_body, frame_bodies) = 0.0, copies
     for k in range(first_body, frames.shape[0]):
-        frame, body = frames[k], nodes[home[k]]
+        frame, body = frames[k], nodes[frame_bodies[k]]
         put(frame.r, vec(body.r))
         for j in range(9):
             frame.A[j] = body.A[j]

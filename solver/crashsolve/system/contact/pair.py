@@ -121,7 +121,7 @@ class Touch(NamedTuple):
     old: Row  # its records: accepted, and new
     new: Row
     hit: Row  # the face or shape in contact
-    past: Vector  # its displacement over that in the step, where it touched before [m]
+    old_displacement: Vector  # its displacement over that in the step, where it touched before [m]
 
 
 class ProbeResponse(NamedTuple):

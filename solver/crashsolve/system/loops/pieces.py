@@ -216,12 +216,12 @@ def search_probes(group, k, me, scene):
         if group.due[i] > group.totals[0].travel:
             continue
         if group.narrow is None:
-            search_faces(group, i, group.found[i], scene.nodes, scene)
+            search_faces(group, i, group.hits[i], scene.nodes, scene)
             touches = node_contact.touches_faces(
-                group.found[i], group.probe_states, group.slot_in_use, i
+                group.hits[i], group.probe_states, group.slot_in_use, i
             )
         else:
-            hit = group.found[i, 0]
+            hit = group.hits[i, 0]
             search_shapes(group, i, group.a[me], (0.0, 0.0, 0.0), hit, scene.nodes, scene)
             touches = hit.depth > 0.0 or group.probe_states[group.slot_in_use[i], i].active == 1
         if touches:
