@@ -169,7 +169,7 @@ def _value(options: argparse.Namespace) -> int:
     for channel, own in choices(result, options.channels):
         word = own or options.statistic
         if not word:
-            raise PostError("say which number: CHANNEL:STATISTIC, or --statistic WORD")
+            raise PostError("name the number: CHANNEL:STATISTIC, or --statistic WORD")
         found = answer(result, channel, word, during, options.unit)
         if found.remark:
             print(printable(f"crashpost: {channel}: {found.remark}"), file=sys.stderr)

@@ -84,7 +84,7 @@ def rating_rows(
     if during and not tests:
         raise PostError("--during limits ratings, which need --test")
     if tests and not words:
-        raise PostError("say which channel is rated against the test")
+        raise PostError("name the channel that is rated against the test")
     found = []
     for test in map(read_test, tests):
         fitting = 0

@@ -50,7 +50,7 @@ def overloaded_tyres(engine: Engine) -> list[str]:
     load = float(np.linalg.norm(engine.state.nodes["external"][0, :3]))
     return [
         f"tyre '{name}' is pressed by {force:.4g} N at the start, and all loads together are "
-        f"{load:.4g} N: its wheel begins in an obstacle, or too low on the road; move it, or say "
+        f"{load:.4g} N: its wheel begins in an obstacle, or too low on the road; move it, or set "
         "control: {start: equilibrium}"
         for group in engine.model.groups
         if group.keyword == "tyres"

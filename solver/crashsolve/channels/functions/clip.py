@@ -43,10 +43,10 @@ def apply(time: np.ndarray, x: Term, length: Term) -> Term:
         begin = starts[crosses] + share * (starts[crosses + 1] - starts[crosses])
         level = left[crosses] + share * (left[crosses + 1] - left[crosses])
         found.append((begin + span, np.minimum(level, inside(begin, begin + span))))
-    return Term(_so_far(time, values, found), x.unit)
+    return Term(_running_maximum(time, values, found), x.unit)
 
 
-def _so_far(
+def _running_maximum(
     time: np.ndarray, values: np.ndarray, found: list[tuple[np.ndarray, np.ndarray]]
 ) -> np.ndarray:
     """The greatest level of spans that have ended until each sample; before, the least value."""
