@@ -17,7 +17,7 @@ from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.foundation.rows import as_rows
 from crashsolve.model.build import build
-from crashsolve.model.contact.near_faces import excluded_faces, faces_beside
+from crashsolve.model.contact.near_faces import adjacent_faces, excluded_faces
 from crashsolve.system.contact import node_contact, normals, projection
 
 DECK = Path(__file__).resolve().parents[2] / "decks/verification/contact/faces.yaml"
@@ -354,8 +354,8 @@ def test_faces_across_sides_and_rings_about_nodes() -> None:
     n = 6
     at = np.arange(n * n).reshape(n, n)
     quads = np.stack([at[:-1, :-1], at[:-1, 1:], at[1:, 1:], at[1:, :-1]], axis=-1).reshape(-1, 4)
-    beside = faces_beside(quads).reshape(-1, 4)
-    assert list(beside[6]) == [1, 7, 11, 5] and list(beside[0]) == [-1, 1, 5, -1]
+    adjacent = adjacent_faces(quads).reshape(-1, 4)
+    assert list(adjacent[6]) == [1, 7, 11, 5] and list(adjacent[0]) == [-1, 1, 5, -1]
     from crashsolve.model.contact.near_faces import faces_around
 
     around = faces_around(quads, n * n)

@@ -17,8 +17,8 @@ FAMILY = Family("rbdout", ("a",), (Column("position", "x", "m", ""),))
 TIME = np.linspace(0.0, 1.0, 101)
 
 
-def samples(cycles: int, course: Callable[[np.ndarray], np.ndarray]) -> Samples:
-    values = course(TIME)
+def samples(cycles: int, history: Callable[[np.ndarray], np.ndarray]) -> Samples:
+    values = history(TIME)
     return Samples(TIME, {NAME: values}, {NAME: np.abs(values)}, cycles)
 
 
@@ -142,11 +142,11 @@ def test_what_measures_the_run_is_not_estimated() -> None:
 def test_a_largest_value_that_a_sample_has_caught_has_the_error_of_its_gap() -> None:
     # a parabola whose top of 1 lies half way between two samples
     top = 0.505
-    course, latched = (f"rcforc.c.{word}" for word in ("depth", "peak_depth"))
+    history, latched = (f"rcforc.c.{word}" for word in ("depth", "peak_depth"))
     columns = tuple(Column(word, "", "m", "") for word in ("depth", "peak_depth"))
     family = Family("rcforc", ("c",), columns)
     depth = 1.0 - (TIME - top) ** 2
-    values = {course: depth, latched: np.maximum.accumulate(depth)}
+    values = {history: depth, latched: np.maximum.accumulate(depth)}
     runs = [Samples(TIME, values, {name: abs(v) for name, v in values.items()}, n) for n in (20, 9)]
     errors = NumberErrors({latched: [Channel(latched, family, 0, 1)]}, 5.0)
     found = errors.estimate(Watch("d", (latched,), "final"), runs[0], runs[1:])

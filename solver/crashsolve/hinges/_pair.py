@@ -40,7 +40,7 @@ PAIR = Record("is_elliptic  flag  whether both moments share one ellipse")
 WORK = Record("flow_work  J  W, plastic work at which elliptic curves are read")
 # of the elastic range in one piece of a step, and most pieces
 PIECE, MAX_PIECES = 0.1, 1000
-PASSES = 100
+ITERATIONS = 100
 
 
 class Motions(NamedTuple):
@@ -144,7 +144,7 @@ def return_work(p, f, g, work, phi, curves):
         low, at_low, high = high, at_high, 2.0 * high
         at_high = excess(p, f, g, work, high, phi, curves)
     done, side = low, 0
-    for _ in range(PASSES):
+    for _ in range(ITERATIONS):
         before, done = done, low + (high - low) * at_low / (at_low - at_high)
         here = excess(p, f, g, work, done, phi, curves)
         if here > 0.0:

@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from crashsolve.loads._rows.path_steering import History, Output, Parameters
 
 # iterations of the search for the path, and where it is close enough, over the distance ahead
-PASSES, CLOSE = 20, 1e-12
+ITERATIONS, CLOSE = 20, 1e-12
 # cosine between path and line of sight below which they no longer meet
 ASTRAY = 0.05
 # speed from which he steers all he wants [m/s]
@@ -180,7 +180,7 @@ def steering_target(p: Parameters, nodes, curves):
     V = dot(forward, point_velocity(body, arm(body, vec(p.at))))
     X = p.ahead + p.preview * max(V, 0.0)
     target, e = add_scaled(x, X, forward), 0.0
-    for _ in range(PASSES):
+    for _ in range(ITERATIONS):
         here = add_scaled(target, e, side)
         y, slope, _ = curve_value(curves, p.path, dot(here, vec(p.along)))
         across = dot(side, vec(p.left)) - slope * dot(side, vec(p.along))

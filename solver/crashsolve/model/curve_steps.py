@@ -76,8 +76,8 @@ def unseen(model: Model) -> dict[str, tuple[float, float]]:
     step, names = float(control["fixed_step"]), {k: name for name, k in model.curve_names.items()}
     for first in sorted(curves_of_time(model)) if step > 0.0 else ():
         starts, steps = _steps(model.curves, first, cuts_straight=False)
-        met = (starts < control["end"]) & (np.r_[starts[1:], np.inf] > control["start"])
-        shares = np.where(met, step / steps, 0.0)
+        overlaps = (starts < control["end"]) & (np.r_[starts[1:], np.inf] > control["start"])
+        shares = np.where(overlaps, step / steps, 0.0)
         at = int(shares.argmax())
         if shares[at] > HARDLY:
             found[names[first]] = float(shares[at]), float(max(starts[at], control["start"]))

@@ -215,16 +215,16 @@ class RestEngine(StaticEngine):
         """Name of the body that leaves the equilibrium, with elements at rest; empty where none
         does.
         """
-        theirs = (
+        element_nodes = (
             set(self.model.elements.attached_points["node"].tolist())
             if self.model.elements
             else set()
         )
         for g in self.model.groups:
             if g.keyword == "parts" and "node_a" in (g.parameters.dtype.names or ()):
-                theirs |= set(g.parameters["node_a"].tolist())
-                theirs |= set(g.parameters["node_b"].tolist())
-        own = np.flatnonzero(~np.isin(self.free, list(theirs)))
+                element_nodes |= set(g.parameters["node_a"].tolist())
+                element_nodes |= set(g.parameters["node_b"].tolist())
+        own = np.flatnonzero(~np.isin(self.free, list(element_nodes)))
         if not len(own):
             return ""
         imbalance, D, _ = self.imbalance(now)

@@ -57,7 +57,7 @@ MISSING, NEGLIGIBLE_SHARE = ("missing", "missing_share", "missing_time"), 0.01
 # methods with stages take steps so many times as long, by the curves of time
 WITHIN = 4.0
 # at most so many iterations for friction and reactions of the initial state to agree
-PASSES = 60
+ITERATIONS = 60
 
 
 class Engine:
@@ -185,7 +185,7 @@ class Engine:
         s = self.state
         reactions = s.rows["reaction"].tolist()
         # friction in joints needs the reactions, which need the friction
-        for count in range(PASSES):
+        for count in range(ITERATIONS):
             known = reactions
             self._advance(self.clock["time"], True, self._present)
             if count == 0 and any([find_impact_speeds(self.model, s), self.masses.find(s)]):

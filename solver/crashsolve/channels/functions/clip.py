@@ -55,6 +55,6 @@ def _running_maximum(
     greatest = np.maximum.accumulate(levels[order])
     # the last span ends with the run, in spite of round-off
     ended = np.searchsorted(np.minimum(ends[order], time[-1]), time, side="right")
-    course = np.minimum.accumulate(values)
-    course[ended > 0] = greatest[ended[ended > 0] - 1]
-    return course
+    maximum = np.minimum.accumulate(values)
+    maximum[ended > 0] = greatest[ended[ended > 0] - 1]
+    return maximum

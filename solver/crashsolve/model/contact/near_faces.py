@@ -126,7 +126,7 @@ def _reached(
     first, others, lengths = edges
     count = len(first) - 1
     shortest[front] = 0.0
-    met = [front]
+    reached = [front]
     while len(front):
         owner, via = np.divmod(front, count)
         sizes = np.diff(first)[via]
@@ -136,10 +136,10 @@ def _reached(
         pair = np.repeat(owner * count, sizes) + others[at]
         is_better = (longer < reach) & (longer < shortest[pair])
         pair, longer = pair[is_better], longer[is_better]
-        met.append(_distinct(pair[np.isinf(shortest[pair])]))
+        reached.append(_distinct(pair[np.isinf(shortest[pair])]))
         np.minimum.at(shortest, pair, longer)
         front = _distinct(pair)
-    return np.sort(np.concatenate(met))
+    return np.sort(np.concatenate(reached))
 
 
 def merged(one: Grouped, other: Grouped) -> tuple[np.ndarray, np.ndarray]:
