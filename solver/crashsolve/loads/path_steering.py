@@ -118,13 +118,13 @@ PARAMETERS = Record("""
 AMPLITUDE = "stiffness"
 HISTORY = Record("angle  rad  of the joint, over all revolutions")
 OUTPUT = Record("""
-    force   N or N m   F, on the second body of the joint
-    steer   rad        delta, steering angle commanded by the driver
-    wanted  m or rad   n delta
-    now     m or rad   x, coordinate of the joint since the start
-    rate    m/s or rad/s  of it
-    offset  m          of the vehicle from the path at its point, positive to the left
-    ahead   m          e
+    force           N or N m      F, on the second body of the joint
+    steering_angle  rad           delta, commanded by the driver
+    target          m or rad      n delta
+    coordinate      m or rad      x, of the joint since the start
+    rate            m/s or rad/s  of it
+    offset          m             of the vehicle from the path at its point, positive to the left
+    preview_error   m             e
 """)
 
 
@@ -203,16 +203,16 @@ def steering_target(p: Parameters, nodes, curves):
 def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
-    out.steer, out.ahead, out.offset = steering_target(p, nodes, curves)
-    out.wanted = p.ratio * out.steer
+    out.steering_angle, out.preview_error, out.offset = steering_target(p, nodes, curves)
+    out.target = p.ratio * out.steering_angle
     k, c = p.stiffness, p.relaxation * p.stiffness
     new.angle = 0.0
     if p.is_angle == 1:
-        out.now = counted(angle_about(a, b, p.axis_a, p.side_a, p.side_b), old.angle)
-        new.angle = out.now
+        out.coordinate = counted(angle_about(a, b, p.axis_a, p.side_a, p.side_b), old.angle)
+        new.angle = out.coordinate
         g = angle_gradient(a, b, p.axis_a, p.side_b)
         out.rate = dot(g, sub(vec(b.w), vec(a.w)))
-        out.force = k * (out.wanted - out.now) - c * out.rate
+        out.force = k * (out.target - out.coordinate) - c * out.rate
         apply_torque(b, scale(out.force, g))
         apply_torque(a, scale(-out.force, g))
         add_stiffness_bound(a, spin_mobility(a, g), k, c)
@@ -222,9 +222,9 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
         x = sub(point_at(b, d_b), point_at(a, arm(a, vec(p.point_a))))
         # the point of a where b is
         d_a = add(arm(a, vec(p.point_a)), x)
-        out.now = dot(u, x)
+        out.coordinate = dot(u, x)
         out.rate = dot(u, sub(point_velocity(b, d_b), point_velocity(a, d_a)))
-        out.force = k * (out.wanted - out.now) - c * out.rate
+        out.force = k * (out.target - out.coordinate) - c * out.rate
         apply_force(b, scale(out.force, u), d_b)
         apply_force(a, scale(-out.force, u), d_a)
         add_stiffness_bound(a, mobility(a, d_a, u), k, c)
