@@ -61,7 +61,7 @@ def coarsen(control: np.ndarray, coarseness: float, interval: float, order: floa
 
 
 class Companions:
-    """Runs of one deck in memory; `stopped` returns whether the user wants the run to stop."""
+    """Runs of one deck in memory; `stopped` returns whether the user has stopped the run."""
 
     def __init__(
         self, deck: Deck, channels: Sequence[Channel], stopped: Callable[[], bool], program: str

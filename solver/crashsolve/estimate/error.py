@@ -38,8 +38,8 @@ from crashsolve.study.watch import Watch
 
 # a run with fewer steps than this many times those of another is as fine as that
 SAME = 1.15
-# a lucky small last difference does not make the error smaller than this share of what the
-# difference before it says
+# where the last difference is small by chance, the error is still this share of that by the
+# difference before it
 CHANCE_MARGIN = 0.25
 # an order that the method cannot have is a last difference small by chance: of 15 impacts of a few
 # steps each, errors of orders beyond 4 in place of 2 were up to four times what the difference

@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 ITERATIONS, CLOSE = 20, 1e-12
 # cosine between path and line of sight below which they no longer meet
 ASTRAY = 0.05
-# speed from which he steers all he wants [m/s]
+# speed from which the driver steers without limit [m/s]
 CREEPS = 0.5
 
 

@@ -36,7 +36,7 @@ MAX_LINES = 100
 # radius of a rod over its length
 SLENDER = 0.01
 # [of the size of a body] a primitive that reaches beyond its surfaces by less is one with them
-ALIKE = 0.01
+COVERED_SHARE = 0.01
 
 
 def surfaces(model: Model) -> list[Piece]:
@@ -76,7 +76,7 @@ def _primitive(solid: Primitive) -> tuple[np.ndarray, np.ndarray]:
 
 def _within(points: np.ndarray, others: np.ndarray) -> bool:
     """Whether points reach no further along any axis than others do."""
-    slack = ALIKE * float(np.ptp(others, axis=0).max())
+    slack = COVERED_SHARE * float(np.ptp(others, axis=0).max())
     low, high = others.min(axis=0) - slack, others.max(axis=0) + slack
     return bool(np.all(points >= low) and np.all(points <= high))
 

@@ -30,7 +30,7 @@ NEAR = 1e-6
 # more sets than two to this power are not tried
 MAX_CANDIDATES = 10
 # works and displacements that differ by less are alike
-ALIKE = 1e-6
+EQUALITY_TOLERANCE = 1e-6
 Set = tuple[int, ...]
 
 
@@ -91,10 +91,11 @@ class Branches:
         (work, first, displacements), *others = self.sets
         names = set()
         for more, own, other in others:
-            is_as_good = abs(more - work) <= ALIKE * abs(work)
+            is_as_good = abs(more - work) <= EQUALITY_TOLERANCE * abs(work)
             if (
                 is_as_good
-                and np.abs(other - displacements).max() > ALIKE * np.abs(displacements).max()
+                and np.abs(other - displacements).max()
+                > EQUALITY_TOLERANCE * np.abs(displacements).max()
             ):
                 names |= {self.candidates[i].name for i in {*first} ^ {*own}}
         return sorted(names)

@@ -27,7 +27,7 @@ from crashsolve.foundation.errors import SolverError
 from crashsolve.model.contact.pairs import renew
 from crashsolve.model.jacobian import jacobian, null_space, whole_rows
 from crashsolve.statics.motions import largest_motion, move, perturb
-from crashsolve.statics.stability import ALIKE
+from crashsolve.statics.stability import SYMMETRY_TOLERANCE
 from crashsolve.statics.standing_tyres import StandingTyres
 from crashsolve.system.engine import Engine
 
@@ -131,7 +131,7 @@ def _time_of_growth(K: np.ndarray, M: np.ndarray) -> float:
     K = half @ K @ half.T
     values = np.linalg.eigvalsh(0.5 * (K + K.T))
     limit = max(GROWTH**2, ROUND_OFF * values[-1])
-    if values[0] >= -limit or np.abs(K - K.T).max() > ALIKE * np.abs(values).max():
+    if values[0] >= -limit or np.abs(K - K.T).max() > SYMMETRY_TOLERANCE * np.abs(values).max():
         return 0.0
     return float(0.5 / np.sqrt(-values[0]))
 
@@ -327,7 +327,7 @@ class _EquilibriumSearch:
         values, modes = np.linalg.eigh(0.5 * (K + K.T))
         # differences err by a share of the stiffest mode
         limit = max(GROWTH**2, ROUND_OFF * values[-1])
-        if values[0] < -limit and np.abs(K - K.T).max() > ALIKE * values[-1]:
+        if values[0] < -limit and np.abs(K - K.T).max() > SYMMETRY_TOLERANCE * values[-1]:
             # loads that follow the motion: only a real eigenvalue is left without vibration
             values, modes = np.linalg.eig(K)
             values = np.where(np.abs(values.imag) < limit, values.real, np.inf)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#332288", "#cc79a7", "#882255", "#1c2126")
 MARKERS = "os^Dv<>p"
 ROUND_OFF = 1e-12
-# more lines than these no eye keeps apart
+# more lines than these cannot be distinguished
 MAX_LINES = 10
 # letters of a title or label that fit
 LONGEST = 72

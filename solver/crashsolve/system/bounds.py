@@ -151,10 +151,10 @@ def _copies(engine: Engine) -> dict[str, np.ndarray]:
     arrays = group_arrays(m, s) | m.saddle._asdict()
     arrays |= {"control": m.control, "curves": m.curves} | engine.tableau | engine.stages
     arrays |= {"clock": s.clock, "nodes": s.nodes, "rows": s.rows, "ledger": np.zeros(len(ENTRIES))}
-    nobody = np.zeros(0, int)
+    no_bodies = np.zeros(0, int)
     for group in (*m.force_groups(), *m.contact_groups):
         if not getattr(group, "is_unilateral", False):
-            arrays |= _only(group, nobody)
+            arrays |= _only(group, no_bodies)
     return {name: array.copy() for name, array in arrays.items()}
 
 

@@ -41,7 +41,7 @@ NODAL: tuple[NodalGroup, ...] = ()  # nodes on shapes and on the faces of shells
 
 # other content of the scene
 ATTACHMENTS = True  # nodes welded to rigid bodies
-TIES = True  # points that ride on faces
+TIES = True  # points that are tied to faces
 CUTS = True  # sensors that cut through elements
 SEARCHES = True  # lists of near pairs, which are renewed
 MANY_PAIRS = True  # contacts whose pairs are done in pieces

@@ -317,7 +317,7 @@ def grip_of(p, i, old, new, out, at, h, curves):
     if old.roads_overlap == 1:
         new.roads_overlap = 1
     if at.depth <= 0.0:
-        # off the road the carcass is at ease
+        # off the road the carcass has no force
         out.loss += old.store[i] if h > 0.0 else 0.0
         out.depth = max(out.depth, at.depth)
         return Grip(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, p.friction_max)
@@ -334,7 +334,7 @@ def grip_of(p, i, old, new, out, at, h, curves):
     s_y = (q_y - k_V / p.C_y * at.slip_y) / p.sigma_y
     now = sqrt(at.slip_x**2 + at.slip_y**2) / max(V, p.low_speed)
     mu = p.friction_max - (p.friction_max - p.friction_min) * min(now, 1.0)
-    # the carcass of a patch that slides all over is not drawn out further
+    # the carcass of a patch that slides all over is not deflected further
     carcass_force = sqrt((p.C_x * q_x / p.sigma_x) ** 2 + (p.C_y * q_y / p.sigma_y) ** 2)
     share = 3.0 * mu * F_z / carcass_force if carcass_force > 3.0 * mu * F_z else 1.0
     new.q_x[i], new.q_y[i] = share * q_x, share * q_y

@@ -53,8 +53,8 @@ def adjacent_faces(quads: np.ndarray) -> np.ndarray:
     none = np.flatnonzero(low == high)
     adjacent[none] = none // 4
     has_length = (low < high)[order[1:]]
-    alike = (low[order[1:]] == low[order[:-1]]) & (high[order[1:]] == high[order[:-1]])
-    same = np.flatnonzero(alike & has_length)
+    is_same = (low[order[1:]] == low[order[:-1]]) & (high[order[1:]] == high[order[:-1]])
+    same = np.flatnonzero(is_same & has_length)
     one, other = order[same], order[same + 1]
     adjacent[one], adjacent[other] = other // 4, one // 4
     return adjacent

@@ -214,11 +214,11 @@ def match_walls(p, j, s, count, before, hits, probe_states, slot_in_use):
                 if taken >> r & 1:
                     continue
                 old = probe_states[slot_in_use[j], row_of(p, j, r)]
-                alike = dot(vec(old.normal), vec(hit.normal))
+                cosine = dot(vec(old.normal), vec(hit.normal))
                 if old.face == hit.face:
-                    alike += ABOVE_COSINE
-                if alike > best:
-                    best, hit_of_best, old_of_best = alike, w, r
+                    cosine += ABOVE_COSINE
+                if cosine > best:
+                    best, hit_of_best, old_of_best = cosine, w, r
         hits[row_of_wall(s, hit_of_best)].partner = old_of_best
         taken += 1 << old_of_best
     return taken
