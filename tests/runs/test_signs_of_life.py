@@ -94,7 +94,7 @@ def test_Reporting_leaves_no_trace_in_the_results(
     # a line at every block of samples and every pause, and the culprit looked for at each of them
     code = (
         "import crashsolve.simulation.heartbeat as pulse, crashsolve.system.bounds as bounds, sys;"
-        "pulse.AT_PAUSE = bounds.AGAIN = -1.0;"
+        "pulse.AT_PAUSE = bounds.RENEWAL_INTERVAL = -1.0;"
         "from crashsolve.cli import main; sys.exit(main(sys.argv[1:]))"
     )
     words = [sys.executable, "-c", code, str(deck), "-o", str(tmp_path)]

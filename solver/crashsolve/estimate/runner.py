@@ -27,7 +27,7 @@ from crashsolve.output.log import Log
 from crashsolve.recording.samples import Channel, Samples, read
 from crashsolve.recording.sampling import Schedule
 
-AIM = 0.5
+TARGET_SHARE = 0.5
 ROUNDS = 12
 RERUNS = 2
 # the coarseness changes by no more than this between two pilots
@@ -166,11 +166,11 @@ class Estimating:
                 f"pilot runs: {pilots[2.0 * m].cycles} steps, error {gain * predicted:.2g} of "
                 f"{worst.watch.name}; predicted for steps half as long: {predicted:.2g}"
             )
-            if predicted <= AIM * accuracy:
+            if predicted <= TARGET_SHARE * accuracy:
                 self._companions = [pilots[factor * m] for factor in COARSER]
                 return m
             message = f"{worst.watch.name} still has an error of {predicted:.2g}"
-            wanted = (AIM * accuracy / predicted) ** (1.0 / estimator.power)
+            wanted = (TARGET_SHARE * accuracy / predicted) ** (1.0 / estimator.power)
             m *= min(max(0.9 * wanted, 1.0 / STRIDE), 0.7)
         raise _unreachable(accuracy, message)
 
@@ -199,7 +199,7 @@ class Estimating:
             return False
         self.reruns += 1
         self.coarseness *= max(
-            0.9 * (AIM * self.accuracy / error) ** (1 / self.estimator.power), 0.1
+            0.9 * (TARGET_SHARE * self.accuracy / error) ** (1 / self.estimator.power), 0.1
         )
         self.log.line(f"accuracy {self.accuracy:g} missed by {worst.watch.name}: running again")
         return True

@@ -47,9 +47,9 @@ if TYPE_CHECKING:
 # iterations of the search for the path, and where it is close enough, over the distance ahead
 ITERATIONS, CLOSE = 20, 1e-12
 # cosine between path and line of sight below which they no longer meet
-ASTRAY = 0.05
+LEAST_COSINE = 0.05
 # speed from which the driver steers without limit [m/s]
-CREEPS = 0.5
+FULL_STEERING_SPEED = 0.5
 
 
 class PathSteering(Card):
@@ -187,7 +187,7 @@ def steering_target(p: Parameters, nodes, curves):
         gap = y - dot(here, vec(p.left))
         if abs(gap) < CLOSE * X:
             break
-        if across < ASTRAY:
+        if across < LEAST_COSINE:
             # the path runs along his line of sight: he steers to its side with all he has
             e = X if gap > 0.0 else -X
             break
@@ -195,7 +195,7 @@ def steering_target(p: Parameters, nodes, curves):
     delta = atan2(2.0 * p.wheelbase * e, X * X + e * e)
     y, slope, _ = curve_value(curves, p.path, dot(x, vec(p.along)))
     offset = (dot(x, vec(p.left)) - y) * cos(atan(slope))
-    moves = max(min(V / CREEPS, 1.0), 0.0)
+    moves = max(min(V / FULL_STEERING_SPEED, 1.0), 0.0)
     return moves * max(min(delta, p.limit), -p.limit), e, offset
 
 

@@ -38,7 +38,7 @@ MAX_ITERATIONS = 40
 # a correction that falls no more is round-off below this, in the model's size or rad
 STAGNATION_TOLERANCE = 1e-9
 # a displacement that is nothing but round-off, and an energy, over the largest force times the size
-NOWHERE, NOTHING = 1e-15, 1e-12
+NEGLIGIBLE, NOTHING = 1e-15, 1e-12
 # of the largest mobility of the rows of joints: lets redundant ones share
 SHARED = 1e-10
 # a load step is halved so often where no equilibrium is found
@@ -255,7 +255,9 @@ class StaticEngine(Engine):
             self.plastic_flow.take(self, time, change * self.step_fraction(change))
             contraction = min(size / previous, 1.0) if count else 1.0
             stagnates = size >= 0.5 * previous
-            is_small = size * contraction <= self.tolerance * self._largest_change(start) + NOWHERE
+            is_small = (
+                size * contraction <= self.tolerance * self._largest_change(start) + NEGLIGIBLE
+            )
             if is_small or (stagnates and size <= STAGNATION_TOLERANCE):
                 # trials may lead past the end of a curve, which only the answer must not
                 self.model.curves[0]["fault"] = 0

@@ -27,7 +27,7 @@ from crashsolve.statics.elimination import eliminate
 from crashsolve.statics.equilibrium import (
     HALVINGS,
     MAX_ITERATIONS,
-    NOWHERE,
+    NEGLIGIBLE,
     STAGNATION_TOLERANCE,
     StaticEngine,
 )
@@ -190,7 +190,9 @@ class PathEngine(StaticEngine):
             self.shift(self.state.nodes, moved * step_fraction)
             time += step_fraction * change[-1]
             contraction = min(size / previous, 1.0) if count else 1.0
-            is_small = size * contraction <= self.tolerance * self._largest_change(start) + NOWHERE
+            is_small = (
+                size * contraction <= self.tolerance * self._largest_change(start) + NEGLIGIBLE
+            )
             stagnates = size >= 0.5 * previous and size <= STAGNATION_TOLERANCE
             if step_fraction == 1.0 and (is_small or stagnates) and time <= self.end:
                 clock.time = time

@@ -22,7 +22,7 @@ from crashsolve.deck.run_cards.control import Control
 from crashsolve.model.clock import CURVE_END, NOT_FINITE, PAUSED, REACHED, STEP_TOO_SMALL, UNSOLVED
 from crashsolve.model.model import Group, Model, State
 from crashsolve.statics.balance import EQUAL, ROUND
-from crashsolve.statics.equilibrium import NOWHERE, STAGNATION_TOLERANCE, STEP, StaticEngine
+from crashsolve.statics.equilibrium import NEGLIGIBLE, STAGNATION_TOLERANCE, STEP, StaticEngine
 from crashsolve.statics.motions import perturb
 from crashsolve.statics.stability import mass_matrix, unstable_mode, unstable_modes
 from crashsolve.system.diagnosis import diagnose
@@ -32,7 +32,7 @@ REPEATS = 150
 # h over 1 / omega of the fastest vibration: at first, at most, and how it grows
 FIRST, LONGEST, GROWTH = 1e3, 1e8, 32.0
 # the same where unstable modes are looked for
-CERTAIN = 1e7
+FOR_STABILITY = 1e7
 # residual that a step may leave, of the distance to equilibrium
 SLOW, UNKNOWN = 0.1, 0.9
 # how h grows where Newton's method has failed
@@ -42,7 +42,7 @@ CAUTIOUS_GROWTH, RELAXATION = 4.0, 1.2
 # between two elements that flow spin freely
 SHORTENED_START = FIRST * GROWTH**2
 # load steps after which one of twice the length is tried
-TRIED = 5
+STEPS_BEFORE_GROWTH = 5
 # first yield may lie so many halvings within a load step
 HALVINGS = 13
 STILL = ("v", "w", "L")
@@ -74,7 +74,7 @@ class RestEngine(StaticEngine):
         first = self.pseudo
         # a longer load step is tried after some that were good
         self.good_steps += 1
-        self.growth = 2.0 if self.good_steps % TRIED == 0 else 1.0
+        self.growth = 2.0 if self.good_steps % STEPS_BEFORE_GROWTH == 0 else 1.0
         for _ in range(REPEATS):
             saved = self.save_state()
             if not self._relax(start_time, time):
@@ -124,7 +124,7 @@ class RestEngine(StaticEngine):
         g = self.forces_at_rest(time, self.state.nodes)
         self.forces.include_reactions(self)
         balance, is_longest = self.forces.balance(g, self._round_off()), self._is_longest_step()
-        is_small = change * left <= self.tolerance * total * (1.0 - left) + NOWHERE
+        is_small = change * left <= self.tolerance * total * (1.0 - left) + NEGLIGIBLE
         if is_small and (balance == EQUAL or (balance == ROUND and is_longest)):
             return True
         stagnates = left > SLOW and change <= STAGNATION_TOLERANCE * total / SLOW
@@ -204,7 +204,7 @@ class RestEngine(StaticEngine):
         if location:
             return location
         saved, pseudo = self.save_state(), self.pseudo
-        self.pseudo = CERTAIN / self.highest_frequency
+        self.pseudo = FOR_STABILITY / self.highest_frequency
         self._iterate(now, now)
         self.pseudo = pseudo
         self.restore_state(saved)

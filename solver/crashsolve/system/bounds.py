@@ -27,8 +27,8 @@ from crashsolve.system.placeholders import group_arrays
 MAX_PER_BODY = 32
 # a step is cut into equal ones: a step of less than half of the wanted one has another cause
 EQUAL = 0.499
-# [s] after which it is looked for anew who sets the step
-AGAIN = 1.0
+# [s] after which the body that sets the step is determined anew
+RENEWAL_INTERVAL = 1.0
 # share of the bound that goes when a body cannot rotate, above which its inertia is the cause
 BY_ROTATION = 0.9
 
@@ -103,7 +103,7 @@ class StepBound:
 
     def _stiffest(self, engine: Engine, at: int) -> str:
         now = monotonic()
-        if at != self._at or now > self._found + AGAIN:
+        if at != self._at or now > self._found + RENEWAL_INTERVAL:
             self._culprit, self._at, self._found = stiffest(engine, at), at, now
         return self._culprit
 

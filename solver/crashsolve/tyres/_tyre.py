@@ -42,7 +42,7 @@ from crashsolve.springs._resistance import steepest
 from crashsolve.tyres._road import MAX_ROADS, PLANE, ROADS, Profile, road_columns, road_distance
 
 # cosine of the camber below which a wheel lies on its side, and is not on its tyre
-LYING = 0.1
+LEAST_COSINE = 0.1
 # difference by which the turning of a normal is found, over R
 NEAR = 1e-4
 
@@ -222,8 +222,8 @@ def patch_of(p, i, nodes, curves, data):
     d, n = road_distance(p, i, nodes, centre, curves, data)
     camber = dot(u, n)
     upright = sqrt(max(1.0 - camber * camber, 0.0))
-    lies = upright < LYING
-    cosine = max(upright, LYING)
+    lies = upright < LEAST_COSINE
+    cosine = max(upright, LEAST_COSINE)
     m = scale(1.0 / cosine, add_scaled(n, -camber, u))
     x = scale(1.0 / cosine, cross(u, n))
     radius = max(d / cosine, 0.1 * p.radius)

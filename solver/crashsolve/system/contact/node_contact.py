@@ -25,7 +25,7 @@ from crashsolve.foundation.point import ATTACHED
 from crashsolve.foundation.vec3 import add, add_scaled, dot, norm, put, scale, sub, vec
 
 # least mobility of two sides [1/kg], against division by zero
-STUCK = 1e-30
+LEAST_MOBILITY = 1e-30
 
 
 @kernel

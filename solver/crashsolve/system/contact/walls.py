@@ -214,11 +214,11 @@ def match_walls(p, j, s, count, before, hits, probe_states, slot_in_use):
                 if taken >> r & 1:
                     continue
                 old = probe_states[slot_in_use[j], row_of(p, j, r)]
-                cosine = dot(vec(old.normal), vec(hit.normal))
+                score = dot(vec(old.normal), vec(hit.normal))
                 if old.face == hit.face:
-                    cosine += ABOVE_COSINE
-                if cosine > best:
-                    best, hit_of_best, old_of_best = cosine, w, r
+                    score += ABOVE_COSINE
+                if score > best:
+                    best, hit_of_best, old_of_best = score, w, r
         hits[row_of_wall(s, hit_of_best)].partner = old_of_best
         taken += 1 << old_of_best
     return taken
