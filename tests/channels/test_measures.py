@@ -223,7 +223,7 @@ def test_a_filter_takes_further_samples_between_even_ones() -> None:
         ("hic(a.b.c, '15 mm')", "m/s^2", "a duration with its unit"),
         ("hic(a.b.c, '-15 ms')", "m/s^2", "a duration with its unit"),
         ("hic(a.b.c, '15 furlongs')", "m/s^2", "unknown unit 'furlongs'"),
-        ("clip(a.b.c, '3 s')", "m/s^2", "longer than the history"),
+        ("clip(a.b.c, '3 s')", "m/s^2", "needs a history of 3000 ms"),
         ("envelope(a.b.c, a.b.c)", "s", "a duration with its unit"),
         ("resultant(a.b.c, time)", "m/s^2", "cannot add 'm/s^2' and 's'"),
         ("a.b.c - '54 km/h'", "N", "cannot add 'N' and 'm/s'"),
