@@ -255,10 +255,8 @@ class StaticEngine(Engine):
             self.plastic_flow.take(self, time, change * self.step_fraction(change))
             contraction = min(size / previous, 1.0) if count else 1.0
             stagnates = size >= 0.5 * previous
-            is_small = (
-                size * contraction <= self.tolerance * self._largest_change(start) + NEGLIGIBLE
-            )
-            if is_small or (stagnates and size <= STAGNATION_TOLERANCE):
+            bound = self.tolerance * self._largest_change(start) + NEGLIGIBLE
+            if size * contraction <= bound or (stagnates and size <= STAGNATION_TOLERANCE):
                 # trials may lead past the end of a curve, which only the answer must not
                 self.model.curves[0]["fault"] = 0
                 if self.is_balanced(time):

@@ -190,9 +190,8 @@ class PathEngine(StaticEngine):
             self.shift(self.state.nodes, moved * step_fraction)
             time += step_fraction * change[-1]
             contraction = min(size / previous, 1.0) if count else 1.0
-            is_small = (
-                size * contraction <= self.tolerance * self._largest_change(start) + NEGLIGIBLE
-            )
+            largest = self._largest_change(start)
+            is_small = size * contraction <= self.tolerance * largest + NEGLIGIBLE
             stagnates = size >= 0.5 * previous and size <= STAGNATION_TOLERANCE
             if step_fraction == 1.0 and (is_small or stagnates) and time <= self.end:
                 clock.time = time
