@@ -88,7 +88,9 @@ def apply_forces_on_shape(group, clock, h, touch, nearest, nodes, curves, scene)
     count = counts[p.card]
     body = nodes[group.frame_bodies[group.b[hit.face].node]]
     mob = node_contact.body_mobility(body, x, hit)
-    mass = 1.0 / max(mob + node_contact.mobility_of(probe, hit, nodes, points), node_contact.STUCK)
+    mass = 1.0 / max(
+        mob + node_contact.mobility_of(probe, hit, nodes, points), node_contact.LEAST_MOBILITY
+    )
     w = node_contact.predicted_probe_mobility(probe, hit, points)
     rate = node_contact.closing_speed(v, node_contact.body_velocity(body, x), hit, h, old, w)
     touches.latch(p, old, new, hit.depth, rate, counts[p.card])

@@ -140,7 +140,7 @@ def apply_forces_on_face(group, clock, h, touch, nodes, curves, scene):
     mob = node_contact.mobility_of(probe, hit, nodes, points)
     mob_face, w = projection.face_mobility(p, hit, points, corners)
     w += node_contact.predicted_probe_mobility(probe, hit, points)
-    mass = 1.0 / max(mob + mob_face, node_contact.STUCK)
+    mass = 1.0 / max(mob + mob_face, node_contact.LEAST_MOBILITY)
     u = projection.face_velocity(p, hit, h, points, corners)
     rate = node_contact.closing_speed(v, u, hit, h, old, w)
     touches.latch(p, old, new, hit.depth, rate, counts[p.card])
