@@ -50,7 +50,7 @@ __all__ += ["SensorName", "SetName", "SpringName", "SurfaceName", "existing_file
 __all__ += ["reference_of"]
 
 # whole numbers that every part of the program counts exactly
-MOST = 2**53
+LARGEST_INTEGER = 2**53
 Vec3 = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 
@@ -275,8 +275,8 @@ def _check_bounds(
             _check_bounds(part, text, field, unit, (*at, i))
     if isinstance(result, bool) or not isinstance(result, int | float):
         return
-    if isinstance(result, int) and abs(result) > MOST:
-        refuse(f"must be at most {MOST:g}", within=at)
+    if isinstance(result, int) and abs(result) > LARGEST_INTEGER:
+        refuse(f"must be at most {LARGEST_INTEGER:g}", within=at)
     for bound, (holds, words) in BOUNDS.items():
         limit = field.bounds.get(bound)
         if limit is not None and not holds(result, limit):
