@@ -198,14 +198,16 @@ materials:
 sections: {s: {type: rectangle, width: 1, height: 0.5}}
 bodies: {mass: {mass: 1, inertia: [1, 1, 1], position: [1, 0.1, 0.3]}}
 parts:
-  p: {type: fibre_beam, mesh: {shape: line, from: [0, 0, 0], to: [1, 0, 0], elements: 4}, section:
-  s, material: m, fibres: [4, 8], side: [0, 1, 0]}
+  p: {type: fibre_beam, mesh: {shape: line, from: [0, 0, 0], to: [1, 0, 0], elements: 4},
+    section: s, material: m, fibres: [4, 8], side: [0, 1, 0]}
 curves:
   blow: {type: formula, expression: "100*sin(157.0796326794897*x)**2", from: 0, to: 0.02,
-  extrapolate: hold}
-joints: {root: {type: weld, b: p_start, at: [0, 0, 0]}, tip: {type: weld, a: mass, b: p_end, at: [1,
-0, 0]}} loads: {blow: {type: force, body: mass, force: [5, 2, 3], curve: blow}}
-"""  # noqa: E501
+    extrapolate: hold}
+joints:
+  root: {type: weld, b: p_start, at: [0, 0, 0]}
+  tip: {type: weld, a: mass, b: p_end, at: [1, 0, 0]}
+loads: {blow: {type: force, body: mass, force: [5, 2, 3], curve: blow}}
+"""
 
 
 @pytest.mark.long
