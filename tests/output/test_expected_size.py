@@ -37,15 +37,23 @@ def test_the_size_of_a_history_is_as_said(tmp_path: Path) -> None:
     assert "output: history of" in (tmp_path / "out" / "log.txt").read_text("utf-8")[:3000]
 
 
-@pytest.mark.parametrize("interval", ["1e-12", "1e-300"])
+@pytest.mark.parametrize(
+    ("interval", "end", "message"),
+    [
+        ("1e-12", "1", "free on the disk"),
+        ("1e-300", "1", "1 s at 1e-300 s have too many samples to be numbered"),
+        ("1e-4", "1e308", "1e+308 s at 0.0001 s have too many samples to be numbered"),
+    ],
+)
 @pytest.mark.parametrize("command", [("check",), ()])
 def test_more_than_the_disk_has_free_is_refused(
-    tmp_path: Path, interval: str, command: tuple[str, ...]
+    tmp_path: Path, interval: str, end: str, message: str, command: tuple[str, ...]
 ) -> None:
     deck = written(tmp_path, interval)
-    done = crashsolve(*command, deck, *([] if command else ["-o", tmp_path / "out"]))
+    word = ("--set", f"control.end_time={end}")
+    done = crashsolve(*command, deck, *word, *([] if command else ["-o", tmp_path / "out"]))
     assert done.returncode == 2
-    assert "free on the disk" in done.stderr and "longer output.history.interval" in done.stderr
+    assert message in done.stderr and "longer output.history.interval" in done.stderr
     assert not (tmp_path / "out" / "history.h5").exists()
 
 

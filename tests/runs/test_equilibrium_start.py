@@ -155,6 +155,10 @@ REFUSED = {
 bodies: {rod: {mass: 1, inertia: [0.1, 0.1, 0.1], position: [0, 0, 1]}}
 joints: {hinge: {type: revolute, b: rod, at: [0, 0, 0], axis: [0, 1, 0]}}
 """,
+    "body 'a': the stiffness of the forces on it is too large a number": """
+bodies: {a: {mass: 1, inertia: [1, 1, 1]}, b: {mass: 1, inertia: [1, 1, 1], position: [1, 0, 0]}}
+springs: {s: {type: linear, a: a, b: b, stiffness: 1e308, length: 0.5}}
+""",
 }
 
 

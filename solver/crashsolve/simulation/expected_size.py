@@ -12,6 +12,9 @@ from crashsolve.output.channels import Family
 from crashsolve.output.size import free_space, history_size, in_words, states_size
 from crashsolve.recording.sampling import Schedule
 
+# beyond, the times of two samples may be the same number
+MAX_SAMPLES = 2.0**53
+
 
 def expected_size(
     deck: Deck, families: Iterable[Family], blocks: Iterable[Block], folder: Path
@@ -22,10 +25,14 @@ def expected_size(
     """
     schedule = Schedule.of(deck)
     span = schedule.end - schedule.start
+    if not span / schedule.interval < MAX_SAMPLES:
+        message = f"{span:.3g} s at {schedule.interval:.3g} s have too many samples to be numbered"
+        advice = "give a longer output.history.interval, or an earlier control.end_time"
+        raise DeckError(str(deck.path), None, None, "output.history", message, advice)
     samples = schedule.number(schedule.end) + 1
     interval = deck.output.states.interval or span / 50 or 1.0
     history = history_size(families, samples)
-    states = states_size(blocks, min(int(span / interval) + 2, samples))
+    states = states_size(blocks, int(min(span / interval + 2, samples)))
     text = f"history of {samples:.4g} samples: {in_words(history)}"
     text += f"; states: {in_words(states)}" if states else ""
     free = free_space(folder)

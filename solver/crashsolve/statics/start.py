@@ -52,6 +52,8 @@ SMALLEST = 1e-11
 GROWTH, ROUND_OFF = 0.1, 1e-9
 # coordinates; differences of so many take minutes
 MAX_COORDINATES = 3000
+# [N/m or N m]: squares of larger numbers overflow
+MAX_STIFFNESS = 1e150
 SUPPORT = (
     "support it by joints, springs or contacts that carry a static load (friction, dampers and "
     "sliding tyres carry none), or leave out control.start"
@@ -272,6 +274,13 @@ class _EquilibriumSearch:
             perturb(nodes[i], k % 6, size)
             columns[:, k] = (self._forces(nodes) - g) / size
             nodes[i] = saved
+        is_sound = (np.abs(columns) < MAX_STIFFNESS).all(axis=0)
+        if not is_sound.all():
+            raise self._refusal(
+                int(self.free[int(is_sound.argmin()) // 6]),
+                "the stiffness of the forces on it is too large a number",
+                "look for numbers of the deck that are far too large",
+            )
         return columns
 
     def _correction(self, state: "_RestState", tau: float) -> "_Correction":
