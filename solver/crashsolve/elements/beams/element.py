@@ -91,9 +91,10 @@ def apply_load(p, out, a, b, frame, deformed, load):
 def growth_of_rates(p, y, theta, v, w, bent):
     """Factors on the bound of a straight element: of its gradients, and of what they couple.
 
-    Rates of theta grow by eta, those of shear by that and the length. A rotation theta stretches an
-    element too, which couples its axial and its bending mode, of one frequency in short elements, by
-    the root of the stiffness of the bow over theirs; twist couples shear and bending by 2 |g|.
+    Rates of theta grow by eta, those of shear by that and the length. An element that bends is also
+    stretched by its rotation, which couples both modes; in short elements they have one frequency,
+    and the coupling, the root of the ratio of their rates, adds as it is. Twist couples shear and
+    bending by 2 |g|.
     """
     eta = half_angle_over_sine(v, w)
     square = eta * eta

@@ -13,9 +13,9 @@ tension N adds 8 N / (15 rho I l). An end attached to a body has the inertia tha
 out to it (model/attachments.py) and no other element: with the larger of both r in its place s
 goes down to 1 as the body gets heavy.
 
-A bent element has larger gradients, and its modes are coupled (element.growth_of_rates). Consequence
-to test: the bound holds in any orientation, at any tension, bend and twist, and is the highest
-frequency of a straight element by itself.
+A bent element has larger gradients, and its modes are coupled (element.growth_of_rates).
+Consequence to test: the bound holds in any orientation, at any tension, bend and twist, and is the
+highest frequency of a straight element by itself.
 """
 
 from functools import lru_cache
