@@ -79,7 +79,7 @@ def apply_load(p, out, a, b, frame, deformed, load):
     add_to(a.torque, matvec(R, sub(m, c)))
     add_to(b.force, scale(-1.0, f))
     add_to(b.torque, matvec(R, scale(-1.0, add(m, c))))
-    growth, coupling = growth_of_rates(p, y, theta, v, w, bent)
+    growth, coupling = growth_of_rates(p, eta, v, w, deformed)
     bow, taut = 2.0 * growth * bowed(y, theta, bent), growth * max(tension, 0.0)
     growth *= coupling
     add_bounds(p, a, growth * p.rate_a, bow * p.tension_rate_a, taut * p.tension_rate_a, viscosity)
@@ -88,7 +88,7 @@ def apply_load(p, out, a, b, frame, deformed, load):
 
 
 @kernel
-def growth_of_rates(p, y, theta, v, w, bent):
+def growth_of_rates(p, eta, v, w, deformed):
     """Factors on the bound of a straight element: of its gradients, and of what they couple.
 
     Rates of theta grow by eta, those of shear by that and the length. An element that bends is also
@@ -96,7 +96,7 @@ def growth_of_rates(p, y, theta, v, w, bent):
     and the coupling, the root of the ratio of their rates, adds as it is. Twist couples shear and
     bending by 2 |g|.
     """
-    eta = half_angle_over_sine(v, w)
+    y, _, theta, _, _, bent, _ = deformed
     square = eta * eta
     growth = square * max(1.0, square * dot(y, y) / (p.length * p.length))
     twist = abs(v[0]) / (1.0 + w)
