@@ -399,15 +399,17 @@ class _EquilibriumSearch:
         )
 
     def _lifted_tyres(self, state: "_RestState") -> list[str]:
-        return lifted_tyres(self.model, self.engine.nodes, state.g.reshape(-1, 6)[:, :3].sum(axis=0))
+        return lifted_tyres(
+            self.model, self.engine.nodes, state.g.reshape(-1, 6)[:, :3].sum(axis=0)
+        )
 
     def _pulled_off(self, tyres: list[str]) -> SolverError:
         load = self.engine.nodes["external"][0, :3]
         k = int(np.abs(load).argmax())
         return self._refusal(
             int(self.free[0]),
-            f"there is no equilibrium: the loads, of {load[k]:.4g} N along {'xyz'[k]}, pull it away "
-            f"from its roads, and no tyre carries them ({', '.join(tyres)})",
+            f"there is no equilibrium: the loads, {load[k]:.4g} N along {'xyz'[k]}, pull it off its "
+            f"roads, and no tyre carries them ({', '.join(tyres)})",
             "let gravity point to the road, or leave out control.start",
         )
 
