@@ -408,8 +408,8 @@ class _EquilibriumSearch:
         k = int(np.abs(load).argmax())
         return self._refusal(
             int(self.free[0]),
-            f"there is no equilibrium: the loads, {load[k]:.4g} N along {'xyz'[k]}, pull it off its "
-            f"roads, and no tyre carries them ({', '.join(tyres)})",
+            f"there is no equilibrium: the loads, {load[k]:.4g} N along {'xyz'[k]}, pull it off "
+            f"its roads, and no tyre carries them ({', '.join(tyres)})",
             "let gravity point to the road, or leave out control.start",
         )
 
