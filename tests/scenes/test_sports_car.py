@@ -128,6 +128,14 @@ def test_the_car_stands_on_its_wheels(tmp_path: Path) -> None:
     assert rolling.series("rbdout.chassis.velocity.x").values[-1] == pytest.approx(SPEED, rel=1e-6)
 
 
+def test_a_car_that_falls_upwards_is_refused_with_the_reason(tmp_path: Path) -> None:
+    words = ("--set", "gravity=-9.81", "--set", "control.estimate=off")
+    done = crashsolve(SCENES / "sports_car/rolling.yaml", "-o", tmp_path, *words)
+    assert done.returncode == 4
+    assert f"loads, {MASS * GRAVITY:.4g} N along z" in done.stderr + done.stdout
+    assert "no tyre carries them (tyre_front_left" in done.stderr + done.stdout
+
+
 @pytest.mark.long
 def test_a_driver_takes_the_car_through_the_cones_of_a_lane_change(tmp_path: Path) -> None:
     drive = run("sports_car/lane_change.yaml", tmp_path)

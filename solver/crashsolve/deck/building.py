@@ -175,6 +175,7 @@ class Scene(Protocol):
     size: float  # of the model [m]
     part_nodes: dict[str, list[int]]  # of each part that has bodies for nodes
     welded: dict[int, int]  # nodes that are part of a rigid body, and the body
+    inertia_shares: dict[int, float]  # of attached nodes: inertia in bounds of the step, over own
     attached: dict[str, list[tuple[int, int]]]  # points of a part, and their bodies
     angles_at_start: dict[str, float]  # of joints that a posture has rotated [rad]
     posed: dict[int, str]  # bodies that a posture has placed, and its root

@@ -43,10 +43,9 @@ from crashsolve.system.kinetics import (
     accelerations,
     add_impulse,
     apply_deferred,
-    clear_forces,
+    begin_force_pass,
     drift,
     first_kick,
-    predict,
     refresh,
     save,
     second_kick,
@@ -224,9 +223,7 @@ def update_velocities(time, h, clock, nodes, rows, saddle, scene):
             if clock.last_iterations >= MANY_ITERATIONS:
                 joint_work.add_first_half(scene.control[0], nodes, rows, h)
         add_impulse(clock, nodes, 0.5 * h)
-        predict(nodes, h)
-    refresh(nodes)
-    clear_forces(nodes)
+    begin_force_pass(nodes, h)
     clock.opens = clock.closes = 1
     clock.lead = clock.share = 0.5 * h
     force_pass(clock, time, h, nodes, rows, scene.curves, scene)

@@ -33,6 +33,8 @@ IMPLICIT = ("generalized_alpha", "radau_iia_5")
 SAME = 1e-9
 # mass of an attached node's row of the node table: its mass belongs to the body
 NOTHING = 1e-300
+# of its own inertia, in bounds of the step
+LEAST_SHARE = 0.5
 
 
 def weld(entry: EntryOfScene, scene: Scene) -> None:
@@ -106,6 +108,47 @@ def add_welded_mass(body: int, attached_nodes: list[int], scene: Scene) -> None:
     scene.v[body] += np.cross(scene.w[body], arm)
     scene.offset[body] += A.T @ arm
     scene.r[body], scene.mass[body], scene.J[body] = centre, mass.sum(), J.ravel()
+
+
+def inertia_shares(scene: Scene) -> dict[int, float]:
+    """Inertia of attached nodes for bounds of the step, over their own.
+
+    The inertia M of a body is shared out among its nodes, most to the lightest, whose elements are
+    the shortest and fastest, and to no node less than half of its own:
+
+        M >= sum (1/2 + c w_n) T_n^T M_n T_n,   w_n = (m_least / m_n)^2
+
+    with T_n the motion of node n by that of the body, and the largest c. A bound that holds for
+    every node with its share holds for the body. Half is enough: a node within a member bears two
+    elements, an attached one has one.
+    """
+    flexible = {node for some in scene.part_nodes.values() for node in some}
+    own: dict[int, list[int]] = {}
+    for node, body in scene.welded.items():
+        if node in flexible:
+            own.setdefault(body, []).append(node)
+    shares: dict[int, float] = {}
+    for body, nodes in own.items() if not scene.errors else ():
+        least = float(scene.mass[nodes].min())
+        weights = {node: (least / float(scene.mass[node])) ** 2 for node in nodes}
+        rest, weighed = _inertia_about(body, body, scene), np.zeros((6, 6))
+        for node, weight in weights.items():
+            inertia = _inertia_about(body, node, scene)
+            rest, weighed = rest - LEAST_SHARE * inertia, weighed + weight * inertia
+        inverse = np.linalg.inv(np.linalg.cholesky(weighed))
+        c = max(0.0, float(np.linalg.eigvalsh(inverse @ rest @ inverse.T)[0]))
+        shares |= {node: LEAST_SHARE + c * weight for node, weight in weights.items()}
+    return shares
+
+
+def _inertia_about(body: int, node: int, scene: Scene) -> np.ndarray:
+    """T^T M T (6, 6) of a node, by velocity and spin of its body's mass centre, world axes."""
+    x, y, z = scene.r[node] - scene.r[body]
+    T, M, A = np.eye(6), np.zeros((6, 6)), scene.matrix(node)
+    T[:3, 3:] = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]
+    M[:3, :3] = scene.mass[node] * np.eye(3)
+    M[3:, 3:] = A @ scene.J[node].reshape(3, 3) @ A.T
+    return T.T @ M @ T
 
 
 def lump_points(body: int, x: np.ndarray, mass: np.ndarray, J: np.ndarray, scene: Scene) -> None:

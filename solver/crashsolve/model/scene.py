@@ -114,6 +114,8 @@ class Scene:
             if entry.card.part_of is not None:
                 with self.building(entry):
                     welds.join(entry, self)
+        # of attached nodes, before points of shells take a part of it
+        self.inertia_shares = welds.inertia_shares(self)
         self.attached: dict[str, list[tuple[int, int]]] = {}  # points of a part, and their bodies
         for part in deck.entries["parts"].values():
             with self.building(part):

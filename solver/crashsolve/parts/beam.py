@@ -133,6 +133,7 @@ PARAMETERS = Record("""
     rate_b                1/s^2         the same at the second
     tension_rate_a        1/(kg m)      increase of that by a tension of 1 N, at the first node
     tension_rate_b        1/(kg m)      the same at the second
+    bow_coupling          1/m^0.5       root of the rate of a bow of 1 m over the rate, both nodes
 """)
 HISTORY = Record()
 TANGENTS = element.TANGENTS

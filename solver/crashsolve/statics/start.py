@@ -26,6 +26,7 @@ import numpy as np
 from crashsolve.foundation.errors import SolverError
 from crashsolve.model.contact.pairs import renew
 from crashsolve.model.jacobian import jacobian, null_space, whole_rows
+from crashsolve.statics.lifted_tyres import lifted_tyres
 from crashsolve.statics.motions import largest_motion, move, perturb
 from crashsolve.statics.stability import SYMMETRY_TOLERANCE
 from crashsolve.statics.standing_tyres import StandingTyres
@@ -42,6 +43,8 @@ MAX_ITERATIONS = 300
 SEARCHES = 3
 # successive iterations in which a standing tyre slides all over, after which nothing holds it
 SLIDES = 40
+# successive iterations in which loads pull all tyres off their roads: by now about the model's size
+LIFTS = 20
 # acceleration in directions that nothing holds, over that of the loads, with which a run begins all
 # the same: half of the transient that is allowed; tau [s] from which a search that is left with so
 # little stalls where it falls by less than a half, and the successive iterations that show it
@@ -184,7 +187,7 @@ class _EquilibriumSearch:
         """Iterate from the present configuration to an equilibrium; the correction there, which is
         none, and the number of all iterations.
         """
-        state, tau, slides, stalls = self._at_rest(self.nodes), FIRST, 0, 0
+        state, tau, slides, stalls, lifts = self._at_rest(self.nodes), FIRST, 0, 0, 0
         self.standing_tyres.accept(self.nodes)
         self.drifts, before = False, np.inf
         while True:
@@ -201,6 +204,10 @@ class _EquilibriumSearch:
             if is_small and np.abs(state.phi).max(initial=0.0) <= self._gap_tolerance():
                 return correction, iterations
             slides = slides + 1 if self.standing_tyres.sliding() else 0
+            lifted = self._lifted_tyres(state)
+            lifts = lifts + 1 if lifted else 0
+            if lifts == LIFTS:
+                raise self._pulled_off(lifted)
             if iterations == MAX_ITERATIONS or slides == SLIDES:
                 raise self._no_equilibrium(state, iterations)
             iterations += 1
@@ -398,6 +405,21 @@ class _EquilibriumSearch:
             node,
             f"there is no equilibrium: after {iterations} iterations its acceleration is still "
             f"{rate}{slides}",
+        )
+
+    def _lifted_tyres(self, state: "_RestState") -> list[str]:
+        return lifted_tyres(
+            self.model, self.engine.nodes, state.g.reshape(-1, 6)[:, :3].sum(axis=0)
+        )
+
+    def _pulled_off(self, tyres: list[str]) -> SolverError:
+        load = self.engine.nodes["external"][0, :3]
+        k = int(np.abs(load).argmax())
+        return self._refusal(
+            int(self.free[0]),
+            f"there is no equilibrium: the loads, {load[k]:.4g} N along {'xyz'[k]}, pull it off "
+            f"its roads, and no tyre carries them ({', '.join(tyres)})",
+            "let gravity point to the road, or leave out control.start",
         )
 
     def _refusal(self, node: int, cause: str, advice: str = SUPPORT) -> SolverError:

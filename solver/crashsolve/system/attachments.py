@@ -51,3 +51,8 @@ def transfer_forces(attached_nodes, nodes):
         add_to(body.torque, add(vec(node.torque), cross(arm(body, vec(attached_node.arm)), f)))
         put(node.force, (0.0, 0.0, 0.0))
         put(node.torque, (0.0, 0.0, 0.0))
+        # its share of the body's inertia serves what acts on the body too; dampers there, most of
+        # them of contacts, are counted as between two bodies that move: against the ground half is
+        # exact
+        node.stiffness += body.stiffness
+        node.damping += 0.5 * body.damping

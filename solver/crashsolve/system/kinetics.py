@@ -82,19 +82,46 @@ def drift_body(b, h):
 def predict(nodes, h):
     """Momenta at the end of the step with the forces of its start. Writes: nodes.v, L."""
     for i in range(1, nodes.shape[0]):
-        b = nodes[i]
-        f = add(vec(b.force), vec(b.joint_force))
-        put(b.v, add_scaled(vec(b.v_half), 0.5 * h * b.mass_inv, f))
-        put(b.L, add_scaled(vec(b.L_half), 0.5 * h, add(vec(b.torque), vec(b.joint_torque))))
+        predict_body(nodes[i], h)
+
+
+@inlined
+def predict_body(b, h):
+    """Momenta of one body. Writes: b.v, L."""
+    f = add(vec(b.force), vec(b.joint_force))
+    put(b.v, add_scaled(vec(b.v_half), 0.5 * h * b.mass_inv, f))
+    put(b.L, add_scaled(vec(b.L_half), 0.5 * h, add(vec(b.torque), vec(b.joint_torque))))
 
 
 @kernel
 def refresh(nodes):
     """Inverse inertia and angular velocity at the present configuration. Writes: nodes.W, w."""
     for i in range(1, nodes.shape[0]):
+        refresh_body(nodes[i])
+
+
+@inlined
+def refresh_body(b):
+    """Inverse inertia and angular velocity of one body. Writes: b.W, w."""
+    write_world_tensor(b.A, b.J_inv, b.W)
+    put(b.w, matvec(b.W, vec(b.L)))
+
+
+@kernel
+def begin_force_pass(nodes, h):
+    """Predicted momenta, except in a sample (h = 0), velocities, and no forces, in one loop.
+
+    Writes: nodes.v, L, W, w and the sums of a force pass.
+    """
+    clear_forces_of(nodes[0])
+    for i in range(1, nodes.shape[0]):
         b = nodes[i]
-        write_world_tensor(b.A, b.J_inv, b.W)
-        put(b.w, matvec(b.W, vec(b.L)))
+        if h > 0.0:
+            predict_body(b, h)
+        refresh_body(b)
+        clear_forces_of(b)
+    for k in range(6):
+        nodes[0].external[k] = 0.0
 
 
 @kernel
@@ -130,17 +157,22 @@ def has_deferred(nodes):
 @kernel
 def clear_forces(nodes):
     """Zero the sums of a force pass. Writes: nodes."""
-    zero = (0.0, 0.0, 0.0)
     for i in range(nodes.shape[0]):
-        b = nodes[i]
-        put(b.force, zero)
-        put(b.torque, zero)
-        put(b.deferred_force, zero)
-        put(b.deferred_torque, zero)
-        b.stiffness = 0.0
-        b.damping = 0.0
+        clear_forces_of(nodes[i])
     for k in range(6):
         nodes[0].external[k] = 0.0
+
+
+@inlined
+def clear_forces_of(b):
+    """Zero the sums of one body. Writes: b."""
+    zero = (0.0, 0.0, 0.0)
+    put(b.force, zero)
+    put(b.torque, zero)
+    put(b.deferred_force, zero)
+    put(b.deferred_torque, zero)
+    b.stiffness = 0.0
+    b.damping = 0.0
 
 
 @kernel

@@ -20,6 +20,11 @@ from crashsolve.foundation.angles import times
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import add_scaled, cross, dot, scale
 
+# square of the sine below which the next term of the series, 0.012 x^8, is below 2e-18
+SMALL = 0.01
+C_1, C_2, C_3, C_4 = 1.0 / 6.0, 3.0 / 40.0, 5.0 / 112.0, 35.0 / 1152.0
+C_5, C_6, C_7 = 63.0 / 2816.0, 231.0 / 13312.0, 143.0 / 10240.0
+
 
 @kernel
 def mean_frame(a, b):
@@ -58,9 +63,13 @@ def matrix_of(q):
 
 @kernel
 def half_angle_over_sine(v, w):
-    """eta; its limit is 1."""
-    sine = sqrt(dot(v, v))
-    return atan2(sine, w) / sine if sine > 1e-12 else 1.0
+    """eta; where the sine is small by the series of the arcsine, to round-off."""
+    x = dot(v, v)
+    if x < SMALL:
+        rest = C_4 + x * (C_5 + x * (C_6 + x * C_7))
+        return 1.0 + x * (C_1 + x * (C_2 + x * (C_3 + x * rest)))
+    sine = sqrt(x)
+    return atan2(sine, w) / sine
 
 
 @kernel

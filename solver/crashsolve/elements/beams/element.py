@@ -8,6 +8,8 @@ step that the element sets. Consequence to test: forces are the gradient of the 
 References: those of the beam.
 """
 
+from math import sqrt
+
 from crashsolve.elements.beams.bowing import bowed, stretched
 from crashsolve.elements.beams.corotational import frame_lag, half_angle_over_sine, rotated_rate
 from crashsolve.elements.beams.tangent import slope_of_viscosity
@@ -77,13 +79,28 @@ def apply_load(p, out, a, b, frame, deformed, load):
     add_to(a.torque, matvec(R, sub(m, c)))
     add_to(b.force, scale(-1.0, f))
     add_to(b.torque, matvec(R, scale(-1.0, add(m, c))))
-    # the gradients of a bent or stretched element are larger than those of a straight one; that of
-    # its stretch adds up to twice the stretch by bending
-    growth = eta**4 * max(1.0, dot(y, y) / (p.length * p.length))
+    growth, coupling = growth_of_rates(p, eta, v, w, deformed)
     bow, taut = 2.0 * growth * bowed(y, theta, bent), growth * max(tension, 0.0)
+    growth *= coupling
     add_bounds(p, a, growth * p.rate_a, bow * p.tension_rate_a, taut * p.tension_rate_a, viscosity)
     add_bounds(p, b, growth * p.rate_b, bow * p.tension_rate_b, taut * p.tension_rate_b, viscosity)
     return growth
+
+
+@kernel
+def growth_of_rates(p, eta, v, w, deformed):
+    """Factors on the bound of a straight element: of its gradients, and of what they couple.
+
+    Rates of theta grow by eta, those of shear by that and the length. An element that bends is also
+    stretched by its rotation, which couples both modes; in short elements they have one frequency,
+    and the coupling, the root of the ratio of their rates, adds as it is. Twist couples shear and
+    bending by 2 |g|.
+    """
+    y, _, theta, _, _, bent, _ = deformed
+    square = eta * eta
+    growth = square * max(1.0, square * dot(y, y) / (p.length * p.length))
+    twist = abs(v[0]) / (1.0 + w)
+    return growth, 1.0 + twist + p.bow_coupling * sqrt(2.0 * bowed(y, theta, bent))
 
 
 @kernel

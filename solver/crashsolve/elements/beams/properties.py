@@ -12,7 +12,7 @@ import numpy as np
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Vec3
 from crashsolve.elements.beams.bowing import coefficient
-from crashsolve.elements.beams.frequency_bound import fastest_rates, rate_of_tension
+from crashsolve.elements.beams.frequency_bound import end_of, fastest_rates, rate_of_tension
 from crashsolve.elements.damping import Damped, coefficients, mass_factors
 from crashsolve.foundation.orientation import perpendicular
 from crashsolve.materials import elastic
@@ -46,7 +46,7 @@ def scaled(
     per_length, squares = rotary_inertia(section, material), []
     for length, m in zip(lengths, mass, strict=True):
         row, J = stiffness_row(section, material, length), 0.5 * length * per_length
-        squares.append(2.0 * fastest_rates(row, (0.5 * m, 0.5 * m), (J, J))[0])
+        squares.append(2.0 * fastest_rates(row, (end_of(0.5 * m, J), end_of(0.5 * m, J)))[0])
     return mass, mass_factors(card, np.array(squares), scene)
 
 
@@ -85,18 +85,22 @@ def ends_row(
 
     T are its axes in those of the nodes, as columns.
     """
-    a, b = nodes
-    masses = (float(scene.mass[a]), float(scene.mass[b]))
-    J_a, J_b = (T.T @ scene.J[node].reshape(3, 3) @ T for node in nodes)
     ends: Columns = {}
-    rates = fastest_rates(row, masses, (J_a, J_b))
-    for k, (end, node, J) in enumerate(zip("ab", nodes, (J_a, J_b), strict=True)):
+    movers = []
+    for node in nodes:
+        share = scene.inertia_shares.get(node, 1.0)
+        J = share * T.T @ scene.J[node].reshape(3, 3) @ T
+        movers.append(end_of(share * scene.mass[node], J, node in scene.welded))
+    rates = fastest_rates(row, (movers[0], movers[1]))
+    for end, node, mover, rate in zip("ab", nodes, movers, rates, strict=True):
         ends |= {
             f"node_{end}": node,
-            f"drag_{end}": card.drag * half / masses[k],
-            f"rate_{end}": rates[k],
-            f"tension_rate_{end}": rate_of_tension(row, masses[k], J),
+            f"drag_{end}": card.drag * half / float(scene.mass[node]),
+            f"rate_{end}": rate,
+            f"tension_rate_{end}": rate_of_tension(row, mover),
         }
+    shares = [ends[f"tension_rate_{end}"] / ends[f"rate_{end}"] for end in "ab"]
+    ends["bow_coupling"] = np.sqrt(row["stiffness"][0] * max(shares))
     return ends
 
 

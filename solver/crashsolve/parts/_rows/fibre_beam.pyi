@@ -18,6 +18,7 @@ class Parameters(Row, Protocol):
     rate_b: float  # [1/s^2] the same at the second
     tension_rate_a: float  # [1/(kg m)] increase of that by a tension of 1 N, at the first node
     tension_rate_b: float  # [1/(kg m)] the same at the second
+    bow_coupling: float  # [1/m^0.5] root of the rate of a bow of 1 m over the rate, both nodes
     count: int  # [count] fibres
     y: Numbers[float]  # [m] positions along y of the section
     z: Numbers[float]  # [m] positions along z of the section
