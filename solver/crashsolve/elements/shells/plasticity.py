@@ -28,7 +28,7 @@ from crashsolve.elements.shells.records import SLOT, WORK, layer_of
 from crashsolve.elements.shells.resultants import add_resultants, layer_strain, put_three
 from crashsolve.elements.shells.return_mapping import (
     count_yielding,
-    evaluate_tangents,
+    evaluate_trial,
     first_iteration,
     iterate,
     return_to_lines,
@@ -82,7 +82,7 @@ def find_trial_state(blocks, layer, work, slots, to, h, law):
         find_factors(blocks, layer, slots, to, m, material)
     find_trial(blocks, layer, work, slots, to, m)
     if material.SMOOTH or m.rated == 1:
-        evaluate_tangents(blocks, at, slots, to, h, m, curves, material)
+        evaluate_trial(blocks, at, slots, to, m, curves, material)
         count = count_yielding(slots, to)
     else:
         count = evaluate_lines(blocks, at, slots, to, m)

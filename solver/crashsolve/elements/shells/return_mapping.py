@@ -12,9 +12,10 @@ Int. J. Num. Meth. Eng. 22, 649-670.
 from math import sqrt
 
 from crashsolve.elements.shells.records import SLOT
+from crashsolve.elements.shells.resultants import put_three
 from crashsolve.foundation.kernels import blockwise, inlined, kernel
 from crashsolve.foundation.point import LANES
-from crashsolve.materials._von_mises import LAYER, resistance
+from crashsolve.materials._von_mises import LAYER, NEAR_BENT, resistance
 
 PASSES = 50
 # of the yield stress: some units of round-off
@@ -26,22 +27,36 @@ NEAR = 2e-4
 
 
 @blockwise
-def evaluate_tangents(blocks, at, slots, to, h, m, curves, material):
-    """Tangent of the yield stress at the present strain, and the excess over it. Writes: slots."""
-    c1, c2 = softening(m)
-    scaled, rated = m.heating > 0.0, m.rated == 1
+def evaluate_trial(blocks, at, slots, to, m, curves, material):
+    """Tangent of the yield stress before the step, and the excess of the trial stress over it.
+
+    Writes: slots.
+    """
+    scaled = m.heating > 0.0
     for e in range(LANES):
         heat = slots[to + LANES * SLOT.factor + e] if scaled else 1.0
-        grown, size = growth(slots, to, e, c1, c2)
-        old = blocks[at + LAYER.plastic_strain * LANES + e]
-        if rated and grown > 0.0:
-            flow, slope = at_rate(m, old, grown, heat, h, curves, material)
-        else:
-            Y, rises = material.flow(m, old + grown, curves)
-            flow, slope = heat * Y, heat * rises
-        slots[to + LANES * SLOT.factor + e], slots[to + LANES * SLOT.slope + e] = (heat, slope)
-        slots[to + LANES * SLOT.flow + e] = flow - slope * grown
-        slots[to + LANES * SLOT.residual + e] = size / flow - 1.0
+        Y, rises = material.flow(m, blocks[at + LAYER.plastic_strain * LANES + e], curves)
+        size = sqrt(slots[to + LANES * SLOT.s1 + e] + slots[to + LANES * SLOT.s2 + e])
+        put_three(slots, to + LANES * SLOT.flow + e, (heat * Y, heat * rises, heat))
+        slots[to + LANES * SLOT.residual + e] = size / (heat * Y) - 1.0
+
+
+@blockwise
+def evaluate_tangents(blocks, at, slots, to, h, m, curves, material):
+    """The same at the present strain, of lanes beyond yield. Writes: slots."""
+    c1, c2 = softening(m)
+    for e in range(LANES):
+        if slots[to + LANES * SLOT.g + e] > 0.0:
+            heat, old = slots[to + LANES * SLOT.factor + e], blocks[at + LAYER.plastic_strain * LANES + e]
+            grown, size = growth(slots, to, e, c1, c2)
+            if m.rated == 1:
+                flow, slope = at_rate(m, old, grown, heat, h, curves, material)
+            else:
+                Y, rises = material.flow(m, old + grown, curves)
+                flow, slope = heat * Y, heat * rises
+            slots[to + LANES * SLOT.slope + e] = slope
+            slots[to + LANES * SLOT.flow + e] = flow - slope * grown
+            slots[to + LANES * SLOT.residual + e] = size / flow - 1.0
 
 
 @kernel
@@ -90,7 +105,7 @@ def softening(m):
 
 
 @blockwise
-def begin(slots, to, h, m, material):
+def begin(blocks, at, slots, to, h, m, material):
     """A first g where the yield stress bends, 0 within it. Writes: slots."""
     c1, c2 = softening(m)
     for e in range(LANES):
@@ -99,17 +114,22 @@ def begin(slots, to, h, m, material):
             slots[to + LANES * SLOT.s2 + e],
             slots[to + LANES * SLOT.factor + e],
         )
-        size, gap = sqrt(a + b) + 1e-300, slots[to + LANES * SLOT.residual + e]
-        beyond = size - size / (1.0 + gap) if gap > 0.0 else 0.0
-        g = beyond * size / (a * c1 + b * c2 + 1e-300)
-        if material.SMOOTH:
-            # below the root: the stress falls at most as at first, and the yield stress grows at
-            # most as from no strain; each takes half of the excess over yield
-            rise = material.strain_of_rise(m, 0.5 * beyond / factor)
-            g = min(0.5 * g, 1.5 / size * rise)
-        if m.rated == 1 and beyond > 0.0:
-            slowed = 1.5 / size * h * material.rate_of(m, 1.0 + gap)
-            g /= 1.0 + g / (slowed + 1e-300)
+        gap, g = slots[to + LANES * SLOT.residual + e], 0.0
+        if gap > 0.0:
+            # along the tangent of the strain before the step
+            flow, slope = slots[to + LANES * SLOT.flow + e], slots[to + LANES * SLOT.slope + e]
+            g = max(0.0, step_at((1.0, 1.0, 1.0), (a, b), flow, 2.0 / 3.0 * slope, (c1, c2)))
+            size, old = sqrt(a + b), blocks[at + LAYER.plastic_strain * LANES + e]
+            if material.SMOOTH and 2.0 / 3.0 * g * flow > old:
+                # which bends too much on this way, and may be upright at no strain; below the root:
+                # the stress falls at most as at first, and the yield stress grows at most as from
+                # no strain; each takes half of the excess over yield
+                beyond = size - size / (1.0 + gap)
+                rise = material.strain_of_rise(m, 0.5 * beyond / factor)
+                g = min(0.5 * beyond * size / (a * c1 + b * c2), 1.5 / size * rise)
+            if m.rated == 1:
+                slowed = 1.5 / size * h * material.rate_of(m, 1.0 + gap)
+                g /= 1.0 + g / (slowed + 1e-300)
         slots[to + LANES * SLOT.g + e] = g
         slots[to + LANES * SLOT.least + e], slots[to + LANES * SLOT.most + e] = (0.0, 1e300)
 
@@ -118,17 +138,29 @@ def begin(slots, to, h, m, material):
 def return_to_tangents(blocks, at, slots, to, h, m, curves, material):
     """g of a layer whose yield stress bends; of lanes within yield it is 0. Writes: slots."""
     before = 1e300
-    begin(slots, to, h, m, material)
-    evaluate_tangents(blocks, at, slots, to, h, m, curves, material)
+    begin(blocks, at, slots, to, h, m, material)
     for _ in range(PASSES):
-        note_sides(slots, to)
-        iterate(slots, to, 1, m)
-        bisect_root(slots, to)
         evaluate_tangents(blocks, at, slots, to, h, m, curves, material)
         largest = largest_residual(slots, to)
         if has_converged(largest, before):
             return
         before = largest
+        note_sides(slots, to)
+        iterate(slots, to, 1, m)
+        if count_far(slots, to) == 0.0:
+            return
+        bisect_root(slots, to)
+
+
+@blockwise
+def count_far(slots, to):
+    """Number of lanes whose g has changed so much that their tangent may not hold."""
+    count = 0.0
+    for e in range(LANES):
+        g, gap = slots[to + LANES * SLOT.g + e], slots[to + LANES * SLOT.residual + e]
+        least, most = slots[to + LANES * SLOT.least + e], slots[to + LANES * SLOT.most + e]
+        count += 1.0 if abs(g - (least if gap > 0.0 else most)) > NEAR_BENT * g else 0.0
+    return count
 
 
 @blockwise
