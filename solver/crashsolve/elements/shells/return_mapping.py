@@ -11,6 +11,7 @@ Int. J. Num. Meth. Eng. 22, 649-670.
 
 from math import sqrt
 
+from crashsolve.elements.shells.forces.corners import three
 from crashsolve.elements.shells.records import SLOT
 from crashsolve.elements.shells.resultants import put_three
 from crashsolve.foundation.kernels import blockwise, inlined, kernel
@@ -128,10 +129,52 @@ def begin(blocks, at, slots, to, h, m, material):
                 rise = material.strain_of_rise(m, 0.5 * beyond / factor)
                 g = min(0.5 * beyond * size / (a * c1 + b * c2), 1.5 / size * rise)
             if m.rated == 1:
-                slowed = 1.5 / size * h * material.rate_of(m, 1.0 + gap)
-                g /= 1.0 + g / (slowed + 1e-300)
+                last = size_before(blocks, at + e, slots, to + e, m) / flow
+                g = begin_at_rate(m, g, (a, b), (flow, slope, last), h, material)
         slots[to + LANES * SLOT.g + e] = g
         slots[to + LANES * SLOT.least + e], slots[to + LANES * SLOT.most + e] = (0.0, 1e300)
+
+
+@kernel
+def begin_at_rate(m, g, s, before, h, material):
+    """A first g of a lane whose yield stress grows with the rate, from the g of one that does not.
+
+    `before`: yield stress and slope before the step and without a rate, and the factor of the last
+    rate. Along the tangent of that rate; where this leads far from it, exact where nothing hardens
+    and stress is linear in the rate.
+    """
+    (flow, slope, last), (c1, c2), size = before, softening(m), sqrt(s[0] + s[1])
+    factor = max(last, 1.0)
+    rate = material.rate_of(m, factor)
+    grown, most = h * rate, 2.0 / 3.0 * g * flow
+    if grown >= most:
+        return g
+    if grown > 0.0:
+        tangent = factor * slope + material.rate_slopes(m, rate, factor)[0] * flow / h
+        level = factor * (flow + slope * grown)
+        line = (level - tangent * grown, 2.0 / 3.0 * tangent)
+        ahead = step_at((1.0, 1.0, 1.0), s, line[0], line[1], (c1, c2))
+        if abs(2.0 / 3.0 * ahead * level - grown) < 0.5 * grown:
+            return ahead
+    slowed = 1.5 / size * h * material.rate_of(m, size / flow)
+    return g / (1.0 + g / (slowed + 1e-300))
+
+
+@inlined
+def size_before(blocks, at, slots, to, m):
+    """Size of the stress of a lane before the step; transverse shear as the deviator of its plane.
+
+    A start need not know more: it is exact where a layer strains on as it did.
+    """
+    x, y, xy = three(blocks, at)
+    if m.kinematic > 0.0:
+        a_x, a_y, a_xy = three(blocks, at + LAYER.alpha * LANES)
+        x, y, xy = x - a_x, y - a_y, xy - a_xy
+    t_x, t_y, t_xy = three(slots, to + LANES * SLOT.trial)
+    before = 0.75 * (x - y) * (x - y) + 3.0 * xy * xy
+    trial = 0.75 * (t_x - t_y) * (t_x - t_y) + 3.0 * t_xy * t_xy
+    share = before / (trial + 1e-300)
+    return sqrt(0.25 * (x + y) * (x + y) + share * slots[to + LANES * SLOT.s2])
 
 
 @blockwise
