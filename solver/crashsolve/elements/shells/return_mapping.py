@@ -44,20 +44,30 @@ def evaluate_trial(blocks, at, slots, to, m, curves, material):
 
 @blockwise
 def evaluate_tangents(blocks, at, slots, to, h, m, curves, material):
-    """The same at the present strain, of lanes beyond yield. Writes: slots."""
+    """The same at the present strain; powers and logarithms only of lanes beyond yield.
+
+    These are calls, one lane at a time: what vectors can do has loops of its own. Writes: slots.
+    """
     c1, c2 = softening(m)
     for e in range(LANES):
-        if slots[to + LANES * SLOT.g + e] > 0.0:
-            heat, old = slots[to + LANES * SLOT.factor + e], blocks[at + LAYER.plastic_strain * LANES + e]
-            grown, size = growth(slots, to, e, c1, c2)
+        grown, size = growth(slots, to, e, c1, c2)
+        slots[to + LANES * SLOT.grown + e], slots[to + LANES * SLOT.norm + e] = grown, size
+    for e in range(LANES):
+        grown, heat = slots[to + LANES * SLOT.grown + e], slots[to + LANES * SLOT.factor + e]
+        if grown > 0.0:
+            old = blocks[at + LAYER.plastic_strain * LANES + e]
             if m.rated == 1:
                 flow, slope = at_rate(m, old, grown, heat, h, curves, material)
             else:
                 Y, rises = material.flow(m, old + grown, curves)
                 flow, slope = heat * Y, heat * rises
             slots[to + LANES * SLOT.slope + e] = slope
-            slots[to + LANES * SLOT.flow + e] = flow - slope * grown
-            slots[to + LANES * SLOT.residual + e] = size / flow - 1.0
+            slots[to + LANES * SLOT.flow + e] = flow
+    for e in range(LANES):
+        flow = slots[to + LANES * SLOT.flow + e]
+        less = slots[to + LANES * SLOT.slope + e] * slots[to + LANES * SLOT.grown + e]
+        slots[to + LANES * SLOT.residual + e] = slots[to + LANES * SLOT.norm + e] / flow - 1.0
+        slots[to + LANES * SLOT.flow + e] = flow - less
 
 
 @kernel
@@ -107,55 +117,70 @@ def softening(m):
 
 @blockwise
 def begin(blocks, at, slots, to, h, m, material):
-    """A first g where the yield stress bends, 0 within it. Writes: slots."""
-    c1, c2 = softening(m)
+    """A first g where the yield stress bends, 0 within it: along the tangent before the step.
+
+    Writes: slots.
+    """
+    c, rated = softening(m), m.rated == 1
     for e in range(LANES):
-        a, b, factor = (
-            slots[to + LANES * SLOT.s1 + e],
-            slots[to + LANES * SLOT.s2 + e],
-            slots[to + LANES * SLOT.factor + e],
-        )
-        gap, g = slots[to + LANES * SLOT.residual + e], 0.0
-        if gap > 0.0:
-            # along the tangent of the strain before the step
-            flow, slope = slots[to + LANES * SLOT.flow + e], slots[to + LANES * SLOT.slope + e]
-            g = max(0.0, step_at((1.0, 1.0, 1.0), (a, b), flow, 2.0 / 3.0 * slope, (c1, c2)))
-            size, old = sqrt(a + b), blocks[at + LAYER.plastic_strain * LANES + e]
-            if material.SMOOTH and 2.0 / 3.0 * g * flow > old:
-                # which bends too much on this way, and may be upright at no strain; below the root:
-                # the stress falls at most as at first, and the yield stress grows at most as from
-                # no strain; each takes half of the excess over yield
-                beyond = size - size / (1.0 + gap)
-                rise = material.strain_of_rise(m, 0.5 * beyond / factor)
-                g = min(0.5 * beyond * size / (a * c1 + b * c2), 1.5 / size * rise)
-            if m.rated == 1:
-                last = size_before(blocks, at + e, slots, to + e, m) / flow
-                g = begin_at_rate(m, g, (a, b), (flow, slope, last), h, material)
-        slots[to + LANES * SLOT.g + e] = g
+        s = (slots[to + LANES * SLOT.s1 + e], slots[to + LANES * SLOT.s2 + e])
+        flow, slope = slots[to + LANES * SLOT.flow + e], slots[to + LANES * SLOT.slope + e]
+        g = max(0.0, step_at((1.0, 1.0, 1.0), s, flow, 2.0 / 3.0 * slope, c))
+        slots[to + LANES * SLOT.g + e], slots[to + LANES * SLOT.norm + e] = g, sqrt(s[0] + s[1])
         slots[to + LANES * SLOT.least + e], slots[to + LANES * SLOT.most + e] = (0.0, 1e300)
+        if rated:
+            slots[to + LANES * SLOT.last + e] = size_before(blocks, at + e, slots, to + e, m) / flow
+    for e in range(LANES):
+        g, flow = slots[to + LANES * SLOT.g + e], slots[to + LANES * SLOT.flow + e]
+        if g > 0.0:
+            old = blocks[at + LAYER.plastic_strain * LANES + e]
+            if material.SMOOTH and 2.0 / 3.0 * g * flow > old:
+                g = begin_from_nothing(slots, to + e, m, material)
+            if rated:
+                g = begin_at_rate(m, g, slots, to + e, h, material)
+            slots[to + LANES * SLOT.g + e] = g
 
 
 @kernel
-def begin_at_rate(m, g, s, before, h, material):
+def begin_from_nothing(slots, to, m, material):
+    """A first g of a lane whose tangent before the step bends too much, or may be upright.
+
+    Below the root: the stress falls at most as at first, and the yield stress grows at most as
+    from no strain; each takes half of the excess over yield.
+    """
+    c1, c2 = softening(m)
+    size, s1, s2 = (
+        slots[to + LANES * SLOT.norm],
+        slots[to + LANES * SLOT.s1],
+        slots[to + LANES * SLOT.s2],
+    )
+    half = 0.5 * (size - slots[to + LANES * SLOT.flow])
+    rise = material.strain_of_rise(m, half / slots[to + LANES * SLOT.factor])
+    return min(half * size / (s1 * c1 + s2 * c2), 1.5 / size * rise)
+
+
+@kernel
+def begin_at_rate(m, g, slots, to, h, material):
     """A first g of a lane whose yield stress grows with the rate, from the g of one that does not.
 
-    `before`: yield stress and slope before the step and without a rate, and the factor of the last
-    rate. Along the tangent of that rate; where this leads far from it, exact where nothing hardens
-    and stress is linear in the rate.
+    Along the tangent of the rate of the last step, which follows from its stress; where this leads
+    far from it, exact where nothing hardens and stress is linear in the rate.
     """
-    (flow, slope, last), (c1, c2), size = before, softening(m), sqrt(s[0] + s[1])
-    factor = max(last, 1.0)
+    c, s = softening(m), (slots[to + LANES * SLOT.s1], slots[to + LANES * SLOT.s2])
+    flow, slope = slots[to + LANES * SLOT.flow], slots[to + LANES * SLOT.slope]
+    factor = max(slots[to + LANES * SLOT.last], 1.0)
     rate = material.rate_of(m, factor)
-    grown, most = h * rate, 2.0 / 3.0 * g * flow
-    if grown >= most:
+    grown = h * rate
+    if grown >= 2.0 / 3.0 * g * flow:
         return g
     if grown > 0.0:
         tangent = factor * slope + material.rate_slopes(m, rate, factor)[0] * flow / h
         level = factor * (flow + slope * grown)
-        line = (level - tangent * grown, 2.0 / 3.0 * tangent)
-        ahead = step_at((1.0, 1.0, 1.0), s, line[0], line[1], (c1, c2))
+        rise = 2.0 / 3.0 * tangent
+        ahead = step_at((1.0, 1.0, 1.0), s, level - tangent * grown, rise, c)
         if abs(2.0 / 3.0 * ahead * level - grown) < 0.5 * grown:
             return ahead
+    size = slots[to + LANES * SLOT.norm]
     slowed = 1.5 / size * h * material.rate_of(m, size / flow)
     return g / (1.0 + g / (slowed + 1e-300))
 
