@@ -16,9 +16,9 @@ steps are enough as a rule. A curve is followed from line to line. A yield stres
 with a slope that may be infinite at e = 0, is followed along its tangents, the first of which is
 that before the step; where e more than doubles, from a g so small that neither side of the equation
 has used up half of the excess of the trial stress over yield. So is one with a factor of the rate
-2/3 g s / h of the plastic strain, first along the tangent at the rate of the last step, which the
-stress before the step tells; else from the g of a stress linear in the rate. A layer whose
-plastic strain has reached that of failure loses its stress in the next step, for good.
+2/3 g s / h of the plastic strain, first along the tangent at the rate of the last step, which
+follows from the stress before the step; else from the g of a stress linear in the rate. A layer
+whose plastic strain has reached that of failure loses its stress in the next step, for good.
 
 Reference: Simo and Taylor (1986), A return mapping algorithm for plane stress elastoplasticity,
 Int. J. Num. Meth. Eng. 22, 649-670.
