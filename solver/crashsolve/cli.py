@@ -251,6 +251,9 @@ def _overrides(options: argparse.Namespace) -> dict[str, str]:
 
 
 def _run(options: argparse.Namespace) -> int:
+    from crashsolve.compiler.machine import load_linker
+
+    load_linker()
     from crashsolve.simulation.solve import solve
 
     folder = options.output or Path(options.deck.stem + ".results")

@@ -13,6 +13,11 @@ FOREIGN = {"meshio", "matplotlib", "pyvista", "vtk", "vtkmodules", "pint", "pand
 
 def imported(*words: object, **changes: str) -> set[str]:
     """Names of all modules a command imports."""
+    return set(in_order(*words, **changes))
+
+
+def in_order(*words: object, **changes: str) -> list[str]:
+    """The same names, each once its module is complete."""
     done = subprocess.run(
         [sys.executable, "-X", "importtime", *map(str, words)],
         capture_output=True,
@@ -21,7 +26,7 @@ def imported(*words: object, **changes: str) -> set[str]:
     )
     assert done.returncode == 0, done.stderr[-2000:]
     lines = [line for line in done.stderr.splitlines() if line.startswith("import time:")]
-    return {line.rpartition("|")[2].strip() for line in lines}
+    return [line.rpartition("|")[2].strip() for line in lines]
 
 
 def test_a_rigid_run_imports_no_modules_of_elements(tmp_path: Path) -> None:
@@ -36,6 +41,12 @@ def test_a_rigid_run_imports_no_modules_of_elements(tmp_path: Path) -> None:
     # nor what shells are made of, or settings of studies
     others = {"crashsolve.elements.shells.layout", "crashsolve.study.settings"}
     assert not modules & others
+
+
+def test_a_run_loads_llvm_before_its_deck_and_model(tmp_path: Path) -> None:
+    # 40 MB for a moment, which would add to what these take
+    modules = in_order("-m", "crashsolve", BALL, "-o", tmp_path)
+    assert modules.index("llvmlite.binding.ffi") < modules.index("crashsolve.deck.reading.deck")
 
 
 def test_a_run_without_estimates_imports_nothing_for_them(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ import pytest
 from quick import first_quick
 from shells import KINDS, ODD, SQUARE, Elements
 
+from crashsolve.elements.shells import return_mapping
 from crashsolve.elements.shells.plasticity import transverse_square
 from crashsolve.elements.shells.records import (
     BLOCK,
@@ -311,6 +312,25 @@ def test_johnson_and_cook_follow_their_formula_at_one_rate(tmp_path: Path) -> No
         heat += 0.5 * work / (8.0 * 600.0)
     assert e == pytest.approx(60 * gamma / np.sqrt(3.0), rel=0.2)
     assert heat > 0.005
+
+
+@pytest.mark.parametrize("material", [MATERIALS["rate"], JC | {"melting_heat": 600.0}])
+def test_a_layer_that_strains_on_is_returned_by_few_evaluations(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, material: dict[str, Any]
+) -> None:
+    counts, evaluate = [0], return_mapping.evaluate_tangents
+
+    def counted(*given: Any) -> None:
+        counts[0] += 1
+        evaluate(*given)
+
+    monkeypatch.setattr(return_mapping, "evaluate_tangents", counted)
+    shell = Elements(tmp_path, SQUARE, 0.01, material, layers=1)
+    for _ in range(40):
+        counts[0] = 0
+        shell.move(stretched([0.0, 0.0, 2e-3 / 1e-4]), h=1e-4)
+    # one beside the root, one whose correction leaves round-off; from any start it takes four
+    assert counts[0] == 2
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -18,6 +18,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from functools import cache
+from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
@@ -184,6 +185,15 @@ def _link(names: tuple[str, ...], code: bytes) -> tuple[Function, ...]:
     engine.finalize_object()
     forget_linker()
     return tuple(_function(engine, name) for name in names)
+
+
+def load_linker() -> None:
+    """Load LLVM while the process is small: 40 MB for a moment, which would add to the peak of a
+    process that holds a model.
+    """
+    if not runs_plain():
+        import_module("llvmlite.binding")
+        forget_linker()
 
 
 def forget_linker() -> None:

@@ -106,7 +106,7 @@ def strain_of_rise(m: Parameters, rise):
 
 @inlined
 def rate_factor(m: Parameters, rate):
-    return 1.0 + m.rate_C * log(max(rate / m.rate_0, 1.0))
+    return 1.0 + m.rate_C * log(rate / m.rate_0) if rate > m.rate_0 else 1.0
 
 
 @inlined
@@ -123,4 +123,6 @@ def rate_of(m: Parameters, factor):
 
 @inlined
 def heat_factor(m: Parameters, temperature):
-    return max(1.0 - min(temperature, 1.0) ** m.softening, MOLTEN)
+    # most metals have m = 1, which needs no power
+    T = min(temperature, 1.0)
+    return max(1.0 - (T if m.softening == 1.0 else T**m.softening), MOLTEN)

@@ -13,11 +13,12 @@ whose root g Householder's method finds, where Y is a straight line. It works on
 
 (return_mapping.py), which is straight in g itself if c1 = c2, and bent so little otherwise that two
 steps are enough as a rule. A curve is followed from line to line. A yield stress that bends,
-with a slope that may be infinite at e = 0, is followed along its tangents from a g so small that
-neither side of the equation has used up half of the excess of the trial stress over yield; so is
-one with a factor of the rate 2/3 g s / h of the plastic strain, from the g of a stress linear in
-the rate. A layer whose plastic strain has reached that of failure loses its stress in the next
-step, for good.
+with a slope that may be infinite at e = 0, is followed along its tangents, the first of which is
+that before the step; where e more than doubles, from a g so small that neither side of the equation
+has used up half of the excess of the trial stress over yield. So is one with a factor of the rate
+2/3 g s / h of the plastic strain, first along the tangent at the rate of the last step, which
+follows from the stress before the step; else from the g of a stress linear in the rate. A layer
+whose plastic strain has reached that of failure loses its stress in the next step, for good.
 
 Reference: Simo and Taylor (1986), A return mapping algorithm for plane stress elastoplasticity,
 Int. J. Num. Meth. Eng. 22, 649-670.
@@ -28,7 +29,7 @@ from crashsolve.elements.shells.records import SLOT, WORK, layer_of
 from crashsolve.elements.shells.resultants import add_resultants, layer_strain, put_three
 from crashsolve.elements.shells.return_mapping import (
     count_yielding,
-    evaluate_tangents,
+    evaluate_trial,
     first_iteration,
     iterate,
     return_to_lines,
@@ -82,7 +83,7 @@ def find_trial_state(blocks, layer, work, slots, to, h, law):
         find_factors(blocks, layer, slots, to, m, material)
     find_trial(blocks, layer, work, slots, to, m)
     if material.SMOOTH or m.rated == 1:
-        evaluate_tangents(blocks, at, slots, to, h, m, curves, material)
+        evaluate_trial(blocks, at, slots, to, m, curves, material)
         count = count_yielding(slots, to)
     else:
         count = evaluate_lines(blocks, at, slots, to, m)

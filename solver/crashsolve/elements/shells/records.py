@@ -59,6 +59,9 @@ _SLOT = Record("""
     lost      J/m^3         plastic work of the step
     least     1/Pa          below the g of a yield stress that bends
     most      1/Pa          above it
+    grown     1             plastic strain of the step where the tangent touches
+    norm      Pa            size of the stress there
+    last      1             factor of the rate in the last step
 """)
 _STEP = Record("""
     position   m                   12  of the four corners

@@ -11,10 +11,12 @@ Int. J. Num. Meth. Eng. 22, 649-670.
 
 from math import sqrt
 
+from crashsolve.elements.shells.forces.corners import three
 from crashsolve.elements.shells.records import SLOT
+from crashsolve.elements.shells.resultants import put_three
 from crashsolve.foundation.kernels import blockwise, inlined, kernel
 from crashsolve.foundation.point import LANES
-from crashsolve.materials._von_mises import LAYER, resistance
+from crashsolve.materials._von_mises import LAYER, NEAR_BENT, resistance
 
 PASSES = 50
 # of the yield stress: some units of round-off
@@ -26,22 +28,46 @@ NEAR = 2e-4
 
 
 @blockwise
-def evaluate_tangents(blocks, at, slots, to, h, m, curves, material):
-    """Tangent of the yield stress at the present strain, and the excess over it. Writes: slots."""
-    c1, c2 = softening(m)
-    scaled, rated = m.heating > 0.0, m.rated == 1
+def evaluate_trial(blocks, at, slots, to, m, curves, material):
+    """Tangent of the yield stress before the step, and the excess of the trial stress over it.
+
+    Writes: slots.
+    """
+    scaled = m.heating > 0.0
     for e in range(LANES):
         heat = slots[to + LANES * SLOT.factor + e] if scaled else 1.0
+        Y, rises = material.flow(m, blocks[at + LAYER.plastic_strain * LANES + e], curves)
+        size = sqrt(slots[to + LANES * SLOT.s1 + e] + slots[to + LANES * SLOT.s2 + e])
+        put_three(slots, to + LANES * SLOT.flow + e, (heat * Y, heat * rises, heat))
+        slots[to + LANES * SLOT.residual + e] = size / (heat * Y) - 1.0
+
+
+@blockwise
+def evaluate_tangents(blocks, at, slots, to, h, m, curves, material):
+    """The same at the present strain; powers and logarithms only of lanes beyond yield.
+
+    These are calls, one lane at a time: what vectors can do has loops of its own. Writes: slots.
+    """
+    c1, c2 = softening(m)
+    for e in range(LANES):
         grown, size = growth(slots, to, e, c1, c2)
-        old = blocks[at + LAYER.plastic_strain * LANES + e]
-        if rated and grown > 0.0:
-            flow, slope = at_rate(m, old, grown, heat, h, curves, material)
-        else:
-            Y, rises = material.flow(m, old + grown, curves)
-            flow, slope = heat * Y, heat * rises
-        slots[to + LANES * SLOT.factor + e], slots[to + LANES * SLOT.slope + e] = (heat, slope)
-        slots[to + LANES * SLOT.flow + e] = flow - slope * grown
-        slots[to + LANES * SLOT.residual + e] = size / flow - 1.0
+        slots[to + LANES * SLOT.grown + e], slots[to + LANES * SLOT.norm + e] = grown, size
+    for e in range(LANES):
+        grown, heat = slots[to + LANES * SLOT.grown + e], slots[to + LANES * SLOT.factor + e]
+        if grown > 0.0:
+            old = blocks[at + LAYER.plastic_strain * LANES + e]
+            if m.rated == 1:
+                flow, slope = at_rate(m, old, grown, heat, h, curves, material)
+            else:
+                Y, rises = material.flow(m, old + grown, curves)
+                flow, slope = heat * Y, heat * rises
+            slots[to + LANES * SLOT.slope + e] = slope
+            slots[to + LANES * SLOT.flow + e] = flow
+    for e in range(LANES):
+        flow = slots[to + LANES * SLOT.flow + e]
+        less = slots[to + LANES * SLOT.slope + e] * slots[to + LANES * SLOT.grown + e]
+        slots[to + LANES * SLOT.residual + e] = slots[to + LANES * SLOT.norm + e] / flow - 1.0
+        slots[to + LANES * SLOT.flow + e] = flow - less
 
 
 @kernel
@@ -90,45 +116,125 @@ def softening(m):
 
 
 @blockwise
-def begin(slots, to, h, m, material):
-    """A first g where the yield stress bends, 0 within it. Writes: slots."""
-    c1, c2 = softening(m)
+def begin(blocks, at, slots, to, h, m, material):
+    """A first g where the yield stress bends, 0 within it: along the tangent before the step.
+
+    Writes: slots.
+    """
+    c, rated = softening(m), m.rated == 1
     for e in range(LANES):
-        a, b, factor = (
-            slots[to + LANES * SLOT.s1 + e],
-            slots[to + LANES * SLOT.s2 + e],
-            slots[to + LANES * SLOT.factor + e],
-        )
-        size, gap = sqrt(a + b) + 1e-300, slots[to + LANES * SLOT.residual + e]
-        beyond = size - size / (1.0 + gap) if gap > 0.0 else 0.0
-        g = beyond * size / (a * c1 + b * c2 + 1e-300)
-        if material.SMOOTH:
-            # below the root: the stress falls at most as at first, and the yield stress grows at
-            # most as from no strain; each takes half of the excess over yield
-            rise = material.strain_of_rise(m, 0.5 * beyond / factor)
-            g = min(0.5 * g, 1.5 / size * rise)
-        if m.rated == 1 and beyond > 0.0:
-            slowed = 1.5 / size * h * material.rate_of(m, 1.0 + gap)
-            g /= 1.0 + g / (slowed + 1e-300)
-        slots[to + LANES * SLOT.g + e] = g
+        s = (slots[to + LANES * SLOT.s1 + e], slots[to + LANES * SLOT.s2 + e])
+        flow, slope = slots[to + LANES * SLOT.flow + e], slots[to + LANES * SLOT.slope + e]
+        g = max(0.0, step_at((1.0, 1.0, 1.0), s, flow, 2.0 / 3.0 * slope, c))
+        slots[to + LANES * SLOT.g + e], slots[to + LANES * SLOT.norm + e] = g, sqrt(s[0] + s[1])
         slots[to + LANES * SLOT.least + e], slots[to + LANES * SLOT.most + e] = (0.0, 1e300)
+        if rated:
+            slots[to + LANES * SLOT.last + e] = size_before(blocks, at + e, slots, to + e, m) / flow
+    for e in range(LANES):
+        g, flow = slots[to + LANES * SLOT.g + e], slots[to + LANES * SLOT.flow + e]
+        if g > 0.0:
+            old = blocks[at + LAYER.plastic_strain * LANES + e]
+            if material.SMOOTH and 2.0 / 3.0 * g * flow > old:
+                g = begin_from_nothing(slots, to + e, m, material)
+            if rated:
+                g = begin_at_rate(m, g, slots, to + e, h, material)
+            slots[to + LANES * SLOT.g + e] = g
+
+
+@kernel
+def begin_from_nothing(slots, to, m, material):
+    """A first g of a lane whose tangent before the step bends too much, or may be upright.
+
+    Below the root: the stress falls at most as at first, and the yield stress grows at most as
+    from no strain; each takes half of the excess over yield.
+    """
+    c1, c2 = softening(m)
+    size, s1, s2 = (
+        slots[to + LANES * SLOT.norm],
+        slots[to + LANES * SLOT.s1],
+        slots[to + LANES * SLOT.s2],
+    )
+    half = 0.5 * (size - slots[to + LANES * SLOT.flow])
+    rise = material.strain_of_rise(m, half / slots[to + LANES * SLOT.factor])
+    return min(half * size / (s1 * c1 + s2 * c2), 1.5 / size * rise)
+
+
+@kernel
+def begin_at_rate(m, g, slots, to, h, material):
+    """A first g of a lane whose yield stress grows with the rate, from the g of one that does not.
+
+    Along the tangent of the rate of the last step, which follows from its stress; where this leads
+    far from it, exact where nothing hardens and stress is linear in the rate.
+    """
+    c, s = softening(m), (slots[to + LANES * SLOT.s1], slots[to + LANES * SLOT.s2])
+    flow, slope = slots[to + LANES * SLOT.flow], slots[to + LANES * SLOT.slope]
+    factor = max(slots[to + LANES * SLOT.last], 1.0)
+    rate = material.rate_of(m, factor)
+    grown = h * rate
+    if grown >= 2.0 / 3.0 * g * flow:
+        return g
+    if grown > 0.0:
+        tangent = factor * slope + material.rate_slopes(m, rate, factor)[0] * flow / h
+        level = factor * (flow + slope * grown)
+        rise = 2.0 / 3.0 * tangent
+        ahead = step_at((1.0, 1.0, 1.0), s, level - tangent * grown, rise, c)
+        if abs(2.0 / 3.0 * ahead * level - grown) < 0.5 * grown:
+            return ahead
+    size = slots[to + LANES * SLOT.norm]
+    slowed = 1.5 / size * h * material.rate_of(m, size / flow)
+    return g / (1.0 + g / (slowed + 1e-300))
+
+
+@inlined
+def size_before(blocks, at, slots, to, m):
+    """Size of the stress of a lane before the step; transverse shear as the deviator of its plane.
+
+    A start need not know more: it is exact where a layer strains on as it did.
+    """
+    x, y, xy = three(blocks, at)
+    if m.kinematic > 0.0:
+        a_x, a_y, a_xy = three(blocks, at + LAYER.alpha * LANES)
+        x, y, xy = x - a_x, y - a_y, xy - a_xy
+    t_x, t_y, t_xy = three(slots, to + LANES * SLOT.trial)
+    before = 0.75 * (x - y) * (x - y) + 3.0 * xy * xy
+    trial = 0.75 * (t_x - t_y) * (t_x - t_y) + 3.0 * t_xy * t_xy
+    share = before / (trial + 1e-300)
+    return sqrt(0.25 * (x + y) * (x + y) + share * slots[to + LANES * SLOT.s2])
 
 
 @blockwise
 def return_to_tangents(blocks, at, slots, to, h, m, curves, material):
-    """g of a layer whose yield stress bends; of lanes within yield it is 0. Writes: slots."""
+    """g of a layer whose yield stress bends; of lanes within yield it is 0.
+
+    A correction of g by less than d = NEAR_BENT of it is not verified: the plastic strain e is at
+    least that of the step, so that a power e^n is off its tangent by at most n (1 - n) / 2 d^2 <=
+    d^2 / 8 of itself, a factor 1 + C ln(rate) by C / 2 d^2, less than CLOSE. Only where the last
+    correction passes the rate from which C counts are they C d apart. Writes: slots.
+    """
     before = 1e300
-    begin(slots, to, h, m, material)
-    evaluate_tangents(blocks, at, slots, to, h, m, curves, material)
+    begin(blocks, at, slots, to, h, m, material)
     for _ in range(PASSES):
-        note_sides(slots, to)
-        iterate(slots, to, 1, m)
-        bisect_root(slots, to)
         evaluate_tangents(blocks, at, slots, to, h, m, curves, material)
         largest = largest_residual(slots, to)
         if has_converged(largest, before):
             return
         before = largest
+        note_sides(slots, to)
+        iterate(slots, to, 1, m)
+        if count_far(slots, to) == 0.0:
+            return
+        bisect_root(slots, to)
+
+
+@blockwise
+def count_far(slots, to):
+    """Number of lanes whose g has changed so much that their tangent may not hold."""
+    count = 0.0
+    for e in range(LANES):
+        g, gap = slots[to + LANES * SLOT.g + e], slots[to + LANES * SLOT.residual + e]
+        least, most = slots[to + LANES * SLOT.least + e], slots[to + LANES * SLOT.most + e]
+        count += 1.0 if abs(g - (least if gap > 0.0 else most)) > NEAR_BENT * g else 0.0
+    return count
 
 
 @blockwise
