@@ -189,7 +189,8 @@ class _RecordedSamples:
 
     def close(self) -> None:
         """Compute the channels of the samples recorded so far. Raises SolverError."""
-        block = self.histories.values()
+        # the next samples overwrite them
+        block = {name: values.copy() for name, values in self.histories.values().items()}
         if not all(np.isfinite(values).all() for values in block.values()):
             raise _not_finite(self.engine)
         self.blocks.append(block)

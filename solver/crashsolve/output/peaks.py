@@ -22,16 +22,31 @@ class Extremes:
 
     def update(self, family: int, times: np.ndarray, values: np.ndarray) -> None:
         """Take in rows: times (k,), values (n_column, k, n_id)."""
-        for extreme, where, bound, bound_time, better in (
-            (np.min, np.argmin, self.least[family], self.least_time[family], np.less),
-            (np.max, np.argmax, self.greatest[family], self.greatest_time[family], np.greater),
+        for two, where, bound, bound_time, better in (
+            (np.minimum, np.argmin, self.least[family], self.least_time[family], np.less),
+            (np.maximum, np.argmax, self.greatest[family], self.greatest_time[family], np.greater),
         ):
             # few channels have new ones in any block
-            column, entity = np.nonzero(better(extreme(values, axis=1), bound))
+            column, entity = np.nonzero(better(_extreme(two, values), bound))
             courses = values[column, :, entity]
             found = where(courses, axis=1)
             bound[column, entity] = courses[np.arange(len(found)), found]
             bound_time[column, entity] = times[found]
+
+
+def _extreme(two: np.ufunc, values: np.ndarray) -> np.ndarray:
+    """Extreme (n_column, n_id) over rows of values (n_column, k, n_id); `two`: of two numbers.
+
+    Half of the rows against the other half: numpy's own reduction goes row by row, and takes five
+    times as long for the few numbers of each.
+    """
+    while (rows := values.shape[1]) > 1:
+        half = rows // 2
+        halved = two(values[:, :half], values[:, half : 2 * half])
+        if rows % 2:
+            two(halved[:, 0], values[:, -1], out=halved[:, 0])
+        values = halved
+    return values[:, 0]
 
 
 def write_peaks(path: Path | str, extremes: Extremes) -> None:

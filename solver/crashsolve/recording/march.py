@@ -28,16 +28,16 @@ JOB = Record("""
     step      index  address of the compiled step
     present   index  address of its tables at present
     of_sample  index  address of its tables of a sample
+    gather    index  address of gather.take
+    of_gather  index  address of its tables
     is_dense  flag   whether steps may go beyond a sample
     end       s      time at which the run ends
     limit     1      control.energy_limit
     longest   s      no sample is taken where the next step is longer
     most      count  samples wanted
     count     count  samples done
-    first     index  row of the first of them among those kept
     cards     count  contact cards
     before    count  rows of `before`
-    rows      count  rows of `rows`
     snapshot  count  rows of `snapshot`
     passed    count  rows of `passed`
     why       index  DONE, STEPPED, HIDDEN, SUSPECT or LONG
@@ -68,15 +68,11 @@ PHASE = Record("""
     steps     count  3  before, during, after contact
     spans     s      3  of these
 """)
-# bytes to copy: `number` pieces of `count` bytes each, for every sample `advance` further on
+# bytes to copy
 COPY = Record("""
-    target         index  address
-    target_stride  count  from one piece to the next
-    source         index  address
-    source_stride  count  from one piece to the next
-    count          count  bytes of a piece
-    number         count  pieces
-    advance        count  bytes
+    target  index  address
+    source  index  address
+    count   count  bytes
 """)
 # columns of times at which a pair passed: not 0 stops the run
 PASSED = Record("""
@@ -109,7 +105,7 @@ def march(_, flag, scene):
         elif not sample(until, job, clock, scene):
             job.why = SUSPECT
         else:
-            copy(scene.rows, job.rows, job.first + job.count)
+            call_step(job.gather, 0.0, False, job.of_gather)
             begin_interval(clock, scene)
             count_interval(clock, scene)
             job.count += 1
@@ -135,19 +131,16 @@ def finish_interval(_, flag, scene):
 
 
 @kernel
-def copy(table, rows, k):
-    """Copy the pieces in a table of COPY, for sample k. Writes: memory."""
+def copy(table, rows):
+    """Copy the pieces in a table of COPY. Writes: memory."""
     for i in range(rows):
-        one = table[i]
-        target, source = one.target + k * one.advance, one.source
-        for j in range(one.number):
-            copy_bytes(target + j * one.target_stride, source + j * one.source_stride, one.count)
+        copy_bytes(table[i].target, table[i].source, table[i].count)
 
 
 @kernel
 def sample(until, job, clock, scene):
     """Take a sample; whether the run may continue. Writes: tables of a sample, clock, ledger."""
-    copy(scene.before, job.before, 0)
+    copy(scene.before, job.before)
     call_step(job.step, until, True, job.of_sample)
     sampled, ledger = scene.sample_clock[0], scene.sample_ledger
     clock.sampled = sampled.time
@@ -215,7 +208,7 @@ def begin_interval(clock, scene):
     # the pause depends on the speed of the machine, and must not enter a dump
     pause = clock.pause
     clock.pause = 0
-    copy(scene.snapshot, scene.job[0].snapshot, 0)
+    copy(scene.snapshot, scene.job[0].snapshot)
     clock.pause = pause
     watch.time, watch.cycle = clock.time, clock.cycle
     for i in range(scene.job[0].cards):

@@ -1,7 +1,6 @@
 """Arguments of the compiled loop from sample to sample (march.py): tables, and the copies to make.
 
-    copies of the State before a sample;  rows stored of a sample;  a snapshot at the start of an
-    interval
+    copies of the State before a sample;  a snapshot at the start of an interval
 
 They are renewed when tables are bound to other arrays. Where Python is needed at every sample, no
 block is run, and the run goes from one sample to the next. Consequence to
@@ -21,7 +20,7 @@ from crashsolve.compiler.table import Tables
 from crashsolve.foundation.rows import as_rows
 from crashsolve.model.model import Model
 from crashsolve.recording import march
-from crashsolve.recording.kept import SampledTables
+from crashsolve.recording.kept import Block
 from crashsolve.system.engine import Engine
 
 if TYPE_CHECKING:
@@ -41,7 +40,6 @@ class March:
         """With a snapshot, intervals are watched, and it is taken as each begins."""
         self.engine, self.snapshot = engine, snapshot
         self._bound = -1
-        self._kept: SampledTables | None = None
         state, control = engine.state, engine.model.control[0]
         self._job = np.zeros(1, march.JOB.dtype)
         self.job: RowOfTable = as_rows(self._job)[0]
@@ -66,7 +64,7 @@ class March:
     def begin(self) -> None:
         """An interval begins."""
         if self.watch.watches:
-            self._renew(self._kept)
+            self._renew()
             if self.snapshot is not None and not self.snapshot.is_copied:
                 self.snapshot.take()
             self._call("start_interval")
@@ -83,25 +81,25 @@ class March:
         for name in ("steps", "spans"):
             self.phase[name] = 0
 
-    def can_march(self, until: float, kept: SampledTables) -> bool:
+    def can_march(self, until: float, kept: Block) -> bool:
         """Whether samples until then need copies alone."""
         is_able = self._is_plain and kept.is_copied and self.engine.addresses is not None
         if self.snapshot is not None:
             is_able = is_able and self.snapshot.is_copied
         return is_able and self.engine.has_no_corner(until)
 
-    def go(self, times: np.ndarray, kept: SampledTables) -> tuple[int, float, int | None]:
+    def go(self, times: np.ndarray, kept: Block) -> tuple[int, float, int | None]:
         """Run a block of samples at times [s]; returns their number, and CPU time [s] of the steps.
 
         Also the status with which the step returned before a sample, None where it did not. It must
         be handled after the samples that are done are recorded: a dump may follow.
         """
         begun, count = clock.process_time(), min(len(times), kept.room, MOST)
-        self._renew(kept)
+        self._renew()
         self._times[:count] = times[:count]
-        self.job.most, self.job.first, self.job.total = count, kept.count, 0
+        self.job.most, self.job.total = count, 0
+        self.job.gather, self.job.of_gather = kept.addresses
         status = self.engine.within_pause(lambda: self._call("march"))
-        kept.count += int(self.job.count)
         if self.job.count:
             self._note_snapshot()
         spent, share = clock.process_time() - begun, 1.0
@@ -118,10 +116,9 @@ class March:
     def _call(self, name: str) -> None:
         self._entries[name](0.0, False, self._tables)
 
-    def _renew(self, kept: SampledTables | None) -> None:
+    def _renew(self) -> None:
         """Renew the copies for the present arrays."""
-        if self._bound != self.engine.bindings or self._kept is not kept:
-            self._kept = kept
+        if self._bound != self.engine.bindings:
             self._bind()
 
     def _bind(self) -> None:
@@ -132,10 +129,8 @@ class March:
         snapshot: Pieces = ()
         if self.snapshot is not None and self.snapshot.is_copied:
             snapshot = self.snapshot.pieces()
-        rows = self._kept.pieces if self._kept is not None else ()
         self._copies = {
             "before": _table(engine.copied),
-            "rows": _table(rows, has_rows=True),
             "snapshot": _table(snapshot),
             "passed": _passed(engine.model),
         }
@@ -164,26 +159,11 @@ class March:
         self._entries = dict(zip(ENTRIES, found, strict=True))
 
 
-def _table(pieces: Pieces, has_rows: bool = False) -> np.ndarray:
-    """Rows of COPY, of arrays (n,) or (number, n) in one piece or with strides.
-
-    With rows the copy has an axis more, the first, of samples.
-    """
-    found = []
-    for source, target in pieces:
-        row = target[0] if has_rows else target
-        source, row = np.atleast_2d(source), np.atleast_2d(row)
-        found.append(
-            (
-                target.ctypes.data,
-                row.strides[0],
-                source.ctypes.data,
-                source.strides[0],
-                source.shape[1] * source.itemsize,
-                source.shape[0],
-                target.strides[0] if has_rows else 0,
-            )
-        )
+def _table(pieces: Pieces) -> np.ndarray:
+    """Rows of COPY, of arrays in one piece."""
+    found = [
+        (target.ctypes.data, source.ctypes.data, source.nbytes) for source, target in pieces
+    ]
     return np.array(found, march.COPY.dtype)
 
 
