@@ -79,18 +79,16 @@ def find_reaction(joint, nodes, rows):
 @kernel
 def reaction_along(joint, k, rows):
     """Component k of D^T lambda, over the rows of a joint."""
-    first, others = rows[joint.first], 0.0
-    for i in range(joint.first + 1, joint.first + joint.rows):
-        others += rows[i].D[k] * rows[i].reaction
-    # nothing is 0, not -0
-    return first.D[k] * first.reaction + others + 0.0
+    found = 0.0
+    for i in range(joint.first, joint.first + joint.rows):
+        found += rows[i].D[k] * rows[i].reaction
+    return found
 
 
 @kernel
 def find_origin(origin, nodes):
     """Position of the origin of a body. Writes: origin."""
-    node, arm = nodes[origin.node], origin.arm
-    for i in range(3):
-        row = 3 * i
-        along = node.A[row] * arm[0] + node.A[row + 2] * arm[2] + node.A[row + 1] * arm[1]
-        origin.r[i] = node.r[i] - along
+    node = nodes[origin.node]
+    arm = matvec(node.A, origin.arm)
+    for k in range(3):
+        origin.r[k] = node.r[k] - arm[k]
