@@ -16,6 +16,7 @@ from crashsolve.foundation.addresses import call_step, copy_bytes, number_at, ti
 from crashsolve.foundation.kernels import entry, kernel
 from crashsolve.foundation.record import Record
 from crashsolve.model.clock import REACHED, STOPS_AT_SAMPLE
+from crashsolve.model.contact.body_pairs import BODY_PAIR
 from crashsolve.model.ledger import LARGEST, is_spurious_energy
 from crashsolve.system.engine import FIRST_JUDGED
 
@@ -23,6 +24,8 @@ SHOWN_SHARE, MISSING_SHARE = 0.9, 0.1
 # why `march` returned: all samples are done; the step returned; the last interval hides a contact;
 # the last sample must be checked by the caller; the next step is longer than wanted
 DONE, STEPPED, HIDDEN, SUSPECT, LONG = range(5)
+# bytes of a row of BODY_PAIR
+ROW = BODY_PAIR.dtype.itemsize
 
 JOB = Record("""
     step      index  address of the compiled step
@@ -39,6 +42,7 @@ JOB = Record("""
     cards     count  contact cards
     before    count  rows of `before`
     snapshot  count  rows of `snapshot`
+    both      index  address of two body pairs
     passed    count  rows of `passed`
     why       index  DONE, STEPPED, HIDDEN, SUSPECT or LONG
     stepping  count  ticks of the steps
@@ -73,6 +77,17 @@ COPY = Record("""
     target  index  address
     source  index  address
     count   count  bytes
+""")
+# a group whose pairs are skipped while they are apart (system/contact/body_pairs.py), and where
+# the snapshot has it
+SKIPPING = Record("""
+    body_pairs    index  address
+    kept_pairs    index  address of their copy
+    number        count  of them
+    history       index  address
+    kept_history  index  address of its copy
+    half          count  bytes of a history
+    stride        count  bytes of a pair
 """)
 # columns of times at which a pair passed: not 0 stops the run
 PASSED = Record("""
@@ -135,6 +150,26 @@ def copy(table, rows):
     """Copy the pieces in a table of COPY. Writes: memory."""
     for i in range(rows):
         copy_bytes(table[i].target, table[i].source, table[i].count)
+
+
+@kernel
+def copy_changed(groups, both, at):
+    """Copy histories of pairs that may have changed since their copies were made: the others have
+    been skipped ever since. `both` at an address has room for two rows. Writes: both, memory.
+    """
+    for i in range(groups.shape[0]):
+        group = groups[i]
+        for j in range(group.number):
+            present, kept = group.body_pairs + j * ROW, group.kept_pairs + j * ROW
+            copy_bytes(at, present, ROW)
+            copy_bytes(at + ROW, kept, ROW)
+            now, before = both[0], both[1]
+            if now.skipped == 0 or before.skipped == 0 or now.periods != before.periods:
+                first, size = now.first * group.stride, (now.end - now.first) * group.stride
+                for k in range(2):
+                    half = k * group.half + first
+                    copy_bytes(group.kept_history + half, group.history + half, size)
+            copy_bytes(kept, at, ROW)
 
 
 @kernel
@@ -209,6 +244,7 @@ def begin_interval(clock, scene):
     pause = clock.pause
     clock.pause = 0
     copy(scene.snapshot, scene.job[0].snapshot)
+    copy_changed(scene.skipping, scene.both, scene.job[0].both)
     clock.pause = pause
     watch.time, watch.cycle = clock.time, clock.cycle
     for i in range(scene.job[0].cards):

@@ -18,6 +18,8 @@ import numpy as np
 from crashsolve.compiler.machine import machine_codes, runs_plain
 from crashsolve.compiler.table import Tables
 from crashsolve.foundation.rows import as_rows
+from crashsolve.model.contact.body_pairs import BODY_PAIR
+from crashsolve.model.contact.groups import ContactGroup
 from crashsolve.model.model import Model
 from crashsolve.recording import march
 from crashsolve.recording.kept import Block
@@ -52,6 +54,8 @@ class March:
         self.marks = np.zeros(len(state.cards), march.MARK.dtype)
         self.phase = np.zeros(1, march.PHASE.dtype)
         self._times = np.zeros(MOST)
+        self._both = np.zeros(2, BODY_PAIR.dtype)
+        self.job.both = self._both.ctypes.data
         # one engine of exactly this kind: others do more between samples
         self._is_plain = type(engine) is Engine and not engine.model.nodal_groups
         self._bind()
@@ -126,9 +130,7 @@ class March:
         self._bound = engine.bindings
         if engine.addresses is not None:
             self.job.step, self.job.present, self.job.of_sample = engine.addresses
-        snapshot: Pieces = ()
-        if self.snapshot is not None and self.snapshot.is_copied:
-            snapshot = self.snapshot.pieces()
+        snapshot, skipping = self._copies_of_snapshot()
         self._copies = {
             "before": _table(engine.copied),
             "snapshot": _table(snapshot),
@@ -149,6 +151,8 @@ class March:
                 "watch": self.watch_table,
                 "marks": self.marks,
                 "phase": self.phase,
+                "skipping": skipping,
+                "both": self._both,
             }
             | self._copies
         )
@@ -157,6 +161,32 @@ class March:
             return
         found = machine_codes(Path(march.__file__), ENTRIES, self._tables)
         self._entries = dict(zip(ENTRIES, found, strict=True))
+
+    def _copies_of_snapshot(self) -> tuple[Pieces, np.ndarray]:
+        """Copies to make of a snapshot, and rows of SKIPPING for what is copied where it changes."""
+        if self.snapshot is None or not self.snapshot.is_copied:
+            return (), np.zeros(0, march.SKIPPING.dtype)
+        pieces = self.snapshot.pieces()
+        groups = [
+            g
+            for g in self.engine.model.contact_groups
+            if g.body_pairs is not None and len(g.body_pairs)
+        ]
+        apart = {f"{name}/{g.word}" for g in groups for name in ("body_pairs", "history")}
+        copies = {name: copy for name, (_, copy) in pieces.items()}
+        rows = [_skipping(g, copies) for g in groups]
+        others = [piece for name, piece in pieces.items() if name not in apart]
+        return others, np.array(rows, march.SKIPPING.dtype)
+
+
+def _skipping(group: ContactGroup, kept: dict[str, np.ndarray]) -> tuple[int, ...]:
+    """A row of SKIPPING, by the copies that a snapshot has."""
+    history, pairs = group.history, group.body_pairs
+    assert pairs is not None
+    copies = (kept[f"{name}/{group.word}"].ctypes.data for name in ("body_pairs", "history"))
+    kept_pairs, kept_history = copies
+    both = (pairs.ctypes.data, kept_pairs, len(pairs), history.ctypes.data, kept_history)
+    return *both, history.strides[0], history.strides[1]
 
 
 def _table(pieces: Pieces) -> np.ndarray:

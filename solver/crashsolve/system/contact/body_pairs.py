@@ -62,6 +62,7 @@ def begin_skipping(both, current, history, output):
     Writes: both, history.depth, output.bound.
     """
     both.skipped, both.approached, both.depth = 1, 0.0, -1e300
+    both.periods += 1
     both.dissipated = both.friction_dissipated = 0.0
     for i in range(both.first, both.end):
         old, new = history[current, i], history[1 - current, i]
