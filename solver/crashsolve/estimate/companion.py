@@ -92,7 +92,8 @@ class Companions:
         self.program = engine.program
         engine.on_pause = self._check_limits
         recorded = _RecordedSamples(engine, Histories(engine, self.names))
-        between = Between(engine, not is_static(self.deck), recorded.take)
+        kept = recorded.histories.kept
+        between = Between(engine, kept, not is_static(self.deck), recorded.take)
         engine.start()
         if not is_static(self.deck) and coarseness >= 2.0:
             # where samples bound its steps it leaves some of them out
@@ -105,8 +106,8 @@ class Companions:
                 k = self._sample(k + 1, recorded, between, schedule)
                 continue
             times = schedule.times(k + 1, MOST)
-            if between.march.can_march(float(times[-1]), recorded.histories.kept):
-                count, _, left = between.march.go(times, recorded.histories.kept)
+            if between.march.can_march(float(times[-1])):
+                count, _, left = between.march.go(times)
                 recorded.add(times[:count].tolist())
                 if left is not None:
                     engine.answer(left)

@@ -7,7 +7,7 @@ all; `march` calls it between steps.
 
 from crashsolve.foundation.addresses import copy_bytes
 from crashsolve.foundation.columns import matvec
-from crashsolve.foundation.kernels import entry, kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import cross
 
@@ -40,8 +40,8 @@ ORIGIN = Record("""
 """)
 
 
-@entry
-def take(_, flag, scene):
+@kernel
+def add_sample(scene):
     """Add the present sample to the block. Writes: block, joints, origins, memory."""
     for i in range(scene.joints.shape[0]):
         find_reaction(scene.joints[i], scene.nodes, scene.rows)
@@ -79,6 +79,7 @@ def find_reaction(joint, nodes, rows):
 @kernel
 def reaction_along(joint, k, rows):
     """Component k of D^T lambda, over the rows of a joint."""
+    # from 0: nothing is not -0
     found = 0.0
     for i in range(joint.first, joint.first + joint.rows):
         found += rows[i].D[k] * rows[i].reaction

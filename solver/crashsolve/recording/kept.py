@@ -7,11 +7,9 @@ history.
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 
-from crashsolve.compiler.machine import machine_code
 from crashsolve.compiler.table import Tables
 from crashsolve.recording import gather
 
@@ -79,31 +77,24 @@ class Block:
         both = zip(every, self._values, strict=True)
         pieces = [piece for own, values in both for piece in _pieces(own.sources, values)]
         own = {"joints": joints, "origins": origins, "block": self._block}
-        self._tables = Tables(
-            tables | own | {"pieces": np.array(pieces, gather.PIECE.dtype)}
-        )
-        self._take: Callable[[float, bool, Tables], None] | None = None
+        # of gather.add_sample
+        self.tables = tables | own | {"pieces": np.array(pieces, gather.PIECE.dtype)}
+        self._add = self._add_in_python
+
+    def use(self, add: Callable[[], None]) -> None:
+        """Take samples by gather.add_sample compiled for tables that include these."""
+        self._add = add
 
     def take(self) -> None:
         """Add the present sample."""
         count = self.count
-        self.function(0.0, False, self._tables)
+        self._add()
         for own, values in zip(self._every, self._values, strict=True):
             if own.request is not None:
                 values[:, count] = own.request().T
 
-    @property
-    def function(self) -> Callable[[float, bool, Tables], None]:
-        """gather.take, compiled when it is first needed."""
-        if self._take is None:
-            self._take = machine_code(Path(gather.__file__), "take", self._tables)
-        return self._take
-
-    @property
-    def addresses(self) -> tuple[int, int]:
-        """Addresses of `function` and of its tables, for compiled code."""
-        found: int = getattr(self.function, "address")  # noqa: B009
-        return found, self._tables.pointer
+    def _add_in_python(self) -> None:
+        gather.add_sample(Tables(self.tables))
 
     @property
     def count(self) -> int:

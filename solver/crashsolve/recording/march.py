@@ -18,6 +18,7 @@ from crashsolve.foundation.record import Record
 from crashsolve.model.clock import REACHED, STOPS_AT_SAMPLE
 from crashsolve.model.contact.body_pairs import BODY_PAIR
 from crashsolve.model.ledger import LARGEST, is_spurious_energy
+from crashsolve.recording.gather import add_sample
 from crashsolve.system.engine import FIRST_JUDGED
 
 SHOWN_SHARE, MISSING_SHARE = 0.9, 0.1
@@ -31,8 +32,6 @@ JOB = Record("""
     step      index  address of the compiled step
     present   index  address of its tables at present
     of_sample  index  address of its tables of a sample
-    gather    index  address of gather.take
-    of_gather  index  address of its tables
     is_dense  flag   whether steps may go beyond a sample
     end       s      time at which the run ends
     limit     1      control.energy_limit
@@ -120,11 +119,17 @@ def march(_, flag, scene):
         elif not sample(until, job, clock, scene):
             job.why = SUSPECT
         else:
-            call_step(job.gather, 0.0, False, job.of_gather)
+            add_sample(scene)
             begin_interval(clock, scene)
             count_interval(clock, scene)
             job.count += 1
     job.total = ticks() - begun
+
+
+@entry
+def take(_, flag, scene):
+    """Add the present sample to those taken. Writes: block, joints, origins, memory."""
+    add_sample(scene)
 
 
 @entry

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from crashsolve.foundation.rows import RowOfTable
     from crashsolve.recording.changing import Snapshot
 
-ENTRIES = ("march", "check_interval", "start_interval", "finish_interval")
+ENTRIES = ("march", "take", "check_interval", "start_interval", "finish_interval")
 # samples of one block at most
 MOST = 256
 Pieces = Iterable[tuple[np.ndarray, np.ndarray]]
@@ -38,9 +38,11 @@ Pieces = Iterable[tuple[np.ndarray, np.ndarray]]
 class March:
     """Tables and entries of march.py for one engine. Writes: all of the State."""
 
-    def __init__(self, engine: Engine, snapshot: "Snapshot | None") -> None:
-        """With a snapshot, intervals are watched, and it is taken as each begins."""
-        self.engine, self.snapshot = engine, snapshot
+    def __init__(self, engine: Engine, kept: Block, snapshot: "Snapshot | None") -> None:
+        """Samples go to `kept`. With a snapshot, intervals are watched, and it is taken as each
+        begins.
+        """
+        self.engine, self.kept, self.snapshot = engine, kept, snapshot
         self._bound = -1
         state, control = engine.state, engine.model.control[0]
         self._job = np.zeros(1, march.JOB.dtype)
@@ -59,6 +61,7 @@ class March:
         # one engine of exactly this kind: others do more between samples
         self._is_plain = type(engine) is Engine and not engine.model.nodal_groups
         self._bind()
+        kept.use(lambda: self._call("take"))
 
     def ask(self) -> bool:
         """Whether the samples miss a contact in the interval that ends now."""
@@ -85,24 +88,23 @@ class March:
         for name in ("steps", "spans"):
             self.phase[name] = 0
 
-    def can_march(self, until: float, kept: Block) -> bool:
+    def can_march(self, until: float) -> bool:
         """Whether samples until then need copies alone."""
-        is_able = self._is_plain and kept.is_copied and self.engine.addresses is not None
+        is_able = self._is_plain and self.kept.is_copied and self.engine.addresses is not None
         if self.snapshot is not None:
             is_able = is_able and self.snapshot.is_copied
         return is_able and self.engine.has_no_corner(until)
 
-    def go(self, times: np.ndarray, kept: Block) -> tuple[int, float, int | None]:
+    def go(self, times: np.ndarray) -> tuple[int, float, int | None]:
         """Run a block of samples at times [s]; returns their number, and CPU time [s] of the steps.
 
         Also the status with which the step returned before a sample, None where it did not. It must
         be handled after the samples that are done are recorded: a dump may follow.
         """
-        begun, count = clock.process_time(), min(len(times), kept.room, MOST)
+        begun, count = clock.process_time(), min(len(times), self.kept.room, MOST)
         self._renew()
         self._times[:count] = times[:count]
         self.job.most, self.job.total = count, 0
-        self.job.gather, self.job.of_gather = kept.addresses
         status = self.engine.within_pause(lambda: self._call("march"))
         if self.job.count:
             self._note_snapshot()
@@ -142,7 +144,6 @@ class March:
             {
                 "job": self._job,
                 "times": self._times,
-                "clock": state.clock,
                 "sample_clock": engine.sample_clock,
                 "ledger": state.ledger,
                 "sample_ledger": engine.ledger,
@@ -155,6 +156,7 @@ class March:
                 "both": self._both,
             }
             | self._copies
+            | self.kept.tables
         )
         if runs_plain():
             self._entries = {name: getattr(march, name) for name in ENTRIES}
