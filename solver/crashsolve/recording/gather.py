@@ -60,9 +60,7 @@ def copy_piece(piece, sample, current):
     source = piece.source + current * piece.half
     for i in range(piece.width):
         for j in range(piece.number):
-            copy_bytes(
-                target + i * piece.column + 8 * j, source + 8 * i + j * piece.stride, 8
-            )
+            copy_bytes(target + i * piece.column + 8 * j, source + 8 * i + j * piece.stride, 8)
 
 
 @kernel

@@ -324,7 +324,7 @@ def _joints(model: Model) -> np.ndarray:
     found = np.zeros(len(model.joints), gather.JOINT.dtype)
     for row, joint in zip(found, model.joints, strict=True):
         row["node"], row["first"], row["rows"] = joint.node_b, joint.first_row, joint.rows
-        row["point"] = joint.frame["point_b"] if "point_b" in joint.frame else 0.0
+        row["point"] = joint.frame.get("point_b", 0.0)
     return found
 
 

@@ -165,7 +165,7 @@ class March:
         self._entries = dict(zip(ENTRIES, found, strict=True))
 
     def _copies_of_snapshot(self) -> tuple[Pieces, np.ndarray]:
-        """Copies to make of a snapshot, and rows of SKIPPING for what is copied where it changes."""
+        """Copies to make of a snapshot, and rows of SKIPPING for what is copied if it changes."""
         if self.snapshot is None or not self.snapshot.is_copied:
             return (), np.zeros(0, march.SKIPPING.dtype)
         pieces = self.snapshot.pieces()
@@ -193,9 +193,7 @@ def _skipping(group: ContactGroup, kept: dict[str, np.ndarray]) -> tuple[int, ..
 
 def _table(pieces: Pieces) -> np.ndarray:
     """Rows of COPY, of arrays in one piece."""
-    found = [
-        (target.ctypes.data, source.ctypes.data, source.nbytes) for source, target in pieces
-    ]
+    found = [(target.ctypes.data, source.ctypes.data, source.nbytes) for source, target in pieces]
     return np.array(found, march.COPY.dtype)
 
 
