@@ -1,8 +1,8 @@
 """The numbers of a sample, copied from the tables of a run to the columns of a block.
 
 In a block, as in the history, a column has the samples one after the other, and of each the numbers
-of all entities side by side. Addresses alone differ between scenes, so that one machine code serves
-all; `march` calls it between steps.
+of all entities side by side. Addresses alone differ between scenes, so that one machine code is for
+all of them (march.py).
 """
 
 from crashsolve.foundation.addresses import copy_bytes

@@ -116,7 +116,7 @@ class Block:
         return all(own.request is None for own in self._every)
 
     def values(self) -> list[np.ndarray]:
-        """Values (n_column, samples, n) taken since the last call; the next sample overwrites them."""
+        """Values (n_column, samples, n) taken since the last call; later samples overwrite them."""
         count = self.count
         self._block["count"] = 0
         found = [values[:, :count] for values in self._values]

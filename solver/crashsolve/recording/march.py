@@ -159,8 +159,8 @@ def copy(table, rows):
 
 @kernel
 def copy_changed(groups, both, at):
-    """Copy histories of pairs that may have changed since their copies were made: the others have
-    been skipped ever since. `both` at an address has room for two rows. Writes: both, memory.
+    """Copy the histories of pairs, but for those that have been skipped without a change since
+    their copies were made. `both`, at an address, has room for two rows. Writes: both, memory.
     """
     for i in range(groups.shape[0]):
         group = groups[i]
@@ -169,7 +169,7 @@ def copy_changed(groups, both, at):
             copy_bytes(at, present, ROW)
             copy_bytes(at + ROW, kept, ROW)
             now, before = both[0], both[1]
-            if now.skipped == 0 or before.skipped == 0 or now.periods != before.periods:
+            if now.skipped == 0 or before.skipped == 0 or now.changes != before.changes:
                 first, size = now.first * group.stride, (now.end - now.first) * group.stride
                 for k in range(2):
                     half = k * group.half + first
