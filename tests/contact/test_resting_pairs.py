@@ -9,9 +9,9 @@ import yaml
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.model.build import build
 from crashsolve.model.contact.groups import ContactGroup
-from crashsolve.recording.between import Between
 from crashsolve.recording.changing import changing
 from crashsolve.recording.histories import Histories
+from crashsolve.recording.resampling import Resampling
 from crashsolve.system.engine import Engine
 
 SHAPES = {
@@ -181,10 +181,10 @@ def test_a_snapshot_without_skipped_pairs_is_the_whole_state(tmp_path: Path) -> 
     # spins make bounds loose: samples evaluate pairs that steps skip
     engine = Engine(*build(read_deck(eggs(tmp_path, (1.6, 1.5)), {})))
     kept = Histories(engine).kept
-    between, skipped = Between(engine, kept, True, lambda time: None), []
+    resampling, skipped = Resampling(engine, kept, True, lambda time: None), []
     engine.start()
     (group,) = engine.model.contact_groups
-    snapshot = between.march.snapshot
+    snapshot = resampling.march.snapshot
     assert snapshot is not None and group.body_pairs is not None
     for k in range(1, SAMPLES + 1):
         time = k / SAMPLES
@@ -195,7 +195,7 @@ def test_a_snapshot_without_skipped_pairs_is_the_whole_state(tmp_path: Path) -> 
             engine.reach(time)
             assert bits_of(engine) == reached
         engine.sample(time)
-        between.mark()
+        resampling.begin_interval()
         assert {name: a.tobytes() for name, a in snapshot.arrays().items()} == bits_of(engine)
         skipped.append(group.body_pairs["skipped"].tolist())
     assert [0, 1] in skipped and [1, 1] in skipped and [1, 0] in skipped

@@ -14,7 +14,7 @@ from crashsolve.compiler.table import Tables
 from crashsolve.recording import gather
 
 # [bytes] of a block, and samples in it: larger ones are no faster
-MOST_BYTES, MOST_SAMPLES = 1 << 22, 256
+MAX_BYTES, MAX_SAMPLES = 1 << 22, 256
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class Columns:
 
 
 class Block:
-    """Columns of a run at up to `most` samples. `joints` and `origins` are tables of gather.py."""
+    """Columns of a run at up to `capacity` samples; `joints`, `origins`: tables of gather.py."""
 
     def __init__(
         self,
@@ -70,9 +70,9 @@ class Block:
     ) -> None:
         """`tables`: nodes, rows and clock of the run."""
         size = 8 * sum(columns.size * columns.width for columns in every)
-        self.most = min(max(MOST_BYTES // max(size, 1), 1), MOST_SAMPLES)
-        # values (n_column, most, n) of each
-        self._values = [np.empty((own.width, self.most, own.size)) for own in every]
+        self.capacity = min(max(MAX_BYTES // max(size, 1), 1), MAX_SAMPLES)
+        # values (n_column, capacity, n) of each
+        self._values = [np.empty((own.width, self.capacity, own.size)) for own in every]
         self._every, self._block = every, np.zeros(1, gather.BLOCK.dtype)
         both = zip(every, self._values, strict=True)
         pieces = [piece for own, values in both for piece in _pieces(own.sources, values)]
@@ -103,12 +103,12 @@ class Block:
 
     @property
     def is_full(self) -> bool:
-        return self.count == self.most
+        return self.count == self.capacity
 
     @property
     def room(self) -> int:
         """Samples that may still be taken."""
-        return self.most - self.count
+        return self.capacity - self.count
 
     @property
     def is_copied(self) -> bool:
@@ -131,7 +131,7 @@ def sources_of(table: np.ndarray, names: Iterable[str]) -> list[Source | Later]:
 
 
 def _pieces(sources: list[Source | Later], values: np.ndarray) -> list[tuple[int, ...]]:
-    """Rows of PIECE that fill values (n_column, most, n) from their sources."""
+    """Rows of PIECE that fill values (n_column, capacity, n) from their sources."""
     found, at = [], 0
     column, advance, _ = values.strides
     for source in sources:
