@@ -45,7 +45,9 @@ class Taken:
         read = read_deck(deck)
         self.engine = Engine(*build(read))
         self.histories, self.times = Histories(self.engine), [0.0]
-        self.resampling, self.blocks, marched = Resampling(self.engine, True, self.take), [], 0
+        kept = self.histories.kept
+        self.resampling = Resampling(self.engine, kept, True, self.take)
+        self.blocks, marched = [], 0
         self.engine.start()
         self.engine.sample()
         self.histories.take()
@@ -53,9 +55,9 @@ class Taken:
         march.restart_count()
         self.resampling.begin()
         while not schedule.is_end(k):
-            times, kept = schedule.times(k + 1, 50), self.histories.kept
-            if in_blocks and march.can_march(float(times[-1]), kept):
-                count, _, left = march.go(times, kept)
+            times = schedule.times(k + 1, 50)
+            if in_blocks and march.can_march(float(times[-1])):
+                count, _, left = march.go(times)
                 self.times += times[:count].tolist()
                 if left is not None:
                     self.engine.answer(left)
@@ -80,7 +82,9 @@ class Taken:
 
     def hand_over(self, full: bool = False) -> None:
         if full or self.histories.kept.is_full:
-            self.blocks.append(self.histories.values())
+            # the next samples overwrite them
+            values = self.histories.values().items()
+            self.blocks.append({family: own.copy() for family, own in values})
 
     def rows(self, family: str) -> np.ndarray:
         return np.concatenate([block[family] for block in self.blocks])
@@ -123,7 +127,7 @@ def test_a_pause_within_a_block_finds_all_samples_recorded(tmp_path: Path) -> No
     deck.write_text(text, "utf-8")
     engine = Engine(*build(read_deck(deck)))
     histories, times, pauses = Histories(engine), [0.0], []
-    resampling = Resampling(engine, True, lambda time: None)
+    resampling = Resampling(engine, histories.kept, True, lambda time: None)
     engine.start()
     engine.sample()
     histories.take()

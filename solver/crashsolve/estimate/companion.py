@@ -92,7 +92,8 @@ class Companions:
         self.program = engine.program
         engine.on_pause = self._check_limits
         recorded = _RecordedSamples(engine, Histories(engine, self.names))
-        resampling = Resampling(engine, not is_static(self.deck), recorded.take)
+        kept = recorded.histories.kept
+        resampling = Resampling(engine, kept, not is_static(self.deck), recorded.take)
         engine.start()
         if not is_static(self.deck) and coarseness >= 2.0:
             # where samples bound its steps it leaves some of them out
@@ -105,8 +106,8 @@ class Companions:
                 k = self._sample(k + 1, recorded, resampling, schedule)
                 continue
             times = schedule.times(k + 1, MOST)
-            if resampling.march.can_march(float(times[-1]), recorded.histories.kept):
-                count, _, left = resampling.march.go(times, recorded.histories.kept)
+            if resampling.march.can_march(float(times[-1])):
+                count, _, left = resampling.march.go(times)
                 recorded.add(times[:count].tolist())
                 if left is not None:
                     engine.answer(left)
@@ -189,7 +190,8 @@ class _RecordedSamples:
 
     def close(self) -> None:
         """Compute the channels of the samples recorded so far. Raises SolverError."""
-        block = self.histories.values()
+        # the next samples overwrite them
+        block = {name: values.copy() for name, values in self.histories.values().items()}
         if not all(np.isfinite(values).all() for values in block.values()):
             raise _not_finite(self.engine)
         self.blocks.append(block)

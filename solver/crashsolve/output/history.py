@@ -44,7 +44,7 @@ class HistoryWriter:
         *,
         expected_rows: int = 0,
         flush_seconds: float = 5.0,
-        buffer_bytes: int = 1 << 22,
+        buffer_bytes: int = 1 << 24,
     ) -> None:
         self.path = Path(path)
         # a family without entities leaves no trace

@@ -94,24 +94,26 @@ class Snapshot:
         self._arrays: dict[str, np.ndarray] = {}
         # where copies go: they become the snapshot when they have been made
         self._targets: dict[str, np.ndarray] = {}
-        self._pairs: list[tuple[np.ndarray, np.ndarray]] = []
+        self._pieces: dict[str, tuple[np.ndarray, np.ndarray]] = {}
         # number of the binding of arrays to which the copies belong
         self._bound = -1
         arrays = changing(engine).values()
         # lists of nodes and faces are renewed by the step itself
         self.is_copied = not _nodal(engine) and all(a.flags.c_contiguous for a in arrays)
 
-    def pieces(self) -> list[tuple[np.ndarray, np.ndarray]]:
+    def pieces(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
         """Copies to be made, from and to, in bytes, as numpy copies columns one by one.
+
+        No pair of bodies is skipped in a new copy: none has a history there yet.
 
         Tables may be bound anew within an interval: what its begin has stored stays as it is.
         """
         if self._bound != self.engine.bindings:
             now = {name: a for name, a in changing(self.engine).items() if a.size}
-            self._targets = {name: np.empty_like(a) for name, a in now.items()}
-            self._pairs = [(_bytes(a), _bytes(self._targets[name])) for name, a in now.items()]
+            self._targets = {name: np.zeros_like(a) for name, a in now.items()}
+            self._pieces = {n: (_bytes(a), _bytes(self._targets[n])) for n, a in now.items()}
             self._bound = self.engine.bindings
-        return self._pairs
+        return self._pieces
 
     def note_copies(self) -> None:
         """All of `pieces` have been copied."""
@@ -122,7 +124,7 @@ class Snapshot:
         if not self.is_copied:
             self._arrays = {name: a.copy() for name, a in changing(self.engine).items()}
             return
-        for now, kept in self.pieces():
+        for now, kept in self.pieces().values():
             kept[...] = now
         self.note_copies()
 
@@ -143,7 +145,7 @@ class Snapshot:
             if group.applied is not None:
                 group.applied[...] = 0
         if self._arrays is self._targets and self._bound == self.engine.bindings:
-            for now, kept in self._pairs:
+            for now, kept in self._pieces.values():
                 now[...] = kept
             return
         empty = {name: a for name, a in changing(self.engine).items() if not a.size}

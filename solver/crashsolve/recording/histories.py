@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Iterable
+from collections.abc import Callable, Container, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from crashsolve.deck.family import families
-from crashsolve.foundation.orientation import crosses
 from crashsolve.foundation.record import Record
 from crashsolve.model.contact import records
 from crashsolve.model.ledger import ENTRIES, IMBALANCE, LARGEST, MECHANICAL
-from crashsolve.model.model import Group, Joint, Model, State
+from crashsolve.model.model import Group, Model, State
 from crashsolve.output.channels import Column, Family
-from crashsolve.recording.kept import Columns, SampledTables, Source, identity, merged
-from crashsolve.recording.momenta import OF_NODES, Momenta
+from crashsolve.recording import gather
+from crashsolve.recording.kept import Block, Columns, Later, Source, sources_of
+from crashsolve.recording.momenta import OF_CLOCK, OF_ELEMENTS, OF_NODES, Momenta
 from crashsolve.system.engine import Engine
 
 if TYPE_CHECKING:
@@ -47,8 +47,16 @@ PATH = (
 CARD_COLUMNS: tuple[str, ...] = ("impulse", "peak_normal", "peak_depth", "onsets", "touches")
 CARD_COLUMNS += ("first_touch", "last_release", "duration")
 FAMILY = {name: next(iter(f.channels)) for name, f in families().items() if f.channels}
-# a family, the tables it is made of, and how: values (samples, n_id, n_column)
-Part = tuple[Family, tuple[Source, ...], Callable[..., np.ndarray]]
+
+
+@dataclass
+class Part:
+    """A family, where its columns are at a sample, and how those that are computed are."""
+
+    family: Family
+    columns: Columns
+    # of values (n_column, samples, n_id): writes the columns that are no copies
+    finish: Callable[[np.ndarray], None] = lambda values: None
 
 
 @dataclass(frozen=True)
@@ -86,26 +94,25 @@ class Histories:
     def __init__(self, engine: Engine | Start, names: Container[str] | None = None) -> None:
         self.engine = engine
         self._momenta = Momenta()
-        self._margin = self._margins()
         self._ends = [phase.end for phase in engine.model.phases]
-        self._parts = [self._model(), self._bodies(), self._joints(), self._contacts()]
-        self._parts += self._traces() + self._gauges() + self._cuts()
+        joints, origins = _joints(engine.model), _origins(engine.model)
+        self._parts = [self._model(), self._bodies(origins), self._joints(joints)]
+        self._parts += [self._contacts(), *self._traces(), *self._gauges(), *self._cuts()]
         self._parts += [self._group(g) for g in engine.model.groups if hasattr(g.module, "OUTPUT")]
         if names is not None:
-            self._parts = [part for part in self._parts if part[0].name in names]
+            self._parts = [part for part in self._parts if part.family.name in names]
         # a family without entities is not written
-        self._parts = [part for part in self._parts if part[0].ids and part[0].columns]
-        # a table that several families use is stored once
-        sources = merged(source for _, own, _ in self._parts for source in own)
-        self._kept = SampledTables(list(sources.values()))
-        numbers = {key: number for number, key in enumerate(sources)}
-        self._positions = [
-            [numbers[identity(source)] for source in own] for _, own, _ in self._parts
-        ]
+        self._parts = [part for part in self._parts if part.family.ids and part.family.columns]
+        has_model = any(part.family.word == "glstat" for part in self._parts)
+        self._motion = self._columns_of_motion() if has_model else []
+        self._moved: list[np.ndarray] = []
+        tables = {"nodes": engine.nodes, "rows": engine.rows, "clock": engine.state.clock}
+        every = [part.columns for part in self._parts] + self._motion
+        self._kept = Block(every, tables, joints, origins)
 
     @property
     def families(self) -> tuple[Family, ...]:
-        return tuple(family for family, _, _ in self._parts)
+        return tuple(part.family for part in self._parts)
 
     @property
     def memory(self) -> dict[str, np.ndarray]:
@@ -113,104 +120,119 @@ class Histories:
         return {"momenta/start": self._momenta.start, "momenta/largest": self._momenta.largest}
 
     @property
-    def kept(self) -> SampledTables:
-        """Tables of the samples taken."""
+    def kept(self) -> Block:
+        """Numbers of the samples taken."""
         return self._kept
 
     def take(self) -> bool:
-        """Store the tables of the present sample; returns whether the block is full."""
+        """Store the numbers of the present sample; returns whether the block is full."""
         self._kept.take()
         return self._kept.is_full
 
     def values(self) -> dict[str, np.ndarray]:
-        """Values (samples, n_id, n_column) of every family at the samples taken since the last."""
-        tables = self._kept.tables()
+        """Values (samples, n_id, n_column) of every family at the samples taken since the last.
+
+        In memory a column stands in one piece, as in the history; the next sample overwrites it.
+        """
+        found = self._kept.values()
+        self._moved = found[len(self._parts) :]
+        for part, values in zip(self._parts, found, strict=False):
+            part.finish(values)
         return {
-            family.name: make(*(tables[index] for index in indices))
-            for (family, _, make), indices in zip(self._parts, self._positions, strict=True)
+            part.family.name: values.transpose(1, 2, 0)
+            for part, values in zip(self._parts, found, strict=False)
         }
 
     def _model(self) -> Part:
+        e = self.engine
+        sampled, clock = e.sample_clock, e.state.clock
         columns = [Column("energy", name, "J", name.replace("_", " ")) for name in ENTRIES]
         columns += [Column(*spec) for spec in MODEL]
+        sources: list[Source | Later] = [Source(e.ledger[None, :])]
+        # balance and errors; residual, step and cycle; mechanical energy
+        sources += [Later(3), Source(sampled["residual"]), Source(clock["step"])]
+        sources += [Source(sampled["cycle"]), Later(1)]
         if self._ends:
             columns.append(Column("phase", "", "1", "number of the phase"))
+            # the time in its place, at first
+            sources.append(Source(sampled["time"]))
         for name, unit in (("momentum", "N s"), ("angular_momentum", "N m s")):
             columns += [Column(name, axis, unit, "sum over bodies") for axis in AXES]
         columns += [Column(*spec) for spec in self._path()]
-        e, elements = self.engine, self.engine.model.elements
-        sources: list[Source] = [e.ledger, e.sample_clock, e.state.clock]
-        sources.append(Columns(e.nodes, OF_NODES))
-        sources += [] if elements is None else [elements.motion]
-        return Family("glstat", ("model",), tuple(columns)), tuple(sources), self._model_values
+        sources += [Later(6), *sources_of(clock, (name for name, *_ in self._path()))]
+        family = Family("glstat", ("model",), tuple(columns))
+        return Part(family, Columns(1, sources), self._finish_model)
 
-    def _model_values(
-        self,
-        ledger: np.ndarray,
-        sampled: np.ndarray,
-        clock: np.ndarray,
-        nodes: np.ndarray,
-        *elements: np.ndarray,
-    ) -> np.ndarray:
-        linear, angular, *errors = self._momenta.of(sampled[:, 0], nodes[:, 1:], *elements)
-        missing, largest = ledger[:, IMBALANCE], ledger[:, LARGEST]
-        balance = np.divide(100.0 * missing, largest, out=np.zeros(len(missing)), where=largest > 0)
-        step, (residual, cycle) = clock["step"], (sampled[name] for name in ("residual", "cycle"))
-        mechanical = sum(ledger[:, k] for k in MECHANICAL)
-        scalars = [balance, *errors, residual[:, 0], step[:, 0], cycle[:, 0], mechanical]
+    def _columns_of_motion(self) -> list[Columns]:
+        """Columns that the momenta of the model are made of."""
+        e, elements = self.engine, self.engine.model.elements
+        found = [
+            Columns(1, sources_of(e.sample_clock, OF_CLOCK)),
+            Columns(len(e.nodes) - 1, sources_of(e.nodes[1:], OF_NODES)),
+        ]
+        if elements is not None:
+            found.append(Columns(1, sources_of(elements.motion[:1], OF_ELEMENTS)))
+        return found
+
+    def _finish_model(self, values: np.ndarray) -> None:
+        """Writes: the columns of values (n_column, samples, 1) that are no copies."""
+        at = values[:, :, 0]
+        balance, mechanical = len(ENTRIES), len(ENTRIES) + len(MODEL) - 1
+        missing, largest = at[IMBALANCE], at[LARGEST]
+        at[balance] = 0.0
+        np.divide(100.0 * missing, largest, out=at[balance], where=largest > 0)
+        at[mechanical] = sum(at[k] for k in MECHANICAL)
+        first = mechanical + 1
         if self._ends:
-            scalars.append(np.searchsorted(self._ends, sampled["time"][:, 0]) + 1)
-        path = [clock[name] for name, *_ in self._path()]
-        return np.column_stack([ledger, *scalars, linear, angular, *path])[:, None, :]
+            at[first] = np.searchsorted(self._ends, at[first]) + 1
+            first += 1
+        clock, nodes, *elements = self._moved
+        linear, angular, *errors = self._momenta.of(
+            _named(self._motion[0], OF_CLOCK, clock[:, :, 0]),
+            _named(self._motion[1], OF_NODES, nodes),
+            *(_named(self._motion[2], OF_ELEMENTS, own[:, :, 0]) for own in elements),
+        )
+        at[balance + 1 : balance + 3] = errors
+        at[first : first + 3], at[first + 3 : first + 6] = linear.T, angular.T
 
     def _path(self) -> tuple[tuple[str, str, str, str], ...]:
         """Columns of a run that follows a path of equilibria."""
         return PATH if self.engine.model.control[0]["follows_path"] else ()
 
-    def _bodies(self) -> Part:
+    def _bodies(self, origins: np.ndarray) -> Part:
         columns = [Column(q, a, unit, m) for q, _, unit, m in BODY for a in AXES]
         columns += [Column("quaternion", c, "1", "body to world") for c in ("w", *AXES)]
-        names = [name for _, name, _, _ in BODY] + ["q"]
         count = len(self.engine.model.bodies)
-        arms = self.engine.model.mass_centres[1:count]
-        has_origins = bool(np.any(arms))
-        columns += [Column("origin", a, "m", "origin of the body") for a in AXES if has_origins]
+        own = self.engine.nodes[1:count]
+        sources = sources_of(own, [*(name for _, name, _, _ in BODY), "q"])
+        if len(origins):
+            columns += [Column("origin", a, "m", "origin of the body") for a in AXES]
+            sources += sources_of(origins, ("r",))
         family = Family("rbdout", tuple(self.engine.model.bodies[1:]), tuple(columns))
-        read = frozenset([*names, "A"] if has_origins else names)
+        return Part(family, Columns(count - 1, sources))
 
-        def values(nodes: np.ndarray) -> np.ndarray:
-            own = nodes[:, 1:count]
-            more = [_origins(own, arms)] if has_origins else []
-            return _side_by_side([own[name] for name in names] + more)
-
-        return family, (Columns(self.engine.nodes, read),), values
-
-    def _joints(self) -> Part:
+    def _joints(self, joints: np.ndarray) -> Part:
         columns = [Column("force", a, "N", "of the joint on body b, world axes") for a in AXES]
         columns += [Column("moment", a, "N m", "the same, about the joint point") for a in AXES]
-        joints, engine = self.engine.model.joints, self.engine
-        tables = (
-            Columns(engine.nodes, frozenset({"A"})),
-            Columns(engine.rows, frozenset({"D", "reaction"})),
-        )
-        family = Family("jntforc", tuple(joint.name for joint in joints), tuple(columns))
-        return family, tables, _reactions_of(joints)
+        names = tuple(joint.name for joint in self.engine.model.joints)
+        own = Columns(len(joints), sources_of(joints, ("force", "moment")))
+        return Part(Family("jntforc", names, tuple(columns)), own)
 
     def _contacts(self) -> Part:
         columns = _columns(records.CARD_OUTPUT)
         history = [c for c in records.CARD_HISTORY.columns if c.name in CARD_COLUMNS]
         columns += [column for c in history for column in _components(c)]
-        family = Family("rcforc", tuple(self.engine.model.contacts), tuple(columns))
-        state = self.engine.state
-        return family, (state.cards, state.card_history, state.clock), self._cards
+        cards, both = self.engine.state.cards, self.engine.state.card_history
+        sources = sources_of(cards, (column.name for column in records.CARD_OUTPUT.columns))
+        sources += [Source(both[0][name], both.strides[0]) for name in CARD_COLUMNS]
+        depth, margins = [c.path for c in columns].index("depth"), self._margins()
 
-    def _cards(self, cards: np.ndarray, history: np.ndarray, clock: np.ndarray) -> np.ndarray:
-        # pairs farther apart than the margin of a list are not in it
-        cards["depth"] = np.maximum(cards["depth"], -self._margin)
-        rows, current = np.arange(len(history)), clock["current"][:, 0]
-        names = [column.name for column in records.CARD_OUTPUT.columns]
-        now = [history[name][rows, current] for name in CARD_COLUMNS]
-        return _side_by_side([cards[name] for name in names] + now)
+        def finish(values: np.ndarray) -> None:
+            # pairs farther apart than the margin of a list are not in it
+            np.maximum(values[depth], -margins, out=values[depth])
+
+        family = Family("rcforc", tuple(self.engine.model.contacts), tuple(columns))
+        return Part(family, Columns(len(cards), sources), finish)
 
     def _margins(self) -> np.ndarray:
         """Margin of the list of near pairs of every contact card; infinite without a list."""
@@ -230,16 +252,17 @@ class Histories:
         if not names:
             return []
         points = self.engine.state.points
-        start = points["r"][numbers]
+        start = points["r"][numbers].T[:, None, :]
         columns = [Column("position", a, "m", "of the node") for a in AXES]
         columns += [Column("displacement", a, "m", "since the start") for a in AXES]
         columns += [Column("velocity", a, "m/s", "of the node") for a in AXES]
 
-        def values(r: np.ndarray, v: np.ndarray) -> np.ndarray:
-            return np.concatenate([r, r - start, v], axis=2)
+        def finish(values: np.ndarray) -> None:
+            np.subtract(values[:3], start, out=values[3:6])
 
-        requested = (lambda: points["r"][numbers], lambda: points["v"][numbers])
-        return [(Family("nodout-shell", tuple(names), tuple(columns)), requested, values)]
+        r, v = (Source(points[name], rows=numbers) for name in "rv")
+        family = Family("nodout-shell", tuple(names), tuple(columns))
+        return [Part(family, Columns(len(names), [r, Later(3), v]), finish)]
 
     def _gauges(self) -> list[Part]:
         """Elements of shells whose history the deck asks for."""
@@ -254,12 +277,11 @@ class Histories:
             columns += [Column(field, part, unit, "of the element, its axes") for part in parts]
         blocks = self.engine.state.blocks
 
-        def values() -> np.ndarray:
+        def request() -> np.ndarray:
             return np.concatenate([meshed.gauge_values(blocks, row) for _, meshed, row in gauged])
 
         family = Family("elout-shell", tuple(names), tuple(columns))
-        # stored values are overwritten by later samples
-        return [(family, (values,), np.copy)]
+        return [Part(family, Columns(len(names), [Later(len(columns))], request))]
 
     def _cuts(self) -> list[Part]:
         """Sections of shells."""
@@ -275,7 +297,7 @@ class Histories:
 
         columns = [column for c in CUT.columns if c.name in OUTPUT for column in _components(c)]
         family = Family("secforc-shell", tuple(names), tuple(columns))
-        return [(family, (elements.cuts,), lambda cuts: _stacked(cuts, OUTPUT))]
+        return [Part(family, Columns(len(names), sources_of(elements.cuts, OUTPUT)))]
 
     def _meshed(self) -> list[tuple[str, DiscretisedShell, np.void]]:
         """Name, part in place and row of every part with points."""
@@ -292,36 +314,38 @@ class Histories:
         """Outputs of one type; types of a family differ in columns and stand side by side."""
         word = getattr(group.module, "FAMILY", FAMILY[group.keyword])
         columns = tuple(_columns(group.module.OUTPUT))
-        names = [c.name for c in group.module.OUTPUT.columns]
+        names = (c.name for c in group.module.OUTPUT.columns)
         family = Family(f"{word}-{group.type}", tuple(group.names), columns)
-        return family, (group.output,), lambda output: _stacked(output, names)
+        return Part(family, Columns(len(group.names), sources_of(group.output, names)))
 
 
-def _reactions_of(joints: list[Joint]) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
-    """Function of nodes and rows at samples: force and moment of every joint on its body b at the
-    joint point, world axes.
-    """
-    # every joint has a row at least
-    firsts = np.cumsum([0, *(joint.rows for joint in joints[:-1])])
-    own = [row for j in joints for row in range(j.first_row, j.first_row + j.rows)]
-    if np.array_equal(own, np.arange(len(own))):
-        # as they lie
-        own = slice(len(own))
-    pointed = [k for k, joint in enumerate(joints) if "point_b" in joint.frame]
-    points = np.array([joints[k].frame["point_b"] for k in pointed])
-    bodies = [joints[k].node_b for k in pointed]
+def _joints(model: Model) -> np.ndarray:
+    """Rows of gather.JOINT: every joint, its force and moment on body b."""
+    found = np.zeros(len(model.joints), gather.JOINT.dtype)
+    for row, joint in zip(found, model.joints, strict=True):
+        row["node"], row["first"], row["rows"] = joint.node_b, joint.first_row, joint.rows
+        row["point"] = joint.frame.get("point_b", 0.0)
+    return found
 
-    def reactions(nodes: np.ndarray, rows: np.ndarray) -> np.ndarray:
-        wrench = rows["D"][:, own, 6:] * rows["reaction"][:, own, None]
-        # nothing is 0, not -0
-        values = np.add.reduceat(wrench, firsts, axis=1) + 0.0
-        if pointed:
-            A = nodes["A"][:, bodies].reshape(len(nodes), len(bodies), 3, 3)
-            arms = (A @ points[:, :, None])[..., 0]
-            values[:, pointed, 3:] -= crosses(arms, values[:, pointed, :3])
-        return values
 
-    return reactions
+def _origins(model: Model) -> np.ndarray:
+    """Rows of gather.ORIGIN: every body, where any has its origin beside its mass centre."""
+    count = len(model.bodies)
+    arms = model.mass_centres[1:count]
+    found = np.zeros(count - 1 if np.any(arms) else 0, gather.ORIGIN.dtype)
+    if len(found):
+        found["node"], found["arm"] = np.arange(1, count), arms
+    return found
+
+
+def _named(columns: Columns, names: Sequence[str], values: np.ndarray) -> dict[str, np.ndarray]:
+    """Numbers and vectors at samples, by name, of values (n_column, samples, ...)."""
+    found, at = {}, 0
+    for name, source in zip(names, columns.sources, strict=True):
+        own = values[at : at + source.width]
+        found[name] = own[0] if source.width == 1 else np.moveaxis(own, 0, -1)
+        at += source.width
+    return found
 
 
 def _columns(record: Record) -> list[Column]:
@@ -334,29 +358,3 @@ def _components(c: RecordColumn) -> list[Column]:
         return [Column(c.name, "", unit, c.meaning)]
     parts = AXES if c.size == 3 else tuple(str(k + 1) for k in range(c.size))
     return [Column(c.name, part, unit, c.meaning) for part in parts]
-
-
-def _stacked(tables: np.ndarray, names: Iterable[str]) -> np.ndarray:
-    """Columns of tables (samples, n) as numbers (samples, n, total width)."""
-    return _side_by_side([tables[name] for name in names])
-
-
-def _side_by_side(columns: list[np.ndarray]) -> np.ndarray:
-    """Columns (samples, n) or (samples, n, width) as numbers (samples, n, total width).
-
-    In memory a column stands in one piece, as it does in the history.
-    """
-    # widths from shapes: numpy cannot infer one where there are no samples
-    widths = [int(np.prod(column.shape[2:], dtype=int)) for column in columns]
-    samples, n = columns[0].shape[:2]
-    found, first = np.empty((sum(widths), samples, n)), 0
-    for column, width in zip(columns, widths, strict=True):
-        found[first : first + width] = column.reshape(samples, n, width).transpose(2, 0, 1)
-        first += width
-    return found.transpose(1, 2, 0)
-
-
-def _origins(nodes: np.ndarray, arms: np.ndarray) -> np.ndarray:
-    """Positions (samples, n, 3) of the origins of bodies [m], by their mass centres from these."""
-    A = nodes["A"].reshape(*nodes.shape, 3, 3)
-    return np.asarray(nodes["r"] - np.einsum("tnij,nj->tni", A, arms))

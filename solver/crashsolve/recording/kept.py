@@ -1,57 +1,105 @@
-"""Tables as they were at the samples of a block.
+"""Columns of numbers at the samples of a block.
 
 Channels are made of many samples at once, since a call of numpy costs as much for one of them as
-for a hundred. At a sample itself the tables they are made of are only copied, in bytes.
+for a hundred. At a sample itself numbers are only copied (gather.py), each to where it lies in the
+history.
 """
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
-from itertools import groupby
-from typing import Any
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
-
-@dataclass(frozen=True)
-class Columns:
-    """The columns of a table that values need: to copy these alone takes less time."""
-
-    table: np.ndarray
-    names: frozenset[str]
-
-
-Source = np.ndarray | Columns | Callable[[], np.ndarray]
+from crashsolve.compiler.table import Tables
+from crashsolve.recording import gather
 
 # [bytes] of a block, and samples in it: larger ones are no faster
 MAX_BYTES, MAX_SAMPLES = 1 << 22, 256
 
 
-class SampledTables:
-    """Copies of tables at fixed addresses; other sources are called at every sample."""
+@dataclass(frozen=True)
+class Source:
+    """Where columns lie in a table of the run: numbers (n,) or (n, width) of its entities.
 
-    def __init__(self, sources: list[Source]) -> None:
-        self._requested = [(i, s) for i, s in enumerate(sources) if callable(s)]
-        tables = [_layout(source) for source in sources]
-        size = sum(dtype.itemsize * int(np.prod(shape)) for shape, dtype in tables)
+    Of a history, `half` are the bytes from its first half to the second. Of chosen rows of the
+    table, `rows` are their indices.
+    """
+
+    numbers: np.ndarray
+    half: int = 0
+    rows: Sequence[int] | None = None
+
+    @property
+    def width(self) -> int:
+        return 1 if self.numbers.ndim == 1 else self.numbers.shape[1]
+
+    @property
+    def is_integer(self) -> bool:
+        return self.numbers.dtype.kind in "iu"
+
+
+@dataclass(frozen=True)
+class Later:
+    """Columns that are computed when the block is complete."""
+
+    width: int
+
+
+@dataclass
+class Columns:
+    """Columns of one length, from one to the next; `request` computes them in place of copies."""
+
+    size: int
+    sources: list[Source | Later] = field(default_factory=list)
+    request: Callable[[], np.ndarray] | None = None
+
+    @property
+    def width(self) -> int:
+        return sum(source.width for source in self.sources)
+
+
+class Block:
+    """Columns of a run at up to `capacity` samples; `joints`, `origins`: tables of gather.py."""
+
+    def __init__(
+        self,
+        every: list[Columns],
+        tables: dict[str, np.ndarray],
+        joints: np.ndarray,
+        origins: np.ndarray,
+    ) -> None:
+        """`tables`: nodes, rows and clock of the run."""
+        size = 8 * sum(columns.size * columns.width for columns in every)
         self.capacity = min(max(MAX_BYTES // max(size, 1), 1), MAX_SAMPLES)
-        self._tables = [np.empty((self.capacity, *shape), dtype) for shape, dtype in tables]
-        # from and to, the latter (samples, ...): numpy would copy columns one by one
-        self.pieces = [
-            piece
-            for source, copies in zip(sources, self._tables, strict=True)
-            if not callable(source) and copies.size
-            for piece in _pieces(source, copies)
-        ]
-        self.count = 0
+        # values (n_column, capacity, n) of each
+        self._values = [np.empty((own.width, self.capacity, own.size)) for own in every]
+        self._every, self._block = every, np.zeros(1, gather.BLOCK.dtype)
+        both = zip(every, self._values, strict=True)
+        pieces = [piece for own, values in both for piece in _pieces(own.sources, values)]
+        own = {"joints": joints, "origins": origins, "block": self._block}
+        # of gather.add_sample
+        self.tables = tables | own | {"pieces": np.array(pieces, gather.PIECE.dtype)}
+        self._add = self._add_in_python
+
+    def use(self, add: Callable[[], None]) -> None:
+        """Take samples by gather.add_sample compiled for tables that include these."""
+        self._add = add
 
     def take(self) -> None:
-        """Keep the tables of the present sample."""
-        k = self.count
-        for piece, copies in self.pieces:
-            copies[k] = piece
-        for i, source in self._requested:
-            self._tables[i][k] = source()
-        self.count = k + 1
+        """Add the present sample."""
+        count = self.count
+        self._add()
+        for own, values in zip(self._every, self._values, strict=True):
+            if own.request is not None:
+                values[:, count] = own.request().T
+
+    def _add_in_python(self) -> None:
+        gather.add_sample(Tables(self.tables))
+
+    @property
+    def count(self) -> int:
+        """Samples taken."""
+        return int(self._block["count"][0])
 
     @property
     def is_full(self) -> bool:
@@ -59,70 +107,62 @@ class SampledTables:
 
     @property
     def room(self) -> int:
-        """Samples that may still be kept."""
+        """Samples that may still be taken."""
         return self.capacity - self.count
 
     @property
     def is_copied(self) -> bool:
         """Whether copies alone are needed at a sample."""
-        return not self._requested
+        return all(own.request is None for own in self._every)
 
-    def tables(self) -> list[np.ndarray]:
-        """The tables (samples, ...) kept since the last call; the next sample overwrites them."""
-        count, self.count = self.count, 0
-        return [copies[:count] for copies in self._tables]
+    def values(self) -> list[np.ndarray]:
+        """Values (n_column, samples, n) taken since the last call; later samples overwrite them."""
+        count = self.count
+        self._block["count"] = 0
+        found = [values[:, :count] for values in self._values]
+        for own, values in zip(self._every, found, strict=True):
+            _convert(own.sources, values)
+        return found
 
 
-def merged(sources: Iterable[Source]) -> dict[int, Source]:
-    """Sources by the identity of their tables, each with all columns that are needed of it."""
-    found: dict[int, Source] = {}
+def sources_of(table: np.ndarray, names: Iterable[str]) -> list[Source | Later]:
+    """Columns of a table."""
+    return [Source(table[name]) for name in names]
+
+
+def _pieces(sources: list[Source | Later], values: np.ndarray) -> list[tuple[int, ...]]:
+    """Rows of PIECE that fill values (n_column, capacity, n) from their sources."""
+    found, at = [], 0
+    column, advance, _ = values.strides
     for source in sources:
-        known = found.get(identity(source))
-        if isinstance(source, Columns) and isinstance(known, Columns):
-            source = Columns(source.table, source.names | known.names)
-        found[identity(source)] = source
+        if isinstance(source, Source) and values.size:
+            numbers = source.numbers
+            if numbers.itemsize != 8 or numbers.ndim == 2 and numbers.strides[1] != 8:
+                raise ValueError("a column must be of numbers of eight bytes, side by side")
+            target, first, stride = _address(values[at]), _address(numbers), numbers.strides[0]
+            to = (column, advance)
+            shape = (stride, source.half, source.width)
+            if source.rows is None:
+                found.append((target, *to, first, *shape, len(numbers)))
+            else:
+                found += [
+                    (target + 8 * j, *to, first + row * stride, *shape, 1)
+                    for j, row in enumerate(source.rows)
+                ]
+        at += source.width
     return found
 
 
-def identity(source: Source) -> int:
-    """Key that distinguishes two sources."""
-    return id(source.table if isinstance(source, Columns) else source)
+def _address(array: np.ndarray) -> int:
+    address: int = array.__array_interface__["data"][0]
+    return address
 
 
-def _layout(source: Source) -> tuple[tuple[int, ...], np.dtype]:
-    """Shape and type of the copies of a source."""
-    if isinstance(source, Columns):
-        names = [name for name in source.table.dtype.names or () if name in source.names]
-        return source.table.shape, np.dtype([(n, source.table.dtype[n]) for n in names])
-    table = source() if callable(source) else source
-    return table.shape, table.dtype
-
-
-def _pieces(
-    source: np.ndarray | Columns, copies: np.ndarray
-) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Columns that are side by side in a table and in its copies, each in words of both."""
-    table = source.table if isinstance(source, Columns) else source
-    if not table.flags.c_contiguous:
-        raise ValueError("a table must lie in one piece")
-    if not isinstance(source, Columns):
-        return [(_bytes(table), copies.view(np.uint8).reshape(len(copies), -1))]
-    old: Any = table.dtype.fields
-    new: Any = copies.dtype.fields
-    # a record is of numbers of eight bytes
-    words, kept = _words(table), _words(copies).reshape(len(copies), table.size, -1)
-    found = []
-    for _, run in groupby(new, lambda name: old[name][1] - new[name][1]):
-        names = list(run)
-        size = sum(new[name][0].itemsize for name in names) // 8
-        i, j = old[names[0]][1] // 8, new[names[0]][1] // 8
-        found.append((words[:, i : i + size], kept[:, :, j : j + size]))
-    return found
-
-
-def _words(table: np.ndarray) -> np.ndarray:
-    return table.reshape(-1).view(np.int64).reshape(table.size, -1)
-
-
-def _bytes(table: np.ndarray) -> np.ndarray:
-    return table.reshape(-1).view(np.uint8)
+def _convert(sources: list[Source | Later], values: np.ndarray) -> None:
+    """Whole numbers were copied as such. Writes: values."""
+    at = 0
+    for source in sources:
+        own = values[at : at + source.width]
+        if isinstance(source, Source) and source.is_integer:
+            own[...] = own.view(np.int64)
+        at += source.width

@@ -16,13 +16,17 @@ from crashsolve.foundation.addresses import call_step, copy_bytes, number_at, ti
 from crashsolve.foundation.kernels import entry, kernel
 from crashsolve.foundation.record import Record
 from crashsolve.model.clock import REACHED, STOPS_AT_SAMPLE
+from crashsolve.model.contact.body_pairs import BODY_PAIR
 from crashsolve.model.ledger import LARGEST, is_spurious_energy
+from crashsolve.recording.gather import add_sample
 from crashsolve.system.engine import FIRST_JUDGED
 
 SHOWN_SHARE, MISSING_SHARE = 0.9, 0.1
 # why `march` returned: all samples are done; the step returned; the last interval hides a contact;
 # the last sample must be checked by the caller; the next step is longer than wanted
 DONE, STEPPED, HIDDEN, SUSPECT, LONG = range(5)
+# bytes of a row of BODY_PAIR
+ROW = BODY_PAIR.dtype.itemsize
 
 JOB = Record("""
     step      index  address of the compiled step
@@ -34,11 +38,10 @@ JOB = Record("""
     longest   s      no sample is taken where the next step is longer
     most      count  samples wanted
     count     count  samples done
-    first     index  row of the first of them among those kept
     cards     count  contact cards
     before    count  rows of `before`
-    rows      count  rows of `rows`
     snapshot  count  rows of `snapshot`
+    both      index  address of two body pairs
     passed    count  rows of `passed`
     why       index  DONE, STEPPED, HIDDEN, SUSPECT or LONG
     stepping  count  ticks of the steps
@@ -68,15 +71,22 @@ PHASE = Record("""
     steps     count  3  before, during, after contact
     spans     s      3  of these
 """)
-# bytes to copy: `number` pieces of `count` bytes each, for every sample `advance` further on
+# bytes to copy
 COPY = Record("""
-    target         index  address
-    target_stride  count  from one piece to the next
-    source         index  address
-    source_stride  count  from one piece to the next
-    count          count  bytes of a piece
-    number         count  pieces
-    advance        count  bytes
+    target  index  address
+    source  index  address
+    count   count  bytes
+""")
+# a group whose pairs are skipped while they are apart (system/contact/body_pairs.py), and where
+# the snapshot has it
+SKIPPING = Record("""
+    body_pairs    index  address
+    kept_pairs    index  address of their copy
+    number        count  of them
+    history       index  address
+    kept_history  index  address of its copy
+    half          count  bytes of a history
+    stride        count  bytes of a pair
 """)
 # columns of times at which a pair passed: not 0 stops the run
 PASSED = Record("""
@@ -109,11 +119,17 @@ def march(_, flag, scene):
         elif not sample(until, job, clock, scene):
             job.why = SUSPECT
         else:
-            copy(scene.rows, job.rows, job.first + job.count)
+            add_sample(scene)
             begin_interval(clock, scene)
             count_interval(clock, scene)
             job.count += 1
     job.total = ticks() - begun
+
+
+@entry
+def take(_, flag, scene):
+    """Add the present sample to those taken. Writes: block, joints, origins, memory."""
+    add_sample(scene)
 
 
 @entry
@@ -135,19 +151,36 @@ def finish_interval(_, flag, scene):
 
 
 @kernel
-def copy(table, rows, k):
-    """Copy the pieces in a table of COPY, for sample k. Writes: memory."""
+def copy(table, rows):
+    """Copy the pieces in a table of COPY. Writes: memory."""
     for i in range(rows):
-        one = table[i]
-        target, source = one.target + k * one.advance, one.source
-        for j in range(one.number):
-            copy_bytes(target + j * one.target_stride, source + j * one.source_stride, one.count)
+        copy_bytes(table[i].target, table[i].source, table[i].count)
+
+
+@kernel
+def copy_changed(groups, both, at):
+    """Copy the histories of pairs, but for those that have been skipped without a change since
+    their copies were made. `both`, at an address, has room for two rows. Writes: both, memory.
+    """
+    for i in range(groups.shape[0]):
+        group = groups[i]
+        for j in range(group.number):
+            present, kept = group.body_pairs + j * ROW, group.kept_pairs + j * ROW
+            copy_bytes(at, present, ROW)
+            copy_bytes(at + ROW, kept, ROW)
+            now, before = both[0], both[1]
+            if now.skipped == 0 or before.skipped == 0 or now.changes != before.changes:
+                first, size = now.first * group.stride, (now.end - now.first) * group.stride
+                for k in range(2):
+                    half = k * group.half + first
+                    copy_bytes(group.kept_history + half, group.history + half, size)
+            copy_bytes(kept, at, ROW)
 
 
 @kernel
 def sample(until, job, clock, scene):
     """Take a sample; whether the run may continue. Writes: tables of a sample, clock, ledger."""
-    copy(scene.before, job.before, 0)
+    copy(scene.before, job.before)
     call_step(job.step, until, True, job.of_sample)
     sampled, ledger = scene.sample_clock[0], scene.sample_ledger
     clock.sampled = sampled.time
@@ -215,7 +248,8 @@ def begin_interval(clock, scene):
     # the pause depends on the speed of the machine, and must not enter a dump
     pause = clock.pause
     clock.pause = 0
-    copy(scene.snapshot, scene.job[0].snapshot, 0)
+    copy(scene.snapshot, scene.job[0].snapshot)
+    copy_changed(scene.skipping, scene.both, scene.job[0].both)
     clock.pause = pause
     watch.time, watch.cycle = clock.time, clock.cycle
     for i in range(scene.job[0].cards):

@@ -1,7 +1,6 @@
 """Arguments of the compiled loop from sample to sample (march.py): tables, and the copies to make.
 
-    copies of the State before a sample;  rows stored of a sample;  a snapshot at the start of an
-    interval
+    copies of the State before a sample;  a snapshot at the start of an interval
 
 They are renewed when tables are bound to other arrays. Where Python is needed at every sample, no
 block is run, and the run goes from one sample to the next. Consequence to
@@ -19,16 +18,18 @@ import numpy as np
 from crashsolve.compiler.machine import machine_codes, runs_plain
 from crashsolve.compiler.table import Tables
 from crashsolve.foundation.rows import as_rows
+from crashsolve.model.contact.body_pairs import BODY_PAIR
+from crashsolve.model.contact.groups import ContactGroup
 from crashsolve.model.model import Model
 from crashsolve.recording import march
-from crashsolve.recording.kept import SampledTables
+from crashsolve.recording.kept import Block
 from crashsolve.system.engine import Engine
 
 if TYPE_CHECKING:
     from crashsolve.foundation.rows import RowOfTable
     from crashsolve.recording.changing import Snapshot
 
-ENTRIES = ("march", "check_interval", "start_interval", "finish_interval")
+ENTRIES = ("march", "take", "check_interval", "start_interval", "finish_interval")
 # samples of one block at most
 MOST = 256
 Pieces = Iterable[tuple[np.ndarray, np.ndarray]]
@@ -37,11 +38,12 @@ Pieces = Iterable[tuple[np.ndarray, np.ndarray]]
 class March:
     """Tables and entries of march.py for one engine. Writes: all of the State."""
 
-    def __init__(self, engine: Engine, snapshot: "Snapshot | None") -> None:
-        """With a snapshot, intervals are watched, and it is taken as each begins."""
-        self.engine, self.snapshot = engine, snapshot
+    def __init__(self, engine: Engine, kept: Block, snapshot: "Snapshot | None") -> None:
+        """Samples go to `kept`. With a snapshot, intervals are watched, and it is taken as each
+        begins.
+        """
+        self.engine, self.kept, self.snapshot = engine, kept, snapshot
         self._bound = -1
-        self._kept: SampledTables | None = None
         state, control = engine.state, engine.model.control[0]
         self._job = np.zeros(1, march.JOB.dtype)
         self.job: RowOfTable = as_rows(self._job)[0]
@@ -54,9 +56,12 @@ class March:
         self.marks = np.zeros(len(state.cards), march.MARK.dtype)
         self.phase = np.zeros(1, march.PHASE.dtype)
         self._times = np.zeros(MOST)
+        self._both = np.zeros(2, BODY_PAIR.dtype)
+        self.job.both = self._both.ctypes.data
         # one engine of exactly this kind: others do more between samples
         self._is_plain = type(engine) is Engine and not engine.model.nodal_groups
         self._bind()
+        kept.use(lambda: self._call("take"))
 
     def ask(self) -> bool:
         """Whether the samples miss a contact in the interval that ends now."""
@@ -66,7 +71,7 @@ class March:
     def begin(self) -> None:
         """An interval begins."""
         if self.watch.watches:
-            self._renew(self._kept)
+            self._renew()
             if self.snapshot is not None and not self.snapshot.is_copied:
                 self.snapshot.take()
             self._call("start_interval")
@@ -83,25 +88,24 @@ class March:
         for name in ("steps", "spans"):
             self.phase[name] = 0
 
-    def can_march(self, until: float, kept: SampledTables) -> bool:
+    def can_march(self, until: float) -> bool:
         """Whether samples until then need copies alone."""
-        is_able = self._is_plain and kept.is_copied and self.engine.addresses is not None
+        is_able = self._is_plain and self.kept.is_copied and self.engine.addresses is not None
         if self.snapshot is not None:
             is_able = is_able and self.snapshot.is_copied
         return is_able and self.engine.has_no_corner(until)
 
-    def go(self, times: np.ndarray, kept: SampledTables) -> tuple[int, float, int | None]:
+    def go(self, times: np.ndarray) -> tuple[int, float, int | None]:
         """Run a block of samples at times [s]; returns their number, and CPU time [s] of the steps.
 
         Also the status with which the step returned before a sample, None where it did not. It must
         be handled after the samples that are done are recorded: a dump may follow.
         """
-        begun, count = clock.process_time(), min(len(times), kept.room, MOST)
-        self._renew(kept)
+        begun, count = clock.process_time(), min(len(times), self.kept.room, MOST)
+        self._renew()
         self._times[:count] = times[:count]
-        self.job.most, self.job.first, self.job.total = count, kept.count, 0
+        self.job.most, self.job.total = count, 0
         status = self.engine.within_pause(lambda: self._call("march"))
-        kept.count += int(self.job.count)
         if self.job.count:
             self._note_snapshot()
         spent, share = clock.process_time() - begun, 1.0
@@ -118,10 +122,9 @@ class March:
     def _call(self, name: str) -> None:
         self._entries[name](0.0, False, self._tables)
 
-    def _renew(self, kept: SampledTables | None) -> None:
+    def _renew(self) -> None:
         """Renew the copies for the present arrays."""
-        if self._bound != self.engine.bindings or self._kept is not kept:
-            self._kept = kept
+        if self._bound != self.engine.bindings:
             self._bind()
 
     def _bind(self) -> None:
@@ -129,13 +132,9 @@ class March:
         self._bound = engine.bindings
         if engine.addresses is not None:
             self.job.step, self.job.present, self.job.of_sample = engine.addresses
-        snapshot: Pieces = ()
-        if self.snapshot is not None and self.snapshot.is_copied:
-            snapshot = self.snapshot.pieces()
-        rows = self._kept.pieces if self._kept is not None else ()
+        snapshot, skipping = self._copies_of_snapshot()
         self._copies = {
             "before": _table(engine.copied),
-            "rows": _table(rows, has_rows=True),
             "snapshot": _table(snapshot),
             "passed": _passed(engine.model),
         }
@@ -145,7 +144,6 @@ class March:
             {
                 "job": self._job,
                 "times": self._times,
-                "clock": state.clock,
                 "sample_clock": engine.sample_clock,
                 "ledger": state.ledger,
                 "sample_ledger": engine.ledger,
@@ -154,8 +152,11 @@ class March:
                 "watch": self.watch_table,
                 "marks": self.marks,
                 "phase": self.phase,
+                "skipping": skipping,
+                "both": self._both,
             }
             | self._copies
+            | self.kept.tables
         )
         if runs_plain():
             self._entries = {name: getattr(march, name) for name in ENTRIES}
@@ -163,27 +164,36 @@ class March:
         found = machine_codes(Path(march.__file__), ENTRIES, self._tables)
         self._entries = dict(zip(ENTRIES, found, strict=True))
 
+    def _copies_of_snapshot(self) -> tuple[Pieces, np.ndarray]:
+        """Copies to make of a snapshot, and rows of SKIPPING for what is copied if it changes."""
+        if self.snapshot is None or not self.snapshot.is_copied:
+            return (), np.zeros(0, march.SKIPPING.dtype)
+        pieces = self.snapshot.pieces()
+        groups = [
+            g
+            for g in self.engine.model.contact_groups
+            if g.body_pairs is not None and len(g.body_pairs)
+        ]
+        apart = {f"{name}/{g.word}" for g in groups for name in ("body_pairs", "history")}
+        copies = {name: copy for name, (_, copy) in pieces.items()}
+        rows = [_skipping(g, copies) for g in groups]
+        others = [piece for name, piece in pieces.items() if name not in apart]
+        return others, np.array(rows, march.SKIPPING.dtype)
 
-def _table(pieces: Pieces, has_rows: bool = False) -> np.ndarray:
-    """Rows of COPY, of arrays (n,) or (number, n) in one piece or with strides.
 
-    With rows the copy has an axis more, the first, of samples.
-    """
-    found = []
-    for source, target in pieces:
-        row = target[0] if has_rows else target
-        source, row = np.atleast_2d(source), np.atleast_2d(row)
-        found.append(
-            (
-                target.ctypes.data,
-                row.strides[0],
-                source.ctypes.data,
-                source.strides[0],
-                source.shape[1] * source.itemsize,
-                source.shape[0],
-                target.strides[0] if has_rows else 0,
-            )
-        )
+def _skipping(group: ContactGroup, kept: dict[str, np.ndarray]) -> tuple[int, ...]:
+    """A row of SKIPPING, by the copies that a snapshot has."""
+    history, pairs = group.history, group.body_pairs
+    assert pairs is not None
+    copies = (kept[f"{name}/{group.word}"].ctypes.data for name in ("body_pairs", "history"))
+    kept_pairs, kept_history = copies
+    both = (pairs.ctypes.data, kept_pairs, len(pairs), history.ctypes.data, kept_history)
+    return *both, history.strides[0], history.strides[1]
+
+
+def _table(pieces: Pieces) -> np.ndarray:
+    """Rows of COPY, of arrays in one piece."""
+    found = [(target.ctypes.data, source.ctypes.data, source.nbytes) for source, target in pieces]
     return np.array(found, march.COPY.dtype)
 
 

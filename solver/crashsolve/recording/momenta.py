@@ -2,8 +2,12 @@
 
 import numpy as np
 
-# columns of nodes that it is made of
-OF_NODES = frozenset({"r", "v", "L", "mass_inv"})
+from crashsolve.foundation.record import Named
+
+# columns that it is made of: of the clock of a sample, of nodes, and of elements
+OF_CLOCK = ("impulse", "angular_impulse")
+OF_NODES = ("r", "v", "L", "mass_inv")
+OF_ELEMENTS = ("linear", "angular", "linear_size", "angular_size")
 
 
 class Momenta:
@@ -13,20 +17,23 @@ class Momenta:
         self.start, self.largest = np.full((2, 3), np.nan), np.zeros(2)
 
     def of(
-        self, clock: np.ndarray, nodes: np.ndarray, elements: np.ndarray | None = None
+        self,
+        clock: Named[np.ndarray],
+        nodes: Named[np.ndarray],
+        elements: Named[np.ndarray] | None = None,
     ) -> tuple[np.ndarray, ...]:
         """Both sums (k, 3) at k samples, and the errors (k,) of both.
+
+        Columns of the clock and of elements are of k samples, those of nodes of all nodes at each.
 
         An error is the sum less that of the start and the external impulse, over the largest sum
         of |m v|, or of |r| |m v| + |L|, so far. Writes: start, largest.
         """
         sums = _moments(nodes)
         if elements is not None:
-            own = elements[:, 0]
-            sizes = np.column_stack([own["linear_size"], own["angular_size"]])
-            sums = [
-                x + y for x, y in zip(sums, (own["linear"], own["angular"], sizes), strict=True)
-            ]
+            sizes = np.column_stack([elements["linear_size"], elements["angular_size"]])
+            own = (elements["linear"], elements["angular"], sizes)
+            sums = [x + y for x, y in zip(sums, own, strict=True)]
         linear, angular, sizes = sums
         if np.isnan(self.start[0, 0]):
             self.start[:] = linear[0], angular[0]
@@ -37,7 +44,7 @@ class Momenta:
         return linear, angular, *map(_share, lost, largest.T)
 
 
-def _moments(nodes: np.ndarray) -> list[np.ndarray]:
+def _moments(nodes: Named[np.ndarray]) -> list[np.ndarray]:
     """Sums over nodes (k, n) of p, of r x p + L, and of the sizes of p and of |r| |p| + |L|."""
     # a component of all nodes side by side
     r, v, L = (np.ascontiguousarray(np.moveaxis(nodes[name], 2, 0)) for name in "rvL")

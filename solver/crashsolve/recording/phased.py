@@ -226,7 +226,7 @@ class PhasedEngine(Engine):
         """Kinetic energy, momentum and angular momentum of the present state."""
         self._evaluate_now()
         elements = self.model.elements
-        motion = () if elements is None else (elements.motion[None],)
+        motion = () if elements is None else (elements.motion[:1],)
         linear, angular, *_ = Momenta().of(self.sample_clock, self.nodes[None, 1:], *motion)
         return float(self.ledger[energy.KINETIC]), linear[0], angular[0]
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from crashsolve.foundation.errors import SolverError
 from crashsolve.recording.changing import Snapshot, is_cheap
+from crashsolve.recording.kept import Block
 from crashsolve.recording.marching import March
 from crashsolve.system.engine import Engine
 
@@ -26,17 +27,19 @@ FREE_STEPS, REPEATED_SHARE = 4000, 0.05
 
 class Resampling:
     """Watches the intervals of a run in time; `take` stores the present sample of the engine at a
-    time.
+    time, in `kept`.
 
     `march` counts and watches them; `repeated` (1,) are steps that were run again.
     """
 
-    def __init__(self, engine: Engine, moves: bool, take: Callable[[float], None]) -> None:
+    def __init__(
+        self, engine: Engine, kept: Block, moves: bool, take: Callable[[float], None]
+    ) -> None:
         self.engine, self._take = engine, take
         self.repeated = np.zeros(1)
         watches = moves and len(engine.model.contacts) > 0 and is_cheap(engine)
         self._begin, self._end = (Snapshot(engine) if watches else None for _ in range(2))
-        self.march = March(engine, self._begin)
+        self.march = March(engine, kept, self._begin)
         # whether an interval has begun
         self.has_begun = False
 

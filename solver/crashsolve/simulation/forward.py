@@ -58,8 +58,8 @@ def march(run: Run) -> None:
     run.resampling.begin()
     run.events.begin()
     while target < end and not run.engine.is_complete:
-        times, kept = _times_ahead(run, k), run.histories.kept
-        if marching.can_march(float(times[-1]), kept):
+        times = _times_ahead(run, k)
+        if marching.can_march(float(times[-1])):
             count = _march_through(run, times)
             k += count
             target = run.schedule.time(k)
@@ -87,7 +87,7 @@ def _march_through(run: Run, times: np.ndarray) -> int:
     """Samples at times [s] in compiled code; how many are done. Raises SolverError."""
     # a run has no child processes between samples: their CPU times are not needed
     started = time.process_time()
-    count, stepping, left = run.resampling.march.go(times, run.histories.kept)
+    count, stepping, left = run.resampling.march.go(times)
     if count:
         # before any request that writes a dump
         run.recorder.add_stored(times[:count].tolist())

@@ -8,7 +8,7 @@ import numpy as np
 
 from crashsolve.deck.family import ELEMENTS, LINE, ROUTE, families
 from crashsolve.deck.reading.deck import Deck
-from crashsolve.foundation.orientation import crosses, matrix, rotated_by
+from crashsolve.foundation.orientation import matrix, rotated_by
 from crashsolve.model.model import Group
 from crashsolve.output.blocks import GHOST, Block, FieldSpec
 from crashsolve.output.files import Json
@@ -16,6 +16,7 @@ from crashsolve.simulation import body_shapes
 from crashsolve.simulation.body_shapes import Piece, outline
 from crashsolve.simulation.contact_points import ContactPoints
 from crashsolve.simulation.hinge_marks import HingeMarks
+from crashsolve.simulation.skins import Skin
 from crashsolve.system.engine import Engine
 
 if TYPE_CHECKING:
@@ -70,12 +71,8 @@ class Pictures:
         ]
         self._contact_points = ContactPoints(engine)
         self._marks = HingeMarks(engine.model, engine.state.nodes)
-        self._skin = self._pieces()
-        # the body of every point
-        self._skin_owners = {
-            name: np.concatenate([np.full(len(p), n) for n, p, _ in pieces])
-            for name, pieces in self._skin.items()
-        }
+        start = engine.state.nodes
+        self._skins = {name: Skin(pieces, start) for name, pieces in self._pieces().items()}
         self.blocks = self._blocks()
 
     def description(self) -> Json:
@@ -138,10 +135,9 @@ class Pictures:
             blocks.append(
                 Block("mass_centres", points, (("vertex", vertices),), (VELOCITY,), counted)
             )
-        for name, pieces in self._skin.items():
-            points, cells = self._skin_points(pieces), _cells(pieces)
-            numbers = np.concatenate([np.full(len(c), float(node)) for node, _, c in pieces])
-            blocks.append(Block(name, points, cells, (VELOCITY,), ((BODY, numbers),)))
+        for name, skin in self._skins.items():
+            counted = ((BODY, skin.bodies),)
+            blocks.append(Block(name, skin.points, skin.cells, (VELOCITY,), counted))
         for section, groups in self._lines.items():
             points = self._line_points(groups)
             lines = np.arange(len(points)).reshape(-1, 2)
@@ -178,8 +174,8 @@ class Pictures:
         if len(self._r0) > 1:
             moved = nodes["r"][1:] - self._r0[1:]
             fields["mass_centres"] = {"displacement": moved, "velocity": nodes["v"][1:]}
-        for name, pieces in self._skin.items():
-            fields[name] = self._skin_fields(name, pieces)
+        for name, skin in self._skins.items():
+            fields[name] = skin.fields(self.engine.nodes)
         for section, groups in self._lines.items():
             tension = np.concatenate([_tension(g) for g in groups])
             moved = self._line_points(groups) - self._block(section).points
@@ -212,23 +208,6 @@ class Pictures:
             return points[meshed.first : meshed.first + len(meshed.used)]
         found: np.ndarray = points[meshed.first + meshed.used]
         return found
-
-    def _skin_points(self, pieces: list[Piece]) -> np.ndarray:
-        return np.concatenate([self._r0[n] + p @ self._A0[n].reshape(3, 3).T for n, p, _ in pieces])
-
-    def _skin_fields(self, name: str, pieces: list[Piece]) -> dict[str, np.ndarray]:
-        owners, old, nodes = self._skin_owners[name], self._block(name).points, self.engine.nodes
-        rotations, rotated, first = nodes["A"].reshape(-1, 3, 3), np.empty(old.shape), 0
-        for node, points, _ in pieces:
-            last = first + len(points)
-            np.matmul(points, rotations[node].T, out=rotated[first:last])
-            first = last
-        r, v, w = (np.take(nodes[column], owners, axis=0) for column in "rvw")
-        r += rotated
-        return {
-            "displacement": _single(np.subtract, r, old),
-            "velocity": _single(np.add, v, crosses(w, rotated)),
-        }
 
     def _block(self, name: str) -> Block:
         return next(block for block in self.blocks if block.name == name)
@@ -305,12 +284,6 @@ class Pictures:
         return {"points": points, "force": forces, "contact": cards, GHOST: hidden}
 
 
-def _single(operation: np.ufunc, u: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Sum or difference of two arrays, in the single precision of states."""
-    found: np.ndarray = operation(u, v, out=np.empty(u.shape, np.float32), casting="same_kind")
-    return found
-
-
 def _spans(g: Group, current: int) -> list[np.ndarray]:
     """Both ends of every segment of the routes of a group, and of the parts on surfaces."""
     found = []
@@ -346,16 +319,6 @@ def _tension(g: Group) -> np.ndarray:
         n = int(row["segments"])
         found += [T[:n], 0.5 * (T[: n - 1] + T[1:n])]
     return np.concatenate(found)
-
-
-def _cells(pieces: list[Piece]) -> tuple[tuple[str, np.ndarray], ...]:
-    """Triangles, or lines, of all pieces, their points counted through."""
-    first, cells = 0, []
-    for _, points, triangles in pieces:
-        cells.append(np.asarray(triangles) + first)
-        first += len(points)
-    corners = np.concatenate(cells)
-    return (("line" if corners.shape[1] == 2 else "triangle", corners),)
 
 
 def _specs_of(fields: dict[str, tuple[str, int]]) -> tuple[FieldSpec, ...]:

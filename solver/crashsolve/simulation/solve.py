@@ -225,9 +225,8 @@ class Run:
         engine.on_pause = self._handle_requests_at_once
         engine.on_message = self.log.line
         self.histories = Histories(engine)
-        self.resampling = Resampling(
-            engine, not is_static(self.deck), lambda t: self.recorder.take(t)
-        )
+        kept, moves = self.histories.kept, not is_static(self.deck)
+        self.resampling = Resampling(engine, kept, moves, lambda time: self.recorder.take(time))
         self.pictures = Pictures(engine, self.deck)
         is_free = self.deck.output.states.interval is None and not is_static(self.deck)
         self.events = EventStates(engine, self.schedule, is_free, self.pictures.fields)

@@ -23,6 +23,7 @@ BODY_PAIR = Record("""
     reach_b              m      the same for side b
     thick                m      least half thickness of both sides
     skipped              flag   1 while none of its pairs is evaluated
+    changes              count  how often histories have changed as that began, or since
     depth                m      of the deepest, at the last evaluation
     approached           m      bound of the approach of the bodies since
     bound                m      as depth, but with what samples have evaluated since

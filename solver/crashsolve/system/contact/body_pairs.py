@@ -62,6 +62,7 @@ def begin_skipping(both, current, history, output):
     Writes: both, history.depth, output.bound.
     """
     both.skipped, both.approached, both.depth = 1, 0.0, -1e300
+    both.changes += 1
     both.dissipated = both.friction_dissipated = 0.0
     for i in range(both.first, both.end):
         old, new = history[current, i], history[1 - current, i]
@@ -86,6 +87,7 @@ def known_depth(depth, approached):
 def bound_by_sample(both, current, history, output):
     """Bound the depths of skipped pairs by those that a sample has evaluated. Writes: both."""
     both.bound = -1e300
+    both.changes += 1
     for i in range(both.first, both.end):
         both.bound = max(both.bound, min(history[current, i].depth, output[i].bound))
 
