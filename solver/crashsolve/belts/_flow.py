@@ -47,7 +47,8 @@ def solve_flow(p, old, new, out, t, h, curves):
     for j in range(p.segments + 1):
         mu = p.friction_coefficient[j]
         new.grip[j] = exp(mu * out.angle[j]) if mu > 0.0 else 1.0
-    if not (h > 0.0 and p.segments > 1 and find_flow(p, 1.0, old, new, out, curves)):
+    begins_taut = h > 0.0 and p.segments > 1 and is_taut(p, old.tension)
+    if not (begins_taut and find_flow(p, 1.0, old, new, out, curves)):
         find_flow(p, 0.0, old, new, out, curves)
     for j in range(p.segments + 1):
         new.slip[j] = old.slip[j] + new.flow[j]
@@ -62,7 +63,7 @@ def find_flow(p, share, old, new, out, curves):
     for j in range(1, p.segments):
         new.flow[j] = share * old.flow[j]
     fill(p, old, new, out, curves)
-    if share > 0.0 and not is_taut(p, out):
+    if share > 0.0 and not is_taut(p, out.force):
         return False
     if p.segments > 1 or p.spool == 1:
         new.passes, largest = PASSES, 0.0
@@ -80,16 +81,16 @@ def find_flow(p, share, old, new, out, curves):
         ):
             # a matter of round-off, or of slack that has no place of its own: it needs no warning
             new.passes = PASSES - 1
-    return is_taut(p, out)
+    return is_taut(p, out.force)
 
 
 @kernel
-def is_taut(p, out):
+def is_taut(p, force):
     """Whether all segments are: slack that has been taken up ends with forces next to nothing."""
-    for i in range(p.segments):
-        if out.force[i] <= SETTLED * p.k:
-            return False
-    return True
+    least = force[0]
+    for i in range(1, p.segments):
+        least = min(least, force[i])
+    return least > SETTLED * p.k
 
 
 @kernel

@@ -25,6 +25,7 @@ BODY_PAIR = Record("""
     skipped              flag   1 while none of its pairs is evaluated
     depth                m      of the deepest, at the last evaluation
     approached           m      bound of the approach of the bodies since
+    approach             m      the same of the step that ends
     bound                m      as depth, but with what samples have evaluated since
     dissipated           J      by the normal forces of all
     friction_dissipated  J      by their friction
