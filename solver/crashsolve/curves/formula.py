@@ -30,7 +30,7 @@ from crashsolve.deck.reading.expressions import Expression, ExpressionError
 # of those that need too many
 TOLERANCE, FLOOR, LOOSEST, ROUND_OFF = 1e-9, 1e-6, 2e-4, 1e-15
 # points at which a formula is evaluated, in each piece at least so many; and the most cubics
-LOOKS, LEAST, MOST = 65_536, 5, 450_000
+EVALUATIONS, LEAST, MAX_CUBICS = 65_536, 5, 450_000
 # [of the range] the shortest cubic, which holds a kink; and least size of a jump, of the largest
 # value
 SMALLEST, JUMP = 1e-13, 1e-3
@@ -87,7 +87,7 @@ def _sample(
     # a formula that cannot be evaluated is reported by the plain evaluation
     formula.value({"x": start})
     x = np.linspace(start, end, segments + 1)
-    looks = max(math.ceil(LOOKS / segments), LEAST)
+    evaluations = max(math.ceil(EVALUATIONS / segments), LEAST)
     largest, tolerance = 0.0, TOLERANCE
     done: list[Array] = []
     left, right = x[:-1], x[1:]
@@ -96,9 +96,9 @@ def _sample(
     least = SMALLEST * max(end - start, abs(start), abs(end))
     count = len(left)
     while len(left):
-        inside = np.linspace(0.0, 1.0, looks + 2)[1:-1]
+        inside = np.linspace(0.0, 1.0, evaluations + 2)[1:-1]
         # a fast sine could be a multiple of equidistant points
-        inside = inside + 0.3 / (looks + 1) * np.sin(17.0 * inside)
+        inside = inside + 0.3 / (evaluations + 1) * np.sin(17.0 * inside)
         positions = left[:, None] + (right - left)[:, None] * inside
         y = with_derivative(formula, positions.ravel()).y.reshape(positions.shape)
         here = np.max(np.abs(np.column_stack([y, a.y, b.y])), axis=1)
@@ -111,14 +111,14 @@ def _sample(
         with np.errstate(over="ignore"):
             error -= ROUND_OFF * (largest + np.maximum(np.abs(left), np.abs(right)) * steepest)
         is_rough = (error > tolerance * scale) & (right - left > least)
-        while count + is_rough.sum() > MOST:
+        while count + is_rough.sum() > MAX_CUBICS:
             tolerance *= 10.0
             # a fast one: of its largest value
             scale = np.full_like(scale, largest)
             is_rough &= error > tolerance * scale
             if tolerance > LOOSEST:
                 raise ExpressionError(
-                    f"needs more than {MOST} cubics from {start:g} to {end:g}",
+                    f"needs more than {MAX_CUBICS} cubics from {start:g} to {end:g}",
                     "give a shorter range",
                 )
         done.append(left[~is_rough])
@@ -132,7 +132,7 @@ def _sample(
             for pairs in ((a, m), (m, b))
         )
         count += len(middle)
-        looks = max((looks + 1) // 2, LEAST)
+        evaluations = max((evaluations + 1) // 2, LEAST)
     x = np.concatenate([np.sort(np.concatenate(done)), [end]])
     found = _known(formula, x)
     return x, found.y, found.slope, tolerance
@@ -178,7 +178,7 @@ def build(card: Formula, scene: Scene) -> tuple[Array, Array, int]:
     if not y.any():
         scene.warnings.append(
             f"formula '{card.expression}' is 0 at all points at which it was evaluated, "
-            f"{(card.to - card.from_) / max(LOOKS, LEAST * card.segments):.2g} apart: a narrower "
-            "pulse needs a shorter range or more segments"
+            f"{(card.to - card.from_) / max(EVALUATIONS, LEAST * card.segments):.2g} apart: a "
+            "narrower pulse needs a shorter range or more segments"
         )
     return x, hermite(x, y, slopes), EXTRAPOLATE[card.extrapolate]
