@@ -80,7 +80,12 @@ def ground(bodies: dict[str, Body]) -> dict[str, Any]:
         for name in bodies
     }
     law = {"type": "exact_restitution", "stiffness": 5e5, "restitution": 0.2}
-    friction = {"type": "coulomb", "coefficient": FRICTION, "none_below": 0.01, "full_above": 0.1}
+    friction = {
+        "type": "coulomb",
+        "friction_coefficient": FRICTION,
+        "none_below": 0.01,
+        "full_above": 0.1,
+    }
     fall = {"a": list(spheres), "b": ["ground"], "normal": law, "friction": friction}
     return {
         "surfaces": spheres | {"ground": {"type": "plane", "at": [0.0, 0.0, 0.0]}},

@@ -51,7 +51,7 @@ def pendulum(more: Scene) -> Path:
 
 def belts(friction: float, slack: float) -> Scene:
     """Six segments through five rings of the ground, from the ground to the rod."""
-    rings = [{"ring": {"at": [x, 0.0, z], "friction": friction}} for x, z in ROUTE]
+    rings = [{"ring": {"at": [x, 0.0, z], "friction_coefficient": friction}} for x, z in ROUTE]
     ends = {"anchor": {"at": [1.2, 0.0, 0.0]}}, {"anchor": {"body": "rod", "at": [0.0, 0.0, 0.2]}}
     card = {
         "webbing": {"stiffness": 2e4},

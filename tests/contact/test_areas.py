@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from touching import Contact
 
-from crashsolve.contact.narrow import _convex, _edged, box_box
+from crashsolve.contact.narrow import _ascent, _convex, _edged, _rounded, box_box
 from crashsolve.contact.shape import box, cylinder
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
@@ -21,6 +21,8 @@ SHAPES = {
     "cap": "type: cylinder, body: %s, radius: 0.2, length: 0.5",
     "lying": "type: cylinder, body: %s, radius: 0.25, length: 0.6, axis: [1, 0, 0]",
     "large": "type: box, body: %s, size: [2, 2, 0.5]",
+    "rod": "type: cylinder, body: %s, radius: 0.055, length: 0.26",
+    "sheet": "type: box, body: %s, size: [2.1, 0.55, 0.12]",
 }
 # mean distance from its middle of an evenly pressed rectangle of half sides 0.3 and 0.2
 DIAGONAL = sqrt(0.3**2 + 0.2**2)
@@ -135,6 +137,42 @@ def general(contact: Contact) -> Any:
 def bound(contact: Contact) -> float:
     a, b = as_rows(contact.group.elements_a), as_rows(contact.group.elements_b)
     return float(_edged.bound(a[0], b[0], contact.bench.nodes, ()))
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_a_rod_over_a_wide_sheet_is_as_deep_as_its_lowest_point(seed: int, tmp_path: Path) -> None:
+    """Edges of the sheet are a billionth of its width: the search must cross their normals."""
+    rng, contact = np.random.default_rng(seed), pair(tmp_path, "rod", "sheet")
+    rod, sheet = contact.group.elements_a[0], contact.group.elements_b[0]
+    contact.bench.move(2, q=np.array([1.0, 0, 0, 0]), r=-sheet["point"])
+    for _ in range(25):
+        q = rng.normal(size=4)
+        contact.bench.move(1, q=q / np.linalg.norm(q))
+        A = contact.bench.nodes[1].A.reshape(3, 3)
+        axis = A @ rod["axes"].reshape(3, 3)[:, 2]
+        reach = 0.13 * abs(axis[2]) + 0.055 * sqrt(1.0 - axis[2] ** 2)
+        known = rng.uniform(-0.05, 0.05)
+        # no nearer to an edge of the face than it is deep
+        x, y = rng.uniform(-0.85, 0.85), rng.uniform(-0.08, 0.08)
+        contact.bench.move(1, r=np.array([x, y, 0.06 + reach - known]) - A @ rod["point"])
+        # by the rounding alone
+        edges = rod["edge"] + sheet["edge"]
+        assert contact.gaps()[0][0] == pytest.approx(known, abs=4.0 * edges)
+        # wherever it starts a search ends on a maximum: another from there gains round-off alone
+        for start in rng.normal(size=(4, 3)):
+            first, n = maximum(contact, start / np.linalg.norm(start))
+            second, _ = maximum(contact, np.array(n))
+            assert second == pytest.approx(first, abs=1e-12)
+
+
+def maximum(contact: Contact, n: np.ndarray) -> Any:
+    """Separation [m] and direction that Newton's method reaches from direction n."""
+    a, b = (as_rows(t)[0] for t in (contact.group.elements_a, contact.group.elements_b))
+    nodes = contact.bench.nodes
+    u, w = (_ascent.axes_of(shape, nodes[i]) for i, shape in ((1, a), (2, b)))
+    centres = [nodes[i].r + nodes[i].A.reshape(3, 3) @ s.point for i, s in ((1, a), (2, b))]
+    c = tuple(centres[0] - centres[1])
+    return _rounded.find_maximum(a, b, u, w, c, tuple(n), _edged.last_step(a, b))
 
 
 def test_friction_of_slip_and_spin_dissipates_its_work() -> None:

@@ -36,14 +36,35 @@ HALVINGS = 60
 
 
 @kernel
-def solve_flow(p, old, new, out, t, curves):
-    """Flows, lengths and forces. Writes: new, out."""
+def solve_flow(p, old, new, out, t, h, curves):
+    """Flows, lengths and forces. Writes: new, out.
+
+    The search begins with the flows of the last step: rings that slip go on to slip, so that the
+    set of those that do is soon found. Slack has no place of its own, and stays where it is only if
+    the search begins without flow.
+    """
     choose_mode(p, old, new, t)
     for j in range(p.segments + 1):
-        new.flow[j] = 0.0
         mu = p.friction_coefficient[j]
         new.grip[j] = exp(mu * out.angle[j]) if mu > 0.0 else 1.0
+    begins_taut = h > 0.0 and p.segments > 1 and is_taut(p, old.tension)
+    if not (begins_taut and find_flow(p, 1.0, old, new, out, curves)):
+        find_flow(p, 0.0, old, new, out, curves)
+    for j in range(p.segments + 1):
+        new.slip[j] = old.slip[j] + new.flow[j]
+
+
+@kernel
+def find_flow(p, share, old, new, out, curves):
+    """Search from this share of the last flows through rings; whether all segments are taut, before
+    and after. Writes: new, out.
+    """
+    new.flow[0] = new.flow[p.segments] = 0.0
+    for j in range(1, p.segments):
+        new.flow[j] = share * old.flow[j]
     fill(p, old, new, out, curves)
+    if share > 0.0 and not is_taut(p, out.force):
+        return False
     if p.segments > 1 or p.spool == 1:
         new.iterations, largest = ITERATIONS, 0.0
         for k in range(ITERATIONS):
@@ -60,8 +81,16 @@ def solve_flow(p, old, new, out, t, curves):
         ):
             # a matter of round-off, or of slack that has no place of its own: it needs no warning
             new.iterations = ITERATIONS - 1
-    for j in range(p.segments + 1):
-        new.slip[j] = old.slip[j] + new.flow[j]
+    return is_taut(p, out.force)
+
+
+@kernel
+def is_taut(p, force):
+    """Whether all segments are: slack that has been taken up ends with forces next to nothing."""
+    least = force[0]
+    for i in range(1, p.segments):
+        least = min(least, force[i])
+    return least > SETTLED * p.k
 
 
 @kernel

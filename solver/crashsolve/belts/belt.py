@@ -191,7 +191,7 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
     """Writes: nodes, new, out."""
     clear_unused(p, old, new, out)
     update_route(p, old, new, out, nodes)
-    solve_flow(p, old, new, out, t, curves)
+    solve_flow(p, old, new, out, t, h, curves)
     pull_segments(p, new, out, nodes)
     update_spool(p, old, new, nodes, new.flow[0], h, curves)
     update_energies(p, old, new, out, h)

@@ -1,11 +1,13 @@
 """Gap between two convex bodies, each a sum of ellipsoids.
 
-    depth = - max over unit n of  (c_a - c_b) . n - h_a(n) - h_b(n),   h = sum_k sqrt(n^T E_k n)
+    depth = - max over unit n of  (c_a - c_b) . n - h_a(n) - h_b(n)
+    h = sum_k sqrt(sum_i (s_ki n . e_i)^2)
 
-h is the support function. For separated bodies the maximum is unique and its value is their
-distance; for bodies that overlap it is the shortest exit, one of several local maxima, searched
-from the best of the directions in which edged bodies meet, by Newton's method on the sphere of
-directions, damped until every step ascends. Point of contact: midway between the deepest points.
+h is the support function, s_k are the semi-axes of ellipsoid k, which all lie along the axes e of
+the shape. For separated bodies the maximum is unique and its value is their distance; for bodies
+that overlap it is the shortest exit, one of several local maxima, searched from the best of the
+directions in which edged bodies meet, by Newton's method on the sphere of directions (_ascent.py).
+Point of contact: midway between the deepest points.
 Consequence to test: depth and normal of two spheres, and those of a brute-force search.
 
 References: Gilbert and Foo (1990), IEEE Trans. Robotics Autom. 6, 53-61 (support functions).
@@ -17,30 +19,40 @@ from types import ModuleType
 
 import numpy as np
 
+from crashsolve.contact.narrow._ascent import (
+    ITERATIONS,
+    ROUND_OFF,
+    along,
+    axes_of,
+    crossing,
+    direction,
+    newton_step,
+    passes_cap,
+    tangents,
+    unit_towards,
+)
 from crashsolve.deck.building import Columns
-from crashsolve.foundation.columns import matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import world_position
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, scale, sub, vec
+from crashsolve.foundation.vec3 import add, add_scaled, dot, norm, scale, sub, vec
 
 # the gap is a distance: see system/contact/resting.py
 IS_DISTANCE = True
 PARAMETERS = Record("""
-    node   index      body
-    point  m       3  centre from the mass centre, body axes
-    axes   1       9  rotation matrix, shape to body, by rows
-    count  count      ellipsoids in the sum
-    E      m^2    27  their matrices, body axes
+    node     index      body
+    point    m       3  centre from the mass centre, body axes
+    axes     1       9  rotation matrix, shape to body, by rows
+    count    count      ellipsoids in the sum
+    squares  m^2     9  of their semi-axes, which lie along those axes
 """)
 # directions are found to this angle [rad]; the depth is then right to its square
 ANGLE = 1e-10
-ITERATIONS = 60
 # rounding of edges against ellipsoids, over the radius of the enclosing sphere; and its maximum,
 # over the least half size
 SHARP, THINNEST = 1e-5, 0.1
-# relative round-off of a separation
-ROUND_OFF = 1e-13
+# square of the least sine of the angle between two edges that span a direction
+PARALLEL = 1e-12
 # directions to start from, and searches for different maxima of bodies that overlap; cosine of the
 # angle within which two searches have reached the same maximum
 STARTS, SEARCHES, SAME_MAXIMUM = 22, 4, 1.0 - 1e-8
@@ -65,11 +77,12 @@ def expand_sharp(elements: Sequence[Columns], shape: ModuleType) -> list[Columns
     return found
 
 
-def _as_sum(element: Columns, rounds: list[np.ndarray]) -> Columns:
-    E = np.zeros(27)
-    E[: 9 * len(rounds)] = np.concatenate([r.ravel() for r in rounds])
+def _as_sum(element: Columns, rounds: np.ndarray) -> Columns:
+    """`rounds`: semi-axes of the ellipsoids [m], by rows."""
+    squares = np.zeros(9)
+    squares[: rounds.size] = np.square(rounds).ravel()
     kept = {name: element[name] for name in ("node", "point", "axes")}
-    return kept | {"count": len(rounds), "E": E}
+    return kept | {"count": len(rounds), "squares": squares}
 
 
 @kernel
@@ -82,16 +95,14 @@ def gap(a, b, nodes, data):
 @kernel
 def search(a, b, nodes, data):
     """Depth, normal and point as of gap, and how much lower the next maximum found is [m]."""
-    body_a, body_b = nodes[a.node], nodes[b.node]
-    c = sub(world_position(body_a, vec(a.point)), world_position(body_b, vec(b.point)))
+    u, w = axes_of(a, nodes[a.node]), axes_of(b, nodes[b.node])
+    c = from_centre(a, b, nodes)
     best, n, next_maximum = -1e300, (0.0, 0.0, 1.0), -1e300
-    starts = best_directions(a, b, body_a, body_b, c)
+    starts = best_directions(a, b, u, w, c)
     for climb_number in range(SEARCHES):
         k = direction_number(starts, climb_number)
-        start = (
-            unit_towards(direction(a, b, body_a, body_b, c, k), c) if k >= 0 else (0.0, 0.0, 1.0)
-        )
-        height, n_maximum = find_maximum(a, b, body_a, body_b, c, start)
+        start = unit_towards(direction(u, w, c, k), c) if k >= 0 else (0.0, 0.0, 1.0)
+        height, n_maximum = find_maximum(a, b, u, w, c, start)
         if dot(n_maximum, n) < SAME_MAXIMUM:
             next_maximum = max(next_maximum, min(best, height))
         if height > best:
@@ -99,58 +110,59 @@ def search(a, b, nodes, data):
         # separated bodies have a single maximum
         if best >= 0.0:
             break
-    depth, n, x = depth_at_maximum(a, b, nodes, best, n)
+    depth, n, x = depth_at_maximum(a, b, u, w, nodes, n)
     return depth, n, x, best - next_maximum
 
 
 @kernel
 def follow(a, b, nodes, data, n):
     """Gap at the local maximum nearest to direction n."""
-    body_a, body_b = nodes[a.node], nodes[b.node]
-    c = sub(world_position(body_a, vec(a.point)), world_position(body_b, vec(b.point)))
-    best, n = find_maximum(a, b, body_a, body_b, c, n)
-    return depth_at_maximum(a, b, nodes, best, n)
+    u, w = axes_of(a, nodes[a.node]), axes_of(b, nodes[b.node])
+    _, n = find_maximum(a, b, u, w, from_centre(a, b, nodes), n)
+    return depth_at_maximum(a, b, u, w, nodes, n)
 
 
 @kernel
-def depth_at_maximum(a, b, nodes, best, n):
+def from_centre(a, b, nodes):
+    """Vector from the centre of b to that of a [m]."""
+    centre_a = world_position(nodes[a.node], vec(a.point))
+    return sub(centre_a, world_position(nodes[b.node], vec(b.point)))
+
+
+@kernel
+def depth_at_maximum(a, b, u, w, nodes, n):
     """Depth, normal and point of contact at the maximum in direction n."""
-    body_a, body_b = nodes[a.node], nodes[b.node]
-    x_a = sub(world_position(body_a, vec(a.point)), support_point(a, body_a, n))
-    x_b = add(world_position(body_b, vec(b.point)), support_point(b, body_b, n))
-    return -best, n, scale(0.5, add(x_a, x_b))
+    x_a = sub(world_position(nodes[a.node], vec(a.point)), support_point(a, u, n))
+    x_b = add(world_position(nodes[b.node], vec(b.point)), support_point(b, w, n))
+    return dot(sub(x_b, x_a), n), n, scale(0.5, add(x_a, x_b))
 
 
 @kernel
 def bound(a, b, nodes, data):
     """Depth that the bodies do not exceed [m]: along the line of centres and the axes of b."""
-    body_a, body_b = nodes[a.node], nodes[b.node]
-    c = sub(world_position(body_a, vec(a.point)), world_position(body_b, vec(b.point)))
+    u, w = axes_of(a, nodes[a.node]), axes_of(b, nodes[b.node])
+    c = from_centre(a, b, nodes)
     length = norm(c)
     if length == 0.0:
         return 1e300
-    best = separation_along(a, b, body_a, body_b, c, scale(1.0 / length, c))
-    for k in range(3, 6):
-        n = axis_of(a, b, body_a, body_b, k)
-        best = max(
-            best,
-            separation_along(a, b, body_a, body_b, c, n if dot(n, c) >= 0.0 else scale(-1.0, n)),
-        )
+    best = separation_along(a, b, u, w, c, scale(1.0 / length, c))
+    for k in range(3):
+        best = max(best, separation_along(a, b, u, w, c, unit_towards(w[k], c)))
     return -best
 
 
 @kernel
-def best_directions(a, b, body_a, body_b, c):
+def best_directions(a, b, u, w, c):
     """The SEARCHES directions with the largest separations; -1 without any.
 
     Of those with the same distance one is enough.
     """
-    none = (-1e300, -1)
+    none, size = (-1e300, -1), norm(c)
     one, two, three, four = none, none, none, none
     for k in range(STARTS):
-        n = direction(a, b, body_a, body_b, c, k)
-        if norm(n) > 1e-6 * norm(c):
-            value = separation_along(a, b, body_a, body_b, c, unit_towards(n, c))
+        n = direction(u, w, c, k)
+        if dot(n, n) > PARALLEL * (size * size if k >= 15 else 1.0):
+            value = separation_along(a, b, u, w, c, unit_towards(n, c))
             if value > one[0]:
                 one, two, three, four = (value, k), one, two, three
             elif two[0] < value < one[0]:
@@ -172,129 +184,118 @@ def direction_number(starts, number):
 
 
 @kernel
-def unit_towards(n, c):
-    """Unit vector along n, to the side of c."""
-    length = norm(n)
-    return scale(1.0 / length if dot(n, c) >= 0.0 else -1.0 / length, n)
+def find_maximum(a, b, u, w, c, n):
+    """The local maximum nearest to direction n: separation before the last step, direction.
 
-
-@kernel
-def direction(a, b, body_a, body_b, c, k):
-    """Normals of faces, of edge on edge, of edge on corner, and the line of centres."""
-    if k < 6:
-        return scale(norm(c), axis_of(a, b, body_a, body_b, k))
-    if k < 15:
-        u = axis_of(a, b, body_a, body_b, (k - 6) // 3)
-        return scale(norm(c), cross(u, axis_of(a, b, body_a, body_b, 3 + (k - 6) % 3)))
-    if k < 21:
-        u = axis_of(a, b, body_a, body_b, k - 15)
-        return add_scaled(c, -dot(c, u), u)
-    return c
-
-
-@kernel
-def axis_of(a, b, body_a, body_b, k):
-    """Axis k of the first shape, or axis k - 3 of the second, world components."""
-    shape, body, i = (a, body_a, k) if k < 3 else (b, body_b, k - 3)
-    return matvec(body.A, (shape.axes[i], shape.axes[3 + i], shape.axes[6 + i]))
-
-
-@kernel
-def find_maximum(a, b, body_a, body_b, c, n):
-    """The local maximum nearest to direction n: separation and direction."""
-    separation = separation_vector(a, b, body_a, body_b, c, n)
+    The gradient jumps across the normals of an edge: a step that crosses them, and does not ascend,
+    ends on them.
+    """
+    s, t = tangents(n)
+    separation, hessian = separation_and_hessian(a, b, u, w, c, n, s, t)
     best, damping, round_off = dot(separation, n), 0.0, ROUND_OFF * norm(c)
     for _ in range(ITERATIONS):
-        s, t = tangents(n)
-        curved = add(support_hessian(a, body_a, n, s, t), support_hessian(b, body_b, n, s, t))
-        n_new, angle = newton_step(n, s, t, separation, curved, best, damping)
-        separation_new = separation_vector(a, b, body_a, body_b, c, n_new)
+        n_new, angle = newton_step(n, s, t, separation, hessian, best, damping)
+        if angle < ANGLE:
+            return best, n_new
+        s_new, t_new = tangents(n_new)
+        separation_new, bend_new = separation_and_hessian(a, b, u, w, c, n_new, s_new, t_new)
         value = dot(separation_new, n_new)
         if value >= best - round_off:
-            n, best, separation = n_new, value, separation_new
+            n, s, t, separation, hessian, best = (
+                n_new,
+                s_new,
+                t_new,
+                separation_new,
+                bend_new,
+                value,
+            )
             damping *= 0.1
         else:
-            damping = max(4.0 * damping, 1e-3)
-        if angle < ANGLE:
-            break
+            on_edge, n_edge = largest_on_edges(a, b, u, w, c, n, n_new)
+            if on_edge > best:
+                n, best, damping = n_edge, on_edge, 0.0
+                s, t = tangents(n)
+                separation, hessian = separation_and_hessian(a, b, u, w, c, n, s, t)
+            else:
+                damping = max(4.0 * damping, 1e-3)
     return best, n
 
 
 @kernel
-def separation_vector(a, b, body_a, body_b, c, n):
-    """Vector [m] from the farthest point of b along n to that of a against n."""
-    return sub(c, add(support_point(a, body_a, n), support_point(b, body_b, n)))
-
-
-@kernel
-def separation_along(a, b, body_a, body_b, c, n):
-    """Separation of the bodies along n [m]."""
-    return dot(separation_vector(a, b, body_a, body_b, c, n), n)
-
-
-@kernel
-def support_point(shape, body, n):
-    """Farthest point of the shape along n from its centre, world components."""
-    u = matvec_t(body.A, n)
-    total = (0.0, 0.0, 0.0)
-    for k in range(shape.count):
-        w = product(shape.E, 9 * k, u)
-        total = add_scaled(total, 1.0 / sqrt(dot(w, u)), w)
-    return matvec(body.A, total)
-
-
-@kernel
-def newton_step(n, s, t, separation, hessian, best, damping):
-    """Next direction by a damped Newton step from n, and the angle to it [rad].
-
-    `separation`: from one farthest point to the other [m]; `hessian`: second derivatives of both
-    support functions along the tangents s and t, (ss, st, tt) [m]; `best`: the largest so far [m].
+def largest_on_edges(a, b, u, w, c, n, n_new):
+    """Largest separation among normals of edges between n and n_new, and that normal; -1e300
+    without any.
     """
-    m_ss, m_st, m_tt = hessian[0] + best, hessian[1], hessian[2] + best
-    lowest = 0.5 * (m_ss + m_tt) - sqrt(0.25 * (m_ss - m_tt) ** 2 + m_st * m_st)
-    size = hessian[0] + hessian[2]
-    # the curvature must be positive, or the step would descend
-    more = damping * size + max(0.0, 1e-6 * size - lowest)
-    m_ss, m_tt = m_ss + more, m_tt + more
-    g_s, g_t = dot(separation, s), dot(separation, t)
-    det = m_ss * m_tt - m_st * m_st
-    step_s, step_t = (m_tt * g_s - m_st * g_t) / det, (m_ss * g_t - m_st * g_s) / det
-    angle = sqrt(step_s * step_s + step_t * step_t)
-    rotated = add(n, add(scale(step_s, s), scale(step_t, t)))
-    return scale(1.0 / norm(rotated), rotated), angle
+    best, at = -1e300, n
+    for k in range(6):
+        axis = u[k] if k < 3 else w[k - 3]
+        count = a.count if k < 3 else b.count
+        # an ellipsoid has no edge, a cylinder those of its caps
+        if count == 3 or (count == 2 and k % 3 == 2):
+            if dot(axis, n) * dot(axis, n_new) < 0.0:
+                normal = crossing(axis, n, n_new)
+                value = separation_along(a, b, u, w, c, normal)
+                if value > best:
+                    best, at = value, normal
+            if count == 2 and passes_cap(axis, n, n_new):
+                normal = unit_towards(axis, n)
+                value = separation_along(a, b, u, w, c, normal)
+                if value > best:
+                    best, at = value, normal
+    return best, at
 
 
 @kernel
-def support_hessian(shape, body, n, s, t):
-    """Second derivatives of the support function along the tangents s and t: (ss, st, tt) [m]."""
-    u, s_b, t_b = matvec_t(body.A, n), matvec_t(body.A, s), matvec_t(body.A, t)
-    ss, st, tt = 0.0, 0.0, 0.0
+def separation_along(a, b, u, w, c, n):
+    """Separation of the bodies along n [m]."""
+    return dot(sub(c, add(support_point(a, u, n), support_point(b, w, n))), n)
+
+
+@kernel
+def separation_and_hessian(a, b, u, w, c, n, s, t):
+    """Vector [m] from the farthest point of b along n to that of a against n, and the second
+    derivatives of both.
+    """
+    x_a, bend_a = support_and_hessian(a, u, n, s, t)
+    x_b, bend_b = support_and_hessian(b, w, n, s, t)
+    return sub(c, add(x_a, x_b)), add(bend_a, bend_b)
+
+
+@kernel
+def support_point(shape, u, n):
+    """Farthest point of the shape along n from its centre, world components."""
+    q, total = along(u, n), (0.0, 0.0, 0.0)
     for k in range(shape.count):
-        w = product(shape.E, 9 * k, u)
-        e_s, e_t = product(shape.E, 9 * k, s_b), product(shape.E, 9 * k, t_b)
-        square = dot(w, u)
-        along = 1.0 / sqrt(square)
-        w_s, w_t = dot(w, s_b), dot(w, t_b)
-        ss += along * (dot(e_s, s_b) - w_s * w_s / square)
-        st += along * (dot(e_s, t_b) - w_s * w_t / square)
-        tt += along * (dot(e_t, t_b) - w_t * w_t / square)
-    return ss, st, tt
+        e = weighted(shape.squares, 3 * k, q)
+        total = add_scaled(total, 1.0 / sqrt(dot(e, q)), e)
+    return combined(u, total)
 
 
 @kernel
-def tangents(n):
-    """Two unit vectors normal to n and to each other."""
-    helper = (1.0, 0.0, 0.0) if abs(n[0]) < 0.6 else (0.0, 1.0, 0.0)
-    s = cross(n, helper)
-    s = scale(1.0 / norm(s), s)
-    return s, cross(n, s)
+def support_and_hessian(shape, u, n, s, t):
+    """Farthest point along n [m] and its second derivatives along s and t: (ss, st, tt) [m]."""
+    q, p, r = along(u, n), along(u, s), along(u, t)
+    total, ss, st, tt = (0.0, 0.0, 0.0), 0.0, 0.0, 0.0
+    for k in range(shape.count):
+        e = weighted(shape.squares, 3 * k, q)
+        e_s, e_t = weighted(shape.squares, 3 * k, p), weighted(shape.squares, 3 * k, r)
+        square = dot(e, q)
+        size = 1.0 / sqrt(square)
+        total = add_scaled(total, size, e)
+        g_s, g_t = dot(e, p), dot(e, r)
+        ss += size * (dot(e_s, p) - g_s * g_s / square)
+        st += size * (dot(e_s, r) - g_s * g_t / square)
+        tt += size * (dot(e_t, r) - g_t * g_t / square)
+    return combined(u, total), (ss, st, tt)
 
 
 @kernel
-def product(E, first, u):
-    """Symmetric matrix stored from E[first] on, times u."""
-    return (
-        E[first] * u[0] + E[first + 1] * u[1] + E[first + 2] * u[2],
-        E[first + 3] * u[0] + E[first + 4] * u[1] + E[first + 5] * u[2],
-        E[first + 6] * u[0] + E[first + 7] * u[1] + E[first + 8] * u[2],
-    )
+def weighted(squares, first, q):
+    """Components q times the squares of three semi-axes, from `first` on."""
+    return squares[first] * q[0], squares[first + 1] * q[1], squares[first + 2] * q[2]
+
+
+@kernel
+def combined(u, x):
+    """The vector that has the components x along three axes."""
+    return add_scaled(add_scaled(scale(x[0], u[0]), x[1], u[1]), x[2], u[2])

@@ -17,20 +17,15 @@ from types import ModuleType
 
 import numpy as np
 
-from crashsolve.contact.narrow._convex import (
-    ITERATIONS,
-    ROUND_OFF,
-    SAME_MAXIMUM,
-    SEARCHES,
-    newton_step,
-    tangents,
-)
-from crashsolve.contact.narrow._patch import PATCH_POINT, ROWS, axis_of, patch
+from crashsolve.contact.narrow._ascent import along, axes_of, direction, unit_towards
+from crashsolve.contact.narrow._convex import PARALLEL, SAME_MAXIMUM, SEARCHES, STARTS
+from crashsolve.contact.narrow._patch import PATCH_POINT, ROWS, patch
+from crashsolve.contact.narrow._rounded import find_maximum, support_point
 from crashsolve.deck.building import Columns
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import world_position
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, scale, sub, vec
+from crashsolve.foundation.vec3 import add, add_scaled, dot, norm, scale, sub, vec
 
 __all__ = ["PARAMETERS", "bound", "data", "expand", "gap", "patch"]
 
@@ -49,10 +44,8 @@ PARAMETERS = Record("""
     alpha     m^2    3  of the three ellipsoids, across their axes
     beta      m^2    3  the same along them, less alpha
 """)
-# square of the least sine of the angle between two edges that span a direction
-PARALLEL = 1e-12
-# directions to start from, and cosine to an earlier start that leads to the same maximum
-STARTS, SAME_DIRECTION = 22, 1.0 - 1e-6
+# cosine to an earlier start that leads to the same maximum
+SAME_DIRECTION = 1.0 - 1e-6
 # separations that differ by less than this share of the distance belong to one direction
 SAME_VALUE = 1e-12
 # the last step of Newton's method is smaller than this share of edge / size [rad]: the remaining
@@ -126,12 +119,6 @@ def _rounded(element: Columns, shape: ModuleType, least: float, width: float) ->
 def data(elements_a: object, elements_b: object) -> tuple[np.ndarray]:
     """Room for the points of one patch."""
     return (np.zeros(ROWS, PATCH_POINT.dtype),)
-
-
-@kernel
-def axes_of(shape, body):
-    """The three axes of the shape, world components."""
-    return axis_of(shape, body, 0), axis_of(shape, body, 1), axis_of(shape, body, 2)
 
 
 @kernel
@@ -229,12 +216,6 @@ def depth_at_maximum(a, b, u, w, centre_a, centre_b, n):
 
 
 @kernel
-def along(u, x):
-    """Components of x along three axes."""
-    return dot(u[0], x), dot(u[1], x), dot(u[2], x)
-
-
-@kernel
 def cosines_of(u, w):
     """Cosines between the axes of both shapes, a row for each of the first."""
     return along(w, u[0]), along(w, u[1]), along(w, u[2])
@@ -302,13 +283,6 @@ def next_directions(a, b, u, w, c, limit, same):
 
 
 @kernel
-def unit_towards(n, c):
-    """Unit vector along n, to the side of c."""
-    length = norm(n)
-    return scale(1.0 / length if dot(n, c) >= 0.0 else -1.0 / length, n)
-
-
-@kernel
 def wider_face(a, b, cosines, k):
     """The face of the larger box, of two that lie flat on each other."""
     for i in range(3):
@@ -352,93 +326,3 @@ def extent_of(shape, u, n):
         z = dot(u[2], n)
         return shape.half[0] * sqrt(max(0.0, 1.0 - z * z)) + shape.half[2] * abs(z)
     return extent(shape, u, n)
-
-
-@kernel
-def direction(u, w, c, k):
-    """Normals of faces, of edge on edge, of edge on corner, and the line of centres."""
-    if k < 3:
-        return u[k]
-    if k < 6:
-        return w[k - 3]
-    if k < 15:
-        return cross(u[(k - 6) // 3], w[(k - 6) % 3])
-    if k < 21:
-        e = u[k - 15] if k < 18 else w[k - 18]
-        return add_scaled(c, -dot(c, e), e)
-    return c
-
-
-@kernel
-def support_point(shape, u, n):
-    """Farthest point of the shape along n from its centre, world components."""
-    e = (u[2], u[2], u[2]) if shape.is_round == 1 else u
-    total, even = (0.0, 0.0, 0.0), 0.0
-    for k in range(3):
-        alpha, beta = shape.alpha[k], shape.beta[k]
-        q = dot(e[k], n)
-        square = alpha + beta * q * q
-        if square > 0.0:
-            size = 1.0 / sqrt(square)
-            even += size * alpha
-            total = add_scaled(total, size * beta * q, e[k])
-    return add_scaled(total, even, n)
-
-
-@kernel
-def support_and_hessian(shape, u, n, s, t):
-    """Farthest point along n [m] and its second derivatives along s and t: (ss, st, tt) [m]."""
-    e = (u[2], u[2], u[2]) if shape.is_round == 1 else u
-    total, ss, st, tt, even = (0.0, 0.0, 0.0), 0.0, 0.0, 0.0, 0.0
-    for k in range(3):
-        alpha, beta = shape.alpha[k], shape.beta[k]
-        q = dot(e[k], n)
-        square = alpha + beta * q * q
-        if square > 0.0:
-            size = 1.0 / sqrt(square)
-            even += size * alpha
-            total = add_scaled(total, size * beta * q, e[k])
-            more = alpha * beta * size * size * size
-            e_s, e_t = dot(e[k], s), dot(e[k], t)
-            ss += more * e_s * e_s
-            st += more * e_s * e_t
-            tt += more * e_t * e_t
-    return add_scaled(total, even, n), (even + ss, st, even + tt)
-
-
-@kernel
-def separation_and_hessian(a, b, u, w, c, n, s, t):
-    """Vector [m] from the farthest point of b along n to that of a against n, and the second
-    derivatives of both.
-    """
-    x_a, bend_a = support_and_hessian(a, u, n, s, t)
-    x_b, bend_b = support_and_hessian(b, w, n, s, t)
-    return sub(c, add(x_a, x_b)), add(bend_a, bend_b)
-
-
-@kernel
-def find_maximum(a, b, u, w, c, n, last):
-    """The local maximum nearest to direction n: separation before the last step, direction."""
-    s, t = tangents(n)
-    separation, hessian = separation_and_hessian(a, b, u, w, c, n, s, t)
-    best, damping, round_off = dot(separation, n), 0.0, ROUND_OFF * norm(c)
-    for _ in range(ITERATIONS):
-        n_new, angle = newton_step(n, s, t, separation, hessian, best, damping)
-        if angle < last:
-            return best, n_new
-        s_new, t_new = tangents(n_new)
-        separation_new, bend_new = separation_and_hessian(a, b, u, w, c, n_new, s_new, t_new)
-        value = dot(separation_new, n_new)
-        if value >= best - round_off:
-            n, s, t, separation, hessian, best = (
-                n_new,
-                s_new,
-                t_new,
-                separation_new,
-                bend_new,
-                value,
-            )
-            damping *= 0.1
-        else:
-            damping = max(4.0 * damping, 1e-3)
-    return best, n

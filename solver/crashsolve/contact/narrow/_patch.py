@@ -15,7 +15,7 @@ Consequence to test: r of discs, squares and lines; shares add up to 1, their mo
 
 from math import log, sqrt
 
-from crashsolve.contact.narrow._convex import tangents
+from crashsolve.contact.narrow._ascent import axis_of, tangents
 from crashsolve.foundation.columns import matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import world_position
@@ -77,12 +77,6 @@ def outline(shape, body, n, x, s, t, spots, first):
         p = scale(max(edge, half[i] - abs(d[i])), axis_of(shape, body, i))
         q = scale(max(edge, half[j] - abs(d[j])), axis_of(shape, body, j))
     return parallelogram(spots, first, (dot(p, s), dot(p, t)), (dot(q, s), dot(q, t)))
-
-
-@kernel
-def axis_of(shape, body, k):
-    """Axis k of the shape, world components."""
-    return matvec(body.A, (shape.axes[k], shape.axes[3 + k], shape.axes[6 + k]))
 
 
 @kernel

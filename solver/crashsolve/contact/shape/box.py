@@ -60,9 +60,7 @@ def corners(element: Columns) -> list[Columns]:
     return [{"node": element["node"], "point": point, "radius": 0.0} for point in points]
 
 
-def rounds(element: Columns) -> list[np.ndarray]:
-    """Ellipsoids that sum up to this shape with rounded edges: (3, 3) [m^2], body axes."""
-    axes = element["axes"].reshape(3, 3)
+def rounds(element: Columns) -> np.ndarray:
+    """Semi-axes [m], by rows, of ellipsoids that sum up to this shape with rounded edges."""
     e = element.get("edge", ROUNDING * min(element["half"]))
-    needles = np.full((3, 3), e) + np.diag(element["half"] - 3.0 * e)
-    return [axes * semi**2 @ axes.T for semi in needles]
+    return np.full((3, 3), e) + np.diag(element["half"] - 3.0 * e)

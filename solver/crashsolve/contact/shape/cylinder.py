@@ -71,14 +71,11 @@ def half_width(element: Columns) -> float:
     return float(element["radius"])
 
 
-def rounds(element: Columns) -> list[np.ndarray]:
-    """Ellipsoids that sum up to this shape with rounded rims: (3, 3) [m^2], body axes."""
-    axes = element["axes"].reshape(3, 3)
+def rounds(element: Columns) -> np.ndarray:
+    """Semi-axes [m], by rows, of ellipsoids that sum up to this shape with rounded rims."""
     r, half = element["radius"], element["half_length"]
     e = element.get("edge", ROUNDING * min(r, half))
-    disc = np.array([r - e, r - e, e])
-    needle = np.array([e, e, half - e])
-    return [axes * semi**2 @ axes.T for semi in (disc, needle)]
+    return np.array([[r - e, r - e, e], [e, e, half - e]])
 
 
 def rims(element: Columns) -> list[Columns]:

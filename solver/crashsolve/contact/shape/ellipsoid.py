@@ -50,7 +50,6 @@ def half_width(element: Columns) -> float:
     return float(np.median(element["semi"]))
 
 
-def rounds(element: Columns) -> list[np.ndarray]:
-    """Ellipsoids that sum up to this shape: (3, 3) [m^2], body axes."""
-    axes = element["axes"].reshape(3, 3)
-    return [axes * element["semi"] ** 2 @ axes.T]
+def rounds(element: Columns) -> np.ndarray:
+    """Semi-axes [m] of the one ellipsoid that this shape is."""
+    return np.array([element["semi"]])

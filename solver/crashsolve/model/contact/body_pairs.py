@@ -26,6 +26,7 @@ BODY_PAIR = Record("""
     changes              count  how often histories have changed as that began, or since
     depth                m      of the deepest, at the last evaluation
     approached           m      bound of the approach of the bodies since
+    approach             m      the same of the step that ends
     bound                m      as depth, but with what samples have evaluated since
     dissipated           J      by the normal forces of all
     friction_dissipated  J      by their friction

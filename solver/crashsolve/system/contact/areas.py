@@ -12,7 +12,7 @@ by 2/3 mu N R.
 References: Howe and Cutkosky (1996), Int. J. Robotics Research 15, 557-572.
 """
 
-from crashsolve.contact.narrow._convex import tangents
+from crashsolve.contact.narrow._ascent import tangents
 from crashsolve.foundation.columns import add_to, matvec
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import add_deferred, apply_force, apply_torque, point_tangent

@@ -20,16 +20,15 @@ ROUND_OFF = 1e-14
 
 
 @kernel
-def can_skip_all(both, h, deepest, nodes):
-    """Whether all pairs of two bodies are skipped in this step, as none can have met.
+def can_skip_all(both, h, deepest):
+    """Whether all pairs of two bodies are skipped in this step, as none can have met; are_below has
+    found their approach.
 
     At a sample those below the `deepest` of their card [m] are skipped. Writes: both.approached.
     """
     if both.skipped == 0:
         return False
-    approach = 0.0
-    if h > 0.0:
-        approach = resting.largest_approach(both, nodes[both.node_a], nodes[both.node_b])
+    approach = both.approach if h > 0.0 else 0.0
     known = both.bound if h == 0.0 else both.depth
     ahead = known + both.approached + (1.0 + resting.STEPS_AHEAD) * approach
     if ahead > resting.skip_depth(h, deepest):
@@ -40,11 +39,14 @@ def can_skip_all(both, h, deepest, nodes):
 
 @kernel
 def are_below(both, limit, nodes):
-    """Whether no pair of two skipped bodies is deeper than `limit` [m] after the trial step."""
+    """Whether no pair of two skipped bodies is deeper than `limit` [m] after the trial step.
+
+    Writes: both.approach.
+    """
     if both.skipped == 0:
         return False
-    approach = resting.largest_approach(both, nodes[both.node_a], nodes[both.node_b])
-    return both.depth + both.approached + approach <= limit
+    both.approach = resting.largest_approach(both, nodes[both.node_a], nodes[both.node_b])
+    return both.depth + both.approached + both.approach <= limit
 
 
 @kernel

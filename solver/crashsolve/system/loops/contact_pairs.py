@@ -41,7 +41,7 @@ def contact_pairs(group, piece, clock, h, nodes, curves, scene):
         for k in range(group.body_pairs.shape[0]):
             both = group.body_pairs[k]
             card = scene.cards[both.card]
-            if body_pairs.can_skip_all(both, h, card.depth, nodes):
+            if body_pairs.can_skip_all(both, h, card.depth):
                 touches.add_losses(card, both)
                 continue
             # a sample changes only columns that the next step writes again
