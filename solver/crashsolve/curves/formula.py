@@ -4,9 +4,12 @@
     between two of them |cubic - expression| <= 1e-9 of the largest |y| there, or 1e-15 of the
     largest of all, beside the round-off of x
 
-Breakpoints halve until that holds, kinks included. `segments` is their initial number: every one
-is evaluated at many points, so that a narrow pulse is found; a narrower one needs more of them.
-Consequence to test: a power, a root and a fast sine have their own values everywhere.
+Breakpoints halve until that holds, kinks included. `segments` is their initial number; every one
+is evaluated at many points. Between them the formula is bounded (`_enclosures.py`), and where the
+bounds leave room for more than a thousandth of the largest value, intervals are halved until there
+is none: so the narrowest pulse is found, also on top of another function.
+Consequence to test: a power, a root and a fast sine have their own values everywhere; a pulse has
+its area.
 References: de Boor, A Practical Guide to Splines (1978), chapter IV.
 """
 
@@ -19,6 +22,7 @@ from pydantic import ValidationInfo, model_validator
 
 from crashsolve.curves._card import EXTRAPOLATE, CurveCard, check_axis
 from crashsolve.curves._derivatives import Jet, with_derivative
+from crashsolve.curves._enclosures import deviation
 from crashsolve.curves._piecewise import Array, hermite
 from crashsolve.deck.building import Scene
 from crashsolve.deck.card import word
@@ -34,6 +38,8 @@ LOOKS, LEAST, MOST = 65_536, 5, 450_000
 # [of the range] the shortest cubic, which holds a kink; and least size of a jump, of the largest
 # value
 SMALLEST, JUMP = 1e-13, 1e-3
+# [of the largest value] the least of what is sought between breakpoints, and the most searches
+HIDDEN, SEARCHES = 1e-3, 10
 
 
 class Formula(CurveCard):
@@ -88,6 +94,38 @@ def _sample(
     formula.value({"x": start})
     x = np.linspace(start, end, segments + 1)
     looks = max(math.ceil(LOOKS / segments), LEAST)
+    samples = _refined(formula, x, looks)
+    for _ in range(SEARCHES):
+        hidden = _hidden(formula, *samples[:3])
+        if not len(hidden):
+            break
+        x = np.union1d(x, hidden)
+        samples = _refined(formula, x, looks)
+    return samples
+
+
+def _hidden(formula: Expression, x: Array, y: Array, slopes: Array) -> Array:
+    """Positions (n,) where the formula is far from the cubics between these breakpoints."""
+    far = HIDDEN * float(np.abs(y).max())
+    left, right, done, found = x[:-1], x[1:], 0, [x[:0]]
+    while len(left) and done < MOST:
+        middle = 0.5 * (left + right)
+        may_be_far = (deviation(formula, left, right) > far) & (left < middle) & (middle < right)
+        left, right, middle = left[may_be_far], right[may_be_far], middle[may_be_far]
+        k = np.searchsorted(x, middle) - 1
+        h, a, b = x[k + 1] - x[k], Jet(y[k], slopes[k]), Jet(y[k + 1], slopes[k + 1])
+        cubic = _cubic(h, a, b, ((middle - x[k]) / h)[:, None])[:, 0]
+        is_far = np.abs(with_derivative(formula, middle).y - cubic) > far
+        found.append(middle[is_far])
+        left, right, middle = left[~is_far], right[~is_far], middle[~is_far]
+        left, right = np.concatenate([left, middle]), np.concatenate([middle, right])
+        done += len(left)
+    return np.concatenate(found)
+
+
+def _refined(formula: Expression, x: Array, looks: int) -> tuple[Array, Array, Array, float]:
+    """Breakpoints that begin with x, values and slopes (n,), and the tolerance kept."""
+    start, end = float(x[0]), float(x[-1])
     largest, tolerance = 0.0, TOLERANCE
     done: list[Array] = []
     left, right = x[:-1], x[1:]
@@ -174,11 +212,5 @@ def build(card: Formula, scene: Scene) -> tuple[Array, Array, int]:
             f"formula '{card.expression}': {len(x) - 1} cubics approximate it within "
             f"{tolerance:.0e} of its largest value, where {TOLERANCE:.0e} is usual; give a shorter "
             "range"
-        )
-    if not y.any():
-        scene.warnings.append(
-            f"formula '{card.expression}' is 0 at all points at which it was evaluated, "
-            f"{(card.to - card.from_) / max(LOOKS, LEAST * card.segments):.2g} apart: a narrower "
-            "pulse needs a shorter range or more segments"
         )
     return x, hermite(x, y, slopes), EXTRAPOLATE[card.extrapolate]
