@@ -208,9 +208,7 @@ def test_a_pulse_between_the_points_of_a_formula_is_found(width: float, other: s
     cards = [{"expression": f"{other} + 1e4*{text}"}, {"expression": other}]
     area = 0.0
     for sign, card in zip((1.0, -1.0), cards, strict=True):
-        x, c, _ = formula.build(
-            formula.Formula.model_validate(card | {"from": 0, "to": 100}), None
-        )
+        x, c, _ = formula.build(formula.Formula.model_validate(card | {"from": 0, "to": 100}), None)
         # of the cubics near the pulse, exactly
         near = np.unique(np.r_[x[abs(x - middle) < 10 * width], middle + 10 * width * np.r_[-1, 1]])
         near = near[near >= 0.0]
