@@ -196,6 +196,23 @@ def test_slopes_of_a_formula_are_its_derivative() -> None:
     assert c[:, 1] == pytest.approx(wave[:-1], abs=1e-14)
 
 
+@pytest.mark.parametrize(
+    "expression, second",
+    [
+        ("0.1*sin(7*x)", lambda x: -4.9 * np.sin(7 * x)),
+        ("2*x - 3*exp(-x)", lambda x: -3 * np.exp(-x)),
+        ("x**4/12", lambda x: x**2),
+    ],
+)
+def test_a_motion_by_a_formula_has_its_acceleration(expression: str, second: Any) -> None:
+    card = formula.Formula.model_validate({"expression": expression, "from": 0, "to": 10})
+    x, c, _ = formula.build_motion(card, None)
+    at = np.random.default_rng(2).random(5000) * 10
+    off = np.abs(values(x, c, at, derivative=2) - second(at)).max()
+    # the error is estimated to a quarter, as that of the values is
+    assert off < 1.25 * formula.MOTION * np.abs(second(at)).max()
+
+
 def test_a_formula_that_jumps_is_refused() -> None:
     with pytest.raises(ValueError, match="error|jumps"):
         formula.Formula.model_validate({"expression": "atan2(0, x-0.3)", "from": 0, "to": 1})

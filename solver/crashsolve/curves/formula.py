@@ -2,7 +2,8 @@
 
     y(x) = expression, y'(x) its derivative, both exact at breakpoints;
     between two of them |cubic - expression| <= 1e-9 of the largest |y| there, or 1e-15 of the
-    largest of all, beside the round-off of x
+    largest of all, beside the round-off of x; of a motion that drives a joint also
+    |cubic'' - expression''| <= 1e-6 of the largest |y''|
 
 Breakpoints halve until that holds, kinks included. `segments` is their initial number; every one
 is evaluated at many points. Between them the formula is bounded (`_enclosures.py`), and where the
@@ -38,6 +39,9 @@ LOOKS, LEAST, MOST = 65_536, 5, 450_000
 # [of the range] the shortest cubic, which holds a kink; and least size of a jump, of the largest
 # value
 SMALLEST, JUMP = 1e-13, 1e-3
+# [of the largest] error of the second derivative where a formula drives a joint; pieces that are
+# shorter than this share of the range hold kinks
+MOTION, SHORT = 1e-6, 1e-6
 # [of the largest value] the least of what is sought between breakpoints, and the most searches
 HIDDEN, SEARCHES = 1e-3, 10
 
@@ -79,14 +83,14 @@ class Formula(CurveCard):
         return self
 
 
-def sample(card: Formula) -> tuple[Array, Array, Array, float]:
+def sample(card: Formula, *, is_motion: bool = False) -> tuple[Array, Array, Array, float]:
     """Breakpoints, values and slopes (n,), and the tolerance kept. Raises ExpressionError."""
-    return _sample(card.expression, card.from_, card.to, card.segments)
+    return _sample(card.expression, card.from_, card.to, card.segments, is_motion)
 
 
 @lru_cache(maxsize=32)
 def _sample(
-    expression: str, start: float, end: float, segments: int
+    expression: str, start: float, end: float, segments: int, is_motion: bool
 ) -> tuple[Array, Array, Array, float]:
     """The samples of a formula, computed once for the check of the card and its build."""
     formula = Expression(expression)
@@ -94,13 +98,13 @@ def _sample(
     formula.value({"x": start})
     x = np.linspace(start, end, segments + 1)
     looks = max(math.ceil(LOOKS / segments), LEAST)
-    samples = _refined(formula, x, looks)
+    samples = _refined(formula, x, looks, is_motion=is_motion)
     for _ in range(SEARCHES):
         hidden = _hidden(formula, *samples[:3])
         if not len(hidden):
             break
         x = np.union1d(x, hidden)
-        samples = _refined(formula, x, looks)
+        samples = _refined(formula, x, looks, is_motion=is_motion)
     return samples
 
 
@@ -123,10 +127,12 @@ def _hidden(formula: Expression, x: Array, y: Array, slopes: Array) -> Array:
     return np.concatenate(found)
 
 
-def _refined(formula: Expression, x: Array, looks: int) -> tuple[Array, Array, Array, float]:
+def _refined(
+    formula: Expression, x: Array, looks: int, *, is_motion: bool
+) -> tuple[Array, Array, Array, float]:
     """Breakpoints that begin with x, values and slopes (n,), and the tolerance kept."""
     start, end = float(x[0]), float(x[-1])
-    largest, tolerance = 0.0, TOLERANCE
+    largest, bent, tolerance = 0.0, 0.0, TOLERANCE
     done: list[Array] = []
     left, right = x[:-1], x[1:]
     ends = _known(formula, x)
@@ -138,7 +144,7 @@ def _refined(formula: Expression, x: Array, looks: int) -> tuple[Array, Array, A
         # a fast sine could be a multiple of equidistant points
         inside = inside + 0.3 / (looks + 1) * np.sin(17.0 * inside)
         positions = left[:, None] + (right - left)[:, None] * inside
-        y = with_derivative(formula, positions.ravel()).y.reshape(positions.shape)
+        y, slope = (u.reshape(positions.shape) for u in with_derivative(formula, positions.ravel()))
         here = np.max(np.abs(np.column_stack([y, a.y, b.y])), axis=1)
         largest = max(largest, float(here.max()))
         error = np.max(np.abs(y - _cubic(right - left, a, b, inside)), axis=1)
@@ -148,7 +154,12 @@ def _refined(formula: Expression, x: Array, looks: int) -> tuple[Array, Array, A
         steepest = np.maximum(np.abs(a.slope), np.abs(b.slope))
         with np.errstate(over="ignore"):
             error -= ROUND_OFF * (largest + np.maximum(np.abs(left), np.abs(right)) * steepest)
-        is_rough = (error > tolerance * scale) & (right - left > least)
+        is_rough = error > tolerance * scale
+        if is_motion:
+            bend_error, bend = _bends(right - left, a, b, slope, inside)
+            bent = max(bent, float(bend[right - left > SHORT * (end - start)].max(initial=0.0)))
+            is_rough |= bend_error > tolerance / TOLERANCE * MOTION * bent
+        is_rough &= right - left > least
         while count + is_rough.sum() > MOST:
             tolerance *= 10.0
             # a fast one: of its largest value
@@ -193,6 +204,24 @@ def _cubic(h: Array, a: Jet, b: Jet, part: Array) -> Array:
     return value
 
 
+def _bends(h: Array, a: Jet, b: Jet, slopes: Array, part: Array) -> tuple[Array, Array]:
+    """Errors of the second derivatives of cubics (n,), by slopes (n, m) at parts of them; and the
+    largest of these derivatives.
+
+    Of a fourth derivative q the slope errs by q h^3 / 125 at most, the second one by q h^2 / 12.
+    """
+    h, secant = h[:, None], (b.y - a.y)[:, None] / h[:, None]
+    first, last = a.slope[:, None], b.slope[:, None]
+    bend = first + last - 2.0 * secant
+    ends = 2.0 * (secant - first - bend), 2.0 * (secant - first + 2.0 * bend)
+    error = np.abs(first + part * (ends[0] + 3.0 * part * bend) - slopes)
+    error -= ROUND_OFF * np.maximum(np.abs(first), np.abs(last))
+    # where the formula has no slope there is a kink, which is none of the cubics
+    error[~np.isfinite(error)] = 0.0
+    worst: Array = np.max(error, axis=1) * 125.0 / 12.0 / h[:, 0]
+    return worst, np.max(np.abs(np.hstack(ends)) / h, axis=1)
+
+
 def _refuse_jump(
     left: Array, right: Array, before: Array, after: Array, least: float, largest: float
 ) -> None:
@@ -204,9 +233,14 @@ def _refuse_jump(
         )
 
 
-def build(card: Formula, scene: Scene) -> tuple[Array, Array, int]:
+def build_motion(card: Formula, scene: Scene) -> tuple[Array, Array, int]:
+    """As `build`, of a motion whose second derivative is read."""
+    return build(card, scene, is_motion=True)
+
+
+def build(card: Formula, scene: Scene, *, is_motion: bool = False) -> tuple[Array, Array, int]:
     """Breakpoints (n,), coefficients (n - 1, 4) and the code of extrapolation."""
-    x, y, slopes, tolerance = sample(card)
+    x, y, slopes, tolerance = sample(card, is_motion=is_motion)
     if tolerance > TOLERANCE:
         scene.warnings.append(
             f"formula '{card.expression}': {len(x) - 1} cubics approximate it within "

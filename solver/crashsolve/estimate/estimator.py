@@ -17,11 +17,13 @@ from math import inf, isfinite
 
 import numpy as np
 
+from crashsolve.curves import formula
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.estimate.companion import HIGHEST_POWER, BudgetExceeded, Companions
 from crashsolve.estimate.error import Estimate, Judge, is_as_fine
 from crashsolve.estimate.mesh import LEAST, SHARE, Meshes, coarse_runs, with_mesh
 from crashsolve.foundation.errors import SolverError
+from crashsolve.joints._driven import FIELDS
 from crashsolve.model.build import build
 from crashsolve.model.curve_steps import unseen
 from crashsolve.model.integrator_selection import with_chosen_method
@@ -37,6 +39,8 @@ from crashsolve.study.watch import Watch, named
 
 COARSER = (4.0, 2.0)
 MESH = "the mesh"
+# words of channels that read the second derivative of a prescribed motion
+SECOND = ("acceleration", "force", "moment", "torque")
 OVER_BUDGET = "further runs would cost more than this one; control.estimate: full makes them"
 # the second where the first does not shorten the steps
 FINER = (0.5, 0.25)
@@ -154,6 +158,7 @@ class Estimator:
         others, meshes = rest[: len(others)], rest[len(others) :]
         judge = Judge(self.channels, self.order)
         found = [judge.estimate(watch, main, others) for watch in self.watches]
+        found = [with_formulas(estimate, self.deck) for estimate in found]
         is_meshed, laws = has_mesh(self.deck), left_out(self.deck)
         if is_meshed and meshes:
             found = [self._with_mesh(judge, e, [main, *meshes]) for e in found]
@@ -171,6 +176,26 @@ class Estimator:
             return with_mesh(found, judge.numbers(found.watch, runs), self.deck)
         except ValueError:
             return found
+
+
+def with_formulas(found: Estimate, deck: Deck) -> Estimate:
+    """An estimate that is no smaller than what the cubics of formulas miss, which no run shows."""
+    formulas = {name for name, entry in deck.entries["curves"].items() if entry.type == "formula"}
+    if not formulas or not found.error:
+        return found
+    motions = {
+        getattr(entry.card, field, None)
+        for entry in deck.entries["joints"].values()
+        for field in FIELDS
+    }
+    is_second = any(word in found.watch.channels[0] for word in SECOND)
+    share, what = formula.TOLERANCE, "values"
+    if is_second and not formulas.isdisjoint(motions):
+        share, what = formula.MOTION, "accelerations"
+    if found.error >= share * found.scale:
+        return found
+    how = f"{found.how}; formulas within {share:.0e} of their {what}"
+    return replace(found, error=share * found.scale, how=how)
 
 
 def left_out(deck: Deck) -> list[str]:
