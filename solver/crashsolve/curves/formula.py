@@ -154,17 +154,18 @@ def _refined(
         steepest = np.maximum(np.abs(a.slope), np.abs(b.slope))
         with np.errstate(over="ignore"):
             error -= ROUND_OFF * (largest + np.maximum(np.abs(left), np.abs(right)) * steepest)
-        is_rough = error > tolerance * scale
+        bend_error = np.zeros_like(error)
         if is_motion:
             bend_error, bend = _bends(right - left, a, b, slope, inside)
             bent = max(bent, float(bend[right - left > SHORT * (end - start)].max(initial=0.0)))
-            is_rough |= bend_error > tolerance / TOLERANCE * MOTION * bent
+        limit = motion_tolerance(1.0) * bent
+        is_rough = (error > tolerance * scale) | (bend_error > tolerance * limit)
         is_rough &= right - left > least
         while count + is_rough.sum() > MOST:
             tolerance *= 10.0
             # a fast one: of its largest value
             scale = np.full_like(scale, largest)
-            is_rough &= error > tolerance * scale
+            is_rough &= (error > tolerance * scale) | (bend_error > tolerance * limit)
             if tolerance > LOOSEST:
                 raise ExpressionError(
                     f"needs more than {MOST} cubics from {start:g} to {end:g}",
@@ -233,6 +234,11 @@ def _refuse_jump(
         )
 
 
+def motion_tolerance(tolerance: float) -> float:
+    """Error of the second derivative over its largest, where that of the values is `tolerance`."""
+    return MOTION / TOLERANCE * tolerance
+
+
 def build_motion(card: Formula, scene: Scene) -> tuple[Array, Array, int]:
     """As `build`, of a motion whose second derivative is read."""
     return build(card, scene, is_motion=True)
@@ -240,11 +246,15 @@ def build_motion(card: Formula, scene: Scene) -> tuple[Array, Array, int]:
 
 def build(card: Formula, scene: Scene, *, is_motion: bool = False) -> tuple[Array, Array, int]:
     """Breakpoints (n,), coefficients (n - 1, 4) and the code of extrapolation."""
-    x, y, slopes, tolerance = sample(card, is_motion=is_motion)
+    try:
+        x, y, slopes, tolerance = sample(card, is_motion=is_motion)
+    except ExpressionError as error:
+        raise scene.fail(f"{error.message}; {error.advice}", "expression") from None
     if tolerance > TOLERANCE:
         scene.warnings.append(
             f"formula '{card.expression}': {len(x) - 1} cubics approximate it within "
-            f"{tolerance:.0e} of its largest value, where {TOLERANCE:.0e} is usual; give a shorter "
-            "range"
+            f"{tolerance:.0e} of its largest value, where {TOLERANCE:.0e} is usual"
+            + (f", and its acceleration within {motion_tolerance(tolerance):.0e}" * is_motion)
+            + "; give a shorter range"
         )
     return x, hermite(x, y, slopes), EXTRAPOLATE[card.extrapolate]

@@ -180,18 +180,18 @@ class Estimator:
 
 def with_formulas(found: Estimate, deck: Deck) -> Estimate:
     """An estimate that is no smaller than what the cubics of formulas miss, which no run shows."""
-    formulas = {name for name, entry in deck.entries["curves"].items() if entry.type == "formula"}
+    curves = deck.entries["curves"].items()
+    formulas = {name: entry.card for name, entry in curves if entry.type == "formula"}
     if not formulas or not found.error:
         return found
-    motions = {
-        getattr(entry.card, field, None)
-        for entry in deck.entries["joints"].values()
-        for field in FIELDS
-    }
+    joints = [entry.card for entry in deck.entries["joints"].values()]
+    motions = {getattr(card, field, None) for card in joints for field in FIELDS}
     is_second = any(word in found.watch.channels[0] for word in SECOND)
-    share, what = formula.TOLERANCE, "values"
-    if is_second and not formulas.isdisjoint(motions):
-        share, what = formula.MOTION, "accelerations"
+    kept = {name: formula.sample(c, is_motion=name in motions)[3] for name, c in formulas.items()}
+    share, what = max(kept.values()), "values"
+    driving = [tolerance for name, tolerance in kept.items() if name in motions]
+    if is_second and driving:
+        share, what = formula.motion_tolerance(max(driving)), "accelerations"
     if found.error >= share * found.scale:
         return found
     how = f"{found.how}; formulas within {share:.0e} of their {what}"
