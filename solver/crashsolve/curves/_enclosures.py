@@ -16,9 +16,12 @@ from math import pi
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from crashsolve.curves._piecewise import Array
 from crashsolve.deck.reading.expressions import CONSTANTS, Expression
+
+Mask = NDArray[np.bool_]
 
 
 class Interval(NamedTuple):
@@ -175,7 +178,7 @@ def _sign(u: Interval) -> Interval:
 def _sine(u: Interval) -> Interval:
     ends = np.sin(u.low), np.sin(u.high)
 
-    def has(angle: float) -> Array:
+    def has(angle: float) -> Mask:
         turns: Array = np.floor((u.high - angle) / (2.0 * pi))
         return turns >= (u.low - angle) / (2.0 * pi)
 
@@ -229,7 +232,7 @@ def _greatest(u: Bounds, v: Bounds) -> Bounds:
     return Bounds(y, _either(u.slope, v.slope, u.y.low > v.y.high, v.y.low > u.y.high))
 
 
-def _either(u: Interval, v: Interval, is_u: Array, is_v: Array) -> Interval:
+def _either(u: Interval, v: Interval, is_u: Mask, is_v: Mask) -> Interval:
     low = np.where(is_u, u.low, np.where(is_v, v.low, np.minimum(u.low, v.low)))
     high = np.where(is_u, u.high, np.where(is_v, v.high, np.maximum(u.high, v.high)))
     return Interval(low, high)
