@@ -112,7 +112,7 @@ def tried(path: Path, words: dict[str, str], watch: Stopwatch) -> Run | None:
     numbers = [
         Number(path.stem, w.name, abs((e.value or 0.0) - card.value) / scale)
         for card in deck.expect
-        for w, e in zip(estimator.watches, estimator.judge(main, []), strict=True)
+        for w, e in zip(estimator.watches, estimator.estimates(main, []), strict=True)
         if (card.channel, card.statistic, card.during) == (w.channels[0], w.statistic, w.during)
         and card.because == "exact"
         and not any(c.is_of_the_run for c in estimator.channels[w.channels[0]])
@@ -144,7 +144,9 @@ def tried_scene(scene: Scene, words: dict[str, str], watch: Stopwatch, folder: P
     known = [(k, s) for k in scene.known for s in k.statistics]
     numbers = [
         Number(scene.name, w.name, true_error(k, s, e, main) / e.scale)
-        for (k, s), w, e in zip(known, estimator.watches, estimator.judge(main, []), strict=True)
+        for (k, s), w, e in zip(
+            known, estimator.watches, estimator.estimates(main, []), strict=True
+        )
     ]
     return Run(numbers, deck.control.integrator, main.cycles, spent)
 

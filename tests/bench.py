@@ -194,16 +194,16 @@ class Law:
 
 def check_power(law: Law, draws: int, **tolerances: float) -> None:
     """In random states the power on the bodies is what the law stores and loses; it loses."""
-    start, met, free = law.bench.state(), 0, 0
+    start, touched, free = law.bench.state(), 0, 0
     for seed in range(draws):
         law.bench.nodes[:] = start
         law.bench.shake(seed)
         out = law.force()
         given, lost = law.power_on_bodies(), float(out.power)
-        met, free = met + (out.stored > 0.0), free + (out.stored == 0.0)
+        touched, free = touched + (out.stored > 0.0), free + (out.stored == 0.0)
         assert given == pytest.approx(-law.growth(1e-6) - lost, **tolerances)
         assert lost >= 0.0
-    assert met >= 5 and free >= 5
+    assert touched >= 5 and free >= 5
 
 
 def _no_force(*args: object) -> None:

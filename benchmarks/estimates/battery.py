@@ -83,7 +83,7 @@ def settings(scene: Scene) -> Iterator[tuple[str, str, dict[str, str], int]]:
             yield method, f"step {step:.3g}", {"control.step": f"{step!r} s"}, 100
 
 
-def judge(scene: Scene, folder: Path) -> Iterator[list[Judged]]:
+def rate_scene(scene: Scene, folder: Path) -> Iterator[list[Judged]]:
     """The numbers of every run of a scene."""
     path = scene.deck
     if isinstance(path, str):
@@ -162,7 +162,7 @@ def run_all(words: Sequence[str] = ()) -> list[list[Judged]]:
 def run_kind(number: int) -> list[list[Judged]]:
     """The runs of one kind of scenes."""
     with TemporaryDirectory() as folder:
-        return [run for scene in kinds()[number] for run in judge(scene, Path(folder))]
+        return [run for scene in kinds()[number] for run in rate_scene(scene, Path(folder))]
 
 
 def share(numbers: list[Judged]) -> float:
@@ -182,12 +182,12 @@ def table(runs: list[list[Judged]]) -> str:
         "|---|---|---|---|---|---|---|",
     ]
     for method in dict.fromkeys(number.method for number in numbers):
-        mine = [number for number in numbers if number.method == method]
+        chosen = [number for number in numbers if number.method == method]
         costs = [run[0].cost for run in runs if run[0].method == method]
-        small = sum(number.ratio < 1 / FACTOR for number in mine)
-        large = sum(number.ratio > FACTOR for number in mine)
+        small = sum(number.ratio < 1 / FACTOR for number in chosen)
+        large = sum(number.ratio > FACTOR for number in chosen)
         lines.append(
-            f"| {method} | {len(costs)} | {len(mine)} | {100 * share(mine):.1f} % | {small} | "
+            f"| {method} | {len(costs)} | {len(chosen)} | {100 * share(chosen):.1f} % | {small} | "
             f"{large} | {np.median(costs):.2f} |"
         )
     return "\n".join([*lines, "", *_failures(numbers)])

@@ -169,7 +169,7 @@ def _value(options: argparse.Namespace) -> int:
     for channel, own in choices(result, options.channels):
         word = own or options.statistic
         if not word:
-            raise PostError("say which number: CHANNEL:STATISTIC, or --statistic WORD")
+            raise PostError("name the number: CHANNEL:STATISTIC, or --statistic WORD")
         found = answer(result, channel, word, during, options.unit)
         if found.remark:
             print(printable(f"crashpost: {channel}: {found.remark}"), file=sys.stderr)
@@ -200,14 +200,16 @@ def _window(text: str) -> tuple[float, float]:
 
 def _expect(options: argparse.Namespace) -> int:
     result = _open(options)
-    from crashpost.values.expectation import judge, verdict_table
+    from crashpost.values.expectation import check_expectations, verdict_table
 
     state = result.status.get("state", "unknown")
     if not result.finished and not options.partial:
-        raise PostError(f"the run is not finished (state: {state}); --partial judges what there is")
-    verdicts = judge(result)
+        raise PostError(
+            f"the run is not finished (state: {state}); --partial evaluates the results so far"
+        )
+    verdicts = check_expectations(result)
     if not verdicts:
-        print("the deck expects nothing")
+        print("the deck has no expectations")
         return 0
     _say(verdict_table(verdicts))
     failed = sum(not verdict.passed for verdict in verdicts)

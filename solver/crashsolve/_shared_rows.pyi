@@ -31,7 +31,7 @@ class ContactHistory:
     power: float  # [W] its present rate
     friction_dissipated: float  # [J] by friction
     friction_power: float  # [W] its present rate
-    push: Numbers[float]  # [N] normal force on side a
+    normal_force: Numbers[float]  # [N] normal force on side a
     friction_force: Numbers[float]  # [N] friction on side a
     bristle_energy: float  # [J] recoverable energy of friction
     position: Numbers[float]  # [m] point of contact
@@ -102,7 +102,7 @@ class RangeMoment:
     unloading: int  # [flag] SAME, SET or BETWEEN
     unloading_curve: int  # [index] u
     unloading_stiffness: float  # [N/m or N m/rad] k
-    only: int  # [flag] 1 or -1: no force in the other direction; 0: both
+    direction: int  # [flag] 1 or -1: no force in the other direction; 0: both
     loose: int  # [flag] the ends may part: never a force that holds them together
     gap: float  # [m or rad] free play in each direction
     damping: float  # [N s/m or N m s/rad] c
@@ -110,7 +110,7 @@ class RangeMoment:
     rate_coefficient: float  # [1] a
     rate_exponent: float  # [1] b
     rate_floor: float  # [m/s or rad/s] rate at which phi = 1.1
-    stiffest: float  # [N/m or N m/rad] largest slope of the curves and k
+    largest_slope: float  # [N/m or N m/rad] largest slope of the curves and k
     stop_stiffness: float  # [N m/rad] k; not used with a curve
     transition: float  # [rad] d
     stop_damping: float  # [N m s/rad] c
@@ -120,7 +120,7 @@ class Resistance:
     unloading: int  # [flag] SAME, SET or BETWEEN
     unloading_curve: int  # [index] u
     unloading_stiffness: float  # [N/m or N m/rad] k
-    only: int  # [flag] 1 or -1: no force in the other direction; 0: both
+    direction: int  # [flag] 1 or -1: no force in the other direction; 0: both
     loose: int  # [flag] the ends may part: never a force that holds them together
     gap: float  # [m or rad] free play in each direction
     damping: float  # [N s/m or N m s/rad] c
@@ -128,7 +128,7 @@ class Resistance:
     rate_coefficient: float  # [1] a
     rate_exponent: float  # [1] b
     rate_floor: float  # [m/s or rad/s] rate at which phi = 1.1
-    stiffest: float  # [N/m or N m/rad] largest slope of the curves and k
+    largest_slope: float  # [N/m or N m/rad] largest slope of the curves and k
 
 class Slider:
     set: Numbers[float]  # [m or rad] s in tension, in compression
@@ -143,7 +143,7 @@ class Stops:
     stiffness: float  # [N/m or N m/rad] k; not used with a curve
     curve: int  # [index] force over the travel beyond the stop; 0 for none
     damping: float  # [N s/m or N m s/rad] c
-    stiffest: float  # [N/m or N m/rad] largest slope of the force
+    largest_slope: float  # [N/m or N m/rad] largest slope of the force
 
 class Bristle:
     level: float  # [N or N m] constant part of the limit
@@ -222,7 +222,7 @@ class Tyre:
     radius: float  # [m] R
     stiffness: float  # [N/m] k; not used with a curve
     curve: int  # [index] y; 0 for none
-    stiffest: float  # [N/m] largest slope of the vertical force
+    largest_slope: float  # [N/m] largest slope of the vertical force
     damping: float  # [N s/m] c
     damping_depth: float  # [m] depth over which it grows
     rim_depth: float  # [m] depth at which the rim is met; infinite for none
@@ -232,7 +232,7 @@ class Tyre:
     length: float  # [m] l; 0 for the chord of the circle
     sigma_x: float  # [m] relaxation length along the wheel
     sigma_y: float  # [m] the same across
-    still_damping: float  # [N s/m] k_V
+    standstill_damping: float  # [N s/m] k_V
     low_speed: float  # [m/s] V_low
     side_stiffness: float  # [N/m] of the carcass; infinite for none
     resistance: float  # [1] coefficient of rolling resistance
@@ -244,8 +244,8 @@ class TyreDeflection:
     q_x: Numbers[float]  # [m] deflection of the carcass along the wheel, on each road
     q_y: Numbers[float]  # [m] the same across
     store: Numbers[float]  # [J] energy in it
-    sunk: int  # [flag] whether its centre has been on a road or below it
-    doubled: int  # [flag] whether two roads have pressed it from one side
+    bottomed: int  # [flag] whether its centre has been on a road or below it
+    roads_overlap: int  # [flag] whether two roads have pressed it from one side
 
 class TyreForces:
     force: Numbers[float]  # [N] on the wheel, world axes

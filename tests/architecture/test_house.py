@@ -128,11 +128,11 @@ def test_the_postprocessor_knows_the_solver_by_its_files_only() -> None:
     """Beside the files it knows what both say of channels, a leaf that imports nothing else."""
     shared = ("crashsolve.channels.", "crashsolve.__version__")
     for path in POST.rglob("*.py"):
-        ours = [name for name in imports(path) if name.split(".")[0] == "crashsolve"]
-        assert not [name for name in ours if not name.startswith(shared)], path
+        internal = [name for name in imports(path) if name.split(".")[0] == "crashsolve"]
+        assert not [name for name in internal if not name.startswith(shared)], path
     for path in (SOLVER / "channels").rglob("*.py"):
-        ours = [name for name in imports(path) if name.split(".")[0] == "crashsolve"]
-        assert not [name for name in ours if not name.startswith("crashsolve.channels.")], path
+        internal = [name for name in imports(path) if name.split(".")[0] == "crashsolve"]
+        assert not [name for name in internal if not name.startswith("crashsolve.channels.")], path
     for path in MODULES:
         assert not [name for name in imports(path) if name.split(".")[0] == "crashpost"], path
 

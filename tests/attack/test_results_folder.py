@@ -257,7 +257,7 @@ def test_an_interrupt_that_python_drops_is_not_lost(tmp_path: Path) -> None:
 def catch_unraisable() -> Iterator[list[type[BaseException]]]:
     """Kinds of the exceptions that Python drops meanwhile."""
     kinds: list[type[BaseException]] = []
-    hook, sys.unraisablehook = sys.unraisablehook, lambda met: kinds.append(met.exc_type)
+    hook, sys.unraisablehook = sys.unraisablehook, lambda error: kinds.append(error.exc_type)
     try:
         yield kinds
     finally:

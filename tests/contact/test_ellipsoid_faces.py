@@ -136,7 +136,7 @@ def bench(
 
 def look(g: Any, x: ArrayLike, A: np.ndarray, is_smooth: bool = False) -> Any:
     """What the ellipsoid finds at x, a step later each time: side, depth, normal, ball's centre."""
-    body, mesh = g.nodes[1], (g.points, g.corners, g.beside, g.around_first, g.around, g.deleted)
+    body, mesh = g.nodes[1], (g.points, g.corners, g.adjacent, g.around_first, g.around, g.deleted)
     body.r, body.A = x, np.ravel(A)
     g.totals[0].listed, g.due[:] = -1.0, 0.0
     lists = (g.first, g.near, g.wait, g.due)
@@ -152,7 +152,7 @@ def look(g: Any, x: ArrayLike, A: np.ndarray, is_smooth: bool = False) -> Any:
             g.totals[0],
             g.ellipsoids[0],
             g.nodes,
-            projection.Sides(g.probe_states, g.slot_in_use, g.found[0]),
+            projection.Sides(g.probe_states, g.slot_in_use, g.hits[0]),
             mesh,
             lists,
         ),
@@ -160,13 +160,13 @@ def look(g: Any, x: ArrayLike, A: np.ndarray, is_smooth: bool = False) -> Any:
     if is_smooth:
         centre, ellipsoid_data = ellipsoids.centre_of(g.ellipsoids[0], g.nodes)
         excluded = (g.excluded_first, g.excluded)
-        normals.apply_field(0, centre, ellipsoid_data, g.p[0], mesh, excluded, g.found[0])
+        normals.apply_field(0, centre, ellipsoid_data, g.p[0], mesh, excluded, g.hits[0])
     hits = []
     for s in range(2):
         old, new, hit = (
             g.probe_states[g.slot_in_use[s], s],
             g.probe_states[1 - g.slot_in_use[s], s],
-            g.found[0][s],
+            g.hits[0][s],
         )
         new.depth, new.active, new.face = hit.depth, int(hit.depth > 0.0), hit.face
         new.normal = hit.normal

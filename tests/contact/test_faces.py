@@ -17,7 +17,7 @@ from crashsolve.deck.reading.deck import read_deck
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.foundation.rows import as_rows
 from crashsolve.model.build import build
-from crashsolve.model.contact.near_faces import excluded_faces, faces_beside
+from crashsolve.model.contact.near_faces import adjacent_faces, excluded_faces
 from crashsolve.system.contact import node_contact, normals, projection
 
 DECK = Path(__file__).resolve().parents[2] / "decks/verification/contact/faces.yaml"
@@ -144,7 +144,7 @@ class Bench:
         g.nodes = as_rows(self.state.nodes)
         g.lists = (g.first, g.near, g.wait, g.due)
         g.grid = (g.cells, g.starts, g.sorted)
-        g.mesh = (g.points, g.corners, g.beside, g.around_first, g.around, g.deleted)
+        g.mesh = (g.points, g.corners, g.adjacent, g.around_first, g.around, g.deleted)
         return g
 
     def search(self, g: SimpleNamespace) -> None:
@@ -161,20 +161,20 @@ class Bench:
         g.due[:] = 0.0
         self.search(g)
         position = tuple(map(float, x))
-        sides = projection.Sides(g.probe_states, g.slot_in_use, g.found[0])
+        sides = projection.Sides(g.probe_states, g.slot_in_use, g.hits[0])
         projection.find_nearest_faces(0, position, g.p[0], g.totals[0], sides, g.mesh, g.lists)
         if is_smooth:
             excluded = (g.excluded_first, g.excluded)
-            normals.apply_field(0, position, None, g.p[0], g.mesh, excluded, g.found[0])
+            normals.apply_field(0, position, None, g.p[0], g.mesh, excluded, g.hits[0])
         hits = []
         for s in range(2):
             old, new = g.probe_states[g.slot_in_use[s], s], g.probe_states[1 - g.slot_in_use[s], s]
-            new.depth, new.active = g.found[0][s].depth, int(g.found[0][s].depth > 0.0)
-            new.face, new.normal = g.found[0][s].face, g.found[0][s].normal
+            new.depth, new.active = g.hits[0][s].depth, int(g.hits[0][s].depth > 0.0)
+            new.face, new.normal = g.hits[0][s].face, g.hits[0][s].normal
             if new.active or old.active:
                 node_contact.mark_for_acceptance(h, g.slot_in_use, s)
             if new.active:
-                hits.append((s, float(g.found[0][s].depth), np.array(g.found[0][s].normal)))
+                hits.append((s, float(g.hits[0][s].depth), np.array(g.hits[0][s].normal)))
         return hits
 
 
@@ -331,7 +331,7 @@ def test_a_continuous_field_points_to_the_axis_of_a_drum(
         direction = np.array([np.cos(phi), np.sin(phi), 0.0]) * np.sign(r - 1.0)
         np.testing.assert_allclose(normal, direction, atol=1e-12)
         # the force acts along the line through the ball and the position on the face
-        hit = bench.groups[0].found[0][0 if r > 1.0 else 1]
+        hit = bench.groups[0].hits[0][0 if r > 1.0 else 1]
         g = bench.groups[0]
         at = corner_points(g.p[0], hit.face, g.corners)
         position = np.array(hit.N) @ np.array(g.points.r)[list(at)]
@@ -342,10 +342,10 @@ def test_a_continuous_field_points_to_the_axis_of_a_drum(
 
 
 def test_beyond_a_free_border_the_nearest_point_stays(tmp_path: Path) -> None:
-    smooth, nearest_place = Bench(tmp_path, *STRIP), Bench(tmp_path, *STRIP)
+    smooth, nearest = Bench(tmp_path, *STRIP), Bench(tmp_path, *STRIP)
     for x in ([-0.05, 0.5, 0.03], [0.4, 0.5, 0.06], [1.0, 0.2, 0.05]):
         ((_, depth, normal),) = smooth.look(x, is_smooth=True)
-        ((_, wanted, direction),) = nearest_place.look(x)
+        ((_, wanted, direction),) = nearest.look(x)
         assert depth == pytest.approx(wanted, abs=1e-14)
         np.testing.assert_allclose(normal, direction, atol=1e-13)
 
@@ -354,8 +354,8 @@ def test_faces_across_sides_and_rings_about_nodes() -> None:
     n = 6
     at = np.arange(n * n).reshape(n, n)
     quads = np.stack([at[:-1, :-1], at[:-1, 1:], at[1:, 1:], at[1:, :-1]], axis=-1).reshape(-1, 4)
-    beside = faces_beside(quads).reshape(-1, 4)
-    assert list(beside[6]) == [1, 7, 11, 5] and list(beside[0]) == [-1, 1, 5, -1]
+    adjacent = adjacent_faces(quads).reshape(-1, 4)
+    assert list(adjacent[6]) == [1, 7, 11, 5] and list(adjacent[0]) == [-1, 1, 5, -1]
     from crashsolve.model.contact.near_faces import faces_around
 
     around = faces_around(quads, n * n)
@@ -385,7 +385,7 @@ STICK = {
         ({"surfaces": {"own": {"radius": 0.0}}}, "no thickness of their own"),
         ({"contacts": {"hit": {"a": ["faces"]}}}, "only nodes, balls and ellipsoids can"),
         ({"control": {"integrator": "dormand_prince_5"}}, "whole steps"),
-        ({"control": {"integrator": "radau_iia_5"}}, "touch in explicit steps"),
+        ({"control": {"integrator": "radau_iia_5"}}, "needs explicit steps"),
     ],
 )
 def test_what_cannot_be_is_refused(

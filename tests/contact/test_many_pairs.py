@@ -15,7 +15,7 @@ from crashsolve.model.contact import pieces, records
 from crashsolve.system.bounds import stiffest
 from crashsolve.system.compose import compose
 from crashsolve.system.engine import Engine
-from crashsolve.threads.worker import MOST_PIECES
+from crashsolve.threads.worker import MAX_PIECES
 
 # a worker compiles the scene once
 pytestmark = pytest.mark.xdist_group("threads")
@@ -225,19 +225,19 @@ def test_every_pair_is_in_one_piece_of_its_card_and_every_load_on_one_body() -> 
     ]
     assert pairs == list(enumerate(cards))
     assert (group.pieces["end"] - group.pieces["first"] <= pieces.PAIRS).all()
-    assert len(group.pieces) <= MOST_PIECES
-    body = {at: b["node"] for b in group.bearers for at in range(b["first"], b["end"])}
+    assert len(group.pieces) <= MAX_PIECES
+    body = {at: b["node"] for b in group.loaded_bodies for at in range(b["first"], b["end"])}
     assert [body[at] for at in group.load_rows] == [node for two in nodes for node in two]
     assert sorted(group.load_rows) == list(range(2000))
-    for b in group.bearers:
+    for b in group.loaded_bodies:
         # those of a body in the order of the pairs
         own = [load for load, at in enumerate(group.load_rows) if b["first"] <= at < b["end"]]
         assert [group.load_rows[load] for load in own] == list(range(b["first"], b["end"]))
 
 
 def test_no_list_of_pairs_has_more_pieces_than_a_job_can(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert 2 * pieces.MOST <= MOST_PIECES
-    monkeypatch.setattr(pieces, "MOST", 3)
+    assert 2 * pieces.MAX_PIECES <= MAX_PIECES
+    monkeypatch.setattr(pieces, "MAX_PIECES", 3)
     group = group_of([0] * 700 + [4] * 300, [(k, 7) for k in range(1000)])
     pieces.cut(group)
     # a third of all pairs, and no two cards in one piece

@@ -169,12 +169,12 @@ WRONG = {
     "thickness: an open mesh needs a thickness": (SQUARE, HALVES, ""),
     "faces: triangle 1 has no area": (SQUARE, [[0, 1, 2], [0, 3, 0]], ""),
     "faces: a face names point 4; the points are 0 to 3": (SQUARE, [[0, 1, 4]], ""),
-    "faces: triangles 0 and 1 disagree about outside along the edge of points 0 and 1": (
+    "faces: triangles 0 and 1 have opposite orientations along the edge of points 0 and 1": (
         SQUARE,
         [[0, 1, 2], [0, 1, 3]],
         "",
     ),
-    "faces: triangles 0, 1, 2 meet at the edge of points 0 and 1, where two can": (
+    "faces: triangles 0, 1, 2 share the edge of points 0 and 1, which two can": (
         np.vstack([SQUARE, [0, 0, 1]]),
         [[0, 1, 2], [1, 0, 3], [0, 1, 4]],
         "",

@@ -43,10 +43,10 @@ def test_points_are_found_along_the_surface(size: float) -> None:
     # ways along sides and diagonals of squares are longer by 1 / cos(pi/8) at most
     assert distance.max() < 2.0
     everyone = np.linalg.norm(points[:, None] - points, axis=2)
-    sure = everyone < 2.0 * np.cos(np.pi / 8)
-    found = np.zeros_like(sure)
+    expected = everyone < 2.0 * np.cos(np.pi / 8)
+    found = np.zeros_like(expected)
     found[owners, reached] = True
-    assert found[sure].all()
+    assert found[expected].all()
 
 
 def test_a_wall_that_is_near_but_far_along_the_surface_is_met() -> None:

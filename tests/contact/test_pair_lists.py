@@ -235,6 +235,6 @@ def test_parts_of_shapes_are_followed_by_their_own_points(tmp_path: Path) -> Non
     model, state = build(read_deck(path))
     group = model.contact_groups[0]
     assert group.search is not None
-    group.search.look(state.nodes)
+    group.search.update(state.nodes)
     points = state.nodes["r"][group.elements_a["node"]] + group.elements_a["point"]
-    np.testing.assert_allclose(group.search.seen[0]["r"], points, atol=1e-15)
+    np.testing.assert_allclose(group.search.references[0]["r"], points, atol=1e-15)

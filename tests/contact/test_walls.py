@@ -23,14 +23,14 @@ def found(bench: Bench, x: Sequence[float]) -> list[tuple[float, float, np.ndarr
     g.nodes[1].r, g.totals[0].listed = x, -1.0
     g.due[:] = 0.0
     bench.search(g)
-    sides = projection.Sides(g.probe_states, g.slot_in_use, g.found[0])
+    sides = projection.Sides(g.probe_states, g.slot_in_use, g.hits[0])
     position = tuple(map(float, x))
     projection.find_nearest_faces(0, position, g.p[0], g.totals[0], sides, g.mesh, g.lists)
     walls.find_walls(0, position, g.p[0], g.totals[0], sides, g.mesh, g.lists, g.initial)
     hits = []
     for s in range(2):
-        for w in range(walls.wall_count(s, g.found[0])):
-            hit = g.found[0][walls.row_of_wall(s, w)]
+        for w in range(walls.wall_count(s, g.hits[0])):
+            hit = g.hits[0][walls.row_of_wall(s, w)]
             hits.append((float(hit.weight), float(hit.depth), np.array(hit.normal)))
     return hits
 
@@ -125,14 +125,14 @@ def test_the_walls_that_go_on_keep_their_records(tmp_path: Path) -> None:
     bench = Bench(tmp_path, *crease(1.6))
     g = bench.groups[0]
     z = 0.09 / np.cos(0.8)
-    for w, (row, face) in enumerate(((0, 1), (g.p[0].first_beside, 0))):
+    for w, (row, face) in enumerate(((0, 1), (g.p[0].first_other_wall, 0))):
         old = g.probe_states[0, row]
         old.active, old.face, old.normal = 1, face, [(-1.0, 1.0)[w] * 0.7, 0.0, 0.7]
-    g.probe_states[0, 0].beside = 1
+    g.probe_states[0, 0].other_walls = 1
     # nearer to the other wall than before
     assert len(found(bench, [-0.01, 0.5, z])) == 2
-    taken = walls.match_walls(g.p[0], 0, 0, 2, 2, g.found[0], g.probe_states, g.slot_in_use)
-    nearest, other = g.found[0][0], g.found[0][walls.row_of_wall(0, 1)]
+    taken = walls.match_walls(g.p[0], 0, 0, 2, 2, g.hits[0], g.probe_states, g.slot_in_use)
+    nearest, other = g.hits[0][0], g.hits[0][walls.row_of_wall(0, 1)]
     assert (nearest.face, other.face, taken) == (0, 1, 3)
     assert (nearest.partner, other.partner) == (1, 0)
 

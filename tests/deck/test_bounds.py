@@ -6,7 +6,7 @@ import pytest
 
 from crashsolve.deck.reading import files
 from crashsolve.deck.reading.deck import read_deck
-from crashsolve.foundation.errors import MOST, DeckErrors
+from crashsolve.foundation.errors import MAX_ERRORS, DeckErrors
 from crashsolve.model.build import build
 
 BODY = 'bodies: {"b<x>": {mass: 1, inertia: [1, 1, 1]}}\n'
@@ -16,7 +16,7 @@ def test_files_that_each_include_the_next_twice_are_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Thirty of them would be a thousand million files; the bound is reported once."""
-    monkeypatch.setattr(files, "MOST", 200)
+    monkeypatch.setattr(files, "MAX_FILES", 200)
     first = "include: [{file: a1.yaml, with: {x: l}}, {file: a1.yaml, with: {x: r}}]\n"
     (tmp_path / "a0.yaml").write_text(f"control: {{end_time: 1}}\n{first}")
     for k in range(1, 31):
@@ -98,8 +98,8 @@ def test_long_words_and_many_errors_are_cut(tmp_path: Path) -> None:
         read_deck(deck)
     lines = str(reported.value).splitlines()
     # each body lacks its inertia, or has a mass in metres: one message of each kind at least
-    assert len(lines) == MOST + 1
-    assert lines[-1] == f"error: {len(reported.value.errors) - MOST} more like these"
+    assert len(lines) == MAX_ERRORS + 1
+    assert lines[-1] == f"error: {len(reported.value.errors) - MAX_ERRORS} more like these"
     assert max(map(len, lines)) < 300
     assert f"'{'9' * 36}... (300 letters) m'" in lines[0]
 

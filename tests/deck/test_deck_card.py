@@ -132,6 +132,8 @@ HALF = math.sqrt(0.5)
     [
         ({}, (1, 0, 0, 0)),
         ({"axis": [0, 0, 5], "angle": "90 deg"}, (HALF, 0, 0, HALF)),
+        ({"axis": [0, 0, 5e-324], "angle": "90 deg"}, (HALF, 0, 0, HALF)),
+        ({"axis": [0, 0, 1e308], "angle": "90 deg"}, (HALF, 0, 0, HALF)),
         ({"quaternion": [HALF, 0, HALF, 0]}, (HALF, 0, HALF, 0)),
         ({"euler": ["90 deg", 0, 0]}, (HALF, HALF, 0, 0)),
         ({"euler": ["90 deg", 0, "90 deg"], "sequence": "zxz"}, (0, 0, 0, 1)),

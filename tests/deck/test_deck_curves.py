@@ -131,8 +131,8 @@ def test_a_file_gives_the_same_curve_as_a_table(tmp_path: Path) -> None:
     )
     by_file = file.File(file=str(path), columns=(2, 3), x_unit="mm", interpolation="cubic")
     by_table = card_of(points=list(zip(1e-3 * X, Y, strict=True)), interpolation="cubic")
-    for ours, theirs in zip(file.build(by_file, None), table.build(by_table, None), strict=True):
-        assert ours == pytest.approx(theirs)
+    for first, second in zip(file.build(by_file, None), table.build(by_table, None), strict=True):
+        assert first == pytest.approx(second)
 
 
 @pytest.mark.parametrize(

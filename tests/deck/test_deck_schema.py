@@ -231,5 +231,5 @@ def test_the_manual_says_which_surfaces_meet_and_in_how_many_points() -> None:
         assert f"| `{one}`, `{other}` | " in manual
     # spheres stand for point sets and nodes of beams, points are the nodes of shells
     assert PRESSING[1] == ("points", "sphere", "ellipsoid")
-    assert "On `faces` press `nodes`, `sphere`, `point_set`, `ellipsoid`" in manual
+    assert "that touch `faces`: `nodes`, `sphere`, `point_set`, `ellipsoid`" in manual
     assert PRESSING[0] == ("points", "sphere")

@@ -26,5 +26,5 @@ def test_estimates_are_near_true_errors(monkeypatch: pytest.MonkeyPatch) -> None
     assert battery.share([n for run in counted for n in run if n.counts]) >= SHARE, reported
     # and no method hides behind the others
     for method in {run[0].method for run in counted}:
-        mine = [n for run in counted for n in run if n.counts and n.method == method]
-        assert battery.share(mine) >= SHARE, reported
+        selected = [n for run in counted for n in run if n.counts and n.method == method]
+        assert battery.share(selected) >= SHARE, reported

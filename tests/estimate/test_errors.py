@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from crashsolve.estimate.error import Estimate, Judge
+from crashsolve.estimate.error import Estimate, NumberErrors
 from crashsolve.output.channels import Column, Family
 from crashsolve.recording.samples import Channel, Samples
 from crashsolve.study.watch import Watch
@@ -17,8 +17,8 @@ FAMILY = Family("rbdout", ("a",), (Column("position", "x", "m", ""),))
 TIME = np.linspace(0.0, 1.0, 101)
 
 
-def samples(cycles: int, course: Callable[[np.ndarray], np.ndarray]) -> Samples:
-    values = course(TIME)
+def samples(cycles: int, history: Callable[[np.ndarray], np.ndarray]) -> Samples:
+    values = history(TIME)
     return Samples(TIME, {NAME: values}, {NAME: np.abs(values)}, cycles)
 
 
@@ -27,8 +27,8 @@ def estimate(
 ) -> Estimate:
     """The estimate for the first of some runs of x = t (1 + error(h))."""
     runs = [samples(n, lambda t, n=n: t * (1.0 + error(1.0 / n))) for n in cycles]
-    judge = Judge({NAME: [Channel(NAME, FAMILY, 0, 0)]}, order)
-    return judge.estimate(Watch("x", (NAME,), statistic), runs[0], runs[1:])
+    errors = NumberErrors({NAME: [Channel(NAME, FAMILY, 0, 0)]}, order)
+    return errors.estimate(Watch("x", (NAME,), statistic), runs[0], runs[1:])
 
 
 @pytest.mark.parametrize("order", [1.0, 2.0, 5.0])
@@ -115,8 +115,8 @@ def test_without_a_run_of_other_steps_nothing_is_reported() -> None:
 
 def test_a_time_that_another_swing_may_take_has_that_error() -> None:
     runs = [samples(n, lambda t, n=n: np.cos(20.0 * t) * (1.0 + 1.0 / n**2)) for n in (20, 10, 5)]
-    judge = Judge({NAME: [Channel(NAME, FAMILY, 0, 0)]}, 2.0)
-    found = judge.estimate(Watch("x", (NAME,), "argmin"), runs[0], runs[1:])
+    errors = NumberErrors({NAME: [Channel(NAME, FAMILY, 0, 0)]}, 2.0)
+    found = errors.estimate(Watch("x", (NAME,), "argmin"), runs[0], runs[1:])
     # the next minimum, a period of 0.314 s later, is as low
     assert found.error is not None and found.error > 0.3
     assert "another peak" in found.how
@@ -124,8 +124,8 @@ def test_a_time_that_another_swing_may_take_has_that_error() -> None:
 
 def test_the_time_of_a_count_is_known_to_one_sample() -> None:
     runs = [samples(n, lambda t: np.where(t > 0.305, 1.0, 0.0)) for n in (20, 10, 5)]
-    judge = Judge({NAME: [Channel(NAME, FAMILY, 0, 0)]}, 2.0)
-    found = judge.estimate(Watch("x", (NAME,), "argmax"), runs[0], runs[1:])
+    errors = NumberErrors({NAME: [Channel(NAME, FAMILY, 0, 0)]}, 2.0)
+    found = errors.estimate(Watch("x", (NAME,), "argmax"), runs[0], runs[1:])
     assert found.value == pytest.approx(0.31)
     assert found.error == pytest.approx(0.01, rel=1e-6)
 
@@ -133,23 +133,23 @@ def test_the_time_of_a_count_is_known_to_one_sample() -> None:
 def test_what_measures_the_run_is_not_estimated() -> None:
     name = "glstat.model.balance"
     family = Family("glstat", ("model",), (Column("balance", "", "%", ""),))
-    judge = Judge({name: [Channel(name, family, 0, 0)]}, 2.0)
+    errors = NumberErrors({name: [Channel(name, family, 0, 0)]}, 2.0)
     run = Samples(TIME, {name: TIME}, {name: TIME}, 20)
-    found = judge.estimate(Watch("b", (name,), "final"), run, [])
+    found = errors.estimate(Watch("b", (name,), "final"), run, [])
     assert found.error is None and not found.is_wanted
 
 
 def test_a_largest_value_that_a_sample_has_caught_has_the_error_of_its_gap() -> None:
     # a parabola whose top of 1 lies half way between two samples
     top = 0.505
-    course, latched = (f"rcforc.c.{word}" for word in ("depth", "peak_depth"))
+    history, latched = (f"rcforc.c.{word}" for word in ("depth", "peak_depth"))
     columns = tuple(Column(word, "", "m", "") for word in ("depth", "peak_depth"))
     family = Family("rcforc", ("c",), columns)
     depth = 1.0 - (TIME - top) ** 2
-    values = {course: depth, latched: np.maximum.accumulate(depth)}
+    values = {history: depth, latched: np.maximum.accumulate(depth)}
     runs = [Samples(TIME, values, {name: abs(v) for name, v in values.items()}, n) for n in (20, 9)]
-    judge = Judge({latched: [Channel(latched, family, 0, 1)]}, 5.0)
-    found = judge.estimate(Watch("d", (latched,), "final"), runs[0], runs[1:])
+    errors = NumberErrors({latched: [Channel(latched, family, 0, 1)]}, 5.0)
+    found = errors.estimate(Watch("d", (latched,), "final"), runs[0], runs[1:])
     assert found.error == pytest.approx(1.0 - depth.max(), rel=1e-6)
     assert found.value == depth.max()
     assert found.watch.channels == (latched,)
@@ -167,7 +167,7 @@ def test_a_largest_value_of_a_step_has_an_error_by_chance() -> None:
         x = np.full(101, 1.0 - (r / n) ** 2 / 4.0)
         values = {"rcforc.c.depth": 0.5 * x, name: x}
         runs.append(Samples(TIME, values, {k: abs(v) for k, v in values.items()}, n))
-    judge = Judge({name: [Channel(name, family, 0, 1)]}, 2.0)
-    found = judge.estimate(Watch("d", (name,), "final"), runs[0], runs[1:])
+    errors = NumberErrors({name: [Channel(name, family, 0, 1)]}, 2.0)
+    found = errors.estimate(Watch("d", (name,), "final"), runs[0], runs[1:])
     true = 1.0 - runs[0].values[name][-1]
     assert true / 10 < (found.error or 0.0) < 10 * true

@@ -190,7 +190,7 @@ def test_an_error_larger_than_the_value_is_a_warning() -> None:
     estimating.cpu, estimating.accuracy = 1.0, None
     watches = [Watch(name, (name,), "final") for name in ("lost", "known", "nothing")]
     # of the third nothing is left but the round-off of its vector
-    estimating.found = [
+    estimating.estimates = [
         Estimate(watch, value, "m/s", error, 10.0, "2 coarser runs, order 2.00")
         for watch, value, error in zip(watches, (5.0, 5.0, 1e-9), (16.0, 1.0, 2e-9), strict=True)
     ]

@@ -68,10 +68,10 @@ def test_a_hub_changes_no_motion(
     deck, found = tmp_path / "star.yaml", []
     deck.write_text(text, "utf-8")
     # in this process, where the bound on rows can be another
-    for worth in (hubs.WORTH, 1000):
-        monkeypatch.setattr(hubs, "WORTH", worth)
+    for least in (hubs.LEAST_ROWS, 1000):
+        monkeypatch.setattr(hubs, "LEAST_ROWS", least)
         model, state = build(read_deck(deck))
-        assert (model.saddle.columns["node"] > 0).any() == (worth < 1000)
+        assert (model.saddle.columns["node"] > 0).any() == (least < 1000)
         engine = Engine(model, state)
         engine.start()
         engine.advance(1.0)

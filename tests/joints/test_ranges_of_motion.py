@@ -47,20 +47,20 @@ def make(tmp_path: Path) -> Make:
 @pytest.mark.parametrize("name", RANGES)
 def test_a_range_turns_both_bodies_alike_and_writes_every_column(make: Make, name: str) -> None:
     law = make(RANGES[name])
-    start, met = law.bench.state(), 0
+    start, touched = law.bench.state(), 0
     for seed in range(12):
         law.bench.nodes[:] = start
         law.bench.shake(seed)
         before = law.old.tobytes()
         out = law.force()
         n = law.bench.nodes
-        met += out.stored > 0.0
+        touched += out.stored > 0.0
         # sums of a few numbers below 1e2
         np.testing.assert_allclose(n.torque.sum(axis=0), 0.0, atol=1e-12)
         assert not n.force.any()
         assert written(law.new, law.module.HISTORY) and written(law.out, law.module.OUTPUT)
         assert law.old.tobytes() == before
-    assert met >= 3
+    assert touched >= 3
 
 
 @pytest.mark.parametrize("name", RANGES)
@@ -188,7 +188,7 @@ def test_forces_are_continuous_through_the_axis(make: Make) -> None:
 def test_its_tangent_is_the_slope_of_its_moment(make: Make, name: str) -> None:
     law = make(RANGES[name])
     kernel = law.module.range_tangent
-    start, met = law.bench.state(), 0
+    start, touched = law.bench.state(), 0
     for seed in range(20):
         law.bench.nodes[:] = start
         law.bench.shake(seed)
@@ -204,8 +204,8 @@ def test_its_tangent_is_the_slope_of_its_moment(make: Make, name: str) -> None:
                 # differences of moments of up to 40 N m, 1e-14 / 1e-6
                 assert slope == pytest.approx((values[1] - values[0]) / 2e-6, rel=1e-6, abs=1e-6)
                 assert damping == pytest.approx((rates[1] - rates[0]) / 2e-6, rel=1e-6, abs=1e-6)
-                met += 1
-    assert met > 20
+                touched += 1
+    assert touched > 20
 
 
 def moment(law: Law, past: float, rate: float) -> float:

@@ -51,11 +51,11 @@ def test_he_aims_at_the_path_ahead_and_steers_along_the_arc_there(
     at = np.flatnonzero(distance[1:] * distance[:-1] <= 0.0)
     e = ((points[at] - x) @ side)[np.abs((points[at] - x) @ side).argmin()]
     # the grid is 1e-4 fine, and the cubics of a formula follow the sine to 1e-5
-    assert out.ahead == pytest.approx(e, abs=3e-4)
+    assert out.preview_error == pytest.approx(e, abs=3e-4)
     # the circle through that point, tangent to his direction, has the radius (X^2 + e^2)/(2 e)
     wanted = np.arctan(L * 2 * e / (ahead**2 + e**2))
     moves = np.clip(speed / 0.5, 0.0, 1.0)
-    assert out.steer == pytest.approx(moves * np.clip(wanted, -0.5, 0.5), abs=1e-3)
+    assert out.steering_angle == pytest.approx(moves * np.clip(wanted, -0.5, 0.5), abs=1e-3)
     nearest = np.linalg.norm(points - x, axis=1).min()
     # along y, times the cosine of the slope there, for the distance: of curvature 0.06 / m
     assert abs(out.offset) == pytest.approx(nearest, abs=0.05 * nearest + 1e-4)
@@ -70,14 +70,18 @@ def test_his_hands_act_within_the_joint(tmp_path: Path, joint: str, seed: int) -
     assert written(law.out, law.module.OUTPUT) and written(law.new, law.module.HISTORY)
     assert_balanced(law.bench.nodes)
     assert not law.bench.nodes.external.any()
-    assert out.force == pytest.approx(70 * (-0.2 * out.steer - out.now) - 3 * out.rate, rel=1e-12)
+    assert out.force == pytest.approx(
+        70 * (-0.2 * out.steering_angle - out.coordinate) - 3 * out.rate, rel=1e-12
+    )
     # the same products in another order
     assert float(out.power) == pytest.approx(law.power_on_bodies(), rel=1e-10)
-    before = float(out.now)
+    before = float(out.coordinate)
     law.accept()
     law.bench.drift(1e-7)
     # second differences of coordinates of 1, and round-off
-    assert (law.force().now - before) / 1e-7 == pytest.approx(float(out.rate), rel=1e-5, abs=1e-6)
+    assert (law.force().coordinate - before) / 1e-7 == pytest.approx(
+        float(out.rate), rel=1e-5, abs=1e-6
+    )
 
 
 def test_who_sees_no_path_ahead_steers_to_its_side(tmp_path: Path) -> None:
@@ -86,7 +90,7 @@ def test_who_sees_no_path_ahead_steers_to_its_side(tmp_path: Path) -> None:
         law.bench.move(1, q=[np.cos(heading / 2), 0, 0, np.sin(heading / 2)], r=[1, 8 * -sign, 0])
         law.bench.move(1, v=[0, -sign, 0])
         out = law.force()
-        assert abs(out.steer) == 0.5 and np.isfinite(float(out.force))
+        assert abs(out.steering_angle) == 0.5 and np.isfinite(float(out.force))
 
 
 WRONG = {

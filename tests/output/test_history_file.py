@@ -140,10 +140,10 @@ def test_resumed_history_equals_the_uninterrupted_one(
     whole.close()
     assert path.read_bytes() == (tmp_path / "whole.h5").read_bytes()
     for name in ("least", "greatest", "least_time", "greatest_time"):
-        for ours, theirs in zip(
+        for first, second in zip(
             getattr(writer.extremes, name), getattr(whole.extremes, name), strict=True
         ):
-            np.testing.assert_array_equal(ours, theirs)
+            np.testing.assert_array_equal(first, second)
 
 
 def test_history_of_another_model_is_not_resumed(tmp_path: Path) -> None:

@@ -68,13 +68,13 @@ def test_elements_are_drawn_between_their_nodes_with_their_forces(
 # of forces 10.6 were taken. Stages one after the other leave 0.37 each: seven reach a thirtieth of
 # the tolerance, without the turning 11.5 did. A hundredth of the error of a stated step, some
 # thirty times less, takes log(30)/log(1/0.37) = 3.4 more
-PASSES = {"generalized_alpha": (0.05, 1e-8, 4.5), "radau_iia_5": (0.125, 1e-6, 10.5)}
+ITERATIONS = {"generalized_alpha": (0.05, 1e-8, 4.5), "radau_iia_5": (0.125, 1e-6, 10.5)}
 
 
-@pytest.mark.parametrize("method", list(PASSES))
+@pytest.mark.parametrize("method", list(ITERATIONS))
 def test_steps_that_bend_far_take_few_iterations(method: str, tmp_path: Path) -> None:
     """Two elements bend by 1.3 rad in a second."""
-    step, tolerance, most = PASSES[method]
+    step, tolerance, most = ITERATIONS[method]
     text = ROLL_UP.read_text("utf-8").partition("expect:")[0]
     assert "n: 10" in text and "end_time: 40, integrator: radau_iia_5, tolerance: 1e-5" in text
     text = text.replace("n: 10", "n: 2").replace(

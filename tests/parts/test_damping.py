@@ -82,7 +82,7 @@ def test_mass_scaling_reaches_its_step_and_states_what_it_added(tmp_path: Path) 
     p, wanted = model.groups[0].parameters, 0.01
     fastest = np.sqrt(2.0 * (p["rate_b"][0] + p["rate_a"][1]))
     assert 2.0 * 0.5 / fastest < wanted
-    scaled, heavy = rates(tmp_path, f"mass_scaling: {{step: {wanted}, most: 9}}")
+    scaled, heavy = rates(tmp_path, f"mass_scaling: {{step: {wanted}, limit: 9}}")
     p = scaled.groups[0].parameters
     fastest = np.sqrt(2.0 * (p["rate_b"][0] + p["rate_a"][1]))
     assert 2.0 * 0.5 / fastest == pytest.approx(wanted, rel=1e-12)
@@ -95,7 +95,7 @@ def test_mass_scaling_reaches_its_step_and_states_what_it_added(tmp_path: Path) 
 
 
 def test_more_mass_than_allowed_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(DeckErrors, match=r"mass_scaling: adds .*but most is 5 %"):
+    with pytest.raises(DeckErrors, match=r"mass_scaling: adds .*but limit is 5 %"):
         rates(tmp_path, "mass_scaling: {step: 0.01}")
 
 
@@ -153,7 +153,7 @@ def test_mass_scaling_of_shells_holds_the_bound_of_the_step(element: str, tmp_pa
     free = float(bare.clock.element_rate)
     # safety is 0.1: the step is 0.2 over the frequency
     assert 0.2 / np.sqrt(free) < wanted
-    heavy = Elements(tmp_path, SQUARE, element=element, mass_scaling={"step": wanted, "most": 99})
+    heavy = Elements(tmp_path, SQUARE, element=element, mass_scaling={"step": wanted, "limit": 99})
     heavy.move(np.zeros((4, 6)))
     reported = float(heavy.clock.element_rate)
     assert 0.2 / np.sqrt(reported) == pytest.approx(wanted, rel=1e-12)

@@ -88,7 +88,7 @@ def test_where_no_equilibrium_is_found_the_run_says_so(
 ) -> None:
     found = engine(tmp_path)
     before = found.state.nodes.copy()
-    monkeypatch.setattr(equilibrium, "MOST_ITERATIONS", 1)
+    monkeypatch.setattr(equilibrium, "MAX_ITERATIONS", 1)
     with pytest.raises(SolverError, match="no equilibrium found for the next load step"):
         found.reach(1.0)
     # what failed has left no trace

@@ -80,8 +80,12 @@ def test_outlines_cover_the_member_once(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "other", "message"),
     [
-        ("a: [nose]", "a: [frame]", "'frame' is on both sides, and has no contact with itself"),
-        ("surfaces:", "surfaces:\n  floor: {type: plane}", "shells of 'frame' meet balls"),
+        (
+            "a: [nose]",
+            "a: [frame]",
+            "'frame' is on both sides: its name does not define contact with itself",
+        ),
+        ("surfaces:", "surfaces:\n  floor: {type: plane}", "shells of 'frame' touch balls"),
         ("b: [frame]", "b: [frme]", "unknown surface 'frme'"),
     ],
 )

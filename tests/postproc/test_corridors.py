@@ -68,7 +68,7 @@ def test_a_reference_of_a_figure_is_compared(tmp_path: Path) -> None:
     )
     figure = Figure("Wall", (), x_unit="ms", y_unit="kN", reference=(reference,))
     (found,) = comparisons(Result(sine_result(tmp_path)), figure)
-    assert found.ours == pytest.approx(0.5, abs=2e-6)
+    assert found.computed == pytest.approx(0.5, abs=2e-6)
     assert found.unit == "kN"
     assert found.missed is True
     assert "inside for 66.67 % of the time" in found.label

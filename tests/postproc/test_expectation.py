@@ -8,7 +8,7 @@ from small_results import SPEED, Command, expectation, two_cars, write_result, w
 
 from crashpost.errors import PostError
 from crashpost.results.result import Result
-from crashpost.values.expectation import Expectation, Verdict, expectations, judge
+from crashpost.values.expectation import Expectation, Verdict, check_expectations, expectations
 
 # masses 2 : 1, so an elastic impact leaves a third of the speed and gives four thirds
 LEFT_OVER = expectation("rbdout.A.velocity.x", "final", SPEED / 3, 1e-9)
@@ -52,7 +52,7 @@ def test_what_cannot_be_evaluated_fails_with_its_reason(
 
 
 def test_a_deck_that_expects_nothing_passes_and_says_so(cars: Path, crashpost: Command) -> None:
-    assert crashpost("expect", cars) == (0, "the deck expects nothing\n", "")
+    assert crashpost("expect", cars) == (0, "the deck has no expectations\n", "")
 
 
 @pytest.mark.parametrize("state", ["running", "stopped", "failed"])
@@ -105,7 +105,7 @@ def test_a_channel_in_percent_is_judged_in_the_unit_of_the_entry(
     families["glstat"][1]["energy/balance"][2][7] = 5.0
     entry = expectation("glstat.model.energy.balance", "max", value, tolerance, **unit)
     folder = write_result(tmp_path, families, expect=json.dumps([entry]))
-    (verdict,) = judge(Result(folder))
+    (verdict,) = check_expectations(Result(folder))
     assert verdict.passed is passed
     assert (verdict.found, verdict.unit) == (5.0, "%")
 
@@ -118,7 +118,7 @@ def test_a_value_of_another_dimension_fails_however_wide_the_tolerance(
     tmp_path: Path, statistic: str, unit: str, passed: bool
 ) -> None:
     entry = expectation("rbdout.A.velocity.x", statistic, 0.0, 1e9, unit=unit)
-    (verdict,) = judge(Result(result_expecting(tmp_path, entry)))
+    (verdict,) = check_expectations(Result(result_expecting(tmp_path, entry)))
     assert verdict.passed is passed
     assert ("measure different things" in verdict.problem) is not passed
 
@@ -144,7 +144,7 @@ def test_a_window_the_run_has_not_reached_fails(tmp_path: Path, crashpost: Comma
 
 def test_entries_may_hold_more_than_crashpost_reads(tmp_path: Path) -> None:
     entry = {**LEFT_OVER, "unit": None, "line": 12}
-    (verdict,) = judge(Result(result_expecting(tmp_path, entry)))
+    (verdict,) = check_expectations(Result(result_expecting(tmp_path, entry)))
     assert verdict.passed
     assert verdict.expected.line == 12
 

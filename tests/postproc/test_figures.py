@@ -13,7 +13,7 @@ from crashpost.errors import PostError
 from crashpost.figures import draw, gallery
 from crashpost.figures.overlay import names
 from crashpost.figures.panels import PlotRequest, panels, profile
-from crashpost.figures.style import COLOURS, DASHES, MOST_LINES, line_style
+from crashpost.figures.style import COLOURS, DASHES, MAX_LINES, line_style
 from crashpost.results.result import Result
 from crashpost.values import events, injury, pulse, words
 from crashpost.values.figure import Curve, Figure, figures_of
@@ -98,8 +98,8 @@ def test_colours_differ_to_all_eyes_and_stand_out_from_paper(eyes: str) -> None:
 
 
 def test_lines_of_a_figure_differ_and_neighbours_in_dashes() -> None:
-    looks = [line_style(n) for n in range(MOST_LINES)]
-    assert len(set(looks)) == MOST_LINES == len(COLOURS) * len(DASHES)
+    looks = [line_style(n) for n in range(MAX_LINES)]
+    assert len(set(looks)) == MAX_LINES == len(COLOURS) * len(DASHES)
     assert all(a[1] != b[1] for a, b in itertools.pairwise(looks))
 
 
@@ -347,7 +347,7 @@ def test_what_is_not_filtered_is_not_called_filtered_nor_judged(tmp_path: Path) 
     rows = injury.measures(result)
     assert rows[0][1] == "not filtered" and "not every 1 ms" in rows[0][-1]
     assert not any("CFC" in row[1] for row in rows)
-    assert {row[4] for row in rows} == {"", "not judged: not filtered"}
+    assert {row[4] for row in rows} == {"", "not assessed: not filtered"}
     (figure,) = injury.injury_figures(result)
     assert figure.y[0].label == "resultant, not filtered"
 
@@ -388,7 +388,7 @@ def test_what_happened_first(tmp_path: Path) -> None:
 
 
 def test_too_many_curves_are_refused(tmp_path: Path) -> None:
-    ids = [f"b{k}" for k in range(MOST_LINES + 1)]
+    ids = [f"b{k}" for k in range(MAX_LINES + 1)]
     values = np.ones((2, len(ids))) * np.arange(len(ids))
     write_result(
         tmp_path, {"rbdout": (ids, {"velocity/x": ("m/s", "", values)})}, np.array([0.0, 1])

@@ -198,12 +198,12 @@ def test_comparisons_have_the_values_of_the_closed_form(tmp_path: Path) -> None:
     result = write(tmp_path, FIGURE)
     (figure,) = figures_of(result.stored_json("report"))
     peak, band, mean, when = comparisons(result, figure)
-    assert peak.ours == pytest.approx(PEAK, rel=1e-9)
+    assert peak.computed == pytest.approx(PEAK, rel=1e-9)
     assert peak.difference == pytest.approx(PEAK - 7.0, rel=1e-9)
     assert peak.percent == pytest.approx(100 * (PEAK / 7.0 - 1), rel=1e-9)
     assert (band.difference, band.published) == (0.0, "6 to 7")
     assert mean.difference == pytest.approx(2 * PEAK / np.pi - 1.0, rel=1e-2)
-    assert (when.ours, when.unit) == (pytest.approx(500 * TIME[-1], rel=1e-9), "ms")
+    assert (when.computed, when.unit) == (pytest.approx(500 * TIME[-1], rel=1e-9), "ms")
 
 
 def test_offsets_and_scales_apply_to_curve_and_comparison_alike(tmp_path: Path) -> None:
@@ -213,7 +213,7 @@ def test_offsets_and_scales_apply_to_curve_and_comparison_alike(tmp_path: Path) 
     result = write(tmp_path, {**figure, "reference": [reference]})
     (stroke,) = figures_of(result.stored_json("report"))
     (compared,) = comparisons(result, stroke)
-    assert compared.ours == pytest.approx(100 * PEAK - 100, rel=1e-9)
+    assert compared.computed == pytest.approx(100 * PEAK - 100, rel=1e-9)
     assert draw.svg(result, stroke, "f")[0]
 
 

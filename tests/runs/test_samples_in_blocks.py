@@ -9,9 +9,9 @@ import pytest
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.model.build import build
-from crashsolve.recording.between import Between
 from crashsolve.recording.changing import changing
 from crashsolve.recording.histories import Histories
+from crashsolve.recording.resampling import Resampling
 from crashsolve.recording.sampling import Schedule
 from crashsolve.simulation.forward import _march_through
 from crashsolve.system.engine import Engine
@@ -45,13 +45,13 @@ class Taken:
         read = read_deck(deck)
         self.engine = Engine(*build(read))
         self.histories, self.times = Histories(self.engine), [0.0]
-        self.between, self.blocks, marched = Between(self.engine, True, self.take), [], 0
+        self.resampling, self.blocks, marched = Resampling(self.engine, True, self.take), [], 0
         self.engine.start()
         self.engine.sample()
         self.histories.take()
-        march, schedule, k = self.between.march, Schedule.of(read), 0
+        march, schedule, k = self.resampling.march, Schedule.of(read), 0
         march.restart_count()
-        self.between.begin()
+        self.resampling.begin()
         while not schedule.is_end(k):
             times, kept = schedule.times(k + 1, 50), self.histories.kept
             if in_blocks and march.can_march(float(times[-1]), kept):
@@ -65,9 +65,9 @@ class Taken:
                     continue
             k += 1
             self.engine.reach(schedule.time(k))
-            self.between.fill(schedule.time(k))
+            self.resampling.sample_steps(schedule.time(k))
             self.engine.sample(schedule.time(k))
-            self.between.mark()
+            self.resampling.begin_interval()
             march.finish_interval()
             self.take(schedule.time(k))
         self.hand_over(full=True)
@@ -101,7 +101,7 @@ def test_blocks_of_samples_are_samples_one_by_one(
     for family in fast.histories.families:
         np.testing.assert_array_equal(fast.rows(family.name), slow.rows(family.name), family.name)
     assert fast.phase.tobytes() == slow.phase.tobytes()
-    assert fast.between.march.marks.tobytes() == slow.between.march.marks.tobytes()
+    assert fast.resampling.march.marks.tobytes() == slow.resampling.march.marks.tobytes()
     ends = changing(fast.engine), changing(slow.engine)
     for name, array in ends[0].items():
         assert array.tobytes() == ends[1][name].tobytes(), name
@@ -123,12 +123,12 @@ def test_a_pause_within_a_block_finds_all_samples_recorded(tmp_path: Path) -> No
     deck.write_text(text, "utf-8")
     engine = Engine(*build(read_deck(deck)))
     histories, times, pauses = Histories(engine), [0.0], []
-    between = Between(engine, True, lambda time: None)
+    resampling = Resampling(engine, True, lambda time: None)
     engine.start()
     engine.sample()
     histories.take()
-    between.march.restart_count()
-    between.begin()
+    resampling.march.restart_count()
+    resampling.begin()
 
     def look() -> None:
         pauses.append(len(times))
@@ -138,9 +138,9 @@ def test_a_pause_within_a_block_finds_all_samples_recorded(tmp_path: Path) -> No
     engine.on_pause, engine._steps_per_call = look, STEPS
     run: Any = SimpleNamespace(
         engine=engine,
-        between=between,
+        resampling=resampling,
         histories=histories,
-        recorder=SimpleNamespace(taken=times.extend),
+        recorder=SimpleNamespace(add_stored=times.extend),
         cpu={"steps": 0.0, "output": 0.0},
         sampled=0.0,
         account=SimpleNamespace(keep_alive=lambda: None),

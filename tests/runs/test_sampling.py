@@ -12,7 +12,7 @@ from quick import first_quick
 
 from crashpost.errors import PostError
 from crashpost.results.result import Result
-from crashpost.values.expectation import judge
+from crashpost.values.expectation import check_expectations
 from crashsolve.channels.statistic import statistic
 from crashsolve.recording.sampling import Schedule
 
@@ -63,7 +63,7 @@ def test_moments_windows_and_contact_times_are_exact(method: str, tmp_path: Path
     assert {T, *WINDOW} <= set(times.tolist())
     # eleven at intervals, and these three
     assert len(times) == 14
-    depth, quotient, _ = judge(result)
+    depth, quotient, _ = check_expectations(result)
     # rattle errs by a 600th in its frequency, with omega h = 0.2
     close = {"rattle": 5e-3, "dormand_prince_5": 1e-6}[method]
     assert depth.found == pytest.approx(DEPTH, rel=close)

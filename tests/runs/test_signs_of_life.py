@@ -94,7 +94,7 @@ def test_Reporting_leaves_no_trace_in_the_results(
     # a line at every block of samples and every pause, and the culprit looked for at each of them
     code = (
         "import crashsolve.simulation.heartbeat as pulse, crashsolve.system.bounds as bounds, sys;"
-        "pulse.AT_PAUSE = bounds.AGAIN = -1.0;"
+        "pulse.AT_PAUSE = bounds.RENEWAL_INTERVAL = -1.0;"
         "from crashsolve.cli import main; sys.exit(main(sys.argv[1:]))"
     )
     words = [sys.executable, "-c", code, str(deck), "-o", str(tmp_path)]
@@ -109,7 +109,7 @@ def test_what_lasts_long_is_reported_from_the_first_second_on(
 ) -> None:
     monkeypatch.setattr(heartbeat, "FIRST", 0.05)
     monkeypatch.setattr(heartbeat, "AT_LATEST", 0.2)
-    monkeypatch.setattr(heartbeat, "LOOK", 0.01)
+    monkeypatch.setattr(heartbeat, "POLL", 0.01)
     reported: list[tuple[float, str]] = []
     begun = time.monotonic()
     with Heartbeat(
@@ -146,7 +146,7 @@ def test_a_collapse_of_the_step_is_reported_once() -> None:
     said = []
     for step in (1e-3, 1e-3, 1.1e-6, 0.9e-6, 0.9e-6):
         now, cycle = now + STEPS * step, cycle + STEPS
-        said.append(watch.look(now, cycle))
+        said.append(watch.warning(now, cycle))
     # the first look only takes note of the start
     assert [bool(text) for text in said] == [False, False, False, True, False]
     assert "the average step has fallen from 0.001 s to 9e-07 s" in said[3]

@@ -52,7 +52,7 @@ STOPS = {
 }
 
 
-def judge(folder: Path, code: int, message: str) -> None:
+def check_stop(folder: Path, code: int, message: str) -> None:
     """Log, status and histories of a run that failed."""
     log = (folder / "log.txt").read_text("utf-8").splitlines()
     assert f"error: {message}" in log
@@ -73,7 +73,7 @@ def test_a_numerical_stop_names_time_place_cause_and_advice(name: str, tmp_path:
     done = crashsolve(HERE / "stops" / f"{name}.yaml", "-o", tmp_path, CRASHSOLVE_PLAIN="1")
     assert done.returncode == 4
     assert done.stderr.splitlines()[-1] == STOPS[name]
-    judge(tmp_path, 4, STOPS[name])
+    check_stop(tmp_path, 4, STOPS[name])
     assert_finite(tmp_path)
 
 
@@ -120,7 +120,7 @@ def test_energy_out_of_nothing_stops_the_run_within_a_few_steps(tmp_path: Path) 
     deck.write_text(text.replace("check_every: 10,", "check_every: 100,"), "utf-8")
     done = crashsolve(deck, "-o", folder, CRASHSOLVE_PLAIN="1")
     assert done.returncode == 4
-    judge(folder, 4, STOPS["long_step"])
+    check_stop(folder, 4, STOPS["long_step"])
     assert_finite(folder)
     assert len(Result(folder).series("glstat.model.energy.kinetic").values) == 1
 
@@ -131,7 +131,7 @@ def test_a_motion_that_is_not_finite_stops_the_run_and_reaches_no_file(tmp_path:
     assert done.returncode == 4
     message = "t = 0.6 s, cycle 60, body 'block': its motion has diverged: positions or "
     message += "velocities are not finite; "
-    judge(tmp_path, 4, message + SHORTER)
+    check_stop(tmp_path, 4, message + SHORTER)
     assert_finite(tmp_path)
 
 
@@ -140,7 +140,7 @@ def test_joints_that_do_not_fit_are_an_error_of_the_deck(tmp_path: Path) -> None
     done = crashsolve(deck, "-o", tmp_path, CRASHSOLVE_PLAIN="1")
     assert done.returncode == 2
     message = f"{deck}:7:3: error: joint 'pin': is violated by the initial velocities: 1 (SI); "
-    judge(tmp_path, 2, message + "correct the joint or the bodies")
+    check_stop(tmp_path, 2, message + "correct the joint or the bodies")
 
 
 def test_wrong_decks_and_overrides_leave_no_folder_behind(tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ import yaml
 from command import crashsolve
 
 from crashpost.results.result import Result
-from crashpost.values.expectation import Verdict, judge
+from crashpost.values.expectation import Verdict, check_expectations
 
 DECKS = Path(__file__).resolve().parents[2] / "decks"
 RATTLE = ("rattle",)
@@ -152,7 +152,7 @@ def outcome(
     residual = result.series("glstat.model.residual").values.max(initial=0.0)
     deviations = []
     if code == 0:
-        deviations = [_deviation(verdict) for verdict in judge(result)]
+        deviations = [_deviation(verdict) for verdict in check_expectations(result)]
         deviations += look(result, settings) if look else []
     return Outcome(
         code,

@@ -29,7 +29,7 @@ TOLERANCE = 1e-6
 MOMENTUM = 1e-10
 
 
-def judge(seed: int, folder: Path, integrator: str = "rattle") -> int:
+def check_end(seed: int, folder: Path, integrator: str = "rattle") -> int:
     """Run one model; returns its exit code."""
     deck = folder / "deck.yaml"
     drawn = model(seed, integrator)
@@ -75,7 +75,7 @@ def length(result: Result, channel: str) -> np.ndarray:
 
 @pytest.mark.parametrize("seed", first_quick(FEW))
 def test_a_model_drawn_at_random_ends_or_says_why_not(seed: int, tmp_path: Path) -> None:
-    judge(seed, tmp_path)
+    check_end(seed, tmp_path)
 
 
 @pytest.mark.long
@@ -85,6 +85,6 @@ def test_many_models_drawn_at_random_end_or_say_why_not(integrator: str, tmp_pat
     for seed in MANY:
         folder = tmp_path / str(seed)
         folder.mkdir()
-        ends.append(judge(seed, folder, integrator))
+        ends.append(check_end(seed, folder, integrator))
     # most models are sound: a check that refuses or stops them all would prove nothing
     assert ends.count(0) > len(ends) / 3

@@ -39,15 +39,15 @@ def compare_with_corridor(
     """Share of time and excess of a history (x, y) with borders (x, y); raises PostError without
     common time.
     """
-    courses = history, lower, upper
+    histories = history, lower, upper
     first, last = during or (-np.inf, np.inf)
-    first = max(first, *(float(x[0]) for x, _ in courses))
-    last = min(last, *(float(x[-1]) for x, _ in courses))
+    first = max(first, *(float(x[0]) for x, _ in histories))
+    last = min(last, *(float(x[-1]) for x, _ in histories))
     if not first < last:
         raise PostError("history and corridor have no time in common")
-    inner = np.concatenate([x[(x > first) & (x < last)] for x, _ in courses])
+    inner = np.concatenate([x[(x > first) & (x < last)] for x, _ in histories])
     time = np.unique(np.concatenate([[first], inner, [last]]))
-    y, low, high = (np.interp(time, *course) for course in courses)
+    y, low, high = (np.interp(time, *x_and_y) for x_and_y in histories)
     excess = np.maximum(low - y, y - high)
     a, b, steps = excess[:-1], excess[1:], np.diff(time)
     below, above = np.minimum(a, b), np.maximum(a, b)

@@ -18,7 +18,7 @@ class Comparison:
 
     label: str
     source: str
-    ours: float
+    computed: float
     low: float
     high: float
     unit: str
@@ -27,17 +27,17 @@ class Comparison:
     @property
     def difference(self) -> float:
         """Ours minus the nearest published value; 0 inside a range."""
-        return self.ours - min(max(self.ours, self.low), self.high)
+        return self.computed - min(max(self.computed, self.low), self.high)
 
     @property
     def percent(self) -> float | None:
         """The difference in % of the nearest published value, None when that is 0."""
-        nearest = min(max(self.ours, self.low), self.high)
+        nearest = min(max(self.computed, self.low), self.high)
         return 100 * self.difference / abs(nearest) if nearest else None
 
     @property
     def missed(self) -> bool | None:
-        """Whether ours is outside the published range; None where no range is given."""
+        """Whether the value is outside the published range; None where no range is given."""
         if self.low == self.high and self.tolerance is None:
             return None
         return abs(self.difference) > (self.tolerance or 0.0)
@@ -65,15 +65,17 @@ def _compare(result: Result, figure: Figure, reference: Reference) -> Comparison
         unit = (figure.x_unit if on_time else "") or "s"
         offset = figure.x_offset if on_time else 0.0
         moment = statistic(series, reference.statistic, reference.during)
-        ours = moment * factor("s", unit) + offset
+        computed = moment * factor("s", unit) + offset
     else:
         unit = figure.y_unit or series.unit
         shown = series.values * factor(series.unit, unit) + figure.y_offset
         series = Series(series.time, shown, unit)
-        ours = statistic(series, reference.statistic, reference.during)
+        computed = statistic(series, reference.statistic, reference.during)
         unit = unit_of(reference.statistic, unit)
     low, high = _published(reference)
-    return Comparison(reference.label, reference.source, ours, low, high, unit, reference.tolerance)
+    return Comparison(
+        reference.label, reference.source, computed, low, high, unit, reference.tolerance
+    )
 
 
 def _beside_corridor(series: Series, figure: Figure, reference: Reference) -> Comparison:

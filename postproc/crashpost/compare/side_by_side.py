@@ -17,7 +17,7 @@ from crashpost.values.units import Units
 from crashpost.values.words import title
 from crashsolve.channels.display import is_convertible
 
-MOST_ROWS, MOST_FIGURES = 60, 12
+MAX_ROWS, MAX_FIGURES = 60, 12
 MEASURE = (
     "difference: largest distance of the two histories in time, in % of the range of both; rms: "
     "root of the mean square of the distance, in % of the same range"
@@ -55,10 +55,10 @@ def differences_text(
     if not found.differences and not found.remarks:
         return ""
     beyond = [one for one in found.differences if one.is_beyond(tolerance)]
-    shown = found.differences if everything else beyond[:MOST_ROWS]
+    shown = found.differences if everything else beyond[:MAX_ROWS]
     parts = [text_table(header(named), rows(shown, named, tolerance))] if shown else []
-    if len(beyond) > MOST_ROWS and not everything:
-        parts.append(f"... and {len(beyond) - MOST_ROWS} more; --all lists them")
+    if len(beyond) > MAX_ROWS and not everything:
+        parts.append(f"... and {len(beyond) - MAX_ROWS} more; --all lists them")
     parts += [MEASURE, summary(found, tolerance)]
     parts += [f"remark: {remark}" for remark in found.remarks]
     return "\n".join(parts)
@@ -84,7 +84,7 @@ def rating_rows(
     if during and not tests:
         raise PostError("--during limits ratings, which need --test")
     if tests and not words:
-        raise PostError("say which channel is rated against the test")
+        raise PostError("name the channel that is rated against the test")
     found = []
     for test in map(read_test, tests):
         fitting = 0
@@ -125,7 +125,7 @@ def write_page(
     beyond = [one for one in found.differences if one.is_beyond(tolerance)]
     heading = " and ".join(named) if len(named) < 3 else f"{len(named)} results"
     units = Units.read(options.unit)
-    shown = list(dict.fromkeys(one.channel for one in beyond or found.differences))[:MOST_FIGURES]
+    shown = list(dict.fromkeys(one.channel for one in beyond or found.differences))[:MAX_FIGURES]
     shown = shown or list(dict.fromkeys(row[1] for row in (*rated, *in_corridors)))
     classes = ("", "name", "", "unit", "num", "num", "num", "num", "num")
     listed = found.differences if options.all else beyond

@@ -24,7 +24,7 @@ NO_VALUE = "NOVALUE"
 # letters of a channel code before its dimension
 SLOT = 12
 # the standard counts files with three digits
-MOST = 999
+MAX_CHANNELS = 999
 # [of the mean interval] samples are as even as this, or their times are written
 EVEN = 1e-6
 # physical dimension of the channel code, by a unit of its kind
@@ -46,8 +46,8 @@ def write_mme(result: Result, path: Path, series: dict[str, Series]) -> None:
     """The files of a test named as `path`, NAME.mme; raises PostError."""
     times = {} if _is_even(result.time) else {"time": Series(result.time, result.time, "s")}
     channels = {**times, **series}
-    if len(channels) > MOST:
-        raise PostError(f"{len(channels)} channels; ISO-MME counts to {MOST}: name fewer")
+    if len(channels) > MAX_CHANNELS:
+        raise PostError(f"{len(channels)} channels; ISO-MME counts to {MAX_CHANNELS}: name fewer")
     positions = _positions(result)
     folder = path.parent / "Channel"
     try:
@@ -59,7 +59,7 @@ def write_mme(result: Result, path: Path, series: dict[str, Series]) -> None:
             lines = [*_head(name, one, own, is_even=not times), *map(repr, one.values.tolist())]
             _write(folder / f"{path.stem}.{serial:03d}", lines)
         # channels of an earlier and longer export would pass for some of this one
-        for serial in range(len(channels) + 1, MOST + 1):
+        for serial in range(len(channels) + 1, MAX_CHANNELS + 1):
             (folder / f"{path.stem}.{serial:03d}").unlink(missing_ok=True)
         _write(folder / f"{path.stem}.chn", _lines(rows))
         _write(path, _lines(_test(result, path.stem)))

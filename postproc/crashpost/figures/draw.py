@@ -29,7 +29,7 @@ except ModuleNotFoundError as missing:
 from crashpost.figures.style import (
     FRAME,
     MATPLOTLIB,
-    MOST_LINES,
+    MAX_LINES,
     MUTED,
     REFERENCE_COLOURS,
     line_style,
@@ -39,7 +39,7 @@ from crashpost.values.figure import Curve, Figure, Pair, Reference, axis_unit
 from crashsolve.channels.display import factor
 from crashsolve.channels.series import Series
 
-MOST_POINTS = 3000
+MAX_POINTS = 3000
 # times of contacts, before the run where there was none (FILE_FORMAT.md)
 MOMENTS = ("first_touch", "last_release")
 MINUS = "\N{MINUS SIGN}"
@@ -160,8 +160,8 @@ class Powers(LogFormatter):
 
 def _draw(axes: Axes, results: Runs, figure: Figure) -> list[Key]:
     """Draw references, then curves, then the axes; returns the legend."""
-    if len(figure.y) > MOST_LINES:
-        raise PostError(f"{len(figure.y)} curves in one figure; {MOST_LINES} can be distinguished")
+    if len(figure.y) > MAX_LINES:
+        raise PostError(f"{len(figure.y)} curves in one figure; {MAX_LINES} can be distinguished")
     scaled = _scaled(_runs(results), figure)
     keys = []
     for number, line in enumerate(scaled.lines):
@@ -312,10 +312,10 @@ def _line_labels(curves: Sequence[Curve]) -> list[str]:
 
 def _thinned(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Extreme samples of each bucket of a long history, of y and where x turns of x; ends too."""
-    if len(x) <= MOST_POINTS:
+    if len(x) <= MAX_POINTS:
         return x, y
     curves = [y] if np.all(np.diff(x) >= 0) else [x, y]
-    starts = np.linspace(0, len(y), MOST_POINTS // (2 * len(curves)) + 1).astype(int)
+    starts = np.linspace(0, len(y), MAX_POINTS // (2 * len(curves)) + 1).astype(int)
     selected = {0, len(y) - 1}
     for start, stop in pairwise(starts):
         for curve in curves:

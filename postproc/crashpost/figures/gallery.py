@@ -16,7 +16,7 @@ from crashpost.values import injury, words
 from crashpost.values.figure import AUTO, Curve, Figure
 from crashsolve.channels.display import factor, readable
 
-MOST_CURVES = 8
+MAX_CURVES = 8
 # names of families in titles; others have their own name
 FAMILIES = {
     "rbdout": "Bodies",
@@ -66,7 +66,7 @@ def energy_figures(result: Result) -> list[Figure]:
 def _visible(entries: list[ledger.Entry]) -> list[ledger.Entry]:
     """The largest, without those that never reach a thousandth of it: they cannot be seen."""
     sizes = sorted((entry.largest for entry in entries), reverse=True)
-    least = max([sizes[0] / 1000, *sizes[MOST_CURVES : MOST_CURVES + 1]]) if sizes else 0.0
+    least = max([sizes[0] / 1000, *sizes[MAX_CURVES : MAX_CURVES + 1]]) if sizes else 0.0
     return [entry for entry in entries if entry.largest > least]
 
 
@@ -222,14 +222,14 @@ def _families(result: Result, word: str) -> list[Family]:
 def _largest(result: Result, names: Sequence[str]) -> list[str]:
     """The channels with the largest magnitudes, in their order; none that is zero throughout."""
     sizes = {name: max(map(abs, result.span(name))) for name in names}
-    most = sorted((n for n in sizes if sizes[n] > 0), key=lambda n: -sizes[n])[:MOST_CURVES]
+    most = sorted((n for n in sizes if sizes[n] > 0), key=lambda n: -sizes[n])[:MAX_CURVES]
     return [name for name in names if name in most]
 
 
 def _moving(result: Result, names: Sequence[str]) -> list[str]:
     """The channels with the largest ranges, in their order; none that is constant."""
     ranges = {name: _range(result, name) for name in names}
-    most = sorted((n for n in ranges if ranges[n] > 0), key=lambda n: -ranges[n])[:MOST_CURVES]
+    most = sorted((n for n in ranges if ranges[n] > 0), key=lambda n: -ranges[n])[:MAX_CURVES]
     return [name for name in names if name in most]
 
 
@@ -278,7 +278,7 @@ def _family_figure(result: Result, family: Family) -> Figure | None:
         least = UNSEEN * max(ranges.values(), default=0.0)
         moving = sorted((name for name in ranges if ranges[name] > least), key=lambda n: -ranges[n])
         if moving:
-            chosen = [name for name in ranges if name in moving[:MOST_CURVES]]
+            chosen = [name for name in ranges if name in moving[:MAX_CURVES]]
             shared = words.quantity_of_all(chosen)
             what = FAMILIES.get(family.word, words.capital(family.name))
             title = f"{what}: {shared or quantity.replace('_', ' ')}"

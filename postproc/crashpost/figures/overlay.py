@@ -13,7 +13,7 @@ from crashpost.results.status import Json
 from crashpost.results.text import printable
 
 # of a legend: more differences are shown by folders
-MOST_DIFFERENCES = 3
+MAX_DIFFERENCES = 3
 # fields of decks that change no physics
 INEFFECTIVE = ("title", "output", "expect", "watch", "parameters")
 
@@ -26,7 +26,7 @@ def names(results: Sequence[Result]) -> list[str]:
     for values in (stated, [_parameters(result) for result in results], _decks(results)):
         differing = _differing(values)
         found = [_description(own, differing, values) for own in values]
-        if 0 < len(differing) <= MOST_DIFFERENCES and len(set(found)) == len(found):
+        if 0 < len(differing) <= MAX_DIFFERENCES and len(set(found)) == len(found):
             return found
     folders = [_folder(result) for result in results]
     if len(set(folders)) < len(folders):

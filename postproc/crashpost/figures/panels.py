@@ -307,18 +307,18 @@ def profile(
 
 def _entities(result: Result, word: str) -> dict[str, str]:
     """An expression with a pattern for every entity that fits: {entity: expression}."""
-    met = re.search(r"'?\b([a-z]+)\.([^.\s()+/']*[*?\[][^.\s()+/']*)\.([\w.]+)'?", word)
-    if met is None:
+    match = re.search(r"'?\b([a-z]+)\.([^.\s()+/']*[*?\[][^.\s()+/']*)\.([\w.]+)'?", word)
+    if match is None:
         raise PostError(f"'{word}' has no pattern of entities, such as rbdout.tube_*.position.z")
-    family, pattern, column = met.groups()
+    family, pattern, column = match.groups()
     found = {
-        entity: word[: met.start()] + f"'{family}.{entity}.{column}'" + word[met.end() :]
+        entity: word[: match.start()] + f"'{family}.{entity}.{column}'" + word[match.end() :]
         for one in result.families.values()
         if one.word == family and column in {c.name for c in one.columns}
         for entity in one.ids
         if fnmatchcase(entity, pattern)
     }
     if not found:
-        raise PostError(f"no channel fits '{met[0]}'; see `crashpost channels`")
-    bare = word[: met.start()].strip() or word[met.end() :].strip()
+        raise PostError(f"no channel fits '{match[0]}'; see `crashpost channels`")
+    bare = word[: match.start()].strip() or word[match.end() :].strip()
     return found if bare else {e: name.strip("'") for e, name in found.items()}

@@ -11,7 +11,7 @@ REFERENCE_COLOURS = ("#8a6d00", "#a0527d", "#3c7d78")
 # solid, long dashes, dots, dashes with dots: as matplotlib and SVG know them [line widths]
 DASHES: tuple[tuple[float, ...], ...] = ((), (5.0, 1.8), (1.2, 1.4), (5.0, 1.6, 1.2, 1.6))
 # as many lines as differ in colour and dashes together
-MOST_LINES = len(COLOURS) * len(DASHES)
+MAX_LINES = len(COLOURS) * len(DASHES)
 
 MATPLOTLIB: dict[str, object] = {
     "font.size": 10,
@@ -48,7 +48,7 @@ MATPLOTLIB: dict[str, object] = {
 
 
 def line_style(number: int) -> tuple[str, tuple[float, ...]]:
-    """Colour and dashes of a figure's line, counted from 0; MOST_LINES of them differ."""
+    """Colour and dashes of a figure's line, counted from 0; MAX_LINES of them differ."""
     return COLOURS[number % len(COLOURS)], DASHES[number % len(DASHES)]
 
 

@@ -39,7 +39,7 @@ from crashpost.results.states import States
 THICKNESS = {"springs": 1.6, "belts": 4.0}
 WHOLE = ("bodies", "links", "mass_centres", "hinges")
 # a moment this near a state is that state; edges drawn between two states may be this short
-LEAST_SHARE, MOST_SHRUNK = 1e-6, 0.97
+LEAST_SHARE, MAX_SHRUNK = 1e-6, 0.97
 
 
 class Scene:
@@ -190,7 +190,7 @@ class Scene:
         for _, corners in self.states.blocks[name].cells:
             if corners.shape[1] > 1:
                 lengths = [_edges(points, corners) for points in (before, after, between)]
-                if np.any(lengths[2] < MOST_SHRUNK * np.minimum(lengths[0], lengths[1])):
+                if np.any(lengths[2] < MAX_SHRUNK * np.minimum(lengths[0], lengths[1])):
                     return before if share < 0.5 else after
         return between
 
@@ -266,13 +266,13 @@ class Scene:
             return set(range(1, len(bodies))), set(parts)
         shown, selected = set[int](), set[str]()
         for word in self.appearance.show:
-            met = {k for k, name in enumerate(bodies) if k and fnmatchcase(name, word)}
+            matching = {k for k, name in enumerate(bodies) if k and fnmatchcase(name, word)}
             # bodies whose names begin with that of another are shown with it
-            met |= {k for k in range(1, len(bodies)) if self.groups[k] in met}
+            matching |= {k for k in range(1, len(bodies)) if self.groups[k] in matching}
             own = {name for name in parts if fnmatchcase(name, word)}
-            if not met and not own:
+            if not matching and not own:
                 raise unknown("body or part", word, [*bodies[1:], *parts])
-            shown |= met
+            shown |= matching
             selected |= own
         return shown, selected
 

@@ -31,13 +31,13 @@ def contacts_with_arrows(states: States, appearance: Appearance) -> set[int]:
         return set()
     names = states.names["contacts"]
     family, _, card = word.partition(".")
-    met = {k for k, name in enumerate(names) if not card or fnmatchcase(name, card)}
-    if family != "rcforc" or (card and not met):
+    matching = {k for k, name in enumerate(names) if not card or fnmatchcase(name, card)}
+    if family != "rcforc" or (card and not matching):
         known = ["velocity", "rcforc", *(f"rcforc.{name}" for name in names)]
         raise unknown("arrows", word, known)
     if appearance.magnify != 1.0:
         raise PostError(f"arrows {word}: forces do not act where magnified displacements lead")
-    return met
+    return matching
 
 
 def forces_of(scene: Shown, number: float, contacts: set[int]) -> tuple[np.ndarray, np.ndarray]:

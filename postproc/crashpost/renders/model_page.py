@@ -28,11 +28,11 @@ if TYPE_CHECKING:
     import k3d
 
 # states on the page, and numbers of all vertices at all states together
-MOST_STATES, MOST_NUMBERS = 60, 3_000_000
+MAX_STATES, MAX_NUMBERS = 60, 3_000_000
 # polygons of a surface above which a field is shown by its vertices, which take a sixth of the room
 FINE = 20_000
 SECONDS = 6.0
-MOST_NAMES = 24
+MAX_NAMES = 24
 # the bar below the picture: play and pause, a slider for the time, the meaning of colours
 PLAYER = """
 const facts = @FACTS@;
@@ -173,7 +173,7 @@ def _key(colour_scale: ColourScale, scene: Scene) -> list[tuple[str, str]]:
     """Colours of the picture and their meaning."""
     note = [("", scene.appearance.note)] if scene.appearance.note else []
     if not colour_scale.name:
-        return note + [(colour, name) for name, colour in scene.legend()[:MOST_NAMES]]
+        return note + [(colour, name) for name, colour in scene.legend()[:MAX_NAMES]]
     unit = f" {colour_scale.shown_unit}" if colour_scale.shown_unit not in ("", "1") else ""
     found = []
     for share in (0.0, 0.25, 0.5, 0.75, 1.0):
@@ -188,7 +188,7 @@ def _key(colour_scale: ColourScale, scene: Scene) -> list[tuple[str, str]]:
 def _thinned(scene: Scene, count: int) -> list[int]:
     """Numbers of states spread evenly, both ends among them, few enough for the page."""
     numbers = sum(map(_numbers, scene.at(0).surfaces))
-    most = int(np.clip(MOST_NUMBERS / max(numbers, 1), 2, MOST_STATES))
+    most = int(np.clip(MAX_NUMBERS / max(numbers, 1), 2, MAX_STATES))
     return sorted({int(k) for k in np.linspace(0, count - 1, min(most, count)).round()})
 
 

@@ -26,7 +26,7 @@ EDGE = "#3a424a"
 # degrees between two faces that make an edge
 SHARP = 40.0
 # more polygons than this are drawn without their edges
-MOST_EDGES = 20_000
+MAX_EDGES = 20_000
 SAMPLES = 4
 # layers of a window: a later one hides those before
 LAYERS = 3
@@ -102,7 +102,7 @@ class Painter:
             return
         if surface.edges:
             actor = _add(renderer, mesh, colours, "", is_lit=True)
-            if len(surface.corners) <= MOST_EDGES:
+            if len(surface.corners) <= MAX_EDGES:
                 actor.GetProperty().EdgeVisibilityOn()
                 actor.GetProperty().SetEdgeColor(*(rgb(EDGE) / 255.0))
                 actor.GetProperty().SetLineWidth(0.5)

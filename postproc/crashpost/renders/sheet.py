@@ -36,7 +36,7 @@ WIDTH, LEAST_WIDTH, GAP, CAPTION, TITLE, LINE, FOOTER = 7.2, 4.8, 0.12, 0.24, 0.
 PAD, ARROWS_ROOM = 0.07, 1.65
 # a picture this many times as wide as high is put below the one before, not beside it
 WIDE, HALF_WIDE = 3.2, 2.2
-MOST_COLUMNS, MOST_NAMES = 4, 24
+MAX_COLUMNS, MAX_NAMES = 4, 24
 # of names: letters, lines of names that a footer has room for, height of each further line
 LETTERS_PER_INCH, NAME_LINES, NAME_LINE = 13.0, 2, 0.2
 # of the arrow in the legend [inches]; of a bar of colours at least
@@ -160,7 +160,7 @@ def wrapped(title: str, width: float) -> list[str]:
 def layout(captions: Sequence[str], aspect: float, title: str, width: float = WIDTH) -> Layout:
     """Number of pictures side by side, and their size."""
     count = len(captions)
-    most = 1 if aspect >= WIDE else 2 if aspect >= HALF_WIDE else MOST_COLUMNS
+    most = 1 if aspect >= WIDE else 2 if aspect >= HALF_WIDE else MAX_COLUMNS
     rows = -(-count // most)
     columns = -(-count // rows)
     width -= 2.0 * PAD
@@ -381,9 +381,9 @@ def _colour_bar(
 
 def shown_names(names: Sequence[tuple[str, str]]) -> list[tuple[str, str]]:
     """Names with their colours as the legend has room for them."""
-    shown = list(names[:MOST_NAMES])
-    if len(names) > MOST_NAMES:
-        shown[-1] = (f"and {len(names) - MOST_NAMES + 1} more", "#ffffff")
+    shown = list(names[:MAX_NAMES])
+    if len(names) > MAX_NAMES:
+        shown[-1] = (f"and {len(names) - MAX_NAMES + 1} more", "#ffffff")
     return shown
 
 

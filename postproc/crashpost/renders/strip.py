@@ -17,7 +17,7 @@ from crashpost.renders.sheet import (
     CLOSE_UP_HEAD,
     DPI,
     GAP,
-    MOST_COLUMNS,
+    MAX_COLUMNS,
     PAD,
     Key,
     Layout,
@@ -45,7 +45,7 @@ class Content:
 
 def with_close_ups(sizes: Layout, count: int) -> Layout:
     """The layout with rows of close-ups."""
-    rows = -(-count // MOST_COLUMNS)
+    rows = -(-count // MAX_COLUMNS)
     columns = -(-count // rows)
     width = min((sizes.width - 2.0 * PAD - GAP * (columns - 1)) / columns, WIDEST)
     return replace(sizes, closer_rows=rows, closer=(width, width / ASPECT))

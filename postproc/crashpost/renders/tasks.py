@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 SECONDS = 4.0
 FPS = 25.0
 # frames of a film at most: more is a slip of the keyboard
-MOST_FRAMES = 20_000
+MAX_FRAMES = 20_000
 
 
 def strip_task(
@@ -76,9 +76,9 @@ def film_task(
         raise PostError(f"--slow must be positive, not {slow:g}")
     slow = slow or _round(SECONDS / (end - first))
     count = math.floor((end - first) * slow * fps) + 1
-    if not 2 <= count <= MOST_FRAMES:
+    if not 2 <= count <= MAX_FRAMES:
         raise PostError(
-            f"{count} frames: --slow {slow:g} and --fps {fps:g} should make 2 to {MOST_FRAMES} "
+            f"{count} frames: --slow {slow:g} and --fps {fps:g} should make 2 to {MAX_FRAMES} "
             f"of {end - first:g} s"
         )
     frames = []

@@ -29,13 +29,13 @@ from crashpost.values import injury, occupant_injury
 from crashpost.values.accuracy import HEADER as ERRORS
 from crashpost.values.accuracy import accuracy_rows, cost_rows, worst_error
 from crashpost.values.events import events
-from crashpost.values.expectation import Verdict, judge
+from crashpost.values.expectation import Verdict, check_expectations
 from crashpost.values.figure import Figure, figures_of
 from crashpost.values.summary import Peak, peaks, status_line
 from crashpost.values.units import PageUnits, Units, on_page, page_time_unit
 from crashsolve.channels.display import factor, readable
 
-OPEN_PEAKS, MOST_PEAKS = 30, 1000
+OPEN_PEAKS, MAX_PEAKS = 30, 1000
 GOOD, BAD = {"finished"}, {"failed", "killed"}
 
 
@@ -60,7 +60,7 @@ class _Report:
         self.momentum = gallery.momentum_figures(result)
         shown = [*self.chosen, *self.energy, *self.momentum]
         self.page_units = PageUnits(result, shown, units, self.time_unit)
-        self.verdicts = judge(result)
+        self.verdicts = check_expectations(result)
         self.problems: list[str] = []
         self.drawn = self.missed = 0
 
@@ -164,9 +164,9 @@ def _comparisons(found: list[Comparison]) -> str:
         # a number is not parted from its unit
         unit = f"\u00a0{c.unit}"
         difference = "in range" if inside else f"{size}{unit}{percent}"
-        ours, published = f"{c.ours:.4g}{unit}", f"{c.published}{unit}"
+        computed, published = f"{c.computed:.4g}{unit}", f"{c.published}{unit}"
         verdict = {None: "", True: "missed", False: "met"}[c.missed]
-        rows.append([c.label, ours, published, difference, verdict, c.source])
+        rows.append([c.label, computed, published, difference, verdict, c.source])
     header = ("", "this run", "published", "difference", "", "source")
     return table(header, rows, ("", "num", "num", "num", "", ""))
 
@@ -242,17 +242,17 @@ def _injury(result: Result) -> str:
 
 
 def _peaks(result: Result, page_units: PageUnits) -> str:
-    rows = [_peak_row(peak, page_units) for peak in islice(peaks(result), MOST_PEAKS + 1)]
+    rows = [_peak_row(peak, page_units) for peak in islice(peaks(result), MAX_PEAKS + 1)]
     time_unit = page_units.unit("s")
     header = ("channel", "unit", "least", f"at, {time_unit}", "greatest", f"at, {time_unit}")
     classes = ("name", "", "num", "num", "num", "num")
     if len(rows) <= OPEN_PEAKS:
         return table(header, rows, classes)
-    more = len(rows) > MOST_PEAKS
+    more = len(rows) > MAX_PEAKS
     title = (
-        f"The first {MOST_PEAKS} channels; peaks.txt has all" if more else f"{len(rows)} channels"
+        f"The first {MAX_PEAKS} channels; peaks.txt has all" if more else f"{len(rows)} channels"
     )
-    return details(title, table(header, rows[:MOST_PEAKS], classes))
+    return details(title, table(header, rows[:MAX_PEAKS], classes))
 
 
 def _peak_row(peak: Peak, page_units: PageUnits) -> list[str]:

@@ -29,7 +29,7 @@ FIELDS = ("title", "at", "show", "magnify", *WORDS)
 # of the film [pixels], its height as the scene asks; a page needs no full size
 SIZE = (720, 0)
 # the run in 3-D is left out where even two states would take this much [numbers]
-MOST_POINTS = 1_000_000
+MAX_POINTS = 1_000_000
 
 
 def views(result: Result, described: object, choice: str = "all") -> str:
@@ -167,7 +167,7 @@ def _rotated(result: Result, states: States, scene: Json) -> str:
 
     if find_spec("k3d") is None:
         return ""
-    if sum(3 * len(block.points) for block in states.blocks.values()) > MOST_POINTS:
+    if sum(3 * len(block.points) for block in states.blocks.values()) > MAX_POINTS:
         return ""
     from crashpost.renders.model_page import page
 

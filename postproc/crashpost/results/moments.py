@@ -44,9 +44,9 @@ def moment(result: Result, text: str, end: float) -> Moment:
         return Moment(statistic(series, PEAKS[word]), f"{size} {expression.strip()}")
     if word in ("start", "end"):
         return Moment(float(result.time[0]) if word == "start" and len(result.time) else end, "")
-    met = _NUMBER.match(text)
+    match = _NUMBER.match(text)
     try:
-        time = float(met[1]) * factor(met[2] or "s", "s") if met else np.nan
+        time = float(match[1]) * factor(match[2] or "s", "s") if match else np.nan
     except ValueError:
         time = np.nan
     if not np.isfinite(time):

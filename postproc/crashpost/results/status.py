@@ -18,7 +18,7 @@ Json = dict[str, Any]
 
 UNKNOWN = {"state": "unknown"}
 # the largest number of a process
-MOST_PID = 2**31 - 1
+MAX_PID = 2**31 - 1
 
 
 def read_status(path: Path) -> Json:
@@ -48,7 +48,7 @@ def unfinished(status: Json) -> str:
 
 def _alive(pid: object) -> bool:
     """Whether a process with this number exists; true when that cannot be determined."""
-    if not isinstance(pid, int) or not 0 < pid <= MOST_PID:
+    if not isinstance(pid, int) or not 0 < pid <= MAX_PID:
         return True
     try:
         os.kill(pid, 0)

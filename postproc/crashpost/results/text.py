@@ -6,7 +6,7 @@ import stat
 from pathlib import Path
 
 # bytes of a text file that are read
-MOST = 1 << 28
+MAX_BYTES = 1 << 28
 # control characters, ends of lines, marks that turn the order of letters, halves of characters
 _UNPRINTABLE = re.compile(
     "[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]"
@@ -19,7 +19,7 @@ def plain_text(path: Path) -> str | None:
         if not stat.S_ISREG(os.stat(path).st_mode):
             return None
         with path.open("rb") as file:
-            return file.read(MOST).decode("utf-8", errors="replace")
+            return file.read(MAX_BYTES).decode("utf-8", errors="replace")
     except (OSError, ValueError):
         return None
 
@@ -29,8 +29,8 @@ def printable(text: str) -> str:
     return _UNPRINTABLE.sub(_escaped, text)
 
 
-def _escaped(met: re.Match[str]) -> str:
-    return repr(met[0])[1:-1] if ord(met[0]) < 0xA0 else f"\\u{ord(met[0]):04x}"
+def _escaped(match: re.Match[str]) -> str:
+    return repr(match[0])[1:-1] if ord(match[0]) < 0xA0 else f"\\u{ord(match[0]):04x}"
 
 
 def printable_lines(text: str) -> str:

@@ -19,7 +19,7 @@ from crashpost.errors import PostError
 from crashpost.sweeps.table import Sweep
 
 # values of a parameter that are classes of their own, and classes of more values than these
-MOST_VALUES, CLASSES = 12, 8
+MAX_VALUES, CLASSES = 12, 8
 # blocks of Saltelli's design of which indices can be determined
 LEAST_BLOCKS = 8
 
@@ -42,7 +42,7 @@ def main_effect(values: Sequence[Any], measured: Sequence[float]) -> Effect:
     if not is_of_words:
         pairs.sort()
         known.sort()
-    if is_of_words or len(known) <= MOST_VALUES:
+    if is_of_words or len(known) <= MAX_VALUES:
         groups = [[pair for pair in pairs if pair[0] == value] for value in known]
     else:
         groups = _classes(pairs)

@@ -13,7 +13,7 @@ from crashpost.sweeps.table import Sweep
 
 EFFECTS, INDICES = "effects.csv", "indices.csv"
 # rows that a terminal is shown; the files have all
-MOST_ROWS = 40
+MAX_ROWS = 40
 EFFECTS_HEADER = ("measure", "parameter", "value or mean of class", "mean", "+-", "runs")
 INDICES_HEADER = (
     *("measure", "parameter"),
@@ -75,7 +75,7 @@ def write_tables(sweep: Sweep, folder: Path) -> list[str]:
             if rows:
                 path.write_text(_csv(header, rows), encoding="utf-8")
                 texts.append(str(path))
-                texts += [text_table(header, rows)] if len(rows) <= MOST_ROWS else []
+                texts += [text_table(header, rows)] if len(rows) <= MAX_ROWS else []
     except OSError as error:
         raise PostError(f"{folder}: {error.strerror}") from error
     return texts

@@ -17,7 +17,7 @@ from crashpost.sweeps.effects import Indices, indices, main_effect
 from crashpost.sweeps.table import Row, Sweep
 
 # panels of one picture that can still be read
-MOST = 64
+MAX_PANELS = 64
 # letters of a heading that fit beside a panel
 LONGEST = 34
 FAILED = "#b3261e"
@@ -28,8 +28,8 @@ def draw(sweep: Sweep, folder: Path) -> tuple[list[Path], list[str]]:
     """Write the pictures; returns them, and those that could not be drawn. Raises PostError."""
     if not any(isfinite(y) for row in sweep.finished for y in row.measured):
         raise PostError(f"{sweep.folder}: no finished run has anything to draw")
-    if len(sweep.axes) * len(sweep.measures) > MOST:
-        raise PostError(f"more than {MOST} panels: measure less, or draw from {sweep.folder}")
+    if len(sweep.axes) * len(sweep.measures) > MAX_PANELS:
+        raise PostError(f"more than {MAX_PANELS} panels: measure less, or draw from {sweep.folder}")
     finished = len(sweep.finished)
     about = f"{finished} of {len(sweep.rows)} runs"
     paths = [folder / "scatter.png", folder / "effects.png"]

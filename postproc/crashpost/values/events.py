@@ -10,7 +10,7 @@ from crashpost.results.table import number
 from crashpost.values import words
 from crashsolve.channels.display import factor, readable
 
-MOST = 40
+MAX_EVENTS = 40
 # quantities of which the first sample that is not zero is an event, and how it is reported
 STARTS = {
     "plastic": "begins to yield",
@@ -24,7 +24,7 @@ SHOWN = 0.999
 # [of the largest value] less is round-off
 LEAST = 1e-9
 # [of a touch] a force that ends so much before its surfaces part is reported by itself
-LATE = 0.05
+EARLY_END = 0.05
 
 
 class Event(NamedTuple):
@@ -35,7 +35,7 @@ class Event(NamedTuple):
 
 
 def events(result: Result, units: Mapping[str, str] | None = None) -> list[Event]:
-    """All of them by time; of contacts and starts at most MOST.
+    """All of them by time; of contacts and starts at most MAX_EVENTS.
 
     `units` are those to show SI units in, such as {"N": "kN"}; fitting ones where it has none.
     """
@@ -55,7 +55,7 @@ def events(result: Result, units: Mapping[str, str] | None = None) -> list[Event
             found.append(
                 Event(entry["last"], f"{_name(part)} has lost {entry.get('count')} elements")
             )
-    return sorted(found)[:MOST]
+    return sorted(found)[:MAX_EVENTS]
 
 
 def _of_contacts(result: Result, family: Family, units: Mapping[str, str]) -> Iterator[Event]:
@@ -81,7 +81,7 @@ def _of_contacts(result: Result, family: Family, units: Mapping[str, str]) -> It
         if touch >= start and touch < release < end:
             # surfaces may stay together, or part late, where no force is left between them
             ended = float(ends[at])
-            if ended < release - LATE * (release - touch):
+            if ended < release - EARLY_END * (release - touch):
                 yield Event(ended, f"{_name(entity)}: the force has ended")
                 yield Event(release, f"{_name(entity)}: the surfaces separate")
             else:

@@ -95,7 +95,7 @@ def expectations(result: Result) -> list[Expectation]:
         raise PostError(f"{result.file}: broken expect entry ({error})") from error
 
 
-def judge(result: Result) -> list[Verdict]:
+def check_expectations(result: Result) -> list[Verdict]:
     """All entries evaluated; a channel that does not exist is a failure with its reason."""
     return [_verdict(result, entry) for entry in expectations(result)]
 

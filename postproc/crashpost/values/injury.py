@@ -120,7 +120,7 @@ def _judged(position: SensorPosition, measure: str, value: str, when: str) -> li
     unit = " g" if value.endswith(" g") else ""
     verdict = "within" if float(value.removesuffix(" g")) <= limit else "beyond"
     if position.plain_because:
-        verdict = "not judged: not filtered"
+        verdict = "not assessed: not filtered"
     return [position.name, measure, value, f"{limit:g}{unit}", verdict, when]
 
 

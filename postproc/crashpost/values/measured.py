@@ -104,16 +104,16 @@ def _cells(line: str, mark: str) -> list[str]:
 
 def _head(path: Path, number: int, text: str) -> tuple[str, str]:
     """Name and unit of a column."""
-    met = _HEAD.fullmatch(text)
-    if met is None or not met[1]:
+    match = _HEAD.fullmatch(text)
+    if match is None or not match[1]:
         raise PostError(f"{path}:{number}: name columns as 'force [kN]', not '{text}'")
-    unit = "" if met[2].strip() in NO_UNIT else met[2].strip()
+    unit = "" if match[2].strip() in NO_UNIT else match[2].strip()
     # a channel without unit is shown as a pure number
     try:
         Product.parse(unit)
     except ChannelError as error:
         raise PostError(f"{path}:{number}: '{text}': {error}") from error
-    return met[1], unit
+    return match[1], unit
 
 
 def _numbers(path: Path, number: int, line: str, mark: str, width: int) -> list[float]:

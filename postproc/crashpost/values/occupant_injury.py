@@ -182,7 +182,7 @@ def _judged(
     shown = f"{limit:g} {unit}".rstrip()
     verdict = "within" if value <= limit else "beyond"
     if message:
-        return [*_row(name, measure, value, unit)[:3], shown, "not judged: not filtered", message]
+        return [*_row(name, measure, value, unit)[:3], shown, "not assessed: not filtered", message]
     return [*_row(name, measure, value, unit)[:3], shown, verdict, when]
 
 

@@ -9,7 +9,7 @@ from crashpost.results.result import Result
 from crashpost.results.table import number, text_table
 from crashpost.values.accuracy import accuracy_table
 
-MOST_PEAKS = 40
+MAX_PEAKS = 40
 
 
 def summary(result: Result) -> str:
@@ -102,11 +102,11 @@ def _balances(result: Result) -> str:
 
 def _peaks(result: Result) -> str:
     moving = (peak for peak in peaks(result) if not peak.channel.startswith("glstat."))
-    rows = [peak.cells for peak in islice(moving, MOST_PEAKS + 1)]
+    rows = [peak.cells for peak in islice(moving, MAX_PEAKS + 1)]
     if not rows:
         return ""
-    table = text_table(("channel", "unit", "min", "at s", "max", "at s"), rows[:MOST_PEAKS])
-    return table + ("\n... and more; see peaks.txt" if len(rows) > MOST_PEAKS else "")
+    table = text_table(("channel", "unit", "min", "at s", "max", "at s"), rows[:MAX_PEAKS])
+    return table + ("\n... and more; see peaks.txt" if len(rows) > MAX_PEAKS else "")
 
 
 def _warnings(result: Result) -> str:

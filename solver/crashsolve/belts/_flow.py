@@ -19,18 +19,18 @@ from crashsolve.belts._spool import FREE, LOCKED, PULLING, choose_mode, spool_fo
 from crashsolve.belts._webbing import segment_force
 from crashsolve.foundation.kernels import kernel
 
-# passes in all, those of Newton's method at first, and every which one is of it later
-PASSES, FIRST, EVERY = 300, 8, 4
-# passes after which rings are settled one after the other alone
-PATIENCE = 100
+# iterations in all, those of Newton's method at first, and every which one is of it later
+ITERATIONS, FIRST, NEWTON_EVERY = 300, 8, 4
+# iterations after which rings are solved one after the other alone
+RINGS_ALONE = 100
 # of a flow, over the length of the belt: treated as zero
 CLOSE = 1e-15
-# the same after so many passes, where round-off of tight segments keeps flows moving
+# the same after so many iterations, where round-off of tight segments keeps flows moving
 NEARLY, MANY = 1e-13, 40
 # too small to affect any result: a flow over the length of the belt, a force over its stiffness
 SETTLED = 1e-10
-# of a segment, that one pass may take from it
-MOST_TAKEN = 0.8
+# of a segment, that one iteration may take from it
+MAX_WITHDRAWN = 0.8
 # halvings and steps of the flow through one ring
 HALVINGS = 60
 
@@ -45,21 +45,21 @@ def solve_flow(p, old, new, out, t, curves):
         new.grip[j] = exp(mu * out.angle[j]) if mu > 0.0 else 1.0
     fill(p, old, new, out, curves)
     if p.segments > 1 or p.spool == 1:
-        new.passes, largest = PASSES, 0.0
-        for k in range(PASSES):
-            if k < FIRST or (k % EVERY == 0 and k < PATIENCE):
+        new.iterations, largest = ITERATIONS, 0.0
+        for k in range(ITERATIONS):
+            if k < FIRST or (k % NEWTON_EVERY == 0 and k < RINGS_ALONE):
                 largest = correct(p, old, new, out, curves)
                 fill(p, old, new, out, curves)
             else:
                 largest = relax_rings(p, old, new, out, curves)
             if largest <= (CLOSE if k < MANY else NEARLY) * p.total:
-                new.passes = k + 1
+                new.iterations = k + 1
                 break
-        if new.passes == PASSES and (
+        if new.iterations == ITERATIONS and (
             largest <= SETTLED * p.total or imbalance(p, old, new, out, curves) <= SETTLED * p.k
         ):
             # a matter of round-off, or of slack that has no place of its own: it needs no warning
-            new.passes = PASSES - 1
+            new.iterations = ITERATIONS - 1
     for j in range(p.segments + 1):
         new.slip[j] = old.slip[j] + new.flow[j]
 
@@ -269,7 +269,7 @@ def slack_of_segment(p, new, out, j, direction):
 
 @kernel
 def correct(p, old, new, out, curves):
-    """One pass on all rings; the largest change of a flow [m]. Writes: new."""
+    """One iteration over all rings; the largest change of a flow [m]. Writes: new."""
     new.above[0] = new.change[0] = 0.0
     n = p.segments
     if p.spool == 1:
@@ -301,8 +301,8 @@ def correct(p, old, new, out, curves):
         new.change[j] -= new.above[j] * new.change[j + 1]
     for i in range(n):
         taken = new.change[i + 1] - new.change[i]
-        if taken > MOST_TAKEN * new.webbing[i]:
-            share = min(share, MOST_TAKEN * new.webbing[i] / taken)
+        if taken > MAX_WITHDRAWN * new.webbing[i]:
+            share = min(share, MAX_WITHDRAWN * new.webbing[i] / taken)
     largest = 0.0
     for j in range(n):
         now = new.flow[j] + share * new.change[j]

@@ -34,8 +34,8 @@ from crashsolve.foundation.motion import (
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, cross, dot, norm, scale, sub, vec
 
-MOST = 10  # fittings of one belt
-SEGMENTS = MOST - 1
+FITTINGS = 10  # fittings of one belt
+SEGMENTS = FITTINGS - 1
 # of the route: a segment shorter than this is taken as this long, where it pulls
 SHORT = 1e-3
 # cosine of the angle between segments beyond which a route doubles back
@@ -97,29 +97,29 @@ class Fitting(Card):
 
 ROUTE = Record(f"""
     segments              count              how many
-    node                  index  {MOST}      body of each fitting; the last is repeated
-    point                 m      {3 * MOST}  fitting, or middle of its surface, from mass centre
-    friction_coefficient  1      {MOST}      mu of rings and surfaces
-    surface               flag   {MOST}      0 for a point, else SPHERE, CYLINDER or ELLIPSOID
-    axes                  1      {9 * MOST}  axes of each surface in its body, by rows
-    semi                  m      {3 * MOST}  semi-axes; radius first, half length of a cylinder last
-    sense                 1      {MOST}      1 or -1: how the belt turns about a cylinder
-    turned                rad    {MOST}      angle of it that is wrapped at the start
+    node                  index  {FITTINGS}      body of each fitting; the last is repeated
+    point                 m      {3 * FITTINGS}  fitting, or middle of its surface, from mass centre
+    friction_coefficient  1      {FITTINGS}      mu of rings and surfaces
+    surface               flag   {FITTINGS}      0 for a point, else SPHERE, CYLINDER or ELLIPSOID
+    axes                  1      {9 * FITTINGS}  axes of each surface in its body, by rows
+    semi                  m      {3 * FITTINGS}  semi-axes; radius first, half length of cylinder
+    sense                 1      {FITTINGS}      1 or -1: how the belt turns about a cylinder
+    turned                rad    {FITTINGS}      angle of it that is wrapped at the start
     shortest              m                  length below which a segment is taken as that long
 """)
 LAID = Record(f"""
     along     1      {3 * SEGMENTS}  directions of the segments
-    arrive    m      {3 * MOST}  where the belt reaches each fitting, world axes
-    leave     m      {3 * MOST}  where it leaves
-    half      m      {MOST}  half the arc on each surface
-    split     m      {MOST}  middle of the arc from the material point of its body that divides it
-    middle    m      {3 * MOST}  middle of the arc from the mass centre, body axes
-    lies      1      {3 * MOST}  direction of the belt there, body axes
-    wrapped   rad    {MOST}  angle of a cylinder
-    begun     m      {3 * MOST}  where the belt reaches an ellipsoid, its axes
-    touches   flag   {MOST}  1 where the belt lies on a surface, -2 where it has slipped off
+    arrive    m      {3 * FITTINGS}  where the belt reaches each fitting, world axes
+    leave     m      {3 * FITTINGS}  where it leaves
+    half      m      {FITTINGS}  half the arc on each surface
+    split     m      {FITTINGS}  middle of the arc from the point of its body that divides it
+    middle    m      {3 * FITTINGS}  middle of the arc from the mass centre, body axes
+    lies      1      {3 * FITTINGS}  direction of the belt there, body axes
+    wrapped   rad    {FITTINGS}  angle of a cylinder
+    begun     m      {3 * FITTINGS}  where the belt reaches an ellipsoid, its axes
+    touches   flag   {FITTINGS}  1 where the belt lies on a surface, -2 where it has slipped off
     slipped   flag           the belt has slipped off a surface
-    lateral   rad    {MOST}  by which it slid across its direction, over a ball or an ellipsoid
+    lateral   rad    {FITTINGS}  by which it slid across its direction, over a ball or an ellipsoid
     crossed   flag           it slid so by more than a right angle
     inside    flag           a fitting was within a surface
     beyond    flag           the belt lay on a cylinder beyond its ends
@@ -128,8 +128,8 @@ LAID = Record(f"""
 
 def check_route(route: tuple[Fitting, ...]) -> None:
     """Raises ValueError for fittings that make no belt."""
-    if len(route) > MOST:
-        raise ValueError(f"route: has {len(route)} fittings, and may have {MOST}")
+    if len(route) > FITTINGS:
+        raise ValueError(f"route: has {len(route)} fittings, and may have {FITTINGS}")
     if len(route) < 2 or not (route[0].anchor or route[0].retractor) or not route[-1].anchor:
         raise ValueError(
             "route: must begin with an anchor or a retractor, and end with an anchor; a ring needs "
@@ -147,7 +147,7 @@ def check_route(route: tuple[Fitting, ...]) -> None:
 
 def route_columns(route: tuple[Fitting, ...], scene: Scene) -> Columns:
     """Columns of ROUTE, except those that depend on lengths."""
-    columns: Columns = {c.name: np.zeros((MOST, max(c.size // MOST, 1))) for c in TABLES}
+    columns: Columns = {c.name: np.zeros((FITTINGS, max(c.size // FITTINGS, 1))) for c in TABLES}
     for i, fitting in enumerate(route):
         if fitting.wrap is not None:
             _place_surface(columns, i, fitting.wrap, scene)

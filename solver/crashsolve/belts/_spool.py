@@ -84,7 +84,7 @@ WOUND = Record("""
     mode      flag     NONE, FREE, PULLING or LOCKED in the step
     wound_in  m        s
     paid_out  m        w, since it is locked
-    took      J        energy taken by the spool
+    absorbed  J        energy taken by the spool
     speed     m/s   3  of its body
     moved_on  flag     whether the speed is one of a step
     emptied   flag     it has run out of webbing

@@ -20,7 +20,7 @@ from crashsolve.foundation.vec3 import ZERO, Vector, add, add_scaled, cross, dot
 SPHERE, CYLINDER, ELLIPSOID = 1, 2, 3
 SHAPES = {"sphere": SPHERE, "cylinder": CYLINDER, "ellipsoid": ELLIPSOID}
 # steps of the geodesic on an ellipsoid, and passes of Newton's method for its beginning
-PIECES, SHOTS = 24, 20
+PIECES, TRIALS = 24, 20
 # of the semi-axes: how close the geodesic comes to its end, how far it may be at worst, and the
 # step of differences
 CLOSE, FAR, STEP = 1e-11, 1e-7, 1e-6
@@ -141,7 +141,7 @@ def over_ellipsoid(semi, A, B, begun, arc):
     psi = 0.0
     s = arc if arc > 0.0 else approximate_length(semi, a, b, e)
     largest = 1.0
-    for _ in range(SHOTS):
+    for _ in range(TRIALS):
         gap, tip = shoot_geodesic(semi, A, B, a, e, f, psi, s)
         other, _ = shoot_geodesic(semi, A, B, a, e, f, psi + STEP, s)
         d_n, d_b = (other[0] - gap[0]) / STEP, (other[1] - gap[1]) / STEP

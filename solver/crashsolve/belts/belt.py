@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from pydantic import model_validator
 
-from crashsolve.belts._flow import PASSES, solve_flow
+from crashsolve.belts._flow import ITERATIONS, solve_flow
 from crashsolve.belts._route import (
+    FITTINGS,
     LAID,
-    MOST,
     ROUTE,
     SEGMENTS,
     SHORT,
@@ -92,20 +92,20 @@ HISTORY = (
     webbing     m    {SEGMENTS}  L, unstrained length
     residual    m    {SEGMENTS}  S, residual elongation
     tension     N    {SEGMENTS}  T
-    slip        m    {MOST}  webbing that has passed each fitting, towards the end
+    slip        m    {FITTINGS}  webbing that has passed each fitting, towards the end
     friction    J        lost at rings
     drawn       J        lost in webbing
     straight    m    {SEGMENTS}  length
     short       flag     a segment has reached zero length
     unsettled   flag     the flows of some step are not found
-    passes      count    of the search for the flows
-    flow        m    {MOST}  q, that passes each fitting in the step
-    grip        1    {MOST}  exp(mu beta)
+    iterations  count    of the search for the flows
+    flow        m    {FITTINGS}  q, that passes each fitting in the step
+    grip        1    {FITTINGS}  exp(mu beta)
     softens     N/m  {SEGMENTS}  fall of T over webbing that flows in
     moved       m    {SEGMENTS}  growth of S in the step
-    direction   flag  {MOST}  1 onwards, -1 back, 0 not
-    above       1    {MOST}  part of the tridiagonal matrix
-    change      m    {MOST}  of the flow in a pass
+    direction   flag  {FITTINGS}  1 onwards, -1 back, 0 not
+    above       1    {FITTINGS}  part of the tridiagonal matrix
+    change      m    {FITTINGS}  of the flow in an iteration
 """)
 )
 OUTPUT = Record(f"""
@@ -113,8 +113,8 @@ OUTPUT = Record(f"""
     length      m    {SEGMENTS}  present length of each segment
     webbing     m    {SEGMENTS}  its unstrained length
     strain      1    {SEGMENTS}  of each segment; negative: slack
-    slip        m    {MOST}  webbing that has passed each fitting, towards the end of the route
-    angle       rad  {MOST}  by which the belt turns at each fitting
+    slip        m    {FITTINGS}  webbing that has passed each fitting, towards the end of the route
+    angle       rad  {FITTINGS}  by which the belt turns at each fitting
     friction    J        lost at rings so far
     hysteresis  J        lost in webbing so far
     retractor   J        energy taken by the retractor so far; negative where it has done work
@@ -207,7 +207,7 @@ def clear_unused(p: Parameters, old: History, new: History, out: Output):
         new.softens[i] = new.moved[i] = 0.0
         out.force[i] = out.length[i] = out.webbing[i] = out.strain[i] = 0.0
         put_triple(new.along, i, (0.0, 0.0, 0.0))
-    for j in range(p.segments, MOST):
+    for j in range(p.segments, FITTINGS):
         put_triple(new.arrive, j, (0.0, 0.0, 0.0))
         put_triple(new.leave, j, (0.0, 0.0, 0.0))
         clear_surface(new, j)
@@ -218,7 +218,7 @@ def clear_unused(p: Parameters, old: History, new: History, out: Output):
     new.direction[0] = new.mode = 0
     if p.segments == 1:
         new.above[1] = new.change[1] = 0.0
-    new.short, new.unsettled, new.passes = old.short, old.unsettled, 0
+    new.short, new.unsettled, new.iterations = old.short, old.unsettled, 0
 
 
 @kernel
@@ -243,20 +243,20 @@ def update_energies(p: Parameters, old: History, new: History, out: Output, h):
         out.strain[i] = out.length[i] / L - 1.0
         if out.length[i] < p.shortest and T_1 > 0.0:
             new.short = 1
-    if new.passes >= PASSES:
+    if new.iterations >= ITERATIONS:
         new.unsettled = 1
     T_0, T_1, q = old.tension[0], out.force[0], new.flow[0]
-    took = 0.0
+    absorbed = 0.0
     if p.spool == 1:
-        took = slack + 0.5 * (T_0 + T_1) * q + 0.5 * T_0 * T_1 * q / p.k
+        absorbed = slack + 0.5 * (T_0 + T_1) * q + 0.5 * T_0 * T_1 * q / p.k
     friction += slack
-    new.friction, new.drawn, new.took, out.loss = old.friction, old.drawn, old.took, 0.0
+    new.friction, new.drawn, new.absorbed, out.loss = old.friction, old.drawn, old.absorbed, 0.0
     if h > 0.0:
-        new.friction += friction - took
-        new.took += took
+        new.friction += friction - absorbed
+        new.absorbed += absorbed
         new.drawn += drawn
         out.loss = friction + drawn
-    out.friction, out.hysteresis, out.retractor = new.friction, new.drawn, new.took
+    out.friction, out.hysteresis, out.retractor = new.friction, new.drawn, new.absorbed
     out.pay_out, out.locked = new.slip[0], new.locked
     for j in range(p.segments + 1):
         out.slip[j] = new.slip[j]

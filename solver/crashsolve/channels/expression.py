@@ -36,7 +36,7 @@ LONGEST = 4000
 # letters of an expression that a message repeats
 SHOWN = 60
 # a whole number may have more digits than a float holds
-MOST = 1e300
+LARGEST = 1e300
 _QUOTED_OR_NAME = re.compile(r"'[^']*'|\"[^\"]*\"|(?<![\w.])[A-Za-z_]\w*(?:\.\w+)+")
 _QUANTITY = re.compile(r"\s*[-+]?\.?[0-9]")
 _OPERATORS = (ast.Add, ast.Sub, ast.Mult, ast.Div)
@@ -108,7 +108,7 @@ def _names(node: ast.expr) -> list[str]:
         case ast.Name(id="time"):
             return ["time"]
         case ast.Constant(value=(int() | float()) as number) if not isinstance(number, bool):
-            if abs(number) > MOST:
+            if abs(number) > LARGEST:
                 raise ChannelError("a number is too large")
             return []
         case ast.UnaryOp(op=ast.USub(), operand=operand):

@@ -22,8 +22,8 @@ class Force(Card):
     torsion_radius: float | None = quantity(
         "m",
         "lever arm of friction against a spin about the normal (2/3 of the radius of an evenly "
-        "pressed disc); of boxes and cylinders on each other the least, as their contact has its "
-        "own",
+        "pressed disc); between boxes and cylinders a lower bound, since their contact areas "
+        "have a lever arm of their own",
         default=None,
         gt=0,
     )

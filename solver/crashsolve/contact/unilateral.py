@@ -51,7 +51,7 @@ HISTORY = Record("""
     impulse        N s  3  of unilateral impulses, at the end of the step
     lift           m/s     normal velocity that keeps the gap closed on a curved surface
     friction_loss  J       lost by friction in the step
-    met            m/s  3  velocity over b before a capture
+    velocity_before  m/s  3  velocity over b before a capture
     reaction       N    3  force on side a at the end of the step, without unilateral impulses
 """)
 

@@ -35,7 +35,7 @@ from crashsolve.deck.reading.expressions import Expression, ExpressionError
 # of those that need too many
 TOLERANCE, FLOOR, LOOSEST, ROUND_OFF = 1e-9, 1e-6, 2e-4, 1e-15
 # points at which a formula is evaluated, in each piece at least so many; and the most cubics
-LOOKS, LEAST, MOST = 65_536, 5, 450_000
+EVALUATIONS, LEAST, MAX_CUBICS = 65_536, 5, 450_000
 # [of the range] the shortest cubic, which holds a kink; and least size of a jump, of the largest
 # value
 SMALLEST, JUMP = 1e-13, 1e-3
@@ -97,14 +97,14 @@ def _sample(
     # a formula that cannot be evaluated is reported by the plain evaluation
     formula.value({"x": start})
     x = np.linspace(start, end, segments + 1)
-    looks = max(math.ceil(LOOKS / segments), LEAST)
-    samples = _refined(formula, x, looks, is_motion=is_motion)
+    evaluations = max(math.ceil(EVALUATIONS / segments), LEAST)
+    samples = _refined(formula, x, evaluations, is_motion=is_motion)
     for _ in range(SEARCHES):
         hidden = _hidden(formula, *samples[:3])
         if not len(hidden):
             break
         x = np.union1d(x, hidden)
-        samples = _refined(formula, x, looks, is_motion=is_motion)
+        samples = _refined(formula, x, evaluations, is_motion=is_motion)
     return samples
 
 
@@ -112,7 +112,7 @@ def _hidden(formula: Expression, x: Array, y: Array, slopes: Array) -> Array:
     """Positions (n,) where the formula is far from the cubics between these breakpoints."""
     far = HIDDEN * float(np.abs(y).max())
     left, right, done, found = x[:-1], x[1:], 0, [x[:0]]
-    while len(left) and done < MOST:
+    while len(left) and done < MAX_CUBICS:
         middle = 0.5 * (left + right)
         may_be_far = (deviation(formula, left, right) > far) & (left < middle) & (middle < right)
         left, right, middle = left[may_be_far], right[may_be_far], middle[may_be_far]
@@ -128,7 +128,7 @@ def _hidden(formula: Expression, x: Array, y: Array, slopes: Array) -> Array:
 
 
 def _refined(
-    formula: Expression, x: Array, looks: int, *, is_motion: bool
+    formula: Expression, x: Array, evaluations: int, *, is_motion: bool
 ) -> tuple[Array, Array, Array, float]:
     """Breakpoints that begin with x, values and slopes (n,), and the tolerance kept."""
     start, end = float(x[0]), float(x[-1])
@@ -140,9 +140,9 @@ def _refined(
     least = SMALLEST * max(end - start, abs(start), abs(end))
     count = len(left)
     while len(left):
-        inside = np.linspace(0.0, 1.0, looks + 2)[1:-1]
+        inside = np.linspace(0.0, 1.0, evaluations + 2)[1:-1]
         # a fast sine could be a multiple of equidistant points
-        inside = inside + 0.3 / (looks + 1) * np.sin(17.0 * inside)
+        inside = inside + 0.3 / (evaluations + 1) * np.sin(17.0 * inside)
         positions = left[:, None] + (right - left)[:, None] * inside
         y, slope = (u.reshape(positions.shape) for u in with_derivative(formula, positions.ravel()))
         here = np.max(np.abs(np.column_stack([y, a.y, b.y])), axis=1)
@@ -161,14 +161,14 @@ def _refined(
         limit = motion_tolerance(1.0) * bent
         is_rough = (error > tolerance * scale) | (bend_error > tolerance * limit)
         is_rough &= right - left > least
-        while count + is_rough.sum() > MOST:
+        while count + is_rough.sum() > MAX_CUBICS:
             tolerance *= 10.0
             # a fast one: of its largest value
             scale = np.full_like(scale, largest)
             is_rough &= (error > tolerance * scale) | (bend_error > tolerance * limit)
             if tolerance > LOOSEST:
                 raise ExpressionError(
-                    f"needs more than {MOST} cubics from {start:g} to {end:g}",
+                    f"needs more than {MAX_CUBICS} cubics from {start:g} to {end:g}",
                     "give a shorter range",
                 )
         done.append(left[~is_rough])
@@ -182,7 +182,7 @@ def _refined(
             for pairs in ((a, m), (m, b))
         )
         count += len(middle)
-        looks = max((looks + 1) // 2, LEAST)
+        evaluations = max((evaluations + 1) // 2, LEAST)
     x = np.concatenate([np.sort(np.concatenate(done)), [end]])
     found = _known(formula, x)
     return x, found.y, found.slope, tolerance

@@ -26,7 +26,7 @@ from crashsolve.deck.card import quantity, word
 ROUGHNESS = {grade: 16e-6 * 4.0**k for k, grade in enumerate("ABCDEFGH")}
 N_0 = 0.1
 # cubics within the shortest wave: they keep to it within (2 pi / 16)^4 / 384 = 6e-5 of its height
-CUBICS, MOST = 16, 450_000
+CUBICS, MAX_CUBICS = 16, 450_000
 
 
 class Iso8608(CurveCard):
@@ -53,9 +53,9 @@ class Iso8608(CurveCard):
             raise ValueError("n_min: must be below n_max")
         if not len(self.orders()):
             raise ValueError(f"length: has no whole wave of {self.n_min:g} to {self.n_max:g} 1/m")
-        if CUBICS * self.n_max * self.length > MOST:
+        if CUBICS * self.n_max * self.length > MAX_CUBICS:
             raise ValueError(
-                f"length: needs more than {MOST} cubics; a shorter one, or a smaller n_max"
+                f"length: needs more than {MAX_CUBICS} cubics; a shorter one, or a smaller n_max"
             )
         if self.level > 0.0 and self.rise == 0.0:
             raise ValueError("rise: must be above 0 behind a level start")

@@ -50,7 +50,7 @@ __all__ += ["SensorName", "SetName", "SpringName", "SurfaceName", "existing_file
 __all__ += ["reference_of"]
 
 # whole numbers that every part of the program counts exactly
-MOST = 2**53
+LARGEST_INTEGER = 2**53
 Vec3 = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 
@@ -275,8 +275,8 @@ def _check_bounds(
             _check_bounds(part, text, field, unit, (*at, i))
     if isinstance(result, bool) or not isinstance(result, int | float):
         return
-    if isinstance(result, int) and abs(result) > MOST:
-        refuse(f"must be at most {MOST:g}", within=at)
+    if isinstance(result, int) and abs(result) > LARGEST_INTEGER:
+        refuse(f"must be at most {LARGEST_INTEGER:g}", within=at)
     for bound, (holds, words) in BOUNDS.items():
         limit = field.bounds.get(bound)
         if limit is not None and not holds(result, limit):
@@ -330,8 +330,10 @@ _AXES: dict[str, Vec3] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0,
 
 
 def _about(axis: Vec3, angle: float) -> Quaternion:
-    scale = math.sin(angle / 2.0) / math.hypot(*axis)
-    return math.cos(angle / 2.0), scale * axis[0], scale * axis[1], scale * axis[2]
+    length, sine = math.hypot(*axis), math.sin(angle / 2.0)
+    # 1 / length overflows where components are as small as a number can be
+    x, y, z = (component / length for component in axis)
+    return math.cos(angle / 2.0), sine * x, sine * y, sine * z
 
 
 def _product(a: Quaternion, b: Quaternion) -> Quaternion:

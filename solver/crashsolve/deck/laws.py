@@ -15,7 +15,7 @@ from crashsolve.deck.family import check_law, imported
 from crashsolve.deck.words import choices, shortened
 
 # how much a wrong word must be like a type to be a misspelling of it, 1 for the same
-ALIKE = 0.75
+SIMILARITY = 0.75
 PACKAGE = __name__.partition(".")[0]
 
 
@@ -54,7 +54,7 @@ def law_module(folder: str, word: object) -> ModuleType:
     """Module of a type, imported now; raises UnknownType."""
     types = types_in(folder)
     if not isinstance(word, str) or word not in types:
-        near = get_close_matches(str(word), list(types), n=1, cutoff=ALIKE)
+        near = get_close_matches(str(word), list(types), n=1, cutoff=SIMILARITY)
         advice = choices(word, types, "types")
         if isinstance(word, str) and word.isidentifier() and word[0] != "_":
             file = Path(folder) / f"{word}.py"

@@ -228,17 +228,17 @@ def _family(folder: str, nested: dict[type[Card], None]) -> Iterator[str]:
 
 
 def _pairs_of_shapes() -> Iterator[str]:
-    """Shapes that can meet, and their number of points, by the files of contact/narrow."""
+    """Shapes that can touch, and their number of points, by the files of contact/narrow."""
     files = sorted((package_folder() / "contact" / "narrow").glob("[!_]*.py"))
     shells = ", ".join(f"`{shape}`" for shape in ("nodes", "sphere", "point_set", "ellipsoid"))
     yield from (
         "",
         "### Pairs of surfaces",
         "",
-        "Shapes that can meet, whichever is a or b of a contact, and the points in which they do.",
-        "`point_set`, and `nodes` of beams, meet others as `sphere` does, each by itself; so do",
-        f"`nodes` of shells. On `faces` press {shells}, in one",
-        "point for each node, ball and ellipsoid.",
+        "Pairs of shapes that can touch, in either order, and their contact points.",
+        "`point_set` and `nodes` touch other shapes as `sphere` does, each point by itself. Shapes",
+        f"that touch `faces`: {shells}, each node,",
+        "sphere or ellipsoid in one point.",
         "",
         "| surfaces | points |",
         "|---|---|",

@@ -36,8 +36,10 @@ class Viscosity(Card):
 class MassScaling(Card):
     """Mass added to elements whose stable step is too short."""
 
-    step: float = quantity("s", "every element alone is stable with it, at control.safety", gt=0)
-    most: float = quantity("1", "largest added mass over that of the part", default=0.05, gt=0)
+    step: float = quantity(
+        "s", "time step at which every element alone is stable, at control.safety", gt=0
+    )
+    limit: float = quantity("1", "largest added mass over that of the part", default=0.05, gt=0)
 
 
 class Damped(Card):
@@ -81,9 +83,10 @@ def report_added_mass(card: Damped, mass: np.ndarray, factor: np.ndarray, scene:
     message = (
         f"{added:.4g} kg, {100.0 * share:.3g} % of its mass, to {count} of {len(mass)} elements"
     )
-    if share > card.mass_scaling.most:
-        most = f"most is {100.0 * card.mass_scaling.most:g} %; want a shorter step, or allow more"
-        raise scene.fail(f"adds {message}, but {most}", "mass_scaling")
+    if share > card.mass_scaling.limit:
+        limit = f"limit is {100.0 * card.mass_scaling.limit:g} %"
+        advice = "give a shorter step, or a larger limit"
+        raise scene.fail(f"adds {message}, but {limit}; {advice}", "mass_scaling")
     parts = scene.deck.entries["parts"].values()
     name = next(entry.name for entry in parts if entry.card is card)
     scene.warn(f"part '{name}': mass scaling adds {message}")

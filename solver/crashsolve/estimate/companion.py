@@ -18,10 +18,10 @@ import numpy as np
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.foundation.errors import SolverError
 from crashsolve.model.build import build
-from crashsolve.recording.between import Between
 from crashsolve.recording.engines import engine_of, is_static
 from crashsolve.recording.histories import Histories
 from crashsolve.recording.marching import MOST
+from crashsolve.recording.resampling import Resampling
 from crashsolve.recording.samples import Channel, Samples, gather
 from crashsolve.recording.sampling import Schedule
 from crashsolve.study.methods import order_of
@@ -61,7 +61,7 @@ def coarsen(control: np.ndarray, coarseness: float, interval: float, order: floa
 
 
 class Companions:
-    """Runs of one deck in memory; `stopped` returns whether the user wants the run to stop."""
+    """Runs of one deck in memory; `stopped` returns whether the user has stopped the run."""
 
     def __init__(
         self, deck: Deck, channels: Sequence[Channel], stopped: Callable[[], bool], program: str
@@ -92,21 +92,21 @@ class Companions:
         self.program = engine.program
         engine.on_pause = self._check_limits
         recorded = _RecordedSamples(engine, Histories(engine, self.names))
-        between = Between(engine, not is_static(self.deck), recorded.take)
+        resampling = Resampling(engine, not is_static(self.deck), recorded.take)
         engine.start()
         if not is_static(self.deck) and coarseness >= 2.0:
             # where samples bound its steps it leaves some of them out
-            between.march.job.longest = _longest(schedule)
-        k = self._sample(0, recorded, between, schedule)
+            resampling.march.job.longest = _longest(schedule)
+        k = self._sample(0, recorded, resampling, schedule)
         while not schedule.is_end(k):
             self._check_limits()
             if is_static(self.deck):
                 self._take_load_steps(engine, schedule.time(k), schedule.time(k + 1), coarseness)
-                k = self._sample(k + 1, recorded, between, schedule)
+                k = self._sample(k + 1, recorded, resampling, schedule)
                 continue
             times = schedule.times(k + 1, MOST)
-            if between.march.can_march(float(times[-1]), recorded.histories.kept):
-                count, _, left = between.march.go(times, recorded.histories.kept)
+            if resampling.march.can_march(float(times[-1]), recorded.histories.kept):
+                count, _, left = resampling.march.go(times, recorded.histories.kept)
                 recorded.add(times[:count].tolist())
                 if left is not None:
                     engine.answer(left)
@@ -115,19 +115,19 @@ class Companions:
                     continue
             k = self._next(k, float(engine.clock["next_step"]), coarseness, schedule)
             engine.reach(schedule.time(k))
-            between.fill(schedule.time(k))
-            self._sample(k, recorded, between, schedule)
+            resampling.sample_steps(schedule.time(k))
+            self._sample(k, recorded, resampling, schedule)
         recorded.close()
         samples = gather(recorded.times, recorded.blocks, self.channels)
         cpu_time = clock.process_time() - start_time
         return replace(samples, cycles=int(engine.clock["cycle"]), cpu=cpu_time)
 
     def _sample(
-        self, k: int, recorded: "_RecordedSamples", between: Between, schedule: Schedule
+        self, k: int, recorded: "_RecordedSamples", resampling: Resampling, schedule: Schedule
     ) -> int:
         """Take sample k, with which an interval begins; returns k. Raises SolverError."""
         recorded.engine.sample(schedule.time(k))
-        between.mark()
+        resampling.begin_interval()
         recorded.take(schedule.time(k))
         return k
 

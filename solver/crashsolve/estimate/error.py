@@ -32,14 +32,14 @@ from crashsolve.channels.statistic import (
 )
 from crashsolve.channels.statistics._top import plateau
 from crashsolve.deck.run_cards.statistic import PATH
-from crashsolve.recording.samples import Channel, Samples
+from crashsolve.recording.samples import Channel, Samples, are_among
 from crashsolve.study.convergence import NEAR, Convergence, analyse, distance
 from crashsolve.study.watch import Watch
 
 # a run with fewer steps than this many times those of another is as fine as that
 SAME = 1.15
-# a lucky small last difference does not make the error smaller than this share of what the
-# difference before it says
+# where the last difference is small by chance, the error is still this share of that by the
+# difference before it
 CHANCE_MARGIN = 0.25
 # an order that the method cannot have is a last difference small by chance: of 15 impacts of a few
 # steps each, errors of orders beyond 4 in place of 2 were up to four times what the difference
@@ -91,7 +91,7 @@ class _Steps:
     how: str
 
 
-class Judge:
+class NumberErrors:
     """Estimates the errors of the watched numbers of a run from companions."""
 
     def __init__(self, channels: dict[str, list[Channel]], order: float | None) -> None:
@@ -113,7 +113,7 @@ class Judge:
         units = {c.name: c.unit for found in self.channels.values() for c in found}
         times = runs[0].time
         for run in runs[1:]:
-            times = np.intersect1d(times, run.time)
+            times = times[are_among(times, run.time)]
         has_steps = watch.statistic != PATH
         return [_value(resolved, replace(run, units=units).at(times, has_steps)) for run in runs]
 
@@ -124,15 +124,15 @@ class Judge:
         a largest value over all steps misses nothing between samples. Other numbers are unchanged.
         """
         (channel, *others) = self.channels[watch.channels[0]]
-        course = channel.course
+        followed = channel.followed
         is_plain = not others and watch.channels[0].strip() == channel.name
-        if course is None or not is_plain or watch.statistic not in LATCHED or watch.during:
+        if followed is None or not is_plain or watch.statistic not in LATCHED or watch.during:
             return watch
-        value, top = main.values[channel.name][-1], np.max(main.values[course.name])
+        value, top = main.values[channel.name][-1], np.max(main.values[followed.name])
         if value > top * (1.0 + SAME_POSITION):
             return replace(watch, statistic="final")
-        self.channels.setdefault(course.name, [course])
-        return replace(watch, channels=(course.name,), statistic="max")
+        self.channels.setdefault(followed.name, [followed])
+        return replace(watch, channels=(followed.name,), statistic="max")
 
     def _estimate(self, watch: Watch, main: Samples, others: Sequence[Samples]) -> Estimate:
         channels = self.channels[watch.channels[0]]
@@ -194,7 +194,7 @@ class Judge:
             return None
         times = used[0].time
         for samples in used[1:]:
-            times = np.intersect1d(times, samples.time)
+            times = times[are_among(times, samples.time)]
         has_steps = watch.statistic != PATH
         values = [_value(watch, samples.at(times, has_steps)) for samples in used]
         steps = [1.0 / samples.cycles for samples in used]
@@ -205,7 +205,7 @@ class Judge:
         if len(used) == 2:
             size = differences / ((steps[0] / steps[1]) ** (self.order or 1.0) - 1.0)
             return _Steps(size, None, f"a coarser run of {used[0].cycles} steps")
-        if any(channel.course for channel in self.channels[watch.channels[0]]):
+        if any(channel.followed for channel in self.channels[watch.channels[0]]):
             return _of_largest(steps, values)
         return self._of_three(steps, values)
 

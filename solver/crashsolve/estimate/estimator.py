@@ -20,7 +20,7 @@ import numpy as np
 from crashsolve.curves import formula
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.estimate.companion import HIGHEST_POWER, BudgetExceeded, Companions
-from crashsolve.estimate.error import Estimate, Judge, is_as_fine
+from crashsolve.estimate.error import Estimate, NumberErrors, is_as_fine
 from crashsolve.estimate.mesh import LEAST, SHARE, Meshes, coarse_runs, with_mesh
 from crashsolve.foundation.errors import SolverError
 from crashsolve.joints._driven import FIELDS
@@ -71,8 +71,8 @@ class Estimator:
     def all_channels(self) -> list[Channel]:
         """Every channel that is needed, once."""
         named = [channel for found in self.channels.values() for channel in found]
-        courses = [channel.course for channel in named]
-        return list({c.name: c for c in (*named, *courses) if c is not None}.values())
+        followed = [channel.followed for channel in named]
+        return list({c.name: c for c in (*named, *followed) if c is not None}.values())
 
     @property
     def power(self) -> float:
@@ -141,8 +141,8 @@ class Estimator:
 
     def mesh_runs(self, coarseness: float, cpu_time: float) -> Meshes:
         """Runs on coarser meshes of a run that took `cpu_time` [s] of CPU. Raises Abandoned."""
-        is_asked = self.deck.control.estimate in ("mesh", "full")
-        budget = inf if is_asked else max(SHARE * cpu_time, LEAST)
+        is_requested = self.deck.control.estimate in ("mesh", "full")
+        budget = inf if is_requested else max(SHARE * cpu_time, LEAST)
         return coarse_runs(self.deck, self._companions_of, coarseness, budget)
 
     def _companions_of(self, deck: Deck) -> Companions:
@@ -150,30 +150,32 @@ class Estimator:
         families = families_of(*build(deck))
         return Estimator(deck, families, self.stopped).companions
 
-    def judge(
+    def estimates(
         self, main: Samples, others: Sequence[Samples], meshes: Sequence[Samples] = ()
     ) -> list[Estimate]:
         """The estimates of all watched numbers; `meshes` are runs on ever coarser ones."""
         main, *rest = (self._with_steps(samples) for samples in (main, *others, *meshes))
         others, meshes = rest[: len(others)], rest[len(others) :]
-        judge = Judge(self.channels, self.order)
-        found = [judge.estimate(watch, main, others) for watch in self.watches]
+        errors = NumberErrors(self.channels, self.order)
+        found = [errors.estimate(watch, main, others) for watch in self.watches]
         found = [with_formulas(estimate, self.deck) for estimate in found]
         is_meshed, laws = has_mesh(self.deck), left_out(self.deck)
         if is_meshed and meshes:
-            found = [self._with_mesh(judge, e, [main, *meshes]) for e in found]
+            found = [self._with_mesh(errors, e, [main, *meshes]) for e in found]
         return [_without(e, [MESH, *laws] if is_meshed and e.mesh is None else laws) for e in found]
 
     def _with_steps(self, samples: Samples) -> Samples:
         """Samples that know which of them are steps between those of the schedule."""
         schedule = Schedule.of(self.deck)
         own = [t for t in samples.time.tolist() if not schedule.has(t)]
-        return replace(samples, between=np.array(own))
+        return replace(samples, step_times=np.array(own))
 
-    def _with_mesh(self, judge: Judge, found: Estimate, runs: Sequence[Samples]) -> Estimate:
+    def _with_mesh(
+        self, errors: NumberErrors, found: Estimate, runs: Sequence[Samples]
+    ) -> Estimate:
         """An estimate with the error by the mesh, where the samples serve to tell it."""
         try:
-            return with_mesh(found, judge.numbers(found.watch, runs), self.deck)
+            return with_mesh(found, errors.numbers(found.watch, runs), self.deck)
         except ValueError:
             return found
 
@@ -223,4 +225,4 @@ def estimate_in_memory(deck: Deck) -> tuple[Samples, list[Estimate], float]:
     others = estimator.companion_runs(1.0, main.cycles, [])
     meshes = estimator.mesh_runs(1.0, inf).runs
     cpu_time = sum(run.cpu for run in (*others, *meshes))
-    return main, estimator.judge(main, others, meshes), cpu_time / main.cpu
+    return main, estimator.estimates(main, others, meshes), cpu_time / main.cpu

@@ -16,10 +16,10 @@ from pathlib import Path
 import numpy as np
 
 from crashsolve.deck.reading.deck import Deck
-from crashsolve.estimate.between import Missed, with_missed_contacts
 from crashsolve.estimate.companion import Abandoned, coarsen
 from crashsolve.estimate.error import Estimate
 from crashsolve.estimate.estimator import COARSER, Estimator
+from crashsolve.estimate.missed_contacts import Missed, with_missed_contacts
 from crashsolve.foundation.errors import DeckError, DeckErrors, RunStopped, SolverError
 from crashsolve.output.channels import Family
 from crashsolve.output.files import Json
@@ -27,7 +27,7 @@ from crashsolve.output.log import Log
 from crashsolve.recording.samples import Channel, Samples, read
 from crashsolve.recording.sampling import Schedule
 
-AIM = 0.5
+TARGET_SHARE = 0.5
 ROUNDS = 12
 RERUNS = 2
 # the coarseness changes by no more than this between two pilots
@@ -35,7 +35,7 @@ STRIDE = 8.0
 # a run shorter than this [s of CPU] may cost less than the estimates of its errors
 SHORT = 5.0
 # and so much at most [s of CPU], for a companion may get stuck
-MOST_OF_SHORT = 2.0 * SHORT
+MAX_FOR_SHORT = 2.0 * SHORT
 # an error below this share of the scale is none to warn of, however near to zero the value is
 SMALL = 1e-6
 
@@ -60,7 +60,7 @@ class Estimating:
         self.is_full = deck.control.estimate == "full"
         self.interval = Schedule.of(deck).interval
         self.coarseness, self.cpu, self.reruns = 1.0, 0.0, 0
-        self.found: list[Estimate] = []
+        self.estimates: list[Estimate] = []
         self.problems: list[str] = []
         self._companions: list[Samples] = []
 
@@ -84,7 +84,7 @@ class Estimating:
         """Writes: control."""
         coarsen(control, self.coarseness, self.interval, self.estimator.order)
 
-    def judge(
+    def estimate(
         self,
         history: Path,
         cycles: int,
@@ -105,14 +105,14 @@ class Estimating:
             if not self._companions or not self.estimator.compares_with_coarser:
                 is_free = self.accuracy is not None or self.is_full
                 budget = inf if is_free or cpu_time < SHORT else cpu_time
-                limit = inf if is_free else MOST_OF_SHORT
+                limit = inf if is_free else MAX_FOR_SHORT
                 self._companions = self.estimator.companion_runs(
                     self.coarseness, cycles, self.problems, budget, limit
                 )
         except Abandoned:
             self.problems.append("asked to stop")
-        found = self.estimator.judge(main, self._companions, self._meshes(cpu_time))
-        self.found = with_missed_contacts(found, missed, mass or {})
+        found = self.estimator.estimates(main, self._companions, self._meshes(cpu_time))
+        self.estimates = with_missed_contacts(found, missed, mass or {})
         self._companions.append(main)
         self.cpu += clock.process_time() - start_time
         self._report(cpu_time)
@@ -142,7 +142,7 @@ class Estimating:
                 "scale": e.scale,
                 "how": e.how,
             }
-            for e in self.found
+            for e in self.estimates
         ]
 
     def _calibrate(self, accuracy: float) -> float:
@@ -159,18 +159,18 @@ class Estimating:
                 message = f"the pilot runs stop: {error.cause}"
                 m /= 2.0
                 continue
-            estimates = estimator.judge(pilots[2.0 * m], [pilots[4.0 * m]])
+            estimates = estimator.estimates(pilots[2.0 * m], [pilots[4.0 * m]])
             worst = max(estimates, key=_of_steps)
             predicted = _of_steps(worst) / gain
             self.log.line(
                 f"pilot runs: {pilots[2.0 * m].cycles} steps, error {gain * predicted:.2g} of "
                 f"{worst.watch.name}; predicted for steps half as long: {predicted:.2g}"
             )
-            if predicted <= AIM * accuracy:
+            if predicted <= TARGET_SHARE * accuracy:
                 self._companions = [pilots[factor * m] for factor in COARSER]
                 return m
             message = f"{worst.watch.name} still has an error of {predicted:.2g}"
-            wanted = (AIM * accuracy / predicted) ** (1.0 / estimator.power)
+            wanted = (TARGET_SHARE * accuracy / predicted) ** (1.0 / estimator.power)
             m *= min(max(0.9 * wanted, 1.0 / STRIDE), 0.7)
         raise _unreachable(accuracy, message)
 
@@ -179,13 +179,14 @@ class Estimating:
 
         Writes: the coarseness of that run.
         """
-        if self.accuracy is None or not self.found or "asked to stop" in self.problems:
+        if self.accuracy is None or not self.estimates or "asked to stop" in self.problems:
             return False
-        worst = max(self.found, key=_of_steps)
+        worst = max(self.estimates, key=_of_steps)
         error = _of_steps(worst)
         if error <= self.accuracy:
             sampling_error = max(
-                (e.sampling_error / e.scale for e in self.found if e.scale and e.error), default=0.0
+                (e.sampling_error / e.scale for e in self.estimates if e.scale and e.error),
+                default=0.0,
             )
             if sampling_error > self.accuracy:
                 self.log.warning(
@@ -198,16 +199,16 @@ class Estimating:
             return False
         self.reruns += 1
         self.coarseness *= max(
-            0.9 * (AIM * self.accuracy / error) ** (1 / self.estimator.power), 0.1
+            0.9 * (TARGET_SHARE * self.accuracy / error) ** (1 / self.estimator.power), 0.1
         )
         self.log.line(f"accuracy {self.accuracy:g} missed by {worst.watch.name}: running again")
         return True
 
     def _report(self, cpu_time: float) -> None:
         """Write a line per watched number, and the cost of the estimates `cpu_time` [s] of CPU."""
-        lines = [_line(estimate) for estimate in self.found]
+        lines = [_line(estimate) for estimate in self.estimates]
         self.log.section("watched channels", lines)
-        for e in self.found:
+        for e in self.estimates:
             # peaks between samples have a warning of their own
             is_missed = "' between samples" in e.how
             if not e.error or e.value is None or is_missed:

@@ -26,13 +26,13 @@ class CrashsolveError(Exception):
 
 
 # errors of a deck that are shown at once
-MOST = 200
+MAX_ERRORS = 200
 # a word of more letters is cut: a number, or a name
 _LONG = re.compile(r"[^\s'/]{101,}")
 
 
-def _cut(met: re.Match[str]) -> str:
-    return f"{met[0][:36]}... ({len(met[0])} letters)"
+def _cut(match: re.Match[str]) -> str:
+    return f"{match[0][:36]}... ({len(match[0])} letters)"
 
 
 class DeckError(CrashsolveError):
@@ -74,9 +74,9 @@ class DeckErrors(CrashsolveError):
         super().__init__(self.errors)
 
     def __str__(self) -> str:
-        lines = [str(error) for error in self.errors[:MOST]]
-        if len(self.errors) > MOST:
-            lines.append(f"error: {len(self.errors) - MOST} more like these")
+        lines = [str(error) for error in self.errors[:MAX_ERRORS]]
+        if len(self.errors) > MAX_ERRORS:
+            lines.append(f"error: {len(self.errors) - MAX_ERRORS} more like these")
         return "\n".join(lines)
 
 

@@ -1,8 +1,8 @@
 """Points: the nodes of shells, which have no triad; elements keep plain numbers in blocks of 16.
 
-A point is leaner than a row of the node table: its rotary inertia is the same about any axis, and
-elements need its spin alone. A point that the deck names rides on a body of that name, so that
-joints, loads, contacts and sensors take hold of it as of any body.
+A point is smaller than a row of the node table: its rotary inertia is the same about any axis, and
+elements need its spin alone. A point that the deck names is attached to a body of that name, so
+that joints, loads, contacts and sensors act on it as on any body.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -31,11 +31,11 @@ POINT = Record("""
     torque     N m         3  applied torque
     load       N/m            squared frequencies of the elements times their mass here
     spin_load  N m            the same times their inertia
-    fixed      flag           bits: x, y, z, rotates about them, 64 where the point rides on a body,
+    fixed      flag           bits: x, y, z, rotates about them, 64 where it is attached to a body,
                               128 on its own
 """)
 
-# of all points that ride on no body
+# of all points that are attached to no body
 MOTION = Record("""
     linear        N s    3  sum of the momenta
     angular       N m s  3  the same about the origin
@@ -45,13 +45,13 @@ MOTION = Record("""
 
 ATTACHED_POINT = Record("""
     point  index     point
-    node   index     body it rides on
+    node   index     body it is attached to
     spot   m      3  from the mass centre, body axes
 """)
 
-# a point that rides on a face
+# a point that is tied to a face
 TIE = Record("""
-    point   index     that rides
+    point   index     that is tied
     corner  index  4  points of the face; of a triangle the third comes twice
     weight  1      4  N, of the corners
     height  m         c, along the normal of the face

@@ -20,8 +20,8 @@ def printable(text: str) -> str:
     return _UNPRINTABLE.sub(_escaped, text)
 
 
-def _escaped(met: re.Match[str]) -> str:
-    return repr(met[0])[1:-1] if ord(met[0]) < 0xA0 else f"\\u{ord(met[0]):04x}"
+def _escaped(match: re.Match[str]) -> str:
+    return repr(match[0])[1:-1] if ord(match[0]) < 0xA0 else f"\\u{ord(match[0]):04x}"
 
 
 def open_standard_streams() -> None:

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from crashsolve.friction._rows.stribeck import History, Parameters
 
 # of the slip without friction, that which is left; a dozen iterations find it
-CLOSED, PASSES = 1e-13, 60
+CLOSED, ITERATIONS = 1e-13, 60
 
 LEFT_OUT = "the speeds over which friction sets in"
 
@@ -96,7 +96,7 @@ def slip_left(p: Parameters, v_free, taken):
     low, high = 0.0, v_free
     miss_low, miss_high = -v_free, taken * coefficient(p, v_free, taken)
     v, was_high = v_free, False
-    for k in range(PASSES):
+    for k in range(ITERATIONS):
         v = high - miss_high * (high - low) / (miss_high - miss_low)
         miss = v + taken * coefficient(p, v, taken) - v_free
         if abs(miss) <= CLOSED * v_free:

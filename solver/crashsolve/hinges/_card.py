@@ -190,7 +190,7 @@ class RotationalCard(HingeCard):
         "N m/rad", "elastic, also of unloading; the first slope when absent", default=None, gt=0
     )
     initial_angle: float = quantity(
-        "rad", "rotation of b from the start in which the hinge has no moment", default=0.0
+        "rad", "rotation of b from the start at which the hinge has no moment", default=0.0
     )
     failure_angle: float | None = quantity(
         "rad", "angle in either direction at which the hinge fails", default=None, gt=0

@@ -31,7 +31,7 @@ from crashsolve.foundation.record import Record
 ISOTROPIC, KINEMATIC, PEAK_ORIENTED = 0, 1, 2
 # share of the moments by which yield must be passed: less is round-off of the elastic line
 ROUND_OFF = 1e-14
-PASSES = 100
+ITERATIONS = 100
 
 LAW = Record("""
     stiffness         N m/rad or N/m  2  k of both motions
@@ -133,7 +133,7 @@ def plastic_displacement(p, old, c, side, x, phi, curves):
     low, high = 0.0, (trial - min(dynamic(R, phi), 0.0)) / k
     # trials may lead past the end of a curve, which only the answer must not
     displacement, fault = 0.0, curves[0].fault
-    for _ in range(PASSES):
+    for _ in range(ITERATIONS):
         R, slope = resistance(p, old, c, side, displacement, origin, curves)
         excess = trial - k * displacement - dynamic(R, phi)
         if excess > 0.0:

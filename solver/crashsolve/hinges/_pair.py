@@ -39,8 +39,8 @@ from crashsolve.hinges._law import (
 PAIR = Record("is_elliptic  flag  whether both moments share one ellipse")
 WORK = Record("flow_work  J  W, plastic work at which elliptic curves are read")
 # of the elastic range in one piece of a step, and most pieces
-PIECE, MOST_PIECES = 0.1, 1000
-PASSES = 100
+PIECE, MAX_PIECES = 0.1, 1000
+ITERATIONS = 100
 
 
 class Motions(NamedTuple):
@@ -102,7 +102,7 @@ def advance_ellipse(p, old, new, x, y, phi, curves):
     dx, dy = x - old.x[0], y - old.x[1]
     increment = sqrt((k * dx) ** 2 / a + (j * dy) ** 2 / b)
     # a last piece that grows from nothing: their number makes no jumps, which iterations would meet
-    piece = max(PIECE / max(increment, PIECE), 1.0 / MOST_PIECES)
+    piece = max(PIECE / max(increment, PIECE), 1.0 / MAX_PIECES)
     loss, done = 0.0, 0.0
     before, across = k * (old.x[0] - u), j * (old.x[1] - v)
     for i in range(int(ceil(1.0 / piece))):
@@ -144,7 +144,7 @@ def return_work(p, f, g, work, phi, curves):
         low, at_low, high = high, at_high, 2.0 * high
         at_high = excess(p, f, g, work, high, phi, curves)
     done, side = low, 0
-    for _ in range(PASSES):
+    for _ in range(ITERATIONS):
         before, done = done, low + (high - low) * at_low / (at_low - at_high)
         here = excess(p, f, g, work, done, phi, curves)
         if here > 0.0:

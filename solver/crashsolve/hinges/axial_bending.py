@@ -70,10 +70,10 @@ class AxialBending(PairCard):
         "N/m", "elastic, of axial_curve; its first slope when absent", default=None, gt=0
     )
     initial_angle: float = quantity(
-        "rad", "rotation of b from the start without moment", default=0.0
+        "rad", "rotation of b from the start at which there is no moment", default=0.0
     )
     initial_stroke: float = quantity(
-        "m", "displacement of b from the start without force", default=0.0
+        "m", "displacement of b from the start at which there is no force", default=0.0
     )
     failure_angle: float | None = quantity(
         "rad", "angle in either direction at which the hinge fails", default=None, gt=0

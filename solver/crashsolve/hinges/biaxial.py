@@ -78,7 +78,9 @@ class Biaxial(PairCard):
         "N m/rad", "elastic, of second_curve; its first slope when absent", default=None, gt=0
     )
     initial_angles: tuple[float, float] = quantity(
-        "rad", "rotation of b from the start without moment, about both axes", default=(0.0, 0.0)
+        "rad",
+        "rotation of b from the start at which there is no moment, about both axes",
+        default=(0.0, 0.0),
     )
     failure_angle: float | None = quantity(
         "rad", "angle in any direction at which the hinge fails", default=None, gt=0, lt=FOLDED

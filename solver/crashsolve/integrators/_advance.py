@@ -18,7 +18,7 @@ from crashsolve.system.placeholders import (
     LOOKS_AHEAD,
     NODAL,
     WATCHED,
-    WEIGHED,
+    WITH_EFFECTIVE_MASS,
 )
 from crashsolve.system.timestep import count_rotations
 
@@ -61,7 +61,7 @@ def advance(until, sampling, scene):
             clock.status = CURVE_END
         elif clock.cycle >= clock.pause and clock.status == RUNNING and clock.time < until:
             clock.status = PAUSED
-        for group in WEIGHED:
+        for group in WITH_EFFECTIVE_MASS:
             if clock.status == RUNNING and needs_effective_mass(
                 group.parameters, group.history, clock.current
             ):

@@ -45,11 +45,11 @@ if TYPE_CHECKING:
     from crashsolve.loads._rows.path_steering import History, Output, Parameters
 
 # iterations of the search for the path, and where it is close enough, over the distance ahead
-PASSES, CLOSE = 20, 1e-12
+ITERATIONS, CLOSE = 20, 1e-12
 # cosine between path and line of sight below which they no longer meet
-ASTRAY = 0.05
-# speed from which he steers all he wants [m/s]
-CREEPS = 0.5
+LEAST_COSINE = 0.05
+# speed from which the driver steers without limit [m/s]
+FULL_STEERING_SPEED = 0.5
 
 
 class PathSteering(Card):
@@ -118,13 +118,13 @@ PARAMETERS = Record("""
 AMPLITUDE = "stiffness"
 HISTORY = Record("angle  rad  of the joint, over all revolutions")
 OUTPUT = Record("""
-    force   N or N m   F, on the second body of the joint
-    steer   rad        delta, steering angle commanded by the driver
-    wanted  m or rad   n delta
-    now     m or rad   x, coordinate of the joint since the start
-    rate    m/s or rad/s  of it
-    offset  m          of the vehicle from the path at its point, positive to the left
-    ahead   m          e
+    force           N or N m      F, on the second body of the joint
+    steering_angle  rad           delta, commanded by the driver
+    target          m or rad      n delta
+    coordinate      m or rad      x, of the joint since the start
+    rate            m/s or rad/s  of it
+    offset          m             of the vehicle from the path at its point, positive to the left
+    preview_error   m             e
 """)
 
 
@@ -180,14 +180,14 @@ def steering_target(p: Parameters, nodes, curves):
     V = dot(forward, point_velocity(body, arm(body, vec(p.at))))
     X = p.ahead + p.preview * max(V, 0.0)
     target, e = add_scaled(x, X, forward), 0.0
-    for _ in range(PASSES):
+    for _ in range(ITERATIONS):
         here = add_scaled(target, e, side)
         y, slope, _ = curve_value(curves, p.path, dot(here, vec(p.along)))
         across = dot(side, vec(p.left)) - slope * dot(side, vec(p.along))
         gap = y - dot(here, vec(p.left))
         if abs(gap) < CLOSE * X:
             break
-        if across < ASTRAY:
+        if across < LEAST_COSINE:
             # the path runs along his line of sight: he steers to its side with all he has
             e = X if gap > 0.0 else -X
             break
@@ -195,7 +195,7 @@ def steering_target(p: Parameters, nodes, curves):
     delta = atan2(2.0 * p.wheelbase * e, X * X + e * e)
     y, slope, _ = curve_value(curves, p.path, dot(x, vec(p.along)))
     offset = (dot(x, vec(p.left)) - y) * cos(atan(slope))
-    moves = max(min(V / CREEPS, 1.0), 0.0)
+    moves = max(min(V / FULL_STEERING_SPEED, 1.0), 0.0)
     return moves * max(min(delta, p.limit), -p.limit), e, offset
 
 
@@ -203,16 +203,16 @@ def steering_target(p: Parameters, nodes, curves):
 def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
-    out.steer, out.ahead, out.offset = steering_target(p, nodes, curves)
-    out.wanted = p.ratio * out.steer
+    out.steering_angle, out.preview_error, out.offset = steering_target(p, nodes, curves)
+    out.target = p.ratio * out.steering_angle
     k, c = p.stiffness, p.relaxation * p.stiffness
     new.angle = 0.0
     if p.is_angle == 1:
-        out.now = counted(angle_about(a, b, p.axis_a, p.side_a, p.side_b), old.angle)
-        new.angle = out.now
+        out.coordinate = counted(angle_about(a, b, p.axis_a, p.side_a, p.side_b), old.angle)
+        new.angle = out.coordinate
         g = angle_gradient(a, b, p.axis_a, p.side_b)
         out.rate = dot(g, sub(vec(b.w), vec(a.w)))
-        out.force = k * (out.wanted - out.now) - c * out.rate
+        out.force = k * (out.target - out.coordinate) - c * out.rate
         apply_torque(b, scale(out.force, g))
         apply_torque(a, scale(-out.force, g))
         add_stiffness_bound(a, spin_mobility(a, g), k, c)
@@ -222,9 +222,9 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
         x = sub(point_at(b, d_b), point_at(a, arm(a, vec(p.point_a))))
         # the point of a where b is
         d_a = add(arm(a, vec(p.point_a)), x)
-        out.now = dot(u, x)
+        out.coordinate = dot(u, x)
         out.rate = dot(u, sub(point_velocity(b, d_b), point_velocity(a, d_a)))
-        out.force = k * (out.wanted - out.now) - c * out.rate
+        out.force = k * (out.target - out.coordinate) - c * out.rate
         apply_force(b, scale(out.force, u), d_b)
         apply_force(a, scale(-out.force, u), d_a)
         add_stiffness_bound(a, mobility(a, d_a, u), k, c)

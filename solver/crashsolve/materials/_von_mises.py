@@ -53,7 +53,7 @@ SOLID = elastic.SOLID + Record("""
     temperature     1      from 0 at the start to 1 at melting
 """)
 # of Newton's method in a return, and share of the yield stress at which it ends: some round-off
-PASSES, CLOSE = 60, 1e-14
+ITERATIONS, CLOSE = 60, 1e-14
 # share of a growth in a correction after which the rest is round-off: its cube, and its square
 # where Y bends, whose second slope is left out
 NEAR, NEAR_BENT = 1e-5, 1e-7
@@ -126,7 +126,7 @@ def flow_rate(m: Parameters, size, falls, e, limit, heat, h, before, curves, mat
     """
     r = first_rate(m, size, falls, e, limit, heat, h, before, curves, material)
     least, most, near = 0.0, INFINITE, NEAR_BENT if material.SMOOTH else NEAR
-    for _ in range(PASSES):
+    for _ in range(ITERATIONS):
         factor = material.rate_factor(m, r) if m.rated == 1 else 1.0
         strength = resistance(m, e, r, heat, h, factor, curves, material)
         gap, flow = size - falls * r - strength[0], strength[0]

@@ -19,7 +19,7 @@ from crashsolve.meshes._mesh import Mesh, net
 class Dent(Card):
     """Initial imperfection at which the sides begin to fold."""
 
-    depth: float = quantity("m", "largest, in the middle of each side")
+    depth: float = quantity("m", "largest depth, in the middle of each side")
     from_: float = quantity("m", "height where it begins", ge=0)
     to: float = quantity("m", "height where it ends", gt=0)
 

@@ -89,8 +89,8 @@ def _build(deck: Deck) -> tuple[Model, State]:
     scene.joints = {joint.name: joint for joint in joints}
     scene.size = max(scene.size, longest_arm(joints))
     for entries in _by_type(deck.entries["parts"]).values():
-        is_lean = hasattr(_module(entries[0]), "KINDS")
-        groups.append((build_elements if is_lean else _build_parts)(entries, scene))
+        is_meshed = hasattr(_module(entries[0]), "KINDS")
+        groups.append((build_elements if is_meshed else _build_parts)(entries, scene))
     for keyword in _sections(with_rows=False):
         for entries in _by_type(deck.entries[keyword]).values():
             groups.append(_build_group(keyword, entries, scene))
@@ -343,7 +343,7 @@ def _build_parts(entries: list[Entry], scene: Scene) -> Group:
     columns, history = module.PARAMETERS.dtype, module.HISTORY
     if laws and not scene.errors:
         columns = with_constants(module.PARAMETERS, laws)
-        history = with_memory(history, laws, module.MOST_FIBRES)
+        history = with_memory(history, laws, module.MAX_FIBRES)
     elif laws:
         # of a deck with errors nothing will run, and the material has no columns
         rows = [{name: row[name] for name in row if name != "material"} for row in rows]

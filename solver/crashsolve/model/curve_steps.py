@@ -23,8 +23,8 @@ from crashsolve.model.model import Model
 
 # steps in a period, and the share of the range of a curve that a step may miss
 PER_PERIOD, NOTHING = 40, 1e-8
-# a stated step of so many times the longest hardly sees a curve, or misses it
-HARDLY, MISSED = 4.0, 16.0
+# a stated step of so many times the longest hardly resolves a curve, or misses it
+COARSE, MISSED = 4.0, 16.0
 # steps in a piece of a curve at least
 CUTS = 4
 # steps in a slope of a curve of so few straight pieces: the work of a load over slopes of unlike
@@ -32,7 +32,7 @@ CUTS = 4
 LINE, FEW_LINES = 8, 16
 # a part is halved down to so many of its steps, over a period, and this share of the curve; further
 # only where that parts steps by this factor, as towards an end with infinite slope, to round-off
-FEW, SHORTEST, UNLIKE, ROUND_OFF = 100, 1.0 / 4096, 1.5, 1e-15
+FEW, SHORTEST, UNEQUAL, ROUND_OFF = 100, 1.0 / 4096, 1.5, 1e-15
 # share of the run in which no load does anything: ten times that below which a step has collapsed
 NO_TIME = 1e-11
 
@@ -76,10 +76,10 @@ def unseen(model: Model) -> dict[str, tuple[float, float]]:
     step, names = float(control["fixed_step"]), {k: name for name, k in model.curve_names.items()}
     for first in sorted(curves_of_time(model)) if step > 0.0 else ():
         starts, steps = _steps(model.curves, first, cuts_straight=False)
-        met = (starts < control["end"]) & (np.r_[starts[1:], np.inf] > control["start"])
-        shares = np.where(met, step / steps, 0.0)
+        overlaps = (starts < control["end"]) & (np.r_[starts[1:], np.inf] > control["start"])
+        shares = np.where(overlaps, step / steps, 0.0)
         at = int(shares.argmax())
-        if shares[at] > HARDLY:
+        if shares[at] > COARSE:
             found[names[first]] = float(shares[at]), float(max(starts[at], control["start"]))
     return found
 
@@ -148,7 +148,7 @@ def _has_unlike_halves(pieces: _Pieces, begin: float, middle: float, end: float)
     if end - begin <= ROUND_OFF * max(abs(begin), abs(end), pieces.x[-1] - pieces.x[0]):
         return False
     one, other = _bound(pieces, begin, middle), _bound(pieces, middle, end)
-    return max(one, other) > UNLIKE * min(one, other)
+    return max(one, other) > UNEQUAL * min(one, other)
 
 
 def _bound(pieces: _Pieces, begin: float, end: float) -> float:

@@ -109,7 +109,7 @@ def line_up(count: int) -> np.ndarray:
 def _attached(
     meshed: DiscretisedShell, named: list[int], attached: list[tuple[int, int]], scene: Scene
 ) -> np.ndarray:
-    """Points of a part that ride on bodies: those of its named nodes, and welded ones."""
+    """Points of a part that are attached to bodies: those of its named nodes, and welded ones."""
     pairs = [*zip(meshed.named, named, strict=True), *attached]
     rows = np.zeros(len(pairs), ATTACHED_POINT.dtype)
     for row, (point, node) in zip(rows, pairs, strict=True):

@@ -16,7 +16,7 @@ from crashsolve.foundation.sparse.saddle import Saddle
 from crashsolve.model.model import Joint
 
 # joint rows on a hub: below them its column of 6 costs as much as it saves
-WORTH = 24
+LEAST_ROWS = 24
 
 
 def plan_of(joints: Sequence[Joint], mass: np.ndarray) -> Saddle:
@@ -37,7 +37,7 @@ def hubs_of(joints: Sequence[Joint], mass: np.ndarray) -> tuple[int, ...]:
             continue
         hub = max(sorted(nodes), key=lambda node: rows[node])
         others = nodes - {hub}
-        if rows[hub] >= WORTH and all(mass[hub] >= mass[node] > 0.0 for node in others):
+        if rows[hub] >= LEAST_ROWS and all(mass[hub] >= mass[node] > 0.0 for node in others):
             found.append(hub)
     return tuple(found)
 

@@ -51,7 +51,7 @@ def _only_for_rattle(model: Model, stepwise: list[str]) -> Choice | None:
     if stepwise:
         return Choice("rattle", f"'{stepwise[0]}' is computed in whole steps")
     if model.phases:
-        return Choice("rattle", "phases look at the motion after short steps")
+        return Choice("rattle", "phases check the motion after short steps")
     if len(model.attached_nodes):
         return Choice("rattle", "nodes are welded to rigid bodies")
     return None

@@ -128,15 +128,15 @@ class Group:
     @property
     def tangent_parts(self) -> int:
         """Rows of two bodies each that every row of its tangents is made of."""
-        return self.most_nodes // 2 if self.joins_several else 1
+        return self.max_nodes // 2 if self.joins_several else 1
 
     @property
     def joins_several(self) -> bool:
         """Whether an entry acts on any number of bodies: `node` then is a column of several."""
-        return self.most_nodes > 0
+        return self.max_nodes > 0
 
     @property
-    def most_nodes(self) -> int:
+    def max_nodes(self) -> int:
         """Entries of that column; 0 for a law without one."""
         names = self.parameters.dtype.names or ()
         shape = self.parameters.dtype["node"].shape if "node" in names else ()
@@ -217,13 +217,13 @@ class Elements:
     attached_points: np.ndarray
     work: np.ndarray
     parts: dict[str, DiscretisedShell]  # in place, by name
-    point_mass: float  # of the points that ride on no body of the deck
+    point_mass: float  # of the points that are attached to no body of the deck
     element_cuts: (
         np.ndarray
     )  # elements of sections, block by block, see elements/shells/section_cut.py
     cuts: np.ndarray
     motion: np.ndarray  # momenta of the points at the last sample
-    ties: np.ndarray  # points that ride on faces
+    ties: np.ndarray  # points that are tied to faces
     holds: np.ndarray = field(default_factory=lambda: np.zeros(0))  # points that are held
     block_sums: np.ndarray = field(default_factory=lambda: np.zeros(0))  # of loads on elements
     pieces: Pieces | None = None  # for several threads, see model/partition.py

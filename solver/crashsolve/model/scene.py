@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import import_module
 from itertools import takewhile
+from math import hypot, inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -356,8 +357,9 @@ class Scene:
     def unit(self, direction: ArrayLike, field: str) -> Vector:
         """Unit vector; a zero direction is refused at `field`."""
         x = np.asarray(direction, float)
-        length = float(np.linalg.norm(x))
-        if not length > 0.0:
+        # the squares that np.linalg.norm adds overflow, or vanish
+        length = hypot(*x.tolist())
+        if not 0.0 < length < inf:
             raise self.fail("a direction needs a length; give for instance [0, 0, 1]", field)
         return x / length
 

@@ -28,9 +28,9 @@ class Extremes:
         ):
             # few channels have new ones in any block
             column, entity = np.nonzero(better(extreme(values, axis=1), bound))
-            courses = values[column, :, entity]
-            found = where(courses, axis=1)
-            bound[column, entity] = courses[np.arange(len(found)), found]
+            histories = values[column, :, entity]
+            found = where(histories, axis=1)
+            bound[column, entity] = histories[np.arange(len(found)), found]
             bound_time[column, entity] = times[found]
 
 

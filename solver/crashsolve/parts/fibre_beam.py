@@ -44,18 +44,18 @@ STEPWISE = CALLS_MATERIAL = True
 IMPLICIT = ("generalized_alpha", "radau_iia_5")
 # a row each for the rates of N, M_y and M_z
 RATES = 3
-MOST_FIBRES = fibres.MOST_FIBRES
+MAX_FIBRES = fibres.MAX_FIBRES
 TANGENTS = element.TANGENTS + RATES
 ORDER, DESCRIPTIONS = 1, beam.DESCRIPTIONS
 PARAMETERS = beam.PARAMETERS + Record(f"""
     count  count                        fibres
-    y      m      {fibres.MOST_FIBRES}  positions along y of the section
-    z      m      {fibres.MOST_FIBRES}  positions along z of the section
-    area   m^2    {fibres.MOST_FIBRES}  areas
+    y      m      {fibres.MAX_FIBRES}  positions along y of the section
+    z      m      {fibres.MAX_FIBRES}  positions along z of the section
+    area   m^2    {fibres.MAX_FIBRES}  areas
     law    index                        of the material's law among those of the group
 """)
 HISTORY = Record(f"""
-    stress  Pa  {fibres.MOST_FIBRES}  of the fibres; the material adds its other columns
+    stress  Pa  {fibres.MAX_FIBRES}  of the fibres; the material adds its other columns
     work    J                         plastic work
 """)
 OUTPUT = beam.OUTPUT + Record("""
@@ -85,7 +85,7 @@ def elements(card: FibreBeam, nodes: list[int], scene: Scene) -> list[Columns]:
     law, material_card = scene.law("materials", card.material)
     material = law.build(material_card, scene)
     y, z, area = fibres.fit(_table(card, scene), section)
-    room = np.zeros(fibres.MOST_FIBRES - len(y))
+    room = np.zeros(fibres.MAX_FIBRES - len(y))
     own: Columns = {"count": len(y), "material": material}
     own |= {"y": np.append(y, room), "z": np.append(z, room), "area": np.append(area, room)}
     return [row | own for row in beam.elements(card, nodes, scene)]
@@ -98,12 +98,12 @@ def _table(card: FibreBeam, scene: Scene) -> np.ndarray:
         raise scene.fail("this section has no fibres; give its shape, or type: fibres", "section")
     if min(card.fibres) < 1:
         raise scene.fail("both numbers must be at least 1", "fibres")
-    if max(card.fibres) > fibres.MOST_FIBRES:
-        raise scene.fail(f"at most {fibres.MOST_FIBRES} fibres in all", "fibres")
+    if max(card.fibres) > fibres.MAX_FIBRES:
+        raise scene.fail(f"at most {fibres.MAX_FIBRES} fibres in all", "fibres")
     table: np.ndarray = law.fibres(section, card.fibres)
     y, z, A = table.T
-    if len(table) > fibres.MOST_FIBRES:
-        message = f"makes {len(table)} fibres of this section; at most {fibres.MOST_FIBRES}"
+    if len(table) > fibres.MAX_FIBRES:
+        message = f"makes {len(table)} fibres of this section; at most {fibres.MAX_FIBRES}"
         raise scene.fail(message, "fibres")
     if not ((y * y) @ A > 0.0 and (z * z) @ A > 0.0):
         raise scene.fail(

@@ -26,7 +26,7 @@ from crashsolve.elements.shells.cards import ShellCard
 from crashsolve.elements.shells.energies import kinetic_energy
 from crashsolve.elements.shells.layout import DiscretisedShell
 from crashsolve.elements.shells.outputs import FIELDS as FIELDS
-from crashsolve.elements.shells.records import MOST_LAYERS, WORK
+from crashsolve.elements.shells.records import MAX_LAYERS, WORK
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import ZERO
@@ -62,8 +62,8 @@ PARAMETERS = Record(f"""
     triangles      count                  triangles, which come after the quadrilaterals
     first_element  index                  number of the part's first element among all
     layers         count                  points through the thickness
-    zeta           1       {MOST_LAYERS}  positions of the layers, -1 to 1
-    weight         1       {MOST_LAYERS}  weights of the layers, sum 2
+    zeta           1       {MAX_LAYERS}  positions of the layers, -1 to 1
+    weight         1       {MAX_LAYERS}  weights of the layers, sum 2
     law            index                  of the material's law among those of the group
     young          Pa                     E
     shear          Pa                     G
@@ -139,7 +139,7 @@ def parameters(part: DiscretisedShell, scene: Scene) -> Columns:
     """Columns of PARAMETERS but for the positions in the tables."""
     card = part.card
     zeta, weight = part.rule
-    room = np.zeros(MOST_LAYERS - card.layers)
+    room = np.zeros(MAX_LAYERS - card.layers)
     law, material = part.law, part.law.build(part.material, scene)
     count = part.quad_count
     return {

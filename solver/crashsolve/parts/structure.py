@@ -108,7 +108,7 @@ class Structure(Card):
     )
     across: int = word(
         "number of shells across the narrower walls, or a quarter of a round tube; along the "
-        "member they are square",
+        "member they are about square",
         default=4,
         ge=1,
         le=100,

@@ -28,7 +28,7 @@ STEPS = 200
 
 
 class Equilibrium(PhaseCard):
-    """Dynamic relaxation to equilibrium, with the loads of its time; initial velocities wait."""
+    """Dynamic relaxation to equilibrium; initial velocities act after it."""
 
     tolerance: float = quantity(
         "1",

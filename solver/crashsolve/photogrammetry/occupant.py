@@ -15,7 +15,7 @@ from crashsolve.photogrammetry.request import Requested
 from crashsolve.photogrammetry.tables import LANDMARKS, read_table
 from crashsolve.postures._chain import Link, Motion, in_order, link
 
-WHO = "<who>"
+OCCUPANT = "<who>"
 
 
 def chain_of(requested: Requested) -> tuple[Chain, Scene]:
@@ -80,7 +80,7 @@ def _landmarks(
 ) -> dict[str, tuple[int, np.ndarray]]:
     path, found, errors = requested.card.landmarks, {}, []
     for row in read_table(path, LANDMARKS):
-        name = row.names["body"].replace(WHO, requested.card.occupant)
+        name = row.names["body"].replace(OCCUPANT, requested.card.occupant)
         problem = ""
         if name not in scene.names:
             problem = f"unknown body '{name}'"

@@ -23,7 +23,7 @@ class Columns:
 Source = np.ndarray | Columns | Callable[[], np.ndarray]
 
 # [bytes] of a block, and samples in it: larger ones are no faster
-MOST_BYTES, MOST_SAMPLES = 1 << 22, 256
+MAX_BYTES, MAX_SAMPLES = 1 << 22, 256
 
 
 class SampledTables:
@@ -33,8 +33,8 @@ class SampledTables:
         self._requested = [(i, s) for i, s in enumerate(sources) if callable(s)]
         tables = [_layout(source) for source in sources]
         size = sum(dtype.itemsize * int(np.prod(shape)) for shape, dtype in tables)
-        self.most = min(max(MOST_BYTES // max(size, 1), 1), MOST_SAMPLES)
-        self._tables = [np.empty((self.most, *shape), dtype) for shape, dtype in tables]
+        self.capacity = min(max(MAX_BYTES // max(size, 1), 1), MAX_SAMPLES)
+        self._tables = [np.empty((self.capacity, *shape), dtype) for shape, dtype in tables]
         # from and to, the latter (samples, ...): numpy would copy columns one by one
         self.pieces = [
             piece
@@ -55,12 +55,12 @@ class SampledTables:
 
     @property
     def is_full(self) -> bool:
-        return self.count == self.most
+        return self.count == self.capacity
 
     @property
     def room(self) -> int:
         """Samples that may still be kept."""
-        return self.most - self.count
+        return self.capacity - self.count
 
     @property
     def is_copied(self) -> bool:

@@ -19,7 +19,7 @@ class Recorder:
         if self.histories.take() or self.history.is_due():
             self._write_block()
 
-    def taken(self, times: list[float]) -> None:
+    def add_stored(self, times: list[float]) -> None:
         """Add samples at times [s] that have been stored already. Raises OutputError."""
         self._times += times
         if self.histories.kept.is_full or self.history.is_due():

@@ -51,7 +51,7 @@ class Channel:
         ]
 
     @property
-    def course(self) -> "Channel | None":
+    def followed(self) -> "Channel | None":
         """The channel whose largest value this channel contains; None for other channels."""
         before, _, last = self.name.rpartition(".")
         if not last.startswith(LARGEST_SO_FAR):
@@ -68,8 +68,8 @@ class Channel:
 class Samples:
     """Samples of channels during one run: times, values of each, and of the vector around it.
 
-    `cycles` are its steps, `cpu` [s] its CPU time, `units` those of the channels; `between`
-    are times of samples that are steps of this run (recording/between.py).
+    `cycles` are its steps, `cpu` [s] its CPU time, `units` those of the channels; `step_times`
+    are times of samples that are steps of this run (recording/resampling.py).
     """
 
     time: np.ndarray
@@ -78,7 +78,7 @@ class Samples:
     cycles: int = 0
     cpu: float = 0.0
     units: dict[str, str] = field(default_factory=dict)
-    between: np.ndarray = field(default_factory=lambda: np.empty(0))
+    step_times: np.ndarray = field(default_factory=lambda: np.empty(0))
 
     def series(self, expression: str) -> Series:
         """The history of a channel or an expression; raises ChannelError."""
@@ -92,13 +92,22 @@ class Samples:
             return Series(self.time, self.time, "s")
         return Series(self.time, self.values[name], self.units.get(name, ""))
 
-    def at(self, times: np.ndarray, between: bool = False) -> "Samples":
-        """These samples at some of the times (n,) [s], and at steps between them if asked."""
-        kept = np.isin(self.time, times)
-        if between:
-            kept |= np.isin(self.time, self.between)
-        values = {name: course[kept] for name, course in self.values.items()}
+    def at(self, times: np.ndarray, with_steps: bool = False) -> "Samples":
+        """These samples at some of the times (n,) [s], and at its `step_times` if requested."""
+        kept = are_among(self.time, times)
+        if with_steps:
+            kept |= are_among(self.time, self.step_times)
+        values = {name: history[kept] for name, history in self.values.items()}
         return Samples(self.time[kept], values, {}, self.cycles, self.cpu, self.units)
+
+
+def are_among(times: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Whether each of the times (n,) is one of the others (m,), which ascend.
+
+    np.isin and np.intersect1d load numpy.ma, which takes longer than the run of a small scene.
+    """
+    first = np.searchsorted(others, times)
+    return first < np.searchsorted(others, times, side="right")
 
 
 def find(expression: str, families: Sequence[Family]) -> list[Channel]:

@@ -75,8 +75,8 @@ def build(card: Accelerometer, scene: Scene) -> Columns:
     falls = [entry.card.acceleration for entry in loads if entry.type == "gravity"]
     if falls and card.gravity is None:
         scene.warn(
-            f"accelerometer on '{card.body}': gravity is not in it, where an instrument shows it; "
-            "write gravity: true, or false if that is meant"
+            f"accelerometer on '{card.body}': it omits gravity, which an instrument shows; "
+            "give gravity: true, or false to omit it"
         )
     falls = falls if card.gravity else []
     return {

@@ -1,6 +1,6 @@
 """Relative displacement of two points: distance, vector and their rates.
 
-    x = x_b - x_a in world axes,  or  A_a^T (x_b - x_a) as seen by one who rides on a
+    x = x_b - x_a in world axes,  or  A_a^T (x_b - x_a) as an observer on a measures it
 
 Consequence to test: a point fixed in b beside a turning a has, in the axes of a, the rate -w x x.
 """

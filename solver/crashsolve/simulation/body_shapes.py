@@ -32,11 +32,11 @@ Piece = tuple[int, np.ndarray, np.ndarray]
 # a plane is infinite: it is drawn so far beyond the model, in widths of it
 PLANE_MARGIN = 0.15
 # points of a body to which lines are drawn, at most
-MOST_LINES = 100
+MAX_LINES = 100
 # radius of a rod over its length
 SLENDER = 0.01
 # [of the size of a body] a primitive that reaches beyond its surfaces by less is one with them
-ALIKE = 0.01
+COVERED_SHARE = 0.01
 
 
 def surfaces(model: Model) -> list[Piece]:
@@ -76,7 +76,7 @@ def _primitive(solid: Primitive) -> tuple[np.ndarray, np.ndarray]:
 
 def _within(points: np.ndarray, others: np.ndarray) -> bool:
     """Whether points reach no further along any axis than others do."""
-    slack = ALIKE * float(np.ptp(others, axis=0).max())
+    slack = COVERED_SHARE * float(np.ptp(others, axis=0).max())
     low, high = others.min(axis=0) - slack, others.max(axis=0) + slack
     return bool(np.all(points >= low) and np.all(points <= high))
 
@@ -122,7 +122,7 @@ def lines(model: Model, deck: Deck, shaped: set[int]) -> list[Piece]:
     pieces: list[Piece] = []
     for name in deck.entries.get("bodies", {}):
         node = model.bodies.index(name)
-        reached = [point for point in ends.get(node, []) if np.any(point)][:MOST_LINES]
+        reached = [point for point in ends.get(node, []) if np.any(point)][:MAX_LINES]
         if reached and node not in shaped:
             points = np.array([np.zeros(3), *reached])
             far = np.arange(1, len(points))

@@ -13,7 +13,7 @@ from crashsolve.system.engine import Engine
 # contact points drawn per element where pairs come and go; balls in a heap have three each
 TOUCHES = 3
 # of the nodes of a group: more arrows hide each other
-MOST_NODES = 200
+MAX_NODES = 200
 
 Points = tuple[np.ndarray, np.ndarray, np.ndarray]  # position (k, 3), force (k, 3), card (k,)
 
@@ -24,7 +24,7 @@ class ContactPoints:
     def __init__(self, engine: Engine) -> None:
         self.engine, model = engine, engine.model
         self._pairs = [(g, n) for g in model.contact_groups if (n := _pair_slots(g))]
-        self._nodal = [(g, min(g.slot_in_use.size, MOST_NODES)) for g in model.nodal_groups]
+        self._nodal = [(g, min(g.slot_in_use.size, MAX_NODES)) for g in model.nodal_groups]
         self.count = sum(positions for _, positions in [*self._pairs, *self._nodal])
 
     def found(self) -> Points:
@@ -105,10 +105,10 @@ def _walls(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Rows of all walls that touch, and the sides of probes that they belong to (n,)."""
     rows = owner = touching
-    if "beside" in (states.dtype.names or ()):
-        beside = states["beside"][in_use[touching], touching]
+    if "other_walls" in (states.dtype.names or ()):
+        others = states["other_walls"][in_use[touching], touching]
         for w in range(1, WALLS):
-            chosen = touching[beside >= w]
+            chosen = touching[others >= w]
             rows = np.r_[rows, len(in_use) + (WALLS - 1) * chosen + w - 1]
             owner = np.r_[owner, chosen]
     return rows, owner

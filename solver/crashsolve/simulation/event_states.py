@@ -52,42 +52,42 @@ class EventStates:
         # phases pass on more than a State
         is_plain = type(engine) is Engine and is_cheap(engine)
         self._watches, self._is_started = wanted and is_plain, False
-        self._before: Snapshot | None = None
+        self._snapshot: Snapshot | None = None
         # of every event: the copy before it, and the times before and after it [s]
-        self._found: dict[str, tuple[Snapshot, float, float]] = {}
+        self._events: dict[str, tuple[Snapshot, float, float]] = {}
 
     def begin(self) -> None:
         """Seek events from now on: of those before there is no copy."""
         if self._watches and not self._is_started:
-            self._is_started, self._seen = True, self._look()
-            self._mark()
+            self._is_started, self._quantities = True, self._event_quantities()
+            self._take_snapshot()
 
     def state_written(self) -> None:
         """A state has been written at the present sample: whether an event lies before it."""
         if not self._watches:
             return
-        if not self._is_started or self._before is None:
+        if not self._is_started or self._snapshot is None:
             return self.begin()
-        now, end = self._look(), float(self.engine.clock["sampled"])
+        now, end = self._event_quantities(), float(self.engine.clock["sampled"])
         for name, value in now.items():
-            if value > self._seen[name] and (name == FORCE or name not in self._found):
-                self._found[name] = self._before, self._started, end
-        self._seen = now
-        self._mark()
+            if value > self._quantities[name] and (name == FORCE or name not in self._events):
+                self._events[name] = self._snapshot, self._snapshot_time, end
+        self._quantities = now
+        self._take_snapshot()
 
-    def write(self, states: StateWriter, history: Path, is_asked: Callable[[], bool]) -> None:
+    def write(self, states: StateWriter, history: Path, is_requested: Callable[[], bool]) -> None:
         """Go to the events again. Raises OutputError."""
-        if not self._found:
+        if not self._events:
             return
         times, target = self._times(history), float(self.engine.clock["sampled"])
         end, pause = Snapshot(self.engine), self.engine.on_pause
         end.take()
-        self.engine.on_pause = _stop(is_asked)
+        self.engine.on_pause = _stop(is_requested)
         try:
-            for name, (before, started, _) in self._found.items():
+            for name, (snapshot, started, _) in self._events.items():
                 if name in times and not states.has(times[name]):
-                    before.restore_copy()
-                    self._go_to(times[name], started)
+                    snapshot.restore_copy()
+                    self._advance_to(times[name], started)
                     self.engine.sample(times[name])
                     states.insert(times[name], self._fields())
         except (Abandoned, SolverError):
@@ -98,7 +98,7 @@ class EventStates:
             end.restore_copy()
             self.engine.sample(target)
 
-    def _go_to(self, time: float, started: float) -> None:
+    def _advance_to(self, time: float, started: float) -> None:
         """Advance by the steps of the run to a sample, which may be a step of it.
 
         Raises SolverError.
@@ -110,21 +110,23 @@ class EventStates:
         if self._schedule.time(k) == time:
             return self.engine.reach(time)
 
-        def look() -> None:
+        def check() -> None:
             if float(self.engine.clock["time"]) >= time:
                 raise Reached
 
         with suppress(Reached):
-            self.engine.revisit(self._schedule.time(k), 1, look)
+            self.engine.revisit(self._schedule.time(k), 1, check)
 
-    def _mark(self) -> None:
+    def _take_snapshot(self) -> None:
         # one that an event keeps is not overwritten
-        if self._before is None or any(kept is self._before for kept, _, _ in self._found.values()):
-            self._before = Snapshot(self.engine)
-        self._before.take()
-        self._started = float(self.engine.clock["sampled"])
+        if self._snapshot is None or any(
+            kept is self._snapshot for kept, _, _ in self._events.values()
+        ):
+            self._snapshot = Snapshot(self.engine)
+        self._snapshot.take()
+        self._snapshot_time = float(self.engine.clock["sampled"])
 
-    def _look(self) -> dict[str, float]:
+    def _event_quantities(self) -> dict[str, float]:
         """Quantities that grow when an event happens."""
         state, clock = self.engine.state, self.engine.state.clock[0]
         cards = state.card_history[int(clock["current"])]
@@ -136,8 +138,8 @@ class EventStates:
         )
         found = {YIELD: float(yielded) + float(self.engine.ledger[PLASTIC] > 0.0)}
         if len(self.engine.model.contacts):
-            met = float(np.count_nonzero(cards["onsets"]))
-            found |= {TOUCH: met, FORCE: float(cards["peak_normal"].max())}
+            touched = float(np.count_nonzero(cards["onsets"]))
+            found |= {TOUCH: touched, FORCE: float(cards["peak_normal"].max())}
         return found
 
     def _times(self, history: Path) -> dict[str, float]:
@@ -146,27 +148,27 @@ class EventStates:
 
         found = {}
         with h5py.File(history, "r") as file:
-            for name, (_, started, end) in self._found.items():
+            for name, (_, started, end) in self._events.items():
                 time = file["glstat/time"][:]
                 rows = slice(*(np.searchsorted(time, (started, end)) + (0, 1)))
-                course = _course(file, name, rows)
-                at = int(np.argmax(course if name == FORCE else course > course[0]))
+                values = _history(file, name, rows)
+                at = int(np.argmax(values if name == FORCE else values > values[0]))
                 if at:
                     found[name] = float(time[rows][at])
         return found
 
 
-def _stop(is_asked: Callable[[], bool]) -> Callable[[], None]:
+def _stop(is_requested: Callable[[], bool]) -> Callable[[], None]:
     """Callback at a pause: raises Abandoned where there is a request to the run."""
 
     def pause() -> None:
-        if is_asked():
+        if is_requested():
             raise Abandoned
 
     return pause
 
 
-def _course(file: h5py.File, name: str, rows: slice) -> np.ndarray:
+def _history(file: h5py.File, name: str, rows: slice) -> np.ndarray:
     """Quantities that grow at an event, at rows of a history."""
     if name == TOUCH:
         return np.count_nonzero(file["rcforc/onsets"][rows], axis=1)

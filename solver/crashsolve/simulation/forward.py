@@ -8,10 +8,10 @@ import numpy as np
 
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.output.states import StateWriter
-from crashsolve.recording.between import Between
 from crashsolve.recording.histories import Histories
 from crashsolve.recording.marching import MOST
 from crashsolve.recording.recorder import Recorder
+from crashsolve.recording.resampling import Resampling
 from crashsolve.recording.sampling import Schedule
 from crashsolve.simulation.event_states import EventStates
 from crashsolve.simulation.heartbeat import Heartbeat
@@ -29,7 +29,7 @@ class Run(Protocol):
     folder: Path
     schedule: Schedule
     histories: Histories
-    between: Between
+    resampling: Resampling
     recorder: Recorder
     events: EventStates
     states: StateWriter
@@ -50,12 +50,12 @@ def march(run: Run) -> None:
     """Advance from sample to sample until the end."""
     end = run.schedule.end
     run.heartbeat.does("one step")
-    marching = run.between.march
+    marching = run.resampling.march
     run.account.phases = ContactPhases(marching)
     run.sampled = float(run.engine.clock["sampled"])
     k = run.schedule.last_until(run.sampled)
     target = run.schedule.time(k)
-    run.between.begin()
+    run.resampling.begin()
     run.events.begin()
     while target < end and not run.engine.is_complete:
         times, kept = _times_ahead(run, k), run.histories.kept
@@ -74,11 +74,11 @@ def _write_events(run: Run) -> None:
     """States at events, which the run must reach again."""
     started = time.process_time()
     run.recorder.flush()
-    run.events.write(run.states, run.folder / "history.h5", lambda: _is_asked(run))
+    run.events.write(run.states, run.folder / "history.h5", lambda: _is_requested(run))
     run.cpu["output"] += time.process_time() - started
 
 
-def _is_asked(run: Run) -> bool:
+def _is_requested(run: Run) -> bool:
     run.requests.read()
     return bool(run.requests.words)
 
@@ -87,10 +87,10 @@ def _march_through(run: Run, times: np.ndarray) -> int:
     """Samples at times [s] in compiled code; how many are done. Raises SolverError."""
     # a run has no child processes between samples: their CPU times are not needed
     started = time.process_time()
-    count, stepping, left = run.between.march.go(times, run.histories.kept)
+    count, stepping, left = run.resampling.march.go(times, run.histories.kept)
     if count:
         # before any request that writes a dump
-        run.recorder.taken(times[:count].tolist())
+        run.recorder.add_stored(times[:count].tolist())
         previous = times[count - 2] if count > 1 else run.sampled
         run.sampled, now = float(previous), float(times[count - 1])
         if count == len(times):
@@ -113,10 +113,10 @@ def _go_to(run: Run, target: float) -> float:
         run.cpu["steps"] += advanced - started
     if run.engine.is_complete:
         target = float(run.engine.clock["time"])
-    run.between.fill(target)
+    run.resampling.sample_steps(target)
     run.engine.sample(target)
-    run.between.mark()
-    run.between.march.finish_interval()
+    run.resampling.begin_interval()
+    run.resampling.march.finish_interval()
     run.recorder.take(target)
     _after(run, target)
     run.cpu["output"] += time.process_time() - advanced

@@ -15,7 +15,7 @@ from typing import Self
 AT_PAUSE, AT_LATEST = 8.0, 9.0
 # [s] after the start that the first sign may take
 FIRST = 0.9
-LOOK = 0.2
+POLL = 0.2
 
 
 class Heartbeat:
@@ -49,7 +49,7 @@ class Heartbeat:
         self._thread.join()
 
     def _watch(self) -> None:
-        while not self._ended.wait(LOOK):
+        while not self._ended.wait(POLL):
             now = monotonic()
             if now - self._reported > (AT_LATEST if self._has_reported else FIRST):
                 # a file that cannot be written stops the run where it writes itself

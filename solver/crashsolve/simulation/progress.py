@@ -68,18 +68,20 @@ def preparing(deck: Deck, folder: Path, heartbeat: Heartbeat, append: bool) -> I
         log = Log(folder / "log.txt", append=append)
         yield log
     except BaseException as error:
-        is_asked = isinstance(error, KeyboardInterrupt)
-        status.state = "stopped" if is_asked else "failed"
+        is_requested = isinstance(error, KeyboardInterrupt)
+        status.state = "stopped" if is_requested else "failed"
         code = getattr(error, "exit_code", ExitCode.INTERNAL)
-        status.exit_code = int(ExitCode.STOPPED if is_asked else code)
-        status.message = "interrupted while preparing" if is_asked else str(error) or repr(error)
+        status.exit_code = int(ExitCode.STOPPED if is_requested else code)
+        status.message = (
+            "interrupted while preparing" if is_requested else str(error) or repr(error)
+        )
         write_status(path, status)
-        if log is None and is_asked:
+        if log is None and is_requested:
             # the signal came while log.txt was being opened
             log = Log(folder / "log.txt", append=append)
         if log is not None:
-            (log.line if is_asked else log.error)(status.message)
-            log.finish(STOPPED if is_asked else ERROR)
+            (log.line if is_requested else log.error)(status.message)
+            log.finish(STOPPED if is_requested else ERROR)
         raise
 
 
@@ -130,7 +132,7 @@ class Account:
     def progress(self) -> None:
         """A line of the log, status.json, and the bar on a terminal."""
         e, clock = self.engine, self.engine.clock
-        self.pace.look(float(clock["time"]), self.deck.control.last_time)
+        self.pace.update(float(clock["time"]), self.deck.control.last_time)
         self.log.cycle(
             int(clock["cycle"]),
             float(clock["time"]),
@@ -150,7 +152,7 @@ class Account:
         """Check the step; print a line where none has come for long. Raises OutputError."""
         # a record array's own look-up of a column takes as long as a step of a small scene
         clock = self.engine.state.clock[0]
-        fallen = self.steps.look(float(clock["time"]), int(clock["cycle"]))
+        fallen = self.steps.warning(float(clock["time"]), int(clock["cycle"]))
         if fallen:
             self.log.warning(f"{fallen}; it is set by: {self.step_bound()}")
         if self.heartbeat.is_due():
@@ -236,7 +238,7 @@ class Pace:
         self.left: float | None = None
         self._mark: tuple[float, float] | None = None
 
-    def look(self, now: float, end: float) -> None:
+    def update(self, now: float, end: float) -> None:
         """Take note of the time simulated [s]."""
         wall = time.monotonic()
         if self._mark is None or now < self._mark[1]:

@@ -51,7 +51,7 @@ def overloaded_tyres(engine: Engine) -> list[str]:
     load = float(np.linalg.norm(engine.state.nodes["external"][0, :3]))
     return [
         f"tyre '{name}' is pressed by {force:.4g} N at the start, and all loads together are "
-        f"{load:.4g} N: its wheel begins in an obstacle, or too low on the road; move it, or say "
+        f"{load:.4g} N: its wheel begins in an obstacle, or too low on the road; move it, or set "
         "control: {start: equilibrium}"
         for group in engine.model.groups
         if group.keyword == "tyres"
@@ -312,7 +312,7 @@ class StepWatch:
         self._from: tuple[float, int] | None = None
         self._has_fallen = False
 
-    def look(self, time: float, cycle: int) -> str:
+    def warning(self, time: float, cycle: int) -> str:
         """The warning at this time [s] and cycle; empty for none, or for one given before."""
         if self._from is None or cycle < self._from[1]:
             self._from = time, cycle

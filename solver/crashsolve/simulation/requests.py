@@ -16,10 +16,10 @@ from crashsolve.output.files import read_plain, reported
 from crashsolve.output.log import Log
 
 # [s] between two looks at control.txt, which cost as much as a step of a small scene
-LOOK = 0.1
+POLL = 0.1
 WORDS = {"stop", "dump", "states"}
 # [bytes] of control.txt that are read
-MOST_CONTROL = 4096
+MAX_CONTROL = 4096
 SIGNALS: dict[int, str] = {signal.SIGTERM: "stop", signal.SIGINT: "stop", signal.SIGUSR1: "dump"}
 SIGNALS |= {signal.SIGHUP: "stop"}
 
@@ -85,13 +85,13 @@ class Requests:
         now = time.monotonic()
         if now < self._due:
             return
-        self._due = now + LOOK
+        self._due = now + POLL
         if not self._path.exists():
             return
         words: set[str] = set()
         # who has written it may take it back at any moment
         with reported(self._path), suppress(FileNotFoundError):
-            text = read_plain(self._path, MOST_CONTROL)
+            text = read_plain(self._path, MAX_CONTROL)
             if text is None:
                 self._log.warning("control.txt is not a plain file and is ignored")
                 return

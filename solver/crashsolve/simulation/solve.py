@@ -36,11 +36,11 @@ from crashsolve.output.peaks import write_peaks
 from crashsolve.output.restart import SLOTS, newest_restart, write_restart
 from crashsolve.output.states import StateWriter
 from crashsolve.output.status import State as RunState
-from crashsolve.recording.between import Between
 from crashsolve.recording.changing import changing, restore
 from crashsolve.recording.engines import engine_of, is_static
 from crashsolve.recording.histories import Histories
 from crashsolve.recording.recorder import Recorder
+from crashsolve.recording.resampling import Resampling
 from crashsolve.recording.sampling import Schedule
 from crashsolve.simulation.event_states import EventStates
 from crashsolve.simulation.expected_size import expected_size
@@ -225,7 +225,9 @@ class Run:
         engine.on_pause = self._handle_requests_at_once
         engine.on_message = self.log.line
         self.histories = Histories(engine)
-        self.between = Between(engine, not is_static(self.deck), lambda t: self.recorder.take(t))
+        self.resampling = Resampling(
+            engine, not is_static(self.deck), lambda t: self.recorder.take(t)
+        )
         self.pictures = Pictures(engine, self.deck)
         is_free = self.deck.output.states.interval is None and not is_static(self.deck)
         self.events = EventStates(engine, self.schedule, is_free, self.pictures.fields)
@@ -299,7 +301,7 @@ class Run:
         history, model = self.folder / "history.h5", self.engine.model
         mass = dict(zip(model.bodies, model.mass.tolist(), strict=False))
         missed = missed_contacts(self.engine, history)
-        return self.estimating.judge(history, cycles, self.account.cpu_seconds(), missed, mass)
+        return self.estimating.estimate(history, cycles, self.account.cpu_seconds(), missed, mass)
 
     def _start_anew(self) -> None:
         """Run the deck again from its start, with the steps that the estimates ask for."""
@@ -358,7 +360,7 @@ class Run:
 
     def _dump(self) -> None:
         self.recorder.flush()
-        arrays = changing(self.engine) | self.histories.memory | self.between.memory()
+        arrays = changing(self.engine) | self.histories.memory | self.resampling.memory()
         if self.estimating is not None:
             arrays[COARSENESS] = np.array([self.estimating.coarseness])
         path = write_restart(self.folder, arrays, {"deck_text": self.deck.text})
@@ -376,7 +378,7 @@ class Run:
             restore(self.engine, arrays)
             for name, array in self.histories.memory.items():
                 array[...] = arrays[name]
-            self.between.recall(arrays)
+            self.resampling.recall(arrays)
         except (KeyError, ValueError, TypeError, IndexError) as reason:
             raise self._inconsistency("another version of crashsolve") from reason
         clock, end = self.engine.clock, self.schedule.end

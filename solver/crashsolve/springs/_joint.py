@@ -17,7 +17,7 @@ STOPS = Record("""
     stiffness  N/m or N m/rad      k; not used with a curve
     curve      index               force over the travel beyond the stop; 0 for none
     damping    N s/m or N m s/rad  c
-    stiffest   N/m or N m/rad      largest slope of the force
+    largest_slope  N/m or N m/rad      largest slope of the force
 """)
 STOPPED = Record("at  flag  1: beyond the upper stop, -1: beyond the lower, 0: between")
 
@@ -60,7 +60,7 @@ def stops(card: Any, scene: Scene) -> Columns:
         "stiffness": card.stiffness or 0.0,
         "curve": curve,
         "damping": card.damping,
-        "stiffest": steepest(scene.curve_points, curve) if curve else card.stiffness,
+        "largest_slope": steepest(scene.curve_points, curve) if curve else card.stiffness,
     }
 
 

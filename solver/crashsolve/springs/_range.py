@@ -28,7 +28,7 @@ from crashsolve.springs._resistance import (
 # without a curve: on the parabola, and on the straight line
 TRANSITION, STRAIGHT = 1, 2
 # a limit that is passed by less at the start is met exactly, but for round-off [rad]
-MET = 1e-9
+AT_LIMIT = 1e-9
 # beyond this angle neither an azimuth nor a twist is defined well [rad]
 LARGEST = 2.9
 
@@ -99,7 +99,9 @@ def moment_columns(card: RangeCard, scene: Scene, acts: str) -> Columns:
             raise scene.fail("must begin at 0, where the limit is met", "curve")
         columns = resistance(_Curve(card, acts), scene)
     else:
-        columns = {column.name: 0 for column in RESISTANCE.columns} | {"stiffest": card.stiffness}
+        columns = {column.name: 0 for column in RESISTANCE.columns} | {
+            "largest_slope": card.stiffness
+        }
     return columns | {
         "stop_stiffness": card.stiffness or 0.0,
         "transition": card.transition,

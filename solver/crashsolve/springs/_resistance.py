@@ -36,7 +36,7 @@ RESISTANCE = Record("""
     unloading            flag                SAME, SET or BETWEEN
     unloading_curve      index               u
     unloading_stiffness  N/m or N m/rad      k
-    only                 flag                1 or -1: no force in the other direction; 0: both
+    direction            flag                1 or -1: no force in the other direction; 0: both
     loose                flag                the ends may part: never a force that holds them
                                              together
     gap                  m or rad            free play in each direction
@@ -45,7 +45,7 @@ RESISTANCE = Record("""
     rate_coefficient     1                   a
     rate_exponent        1                   b
     rate_floor           m/s or rad/s        rate at which phi = 1.1
-    stiffest             N/m or N m/rad      largest slope of the curves and k
+    largest_slope        N/m or N m/rad      largest slope of the curves and k
 """)
 SLIDER = Record("""
     set             m or rad  2  s in tension, in compression
@@ -62,23 +62,25 @@ def resistance(card: Any, scene: Scene) -> Columns:
     curves = [name for name in (card.curve, card.unloading_curve) if name]
     k = card.unloading_stiffness or 0.0
     slopes = [steepest(scene.curve_points, scene.curve(name)) for name in curves]
-    only = {"both": 0, "tension": 1, "positive": 1, "compression": -1, "negative": -1}[card.acts]
+    direction = {"both": 0, "tension": 1, "positive": 1, "compression": -1, "negative": -1}[
+        card.acts
+    ]
     if k:
-        _check_hysteresis(card, scene, only, k, max(slopes))
+        _check_hysteresis(card, scene, direction, k, max(slopes))
     return {
         "curve": scene.curve(card.curve),
         "unloading": BETWEEN if card.unloading_curve else SET if k else SAME,
         "unloading_curve": scene.curve(card.unloading_curve) if card.unloading_curve else 0,
         "unloading_stiffness": k,
-        "only": only,
-        "loose": only != 0 or card.gap > 0.0 or k > 0.0,
+        "direction": direction,
+        "loose": direction != 0 or card.gap > 0.0 or k > 0.0,
         "gap": card.gap,
         "damping": card.damping,
         "rate_curve": scene.curve(card.rate_curve) if card.rate_curve else 0,
         "rate_coefficient": a,
         "rate_exponent": b,
         "rate_floor": (0.1 / a) ** (1.0 / b) if a else 0.0,
-        "stiffest": max([k, *slopes]),
+        "largest_slope": max([k, *slopes]),
     }
 
 
@@ -112,7 +114,9 @@ def read(points: np.ndarray, start: int, x: np.ndarray) -> np.ndarray:
     return np.asarray(c[0] + s * (c[1] + s * (c[2] + s * c[3])))
 
 
-def _check_hysteresis(card: Any, scene: Scene, only: int, k: float, steepest_slope: float) -> None:
+def _check_hysteresis(
+    card: Any, scene: Scene, direction: int, k: float, steepest_slope: float
+) -> None:
     """Refuse curves that would create energy: 0 <= u <= y and slopes below k is required
     everywhere.
     """
@@ -125,7 +129,7 @@ def _check_hysteresis(card: Any, scene: Scene, only: int, k: float, steepest_slo
     lower = scene.curve(card.unloading_curve) if card.unloading_curve else None
     x = np.concatenate([points[c : points[c]["last"] + 1]["x"] for c in (upper, lower) if c])
     for side in (1.0, -1.0):
-        if only == -side:
+        if direction == -side:
             continue
         e = np.append(x[side * x > 0.0], 0.0)
         y = side * read(points, upper, e)
@@ -151,7 +155,7 @@ def resistance_force(p, old, new, out, h, x, rate, curves):
         # between two curves the direction that is left goes back to its origin
         new.set[j] = old.set[j] if p.unloading == SET else 0.0
         new.unloading_work[j] = 0.0
-    if p.only * side < 0.0:
+    if p.direction * side < 0.0:
         e, upper = 0.0, 0.0
         f, out.stored, loss = 0.0, 0.0, 0.0
     else:
@@ -170,7 +174,7 @@ def resistance_force(p, old, new, out, h, x, rate, curves):
     elif f > 0.0:
         total = max(total + p.damping * speed, 0.0)
     out.power = (total - f) * speed
-    return side * total, factor * p.stiffest, p.damping + viscosity * f
+    return side * total, factor * p.largest_slope, p.damping + viscosity * f
 
 
 @kernel
@@ -206,7 +210,7 @@ def branch_event(p, old, h, x, rate, curves):
         past = -1e300
         for j in range(2):
             side = 1.0 - 2.0 * j
-            if p.only * side >= 0.0:
+            if p.direction * side >= 0.0:
                 past = max(past, side * x - p.gap - (old.set[j] if p.unloading == SET else 0.0))
         return past
     side = 1.0 * old.side
@@ -299,7 +303,7 @@ def resistance_tangent(p, state, x, rate, curves):
     side = 1.0 if x >= 0.0 else -1.0
     e = max(side * x - p.gap, 0.0)
     speed = side * rate
-    if p.only * side < 0.0 or (e == 0.0 and p.loose == 1):
+    if p.direction * side < 0.0 or (e == 0.0 and p.loose == 1):
         return 0.0, 0.0
     f, slope, _ = curve_value(curves, p.curve, side * e)
     f *= side

@@ -15,7 +15,7 @@ from math import sqrt
 from crashsolve.foundation.kernels import kernel
 from crashsolve.materials import elastoplastic
 
-PASSES = 50
+ITERATIONS = 50
 # of the yield stress: some units of round-off
 CLOSE = 1e-14
 # in load steps, which have no length: no step, as in runs in time; flow; keep the flow so far
@@ -71,7 +71,7 @@ def growth(p, k, trial, strain, factor, h, curves):
     flow, share, is_rated = 0.0, 0.0, p.rate_D > 0.0 and h > 0.0
     if is_rated:
         flow = first_flow(p, k, trial, strain, h, curves)
-    for _ in range(PASSES):
+    for _ in range(ITERATIONS):
         stress, slope = yield_stress(p, strain, flow, factor, h if is_rated else 0.0, curves)
         size, steep = 0.0, 0.0
         for i in range(3):

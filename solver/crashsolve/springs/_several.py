@@ -27,11 +27,11 @@ from crashsolve.foundation.vec3 import ZERO, Vector, add, cross, dot, norm, scal
 from crashsolve.springs._between import SHORTEST
 
 # points of one line, and rows of its tangent that take two of them each
-MOST, PARTS = 8, 4
+MAX_POINTS, PARTS = 8, 4
 POINTS = Record(f"""
     count  count          how many points
-    node   index  {MOST}  body of each point; the last is repeated
-    point  m      {3 * MOST}  each point from the mass centre, body axes
+    node   index  {MAX_POINTS}  body of each point; the last is repeated
+    point  m      {3 * MAX_POINTS}  each point from the mass centre, body axes
 """)
 
 
@@ -44,8 +44,8 @@ class Guide(Card):
 
 def points_of(guides: tuple[Guide, ...], field: str, scene: Scene) -> Columns:
     """Columns POINTS. Raises the scene's errors for too few or many, and for lines of no use."""
-    if not 2 <= len(guides) <= MOST:
-        raise scene.fail(f"has {len(guides)} points; from 2 to {MOST} are possible", field)
+    if not 2 <= len(guides) <= MAX_POINTS:
+        raise scene.fail(f"has {len(guides)} points; from 2 to {MAX_POINTS} are possible", field)
     for k in range(1, len(guides)):
         if guides[k].body == guides[k - 1].body:
             message = (
@@ -56,7 +56,7 @@ def points_of(guides: tuple[Guide, ...], field: str, scene: Scene) -> Columns:
     points = [
         scene.from_mass_centre(node, guide.at) for node, guide in zip(nodes, guides, strict=True)
     ]
-    more = MOST - len(nodes)
+    more = MAX_POINTS - len(nodes)
     return {
         "count": len(nodes),
         "node": np.array(nodes + more * nodes[-1:]),

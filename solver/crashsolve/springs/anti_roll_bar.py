@@ -24,13 +24,13 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import add_stiffness_bound, apply_force, arm, mobility, point_at
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import ZERO, Vector, add, cross, dot, norm, scale, sub, vec
-from crashsolve.springs._several import MOST, PARTS, POINTS, arm_of
+from crashsolve.springs._several import MAX_POINTS, PARTS, POINTS, arm_of
 
 if TYPE_CHECKING:
     from crashsolve.springs._rows.anti_roll_bar import History, Output, Parameters
 
 # lever of a link over its arm, below which it is at its dead centre
-DEAD = 1e-3
+DEAD_CENTRE = 1e-3
 # points of the left link and of the right one: of the other body, and the end of the arm
 LEFT, LEFT_END, RIGHT_END, RIGHT = range(4)
 
@@ -44,7 +44,7 @@ class Link(Card):
 
 
 class AntiRollBar(Card):
-    """Torsion bar in bearings of a body, which resists that its two links move apart."""
+    """Torsion bar in bearings of a body; it resists relative motion of its two links."""
 
     body: BodyName = word("body with the bearings")
     at: Vec3 = quantity("m", "a point on the axis of the bar, in the frame of the body")
@@ -78,7 +78,7 @@ def build(card: AntiRollBar, scene: Scene) -> Columns:
     if node == 0:
         raise scene.fail("the ground does not roll; name the body that does", "body")
     left, right = _end("left", card, scene), _end("right", card, scene)
-    more = MOST - 4
+    more = MAX_POINTS - 4
     return {
         "count": 4,
         "node": np.array([left.node, node, node, right.node] + more * [right.node]),
@@ -117,7 +117,7 @@ def _end(name: str, card: AntiRollBar, scene: Scene) -> End:
     rod, lever = scene.rotation_to_body(bar, x) - arm_end, arm_end - pivot
     r, length = float(np.linalg.norm(lever)), float(np.linalg.norm(rod))
     moment = float(rod @ np.cross(axis, lever))
-    if abs(moment) <= DEAD * r * length:
+    if abs(moment) <= DEAD_CENTRE * r * length:
         raise scene.fail(
             f"its arm is {r:.3g} m and its link {length:.3g} m long, with no lever on the bar; "
             "arm and link must not be in one plane with its axis",
@@ -165,7 +165,7 @@ def reach(p: Parameters, i, nodes):
 @kernel
 def is_at_dead_centre(p: Parameters, i, at):
     """Whether a link is at its dead centre, where the bar cannot turn its arm any further."""
-    return not abs(at.m) > DEAD * arm_length(p, i)
+    return not abs(at.m) > DEAD_CENTRE * arm_length(p, i)
 
 
 @kernel

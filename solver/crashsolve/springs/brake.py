@@ -69,15 +69,15 @@ PARAMETERS = POINTS + Record("""
     damping      N s/m     c
 """)
 HISTORY = Record("""
-    slider   m  3  s_p, axes of a
-    bristle  m  3  z, axes of a
-    force    N  3  f, axes of a
-    slid     m     displacement of the slider
+    slider            m  3  s_p, axes of a
+    bristle           m  3  z, axes of a
+    force             N  3  f, axes of a
+    accumulated_slip  m     distance slid
 """)
 OUTPUT = Record("""
-    force  N  3  on b, axes of a
-    limit  N     level at which it slides
-    slid   m     distance slid so far
+    force             N  3  on b, axes of a
+    limit             N     level at which it slides
+    accumulated_slip  m     distance slid
 """)
 
 
@@ -111,7 +111,7 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
     put(new.slider, add_scaled(vec(old.slider), 1.0 - share, trial))
     put(new.bristle, z)
     put(new.force, f)
-    new.slid = old.slid + (1.0 - share) * norm(trial)
+    new.accumulated_slip = old.accumulated_slip + (1.0 - share) * norm(trial)
     out.stored = 0.5 * p.stiffness * dot(z, z)
     out.power = 0.0
     displacement = sub(trial, vec(old.bristle))
@@ -121,7 +121,7 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
     )
     put(out.force, scale(-1.0, f))
     out.limit = limit
-    out.slid = new.slid
+    out.accumulated_slip = new.accumulated_slip
     push(p, nodes, vec(out.force), d_a, d_b)
     add_stiffness_bound_along(p, nodes, p.first, d_a, d_b, p.stiffness, p.damping)
     if p.second[0] != 0.0 or p.second[1] != 0.0 or p.second[2] != 0.0:

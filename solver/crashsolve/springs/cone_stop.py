@@ -33,8 +33,8 @@ from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import Vector, add_scaled, cross, dot, norm, put, scale, sub, vec
 from crashsolve.springs._joint import named_joint
 from crashsolve.springs._range import (
+    AT_LIMIT,
     LARGEST,
-    MET,
     MOMENT,
     REACHED,
     RangeCard,
@@ -49,7 +49,7 @@ if TYPE_CHECKING:
 
 LEDGER = "joint"
 COUNTS_ROTATIONS = True
-MOST = 24  # half angles of one cone
+MAX_ANGLES = 24  # half angles of one cone
 # sine below which s lies on the axis and has no azimuth
 ON_AXIS = 1e-12
 
@@ -78,8 +78,8 @@ class ConeStop(RangeCard):
         if (self.half_angles is None) == (self.table is None):
             raise ValueError("needs one of half_angles and table")
         azimuths = [azimuth for azimuth, _ in self.limits()]
-        if not 2 <= len(azimuths) <= MOST:
-            raise ValueError(f"table: needs 2 to {MOST} azimuths, has {len(azimuths)}")
+        if not 2 <= len(azimuths) <= MAX_ANGLES:
+            raise ValueError(f"table: needs 2 to {MAX_ANGLES} azimuths, has {len(azimuths)}")
         given = "half_angles" if self.table is None else "table"
         if max(half for _, half in self.limits()) > LARGEST:
             raise ValueError(
@@ -106,8 +106,8 @@ PARAMETERS = MOMENT + Record(f"""
     third_a   1      3  c x side, axes of a
     pointer   1      3  s, axes of b
     points    count     of azimuths
-    azimuth   rad    {MOST}  rising
-    narrow    1      {MOST}  f = 1 / theta_l^2 there
+    azimuth   rad    {MAX_ANGLES}  rising
+    narrow    1      {MAX_ANGLES}  f = 1 / theta_l^2 there
     stretch   1         largest |grad e|^2 at the limit
 """)
 HISTORY = REACHED
@@ -131,7 +131,7 @@ def build(card: ConeStop, scene: Scene) -> Columns:
         raise scene.fail("must not be along the axis, where there is no azimuth", "toward")
     side = scene.unit(side, "toward")
     azimuth, half = np.array(card.limits()).T
-    fill = np.zeros(MOST - len(half))
+    fill = np.zeros(MAX_ANGLES - len(half))
     ends = (joint.node_a, joint.node_b) if card.carrier == "a" else (joint.node_b, joint.node_a)
     columns = moment_columns(card, scene, "positive") | {
         "node_a": ends[0],
@@ -165,7 +165,7 @@ def _check_start(card: ConeStop, scene: Scene, p: Columns) -> None:
     across = float(np.hypot(s @ p["side_a"], s @ p["third_a"]))
     theta, phi = atan2(across, s @ p["axis_a"]), atan2(s @ p["third_a"], s @ p["side_a"])
     limit = limit_between(p["azimuth"], p["narrow"], p["points"], phi)[0]
-    if theta > limit + MET:
+    if theta > limit + AT_LIMIT:
         raise scene.fail(
             f"'{card.joint}' begins at {theta:.4g} rad from the axis, {theta - limit:.3g} rad past "
             f"the limit {limit:.4g} rad at azimuth {phi:.4g} rad; rotate a body, or widen the cone",
@@ -233,7 +233,7 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
     put(out.moment, matvec_t(nodes[p.node_b].A, scale(-out.torque, at.gradient)))
     # counted within the cone as well: nothing else shortens the step before the limit is met
     within = p.stretch if at.past <= 0.0 else 1.0
-    stiffness, damping = within * p.stiffest, within * p.stop_damping
+    stiffness, damping = within * p.largest_slope, within * p.stop_damping
     twist(p, nodes, out.torque, at.gradient, stiffness, damping)
 
 

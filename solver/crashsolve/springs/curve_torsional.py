@@ -32,7 +32,7 @@ class CurveTorsional(AxisSpringCard, ResistanceCard):
         "rate_curve": ("rad/s", "1"),
     }
 
-    angle: float = quantity("rad", "rotation from the start without deformation", default=0.0)
+    angle: float = quantity("rad", "rotation from the start at which it is undeformed", default=0.0)
     unloading_stiffness: float | None = quantity(
         "N m/rad",
         "slope on which the torque falls and grows again; leaves a permanent set",

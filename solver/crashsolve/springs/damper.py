@@ -39,7 +39,7 @@ class Damper(PointSpringCard):
 
 PARAMETERS = POINTS + Record("""
     curve     index   c
-    stiffest  N s/m   largest slope of the curve
+    largest_slope  N s/m   largest slope of the curve
 """)
 HISTORY = Record("segment  index  of the curve that is read")
 TANGENTS = 1
@@ -54,7 +54,7 @@ def build(card: Damper, scene: Scene) -> Columns:
     curve = scene.curve(card.curve)
     _check(scene.curve_points, curve, card.curve, scene)
     stiffest = steepest(scene.curve_points, curve)
-    return scene.attachments(card) | {"curve": curve, "stiffest": stiffest}
+    return scene.attachments(card) | {"curve": curve, "largest_slope": stiffest}
 
 
 def _check(points: np.ndarray, start: int, name: str, scene: Scene) -> None:
@@ -95,7 +95,7 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
     out.rate = rate
     out.stored = out.loss = 0.0
     out.power = tension * rate
-    pull(p, nodes, tension, u, d_a, d_b, 0.0, p.stiffest)
+    pull(p, nodes, tension, u, d_a, d_b, 0.0, p.largest_slope)
 
 
 @kernel

@@ -80,16 +80,16 @@ PARAMETERS = BRISTLE + Record("""
     torque_curve  index     phi over time; 0 for none
 """)
 HISTORY = PRESSING + Record("""
-    configuration  1    4  quaternion of b in a
-    bristle        rad  3  z, axes of a
-    torque         N m  3  M, axes of a
-    slid           rad     angle slid
+    configuration     1    4  quaternion of b in a
+    bristle           rad  3  z, axes of a
+    torque            N m  3  M, axes of a
+    accumulated_slip  rad     sum of angles slid
 """)
 OUTPUT = Record("""
-    torque  N m  3  on b, world axes
-    moment  N m  3  the same, axes of b
-    limit   N m     at which it slides
-    slid    rad     angle slid so far
+    torque            N m  3  on b, world axes
+    moment            N m  3  the same, axes of b
+    limit             N m     at which it slides
+    accumulated_slip  rad     sum of angles slid
 """)
 
 
@@ -135,9 +135,9 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
     torque = add_scaled(scale(p.stiffness, z), p.damping, w)
     if norm(torque) > limit:
         torque = scale(limit / norm(torque), torque)
-    store_state(new, now, z, torque, old.slid + (1.0 - share) * norm(trial))
+    store_state(new, now, z, torque, old.accumulated_slip + (1.0 - share) * norm(trial))
     out.limit = limit
-    out.slid = new.slid
+    out.accumulated_slip = new.accumulated_slip
     out.stored = 0.5 * p.stiffness * dot(z, z)
     out.power = 0.0
     was, bristle_torque = vec(old.bristle), vec(old.torque)
@@ -166,7 +166,7 @@ def store_state(new: History, configuration, z, torque, slid):
         new.configuration[k] = configuration[k]
     put(new.bristle, z)
     put(new.torque, torque)
-    new.slid = slid
+    new.accumulated_slip = slid
 
 
 @kernel

@@ -70,7 +70,7 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
     out.torque = _joint.stop(p, new, out.angle, rate, out, curves)
     out.rate = rate
     # counted in the gap as well: nothing else shortens the step before the stop is met
-    twist(p, nodes, out.torque, g, p.stiffest, p.damping)
+    twist(p, nodes, out.torque, g, p.largest_slope, p.damping)
 
 
 @kernel

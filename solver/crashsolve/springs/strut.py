@@ -106,8 +106,8 @@ PARAMETERS = POINTS + Record("""
     rebound_length     m      l_r; infinity for none
     rebound_stiffness  N/m    of the rebound stop
     rebound_curve      index  R; 0 for none
-    stiffest           N/m    largest slope of spring and stop together
-    most_damping       N s/m  largest slope of the damper
+    largest_slope      N/m    largest slope of spring and stop together
+    largest_damping       N s/m  largest slope of the damper
 """)
 HISTORY = Record()
 TANGENTS = 1
@@ -147,8 +147,8 @@ def build(card: Strut, scene: Scene) -> Columns:
         return steepest(points, curves[name]) if curves[name] else max(own[k] for k in others)
 
     stops = [slope("bump_curve", "bump_stiffness"), slope("rebound_curve", "rebound_stiffness")]
-    own["stiffest"] = slope("curve", "stiffness") + max(stops)
-    own["most_damping"] = slope("damping_curve", "bump_damping", "rebound_damping")
+    own["largest_slope"] = slope("curve", "stiffness") + max(stops)
+    own["largest_damping"] = slope("damping_curve", "bump_damping", "rebound_damping")
     return ends | curves | own
 
 
@@ -237,7 +237,7 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
     out.stored = stored + pressed
     out.power = damper * rate
     out.loss = 0.0
-    pull(p, nodes, out.force, u, d_a, d_b, p.stiffest, p.most_damping)
+    pull(p, nodes, out.force, u, d_a, d_b, p.largest_slope, p.largest_damping)
 
 
 @kernel

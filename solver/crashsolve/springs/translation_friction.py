@@ -55,15 +55,15 @@ class TranslationFriction(Card):
 STEPWISE = True
 PARAMETERS = SLIDE + BRISTLE
 HISTORY = PRESSING + Record("""
-    travel  m  of b from the start
-    slider  m  travel without stretch of the bristle
-    force   N  F
-    slid    m  distance slid
+    travel            m  of b from the start
+    slider            m  travel without stretch of the bristle
+    force             N  F
+    accumulated_slip  m  distance slid
 """)
 OUTPUT = Record("""
-    force  N  positive pushes b back along the axis
-    limit  N  at which it slides
-    slid   m  distance slid so far
+    force             N  positive pushes b back along the axis
+    limit             N  at which it slides
+    accumulated_slip  m  distance slid
 """)
 
 
@@ -92,10 +92,10 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
     new.travel = travel
     new.slider = travel - z
     new.force = friction
-    new.slid = old.slid + abs(trial - z)
+    new.accumulated_slip = old.accumulated_slip + abs(trial - z)
     out.force = friction
     out.limit = limit
-    out.slid = new.slid
+    out.accumulated_slip = new.accumulated_slip
     out.stored = 0.5 * p.stiffness * z * z
     out.power = out.loss = 0.0
     if h > 0.0:

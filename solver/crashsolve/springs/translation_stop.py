@@ -61,7 +61,7 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
     out.force = _joint.stop(p, new, out.travel, out.rate, out, curves)
     push(p, nodes, scale(-out.force, axis), d_a, d_b)
     # counted in the gap as well: nothing else shortens the step before the stop is met
-    add_stiffness_bound_along(p, nodes, p.axis_a, d_a, d_b, p.stiffest, p.damping)
+    add_stiffness_bound_along(p, nodes, p.axis_a, d_a, d_b, p.largest_slope, p.damping)
 
 
 @kernel

@@ -30,8 +30,8 @@ from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, cross, dot, put, scale, sub, vec
 from crashsolve.springs._joint import named_joint
 from crashsolve.springs._range import (
+    AT_LIMIT,
     LARGEST,
-    MET,
     MOMENT,
     REACHED,
     RangeCard,
@@ -111,7 +111,7 @@ def _check_start(card: TwistStop, scene: Scene, p: Columns) -> None:
     vectors = (A_a @ p["axis_a"], A_a @ p["side_a"], A_b @ p["axis_b"], A_b @ p["side_b"])
     tau = twist_angle(*(tuple(map(float, v)) for v in vectors))
     past = max(tau - card.upper, card.lower - tau)
-    if past > MET:
+    if past > AT_LIMIT:
         raise scene.fail(
             f"'{card.joint}' begins at the twist {tau:.4g} rad, {past:.3g} rad past its range from "
             f"{card.lower:.4g} to {card.upper:.4g} rad; rotate a body, or widen the range",
@@ -156,7 +156,7 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
     out.angle, out.margin = angle, min(p.upper - angle, angle - p.lower)
     out.energy = out.stored
     put(out.moment, matvec_t(nodes[p.node_b].A, scale(-out.torque, g)))
-    twist(p, nodes, out.torque, g, p.stiffest, p.stop_damping)
+    twist(p, nodes, out.torque, g, p.largest_slope, p.stop_damping)
 
 
 @kernel

@@ -28,9 +28,9 @@ from crashsolve.statics.equations import Equations
 # elastic range: corners are met to CLOSE of a load step, and slopes change at corners alone
 NEAR = 1e-6
 # more sets than two to this power are not tried
-MOST = 10
+MAX_CANDIDATES = 10
 # works and displacements that differ by less are alike
-ALIKE = 1e-6
+EQUALITY_TOLERANCE = 1e-6
 Set = tuple[int, ...]
 
 
@@ -47,7 +47,7 @@ class Branches:
     def __init__(self, engine: Equations, candidates: list[Candidate], time: float) -> None:
         self.candidates = candidates
         self.sets: list[tuple[float, Set, np.ndarray]] = []
-        if not 0 < len(self.candidates) <= MOST:
+        if not 0 < len(self.candidates) <= MAX_CANDIDATES:
             return
         g, self.D, phi = engine.imbalance(time)
         self.elastic = engine.elastic_tangent(time, g, self.D)
@@ -91,10 +91,11 @@ class Branches:
         (work, first, displacements), *others = self.sets
         names = set()
         for more, own, other in others:
-            is_as_good = abs(more - work) <= ALIKE * abs(work)
+            is_as_good = abs(more - work) <= EQUALITY_TOLERANCE * abs(work)
             if (
                 is_as_good
-                and np.abs(other - displacements).max() > ALIKE * np.abs(displacements).max()
+                and np.abs(other - displacements).max()
+                > EQUALITY_TOLERANCE * np.abs(displacements).max()
             ):
                 names |= {self.candidates[i].name for i in {*first} ^ {*own}}
         return sorted(names)

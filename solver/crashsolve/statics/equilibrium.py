@@ -34,11 +34,11 @@ from crashsolve.system.engine import Engine
 STEP = 1e-7
 # largest rotation [rad] and displacement (over the model's size) of a correction
 LARGEST_ROTATION, LARGEST_DISPLACEMENT = 0.3, 0.2
-MOST_ITERATIONS = 40
+MAX_ITERATIONS = 40
 # a correction that falls no more is round-off below this, in the model's size or rad
 STAGNATION_TOLERANCE = 1e-9
 # a displacement that is nothing but round-off, and an energy, over the largest force times the size
-NOWHERE, NOTHING = 1e-15, 1e-12
+NEGLIGIBLE, NOTHING = 1e-15, 1e-12
 # of the largest mobility of the rows of joints: lets redundant ones share
 SHARED = 1e-10
 # a load step is halved so often where no equilibrium is found
@@ -242,7 +242,7 @@ class StaticEngine(Engine):
     def iterate(self, time: float) -> int:
         """Number of Newton's iterations to the equilibrium at a time [s]; 0 without convergence."""
         start, previous = self.state.nodes.copy(), np.inf
-        for count in range(MOST_ITERATIONS):
+        for count in range(MAX_ITERATIONS):
             change = self.correction(time, self.known_tangent if count == 0 else None)
             if count == 0:
                 self.first = self.size_of(change)
@@ -255,8 +255,8 @@ class StaticEngine(Engine):
             self.plastic_flow.take(self, time, change * self.step_fraction(change))
             contraction = min(size / previous, 1.0) if count else 1.0
             stagnates = size >= 0.5 * previous
-            is_small = size * contraction <= self.tolerance * self._largest_change(start) + NOWHERE
-            if is_small or (stagnates and size <= STAGNATION_TOLERANCE):
+            bound = self.tolerance * self._largest_change(start) + NEGLIGIBLE
+            if size * contraction <= bound or (stagnates and size <= STAGNATION_TOLERANCE):
                 # trials may lead past the end of a curve, which only the answer must not
                 self.model.curves[0]["fault"] = 0
                 if self.is_balanced(time):

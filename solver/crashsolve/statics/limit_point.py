@@ -20,7 +20,7 @@ from crashsolve.statics.equations import CurvesOfLaws, Equations, Flowing
 # share of the value by the first of them, below which the load step is examined in halves
 FAR, APART = 1.1, 1.5
 # a change that is nothing but round-off, in the model's size or rad
-NOWHERE = 1e-12
+NEGLIGIBLE = 1e-12
 # a load step that misses less energy than this share of the exchanged energy has not jumped by more
 # than a few percent of its displacement: no way back is looked for, which costs as much again
 WHOLE = 1e-3
@@ -86,10 +86,10 @@ def passes_limit_point(
     if engine.yielding.groups or engine.plastic_flow.groups or start_time < engine.loading.start:
         return False
     change, forward = engine.size_of(engine.change_from(start)), engine.first
-    if forward > APART * change + NOWHERE and target - start_time > 2.0 * engine.least:
+    if forward > APART * change + NEGLIGIBLE and target - start_time > 2.0 * engine.least:
         # near a limit point the tangent of the lower equilibrium overestimates the change
         return True
-    if change <= FAR * forward + NOWHERE:
+    if change <= FAR * forward + NEGLIGIBLE:
         return missing > WHOLE and _ends_elsewhere(engine, start, start_time, target, change)
     tangent = engine.tangent
     backward = engine.size_of(engine.correction(start_time))
@@ -111,4 +111,4 @@ def _ends_elsewhere(
     engine.state.nodes[:] = here
     engine.imbalance(target)
     engine.tangent, engine.first = tangent, first
-    return is_found and rest > ELSEWHERE * change + NOWHERE
+    return is_found and rest > ELSEWHERE * change + NEGLIGIBLE

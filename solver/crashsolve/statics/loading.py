@@ -20,12 +20,12 @@ from crashsolve.foundation.errors import SolverError
 from crashsolve.model.model import Group, Model
 
 # of a load step: a remainder below this is joined to the last one
-ALMOST = 1e-6
+NEGLIGIBLE = 1e-6
 
 
 def equal_part(start_time: float, until: float, longest: float) -> float:
     """End of the first of equal parts of an interval, each at most `longest`."""
-    parts = ceil(max((until - start_time) / longest - ALMOST, 1.0))
+    parts = ceil(max((until - start_time) / longest - NEGLIGIBLE, 1.0))
     return until if parts == 1 else start_time + (until - start_time) / parts
 
 

@@ -26,8 +26,8 @@ from crashsolve.model.model import Model, State
 from crashsolve.statics.elimination import eliminate
 from crashsolve.statics.equilibrium import (
     HALVINGS,
-    MOST_ITERATIONS,
-    NOWHERE,
+    MAX_ITERATIONS,
+    NEGLIGIBLE,
     STAGNATION_TOLERANCE,
     StaticEngine,
 )
@@ -175,7 +175,7 @@ class PathEngine(StaticEngine):
         self.forces.include(self.imbalance(min(time, self.end))[0], self)
         self.shift(self.state.nodes, (ahead[:-1] / self._metric).reshape(-1, 6))
         previous = np.inf
-        for count in range(MOST_ITERATIONS):
+        for count in range(MAX_ITERATIONS):
             clock.time = time
             if time > self.end:
                 return 0
@@ -190,7 +190,8 @@ class PathEngine(StaticEngine):
             self.shift(self.state.nodes, moved * step_fraction)
             time += step_fraction * change[-1]
             contraction = min(size / previous, 1.0) if count else 1.0
-            is_small = size * contraction <= self.tolerance * self._largest_change(start) + NOWHERE
+            largest = self._largest_change(start)
+            is_small = size * contraction <= self.tolerance * largest + NEGLIGIBLE
             stagnates = size >= 0.5 * previous and size <= STAGNATION_TOLERANCE
             if step_fraction == 1.0 and (is_small or stagnates) and time <= self.end:
                 clock.time = time

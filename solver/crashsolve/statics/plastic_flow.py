@@ -15,7 +15,7 @@ from crashsolve.springs._segment_yield import FLOWS, FROZEN
 from crashsolve.statics.equations import Equations
 
 # elastic iterations at most, and the correction that ends them, over that which they follow
-PASSES, LITTLE = 6, 1e-3
+ITERATIONS, CONVERGED = 6, 1e-3
 # a mechanism that flows is not followed by so small a share of a correction
 LOST = 1e-2
 # corrections below this stretch nothing, in the model's size or rad
@@ -78,12 +78,12 @@ class PlasticFlow:
             g.module.predict(p, old, new, nodes, whole, engine.yielding.curves())
             p["at_rest"] = FROZEN
         engine.shift(nodes, change)
-        for _ in range(PASSES):
+        for _ in range(ITERATIONS):
             more = engine.correction(time)
             if not np.isfinite(more).all():
                 break
             engine.shift(nodes, more * engine.step_fraction(more))
-            if engine.size_of(more) < LITTLE * size:
+            if engine.size_of(more) < CONVERGED * size:
                 break
         for g in self.groups:
             g.parameters["at_rest"] = FLOWS

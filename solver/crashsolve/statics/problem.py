@@ -37,7 +37,7 @@ class Problem:
             "support what can move freely; let loads rise along a curve, in more steps; beyond a "
             "limit load there is no equilibrium: where a structure collapses plastically, "
             "prescribe its motion by a driver, whose reaction is the load; where it snaps through, "
-            "follow the path of equilibria by control.path: arc_length, or say "
+            "follow the path of equilibria by control.path: arc_length, or set "
             "solution: transient with damping",
         )
 
@@ -48,7 +48,7 @@ class Problem:
             f"({ratio:.3g} % of the largest energy): the equilibrium found at its end is not the "
             "one that continues from its start",
             "take more steps; where a structure collapses, prescribe its motion by a driver, whose "
-            "reaction is the load; where it snaps from one equilibrium to another, say "
+            "reaction is the load; where it snaps from one equilibrium to another, set "
             "solution: transient with damping; control.energy_limit sets the bound",
         )
 
@@ -59,7 +59,7 @@ class Problem:
             "beyond that load the model moves away from it, as a column buckles or a frame "
             "collapses",
             "the load there is the critical load; to continue give a small imperfection or side "
-            "load, prescribe the motion by a driver, whose reaction is the load, or say "
+            "load, prescribe the motion by a driver, whose reaction is the load, or set "
             "solution: transient; a body that is balanced above its joint needs a support",
         )
 
@@ -84,7 +84,7 @@ class Problem:
         return (
             f"a limit point between {at(moment)} and {at(self.target)}: {what}",
             "the load there is the limit load; to follow the path beyond it set control.path: "
-            "arc_length, prescribe the motion by a driver, whose reaction is the load, or say "
+            "arc_length, prescribe the motion by a driver, whose reaction is the load, or set "
             "solution: transient with damping",
         )
 

@@ -22,7 +22,7 @@ from crashsolve.deck.run_cards.control import Control
 from crashsolve.model.clock import CURVE_END, NOT_FINITE, PAUSED, REACHED, STEP_TOO_SMALL, UNSOLVED
 from crashsolve.model.model import Group, Model, State
 from crashsolve.statics.balance import EQUAL, ROUND
-from crashsolve.statics.equilibrium import NOWHERE, STAGNATION_TOLERANCE, STEP, StaticEngine
+from crashsolve.statics.equilibrium import NEGLIGIBLE, STAGNATION_TOLERANCE, STEP, StaticEngine
 from crashsolve.statics.motions import perturb
 from crashsolve.statics.stability import mass_matrix, unstable_mode, unstable_modes
 from crashsolve.system.diagnosis import diagnose
@@ -30,19 +30,19 @@ from crashsolve.system.diagnosis import diagnose
 # most steps for one load; a model that needs more can move freely
 REPEATS = 150
 # h over 1 / omega of the fastest vibration: at first, at most, and how it grows
-FIRST, MOST, GROWTH = 1e3, 1e8, 32.0
+FIRST, LONGEST, GROWTH = 1e3, 1e8, 32.0
 # the same where unstable modes are looked for
-CERTAIN = 1e7
+FOR_STABILITY = 1e7
 # residual that a step may leave, of the distance to equilibrium
 SLOW, UNKNOWN = 0.1, 0.9
 # how h grows where Newton's method has failed
-CAREFUL, RELENTING = 4.0, 1.2
+CAUTIOUS_GROWTH, RELAXATION = 4.0, 1.2
 # h over 1 / omega where corrections that go too far are shortened: with more inertia a step from
 # rest ends far from equilibrium, and the plastic flow on that detour remains; with less the nodes
 # between two elements that flow spin freely
-QUIET = FIRST * GROWTH**2
+SHORTENED_START = FIRST * GROWTH**2
 # load steps after which one of twice the length is tried
-TRIED = 5
+STEPS_BEFORE_GROWTH = 5
 # first yield may lie so many halvings within a load step
 HALVINGS = 13
 STILL = ("v", "w", "L")
@@ -68,13 +68,13 @@ class RestEngine(StaticEngine):
         """Step from rest to the equilibrium at a time [s]; returns it, None without convergence."""
         clock, nodes = self.clock, self.state.nodes
         start_time, start, previous = float(clock.time), nodes.copy(), np.inf
-        growth, highest, last_good, cycle = GROWTH, MOST, 0.0, int(clock.cycle)
+        growth, highest, last_good, cycle = GROWTH, LONGEST, 0.0, int(clock.cycle)
         self.forces.include(self.forces_at_rest(time, nodes), self)
         self._set_first_step()
         first = self.pseudo
         # a longer load step is tried after some that were good
         self.good_steps += 1
-        self.growth = 2.0 if self.good_steps % TRIED == 0 else 1.0
+        self.growth = 2.0 if self.good_steps % STEPS_BEFORE_GROWTH == 0 else 1.0
         for _ in range(REPEATS):
             saved = self.save_state()
             if not self._relax(start_time, time):
@@ -85,7 +85,7 @@ class RestEngine(StaticEngine):
                 # too far for Newton's method: more inertia, and less at a time
                 self.pseudo = last_good if last_good else self.pseudo / GROWTH
                 ratio = self.pseudo * self.highest_frequency
-                growth, highest = CAREFUL, ratio * (1.0 if last_good else GROWTH)
+                growth, highest = CAUTIOUS_GROWTH, ratio * (1.0 if last_good else GROWTH)
                 if ratio < 0.5 * FIRST:
                     # more inertia would leave all of the motion to the elements beside a driver;
                     # the load step is too long
@@ -108,9 +108,11 @@ class RestEngine(StaticEngine):
             ):
                 self.pseudo = min(self.pseudo * growth, highest / self.highest_frequency)
             # a step that failed far from equilibrium may converge near it
-            highest, last_good, previous = min(highest * RELENTING, MOST), used, change
+            highest, last_good, previous = min(highest * RELAXATION, LONGEST), used, change
         self.pseudo = (
-            max(first, QUIET / self.highest_frequency) if self.shortens_corrections else first
+            max(first, SHORTENED_START / self.highest_frequency)
+            if self.shortens_corrections
+            else first
         )
         return None
 
@@ -122,7 +124,7 @@ class RestEngine(StaticEngine):
         g = self.forces_at_rest(time, self.state.nodes)
         self.forces.include_reactions(self)
         balance, is_longest = self.forces.balance(g, self._round_off()), self._is_longest_step()
-        is_small = change * left <= self.tolerance * total * (1.0 - left) + NOWHERE
+        is_small = change * left <= self.tolerance * total * (1.0 - left) + NEGLIGIBLE
         if is_small and (balance == EQUAL or (balance == ROUND and is_longest)):
             return True
         stagnates = left > SLOW and change <= STAGNATION_TOLERANCE * total / SLOW
@@ -130,7 +132,7 @@ class RestEngine(StaticEngine):
 
     def _is_longest_step(self) -> bool:
         """Whether h has reached its largest value."""
-        return self.pseudo >= 0.5 * MOST / self.highest_frequency
+        return self.pseudo >= 0.5 * LONGEST / self.highest_frequency
 
     def _set_first_step(self) -> None:
         """Set h from the highest frequency of elements and springs. Writes: self."""
@@ -150,7 +152,10 @@ class RestEngine(StaticEngine):
         if is_found or self.shortens_corrections:
             return is_found
         self.restore_state(saved)
-        self.shortens_corrections, self.pseudo = True, max(pseudo, QUIET / self.highest_frequency)
+        self.shortens_corrections, self.pseudo = (
+            True,
+            max(pseudo, SHORTENED_START / self.highest_frequency),
+        )
         if self._iterate(start_time, time):
             return True
         self.shortens_corrections, self.pseudo = False, pseudo
@@ -199,7 +204,7 @@ class RestEngine(StaticEngine):
         if location:
             return location
         saved, pseudo = self.save_state(), self.pseudo
-        self.pseudo = CERTAIN / self.highest_frequency
+        self.pseudo = FOR_STABILITY / self.highest_frequency
         self._iterate(now, now)
         self.pseudo = pseudo
         self.restore_state(saved)
@@ -210,16 +215,16 @@ class RestEngine(StaticEngine):
         """Name of the body that leaves the equilibrium, with elements at rest; empty where none
         does.
         """
-        theirs = (
+        element_nodes = (
             set(self.model.elements.attached_points["node"].tolist())
             if self.model.elements
             else set()
         )
         for g in self.model.groups:
             if g.keyword == "parts" and "node_a" in (g.parameters.dtype.names or ()):
-                theirs |= set(g.parameters["node_a"].tolist())
-                theirs |= set(g.parameters["node_b"].tolist())
-        own = np.flatnonzero(~np.isin(self.free, list(theirs)))
+                element_nodes |= set(g.parameters["node_a"].tolist())
+                element_nodes |= set(g.parameters["node_b"].tolist())
+        own = np.flatnonzero(~np.isin(self.free, list(element_nodes)))
         if not len(own):
             return ""
         imbalance, D, _ = self.imbalance(now)

@@ -24,7 +24,7 @@ NOTHING = 1e-12
 # of the largest stiffness: smaller ones are scaled no further, or rows of D would lose their rank
 SOFT = 1e-12
 # asymmetry, of the largest entry, which differences leave; and of an eigenvalue of M^-1 K
-ALIKE = 1e-5
+SYMMETRY_TOLERANCE = 1e-5
 # imaginary part of an eigenvalue, over its size, that differences do not make
 FLUTTER = 1e-2
 
@@ -43,7 +43,7 @@ def unstable_mode(K: np.ndarray, D: np.ndarray, M: np.ndarray) -> tuple[np.ndarr
     if not reduced.size:
         return None, False
     largest = np.abs(reduced).max()
-    if np.abs(reduced - reduced.T).max() <= ALIKE * largest:
+    if np.abs(reduced - reduced.T).max() <= SYMMETRY_TOLERANCE * largest:
         mode = _of_even(0.5 * (reduced + reduced.T), NOTHING * largest)
         flutters = False
     else:
@@ -65,7 +65,7 @@ def _of_odd(K: np.ndarray, M: np.ndarray) -> tuple[np.ndarray | None, bool]:
     """The unstable mode (n,) of any K, None without one, and whether vibrations grow."""
     found, displacements = np.linalg.eig(np.linalg.solve(M, K))
     size = np.abs(found)
-    is_real = np.abs(found.imag) <= ALIKE * size
+    is_real = np.abs(found.imag) <= SYMMETRY_TOLERANCE * size
     leaves = (found.real < -NOTHING * size.max()) & is_real
     flutters = bool((np.abs(found.imag) > FLUTTER * size).any())
     if not leaves.any():
@@ -112,8 +112,8 @@ def count_unstable(K: np.ndarray, D: np.ndarray) -> int:
     if not reduced.size:
         return 0
     nothing = NOTHING * np.abs(reduced).max()
-    if np.abs(reduced - reduced.T).max() <= ALIKE * np.abs(reduced).max():
+    if np.abs(reduced - reduced.T).max() <= SYMMETRY_TOLERANCE * np.abs(reduced).max():
         return int((np.linalg.eigvalsh(0.5 * (reduced + reduced.T)) < -nothing).sum())
     found = np.linalg.eigvals(reduced)
-    is_real = np.abs(found.imag) <= ALIKE * np.abs(found)
+    is_real = np.abs(found.imag) <= SYMMETRY_TOLERANCE * np.abs(found)
     return int(((found.real < -nothing) & is_real).sum())

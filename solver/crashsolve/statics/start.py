@@ -27,7 +27,7 @@ from crashsolve.foundation.errors import SolverError
 from crashsolve.model.contact.pairs import renew
 from crashsolve.model.jacobian import jacobian, null_space, whole_rows
 from crashsolve.statics.motions import largest_motion, move, perturb
-from crashsolve.statics.stability import ALIKE
+from crashsolve.statics.stability import SYMMETRY_TOLERANCE
 from crashsolve.statics.standing_tyres import StandingTyres
 from crashsolve.system.engine import Engine
 
@@ -37,7 +37,7 @@ STEP = 1e-7
 LARGEST_DISPLACEMENT, LARGEST_ROTATION = 0.05, 0.1
 # of tau [s]: that of the first pass, the largest, which leaves neutral directions alone, the least
 FIRST, LONGEST, SHORTEST = 0.01, 10.0, 1e-7
-MOST_ITERATIONS = 300
+MAX_ITERATIONS = 300
 # searches where wheels stand: a tyre dragged across the road in one is released in the next
 SEARCHES = 3
 # successive iterations in which a standing tyre slides all over, after which nothing holds it
@@ -51,7 +51,7 @@ SMALLEST = 1e-11
 # growth of a motion away from the equilibrium beyond that of round-off [1/s]
 GROWTH, ROUND_OFF = 0.1, 1e-9
 # coordinates; differences of so many take minutes
-MOST_COORDINATES = 3000
+MAX_COORDINATES = 3000
 SUPPORT = (
     "support it by joints, springs or contacts that carry a static load (friction, dampers and "
     "sliding tyres carry none), or leave out control.start"
@@ -131,7 +131,7 @@ def _time_of_growth(K: np.ndarray, M: np.ndarray) -> float:
     K = half @ K @ half.T
     values = np.linalg.eigvalsh(0.5 * (K + K.T))
     limit = max(GROWTH**2, ROUND_OFF * values[-1])
-    if values[0] >= -limit or np.abs(K - K.T).max() > ALIKE * np.abs(values).max():
+    if values[0] >= -limit or np.abs(K - K.T).max() > SYMMETRY_TOLERANCE * np.abs(values).max():
         return 0.0
     return float(0.5 / np.sqrt(-values[0]))
 
@@ -155,10 +155,10 @@ class _EquilibriumSearch:
         if len(engine.state.points):
             message = "control.start: equilibrium does not move the nodes of shells"
             raise self._refusal(1, message, "leave out control.start")
-        if 6 * len(self.free) > MOST_COORDINATES:
+        if 6 * len(self.free) > MAX_COORDINATES:
             message = (
                 f"the model has {6 * len(self.free)} coordinates; control.start: equilibrium is "
-                f"for at most {MOST_COORDINATES}"
+                f"for at most {MAX_COORDINATES}"
             )
             raise self._refusal(1, message, "leave out control.start")
         self.standing_tyres = StandingTyres(self.model, nodes, int(engine.clock["current"]))
@@ -186,7 +186,7 @@ class _EquilibriumSearch:
         self.standing_tyres.accept(self.nodes)
         self.drifts, before = False, np.inf
         while True:
-            count = f"{iterations} of at most {MOST_ITERATIONS} iterations"
+            count = f"{iterations} of at most {MAX_ITERATIONS} iterations"
             report(f"searching the equilibrium, after {count}")
             has_stalled = tau >= STALLED and state.largest_acceleration > 0.5 * before
             stalls = stalls + 1 if has_stalled else 0
@@ -199,7 +199,7 @@ class _EquilibriumSearch:
             if is_small and np.abs(state.phi).max(initial=0.0) <= self._gap_tolerance():
                 return correction, iterations
             slides = slides + 1 if self.standing_tyres.sliding() else 0
-            if iterations == MOST_ITERATIONS or slides == SLIDES:
+            if iterations == MAX_ITERATIONS or slides == SLIDES:
                 raise self._no_equilibrium(state, iterations)
             iterations += 1
             trial = self.nodes.copy()
@@ -327,7 +327,7 @@ class _EquilibriumSearch:
         values, modes = np.linalg.eigh(0.5 * (K + K.T))
         # differences err by a share of the stiffest mode
         limit = max(GROWTH**2, ROUND_OFF * values[-1])
-        if values[0] < -limit and np.abs(K - K.T).max() > ALIKE * values[-1]:
+        if values[0] < -limit and np.abs(K - K.T).max() > SYMMETRY_TOLERANCE * values[-1]:
             # loads that follow the motion: only a real eigenvalue is left without vibration
             values, modes = np.linalg.eig(K)
             values = np.where(np.abs(values.imag) < limit, values.real, np.inf)

@@ -34,7 +34,7 @@ from crashsolve.statics.problem import Problem
 CLOSE = 1e-6
 # the least share of a load step: past the position of a corner that is met already
 LEAST = 1e-8
-MOST_ITERATIONS = 60
+MAX_ITERATIONS = 60
 # so much before a failure a step ends [of its displacement]
 BEFORE = 4.0 * CLOSE
 # where a corner cannot be passed a load step ends so much before it [of its displacement]
@@ -198,7 +198,7 @@ class Yielding:
         goal = 0.5 * CLOSE * (end - at_low)
         low, high, at_low, at_high = 0.0, 1.0, at_low - goal, end - goal
         found, side = (engine.save_state(), engine.tangent), 0
-        for k in range(MOST_ITERATIONS):
+        for k in range(MAX_ITERATIONS):
             if at_high <= goal:
                 break
             # a curved function needs bisection now and then

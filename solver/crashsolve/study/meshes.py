@@ -28,7 +28,7 @@ STRUCTURE = {"segments": "divisions", "beams": "divisions", "shells": "across"}
 SEGMENTS_ORDER = 1.0
 Numbers = tuple[int, ...]
 # elements that may become one along a side of a given mesh
-MOST_JOINED = 8
+MAX_JOINED = 8
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ def _joined(deck: Deck, factor: int) -> dict[str, str]:
         path, mesh = _mesh_of(deck, deck.entries["parts"][name])
         if not hasattr(mesh, "joined"):
             raise ValueError(f"{name} has a mesh that cannot be made coarser")
-        if mesh.joined * factor > MOST_JOINED:
+        if mesh.joined * factor > MAX_JOINED:
             raise ValueError(f"elements of {name} are joined by {mesh.joined} already")
         found[f"{path}.joined"] = str(mesh.joined * factor)
     return found

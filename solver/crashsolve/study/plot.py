@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#332288", "#cc79a7", "#882255", "#1c2126")
 MARKERS = "os^Dv<>p"
 ROUND_OFF = 1e-12
-# more lines than these no eye keeps apart
-MOST = 10
+# more lines than these cannot be distinguished
+MAX_LINES = 10
 # letters of a title or label that fit
 LONGEST = 72
 INK, MUTED, RULE = "#1c2126", "#5b6570", "#e4e7ea"
@@ -40,7 +40,7 @@ class Line(NamedTuple):
 def draw(path: Path, title: str, trials: Sequence[Trial], findings: Sequence[Finding]) -> str:
     """Write the picture; returns why it cannot be drawn, if so. Raises OutputError."""
     lines, what = _of_channels(trials, findings), "relative error"
-    if len(lines) > MOST and len(_series(trials)) > 1:
+    if len(lines) > MAX_LINES and len(_series(trials)) > 1:
         lines, what = _of_all(trials, findings), "largest relative error of all channels"
     if not lines:
         return "no plot: no run has an error to show"

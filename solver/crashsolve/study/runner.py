@@ -234,7 +234,7 @@ def _still_converging(findings: list[Finding]) -> str:
 def _verdict(findings: list[Finding], trials: list[Trial], target: float) -> str:
     """The cheapest setting that meets the wanted error, or the one that would be needed."""
     absolute = [finding.watch.name for finding in findings if finding.is_absolute]
-    left_out = f" (not judged, its reference is zero: {', '.join(absolute)})" if absolute else ""
+    left_out = f" (not rated, as its reference is zero: {', '.join(absolute)})" if absolute else ""
     best = cheapest(findings, trials, target)
     if best is not None:
         cost = f"{best.cpu_steps:.3g} s of CPU in steps"

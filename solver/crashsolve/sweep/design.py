@@ -19,7 +19,7 @@ from math import prod
 import numpy as np
 
 from crashsolve.foundation.errors import DeckError
-from crashsolve.sweep.plan import DRAWN, MOST, Plan
+from crashsolve.sweep.plan import DRAWN, MAX_RUNS, Plan
 
 # by the name of a varied parameter, its value as --set takes it
 Point = dict[str, str]
@@ -37,8 +37,8 @@ def points_of(plan: Plan) -> list[Point]:
         ]
     columns = [axis.texts() for axis in axes.values()]
     count = prod(map(len, columns)) if design.type == "grid" else len(columns[0])
-    if count > MOST:
-        raise _refusal(plan, f"the design has {count} runs", f"{MOST} are the most")
+    if count > MAX_RUNS:
+        raise _refusal(plan, f"the design has {count} runs", f"at most {MAX_RUNS} are possible")
     is_grid = design.type == "grid"
     rows = list(product(*columns) if is_grid else zip(*columns, strict=True))
     return [dict(zip(axes, row, strict=True)) for row in rows]
@@ -54,9 +54,9 @@ def _drawn(plan: Plan) -> list[list[float]]:
     design, d = plan.card.design, len(plan.axes)
     n = design.runs or 0
     if design.type == "saltelli":
-        if n * (d + 2) > MOST:
+        if n * (d + 2) > MAX_RUNS:
             message = f"saltelli makes {n} x ({d} + 2) = {n * (d + 2)} runs"
-            raise _refusal(plan, message, f"{MOST} are the most")
+            raise _refusal(plan, message, f"at most {MAX_RUNS} are possible")
         rows = _between(qmc.Sobol(2 * d, rng=design.seed).random(n))
         return [row for pair in rows for row in _crossed(pair[:d], pair[d:])]
     if design.type == "sobol":

@@ -46,8 +46,8 @@ class Mark:
         """Difference from another mark in words; empty for the same."""
         words = {"deck": "another deck or other values", "files": "other files that the deck reads"}
         words["version"] = "another version of crashsolve"
-        mine = asdict(self)
-        return ", ".join(words[name] for name in words if other.get(name) != mine[name])
+        own = asdict(self)
+        return ", ".join(words[name] for name in words if other.get(name) != own[name])
 
 
 @dataclass(frozen=True)

@@ -33,7 +33,7 @@ from crashsolve.sweep.axis import Axis
 
 DRAWN = ("latin_hypercube", "sobol", "saltelli")
 LISTED = ("grid", "list")
-MOST = 100_000
+MAX_RUNS = 100_000
 # of every table
 COLUMNS = ("run", "state", "message")
 
@@ -60,8 +60,8 @@ class Design(Card):
             return self
         if self.runs is None:
             raise ValueError(f"runs: {self.type} needs their number")
-        if not 1 <= self.runs <= MOST:
-            raise ValueError(f"runs: must be from 1 to {MOST}, not {self.runs}")
+        if not 1 <= self.runs <= MAX_RUNS:
+            raise ValueError(f"runs: must be from 1 to {MAX_RUNS}, not {self.runs}")
         if self.type != "latin_hypercube" and self.runs & (self.runs - 1):
             below = 1 << (self.runs.bit_length() - 1)
             message = f"{self.runs} points of a Sobol sequence are not balanced"

@@ -94,7 +94,7 @@ def task(folder: Path, number: int) -> int:
     run = next((run for run in runs if run.number == number), None)
     if run is None:
         message = f"the sweep in {folder} has {len(runs)} runs"
-        raise DeckError(f"--run {number}", None, None, "", message, f"say 1 to {len(runs)}")
+        raise DeckError(f"--run {number}", None, None, "", message, f"give 1 to {len(runs)}")
     with Lock(folder, is_shared=True):
         difference = mark_of(read_deck(deck, run.overrides)).difference_from(asdict(run.mark))
         if difference:

@@ -24,11 +24,11 @@ from crashsolve.system.engine import Engine
 from crashsolve.system.placeholders import group_arrays
 
 # more of one group on one body are evaluated together
-MOST = 32
+MAX_PER_BODY = 32
 # a step is cut into equal ones: a step of less than half of the wanted one has another cause
 EQUAL = 0.499
-# [s] after which it is looked for anew who sets the step
-AGAIN = 1.0
+# [s] after which the body that sets the step is determined anew
+RENEWAL_INTERVAL = 1.0
 # share of the bound that goes when a body cannot rotate, above which its inertia is the cause
 BY_ROTATION = 0.9
 
@@ -103,7 +103,7 @@ class StepBound:
 
     def _stiffest(self, engine: Engine, at: int) -> str:
         now = monotonic()
-        if at != self._at or now > self._found + AGAIN:
+        if at != self._at or now > self._found + RENEWAL_INTERVAL:
             self._culprit, self._at, self._found = stiffest(engine, at), at, now
         return self._culprit
 
@@ -151,10 +151,10 @@ def _copies(engine: Engine) -> dict[str, np.ndarray]:
     arrays = group_arrays(m, s) | m.saddle._asdict()
     arrays |= {"control": m.control, "curves": m.curves} | engine.tableau | engine.stages
     arrays |= {"clock": s.clock, "nodes": s.nodes, "rows": s.rows, "ledger": np.zeros(len(ENTRIES))}
-    nobody = np.zeros(0, int)
+    no_bodies = np.zeros(0, int)
     for group in (*m.force_groups(), *m.contact_groups):
         if not getattr(group, "is_unilateral", False):
-            arrays |= _only(group, nobody)
+            arrays |= _only(group, no_bodies)
     return {name: array.copy() for name, array in arrays.items()}
 
 
@@ -188,7 +188,7 @@ def _actors(engine: Engine, at: int) -> list[Actor]:
 
 def _split(rows: np.ndarray) -> list[np.ndarray]:
     """Each by itself, or all together where they are many."""
-    if len(rows) > MOST:
+    if len(rows) > MAX_PER_BODY:
         return [rows]
     return [rows[k : k + 1] for k in range(len(rows))]
 

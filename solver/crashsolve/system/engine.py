@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 ASSEMBLY = 1e-6
 # iterations to close the joints, per step on average, beyond which the step is suspect: 1 to 2 are
 # common, 8 are taken where the tension of a chain swings its rods at 2.4 times the stable frequency
-MANY_PASSES = 4.0
+MANY_ITERATIONS = 4.0
 # steps of the first call of the compiled loop, and seconds that a call may take: no request waits
 # longer for an answer to a signal
 FIRST_CALL, LONGEST_CALL = 16, 0.2
@@ -57,7 +57,7 @@ MISSING, NEGLIGIBLE_SHARE = ("missing", "missing_share", "missing_time"), 0.01
 # methods with stages take steps so many times as long, by the curves of time
 WITHIN = 4.0
 # at most so many iterations for friction and reactions of the initial state to agree
-PASSES = 60
+ITERATIONS = 60
 
 
 class Engine:
@@ -185,7 +185,7 @@ class Engine:
         s = self.state
         reactions = s.rows["reaction"].tolist()
         # friction in joints needs the reactions, which need the friction
-        for count in range(PASSES):
+        for count in range(ITERATIONS):
             known = reactions
             self._advance(self.clock["time"], True, self._present)
             if count == 0 and any([find_impact_speeds(self.model, s), self.masses.find(s)]):
@@ -398,7 +398,7 @@ class Engine:
         found += joint_warnings(self.model, self.state)
         cycles = int(self.clock["cycle"])
         iterations = int(self.clock["iterations"]) / max(cycles, 1)
-        if self.model.integrator != "rattle" or iterations <= MANY_PASSES:
+        if self.model.integrator != "rattle" or iterations <= MANY_ITERATIONS:
             return found
         return [
             *found,

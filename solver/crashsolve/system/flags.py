@@ -17,8 +17,8 @@ def law_warnings(model: Model, state: State) -> list[str]:
         for column, text in getattr(g.module, "WARNINGS", {}).items()
         for name in np.array(g.names)[g.history[column][current] != 0]
     ]
-    met = sorted(contact_flags(model, state, "WARNINGS"))
-    return others + [f"contact '{model.contacts[card]}': {text}" for card, text in met]
+    raised = sorted(contact_flags(model, state, "WARNINGS"))
+    return others + [f"contact '{model.contacts[card]}': {text}" for card, text in raised]
 
 
 def contact_flags(model: Model, state: State, table: str) -> set[tuple[int, str]]:
@@ -38,8 +38,8 @@ def _of_pairs(
 ) -> set[tuple[int, str]]:
     found, bits = set(), flags_of(group.normal)
     for name, text in getattr(group.normal, table, {}).items():
-        met = group.history[name][current] != 0
-        cards = {int(card) for card in group.parameters["card"][met]}
+        raised = group.history[name][current] != 0
+        cards = {int(card) for card in group.parameters["card"][raised]}
         # of pairs that have left the list of near ones, the card remembers
         is_set = left >> bits.index(name) & 1
         cards |= {card for card in (group.search.cards() if group.search else ()) if is_set[card]}

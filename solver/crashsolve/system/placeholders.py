@@ -34,14 +34,16 @@ BRANCHES: tuple[Group, ...] = ()  # laws of several branches, with an event func
 TANGENTS: tuple[Group, ...] = ()  # laws that state implicit methods their tangents
 CONTACTS: tuple[ContactGroup, ...] = ()  # contact pairs
 UNILATERAL: tuple[ContactGroup, ...] = ()  # of them, those held by impulses
-WEIGHED: tuple[ContactGroup, ...] = ()  # of them, those whose damping is that of the whole touch
+WITH_EFFECTIVE_MASS: tuple[
+    ContactGroup, ...
+] = ()  # of them, those whose damping is that of the whole touch
 SLIDING: tuple[ContactGroup, ...] = ()  # of them, those whose friction has branches
 TANGENT_CONTACTS: tuple[ContactGroup, ...] = ()  # of them, those that keep all their pairs
 NODAL: tuple[NodalGroup, ...] = ()  # nodes on shapes and on the faces of shells
 
 # other content of the scene
 ATTACHMENTS = True  # nodes welded to rigid bodies
-TIES = True  # points that ride on faces
+TIES = True  # points that are tied to faces
 CUTS = True  # sensors that cut through elements
 SEARCHES = True  # lists of near pairs, which are renewed
 MANY_PAIRS = True  # contacts whose pairs are done in pieces
@@ -76,7 +78,7 @@ def placeholders(model: Model) -> dict[str, Any]:
         "TANGENTS": tuple(tangent_groups(model)),
         "CONTACTS": tuple(contacts),
         "UNILATERAL": tuple(c for c in contacts if c.is_unilateral),
-        "WEIGHED": groups_with_effective_mass(model),
+        "WITH_EFFECTIVE_MASS": groups_with_effective_mass(model),
         "SLIDING": tuple(model.groups_with_friction()),
         "TANGENT_CONTACTS": tuple(tangent_contacts(model)),
         "NODAL": tuple(nodal),

@@ -172,7 +172,7 @@ def transfer_to_bodies(clock, nodes, points, attached_points):
 
 @kernel
 def sum_momenta(points, total):
-    """Momenta of the points that ride on no body. Writes: total."""
+    """Momenta of the points that are attached to no body. Writes: total."""
     zero = (0.0, 0.0, 0.0)
     put(total.linear, zero)
     put(total.angular, zero)

@@ -18,7 +18,7 @@ from crashsolve.system.kinetics import fastest_rotation
 
 # rotation of a body in a step, beyond which angles between two are not counted; and the rest of
 # it to a step chosen by its error, as bodies may spin up in it [rad]
-QUARTER, MOST_ROTATION = 0.5 * pi, 1.0
+QUARTER, MAX_ROTATION = 0.5 * pi, 1.0
 # frequency times a stated step that is resolved well
 SLOW = 1.0
 
@@ -75,8 +75,8 @@ def count_rotations(h, clock, control, nodes):
     rotation = fastest_rotation(nodes)
     if control.fixed_step > 0.0 and rotation * h > QUARTER:
         clock.status, clock.value = ROTATED, rotation
-    elif control.fixed_step == 0.0 and rotation * clock.next_step > MOST_ROTATION:
-        clock.next_step = MOST_ROTATION / rotation
+    elif control.fixed_step == 0.0 and rotation * clock.next_step > MAX_ROTATION:
+        clock.next_step = MAX_ROTATION / rotation
 
 
 @kernel

@@ -5,7 +5,9 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import load_point
 from crashsolve.foundation.vec3 import put, vec
 
-NONE, OPEN, DEFORM, LOAD, TAKE, CLOSE, SPEED, LOOK, PRESS, BEAR, APPROACH = range(11)
+NONE, OPEN, DEFORM, LOAD, COLLECT, CLOSE, SPEED, SEARCH, PAIR_FORCES, BODY_LOADS, APPROACH = range(
+    11
+)
 
 
 @kernel

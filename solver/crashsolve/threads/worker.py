@@ -29,7 +29,7 @@ ROUND, DONE, QUEUES, LINE = 0, 8, 16, 8
 LAST_ROUND = -1
 # parts of the word of a queue
 NEXT, OF_ROUND = 2**16, 2**32
-MOST_PIECES = NEXT - 1
+MAX_PIECES = NEXT - 1
 # polls, some 20 microseconds, before the core is offered to others, and before the thread sleeps
 SPINS, YIELDS = 4000, 500
 SLEEP_TIME = 100  # microseconds

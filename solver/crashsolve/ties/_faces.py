@@ -12,7 +12,7 @@ import numpy as np
 
 # by how much of its half a node may lie beside a face, past a corner of the surface
 BESIDE = 0.1
-MOST_ITERATIONS = 20
+MAX_ITERATIONS = 20
 # of xi and eta, when nothing changes any more
 SAME = 1e-14
 SIGNS = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
@@ -45,7 +45,7 @@ def _on_face(face: int, x: np.ndarray, corners: np.ndarray, quad: np.ndarray) ->
         return _on_triangle(face, x, corners)
     n = normal(corners)
     u, c = np.zeros(2), 0.0
-    for _ in range(MOST_ITERATIONS):
+    for _ in range(MAX_ITERATIONS):
         N, slopes = _bilinear(u)
         gap = x - N @ corners - c * n
         change = np.linalg.solve(np.column_stack([*(slopes.T @ corners), n]), gap)

@@ -1,4 +1,4 @@
-"""Tie of nodes to faces: a node rides on a face of another shell, without a motion of its own.
+"""Tie of nodes to faces: a node follows a face of another shell, without a motion of its own.
 
     r = sum N_i r_i + c n,   w = sum N_i w_i,   v = r_dot
     f_i = N_i f + c (dn / dr_i)^T f,   t_i = N_i t,   m_i += N_i m,   J_i += N_i J

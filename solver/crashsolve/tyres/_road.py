@@ -161,7 +161,7 @@ def road_distance(p, i, nodes, x, curves, data):
 def record_double(new, n, before):
     """Normals of a road that presses the wheel and of the one before it. Writes: new."""
     if dot(n, before) > ONE_SIDE:
-        new.doubled = 1
+        new.roads_overlap = 1
 
 
 @kernel

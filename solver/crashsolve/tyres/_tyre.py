@@ -42,7 +42,7 @@ from crashsolve.springs._resistance import steepest
 from crashsolve.tyres._road import MAX_ROADS, PLANE, ROADS, Profile, road_columns, road_distance
 
 # cosine of the camber below which a wheel lies on its side, and is not on its tyre
-LYING = 0.1
+LEAST_COSINE = 0.1
 # difference by which the turning of a normal is found, over R
 NEAR = 1e-4
 
@@ -107,7 +107,7 @@ TYRE = ROADS + Record("""
     radius          m         R
     stiffness       N/m       k; not used with a curve
     curve           index     y; 0 for none
-    stiffest        N/m       largest slope of the vertical force
+    largest_slope   N/m       largest slope of the vertical force
     damping         N s/m     c
     damping_depth   m         depth over which it grows
     rim_depth       m         depth at which the rim is met; infinite for none
@@ -117,7 +117,7 @@ TYRE = ROADS + Record("""
     length          m         l; 0 for the chord of the circle
     sigma_x         m         relaxation length along the wheel
     sigma_y         m         the same across
-    still_damping   N s/m     k_V
+    standstill_damping   N s/m     k_V
     low_speed       m/s       V_low
     side_stiffness  N/m       of the carcass; infinite for none
     resistance      1         coefficient of rolling resistance
@@ -126,17 +126,18 @@ TYRE = ROADS + Record("""
     C_gamma         N/rad     lateral force over camber at zero
 """)
 CARCASS = Record(f"""
-    q_x    m  {MAX_ROADS}  deflection of the carcass along the wheel, on each road
-    q_y    m  {MAX_ROADS}  the same across
-    store  J  {MAX_ROADS}  energy in it
-    sunk   flag  whether its centre has been on a road or below it
-    doubled  flag  whether two roads have pressed it from one side
+    q_x            m     {MAX_ROADS}  deflection of the carcass along the wheel, on each road
+    q_y            m     {MAX_ROADS}  the same across
+    store          J     {MAX_ROADS}  energy in it
+    bottomed       flag  whether its centre has been on a road or below it
+    roads_overlap  flag  whether two roads have pressed it from one side
 """)
 OUT_OF_RANGE = {
-    "sunk": "the wheel centre has reached the road: the tyre is too soft for its load, or for what "
-    "it struck, which it may have passed; give rim_radius and rim_stiffness, or a stiffening curve",
-    "doubled": "two roads pressed it from one side, and their forces were added: where they lie in "
-    "one plane its load is too high; define them as one box, one mesh or one profile",
+    "bottomed": "the wheel centre has reached the road: the tyre is too soft for its load, or for "
+    "what it struck, which it may have passed; give rim_radius and rim_stiffness, or a stiffening "
+    "curve",
+    "roads_overlap": "two roads pressed it from one side, and their forces were added: where they "
+    "lie in one plane its load is too high; define them as one box, one mesh or one profile",
 }
 FORCES_OF_TYRE = Record("""
     force         N    3  on the wheel, world axes
@@ -174,7 +175,7 @@ def tyre_columns(card: TyreCard, scene: Scene) -> Columns:
         "radius": card.radius,
         "stiffness": k,
         "curve": curve,
-        "stiffest": slope + card.rim_stiffness,
+        "largest_slope": slope + card.rim_stiffness,
         "damping": card.damping,
         "damping_depth": card.damping_depth,
         "rim_depth": rim,
@@ -184,7 +185,7 @@ def tyre_columns(card: TyreCard, scene: Scene) -> Columns:
         "length": card.contact_length or 0.0,
         "sigma_x": card.relaxation,
         "sigma_y": card.side_relaxation,
-        "still_damping": card.standstill_damping,
+        "standstill_damping": card.standstill_damping,
         "low_speed": card.low_speed,
         "side_stiffness": card.side_stiffness or float("inf"),
         "resistance": card.rolling_resistance,
@@ -221,8 +222,8 @@ def patch_of(p, i, nodes, curves, data):
     d, n = road_distance(p, i, nodes, centre, curves, data)
     camber = dot(u, n)
     upright = sqrt(max(1.0 - camber * camber, 0.0))
-    lies = upright < LYING
-    cosine = max(upright, LYING)
+    lies = upright < LEAST_COSINE
+    cosine = max(upright, LEAST_COSINE)
     m = scale(1.0 / cosine, add_scaled(n, -camber, u))
     x = scale(1.0 / cosine, cross(u, n))
     radius = max(d / cosine, 0.1 * p.radius)
@@ -291,7 +292,7 @@ def vertical_force(p, at, curves):
     c = p.damping * share * share * (3.0 - 2.0 * share)
     total = max(elastic + c * at.closing, 0.0)
     # the rim counts before it is met: nothing else shortens the step by then
-    return total, stored, (total - elastic) * at.closing, max(slope, p.stiffest), c
+    return total, stored, (total - elastic) * at.closing, max(slope, p.largest_slope), c
 
 
 class Grip(NamedTuple):
@@ -311,12 +312,12 @@ class Grip(NamedTuple):
 def grip_of(p, i, old, new, out, at, h, curves):
     """The Grip on road i after a step h. Writes: new, out."""
     # also within a step, in which it may pass a thin road and come out behind it
-    if old.sunk == 1 or at.depth + h * abs(at.closing) >= p.radius:
-        new.sunk = 1
-    if old.doubled == 1:
-        new.doubled = 1
+    if old.bottomed == 1 or at.depth + h * abs(at.closing) >= p.radius:
+        new.bottomed = 1
+    if old.roads_overlap == 1:
+        new.roads_overlap = 1
     if at.depth <= 0.0:
-        # off the road the carcass is at ease
+        # off the road the carcass has no force
         out.loss += old.store[i] if h > 0.0 else 0.0
         out.depth = max(out.depth, at.depth)
         return Grip(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, p.friction_max)
@@ -328,14 +329,14 @@ def grip_of(p, i, old, new, out, at, h, curves):
     q_y = relaxed(old.q_y[i], at.slip_y, V, p.sigma_y, h)
     # from 1 at rest to -1 at V_low
     slow = cos(pi * (V / p.low_speed)) if p.low_speed > V else -1.0
-    k_V = 0.5 * p.still_damping * (1.0 + slow)
+    k_V = 0.5 * p.standstill_damping * (1.0 + slow)
     s_x = (q_x - k_V / p.C_x * at.slip_x) / p.sigma_x
     s_y = (q_y - k_V / p.C_y * at.slip_y) / p.sigma_y
     now = sqrt(at.slip_x**2 + at.slip_y**2) / max(V, p.low_speed)
     mu = p.friction_max - (p.friction_max - p.friction_min) * min(now, 1.0)
-    # the carcass of a patch that slides all over is not drawn out further
-    held = sqrt((p.C_x * q_x / p.sigma_x) ** 2 + (p.C_y * q_y / p.sigma_y) ** 2)
-    share = 3.0 * mu * F_z / held if held > 3.0 * mu * F_z else 1.0
+    # the carcass of a patch that slides all over is not deflected further
+    carcass_force = sqrt((p.C_x * q_x / p.sigma_x) ** 2 + (p.C_y * q_y / p.sigma_y) ** 2)
+    share = 3.0 * mu * F_z / carcass_force if carcass_force > 3.0 * mu * F_z else 1.0
     new.q_x[i], new.q_y[i] = share * q_x, share * q_y
     # a wheel that leans to the right is pushed to the right
     s_y -= p.C_gamma / p.C_y * at.camber * 0.5 * (1.0 - slow)
@@ -372,7 +373,7 @@ def reset(p, new, out):
     """Reset before the roads are searched. Writes: new, out."""
     for k in range(MAX_ROADS):
         new.q_x[k] = new.q_y[k] = new.store[k] = 0.0
-    new.sunk = new.doubled = 0
+    new.bottomed = new.roads_overlap = 0
     for k in range(3):
         out.force[k] = out.moment[k] = 0.0
     out.normal = out.longitudinal = out.lateral = out.aligning = 0.0
@@ -416,8 +417,8 @@ def apply_patch_forces(p, i, old, new, out, h, nodes, at, grip, F, M_z, store):
     load(wheel, at.bottom, at.n, grip.slope, grip.damping)
     if p.road_node[i] > 0:
         load(road, add(to_road, at.bottom), at.n, grip.slope, grip.damping)
-    load(wheel, at.foot, at.x, p.C_x / p.sigma_x, p.still_damping)
-    load(wheel, at.foot, at.y, p.C_y / p.sigma_y, p.still_damping)
+    load(wheel, at.foot, at.x, p.C_x / p.sigma_x, p.standstill_damping)
+    load(wheel, at.foot, at.y, p.C_y / p.sigma_y, p.standstill_damping)
 
 
 @kernel
@@ -428,9 +429,9 @@ def bound_step(p, nodes, curves, data):
     Writes: nodes.
     """
     at, wheel = patch_of(p, 0, nodes, curves, data), nodes[p.node]
-    load(wheel, at.bottom, at.n, p.stiffest, p.damping)
-    load(wheel, at.bottom, at.x, p.C_x / p.sigma_x, p.still_damping)
-    load(wheel, at.bottom, at.y, p.C_y / p.sigma_y, p.still_damping)
+    load(wheel, at.bottom, at.n, p.largest_slope, p.damping)
+    load(wheel, at.bottom, at.x, p.C_x / p.sigma_x, p.standstill_damping)
+    load(wheel, at.bottom, at.y, p.C_y / p.sigma_y, p.standstill_damping)
 
 
 @kernel

@@ -9,7 +9,7 @@ class Parameters:
     friction_coefficient: Numbers[float]  # [1] mu of rings and surfaces
     surface: Numbers[int]  # [flag] 0 for a point, else SPHERE, CYLINDER or ELLIPSOID
     axes: Numbers[float]  # [1] axes of each surface in its body, by rows
-    semi: Numbers[float]  # [m] semi-axes; radius first, half length of a cylinder last
+    semi: Numbers[float]  # [m] semi-axes; radius first, half length of cylinder
     sense: Numbers[float]  # [1] 1 or -1: how the belt turns about a cylinder
     turned: Numbers[float]  # [rad] angle of it that is wrapped at the start
     shortest: float  # [m] length below which a segment is taken as that long
@@ -35,7 +35,7 @@ class History(ForceHistory):
     arrive: Numbers[float]  # [m] where the belt reaches each fitting, world axes
     leave: Numbers[float]  # [m] where it leaves
     half: Numbers[float]  # [m] half the arc on each surface
-    split: Numbers[float]  # [m] middle of the arc from the material point of its body that divides it
+    split: Numbers[float]  # [m] middle of the arc from the point of its body that divides it
     middle: Numbers[float]  # [m] middle of the arc from the mass centre, body axes
     lies: Numbers[float]  # [1] direction of the belt there, body axes
     wrapped: Numbers[float]  # [rad] angle of a cylinder
@@ -50,7 +50,7 @@ class History(ForceHistory):
     mode: int  # [flag] NONE, FREE, PULLING or LOCKED in the step
     wound_in: float  # [m] s
     paid_out: float  # [m] w, since it is locked
-    took: float  # [J] energy taken by the spool
+    absorbed: float  # [J] energy taken by the spool
     speed: Numbers[float]  # [m/s] of its body
     moved_on: int  # [flag] whether the speed is one of a step
     emptied: int  # [flag] it has run out of webbing
@@ -63,14 +63,14 @@ class History(ForceHistory):
     straight: Numbers[float]  # [m] length
     short: int  # [flag] a segment has reached zero length
     unsettled: int  # [flag] the flows of some step are not found
-    passes: int  # [count] of the search for the flows
+    iterations: int  # [count] of the search for the flows
     flow: Numbers[float]  # [m] q, that passes each fitting in the step
     grip: Numbers[float]  # [1] exp(mu beta)
     softens: Numbers[float]  # [N/m] fall of T over webbing that flows in
     moved: Numbers[float]  # [m] growth of S in the step
     direction: Numbers[int]  # [flag] 1 onwards, -1 back, 0 not
     above: Numbers[float]  # [1] part of the tridiagonal matrix
-    change: Numbers[float]  # [m] of the flow in a pass
+    change: Numbers[float]  # [m] of the flow in an iteration
 
 class Output(ForceOutput):
     force: Numbers[float]  # [N] tension of each segment from the start of the route on

@@ -23,7 +23,7 @@ class Spans:
         found = np.full(len(first), -np.inf)
         width = last - first + 1
         for level, values in enumerate(self.levels):
-            mine = (width >= 2**level) & (width < 2 ** (level + 1))
-            right = last[mine] - 2**level + 1
-            found[mine] = np.maximum(values[first[mine]], values[right])
+            on_level = (width >= 2**level) & (width < 2 ** (level + 1))
+            right = last[on_level] - 2**level + 1
+            found[on_level] = np.maximum(values[first[on_level]], values[right])
         return found

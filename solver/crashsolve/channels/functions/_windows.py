@@ -20,10 +20,10 @@ from crashsolve.channels.term import Term, duration, in_gravities
 
 EXPONENT = 2.5
 # windows that are evaluated: some ten seconds of work
-MOST_WINDOWS = 1_000_000_000
+MAX_WINDOWS = 1_000_000_000
 
 
-class Worst(NamedTuple):
+class Criterion(NamedTuple):
     """The criterion of the history up to each sample (n,), and its window [s]."""
 
     value: np.ndarray
@@ -31,7 +31,7 @@ class Worst(NamedTuple):
     end: np.ndarray
 
 
-def worst(time: np.ndarray, a: Term, window: Term | None, function: str) -> Worst:
+def criterion(time: np.ndarray, a: Term, window: Term | None, function: str) -> Criterion:
     """The criterion up to each sample; raises ChannelError, TooShort for less than two samples."""
     if len(time) < 2:
         raise TooShort(f"{function}() needs two samples or more, not {len(time)}")
@@ -39,36 +39,40 @@ def worst(time: np.ndarray, a: Term, window: Term | None, function: str) -> Wors
     length = np.inf if window is None else duration(window, function)
     if np.isnan(size).any():
         raise ChannelError(f"division by zero within {function}()")
-    if len(time) * np.searchsorted(time, time[0] + length) > MOST_WINDOWS:
+    if len(time) * np.searchsorted(time, time[0] + length) > MAX_WINDOWS:
         advice = "give a shorter window, or a longer output.history.interval"
         raise ChannelError(f"{function}() of {len(time)} samples has too many windows: {advice}")
-    gained = cumulative(time, size)
+    integral = cumulative(time, size)
     zero, first = np.zeros(len(time)), np.full(len(time), time[0])
-    found = Worst(zero, first, first.copy())
+    found = Criterion(zero, first, first.copy())
     for lag in range(1, len(time)):
         last = np.flatnonzero(time[lag:] - time[:-lag] <= length * (1.0 + SAME)) + lag
         if not len(last):
             break
-        _take(found, last, time[last - lag], time[last], gained[last] - gained[last - lag])
+        _keep_larger(
+            found, last, time[last - lag], time[last], integral[last] - integral[last - lag]
+        )
     if np.isfinite(length):
         for begin in _full_windows(time, length):
             end = begin + length
-            more = _integral(time, size, gained, end) - _integral(time, size, gained, begin)
-            # of several that end before one sample the worst is taken last
-            order = np.argsort(more, kind="stable")
+            integrals = _integral(time, size, integral, end) - _integral(
+                time, size, integral, begin
+            )
+            # of several that end before one sample the largest comes last
+            order = np.argsort(integrals, kind="stable")
             last = np.minimum(np.searchsorted(time, end - SAME * length), len(time) - 1)
-            _take(found, last[order], begin[order], end[order], more[order])
-    return _so_far(found)
+            _keep_larger(found, last[order], begin[order], end[order], integrals[order])
+    return _running_maximum(found)
 
 
-def _take(
-    found: Worst, last: np.ndarray, begin: np.ndarray, end: np.ndarray, gained: np.ndarray
+def _keep_larger(
+    found: Criterion, last: np.ndarray, begin: np.ndarray, end: np.ndarray, integral: np.ndarray
 ) -> None:
-    """Windows that are known from the samples `last` on, where they are worse. Writes: found."""
-    value = (end - begin) * (gained / (end - begin)) ** EXPONENT
-    worse = value > found.value[last]
+    """Enter windows that end by the samples `last`, where they are larger. Writes: found."""
+    value = (end - begin) * (integral / (end - begin)) ** EXPONENT
+    is_larger = value > found.value[last]
     for column, new in zip(found, (value, begin, end), strict=True):
-        column[last[worse]] = new[worse]
+        column[last[is_larger]] = new[is_larger]
 
 
 def _full_windows(time: np.ndarray, length: float) -> tuple[np.ndarray, np.ndarray]:
@@ -77,19 +81,19 @@ def _full_windows(time: np.ndarray, length: float) -> tuple[np.ndarray, np.ndarr
 
 
 def _integral(
-    time: np.ndarray, size: np.ndarray, gained: np.ndarray, moments: np.ndarray
+    time: np.ndarray, size: np.ndarray, integral: np.ndarray, moments: np.ndarray
 ) -> np.ndarray:
     """Integral from the first sample to any moment, of straight lines between the samples."""
     before = np.clip(np.searchsorted(time, moments, side="right") - 1, 0, len(time) - 2)
     past, step = moments - time[before], time[before + 1] - time[before]
     slope = (size[before + 1] - size[before]) / step
-    found: np.ndarray = gained[before] + past * (size[before] + 0.5 * slope * past)
+    found: np.ndarray = integral[before] + past * (size[before] + 0.5 * slope * past)
     return found
 
 
-def _so_far(found: Worst) -> Worst:
-    """The worst of all windows that end until each sample, and the first that is so bad."""
-    greatest = np.maximum.accumulate(found.value)
-    is_new = np.concatenate(([True], greatest[1:] > greatest[:-1]))
-    holder = np.maximum.accumulate(np.where(is_new, np.arange(len(greatest)), 0))
-    return Worst(greatest, found.start[holder], found.end[holder])
+def _running_maximum(found: Criterion) -> Criterion:
+    """The largest of all windows that end until each sample, and the first of equal ones."""
+    largest = np.maximum.accumulate(found.value)
+    is_new = np.concatenate(([True], largest[1:] > largest[:-1]))
+    first = np.maximum.accumulate(np.where(is_new, np.arange(len(largest)), 0))
+    return Criterion(largest, found.start[first], found.end[first])

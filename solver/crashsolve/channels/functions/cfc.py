@@ -39,7 +39,7 @@ LEAST = 10
 def apply(time: np.ndarray, x: Term, cfc: Term) -> Term:
     """The filtered history; raises ChannelError for an unknown class or too few samples."""
     if cfc.unit is not None or np.ndim(cfc.values) or cfc.values not in CLASSES:
-        raise ChannelError(f"cfc() knows the classes {', '.join(map(str, CLASSES))}")
+        raise ChannelError(f"cfc() has the classes {', '.join(map(str, CLASSES))}")
     grid = _grid(time, int(cfc.values))
     if grid is None:
         return Term(_filtered(x.over(time), int(cfc.values), _interval(time)), x.unit)

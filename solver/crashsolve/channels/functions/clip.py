@@ -23,7 +23,7 @@ def apply(time: np.ndarray, x: Term, length: Term) -> Term:
     """The level so far, in the unit of x; raises ChannelError for a run that is shorter."""
     span, values = duration(length, "clip"), np.array(x.over(time))
     if not time[-1] - time[0] >= span:
-        raise TooShort(f"clip() looks for {1e3 * span:g} ms, longer than the history")
+        raise TooShort(f"clip() needs a history of {1e3 * span:g} ms or more")
     starts = np.union1d(time, time - span)
     starts = starts[(starts >= time[0]) & (starts <= time[-1] - span)]
     inner, ends = Spans(-values), starts + span
@@ -43,10 +43,10 @@ def apply(time: np.ndarray, x: Term, length: Term) -> Term:
         begin = starts[crosses] + share * (starts[crosses + 1] - starts[crosses])
         level = left[crosses] + share * (left[crosses + 1] - left[crosses])
         found.append((begin + span, np.minimum(level, inside(begin, begin + span))))
-    return Term(_so_far(time, values, found), x.unit)
+    return Term(_running_maximum(time, values, found), x.unit)
 
 
-def _so_far(
+def _running_maximum(
     time: np.ndarray, values: np.ndarray, found: list[tuple[np.ndarray, np.ndarray]]
 ) -> np.ndarray:
     """The greatest level of spans that have ended until each sample; before, the least value."""
@@ -55,6 +55,6 @@ def _so_far(
     greatest = np.maximum.accumulate(levels[order])
     # the last span ends with the run, in spite of round-off
     ended = np.searchsorted(np.minimum(ends[order], time[-1]), time, side="right")
-    course = np.minimum.accumulate(values)
-    course[ended > 0] = greatest[ended[ended > 0] - 1]
-    return course
+    maximum = np.minimum.accumulate(values)
+    maximum[ended > 0] = greatest[ended[ended > 0] - 1]
+    return maximum

@@ -8,7 +8,7 @@ by custom; hic_start and hic_end are the ends of its window.
 import numpy as np
 
 from crashsolve.channels.display import Product
-from crashsolve.channels.functions._windows import worst
+from crashsolve.channels.functions._windows import criterion
 from crashsolve.channels.term import Term
 
 SAMPLED = True
@@ -16,4 +16,4 @@ SAMPLED = True
 
 def apply(time: np.ndarray, a: Term, window: Term | None = None) -> Term:
     """The criterion so far; raises ChannelError for no acceleration, or no duration."""
-    return Term(worst(time, a, window, "hic").value, Product())
+    return Term(criterion(time, a, window, "hic").value, Product())

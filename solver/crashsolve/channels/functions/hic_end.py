@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from crashsolve.channels.functions._windows import worst
+from crashsolve.channels.functions._windows import criterion
 from crashsolve.channels.term import SECOND, Term
 
 SAMPLED = True
@@ -11,4 +11,4 @@ IS_SAMPLE_TIME = True
 
 def apply(time: np.ndarray, a: Term, window: Term | None = None) -> Term:
     """The time [s]; raises ChannelError for no acceleration, or no duration."""
-    return Term(worst(time, a, window, "hic_end").end, SECOND)
+    return Term(criterion(time, a, window, "hic_end").end, SECOND)

@@ -6,7 +6,7 @@ from crashsolve.channels.display import Product
 from crashsolve.channels.series import Series, cumulative
 
 # intervals that differ by more than this have no parabola in common
-ALIKE = 4.0
+MAX_RATIO = 4.0
 
 
 def value(series: Series) -> float:
@@ -18,7 +18,7 @@ def refined(series: Series) -> float:
     """Simpson's rule for pairs of intervals; an odd interval at the end stays as it is.
 
     So do pairs of which one is several times the other, as where steps are sampled after a long
-    interval: no parabola knows both.
+    interval: no parabola passes through both.
     """
     time, values = series.time, series.values
     fine = cumulative(time, values)
@@ -27,8 +27,8 @@ def refined(series: Series) -> float:
     x, y, z = values[0:last:2], values[1:last:2], values[2 : last + 1 : 2]
     # the parabola through three samples: its bend times this
     bend = (z - y) / b - (y - x) / a
-    alike = np.maximum(a, b) <= ALIKE * np.minimum(a, b)
-    return float(fine[-1] - np.sum(np.where(alike, bend * (a**3 + b**3) / (6.0 * (a + b)), 0.0)))
+    is_even = np.maximum(a, b) <= MAX_RATIO * np.minimum(a, b)
+    return float(fine[-1] - np.sum(np.where(is_even, bend * (a**3 + b**3) / (6.0 * (a + b)), 0.0)))
 
 
 def unit(unit: str) -> str:

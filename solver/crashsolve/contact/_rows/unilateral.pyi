@@ -13,5 +13,5 @@ class History:
     impulse: Numbers[float]  # [N s] of unilateral impulses, at the end of the step
     lift: float  # [m/s] normal velocity that keeps the gap closed on a curved surface
     friction_loss: float  # [J] lost by friction in the step
-    met: Numbers[float]  # [m/s] velocity over b before a capture
+    velocity_before: Numbers[float]  # [m/s] velocity over b before a capture
     reaction: Numbers[float]  # [N] force on side a at the end of the step, without unilateral impulses

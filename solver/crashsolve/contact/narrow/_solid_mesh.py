@@ -41,7 +41,7 @@ PARAMETERS_A = Record("""
     axes      1      9  rotation matrix, shape to body, by rows
     half      m      3  half sizes; of a cylinder radius, radius, half length
     is_round  flag      a cylinder about axis 3, not a box
-    what      count     which of the positions above
+    feature      count     which of the positions above
     rho       m         from the axis downwards; negative upwards
     share     1         of the force of the law
     radius    m         0, as of a point
@@ -58,11 +58,11 @@ MIDDLE = 0.8
 
 
 def part(
-    element: Columns, half: ArrayLike, what: int, point: ArrayLike, rho: float, share: float
+    element: Columns, half: ArrayLike, feature: int, point: ArrayLike, rho: float, share: float
 ) -> Columns:
     """A position of a box or cylinder that may touch."""
     kept = {"node": element["node"], "axes": element["axes"], "half": np.asarray(half, float)}
-    own = {"point": point, "rho": rho, "share": share, "what": what, "radius": 0.0}
+    own = {"point": point, "rho": rho, "share": share, "feature": feature, "radius": 0.0}
     return kept | own | {"is_round": "radius" in element}
 
 
@@ -74,14 +74,14 @@ def data(elements_a: object, elements_b: Sequence[Columns]) -> tuple[np.ndarray,
 @kernel
 def gap(a, b, nodes, data):
     """Depth [m] (negative: a gap), unit normal out of b, point of contact; world components."""
-    if a.what == POINT:
+    if a.feature == POINT:
         return sphere_mesh.gap(a, b, nodes, data)
     body = nodes[b.node]
     y = local_position(b, body, world_position(nodes[a.node], vec(a.point)))
     axes = axes_of_a(a, b, nodes)
-    if a.what == RIDGES and b.ridge_root >= 0:
+    if a.feature == RIDGES and b.ridge_root >= 0:
         depth, N, x = _ridges.deepest(data[2], data[3], a, b.ridge_root, y, axes)
-    elif a.what == RIDGES:
+    elif a.feature == RIDGES:
         depth, N, x = off(data[0], data[1], b, y)
     else:
         depth, N, x = of_rim(data[0], data[1], a, b, y, axes)
@@ -98,11 +98,11 @@ def bound(a, b, nodes, data):
     its nearest triangle.
     """
     y = local_position(b, nodes[b.node], world_position(nodes[a.node], vec(a.point)))
-    ball = norm(vec(a.half)) if a.what == RIDGES else abs(a.rho)
+    ball = norm(vec(a.half)) if a.feature == RIDGES else abs(a.rho)
     # an open mesh is solid beyond its triangles
     solid = b.thickness if b.thickness < inf else 0.0
     apart = sqrt(beyond(data[0][b.root], y)) - ball - solid
-    if apart <= 0.0 and a.what != POINT:
+    if apart <= 0.0 and a.feature != POINT:
         foot, found, at = nearest(data[0], data[1], b.root, y)
         out, is_open = outward(data[1][found], at)
         offset = sub(y, foot)
@@ -116,14 +116,14 @@ def gap_by(a, b, nodes, data, normal):
     """Depth, normal and point as of gap by the triangles that face `normal`, and the depth beyond
     the middle [m]. Edges have no face to be kept.
     """
-    if a.what == POINT:
+    if a.feature == POINT:
         return sphere_mesh.gap_by(a, b, nodes, data, normal)
     body = nodes[b.node]
     y, m = (
         local_position(b, body, world_position(nodes[a.node], vec(a.point))),
         to_shape_axes(b, body, normal),
     )
-    if a.what == RIDGES:
+    if a.feature == RIDGES:
         return -1.0, vec(normal), y, -1.0
     axes = axes_of_a(a, b, nodes)
     y, _ = position(a.rho, y, axes, m)
@@ -136,7 +136,7 @@ def gap_by(a, b, nodes, data, normal):
 @kernel
 def middle(a, b, nodes, n):
     """Depth beyond which an edge has no exit that is the right one; none for positions [m]."""
-    return MIDDLE * min(a.half[0], a.half[1], a.half[2]) if a.what == RIDGES else inf
+    return MIDDLE * min(a.half[0], a.half[1], a.half[2]) if a.feature == RIDGES else inf
 
 
 @kernel
@@ -171,7 +171,7 @@ def of_rim(tree, triangles, a, b, y, axes):
                 depth, m, _ = at_position(tree, triangles, b, y, low, below, following)
                 if depth > best:
                     best, n, x = depth, m, low
-    if a.what == HIGHEST and best > -1e300:
+    if a.feature == HIGHEST and best > -1e300:
         x, below = position(a.rho, y, axes, n)
         best, n, _ = at_position(tree, triangles, b, y, x, below, n)
     if best > b.thickness:

@@ -10,7 +10,7 @@ POINTS = (
 )
 PARAMETERS_A, PARAMETERS_B = _solid_mesh.PARAMETERS_A, _solid_mesh.PARAMETERS_B
 gap = _solid_mesh.gap
-WHAT = {1.0: LOWEST, 0.0: POINT, -1.0: HIGHEST}
+FEATURES = {1.0: LOWEST, 0.0: POINT, -1.0: HIGHEST}
 
 
 def expand_a(elements):
@@ -21,6 +21,6 @@ def expand_a(elements):
         half = (r, r, half_length)
         for along, rho in POSITIONS:
             point = e["point"] + along * half_length * axis
-            found.append(part(e, half, WHAT[rho], point, rho * r, 1.0 / 3.0))
+            found.append(part(e, half, FEATURES[rho], point, rho * r, 1.0 / 3.0))
         found.append(part(e, half, RIDGES, e["point"], 0.0, 1.0 / 3.0))
     return found

@@ -49,7 +49,7 @@ def build(card: Penalty, scene: Scene, pair: Pair) -> Columns:
     shell = getattr(pair, "membrane", None)
     if shell is None:
         raise scene.fail(
-            "no shell takes part in this contact, from which it could be taken; give stiffness",
+            "no shell is in this contact, from whose stiffness it could follow; give stiffness",
             "normal",
         )
     return {"stiffness": (SHARE if card.share is None else card.share) * shell}

@@ -12,14 +12,14 @@ GAP_AS = "faces"
 
 
 class Faces(Card):
-    """All faces of a shell part, met from both sides."""
+    """All faces of a shell part, touched from both sides."""
 
     part: PartName = word("shell part whose faces they are")
     thickness: float | None = quantity("m", "t; that of the part if absent", None, gt=0)
     ring: int = word(
-        "of contact with itself: rings of faces around a node that it does not touch, beside all "
-        "those nearer along the surface than 2.5 times the distance of contact; 0: the faces of "
-        "the node; 1: their neighbours too; 2: the next",
+        "in contact of a part with itself: rings of faces around a node that it does not touch, in "
+        "addition to all faces nearer along the surface than 2.5 times the distance of contact; "
+        "0: the faces of the node; 1: their neighbours too; 2: the next",
         default=0,
         ge=0,
         le=20,

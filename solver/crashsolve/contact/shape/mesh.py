@@ -114,10 +114,9 @@ def _unfit(faces: np.ndarray, one: int, other: int, edge: tuple[int, int]) -> st
     meeting = np.flatnonzero((faces == p).any(axis=1) & (faces == q).any(axis=1))
     if len(meeting) > 2:
         names = ", ".join(map(str, meeting))
-        return f"triangles {names} meet at the edge of points {p} and {q}, where two can"
-    return (
-        f"triangles {one} and {other} disagree about outside along the edge of points {p} and {q}"
-    )
+        return f"triangles {names} share the edge of points {p} and {q}, which two can"
+    edge_name = f"the edge of points {p} and {q}"
+    return f"triangles {one} and {other} have opposite orientations along {edge_name}"
 
 
 def curvature_radius(card: Mesh) -> float | None:

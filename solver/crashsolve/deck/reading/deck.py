@@ -25,7 +25,7 @@ from crashsolve.deck.reading.overrides import set_fields
 from crashsolve.deck.reading.parameters import Parameters
 from crashsolve.deck.reading.parts import joints_of_parts, part_nodes
 from crashsolve.deck.reading.size import excess
-from crashsolve.deck.reading.stand_ins import StandIns
+from crashsolve.deck.reading.surface_groups import SurfaceGroups
 from crashsolve.deck.reading.unused import Unused, ineffective, unread, unused
 from crashsolve.deck.run_cards.control import Control, cores_given
 from crashsolve.deck.run_cards.expect import Expect
@@ -247,10 +247,10 @@ class _Reader:
             if not is_known or not expand(entry, laws, control, self.items, self.refuse):
                 self.unwritten.add(item.name)
             del self.items["parts"][item.name]
-        sound = [entry for entry in self.written_out if entry.name not in self.unwritten]
-        stand_ins = StandIns(sound, laws, control, self.items, self.refuse)
-        for contact in self.items["contacts"].values() if sound else ():
-            stand_ins.put(contact)
+        valid = [entry for entry in self.written_out if entry.name not in self.unwritten]
+        groups = SurfaceGroups(valid, laws, control, self.items, self.refuse)
+        for contact in self.items["contacts"].values() if valid else ():
+            groups.substitute(contact)
 
     def refuse_endless(self, entries: dict[str, dict[str, Entry]]) -> None:
         """Raise DeckErrors at a part with which the model is too large: its names have no room."""

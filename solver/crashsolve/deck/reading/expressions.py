@@ -15,7 +15,7 @@ from crashsolve.deck.words import choices
 
 MAX_LENGTH = 500
 # of the exponent of a unit, as in N/m^1.5
-MOST_ROOT = 12
+MAX_ROOT = 12
 # functions whose value is an angle in radians, in any units of the file
 ANGLES = ("asin", "acos", "atan", "atan2")
 U = TypeVar("U")
@@ -141,7 +141,7 @@ class Expression:
                 base = self._derived(left, units)
                 if base.exponents == PURE.exponents:
                     return PURE
-                return base ** Fraction(self._evaluate(right, {})).limit_denominator(MOST_ROOT)
+                return base ** Fraction(self._evaluate(right, {})).limit_denominator(MAX_ROOT)
             case ast.Call(func=ast.Name(id="sqrt"), args=[argument]):
                 return self._derived(argument, units) ** Fraction(1, 2)
             case ast.Call(func=ast.Name(id=name)) if name in ANGLES:

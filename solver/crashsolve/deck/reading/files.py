@@ -18,7 +18,7 @@ from crashsolve.deck.source import BROKEN, Position, Rows, Table, plain_scalar, 
 from crashsolve.foundation.errors import DeckError
 
 # files within files, files in all, and letters of a text once its words are put in
-DEEPEST, MOST, LONGEST = 50, 5_000, 10_000
+DEEPEST, MAX_FILES, LONGEST = 50, 5_000, 10_000
 _WORD = re.compile(r"<([A-Za-z_][A-Za-z0-9_]*)>")
 
 
@@ -103,9 +103,11 @@ class Files:
             return f"there is no file '{path}'"
         if len(self.open) >= DEEPEST:
             return f"includes are nested more than {DEEPEST} deep"
-        if len(self.tables) >= MOST:
+        if len(self.tables) >= MAX_FILES:
             self._is_full = True
-            return f"the deck has more than {MOST} files, each counted as often as it is included"
+            return (
+                f"the deck has more than {MAX_FILES} files, each counted as often as it is included"
+            )
         if self._resolved(path) in self.open:
             files = list(self.open)
             chain = [*files[files.index(self._resolved(path)) :], path]

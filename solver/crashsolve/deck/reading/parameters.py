@@ -113,14 +113,14 @@ class Parameters:
     def _in_order(self) -> list[str]:
         """Names, each after those it needs, so that long chains nest no calls; circles last."""
         order: dict[str, None] = {}
-        met: set[str] = set()
+        visited: set[str] = set()
         for first in self.items:
             waiting = [first]
             while waiting:
                 needs = self._needs(waiting[-1])
-                missing = next((n for n in needs if n not in met), None)
+                missing = next((n for n in needs if n not in visited), None)
                 if missing is not None:
-                    met.add(missing)
+                    visited.add(missing)
                     waiting.append(missing)
                     continue
                 name = waiting.pop()

@@ -12,7 +12,7 @@ from pathlib import Path
 # [bytes] of an element with its nodes at the peak of a build: estimates, rather high than low
 SHELL, BEAM = 5_000, 16_000
 # nodes of beams are bodies with names: check takes 0.1 ms for each
-MOST_BEAMS = 100_000
+MAX_BEAMS = 100_000
 
 
 def machine_memory() -> float:
@@ -33,8 +33,8 @@ def shown_size(number: float) -> str:
 
 def excess(shells: int, beams: int) -> str:
     """Message that a model of so many elements is too large; empty where it is not."""
-    if beams > MOST_BEAMS:
-        return f"{shown_size(beams)} elements are too many, beams may have {MOST_BEAMS} in all"
+    if beams > MAX_BEAMS:
+        return f"{shown_size(beams)} elements are too many, beams may have {MAX_BEAMS} in all"
     memory = machine_memory()
     if shells * SHELL + beams * BEAM <= memory:
         return ""

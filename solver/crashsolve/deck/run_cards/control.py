@@ -18,7 +18,7 @@ OF_STEPS = ("step", "step_min", "safety", "tolerance", "onset_tolerance", "threa
 # default is rattle where there is anything to share
 EXPLICIT_STEPS = ("rattle", "default")
 
-MOST_THREADS = 1024
+MAX_THREADS = 1024
 # variable in which Slurm gives a job its number of cores
 CORES_GIVEN = "SLURM_CPUS_PER_TASK"
 
@@ -120,7 +120,7 @@ class Control(Card):
         "number; when absent 1, and with shells the cores of the job (SLURM_CPUS_PER_TASK)",
         default=None,
         ge=1,
-        le=MOST_THREADS,
+        le=MAX_THREADS,
     )
 
     resolve: bool = word(
@@ -216,8 +216,8 @@ class Control(Card):
 def cores_given() -> int:
     """Cores that the job was given, 1 outside of one. Raises DeckErrors where that is no number."""
     given = os.environ.get(CORES_GIVEN, "1")
-    if given.isdecimal() and 1 <= int(given) <= MOST_THREADS:
+    if given.isdecimal() and 1 <= int(given) <= MAX_THREADS:
         return int(given)
-    message = f"must be a whole number from 1 to {MOST_THREADS}, not '{given}'"
+    message = f"must be a whole number from 1 to {MAX_THREADS}, not '{given}'"
     advice = "unset it, or set control.threads"
     raise DeckErrors([DeckError("environment", None, None, CORES_GIVEN, message, advice)])

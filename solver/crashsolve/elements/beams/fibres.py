@@ -24,7 +24,7 @@ from crashsolve.foundation.kernels import inlined, kernel
 from crashsolve.foundation.vec3 import add_scaled, dot
 from crashsolve.materials._von_mises import flowed, resistance, softening
 
-MOST_FIBRES = 64
+MAX_FIBRES = 64
 ROUND_OFF = 1e-12
 NONE = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 

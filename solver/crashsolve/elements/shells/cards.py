@@ -17,7 +17,7 @@ from crashsolve.deck.card import (
     word,
 )
 from crashsolve.elements.damping import Damped
-from crashsolve.elements.shells.records import MOST_LAYERS
+from crashsolve.elements.shells.records import MAX_LAYERS
 from crashsolve.foundation.vec3 import ZERO
 
 MOTIONS = ("x", "y", "z", "rotation_x", "rotation_y", "rotation_z")
@@ -107,9 +107,9 @@ class ShellCard(Damped):
         default="reduced",
     )
     material: MaterialName = word("material of the shell")
-    layers: int = word("integration points through the thickness", 5, ge=1, le=MOST_LAYERS)
+    layers: int = word("integration points through the thickness", 5, ge=1, le=MAX_LAYERS)
     rule: Literal["gauss", "lobatto"] = word(
-        "positions of these points; lobatto: at the faces too", "gauss"
+        "positions of these points; lobatto: at the surfaces too", "gauss"
     )
     thinning: bool = word("the thickness follows the strain", default=False)
     nodes: tuple[NamedNode, ...] = word("nodes that are bodies of the deck", default=())

@@ -65,8 +65,8 @@ def values_of(
     for own, points in part.sections():
         count, stride = blocks_of(own), part.stride_of(points)
         table = blocks[start : start + count * stride].reshape(count, stride // LANES, LANES)
-        met = np.flatnonzero((wanted >= own.start) & (wanted < own.stop))
-        for some in (met[k : k + PIECE] for k in range(0, len(met), PIECE)):
+        inside = np.flatnonzero((wanted >= own.start) & (wanted < own.stop))
+        for some in (inside[k : k + PIECE] for k in range(0, len(inside), PIECE)):
             for name, values in fields(part, _rows(table, wanted[some] - own.start)).items():
                 found[name][some] = values
         start += count * stride

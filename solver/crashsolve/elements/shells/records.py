@@ -15,7 +15,7 @@ from crashsolve.foundation.point import LANES
 from crashsolve.foundation.record import Record, rows_of
 from crashsolve.foundation.rows import Row
 
-MOST_LAYERS = 10
+MAX_LAYERS = 10
 BLOCK = rows_of(
     Record("""
         thickness          m       t; 0 of a deleted element
@@ -103,7 +103,7 @@ _POINTS = Record("""
 """)
 _BEFORE = _STEP + _SHEAR_RETURN
 SLOT = rows_of(_SLOT, rows_of(_BEFORE).SIZE)
-_SLOTS = Record(f"slots  1  {MOST_LAYERS * SLOT.SIZE}  of the layers that yield")
+_SLOTS = Record(f"slots  1  {MAX_LAYERS * SLOT.SIZE}  of the layers that yield")
 WORK = rows_of(_BEFORE + _SLOTS + _POINTS)
 
 

@@ -164,10 +164,10 @@ def _case_sets(rows: list[tuple[int, str]]) -> dict[str, tuple[int, str]]:
     label = ""
     for number, text in rows:
         text = text.partition("$")[0].strip().upper()
-        met = re.match(r"SET\s+(\d+)\s*=\s*(.*)", text)
-        if met:
-            label = f"SET {int(met[1])}"
-            sets[label] = number, met[2]
+        match = re.match(r"SET\s+(\d+)\s*=\s*(.*)", text)
+        if match:
+            label = f"SET {int(match[1])}"
+            sets[label] = number, match[2]
         elif label and text:
             sets[label] = sets[label][0], f"{sets[label][1]} {text}"
         if text and not text.endswith(","):

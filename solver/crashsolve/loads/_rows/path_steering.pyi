@@ -32,9 +32,9 @@ class History(ForceHistory):
 
 class Output(ForceOutput):
     force: float  # [N or N m] F, on the second body of the joint
-    steer: float  # [rad] delta, steering angle commanded by the driver
-    wanted: float  # [m or rad] n delta
-    now: float  # [m or rad] x, coordinate of the joint since the start
+    steering_angle: float  # [rad] delta, commanded by the driver
+    target: float  # [m or rad] n delta
+    coordinate: float  # [m or rad] x, of the joint since the start
     rate: float  # [m/s or rad/s] of it
     offset: float  # [m] of the vehicle from the path at its point, positive to the left
-    ahead: float  # [m] e
+    preview_error: float  # [m] e

@@ -21,8 +21,8 @@ def step_warnings(deck: Deck) -> list[str]:
     interval = deck.sample_interval
     if not 0.0 < interval < step * (1.0 - SAME):
         return []
-    is_asked = deck.output.history.interval is not None
-    whose = "that output.history.interval asks for" if is_asked else "that a run has by default"
+    is_requested = deck.output.history.interval is not None
+    whose = "that output.history.interval asks for" if is_requested else "that a run has by default"
     return [
         f"control.step: {step:.6g} s is cut to the {interval:.6g} s between samples {whose}; "
         f"give output.history.interval: {step:.6g} to take the step"

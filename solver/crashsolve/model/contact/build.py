@@ -56,8 +56,8 @@ if TYPE_CHECKING:
 
 NARROW = "crashsolve.contact.narrow"
 SHAPE = "crashsolve.contact.shape"
-# shapes of surfaces that are no elements on bodies
-LEAN = {"points", "faces"}
+# shapes of surfaces of meshes, which are no elements on bodies
+MESHED = {"points", "faces"}
 # shapes whose edges are rounded by a share of the smaller side of a touch
 EDGED = {"box", "cylinder"}
 
@@ -124,22 +124,22 @@ def _add_card(
     bodies = [
         {e["node"] for group in side.values() for s in group for e in s.elements} for side in sides
     ]
-    is_lean = any(LEAN & set(side) for side in sides)
+    is_meshed = any(MESHED & set(side) for side in sides)
     is_whole = all(name in surfaces for name in (*card.a, *card.b))
-    if is_whole and not is_lean and len(bodies[0] | bodies[1]) == 1:
+    if is_whole and not is_meshed and len(bodies[0] | bodies[1]) == 1:
         raise scene.fail("all its surfaces are on one body; a body cannot touch itself", "b")
     law = import_module(type(laws[0]).__module__)
     if hasattr(law, "check"):
         law.check(laws[0], scene, *bodies)
     for some_a in sides[0].values():
         for some_b in sides[1].values():
-            if {some_a[0].shape, some_b[0].shape} & LEAN:
+            if {some_a[0].shape, some_b[0].shape} & MESHED:
                 _refuse_torsion(card, scene)
                 for a, b in product(some_a, some_b):
                     nodal.add(index, entry, a, b, gap_routine)
                 continue
             narrow, swapped = gap_routine(some_a[0], some_b[0], scene)
-            builder = _builder_of(_home_of_gap(narrow), card, laws, builders)
+            builder = _builder_of(_gap_module(narrow), card, laws, builders)
             builder.add(index, entry, narrow, swapped, (some_a, some_b), on_both, scene)
 
 
@@ -154,14 +154,14 @@ def _refuse_torsion(card: Card, scene: Scene) -> None:
 
 
 def _builder_of(
-    home: ModuleType, card: Card, laws: list[Card], builders: dict[str, GroupBuilder]
+    gap_module: ModuleType, card: Card, laws: list[Card], builders: dict[str, GroupBuilder]
 ) -> GroupBuilder:
     """The builder of the group with this gap routine and these laws. Writes: builders."""
-    key = "_".join([_leaf(home.__name__), *(_leaf(type(law).__module__) for law in laws)])
+    key = "_".join([_leaf(gap_module.__name__), *(_leaf(type(law).__module__) for law in laws)])
     if _torsion_radius(card) is not None:
         key += "_torsion"
     if key not in builders:
-        builders[key] = GroupBuilder(key, home, laws)
+        builders[key] = GroupBuilder(key, gap_module, laws)
     return builders[key]
 
 
@@ -190,7 +190,7 @@ def _leaf(module_name: str) -> str:
     return module_name.rpartition(".")[2].strip("_")
 
 
-def _home_of_gap(narrow: ModuleType) -> ModuleType:
+def _gap_module(narrow: ModuleType) -> ModuleType:
     """Module in which the gap kernel is written: pairs of shapes that share it form one group."""
     return import_module(narrow.gap.__module__)
 
@@ -307,8 +307,8 @@ NamedBlock = tuple[int, float, int, tuple[list[str], ...], set[str], dict[tuple[
 class GroupBuilder:
     """Collects the pairs that share gap routine and laws."""
 
-    def __init__(self, word: str, home: ModuleType, laws: list[Card]) -> None:
-        self.word, self.home = word, home
+    def __init__(self, word: str, gap_module: ModuleType, laws: list[Card]) -> None:
+        self.word, self.gap_module = word, gap_module
         self.modules: list[ModuleType] = [import_module(type(law).__module__) for law in laws]
         self.sides = (Side("a"), Side("b"))
         self.laws: list[Columns] = []
@@ -359,27 +359,27 @@ class GroupBuilder:
         parameters, history = records.PARAMETERS, records.HISTORY
         if self._have_ends():
             history = history + records.FACE_HISTORY
-            if hasattr(self.home, "search"):
+            if hasattr(self.gap_module, "search"):
                 history = history + records.EXIT_LEAD
         for module in self.modules:
             parameters, history = parameters + module.PARAMETERS, history + module.HISTORY
         if "torsion_radius" in self.laws[0]:
             parameters = parameters + records.TORSION
-        if hasattr(self.home, "IS_DISTANCE"):
+        if hasattr(self.gap_module, "IS_DISTANCE"):
             parameters = parameters + records.RESTING
         if len(self.modules) > 1 and (
-            "torsion_radius" in self.laws[0] or hasattr(self.home, "patch")
+            "torsion_radius" in self.laws[0] or hasattr(self.gap_module, "patch")
         ):
             history = history + records.SPIN_RADIUS
         elements = (self.sides[0].elements, self.sides[1].elements)
         # the arrays of all elements come first: they may note in an element where its part starts
-        data = getattr(self.home, "data", lambda *_: ())(*elements)
+        data = getattr(self.gap_module, "data", lambda *_: ())(*elements)
         pairing = self._pairing(parameters)
         search = Search(pairing) if pairing.should_search(is_implicit) else None
-        rows = pairing.everything() if search is None else search.look(nodes)
+        rows = pairing.everything() if search is None else search.update(nodes)
         return ContactGroup(
             word=self.word,
-            narrow=cast(StepGap, self.home),
+            narrow=cast(StepGap, self.gap_module),
             normal=cast(NormalLaw, self.modules[0]),
             friction=cast(StepFriction, self.modules[1]) if len(self.modules) > 1 else None,
             elements_a=_table(elements[0], self.sides[0].record),

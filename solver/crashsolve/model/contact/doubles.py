@@ -29,8 +29,8 @@ def warn_of_common_pairs(entries: Mapping[str, EntryOfScene], scene: Scene) -> N
         pair = _common(entries[first].card, entries[second].card)
         if pair is not None:
             scene.warn(
-                f"contacts '{first}' and '{second}' both press surfaces '{pair[0]}' and "
-                f"'{pair[1]}' apart: the forces add up; leave the pair to one of them"
+                f"contacts '{first}' and '{second}' both act between surfaces '{pair[0]}' and "
+                f"'{pair[1]}': the forces add up; leave the pair to one of them"
             )
 
 

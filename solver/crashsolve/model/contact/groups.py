@@ -21,7 +21,7 @@ def is_damper(friction: object) -> bool:
 class NearPairs(Protocol):
     """The list of near pairs of a group (model/contact/pairs.py)."""
 
-    seen: tuple[np.ndarray, ...]  # of both sides, when the list was made
+    references: tuple[np.ndarray, ...]  # of both sides, when the list was made
     slack: np.ndarray
     margin: float  # beyond the gap [m]
 
@@ -35,8 +35,8 @@ class NearPairs(Protocol):
     def arrays(self) -> dict[str, np.ndarray]:
         """Arrays from which the step determines when pairs must be searched again."""
 
-    def look(self, nodes: np.ndarray) -> np.ndarray:
-        """Parameters of the near pairs now. Writes: seen."""
+    def update(self, nodes: np.ndarray) -> np.ndarray:
+        """Parameters of the near pairs now. Writes: references."""
 
 
 class Touching:
@@ -75,8 +75,8 @@ class ContactGroup(Touching):
 
     TABLES: ClassVar = (
         *("parameters", "history", "output", "elements_a", "elements_b", "data"),
-        *("seen_a", "seen_b", "slack"),
-        *("pieces", "sums", "counts", "loads", "applied", "load_rows", "bearers", "ranges"),
+        *("reference_a", "reference_b", "slack"),
+        *("pieces", "sums", "counts", "loads", "applied", "load_rows", "loaded_bodies", "ranges"),
         "body_pairs",
     )
 
@@ -100,7 +100,7 @@ class ContactGroup(Touching):
     load_rows: np.ndarray | None = (
         None  # of pair i those of loads 2 i on side a and 2 i + 1 on side b
     )
-    bearers: np.ndarray | None = None
+    loaded_bodies: np.ndarray | None = None
     ranges: np.ndarray | None = None  # pieces of the bodies
     # of few pairs that are skipped while separated: model/contact/body_pairs.py
     body_pairs: np.ndarray | None = None
@@ -155,7 +155,7 @@ class ContactGroup(Touching):
     @property
     def follows_exit(self) -> bool:
         """Whether a contact follows its exit, and others are searched from time to time."""
-        return "sure" in (self.history.dtype.names or ())
+        return "remaining_lead" in (self.history.dtype.names or ())
 
     @property
     def looks_ahead(self) -> bool:
@@ -173,12 +173,12 @@ class ContactGroup(Touching):
     # where elements were when the list of near pairs was made, and how far they may go
 
     @property
-    def seen_a(self) -> np.ndarray | None:
-        return self.search.seen[0] if self.search else None
+    def reference_a(self) -> np.ndarray | None:
+        return self.search.references[0] if self.search else None
 
     @property
-    def seen_b(self) -> np.ndarray | None:
-        return self.search.seen[1] if self.search else None
+    def reference_b(self) -> np.ndarray | None:
+        return self.search.references[1] if self.search else None
 
     @property
     def slack(self) -> np.ndarray | None:
@@ -225,7 +225,7 @@ class NodalGroup(Touching):
     def is_self_contact(self) -> bool:
         """Whether nodes of a shell press on faces of its own."""
         rows = self.arrays["p"]
-        is_own = "own" in (rows.dtype.names or ()) and bool(rows["own"][0])
+        is_own = "is_self_contact" in (rows.dtype.names or ()) and bool(rows["is_self_contact"][0])
         return self.narrow is None and is_own
 
     @property

@@ -43,21 +43,21 @@ def faces_at_start(corners: np.ndarray) -> np.ndarray:
     return found
 
 
-def faces_beside(quads: np.ndarray) -> np.ndarray:
+def adjacent_faces(quads: np.ndarray) -> np.ndarray:
     """The face across each side of each face (4 m,), -1 at a free border."""
     ends = np.stack([quads, np.roll(quads, -1, axis=1)], axis=-1).reshape(-1, 2)
     low, high = ends.min(axis=1), ends.max(axis=1)
     order = np.lexsort((high, low))
-    beside = np.full(len(ends), -1, np.int64)
+    adjacent = np.full(len(ends), -1, np.int64)
     # over the side of no length of a triangle lies the triangle itself
     none = np.flatnonzero(low == high)
-    beside[none] = none // 4
+    adjacent[none] = none // 4
     has_length = (low < high)[order[1:]]
-    alike = (low[order[1:]] == low[order[:-1]]) & (high[order[1:]] == high[order[:-1]])
-    same = np.flatnonzero(alike & has_length)
+    is_same = (low[order[1:]] == low[order[:-1]]) & (high[order[1:]] == high[order[:-1]])
+    same = np.flatnonzero(is_same & has_length)
     one, other = order[same], order[same + 1]
-    beside[one], beside[other] = other // 4, one // 4
-    return beside
+    adjacent[one], adjacent[other] = other // 4, one // 4
+    return adjacent
 
 
 # values by key: the first of each key (keys + 1,), and all values (n,)
@@ -126,7 +126,7 @@ def _reached(
     first, others, lengths = edges
     count = len(first) - 1
     shortest[front] = 0.0
-    met = [front]
+    reached = [front]
     while len(front):
         owner, via = np.divmod(front, count)
         sizes = np.diff(first)[via]
@@ -136,10 +136,10 @@ def _reached(
         pair = np.repeat(owner * count, sizes) + others[at]
         is_better = (longer < reach) & (longer < shortest[pair])
         pair, longer = pair[is_better], longer[is_better]
-        met.append(_distinct(pair[np.isinf(shortest[pair])]))
+        reached.append(_distinct(pair[np.isinf(shortest[pair])]))
         np.minimum.at(shortest, pair, longer)
         front = _distinct(pair)
-    return np.sort(np.concatenate(met))
+    return np.sort(np.concatenate(reached))
 
 
 def merged(one: Grouped, other: Grouped) -> tuple[np.ndarray, np.ndarray]:

@@ -22,11 +22,11 @@ from crashsolve.model.contact import records
 from crashsolve.model.contact.floor import speed_floor
 from crashsolve.model.contact.groups import NodalGroup
 from crashsolve.model.contact.near_faces import (
+    adjacent_faces,
     chosen,
     excluded_faces,
     faces_around,
     faces_at_start,
-    faces_beside,
     faces_within_reach,
     merged,
     nothing,
@@ -81,7 +81,7 @@ PARAMETERS = Record("""
     thick         m      of rigid shapes, from the surface of a probe that touches to both middles
     first_point   index  of the part whose speed counts
     point_count   count  its points
-    own           flag   whether the probes are among them
+    is_self_contact  flag   whether the probes are among them
     first_corner  index  of the faces
     face_count    count  faces
     quads         count  of them, quadrilaterals; triangles come after them
@@ -93,7 +93,7 @@ PARAMETERS = Record("""
     first_own     index  first point of the part with the faces
     bucket_count  count  buckets of cubes, a power of two
     room          count  of the lists of near faces
-    first_beside  index  of records of walls beside the nearest
+    first_other_wall  index  of records of walls beside the nearest
 """)
 TOTALS = Record("""
     fastest         m/s    largest closing speed that there can be
@@ -125,14 +125,14 @@ FRICTION_STATE = Record("""
     bristle_energy  J     recoverable energy of friction
 """)
 # of probes on faces, in the record of the nearest wall on a side
-BESIDE = Record("beside  count  other walls touched on this side, while it is active")
+OTHER_WALLS = Record("other_walls  count  other walls touched on this side, while it is active")
 HIT = Record("""
     depth     m         penetration; 0: no touch
     distance  m         to the face
     face      index     the nearest
     crossed   flag      whether it has been passed
     weight    1         share of its force; less than 1 where it is one wall with a nearer one
-    beside    count     other walls found on this side, in that of the nearest
+    other_walls  count  other walls found on this side, in that of the nearest
     group     index     of the walls that are joined: the first of them
     joined    m         depth of all of these as one
     partner   index     which of the walls touched before it is; -1: none
@@ -140,11 +140,11 @@ HIT = Record("""
     N         1      4  weights of the corners
 """)
 # of the probes that a piece has searched
-LOOK = Record("""
+SEARCH_RANGE = Record("""
     first  index  of those that touch, or have touched
     count  count  of these
 """)
-SEEN = Record("probe  index  that touches, or has touched")
+TOUCHING_PROBE = Record("probe  index  that touches, or has touched")
 # of a point that is touched
 STIFFNESS_BOUND = Record("""
     stiffness    1/s^2  sum of k N / m
@@ -158,8 +158,8 @@ TOTALS_OF_STEP = Record("""
     rate        1/s^2  largest bound of squared frequency of these
     damping     1/s    largest sum of c N / m
     shortened   1      largest factor by which contact has shortened the stable step
-    first_seen  index  first of the points whose speeds were read last
-    seen        count  points looked at
+    first_point  index  first of the points whose speeds were read last
+    point_count  count  number of these points
     speed       m/s    largest of their speeds
 """)
 
@@ -204,7 +204,9 @@ class NodalBuilder:
     def _refuse_implicit(self) -> None:
         method = self.scene.deck.control.integrator
         if method in IMPLICIT:
-            message = f"nodes and faces of shells touch in explicit steps, and {method} has none"
+            message = (
+                f"contact of shell nodes and faces needs explicit steps, and {method} has none"
+            )
             advice = "name the node that is hit, and use a point_set; or integrator: rattle"
             raise self.scene.fail(f"{message}; {advice}", "a")
 
@@ -251,7 +253,7 @@ class NodalBuilder:
         rows = probe_states * n
         if probe_states == 2:
             # an empty record, and one for contacts that end
-            probe_state, rows = probe_state + BESIDE, WALLS * rows + 1
+            probe_state, rows = probe_state + OTHER_WALLS, WALLS * rows + 1
         if friction is not None:
             record = record + friction.PARAMETERS
             probe_state = probe_state + FRICTION_STATE + friction.HISTORY
@@ -264,8 +266,11 @@ class NodalBuilder:
         shared = {}
         if threads > 1:
             ends = len(probes.rows) * np.arange(PIECES * threads) // (PIECES * threads)
-            shared = {"looks": np.zeros(len(ends), LOOK.dtype), "seen": np.zeros(n, SEEN.dtype)}
-            shared["looks"]["first"] = ends
+            shared = {
+                "search_ranges": np.zeros(len(ends), SEARCH_RANGE.dtype),
+                "touching_probes": np.zeros(n, TOUCHING_PROBE.dtype),
+            }
+            shared["search_ranges"]["first"] = ends
         return {
             "p": p,
             "totals": totals,
@@ -274,13 +279,13 @@ class NodalBuilder:
             "slot_in_use": np.zeros(probe_states * n, np.int64),
             "due": np.zeros(n),
             # threads search before the first one computes forces
-            "found": np.zeros((n if threads > 1 else 1, 2 * WALLS), HIT.dtype),
+            "hits": np.zeros((n if threads > 1 else 1, 2 * WALLS), HIT.dtype),
         } | shared
 
     def _on_shape(self, probes: Probes, a: Surface, b: Surface, routine: GapRoutines) -> Sided:
         """Points against a rigid shape: its own gap routine, with copies of its bodies."""
-        seen = SurfaceOfProbes("sphere", a.entry)
-        narrow, swapped = routine(seen, b, self.scene)
+        stand_in = SurfaceOfProbes("sphere", a.entry)
+        narrow, swapped = routine(stand_in, b, self.scene)
         if swapped or hasattr(narrow, "expand_a"):
             message = f"nodes of shells cannot press on a {b.entry.type}; give it another shape"
             raise self.scene.fail(message, "b")
@@ -289,7 +294,7 @@ class NodalBuilder:
         first_body = self.scene.threads
         frames = np.zeros(first_body + len(bodies), NODE.dtype)
         frames["A"][:] = np.eye(3).ravel()
-        home = np.array([0] * first_body + bodies)
+        frame_bodies = np.array([0] * first_body + bodies)
         expand = getattr(narrow, "expand_b", lambda elements: elements)
         elements = [part for e in b.elements for part in expand([e])]
         probe_element = {"node": 0, "point": (0.0, 0.0, 0.0), "radius": probes.radius}
@@ -301,7 +306,7 @@ class NodalBuilder:
             "a": table_of(balls, import_module("crashsolve.contact.shape.sphere").PARAMETERS),
             "b": table_of(elements, record),
             "frames": frames,
-            "home": home,
+            "frame_bodies": frame_bodies,
             **{f"data_{k}": array for k, array in enumerate(data)},
         }
         own["b"]["node"] = [first_body + bodies.index(int(e["node"])) for e in elements]
@@ -310,7 +315,7 @@ class NodalBuilder:
             default=inf,
         )
         values = {"gap": probes.radius, "share": 1.0, "thick": probes.radius + thick}
-        values |= {"reach": REACH * thick, "first_point": probes.first_point, "own": 1}
+        values |= {"reach": REACH * thick, "first_point": probes.first_point, "is_self_contact": 1}
         count = len(probes.rows) if probes.meshed is None else len(probes.meshed.mass)
         values |= {"point_count": count, "extent": self.scene.size}
         return narrow, own | {"values": values}, 1
@@ -342,11 +347,11 @@ class NodalBuilder:
         margin = MARGIN * float(radius.mean())
         values = {
             **{"gap": gap, "share": probes.radius / gap, "reach": REACH * gap, "margin": margin},
-            **{"first_point": first, "point_count": len(meshed.mass), "own": is_own},
+            **{"first_point": first, "point_count": len(meshed.mass), "is_self_contact": is_own},
             **{"first_corner": corner, "face_count": count, "first_own": first},
             **self._positions(card.part, meshed),
             **{"bucket_count": buckets, "room": room},
-            "first_beside": 2 * len(probes.rows),
+            "first_other_wall": 2 * len(probes.rows),
         }
         own = {
             "first": np.zeros(len(probes.rows) + 1, np.int64),
@@ -355,7 +360,7 @@ class NodalBuilder:
             "cells": np.zeros(count, CELL.dtype),
             "starts": np.zeros(buckets + 1, np.int64),
             "sorted": np.zeros(count, np.int64),
-            "beside": faces_beside(quads),
+            "adjacent": adjacent_faces(quads),
             "deleted": np.zeros(count, np.int64),
             "initial": faces_at_start(corners[: count * (a.shape == "sphere")]),
             "around_first": around[0],

@@ -135,7 +135,7 @@ class Search:
         share = MARGIN_OF_PLANES if np.isinf(pairing.sides[1].radius).all() else MARGIN
         self.margin = share * float(radii[np.isfinite(radii)].mean())
         self.slack = np.array([0.5 * self.margin])
-        self.seen = tuple(
+        self.references = tuple(
             np.zeros(len(side.centre), CENTRE_AT_SEARCH.dtype) for side in pairing.sides
         )
 
@@ -150,28 +150,36 @@ class Search:
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Arrays from which the step determines when pairs must be searched again."""
-        return {"seen_a": self.seen[0], "seen_b": self.seen[1], "slack": self.slack}
+        return {
+            "reference_a": self.references[0],
+            "reference_b": self.references[1],
+            "slack": self.slack,
+        }
 
-    def look(self, nodes: np.ndarray | Mapping[str, np.ndarray]) -> np.ndarray:
-        """Parameters of the near pairs now. Writes: seen."""
-        for side, seen in zip(self.pairing.sides, self.seen, strict=True):
+    def update(self, nodes: np.ndarray | Mapping[str, np.ndarray]) -> np.ndarray:
+        """Parameters of the near pairs now. Writes: references."""
+        for side, reference in zip(self.pairing.sides, self.references, strict=True):
             A = nodes["A"][side.node].reshape(-1, 3, 3)
-            seen["r"] = nodes["r"][side.node] + np.einsum("nij,nj->ni", A, side.centre)
+            reference["r"] = nodes["r"][side.node] + np.einsum("nij,nj->ni", A, side.centre)
         first, second = self.pairing.sides
         if np.isinf(second.radius).all():
             near = self._near_planes()
         else:
             near = near_pairs(
-                self.seen[0]["r"], first.radius, self.margin, self.seen[1]["r"], second.radius
+                self.references[0]["r"],
+                first.radius,
+                self.margin,
+                self.references[1]["r"],
+                second.radius,
             )
         return self.pairing.chosen(near[:, 0], near[:, 1])
 
     def _near_planes(self) -> np.ndarray:
         """Pairs (m, 2) of spheres and planes at rest whose gap is below the margin."""
         first, second = self.pairing.sides
-        height = self.seen[0]["r"] @ second.normal.T - (self.seen[1]["r"] * second.normal).sum(
-            axis=1
-        )
+        height = self.references[0]["r"] @ second.normal.T - (
+            self.references[1]["r"] * second.normal
+        ).sum(axis=1)
         return np.argwhere(height - first.radius[:, None] < self.margin)
 
 
@@ -194,7 +202,7 @@ def renew(groups: list[ContactGroup], state: State) -> None:
 
 
 def _renew(group: ContactGroup, search: NearPairs, state: State, current: int) -> None:
-    rows = search.look(state.nodes)
+    rows = search.update(state.nodes)
     before, after = (_identity(group, p) for p in (group.parameters, rows))
     # both lists are in ascending order, and so are the pairs that stay
     at = np.searchsorted(after, before)

@@ -25,7 +25,7 @@ MANY = 1000
 # pairs of a piece, and bodies, but for the last ones, as long as there are not too many pieces;
 # their number has 16 bits (threads/worker.py), and each card begins with a piece of its own
 PAIRS, BODIES = 128, 64
-MOST = 30_000
+MAX_PIECES = 30_000
 
 PIECE = Record("""
     first    index  first pair
@@ -48,7 +48,7 @@ RANGE = Record("""
 def has_many(group: ContactGroup) -> bool:
     """Whether the pairs of a group are done in pieces."""
     elements = len(group.elements_a) + len(group.elements_b)
-    return elements >= MANY and not group.is_unilateral and _cards(group) <= MOST
+    return elements >= MANY and not group.is_unilateral and _cards(group) <= MAX_PIECES
 
 
 def _cards(group: ContactGroup) -> int:
@@ -68,7 +68,7 @@ def tables_of(group: ContactGroup, rows: np.ndarray) -> dict[str, np.ndarray]:
     nodes = np.empty(2 * len(rows), np.int64)
     nodes[0::2] = group.elements_a["node"][rows["a"]]
     nodes[1::2] = group.elements_b["node"][rows["b"]]
-    load_rows, bearers = _bodies(nodes)
+    load_rows, loaded_bodies = _bodies(nodes)
     return {
         "pieces": pieces,
         "sums": np.zeros(len(pieces), records.CARD_OUTPUT.dtype),
@@ -76,8 +76,8 @@ def tables_of(group: ContactGroup, rows: np.ndarray) -> dict[str, np.ndarray]:
         "loads": np.zeros(2 * len(rows), records.LOAD.dtype),
         "applied": np.zeros(2 * len(rows), np.int8),
         "load_rows": load_rows,
-        "bearers": bearers,
-        "ranges": _ranges(len(bearers)),
+        "loaded_bodies": loaded_bodies,
+        "ranges": _ranges(len(loaded_bodies)),
     }
 
 
@@ -101,10 +101,10 @@ def _bodies(nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     load_rows = np.empty(len(nodes), np.int64)
     load_rows[order] = np.arange(len(nodes))
     first = np.flatnonzero(np.diff(nodes[order], prepend=-1))
-    bearers = np.zeros(len(first), BODY_OF_LOADS.dtype)
-    bearers["node"], bearers["first"] = nodes[order[first]], first
-    bearers["end"] = np.append(first, len(nodes))[1:]
-    return load_rows, bearers
+    loaded_bodies = np.zeros(len(first), BODY_OF_LOADS.dtype)
+    loaded_bodies["node"], loaded_bodies["first"] = nodes[order[first]], first
+    loaded_bodies["end"] = np.append(first, len(nodes))[1:]
+    return load_rows, loaded_bodies
 
 
 def _ranges(bodies: int) -> np.ndarray:
@@ -118,4 +118,4 @@ def _ranges(bodies: int) -> np.ndarray:
 
 def _size(count: int, usual: int) -> int:
     """Number of pairs in a piece, of `count`."""
-    return max(usual, -(-count // MOST))
+    return max(usual, -(-count // MAX_PIECES))

@@ -18,7 +18,7 @@ RESTING = Record("""
     reach_b  m  the same for side b
 """)
 # of pairs whose exit is searched for in several directions (system/contact/exits.py)
-EXIT_LEAD = Record("sure  m  remaining lead of the exit, after which others are searched")
+EXIT_LEAD = Record("remaining_lead  m  remaining lead of the exit, after which others are searched")
 # of cards that give it
 TORSION = Record("torsion_radius  m  at which friction resists a spin about the normal")
 # of pairs whose friction resists a spin
@@ -31,7 +31,7 @@ HISTORY = Record("""
     power                W        its present rate
     friction_dissipated  J        by friction
     friction_power       W        its present rate
-    push                 N     3  normal force on side a
+    normal_force         N     3  normal force on side a
     friction_force       N     3  friction on side a
     bristle_energy       J        recoverable energy of friction
     position             m     3  point of contact

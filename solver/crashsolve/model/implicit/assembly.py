@@ -1,8 +1,8 @@
 """Shells as implicit integrators see them: their points as bodies, and the matrix of all of these.
 
 A point that moves by itself becomes a row of the node table behind the bodies that have names, and
-rides on it; one that is held altogether rides on the ground. The elements' forces then act on
-bodies, and their stiffness joins nodes that share an element (system/implicit/stiffness.py).
+is attached to it; one without free motions is attached to the ground. The elements' forces then act
+on bodies, and their stiffness joins nodes that share an element (system/implicit/stiffness.py).
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ ALL_FIXED = 63  # all motions
 
 COUNTS = Record("""
     numbers  count  numbers that elements keep
-    arms     count  points that ride beside the mass centres of bodies
+    arms     count  points that are attached beside the mass centres of bodies
 """)
 
 
 def add_nodes_of_points(model: Model, state: State) -> None:
-    """Give every point a body to ride on. Writes: model.elements, state.nodes, points."""
+    """Attach every point to a body. Writes: model.elements, state.nodes, points."""
     points, elements = state.points, model.elements
     assert elements is not None
     alone = points["fixed"] < ATTACHED

@@ -15,7 +15,7 @@ from crashsolve.model.model import Group, Model, State
 from crashsolve.model.nodes import COMPLIANT, TANGENTS
 
 # of a block of the sparse matrix: motions of one body against another
-MOST_ROWS = 6
+MAX_ROWS = 6
 
 
 def tangent_groups(model: Model) -> list[Group]:
@@ -50,9 +50,9 @@ def compliance(model: Model, state: State, factors: int) -> dict[str, np.ndarray
     tangents["first"] = first
     if has_nodal_tangents(model):
         return {"tangents": tangents} | assembled(model, state, groups, factors)
-    for module in (g.module for g in tangent_groups(model) if g.module.TANGENTS > MOST_ROWS):
+    for module in (g.module for g in tangent_groups(model) if g.module.TANGENTS > MAX_ROWS):
         message = f"{module.__name__}: TANGENTS is {module.TANGENTS}"
-        raise FamilyError(f"{message}; two bodies have at most {MOST_ROWS} compliant rows")
+        raise FamilyError(f"{message}; two bodies have at most {MAX_ROWS} compliant rows")
     both = joints + laws
     saddle = plan([rows for rows, _ in both], [nodes for _, nodes in both])
     table = np.zeros(row, COMPLIANT.dtype)

@@ -15,9 +15,9 @@ class History(ForceHistory):
     slider: Numbers[float]  # [m] s_p, axes of a
     bristle: Numbers[float]  # [m] z, axes of a
     force: Numbers[float]  # [N] f, axes of a
-    slid: float  # [m] displacement of the slider
+    accumulated_slip: float  # [m] distance slid
 
 class Output(ForceOutput):
     force: Numbers[float]  # [N] on b, axes of a
     limit: float  # [N] level at which it slides
-    slid: float  # [m] distance slid so far
+    accumulated_slip: float  # [m] distance slid

@@ -3,7 +3,7 @@ from crashsolve._shared_rows import ForceHistory, ForceOutput, SpringOutput, Spr
 
 class Parameters(SpringPoints):
     curve: int  # [index] c
-    stiffest: float  # [N s/m] largest slope of the curve
+    largest_slope: float  # [N s/m] largest slope of the curve
 
 class History(ForceHistory):
     segment: int  # [index] of the curve that is read

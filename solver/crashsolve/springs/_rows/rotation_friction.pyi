@@ -12,10 +12,10 @@ class History(ForceHistory, JointPressure):
     configuration: Numbers[float]  # [1] quaternion of b in a
     bristle: Numbers[float]  # [rad] z, axes of a
     torque: Numbers[float]  # [N m] M, axes of a
-    slid: float  # [rad] angle slid
+    accumulated_slip: float  # [rad] sum of angles slid
 
 class Output(ForceOutput):
     torque: Numbers[float]  # [N m] on b, world axes
     moment: Numbers[float]  # [N m] the same, axes of b
     limit: float  # [N m] at which it slides
-    slid: float  # [rad] angle slid so far
+    accumulated_slip: float  # [rad] sum of angles slid

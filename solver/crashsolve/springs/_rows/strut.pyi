@@ -14,8 +14,8 @@ class Parameters(SpringPoints):
     rebound_length: float  # [m] l_r; infinity for none
     rebound_stiffness: float  # [N/m] of the rebound stop
     rebound_curve: int  # [index] R; 0 for none
-    stiffest: float  # [N/m] largest slope of spring and stop together
-    most_damping: float  # [N s/m] largest slope of the damper
+    largest_slope: float  # [N/m] largest slope of spring and stop together
+    largest_damping: float  # [N s/m] largest slope of the damper
 
 class History(ForceHistory): ...
 

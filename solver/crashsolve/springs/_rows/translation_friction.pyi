@@ -9,9 +9,9 @@ class History(ForceHistory, JointPressure):
     travel: float  # [m] of b from the start
     slider: float  # [m] travel without stretch of the bristle
     force: float  # [N] F
-    slid: float  # [m] distance slid
+    accumulated_slip: float  # [m] distance slid
 
 class Output(ForceOutput):
     force: float  # [N] positive pushes b back along the axis
     limit: float  # [N] at which it slides
-    slid: float  # [m] distance slid so far
+    accumulated_slip: float  # [m] distance slid

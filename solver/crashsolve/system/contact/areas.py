@@ -50,10 +50,10 @@ def add_first_half_work(h, old, motion, a, card):
 
     Writes: card.
     """
-    size = norm(vec(old.push))
+    size = norm(vec(old.normal_force))
     if old.active == 0 or h == 0.0 or size == 0.0:
         return 0.0
-    n = scale(1.0 / size, vec(old.push))
+    n = scale(1.0 / size, vec(old.normal_force))
     displacement = displacement_from(motion, a, vec(old.position))
     friction_loss = 0.5 * dot(
         vec(old.friction_force), sliding_displacement(motion, displacement, n, old.radius)
@@ -112,7 +112,7 @@ def distribute_pressure(pair, totals, spots, count, n, x, applied, push):
     differences dissipate [W] and the point of the line on which all of it acts. Writes: totals.
     """
     a, b, on_a, on_b = pair.a, pair.b, totals.on_a, totals.on_b
-    f, rate, damping, most_stiffness, most_damping = push
+    f, rate, damping, largest_stiffness, largest_damping = push
     total, power, moment = 0.0, -f * rate, NO_ROTATION
     for k in range(count):
         y, share = vec(spots[k].point), spots[k].share
@@ -125,7 +125,9 @@ def distribute_pressure(pair, totals, spots, count, n, x, applied, push):
             add_deferred(on_a, scale(1.0 - applied, own), d_a)
             add_deferred(on_b, scale(applied - 1.0, own), d_b)
         mob_a, mob_b = pair_mobility(a, b, d_a, d_b, n)
-        add_pair_stiffness(on_a, on_b, mob_a, mob_b, share * most_stiffness, share * most_damping)
+        add_pair_stiffness(
+            on_a, on_b, mob_a, mob_b, share * largest_stiffness, share * largest_damping
+        )
         total += f_k
         power += f_k * rate_k
         moment = add_scaled(moment, f_k, y)

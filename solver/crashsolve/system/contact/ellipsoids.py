@@ -50,7 +50,7 @@ def find_nearest_faces(i, p, totals, ellipsoid, nodes, sides, mesh, lists):
                 keep_nearest(i, p, (f, N, spot), abs(distance + low), to, sides, mesh)
         soonest = min(soonest, wait[k])
     due[i] = soonest
-    report_depth(p, sides.found)
+    report_depth(p, sides.hits)
 
 
 @kernel

@@ -2,11 +2,11 @@
 
 The depth of two bodies that overlap is that along their shortest exit, one of several. Seen from
 body b, no point of a moves by more than `displacement` in a step (system/contact/resting.py), and
-so does the depth along any direction carried along with b change by no more. An exit that
-is shorter than the next one by `sure` therefore remains so until both have changed by half of that.
-An exit that emerges in between has not been searched for: hence no lead counts for more than
-LARGEST_LEAD of the half thickness of both sides. Consequence to test: the results of a search in
-every step.
+so does the depth along any direction carried along with b change by no more. An exit
+that is shorter than the next one by `remaining_lead` therefore remains so until both have changed
+by half of that. An exit that emerges in between has not been searched for: hence no lead counts for
+more than LARGEST_LEAD of the half thickness of both sides. Consequence to test: the results of a
+search in every step.
 """
 
 from crashsolve.foundation.kernels import kernel
@@ -21,7 +21,7 @@ def remaining_lead(h, old, displacement):
     """Lead of the exit of the last step after this one [m]; none where it did not touch."""
     if old.active == 0:
         return 0.0
-    return old.sure if h == 0.0 else old.sure - 2.0 * displacement
+    return old.remaining_lead if h == 0.0 else old.remaining_lead - 2.0 * displacement
 
 
 @kernel

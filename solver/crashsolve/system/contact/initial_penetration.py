@@ -101,12 +101,12 @@ def initial_touches(
 def _masses(nodes: np.ndarray, touches: list[Touch]) -> np.ndarray:
     """Effective masses of the contacts of two bodies [kg], over the shares of their force."""
     normals = np.array([touch.normal for touch in touches])
-    alike, free = normals @ normals.T, nodes["mass_inv"].sum()
-    compliance = free * alike
+    cosines, free = normals @ normals.T, nodes["mass_inv"].sum()
+    compliance = free * cosines
     for side, node in enumerate(nodes):
         levers = np.cross([touch.arms[side] for touch in touches], normals)
         compliance += levers @ node["W"].reshape(3, 3) @ levers.T
-    compliance[alike <= 0.0] = 0.0
+    compliance[cosines <= 0.0] = 0.0
     # the law computes the force of the full surface, the bodies receive their share
     springs = np.array([max(touch.spring, LEAST) for touch in touches])
     pushes = springs * [touch.share for touch in touches]

@@ -25,7 +25,7 @@ from crashsolve.foundation.point import ATTACHED
 from crashsolve.foundation.vec3 import add, add_scaled, dot, norm, put, scale, sub, vec
 
 # least mobility of two sides [1/kg], against division by zero
-STUCK = 1e-30
+LEAST_MOBILITY = 1e-30
 
 
 @kernel
@@ -36,7 +36,7 @@ def clear_loads(scene):
         at = scene.stiffened[scene.touched_points[j]]
         at.stiffness = at.damping = 0.0
         at.listed = 0
-    total.count, total.first_seen = 0, -1
+    total.count, total.first_point = 0, -1
     total.rate = total.damping = 0.0
 
 
@@ -102,7 +102,7 @@ def free_part(fixed, u):
 def fastest(h, p, probes, nodes, scene):
     """Largest speed in this step of the probes, and of the points of the faces."""
     most = fastest_point(p, scene)
-    if p.own == 0:
+    if p.is_self_contact == 0:
         for i in range(probes.shape[0]):
             most = max(most, speed_of(probes[i], h, p, nodes, scene.points))
     return most
@@ -123,14 +123,14 @@ def fastest_point(p, scene):
 def is_fastest_known(p, scene):
     """Whether the largest speed of these points has been found in this pass."""
     total = scene.touched[0]
-    return total.first_seen == p.first_point and total.seen == p.point_count
+    return total.first_point == p.first_point and total.point_count == p.point_count
 
 
 @kernel
 def store_fastest(p, speed, scene):
     """Store the largest speed of the points of a contact. Writes: scene.touched."""
     total = scene.touched[0]
-    total.first_seen, total.seen, total.speed = p.first_point, p.point_count, speed
+    total.first_point, total.point_count, total.speed = p.first_point, p.point_count, speed
 
 
 @kernel
@@ -333,9 +333,9 @@ def update_shapes(h, p, totals, probes, nodes, scene, copies):
     Writes: totals, frames.
     """
     clear_sums(totals)
-    speed, (frames, first_body, home) = 0.0, copies
+    speed, (frames, first_body, frame_bodies) = 0.0, copies
     for k in range(first_body, frames.shape[0]):
-        frame, body = frames[k], nodes[home[k]]
+        frame, body = frames[k], nodes[frame_bodies[k]]
         put(frame.r, vec(body.r))
         for j in range(9):
             frame.A[j] = body.A[j]

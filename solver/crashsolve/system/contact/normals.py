@@ -30,26 +30,26 @@ BORDER = 1.0 + 1e-9  # a position so far beyond a side still belongs to the face
 
 
 @kernel
-def apply_field(i, x, ellipsoid_data, p, mesh, excluded, found):
-    """Normals, weights and depths of both sides by the field of normals. Writes: found.
+def apply_field(i, x, ellipsoid_data, p, mesh, excluded, hits):
+    """Normals, weights and depths of both sides by the field of normals. Writes: hits.
 
     x is a probe's position, or the centre of the ellipsoid of `ellipsoid_data`, else None. Where a
     line along the field would pass a free border the nearest point stays.
     """
     for s in range(2):
-        if found[s].face >= 0:
+        if hits[s].face >= 0:
             sign = 1.0 if s == 0 else -1.0
             f, xi, eta, distance, n = solve_along_field(
-                i, x, ellipsoid_data, sign, p, found[s], mesh, excluded
+                i, x, ellipsoid_data, sign, p, hits[s], mesh, excluded
             )
             if f < 0:
                 continue
             N, size = shape(f >= p.quads, xi, eta), norm(n)
-            found[s].face = f
+            hits[s].face = f
             for k in range(4):
-                found[s].N[k] = N[k]
-            put(found[s].normal, scale(sign / size, n))
-            found[s].depth = p.gap - sign * distance * size
+                hits[s].N[k] = N[k]
+            put(hits[s].normal, scale(sign / size, n))
+            hits[s].depth = p.gap - sign * distance * size
 
 
 @kernel

@@ -77,8 +77,8 @@ class NormalResponse(NamedTuple):
     f: float  # [N]
     rate: float  # closing speed [m/s]
     damping: float  # slope over that [N s/m]
-    most_stiffness: float  # bounds for the step control [N/m, N s/m]
-    most_damping: float
+    largest_stiffness: float  # bounds for the step control [N/m, N s/m]
+    largest_damping: float
 
 
 class Closing(NamedTuple):
@@ -121,7 +121,7 @@ class Touch(NamedTuple):
     old: Row  # its records: accepted, and new
     new: Row
     hit: Row  # the face or shape in contact
-    past: Vector  # its displacement over that in the step, where it touched before [m]
+    old_displacement: Vector  # its displacement over that in the step, where it touched before [m]
 
 
 class ProbeResponse(NamedTuple):

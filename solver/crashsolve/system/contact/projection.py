@@ -116,7 +116,7 @@ class Sides(NamedTuple):
 
     states: Rows  # before and after the step, `WALLS` for each side of each probe
     slot_in_use: int  # which of both is the accepted one
-    found: Rows  # the nearest faces of one probe
+    hits: Rows  # the nearest faces of one probe
 
 
 @kernel
@@ -143,7 +143,7 @@ def find_nearest_faces(i, x, p, totals, sides, mesh, lists):
                 keep_nearest(i, p, (f, N, spot), distance, to, sides, mesh)
         soonest = min(soonest, wait[k])
     due[i] = soonest
-    report_depth(p, sides.found)
+    report_depth(p, sides.hits)
 
 
 @kernel
@@ -152,21 +152,21 @@ def reset_found(i, p, sides):
 
     Writes: sides.
     """
-    is_deep, (probe_states, slot_in_use, found) = False, sides
+    is_deep, (probe_states, slot_in_use, hits) = False, sides
     for s in range(2):
-        found[s].distance, found[s].face, found[s].depth = p.gap + p.margin, -1, 0.0
-        found[s].beside, found[s].weight = 0, 1.0
+        hits[s].distance, hits[s].face, hits[s].depth = p.gap + p.margin, -1, 0.0
+        hits[s].other_walls, hits[s].weight = 0, 1.0
         old = probe_states[accept_record(slot_in_use, 2 * i + s), 2 * i + s]
         is_deep = is_deep or (old.active == 1 and old.depth > 0.5 * p.gap)
     return is_deep
 
 
 @kernel
-def report_depth(p, found):
+def report_depth(p, hits):
     """Depths of the faces found, from their distances. Writes: found."""
     for s in range(2):
-        if found[s].face >= 0:
-            found[s].depth = p.gap - (-1.0 if found[s].crossed == 1 else 1.0) * found[s].distance
+        if hits[s].face >= 0:
+            hits[s].depth = p.gap - (-1.0 if hits[s].crossed == 1 else 1.0) * hits[s].distance
 
 
 @kernel
@@ -186,11 +186,11 @@ def keep_nearest(i, p, face, distance, to, sides, mesh):
     """Store a face if it is the nearest on its side, at a distance [m]; `to` is the vector to it.
 
     `face`: its number, the weights of its corners at the nearest point, the feature of that.
-    Writes: sides.found.
+    Writes: sides.hits.
     """
-    (f, N, spot), (probe_states, slot_in_use, found) = face, sides
+    (f, N, spot), (probe_states, slot_in_use, hits) = face, sides
     s, crossed = side_of(i, p, f, spot, to, probe_states, slot_in_use, mesh)
-    hit = found[s]
+    hit = hits[s]
     if distance >= hit.distance or (distance >= p.gap and crossed == 0):
         return
     hit.distance, hit.face, hit.crossed = distance, f, crossed
@@ -232,7 +232,7 @@ def side_of(i, p, f, spot, to, probe_states, slot_in_use, mesh):
 @kernel
 def row_of(p, j, w):
     """Row of the record of the wall w on side j of all probes; those of the nearest come first."""
-    return j if w == 0 else p.first_beside + (WALLS - 1) * j + w - 1
+    return j if w == 0 else p.first_other_wall + (WALLS - 1) * j + w - 1
 
 
 @kernel
@@ -241,7 +241,7 @@ def adjacent_touch(j, p, f, probe_states, slot_in_use, mesh):
     now, best, depth = slot_in_use[j], -1, -1e300
     if probe_states[now, j].active == 0:
         return best
-    for w in range(1 + probe_states[now, j].beside):
+    for w in range(1 + probe_states[now, j].other_walls):
         at = row_of(p, j, w)
         old = probe_states[now, at]
         if old.depth > depth and share_corner(p, f, old.face, mesh):

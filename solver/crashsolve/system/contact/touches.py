@@ -264,7 +264,7 @@ def predicted_direction(old, slip, n):
 
 
 @kernel
-def needs_new_list(clock, elements, nodes, seen, slack):
+def needs_new_list(clock, elements, nodes, references, slack):
     """Whether an element has moved far since its list of near pairs was made.
 
     The next step is cut so that none can move farther than `slack` before the next check.
@@ -276,7 +276,7 @@ def needs_new_list(clock, elements, nodes, seen, slack):
         body = nodes[e.node]
         d = arm(body, vec(e.point))
         v = point_velocity(body, d)
-        offset = sub(point_at(body, d), vec(seen[i].r))
+        offset = sub(point_at(body, d), vec(references[i].r))
         farthest = max(farthest, dot(offset, offset))
         fastest = max(fastest, dot(v, v))
     if fastest * clock.next_step**2 > (0.2 * slack) ** 2:

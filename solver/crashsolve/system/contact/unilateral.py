@@ -182,12 +182,12 @@ def record_reactions(h, current, params, history, elements, nodes):
         if new.active == 0:
             continue
         m, w = nodes[elements[0][p.a].node], nodes[elements[1][p.b].node]
-        put(new.met, relative_velocity(False, new, m, w))
+        put(new.velocity_before, relative_velocity(False, new, m, w))
         if old.active == 0:
             count += 1
             continue
         put(new.reaction, scale(2.0 / h, vec(new.closing)))
-        u = add(relative_velocity(True, new, m, w), vec(new.met))
+        u = add(relative_velocity(True, new, m, w), vec(new.velocity_before))
         new.friction_loss -= 0.5 * dot(tangential_part(vec(new.closing), vec(new.normal)), u)
     return count
 
@@ -201,14 +201,14 @@ def record_impulses(current, params, history, elements, nodes, cards):
             continue
         m, w = nodes[elements[0][p.a].node], nodes[elements[1][p.b].node]
         u, n, P = (
-            add(relative_velocity(False, new, m, w), vec(new.met)),
+            add(relative_velocity(False, new, m, w), vec(new.velocity_before)),
             vec(new.normal),
             vec(new.impulse),
         )
         new.dissipated -= 0.5 * dot(P, n) * dot(u, n)
         new.friction_loss -= 0.5 * dot(tangential_part(P, n), u)
         if old.active == 0:
-            new.impact_speed = max(-dot(vec(new.met), n), 0.0)
+            new.impact_speed = max(-dot(vec(new.velocity_before), n), 0.0)
             cards[1 - current, p.card].onsets += 1
 
 

@@ -41,15 +41,15 @@ ABOVE_COSINE = 4.0
 
 @kernel
 def row_of_wall(s, w):
-    """Row of the wall w on a side in `found`; those of the nearest come first."""
+    """Row of the wall w on a side in `hits`; those of the nearest come first."""
     return s if w == 0 else 2 + (WALLS - 1) * s + w - 1
 
 
 @kernel
 def find_walls(i, x, p, totals, sides, mesh, lists, initial):
-    """Find the walls beside the nearest, on both sides. Writes: sides.found."""
+    """Find the walls beside the nearest, on both sides. Writes: sides.hits."""
     for s in range(2):
-        nearest = sides.found[s]
+        nearest = sides.hits[s]
         has_normal = nearest.distance > NO_DISTANCE * p.gap
         if nearest.depth > 0.0 and nearest.crossed == 0 and has_normal:
             find_adjacent_walls(i, s, x, p, totals, sides, mesh, lists, initial)
@@ -57,45 +57,45 @@ def find_walls(i, x, p, totals, sides, mesh, lists, initial):
 
 @kernel
 def find_adjacent_walls(i, s, x, p, totals, sides, mesh, lists, initial):
-    """Walls beside the nearest on one side, first those with most energy. Writes: sides.found."""
-    found, count = sides.found, 1
+    """Walls beside the nearest on one side, first those with most energy. Writes: sides.hits."""
+    hits, count = sides.hits, 1
     for w in range(1, WALLS):
         if count == w and find_next_wall(i, s, w, x, p, totals, sides, mesh, lists, initial):
             count += 1
-    found[s].beside = count - 1
-    distribute_force(s, count, p, found, initial)
+    hits[s].other_walls = count - 1
+    distribute_force(s, count, p, hits, initial)
 
 
 @kernel
-def distribute_force(s, count, p, found, initial):
+def distribute_force(s, count, p, hits, initial):
     """Weights of the forces of all walls; those with the least separation are merged first.
 
     The separation of two groups is the least of their walls.
 
-    Writes: found.
+    Writes: hits.
     """
     for w in range(count):
-        hit = found[row_of_wall(s, w)]
+        hit = hits[row_of_wall(s, w)]
         hit.group, hit.joined = w, hit.depth
     for _ in range(count - 1):
         least, one, two = ABOVE_SEPARATION, 0, 0
         for v in range(count):
             for w in range(v + 1, count):
-                a, b = found[row_of_wall(s, v)], found[row_of_wall(s, w)]
+                a, b = hits[row_of_wall(s, v)], hits[row_of_wall(s, w)]
                 if a.group != b.group:
                     apart = separation_of(p, s, a, vec(b.normal), b.distance, b.face, initial)
                     if apart < least:
                         least, one, two = apart, v, w
-        merge_groups(s, count, least, found[row_of_wall(s, one)], found[row_of_wall(s, two)], found)
+        merge_groups(s, count, least, hits[row_of_wall(s, one)], hits[row_of_wall(s, two)], hits)
 
 
 @kernel
-def merge_groups(s, count, apart, one, two, found):
-    """Merge the groups of two walls with this separation. Writes: found."""
+def merge_groups(s, count, apart, one, two, hits):
+    """Merge the groups of two walls with this separation. Writes: hits."""
     group, other = one.group, two.group
     share, share_of_other, depth = merged_weights(one.joined, two.joined, apart)
     for w in range(count):
-        hit = found[row_of_wall(s, w)]
+        hit = hits[row_of_wall(s, w)]
         if hit.group == group or hit.group == other:
             hit.weight *= share if hit.group == group else share_of_other
             hit.group, hit.joined = group, depth
@@ -135,13 +135,13 @@ def separation_at_start(s, one, two):
 
 @kernel
 def find_next_wall(i, s, w, x, p, totals, sides, mesh, lists, initial):
-    """Whether there is one more wall beside w others; store it. Writes: sides.found."""
+    """Whether there is one more wall beside w others; store it. Writes: sides.hits."""
     first, near, wait, _ = lists
-    best, hit = 0.0, sides.found[row_of_wall(s, w)]
+    best, hit = 0.0, sides.hits[row_of_wall(s, w)]
     for k in range(first[i], first[i + 1]):
         f = near[k]
         # a face that is not due yet is farther than the gap
-        if mesh[5][f] == 1 or wait[k] > totals.travel or f == sides.found[s].face:
+        if mesh[5][f] == 1 or wait[k] > totals.travel or f == sides.hits[s].face:
             continue
         a, b, c, d = relative_corners(x, p, f, mesh)
         N, square, spot = nearest_on_face(a, b, c, d)
@@ -150,7 +150,7 @@ def find_next_wall(i, s, w, x, p, totals, sides, mesh, lists, initial):
             continue
         to = point_of(N, a, b, c, d)
         n, depth = scale(-1.0 / distance, to), p.gap - distance
-        apart = separation_from(s, w, p, f, distance, n, sides.found, initial)
+        apart = separation_from(s, w, p, f, distance, n, sides.hits, initial)
         if apart < LEAST_SEPARATION or apart * depth * depth <= best:
             continue
         on, crossed = side_of(i, p, f, spot, to, sides.states, sides.slot_in_use, mesh)
@@ -173,52 +173,52 @@ def store_wall(hit, p, f, N, distance, n):
 
 
 @kernel
-def separation_from(s, w, p, face, distance, n, found, initial):
+def separation_from(s, w, p, face, distance, n, hits, initial):
     """Separation of a wall from w others, from 0 to 1."""
     apart = 1.0
     for v in range(w):
-        other = found[row_of_wall(s, v)]
+        other = hits[row_of_wall(s, v)]
         apart = min(apart, separation_of(p, s, other, n, distance, face, initial))
     return apart
 
 
 @kernel
-def wall_count(s, found):
+def wall_count(s, hits):
     """Number of walls that a probe touches on a side."""
-    return 1 + found[s].beside if found[s].depth > 0.0 else 0
+    return 1 + hits[s].other_walls if hits[s].depth > 0.0 else 0
 
 
 @kernel
 def old_wall_count(old):
     """Number of walls that it touched before, of which `old` is the record of the first."""
-    return 1 + old.beside if old.active == 1 else 0
+    return 1 + old.other_walls if old.active == 1 else 0
 
 
 @kernel
-def match_walls(p, j, s, count, before, found, probe_states, slot_in_use):
+def match_walls(p, j, s, count, before, hits, probe_states, slot_in_use):
     """Number of the wall touched before that each of `count` continues: the same face, or the
     nearest normal.
 
-    Returns the sum of 2^r over the walls r that continue. Writes: found.
+    Returns the sum of 2^r over the walls r that continue. Writes: hits.
     """
     for w in range(count):
-        found[row_of_wall(s, w)].partner = -1
+        hits[row_of_wall(s, w)].partner = -1
     taken = 0
     for _ in range(min(count, before)):
         best, hit_of_best, old_of_best = -2.0, 0, 0
         for w in range(count):
-            hit = found[row_of_wall(s, w)]
+            hit = hits[row_of_wall(s, w)]
             if hit.partner >= 0:
                 continue
             for r in range(before):
                 if taken >> r & 1:
                     continue
                 old = probe_states[slot_in_use[j], row_of(p, j, r)]
-                alike = dot(vec(old.normal), vec(hit.normal))
+                score = dot(vec(old.normal), vec(hit.normal))
                 if old.face == hit.face:
-                    alike += ABOVE_COSINE
-                if alike > best:
-                    best, hit_of_best, old_of_best = alike, w, r
-        found[row_of_wall(s, hit_of_best)].partner = old_of_best
+                    score += ABOVE_COSINE
+                if score > best:
+                    best, hit_of_best, old_of_best = score, w, r
+        hits[row_of_wall(s, hit_of_best)].partner = old_of_best
         taken += 1 << old_of_best
     return taken

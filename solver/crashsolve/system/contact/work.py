@@ -96,7 +96,9 @@ def displacement_to(motion, a, x):
 def add_start_work(h, old, motion, a, card):
     """Work of the normal force of the start of the step. Writes: card."""
     if old.active == 1 and h > 0.0:
-        card.work += 0.5 * dot(vec(old.push), displacement_from(motion, a, vec(old.position)))
+        card.work += 0.5 * dot(
+            vec(old.normal_force), displacement_from(motion, a, vec(old.position))
+        )
 
 
 @kernel
@@ -108,7 +110,7 @@ def add_end_work(applied, u, f, n, x, out, new, card):
     """
     card.work += 0.5 * applied * f * dot(n, u)
     card.stored += out.stored
-    put(new.push, scale(f, n))
+    put(new.normal_force, scale(f, n))
     put(new.position, x)
 
 
@@ -117,7 +119,7 @@ def normal_work(old, motion, a, push, n, u):
     """Work of the normal force on both sides in both halves of the step [J]; `push` at its end."""
     work = 0.5 * push * dot(n, u)
     if old.active == 1:
-        work += 0.5 * dot(vec(old.push), displacement_from(motion, a, vec(old.position)))
+        work += 0.5 * dot(vec(old.normal_force), displacement_from(motion, a, vec(old.position)))
     return work
 
 
@@ -131,7 +133,7 @@ def add_first_half_work(h, old, motion, a, card):
         return 0.0
     u = displacement_from(motion, a, vec(old.position))
     friction_loss = 0.5 * dot(vec(old.friction_force), u)
-    card.work += 0.5 * dot(vec(old.push), u)
+    card.work += 0.5 * dot(vec(old.normal_force), u)
     card.friction_work += friction_loss
     return friction_loss
 

@@ -177,12 +177,12 @@ def gap(group, h, card, ends, displacement, nodes, scene):
         if depth <= resting.skip_depth(h, card.depth):
             return depth, areas.NO_ROTATION, areas.NO_ROTATION
     if KICK_DRIFT_KICK and group.follows_exit:
-        new.sure = exits.remaining_lead(h, old, displacement)
-        if new.sure > 0.0:
+        new.remaining_lead = exits.remaining_lead(h, old, displacement)
+        if new.remaining_lead > 0.0:
             n = exits.carried_normal(h, old, nodes[b.node])
             return group.narrow.follow(a, b, nodes, group.data, n)
         depth, n, x, lead = group.narrow.search(a, b, nodes, group.data)
-        new.sure = exits.trusted_lead(p, lead)
+        new.remaining_lead = exits.trusted_lead(p, lead)
         return depth, n, x
     return group.narrow.gap(a, b, nodes, group.data)
 

@@ -82,10 +82,10 @@ def need_rebuild(clock, nodes, scene):
     for group in CONTACTS:
         if group.search is not None:
             stale |= touches.needs_new_list(
-                clock, group.elements_a, nodes, group.seen_a, group.slack[0]
+                clock, group.elements_a, nodes, group.reference_a, group.slack[0]
             )
             stale |= touches.needs_new_list(
-                clock, group.elements_b, nodes, group.seen_b, group.slack[0]
+                clock, group.elements_b, nodes, group.reference_b, group.slack[0]
             )
         elif group.looks_ahead:
             limit_closing(group, clock, nodes, scene)

@@ -73,7 +73,7 @@ def apply_laws(clock, time, h, nodes, rows, curves, scene):
                 body = nodes[p[i].node]
                 work_of_load = load_work(group.law.present(p[i], o, body.start_A), body)
             if group.is_watched and group.joins_several:
-                keep_applied_loads(p[i], group.most_nodes, new, nodes)
+                keep_applied_loads(p[i], group.max_nodes, new, nodes)
             elif group.is_watched:
                 before = applied_loads(p[i], nodes)
             if group.materials:
@@ -108,7 +108,7 @@ def apply_laws(clock, time, h, nodes, rows, curves, scene):
             add_dissipation(clock, old, new, o.power, o.loss)
             if group.is_watched:
                 if group.joins_several:
-                    record_work_of_several(p[i], group.most_nodes, old, new, h, nodes)
+                    record_work_of_several(p[i], group.max_nodes, old, new, h, nodes)
                 else:
                     record_work(p[i], old, new, before, h, nodes)
                 is_first = clock.cycle == 0 and h == 0.0

@@ -24,9 +24,9 @@ def pair_forces_piece(group, k, clock, h, scene):
 def load_bodies_piece(group, k, scene):
     """Add to some bodies the forces of their pairs, pair by pair. Writes: scene.nodes."""
     for j in range(group.ranges[k].first, group.ranges[k].end):
-        bearer = group.bearers[j]
-        body = scene.nodes[bearer.node]
-        for at in range(bearer.first, bearer.end):
+        loaded = group.loaded_bodies[j]
+        body = scene.nodes[loaded.node]
+        for at in range(loaded.first, loaded.end):
             if group.applied[at] == 1:
                 touches.add_load(body, group.loads[at])
 

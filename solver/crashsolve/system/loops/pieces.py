@@ -37,11 +37,11 @@ def share(number, pieces, clock, h, scene):
 
 @kernel
 def share_search(group, clock, h, scene):
-    """Look for the probes of a group with all threads. Writes: group.found, seen, looks."""
+    """Look for the probes of a group with all threads. Writes: tables of the group."""
     for number, other in enumerate(NODAL):
         if other is group:
             scene.job[0].group = number
-    share(jobs.LOOK, group.looks.shape[0], clock, h, scene)
+    share(jobs.SEARCH, group.search_ranges.shape[0], clock, h, scene)
 
 
 @kernel
@@ -69,7 +69,7 @@ def collect_in_pieces(first, pieces, clock, h, scene):
     points.
     """
     scene.job[0].entry = first
-    share(jobs.TAKE, pieces, clock, h, scene)
+    share(jobs.COLLECT, pieces, clock, h, scene)
 
 
 @kernel
@@ -77,8 +77,8 @@ def contact_in_pieces(group, clock, h, scene):
     """Forces of all pairs of a group of many. Writes: nodes, cards, outputs, new histories."""
     if THREADS:
         note_contact(group, scene)
-        share(jobs.PRESS, group.pieces.shape[0], clock, h, scene)
-        share(jobs.BEAR, group.ranges.shape[0], clock, h, scene)
+        share(jobs.PAIR_FORCES, group.pieces.shape[0], clock, h, scene)
+        share(jobs.BODY_LOADS, group.ranges.shape[0], clock, h, scene)
     else:
         for k in range(group.pieces.shape[0]):
             pair_forces_piece(group, k, clock, h, scene)
@@ -123,7 +123,7 @@ def do_piece(k, me, clock, scene):
     job = scene.job[0]
     if ELEMENT_LOADS and job.number == jobs.LOAD:
         load_piece(k, job, scene)
-    elif NODAL and job.number == jobs.LOOK:
+    elif NODAL and job.number == jobs.SEARCH:
         search_piece(k, me, job.group, scene)
     elif NODAL and job.number == jobs.SPEED:
         speed_piece(k, scene)
@@ -131,7 +131,7 @@ def do_piece(k, me, clock, scene):
         open_piece(k, job.h, scene)
     elif ELEMENTS and job.number == jobs.DEFORM:
         deform_piece(k, clock, job.h, scene)
-    elif ELEMENTS and job.number == jobs.TAKE:
+    elif ELEMENTS and job.number == jobs.COLLECT:
         jobs.collect_replicas(scene.pieces[job.entry + k], scene)
     elif ELEMENTS and job.number == jobs.CLOSE:
         close_piece(k, clock, job.h, scene)
@@ -144,9 +144,9 @@ def pairs_piece(k, job, scene):
     """Some pairs of a contact, or some of their bodies. Writes: the tables of the job."""
     for number, group in enumerate(CONTACTS):
         if group.in_pieces and job.group == number:
-            if job.number == jobs.PRESS:
+            if job.number == jobs.PAIR_FORCES:
                 pair_forces_piece(group, k, scene.leader[0], job.h, scene)
-            elif job.number == jobs.BEAR:
+            elif job.number == jobs.BODY_LOADS:
                 load_bodies_piece(group, k, scene)
             else:
                 approach_piece(group, k, scene.leader[0], job.floor, scene)
@@ -200,7 +200,7 @@ def speed_piece(k, scene):
 
 @kernel
 def search_piece(k, me, number, scene):
-    """Search with some probes of a contact. Writes: group.found, seen, looks."""
+    """Search with some probes of a contact. Writes: tables of the group."""
     for number_of, group in enumerate(NODAL):
         if number == number_of and not group.keeps_faces:
             search_probes(group, k, me, scene)
@@ -208,24 +208,24 @@ def search_piece(k, me, number, scene):
 
 @kernel
 def search_probes(group, k, me, scene):
-    """Look for those probes of a range that are due. Writes: group.found, seen, looks."""
-    one, last, count = group.looks[k], group.probes.shape[0], 0
-    if k + 1 < group.looks.shape[0]:
-        last = group.looks[k + 1].first
+    """Look for those probes of a range that are due. Writes: tables of the group."""
+    one, last, count = group.search_ranges[k], group.probes.shape[0], 0
+    if k + 1 < group.search_ranges.shape[0]:
+        last = group.search_ranges[k + 1].first
     for i in range(one.first, last):
         if group.due[i] > group.totals[0].travel:
             continue
         if group.narrow is None:
-            search_faces(group, i, group.found[i], scene.nodes, scene)
+            search_faces(group, i, group.hits[i], scene.nodes, scene)
             touches = node_contact.touches_faces(
-                group.found[i], group.probe_states, group.slot_in_use, i
+                group.hits[i], group.probe_states, group.slot_in_use, i
             )
         else:
-            hit = group.found[i, 0]
+            hit = group.hits[i, 0]
             search_shapes(group, i, group.a[me], (0.0, 0.0, 0.0), hit, scene.nodes, scene)
             touches = hit.depth > 0.0 or group.probe_states[group.slot_in_use[i], i].active == 1
         if touches:
-            group.seen[one.first + count].probe = i
+            group.touching_probes[one.first + count].probe = i
             count += 1
     one.count = count
 

@@ -17,22 +17,22 @@ def node_to_shape(group, clock, h, nodes, curves, scene):
     first_body = group.a.shape[0]
     if THREADS:
         find_fastest(p, clock, h, scene)
-    copies = (group.frames, first_body, group.home)
+    copies = (group.frames, first_body, group.frame_bodies)
     node_contact.update_shapes(h, p, totals, probes, nodes, scene, copies)
     if THREADS and not group.keeps_faces:
         share_search(group, clock, h, scene)
-        for k in range(group.looks.shape[0]):
-            one = group.looks[k]
+        for k in range(group.search_ranges.shape[0]):
+            one = group.search_ranges[k]
             for j in range(one.first, one.first + one.count):
-                i = group.seen[j].probe
+                i = group.touching_probes[j].probe
                 x, v = node_contact.position_and_velocity(probes[i], h, nodes, scene.points)
-                nearest = ProbeHit(x, v, group.found[i, 0], False, -1.0)
+                nearest = ProbeHit(x, v, group.hits[i, 0], False, -1.0)
                 apply_shape_forces(group, clock, h, i, nearest, nodes, curves, scene)
     else:
         for i in range(probes.shape[0]):
             if due[i] <= totals.travel:
                 x, v = node_contact.position_and_velocity(probes[i], h, nodes, scene.points)
-                hit = group.found[0, 0]
+                hit = group.hits[0, 0]
                 retained, over = search_shapes(group, i, group.a[0], v, hit, nodes, scene)
                 nearest = ProbeHit(x, v, hit, retained, over)
                 apply_shape_forces(group, clock, h, i, nearest, nodes, curves, scene)
@@ -46,14 +46,14 @@ def apply_shape_forces(group, clock, h, i, nearest, nodes, curves, scene):
     x, v, hit = nearest.x, nearest.v, nearest.hit
     now, count = group.slot_in_use[i], scene.card_history[1 - clock.current, p.card]
     old, new = group.probe_states[now, i], group.probe_states[1 - now, i]
-    past = (0.0, 0.0, 0.0)
+    old_displacement = (0.0, 0.0, 0.0)
     if old.active == 1:
-        home_before = nodes[group.home[shapes[old.face].node]]
-        past = work.displacement_over_body(
-            p, probes[i], old, True, (home_before, x), h, nodes, points
+        body_before = nodes[group.frame_bodies[shapes[old.face].node]]
+        old_displacement = work.displacement_over_body(
+            p, probes[i], old, True, (body_before, x), h, nodes, points
         )
-        work.add_normal_work(old, past, count)
-    touch = Touch(i, probes[i], x, v, old, new, hit, past)
+        work.add_normal_work(old, old_displacement, count)
+    touch = Touch(i, probes[i], x, v, old, new, hit, old_displacement)
     if hit.depth > 0.0:
         apply_forces_on_shape(group, clock, h, touch, nearest, nodes, curves, scene)
         node_contact.mark_for_acceptance(h, group.slot_in_use, i)
@@ -74,7 +74,7 @@ def end_shape_contact(group, clock, h, touch, nearest, count, scene):
     elif group.has_ends:
         pass_through.record_round_probe(clock, h, p, old, new, hit)
     if group.friction:
-        surface_friction.end_friction(h, totals, touch.past, old, new, count)
+        surface_friction.end_friction(h, totals, touch.old_displacement, old, new, count)
         group.friction.release(p, old, new)
 
 
@@ -86,9 +86,11 @@ def apply_forces_on_shape(group, clock, h, touch, nearest, nodes, curves, scene)
     points = scene.points
     card, counts = scene.cards[p.card], scene.card_history[1 - clock.current]
     count = counts[p.card]
-    body = nodes[group.home[group.b[hit.face].node]]
+    body = nodes[group.frame_bodies[group.b[hit.face].node]]
     mob = node_contact.body_mobility(body, x, hit)
-    mass = 1.0 / max(mob + node_contact.mobility_of(probe, hit, nodes, points), node_contact.STUCK)
+    mass = 1.0 / max(
+        mob + node_contact.mobility_of(probe, hit, nodes, points), node_contact.LEAST_MOBILITY
+    )
     w = node_contact.predicted_probe_mobility(probe, hit, points)
     rate = node_contact.closing_speed(v, node_contact.body_velocity(body, x), hit, h, old, w)
     touches.latch(p, old, new, hit.depth, rate, counts[p.card])

@@ -33,16 +33,16 @@ def node_to_surface(group, clock, h, nodes, curves, scene):
         projection.remove_near_faces(p, scene.lanes, group.deleted)
     if THREADS:
         share_search(group, clock, h, scene)
-        for k in range(group.looks.shape[0]):
-            one = group.looks[k]
+        for k in range(group.search_ranges.shape[0]):
+            one = group.search_ranges[k]
             for j in range(one.first, one.first + one.count):
-                i = group.seen[j].probe
-                apply_face_forces(group, clock, h, i, group.found[i], nodes, curves, scene)
+                i = group.touching_probes[j].probe
+                apply_face_forces(group, clock, h, i, group.hits[i], nodes, curves, scene)
     else:
         for i in range(probes.shape[0]):
             if due[i] <= totals.travel:
-                search_faces(group, i, group.found[0], nodes, scene)
-                apply_face_forces(group, clock, h, i, group.found[0], nodes, curves, scene)
+                search_faces(group, i, group.hits[0], nodes, scene)
+                apply_face_forces(group, clock, h, i, group.hits[0], nodes, curves, scene)
     node_contact.add_energies(totals, card, counts[p.card])
 
 
@@ -53,7 +53,7 @@ def apply_face_forces(group, clock, h, i, found, nodes, curves, scene):
     mesh = (
         scene.points,
         scene.corners,
-        group.beside,
+        group.adjacent,
         group.around_first,
         group.around,
         group.deleted,
@@ -71,7 +71,7 @@ def apply_side_forces(group, clock, h, at, found, nodes, curves, mesh, scene):
     (i, s), p, states = at, group.p[0], group.probe_states
     j, slot_in_use = 2 * i + s, group.slot_in_use
     done = scene.card_history[1 - clock.current, p.card]
-    now, none = slot_in_use[j], WALLS * p.first_beside
+    now, none = slot_in_use[j], WALLS * p.first_other_wall
     count, before = walls.wall_count(s, found), walls.old_wall_count(states[now, j])
     taken = walls.match_walls(p, j, s, count, before, found, states, slot_in_use)
     probe, v = group.probes[i], (0.0, 0.0, 0.0)
@@ -86,31 +86,31 @@ def apply_side_forces(group, clock, h, at, found, nodes, curves, mesh, scene):
         if hit.partner >= 0:
             row = projection.row_of(p, j, hit.partner)
         old, new = states[now, row], states[1 - now, projection.row_of(p, j, w)]
-        past = displacement_of_last_touch(h, p, probe, old, done, nodes, scene)
+        old_displacement = displacement_of_last_touch(h, p, probe, old, done, nodes, scene)
         if group.is_round:
             v = ellipsoids.place_ball(probe, p, hit, nodes, scene.points, scene.corners)
-        touch = Touch(j, probe, None, v, old, new, hit, past)
+        touch = Touch(j, probe, None, v, old, new, hit, old_displacement)
         apply_forces_on_face(group, clock, h, touch, nodes, curves, scene)
     for r in range(before):
         if taken >> r & 1 == 0:
             old = states[now, projection.row_of(p, j, r)]
             new = states[1 - now, j if count == 0 and r == 0 else none]
-            past = displacement_of_last_touch(h, p, probe, old, done, nodes, scene)
-            touch = Touch(j, probe, None, v, old, new, found[s], past)
+            old_displacement = displacement_of_last_touch(h, p, probe, old, done, nodes, scene)
+            touch = Touch(j, probe, None, v, old, new, found[s], old_displacement)
             end_face_contact(group, clock, h, touch, mesh, scene)
-    states[1 - now, j].beside = max(count - 1, 0)
+    states[1 - now, j].other_walls = max(count - 1, 0)
 
 
 @kernel
 def displacement_of_last_touch(h, p, probe, old, count, nodes, scene):
     """Displacement of a probe over the face that it has touched; its work. Writes: count."""
-    past = (0.0, 0.0, 0.0)
+    old_displacement = (0.0, 0.0, 0.0)
     if old.active == 1:
-        past = work.displacement_over_face(
+        old_displacement = work.displacement_over_face(
             p, probe, old, True, h, nodes, scene.points, scene.corners
         )
-        work.add_normal_work(old, past, count)
-    return past
+        work.add_normal_work(old, old_displacement, count)
+    return old_displacement
 
 
 @stage
@@ -125,7 +125,7 @@ def end_face_contact(group, clock, h, touch, mesh, scene):
     node_contact.release_record(clock, totals, old, new)
     group.normal.release(p, old, new)
     if group.friction:
-        surface_friction.end_friction(h, totals, touch.past, old, new, count)
+        surface_friction.end_friction(h, totals, touch.old_displacement, old, new, count)
         group.friction.release(p, old, new)
 
 
@@ -140,7 +140,7 @@ def apply_forces_on_face(group, clock, h, touch, nodes, curves, scene):
     mob = node_contact.mobility_of(probe, hit, nodes, points)
     mob_face, w = projection.face_mobility(p, hit, points, corners)
     w += node_contact.predicted_probe_mobility(probe, hit, points)
-    mass = 1.0 / max(mob + mob_face, node_contact.STUCK)
+    mass = 1.0 / max(mob + mob_face, node_contact.LEAST_MOBILITY)
     u = projection.face_velocity(p, hit, h, points, corners)
     rate = node_contact.closing_speed(v, u, hit, h, old, w)
     touches.latch(p, old, new, hit.depth, rate, counts[p.card])

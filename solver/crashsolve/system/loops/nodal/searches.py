@@ -20,7 +20,7 @@ def search_faces(group, i, found, nodes, scene):
     p, totals, points = group.p[0], group.totals[0], scene.points
     sides, deleted = projection.Sides(group.probe_states, group.slot_in_use, found), group.deleted
     lists = (group.first, group.near, group.wait, group.due)
-    mesh = (points, scene.corners, group.beside, group.around_first, group.around, deleted)
+    mesh = (points, scene.corners, group.adjacent, group.around_first, group.around, deleted)
     excluded = (group.excluded_first, group.excluded)
     if group.is_round:
         ellipsoid = group.ellipsoids[i]
@@ -54,7 +54,7 @@ def search_shapes(group, i, probe_element, v, hit, nodes, scene):
             and old.face == e
             and pass_through.is_another_face(old, depth, n, p.gap)
         ):
-            u = node_contact.body_velocity(nodes[group.home[shapes[e].node]], x)
+            u = node_contact.body_velocity(nodes[group.frame_bodies[shapes[e].node]], x)
             kept = group.narrow.gap_by(probe_element, shapes[e], frames, group.data, old.normal)
             if pass_through.may_retain_face(old, v, u, n, kept):
                 retained = True

@@ -33,7 +33,7 @@ def friction_on_shape(group, clock, h, touch, pressing, nodes, scene):
     """Writes: scene.points, loads, totals, cards, new, nodes."""
     p, f = group.p[0], pressing[0]
     _, probe, x, v, old, _, hit, _ = touch
-    body = nodes[group.home[group.b[hit.face].node]]
+    body = nodes[group.frame_bodies[group.b[hit.face].node]]
     points = scene.points
     d, y = surface_friction.position_on_shape(p, hit, x)
     a = surface_friction.predicted_probe_acceleration(probe, d, old, points)
@@ -60,7 +60,7 @@ def friction_force(group, clock, h, touch, pressing, sliding, nodes, scene):
     Writes: scene.points, loads, totals, cards, new.
     """
     p, totals = group.p[0], group.totals[0]
-    _, probe, _, _, old, new, _, past = touch
+    _, probe, _, _, old, new, _, old_displacement = touch
     (f, mass, displacement), (slip, n, compliance, d) = pressing, sliding
     card, count = scene.cards[p.card], scene.card_history[1 - clock.current][p.card]
     slide = Slide(f, slip, work.along_plane(displacement, n), n, mass, compliance)
@@ -70,6 +70,6 @@ def friction_force(group, clock, h, touch, pressing, sliding, nodes, scene):
     surface_friction.add_friction_to_probe(probe, t, ahead, d, t_k, t_c, nodes, scene)
     surface_friction.add_friction(h, p, totals, card, t, t_stored, t_loss, new)
     if old.active == 1:
-        work.add_friction_work(old, past, count)
+        work.add_friction_work(old, old_displacement, count)
     work.add_friction_work(new, displacement, count)
     return t, ahead, t_k, t_c

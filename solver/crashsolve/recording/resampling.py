@@ -19,32 +19,32 @@ from crashsolve.recording.marching import March
 from crashsolve.system.engine import Engine
 
 # rows of one interval at most
-MOST_ROWS = 512
+MAX_ROWS = 512
 # steps that are run again: so many, and this share of all
-FREE_STEPS, SHARE = 4000, 0.05
+FREE_STEPS, REPEATED_SHARE = 4000, 0.05
 
 
-class Between:
+class Resampling:
     """Watches the intervals of a run in time; `take` stores the present sample of the engine at a
     time.
 
-    `march` counts and watches them; `spent` (1,) are steps that were run again.
+    `march` counts and watches them; `repeated` (1,) are steps that were run again.
     """
 
     def __init__(self, engine: Engine, moves: bool, take: Callable[[float], None]) -> None:
         self.engine, self._take = engine, take
-        self.spent = np.zeros(1)
+        self.repeated = np.zeros(1)
         watches = moves and len(engine.model.contacts) > 0 and is_cheap(engine)
         self._begin, self._end = (Snapshot(engine) if watches else None for _ in range(2))
         self.march = March(engine, self._begin)
         # whether an interval has begun
-        self.is_marked = False
+        self.has_begun = False
 
     def memory(self) -> dict[str, np.ndarray]:
         """Arrays that a restart must restore."""
-        if not self.is_marked or self._begin is None:
+        if not self.has_begun or self._begin is None:
             return {}
-        kept: dict[str, np.ndarray] = {"spent": self.spent}
+        kept: dict[str, np.ndarray] = {"repeated": self.repeated}
         kept |= {"watch": self.march.watch_table.view(np.uint8)}
         kept |= {"marks": self.march.marks.view(np.uint8)}
         kept |= {f"begin/{name}": array for name, array in self._begin.arrays().items()}
@@ -54,40 +54,42 @@ class Between:
         """Restore the arrays of `memory`, if it had begun. Raises KeyError or ValueError."""
         if self._begin is None or "between/watch" not in arrays:
             return
-        found = {
+        own = {
             name.removeprefix("between/"): a
             for name, a in arrays.items()
             if name.startswith("between/")
         }
-        self.spent[...] = found["spent"]
-        self.march.watch_table.view(np.uint8)[...] = found["watch"]
-        self.march.marks.view(np.uint8)[...] = found["marks"]
+        self.repeated[...] = own["repeated"]
+        self.march.watch_table.view(np.uint8)[...] = own["watch"]
+        self.march.marks.view(np.uint8)[...] = own["marks"]
         self._begin.recall(
-            {n.removeprefix("begin/"): a for n, a in found.items() if n.startswith("begin/")}
+            {n.removeprefix("begin/"): a for n, a in own.items() if n.startswith("begin/")}
         )
-        self.is_marked = True
+        self.has_begun = True
 
     def begin(self) -> None:
         """Begin the first interval, unless a restart has restored one."""
-        if not self.is_marked:
-            self.mark()
+        if not self.has_begun:
+            self.begin_interval()
 
-    def mark(self) -> None:
+    def begin_interval(self) -> None:
         """Begin an interval at the present sample."""
         self.march.begin()
-        self.is_marked = True
+        self.has_begun = True
 
-    def fill(self, until: float) -> None:
+    def sample_steps(self, until: float) -> None:
         """Sample at steps of the interval up to its end, `until` [s], if that is due."""
         if self._begin is None or self._end is None or not self.march.ask():
             return
         steps = int(self.engine.clock["cycle"]) - int(self.march.watch.cycle)
-        if self.spent[0] + steps > FREE_STEPS + SHARE * float(self.engine.clock["cycle"]):
+        if self.repeated[0] + steps > FREE_STEPS + REPEATED_SHARE * float(
+            self.engine.clock["cycle"]
+        ):
             return
-        self.spent += steps
+        self.repeated += steps
         self._end.take()
         self._begin.restore_copy()
-        self.engine.revisit(until, ceil(steps / MOST_ROWS), self._sample)
+        self.engine.revisit(until, ceil(steps / MAX_ROWS), self._sample)
         self._end.restore_copy()
 
     def _sample(self) -> None:

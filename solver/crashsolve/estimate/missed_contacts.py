@@ -40,7 +40,7 @@ class Missed(Protocol):
 
 OF_SAMPLES = ("max", "min", "abs_max", "argmax", "argmin", "integral", "mean", "rms")
 # functions whose value at any time is made of samples before it
-COURSES = re.compile(r"\b(hic|si|clip|cfc|integral|bric)\(")
+RUNNING_FUNCTIONS = re.compile(r"\b(hic|si|clip|cfc|integral|bric)\(")
 FORCES = re.compile(r"\b(jntforc|deforc|secforc)\.[\w-]+\.(force|axial|shear)\b")
 MOVED = re.compile(r"\brbdout\.([\w-]+)\.acceleration\b")
 SENSED = re.compile(r"\b(nodout\.|glstat\.model\.energy\.\w+_stored)")
@@ -64,19 +64,19 @@ def _with_missed_contacts(
 ) -> Estimate:
     """The estimate, enlarged by the peaks that its channels miss between samples, or withdrawn."""
     text, statistic = " ".join(estimate.watch.channels), estimate.watch.statistic
-    is_course = bool(COURSES.search(text))
-    if estimate.error is None or (statistic not in OF_SAMPLES and not is_course):
+    is_running = bool(RUNNING_FUNCTIONS.search(text))
+    if estimate.error is None or (statistic not in OF_SAMPLES and not is_running):
         return estimate
     worst = max(missed, key=lambda m: float(m.shortfall))
     named = [m for m in missed if re.search(rf"\brcforc\.{re.escape(m.name)}\.", text)]
     if named and "impulse" not in text and "peak_" not in text:
         return _of_contact(estimate, named[0], text, statistic)
-    if FORCES.search(text) and not is_course:
+    if FORCES.search(text) and not is_running:
         return _with_shortfall(estimate, worst.shortfall, worst)
     changes = _changes_of_bodies(text, missed, mass)
-    if changes and not is_course and statistic in ("max", "min", "abs_max"):
+    if changes and not is_running and statistic in ("max", "min", "abs_max"):
         return _with_shortfall(estimate, max(changes), worst)
-    if changes or SENSED.search(text) or (is_course and MOVED.search(text) is None):
+    if changes or SENSED.search(text) or (is_running and MOVED.search(text) is None):
         how = f"not estimated: contact '{worst.name}' peaked at {worst.peak:.3g} N between samples"
         return replace(estimate, error=None, how=how)
     return estimate

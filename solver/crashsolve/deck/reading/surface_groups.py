@@ -17,7 +17,7 @@ from crashsolve.deck.source import Rows
 BALLS = {"sphere", "ellipsoid", "nodes", "point_set"}
 
 
-class StandIns:
+class SurfaceGroups:
     """Entries whose names stand for surfaces, and the surfaces made of them."""
 
     def __init__(
@@ -36,7 +36,7 @@ class StandIns:
         self._made: dict[tuple[str, bool], list[Made]] = {}
         self._added: set[str] = set()
 
-    def put(self, contact: Item) -> None:
+    def substitute(self, contact: Item) -> None:
         """Put surfaces in place of the names of entries. Writes: items, the contact's value."""
         value = contact.value
         sides: list[Any] = [
@@ -44,22 +44,28 @@ class StandIns:
         ]
         if not all(isinstance(names, Rows) for names in sides):
             return
-        on_both = [name for name in sides[0] if self._is_one(name) and name in sides[1]]
+        on_both = [name for name in sides[0] if self._is_group(name) and name in sides[1]]
         if on_both:
-            message = f"'{on_both[0]}' is on both sides, and has no contact with itself by its name"
+            message = (
+                f"'{on_both[0]}' is on both sides: its name does not define contact with itself"
+            )
             self.refuse(contact, Diagnostic(("b",), message, "see self_contact on its card"))
             return
         made = [self._side(contact, k, sides) for k in (0, 1)]
         for side, names in zip("ab", made, strict=True):
             value[side] = names
-        if all("nodes" in map(self._type, set(names) & self._added) for names in made):
+        added = ([name for name in names if self._is_added(name)] for names in made)
+        if all("nodes" in map(self._type, names) for names in added):
             message = "both of its structures have shells, and nodes cannot press on nodes"
-            advice = "name the nodes of one and the faces of the other, as surfaces of their own"
+            advice = "name the nodes of one and the faces of the other, as separate surfaces"
             self.refuse(contact, Diagnostic((), message, advice))
 
-    def _is_one(self, name: object) -> bool:
+    def _is_group(self, name: object) -> bool:
         """Whether a name in a contact is that of an entry, and of no surface."""
         return isinstance(name, str) and name in self.entries and name not in self.items["surfaces"]
+
+    def _is_added(self, name: object) -> bool:
+        return isinstance(name, str) and name in self._added
 
     def _side(self, contact: Item, k: int, sides: list[Rows]) -> Rows:
         """The names of a side with those of surfaces in place of entries."""
@@ -67,7 +73,7 @@ class StandIns:
         found = Rows(names.file)
         for i, name in enumerate(names):
             path = ("ab"[k], i)
-            one = self._surfaces(contact, path, name, others) if self._is_one(name) else [name]
+            one = self._surfaces(contact, path, name, others) if self._is_group(name) else [name]
             found.extend(one)
             found.values_at.extend([names.values_at[i]] * len(one))
         return found
@@ -81,8 +87,13 @@ class StandIns:
             self.refuse(entry.item, Diagnostic(problem.path, problem.message, problem.advice))
             return []
         if at_nodes != at_faces and types & BALLS and types - BALLS:
-            message = f"the shells of '{name}' meet balls at their faces, and others at their nodes"
-            self.refuse(contact, Diagnostic(path, message, "give the balls a contact of their own"))
+            message = (
+                f"the shells of '{name}' touch balls with their faces, and other shapes with their "
+                "nodes"
+            )
+            self.refuse(
+                contact, Diagnostic(path, message, "define a separate contact for the balls")
+            )
         made = at_faces if types <= BALLS else at_nodes
         add(entry, [card for card in made if card.name not in self._added], self.items, self.refuse)
         self._added |= {card.name for card in made}
