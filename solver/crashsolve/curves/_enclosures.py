@@ -179,8 +179,8 @@ def _sine(u: Interval) -> Interval:
     ends = np.sin(u.low), np.sin(u.high)
 
     def has(angle: float) -> Mask:
-        turns: Array = np.floor((u.high - angle) / (2.0 * pi))
-        return turns >= (u.low - angle) / (2.0 * pi)
+        periods: Array = np.floor((u.high - angle) / (2.0 * pi))
+        return periods >= (u.low - angle) / (2.0 * pi)
 
     low = np.where(has(-0.5 * pi), -1.0, np.minimum(*ends))
     return Interval(low, np.where(has(0.5 * pi), 1.0, np.maximum(*ends)))

@@ -17,13 +17,11 @@ from math import inf, isfinite
 
 import numpy as np
 
-from crashsolve.curves import formula
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.estimate.companion import HIGHEST_POWER, BudgetExceeded, Companions
 from crashsolve.estimate.error import Estimate, NumberErrors, is_as_fine
 from crashsolve.estimate.mesh import LEAST, SHARE, Meshes, coarse_runs, with_mesh
 from crashsolve.foundation.errors import SolverError
-from crashsolve.joints._driven import FIELDS
 from crashsolve.model.build import build
 from crashsolve.model.curve_steps import unseen
 from crashsolve.model.integrator_selection import with_chosen_method
@@ -39,7 +37,8 @@ from crashsolve.study.watch import Watch, named
 
 COARSER = (4.0, 2.0)
 MESH = "the mesh"
-# words of channels that read the second derivative of a prescribed motion
+# fields of drivers that name a curve; words of channels that read its second derivative
+DRIVING = ("curve", "velocity", "acceleration")
 SECOND = ("acceleration", "force", "moment", "torque")
 OVER_BUDGET = "further runs would cost more than this one; control.estimate: full makes them"
 # the second where the first does not shorten the steps
@@ -186,8 +185,10 @@ def with_formulas(found: Estimate, deck: Deck) -> Estimate:
     formulas = {name: entry.card for name, entry in curves if entry.type == "formula"}
     if not formulas or not found.error:
         return found
+    # a run without formulas does not import them
+    formula = import_module(type(next(iter(formulas.values()))).__module__)
     joints = [entry.card for entry in deck.entries["joints"].values()]
-    motions = {getattr(card, field, None) for card in joints for field in FIELDS}
+    motions = {getattr(card, field, None) for card in joints for field in DRIVING}
     is_second = any(word in found.watch.channels[0] for word in SECOND)
     kept = {name: formula.sample(c, is_motion=name in motions)[3] for name, c in formulas.items()}
     share, what = max(kept.values()), "values"

@@ -116,8 +116,8 @@ def _pass(edges: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     above, below = _volume(p, a, b, c), _volume(q, a, b, c)
     largest = np.linalg.norm(q - p, axis=1) * np.linalg.norm(np.cross(b - a, c - a), axis=1)
     is_clear = np.minimum(abs(above), abs(below)) > IN_PLANE * largest
-    turns = np.array([_volume(p, q, u, v) for u, v in ((a, b), (b, c), (c, a))])
-    same = (turns > 0.0).all(axis=0) | (turns < 0.0).all(axis=0)
+    volumes = np.array([_volume(p, q, u, v) for u, v in ((a, b), (b, c), (c, a))])
+    same = (volumes > 0.0).all(axis=0) | (volumes < 0.0).all(axis=0)
     through: np.ndarray = is_clear & (above * below < 0.0) & same
     return through
 
