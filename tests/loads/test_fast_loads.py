@@ -197,3 +197,32 @@ def test_a_run_that_ends_on_a_short_ramp_estimates_what_moves_on_it(
     off = abs(found.value - ramp**2 / 6.0)
     # of order 2, with four steps over the ramp
     assert off < 0.07 * found.value and off <= 2.0 * found.error
+
+
+@pytest.mark.parametrize("field", ["curve", "velocity", "acceleration"])
+def test_what_the_cubics_of_a_formula_miss_is_in_the_error(field: str, tmp_path: Path) -> None:
+    amplitude, omega, end = 0.1, 7.0, 0.9
+    path, signs = (
+        tmp_path / "deck.yaml",
+        {"curve": "sin", "velocity": "cos", "acceleration": "-sin"},
+    )
+    k = ("curve", "velocity", "acceleration").index(field)
+    path.write_text(
+        f"control: {{end_time: {end}}}\n"
+        f"bodies: {{m: {{mass: 2, inertia: [1, 1, 1], velocity: [{amplitude * omega}, 0, 0]}}}}\n"
+        f"curves: {{p: {{type: formula, expression: '{amplitude * omega**k}"
+        f"*({signs[field]}({omega}*x))', from: 0, to: 10}}}}\n"
+        "joints:\n  rail: {type: prismatic, b: m, at: [0, 0, 0], axis: [1, 0, 0]}\n"
+        f"  drive: {{type: translation_driver, joint: rail, {field}: p}}\n"
+        "watch:\n- {channel: rbdout.m.position.x, statistic: final}\n"
+        "- {channel: rbdout.m.velocity.x, statistic: final}\n"
+        "- {channel: rbdout.m.acceleration.x, statistic: final}\n"
+        "- {channel: jntforc.drive.force.x, statistic: final}\n"
+    )
+    where, rate = amplitude * np.sin(omega * end), amplitude * omega * np.cos(omega * end)
+    true = [where, rate, -(omega**2) * where, -2.0 * omega**2 * where]
+    _, found, _ = estimate_in_memory(read_deck(path))
+    for estimate, exact in zip(found, true, strict=True):
+        assert estimate.value is not None and estimate.error is not None
+        # errors of an acceleration add up over its integrals
+        assert abs(estimate.value - exact) <= 10.0 * estimate.error

@@ -30,3 +30,16 @@ def test_a_step_cut_by_samples(
     assert ("is cut to" in said) == is_cut
     steps = round(1.0 / min(step, interval or 1e-3))
     assert f"{steps}, 0" in said
+
+
+def test_a_method_that_samples_within_its_steps_cuts_none(tmp_path: Path) -> None:
+    deck = tmp_path / "deck.yaml"
+    text = DECK.format(step=4e-3, output="").replace(
+        "end_time", "integrator: dormand_prince_5, end_time"
+    )
+    deck.write_text(text, "utf-8")
+    done = crashsolve(deck, "-o", tmp_path / "results")
+    assert done.returncode == 0, done.stderr
+    said = done.stdout + done.stderr
+    assert "is cut to" not in said
+    assert "250, 0" in said

@@ -1,6 +1,7 @@
 """Claim: a study reports every setting how wrong it is and what it costs, whatever fails."""
 
 import csv
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from crashsolve.deck.reading.deck import read_deck
 from crashsolve.integrators.rattle import ORDER
 from crashsolve.study.convergence import analyse, divergence_time, order_of_errors
 from crashsolve.study.findings import cheapest, find
+from crashsolve.study.runner import _verdict
 from crashsolve.study.settings import Series, Setting, settings, suited
 from crashsolve.study.trials import Trial
 from crashsolve.study.watch import Watch
@@ -270,6 +272,23 @@ def test_a_mesh_is_not_its_own_judge() -> None:
     # the finest mesh differs from the one before by 0.07: a third of that, if its order is 2
     assert min(found.error(t) for t in finest) > 0.02
     assert cheapest([found], trials, 1e-2) is None
+    # a force that each mesh halves, and of which the finest still has an error of 0.5
+    halved = {1: 8.0, 2: 4.0, 4: 2.1}
+    trials = [trial(m, h, halved[m] + h**2) for m in halved for h in (0.2, 0.1, 0.05)]
+    found = find(Watch("x", ("x",), "final"), 0, trials, None, 2.0)
+    errors = [found.error(t) for t in trials]
+    assert min(errors[:6]) > max(errors[6:])
+
+
+def test_a_verdict_does_not_contradict_itself() -> None:
+    # the last differences are too small for any order: the finest mesh states no error
+    for values in ((1.024, 1.01, 1.0), (1.0 + 2.6e-5, 1.0 + 7.3e-7, 1.0), (1.2, 1.1, 1.0)):
+        trials = [trial(m, 0.1, v) for m, v in zip((1, 2, 3), values, strict=True)]
+        text = _verdict([find(Watch("x", ("x",), "final"), 0, trials, None)], trials, 0.05)
+        shares = [float(word) for word in re.findall(r"error (?:of )?([0-9.e-]+)", text)]
+        assert shares, text
+        if "none of these settings meets it" in text:
+            assert min(shares) > 0.05, text
 
 
 def test_orders_are_those_that_steps_and_methods_can_have() -> None:

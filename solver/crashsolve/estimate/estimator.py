@@ -37,6 +37,9 @@ from crashsolve.study.watch import Watch, named
 
 COARSER = (4.0, 2.0)
 MESH = "the mesh"
+# fields of drivers that name a curve; words of channels that read its second derivative
+DRIVING = ("curve", "velocity", "acceleration")
+SECOND = ("acceleration", "force", "moment", "torque")
 OVER_BUDGET = "further runs would cost more than this one; control.estimate: full makes them"
 # the second where the first does not shorten the steps
 FINER = (0.5, 0.25)
@@ -154,6 +157,7 @@ class Estimator:
         others, meshes = rest[: len(others)], rest[len(others) :]
         errors = NumberErrors(self.channels, self.order)
         found = [errors.estimate(watch, main, others) for watch in self.watches]
+        found = [with_formulas(estimate, self.deck) for estimate in found]
         is_meshed, laws = has_mesh(self.deck), left_out(self.deck)
         if is_meshed and meshes:
             found = [self._with_mesh(errors, e, [main, *meshes]) for e in found]
@@ -173,6 +177,28 @@ class Estimator:
             return with_mesh(found, errors.numbers(found.watch, runs), self.deck)
         except ValueError:
             return found
+
+
+def with_formulas(found: Estimate, deck: Deck) -> Estimate:
+    """An estimate that is no smaller than what the cubics of formulas miss, which no run shows."""
+    curves = deck.entries["curves"].items()
+    formulas = {name: entry.card for name, entry in curves if entry.type == "formula"}
+    if not formulas or not found.error:
+        return found
+    # a run without formulas does not import them
+    formula = import_module(type(next(iter(formulas.values()))).__module__)
+    joints = [entry.card for entry in deck.entries["joints"].values()]
+    motions = {getattr(card, field, None) for card in joints for field in DRIVING}
+    is_second = any(word in found.watch.channels[0] for word in SECOND)
+    kept = {name: formula.sample(c, is_motion=name in motions)[3] for name, c in formulas.items()}
+    share, what = max(kept.values()), "values"
+    driving = [tolerance for name, tolerance in kept.items() if name in motions]
+    if is_second and driving:
+        share, what = formula.motion_tolerance(max(driving)), "accelerations"
+    if found.error >= share * found.scale:
+        return found
+    how = f"{found.how}; formulas within {share:.0e} of their {what}"
+    return replace(found, error=share * found.scale, how=how)
 
 
 def left_out(deck: Deck) -> list[str]:

@@ -197,9 +197,12 @@ def _share_pairs(model: Model, scene: Scene) -> None:
 def _build_curves(deck: Deck, scene: Scene) -> np.ndarray:
     """All curves as kernels read them; the scene learns where each begins."""
     built = {}
+    motions = {getattr(entry.card, "curve", None) for entry in deck.entries["joints"].values()}
     for name, entry in deck.entries["curves"].items():
+        law = _module(entry)
+        make = getattr(law, "build_motion", law.build) if name in motions else law.build
         with scene.building(entry):
-            built[name] = _module(entry).build(entry.card, scene)
+            built[name] = make(entry.card, scene)
     for name, entry in deck.entries["hinges"].items():
         with scene.building(entry):
             own = _module(entry).curves(entry.card, built, scene)

@@ -10,6 +10,7 @@ from crashsolve.model.corners import curves_of_time
 from crashsolve.model.ledger import HOURGLASS, INTERNAL, LARGEST
 from crashsolve.output.files import Json
 from crashsolve.output.peaks import Extremes
+from crashsolve.simulation.self_penetration import shells_through_themselves
 from crashsolve.system.engine import Engine
 from crashsolve.system.flags import contact_flags
 
@@ -112,7 +113,10 @@ def deep_points(engine: Engine) -> list[str]:
 
 def range_warnings(engine: Engine) -> list[str]:
     """Warnings of laws outside their range of validity."""
-    found = (read_beyond, deep_round_contacts, hourglass_share, crushed_hinges, compressed, crushed)
+    found = (
+        *(read_beyond, deep_round_contacts, hourglass_share, crushed_hinges, compressed, crushed),
+        shells_through_themselves,
+    )
     return [text for of in found for text in of(engine)]
 
 

@@ -275,12 +275,8 @@ def _at_times(known: Json, times: np.ndarray) -> np.ndarray | None:
 
 def _set_errors(finding: Finding, curve: Curve, scale: float, best: Source | None) -> None:
     """Distances from the reference, which comes from the source `best`. Writes: finding."""
-    # runs on the mesh of the reference do not show the error of that mesh
-    is_blind = (
-        best is not None
-        and not best.convergence.is_extrapolated
-        and curve.series.mesh == best.finest.series.mesh
-    )
+    # distances from a run do not show the error of its mesh, and no coarser mesh has a smaller one
+    is_blind = best is not None and not best.convergence.is_extrapolated
     blind = best.mesh_error / scale if best is not None and is_blind else 0.0
     # nor that of their method
     if best is not None and curve is best.finest:

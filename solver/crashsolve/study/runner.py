@@ -252,18 +252,24 @@ def _advice(findings: list[Finding], trials: list[Trial], target: float, left_ou
     if doubtful:
         return f"{text}; not to be trusted: {', '.join(doubtful)}"
     usable = [trial for trial in trials if isfinite(worst(findings, trial))]
+    single = ""
     if len({trial.setting.label for trial in trials}) == 1:
-        text += "; the error of a single step is not known: give --steps two or more"
+        single = "; the error of a single step is not known: give --steps two or more"
     if not usable:
-        return text
+        return text + single
     nearest = min(usable, key=lambda trial: worst(findings, trial))
     error = worst(findings, nearest)
-    text += f"; the nearest is {nearest.setting.name}, error {error:.2g}"
-    if error > target and (needed := _mesh_needed(findings, nearest, target)):
+    if error <= target:
+        return (
+            f"target {target:g}: not decided{left_out}; {nearest.setting.name} has an error of "
+            f"{error:.2g}, but of finer runs a larger one is known, or none{single}"
+        )
+    text += f"{single}; the nearest is {nearest.setting.name}, error {error:.2g}"
+    if needed := _mesh_needed(findings, nearest, target):
         return text + needed
     order = order_of(nearest.setting.series.method)
     own = [f.order(nearest) for f in findings if not f.is_absolute]
-    if order and error > target and all(abs(p - order) <= NEAR for p in own):
+    if order and all(abs(p - order) <= NEAR for p in own):
         text += (
             f"; a step near {nearest.step * (target / error) ** (1 / order):.2g} s should suffice"
         )
