@@ -197,6 +197,18 @@ def test_slopes_of_a_formula_are_its_derivative() -> None:
 
 
 @pytest.mark.parametrize(
+    "expression",
+    ["27.7*x", "0.1*(exp(10*(x - 1e-2 + max(2e-2 - x, 0)**2/4e-2)) - 1)", "max(x - 0.1, 0)**2"],
+)
+def test_round_off_and_jumps_of_acceleration_need_few_cubics(expression: str) -> None:
+    """Halving finds where an acceleration jumps in 20 steps, and stops where round-off begins."""
+    card = formula.Formula.model_validate({"expression": expression, "from": 0, "to": 0.21})
+    x, _, _ = formula.build_motion(card, None)
+    # 200 at first, halved twice where the tolerance asks for it
+    assert len(x) < 1000
+
+
+@pytest.mark.parametrize(
     "expression, second",
     [
         ("0.1*sin(7*x)", lambda x: -4.9 * np.sin(7 * x)),

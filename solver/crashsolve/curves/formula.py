@@ -153,11 +153,14 @@ def _refined(
         # round-off of x itself shows in a steep formula
         steepest = np.maximum(np.abs(a.slope), np.abs(b.slope))
         with np.errstate(over="ignore"):
-            error -= ROUND_OFF * (largest + np.maximum(np.abs(left), np.abs(right)) * steepest)
+            round_off = ROUND_OFF * (largest + np.maximum(np.abs(left), np.abs(right)) * steepest)
+        error -= round_off
         bend_error = np.zeros_like(error)
         if is_motion:
-            bend_error, bend = _bends(right - left, a, b, slope, inside)
-            bent = max(bent, float(bend[right - left > SHORT * (end - start)].max(initial=0.0)))
+            bend_error, bend = _bends(right - left, a, b, slope, inside, round_off)
+            is_long = right - left > SHORT * (end - start)
+            bend_error *= is_long
+            bent = max(bent, float(bend[is_long].max(initial=0.0)))
         limit = motion_tolerance(1.0) * bent
         is_rough = (error > tolerance * scale) | (bend_error > tolerance * limit)
         is_rough &= right - left > least
@@ -205,9 +208,11 @@ def _cubic(h: Array, a: Jet, b: Jet, part: Array) -> Array:
     return value
 
 
-def _bends(h: Array, a: Jet, b: Jet, slopes: Array, part: Array) -> tuple[Array, Array]:
+def _bends(
+    h: Array, a: Jet, b: Jet, slopes: Array, part: Array, round_off: Array
+) -> tuple[Array, Array]:
     """Errors of the second derivatives of cubics (n,), by slopes (n, m) at parts of them; and the
-    largest of these derivatives.
+    largest of these derivatives. `round_off` (n,) is that of the values.
 
     Of a fourth derivative q the slope errs by q h^3 / 125 at most, the second one by q h^2 / 12.
     """
@@ -216,7 +221,7 @@ def _bends(h: Array, a: Jet, b: Jet, slopes: Array, part: Array) -> tuple[Array,
     bend = first + last - 2.0 * secant
     ends = 2.0 * (secant - first - bend), 2.0 * (secant - first + 2.0 * bend)
     error = np.abs(first + part * (ends[0] + 3.0 * part * bend) - slopes)
-    error -= ROUND_OFF * np.maximum(np.abs(first), np.abs(last))
+    error -= ROUND_OFF * np.maximum(np.abs(first), np.abs(last)) + round_off[:, None] / h
     # where the formula has no slope there is a kink, which is none of the cubics
     error[~np.isfinite(error)] = 0.0
     worst: Array = np.max(error, axis=1) * 125.0 / 12.0 / h[:, 0]
