@@ -172,7 +172,7 @@ def maximum(contact: Contact, n: np.ndarray) -> Any:
     u, w = (_ascent.axes_of(shape, nodes[i]) for i, shape in ((1, a), (2, b)))
     centres = [nodes[i].r + nodes[i].A.reshape(3, 3) @ s.point for i, s in ((1, a), (2, b))]
     c = tuple(centres[0] - centres[1])
-    return _rounded.find_maximum(a, b, u, w, c, tuple(n), _edged.last_step(a, b))
+    return _ascent.find_maximum(_rounded, a, b, u, w, c, tuple(n), _edged.last_step(a, b))
 
 
 def test_friction_of_slip_and_spin_dissipates_its_work() -> None:

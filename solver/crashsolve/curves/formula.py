@@ -150,10 +150,7 @@ def _refined(
         error = np.max(np.abs(y - _cubic(right - left, a, b, inside)), axis=1)
         _refuse_jump(left, right, a.y, b.y, least, largest)
         scale = np.maximum(here, FLOOR * largest)
-        # round-off of x itself shows in a steep formula
-        steepest = np.maximum(np.abs(a.slope), np.abs(b.slope))
-        with np.errstate(over="ignore"):
-            round_off = ROUND_OFF * (largest + np.maximum(np.abs(left), np.abs(right)) * steepest)
+        round_off = _round_off(largest, np.maximum(np.abs(left), np.abs(right)), a, b)
         error -= round_off
         bend_error = np.zeros_like(error)
         if is_motion:
@@ -189,6 +186,13 @@ def _refined(
     x = np.concatenate([np.sort(np.concatenate(done)), [end]])
     found = _known(formula, x)
     return x, found.y, found.slope, tolerance
+
+
+def _round_off(largest: float, size: Array, a: Jet, b: Jet) -> Array:
+    """Round-off of values (n,) between a and b, also that of x of this size in a steep formula."""
+    steepest = np.maximum(np.abs(a.slope), np.abs(b.slope))
+    with np.errstate(over="ignore"):
+        return np.asarray(ROUND_OFF * (largest + size * steepest))
 
 
 def _known(formula: Expression, x: Array) -> Jet:

@@ -4,7 +4,8 @@
 
 Each step is damped until it ascends. The gradient of f jumps where n crosses the normals of a sharp
 edge, whose rounding is narrower than any step: one that crosses them and does not ascend ends on
-them, where the rounding curves f.
+them, where the rounding curves f. Each kind of shapes has a module with its support functions
+(_rounded.py, _ellipsoids.py).
 """
 
 from math import sqrt
@@ -20,6 +21,86 @@ ITERATIONS, ROUND_OFF = 60, 1e-13
 LEAST_CURVATURE = 1e-12
 # cosine to an axis above which a direction is that of the cap
 ON_AXIS = 1.0 - 1e-14
+
+
+@kernel
+def find_maximum(shapes, a, b, u, w, c, n, last):
+    """The local maximum nearest to direction n: separation before the last step, direction.
+
+    `shapes` is the module of the support functions; steps below `last` [rad] end the search.
+    The gradient jumps across the normals of an edge: a step that crosses them, and does not ascend,
+    ends on them.
+    """
+    s, t = tangents(n)
+    separation, hessian = separation_and_hessian(shapes, a, b, u, w, c, n, s, t)
+    best, damping, round_off = dot(separation, n), 0.0, ROUND_OFF * norm(c)
+    for _ in range(ITERATIONS):
+        n_new, angle = newton_step(n, s, t, separation, hessian, best, damping)
+        if angle < last:
+            return best, n_new
+        s_new, t_new = tangents(n_new)
+        separation_new, bend_new = separation_and_hessian(
+            shapes, a, b, u, w, c, n_new, s_new, t_new
+        )
+        value = dot(separation_new, n_new)
+        if value >= best - round_off:
+            n, s, t, separation, hessian, best = (
+                n_new,
+                s_new,
+                t_new,
+                separation_new,
+                bend_new,
+                value,
+            )
+            damping *= 0.1
+        else:
+            on_edge, n_edge = largest_on_edges(shapes, a, b, u, w, c, n, n_new)
+            if on_edge > best:
+                n, best, damping = n_edge, on_edge, 0.0
+                s, t = tangents(n)
+                separation, hessian = separation_and_hessian(shapes, a, b, u, w, c, n, s, t)
+            else:
+                damping = max(4.0 * damping, 1e-3)
+    return best, n
+
+
+@kernel
+def largest_on_edges(shapes, a, b, u, w, c, n, n_new):
+    """Largest separation among normals of edges between n and n_new, and that normal; -1e300
+    without any.
+    """
+    best, at = -1e300, n
+    for k in range(6):
+        axis = u[k] if k < 3 else w[k - 3]
+        if shapes.has_edges(a, k) if k < 3 else shapes.has_edges(b, k - 3):
+            if dot(axis, n) * dot(axis, n_new) < 0.0:
+                normal = crossing(axis, n, n_new)
+                value = separation_along(shapes, a, b, u, w, c, normal)
+                if value > best:
+                    best, at = value, normal
+            is_cylinder = shapes.is_cylinder(a) if k < 3 else shapes.is_cylinder(b)
+            if is_cylinder and passes_cap(axis, n, n_new):
+                normal = unit_towards(axis, n)
+                value = separation_along(shapes, a, b, u, w, c, normal)
+                if value > best:
+                    best, at = value, normal
+    return best, at
+
+
+@kernel
+def separation_and_hessian(shapes, a, b, u, w, c, n, s, t):
+    """Vector [m] from the farthest point of b along n to that of a against n, and the second
+    derivatives of both.
+    """
+    x_a, bend_a = shapes.support_and_hessian(a, u, n, s, t)
+    x_b, bend_b = shapes.support_and_hessian(b, w, n, s, t)
+    return sub(c, add(x_a, x_b)), add(bend_a, bend_b)
+
+
+@kernel
+def separation_along(shapes, a, b, u, w, c, n):
+    """Separation of the bodies along n [m]."""
+    return dot(sub(c, add(shapes.support_point(a, u, n), shapes.support_point(b, w, n))), n)
 
 
 @kernel

@@ -14,28 +14,23 @@ References: Gilbert and Foo (1990), IEEE Trans. Robotics Autom. 6, 53-61 (suppor
 """
 
 from collections.abc import Iterable, Sequence
-from math import sqrt
 from types import ModuleType
 
 import numpy as np
 
+from crashsolve.contact.narrow import _ellipsoids
 from crashsolve.contact.narrow._ascent import (
-    ITERATIONS,
-    ROUND_OFF,
-    along,
     axes_of,
-    crossing,
     direction,
-    newton_step,
-    passes_cap,
-    tangents,
+    find_maximum,
+    separation_along,
     unit_towards,
 )
 from crashsolve.deck.building import Columns
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import world_position
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import add, add_scaled, dot, norm, scale, sub, vec
+from crashsolve.foundation.vec3 import add, dot, norm, scale, sub, vec
 
 # the gap is a distance: see system/contact/resting.py
 IS_DISTANCE = True
@@ -102,7 +97,7 @@ def search(a, b, nodes, data):
     for climb_number in range(SEARCHES):
         k = direction_number(starts, climb_number)
         start = unit_towards(direction(u, w, c, k), c) if k >= 0 else (0.0, 0.0, 1.0)
-        height, n_maximum = find_maximum(a, b, u, w, c, start)
+        height, n_maximum = find_maximum(_ellipsoids, a, b, u, w, c, start, ANGLE)
         if dot(n_maximum, n) < SAME_MAXIMUM:
             next_maximum = max(next_maximum, min(best, height))
         if height > best:
@@ -118,7 +113,8 @@ def search(a, b, nodes, data):
 def follow(a, b, nodes, data, n):
     """Gap at the local maximum nearest to direction n."""
     u, w = axes_of(a, nodes[a.node]), axes_of(b, nodes[b.node])
-    _, n = find_maximum(a, b, u, w, from_centre(a, b, nodes), n)
+    c = from_centre(a, b, nodes)
+    _, n = find_maximum(_ellipsoids, a, b, u, w, c, n, ANGLE)
     return depth_at_maximum(a, b, u, w, nodes, n)
 
 
@@ -132,8 +128,8 @@ def from_centre(a, b, nodes):
 @kernel
 def depth_at_maximum(a, b, u, w, nodes, n):
     """Depth, normal and point of contact at the maximum in direction n."""
-    x_a = sub(world_position(nodes[a.node], vec(a.point)), support_point(a, u, n))
-    x_b = add(world_position(nodes[b.node], vec(b.point)), support_point(b, w, n))
+    x_a = sub(world_position(nodes[a.node], vec(a.point)), _ellipsoids.support_point(a, u, n))
+    x_b = add(world_position(nodes[b.node], vec(b.point)), _ellipsoids.support_point(b, w, n))
     return dot(sub(x_b, x_a), n), n, scale(0.5, add(x_a, x_b))
 
 
@@ -145,9 +141,9 @@ def bound(a, b, nodes, data):
     length = norm(c)
     if length == 0.0:
         return 1e300
-    best = separation_along(a, b, u, w, c, scale(1.0 / length, c))
+    best = separation_along(_ellipsoids, a, b, u, w, c, scale(1.0 / length, c))
     for k in range(3):
-        best = max(best, separation_along(a, b, u, w, c, unit_towards(w[k], c)))
+        best = max(best, separation_along(_ellipsoids, a, b, u, w, c, unit_towards(w[k], c)))
     return -best
 
 
@@ -162,7 +158,7 @@ def best_directions(a, b, u, w, c):
     for k in range(STARTS):
         n = direction(u, w, c, k)
         if dot(n, n) > PARALLEL * (size * size if k >= 15 else 1.0):
-            value = separation_along(a, b, u, w, c, unit_towards(n, c))
+            value = separation_along(_ellipsoids, a, b, u, w, c, unit_towards(n, c))
             if value > one[0]:
                 one, two, three, four = (value, k), one, two, three
             elif two[0] < value < one[0]:
@@ -181,121 +177,3 @@ def direction_number(starts, number):
     if number < 2:
         return first if number == 0 else second
     return third if number == 2 else fourth
-
-
-@kernel
-def find_maximum(a, b, u, w, c, n):
-    """The local maximum nearest to direction n: separation before the last step, direction.
-
-    The gradient jumps across the normals of an edge: a step that crosses them, and does not ascend,
-    ends on them.
-    """
-    s, t = tangents(n)
-    separation, hessian = separation_and_hessian(a, b, u, w, c, n, s, t)
-    best, damping, round_off = dot(separation, n), 0.0, ROUND_OFF * norm(c)
-    for _ in range(ITERATIONS):
-        n_new, angle = newton_step(n, s, t, separation, hessian, best, damping)
-        if angle < ANGLE:
-            return best, n_new
-        s_new, t_new = tangents(n_new)
-        separation_new, bend_new = separation_and_hessian(a, b, u, w, c, n_new, s_new, t_new)
-        value = dot(separation_new, n_new)
-        if value >= best - round_off:
-            n, s, t, separation, hessian, best = (
-                n_new,
-                s_new,
-                t_new,
-                separation_new,
-                bend_new,
-                value,
-            )
-            damping *= 0.1
-        else:
-            on_edge, n_edge = largest_on_edges(a, b, u, w, c, n, n_new)
-            if on_edge > best:
-                n, best, damping = n_edge, on_edge, 0.0
-                s, t = tangents(n)
-                separation, hessian = separation_and_hessian(a, b, u, w, c, n, s, t)
-            else:
-                damping = max(4.0 * damping, 1e-3)
-    return best, n
-
-
-@kernel
-def largest_on_edges(a, b, u, w, c, n, n_new):
-    """Largest separation among normals of edges between n and n_new, and that normal; -1e300
-    without any.
-    """
-    best, at = -1e300, n
-    for k in range(6):
-        axis = u[k] if k < 3 else w[k - 3]
-        count = a.count if k < 3 else b.count
-        # an ellipsoid has no edge, a cylinder those of its caps
-        if count == 3 or (count == 2 and k % 3 == 2):
-            if dot(axis, n) * dot(axis, n_new) < 0.0:
-                normal = crossing(axis, n, n_new)
-                value = separation_along(a, b, u, w, c, normal)
-                if value > best:
-                    best, at = value, normal
-            if count == 2 and passes_cap(axis, n, n_new):
-                normal = unit_towards(axis, n)
-                value = separation_along(a, b, u, w, c, normal)
-                if value > best:
-                    best, at = value, normal
-    return best, at
-
-
-@kernel
-def separation_along(a, b, u, w, c, n):
-    """Separation of the bodies along n [m]."""
-    return dot(sub(c, add(support_point(a, u, n), support_point(b, w, n))), n)
-
-
-@kernel
-def separation_and_hessian(a, b, u, w, c, n, s, t):
-    """Vector [m] from the farthest point of b along n to that of a against n, and the second
-    derivatives of both.
-    """
-    x_a, bend_a = support_and_hessian(a, u, n, s, t)
-    x_b, bend_b = support_and_hessian(b, w, n, s, t)
-    return sub(c, add(x_a, x_b)), add(bend_a, bend_b)
-
-
-@kernel
-def support_point(shape, u, n):
-    """Farthest point of the shape along n from its centre, world components."""
-    q, total = along(u, n), (0.0, 0.0, 0.0)
-    for k in range(shape.count):
-        e = weighted(shape.squares, 3 * k, q)
-        total = add_scaled(total, 1.0 / sqrt(dot(e, q)), e)
-    return combined(u, total)
-
-
-@kernel
-def support_and_hessian(shape, u, n, s, t):
-    """Farthest point along n [m] and its second derivatives along s and t: (ss, st, tt) [m]."""
-    q, p, r = along(u, n), along(u, s), along(u, t)
-    total, ss, st, tt = (0.0, 0.0, 0.0), 0.0, 0.0, 0.0
-    for k in range(shape.count):
-        e = weighted(shape.squares, 3 * k, q)
-        e_s, e_t = weighted(shape.squares, 3 * k, p), weighted(shape.squares, 3 * k, r)
-        square = dot(e, q)
-        size = 1.0 / sqrt(square)
-        total = add_scaled(total, size, e)
-        g_s, g_t = dot(e, p), dot(e, r)
-        ss += size * (dot(e_s, p) - g_s * g_s / square)
-        st += size * (dot(e_s, r) - g_s * g_t / square)
-        tt += size * (dot(e_t, r) - g_t * g_t / square)
-    return combined(u, total), (ss, st, tt)
-
-
-@kernel
-def weighted(squares, first, q):
-    """Components q times the squares of three semi-axes, from `first` on."""
-    return squares[first] * q[0], squares[first + 1] * q[1], squares[first + 2] * q[2]
-
-
-@kernel
-def combined(u, x):
-    """The vector that has the components x along three axes."""
-    return add_scaled(add_scaled(scale(x[0], u[0]), x[1], u[1]), x[2], u[2])

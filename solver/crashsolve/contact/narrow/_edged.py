@@ -17,10 +17,10 @@ from types import ModuleType
 
 import numpy as np
 
-from crashsolve.contact.narrow._ascent import along, axes_of, direction, unit_towards
+from crashsolve.contact.narrow import _rounded
+from crashsolve.contact.narrow._ascent import along, axes_of, direction, find_maximum, unit_towards
 from crashsolve.contact.narrow._convex import PARALLEL, SAME_MAXIMUM, SEARCHES, STARTS
 from crashsolve.contact.narrow._patch import PATCH_POINT, ROWS, patch
-from crashsolve.contact.narrow._rounded import find_maximum, support_point
 from crashsolve.deck.building import Columns
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import world_position
@@ -75,7 +75,7 @@ def expand(
     """
     least = min((least_half(other) for other in others), default=np.inf)
     width = min((widest_half(other) for other in others), default=np.inf)
-    return [_rounded(element, shape, least, width) for element in elements]
+    return [_with_rounding(element, shape, least, width) for element in elements]
 
 
 def _half(element: Columns) -> np.ndarray:
@@ -96,7 +96,7 @@ def widest_half(element: Columns) -> float:
     return float(max(_half(element)))
 
 
-def _rounded(element: Columns, shape: ModuleType, least: float, width: float) -> Columns:
+def _with_rounding(element: Columns, shape: ModuleType, least: float, width: float) -> Columns:
     is_round, r = "radius" in element, element.get("radius")
     half = _half(element)
     flatness = min(1.0, width / widest_half(element)) ** (
@@ -178,7 +178,7 @@ def search(a, b, nodes, data):
         if dot(start, before) < SAME_DIRECTION:
             before = start
             start = normal_above(a, b, u, w, c, k, start) if are_boxes and k < 6 else start
-            height, n_maximum = find_maximum(a, b, u, w, c, start, last)
+            height, n_maximum = find_maximum(_rounded, a, b, u, w, c, start, last)
             if dot(n_maximum, n) < SAME_MAXIMUM:
                 next_maximum = max(next_maximum, min(best, height))
             if height > best:
@@ -197,7 +197,7 @@ def follow(a, b, nodes, data, n):
     centre_a, centre_b = world_position(body_a, vec(a.point)), world_position(body_b, vec(b.point))
     c = sub(centre_a, centre_b)
     u, w = axes_of(a, body_a), axes_of(b, body_b)
-    _, n = find_maximum(a, b, u, w, c, n, last_step(a, b))
+    _, n = find_maximum(_rounded, a, b, u, w, c, n, last_step(a, b))
     return depth_at_maximum(a, b, u, w, centre_a, centre_b, n)
 
 
@@ -210,8 +210,8 @@ def last_step(a, b):
 @kernel
 def depth_at_maximum(a, b, u, w, centre_a, centre_b, n):
     """Depth, normal and point of contact at the maximum in direction n."""
-    x_a = sub(centre_a, support_point(a, u, n))
-    x_b = add(centre_b, support_point(b, w, n))
+    x_a = sub(centre_a, _rounded.support_point(a, u, n))
+    x_b = add(centre_b, _rounded.support_point(b, w, n))
     return dot(sub(x_b, x_a), n), n, scale(0.5, add(x_a, x_b))
 
 
@@ -299,8 +299,8 @@ def normal_above(a, b, u, w, c, k, n):
     Newton's method would reach it too, in small steps.
     """
     if k < 3:
-        return rounded_normal(a, u, k, sub(c, support_point(b, w, n)), n, -1.0)
-    return rounded_normal(b, w, k - 3, sub(c, support_point(a, u, n)), n, 1.0)
+        return rounded_normal(a, u, k, sub(c, _rounded.support_point(b, w, n)), n, -1.0)
+    return rounded_normal(b, w, k - 3, sub(c, _rounded.support_point(a, u, n)), n, 1.0)
 
 
 @kernel

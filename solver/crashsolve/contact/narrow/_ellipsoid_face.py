@@ -17,7 +17,7 @@ References: Boyd and Vandenberghe (2004), Convex Optimization, 3.2.5 and 9.5.
 
 from math import sqrt
 
-from crashsolve.contact.narrow._convex import tangents
+from crashsolve.contact.narrow._ascent import tangents
 from crashsolve.contact.narrow._face import corner_weights, nearest_on_face, point_of
 from crashsolve.contact.narrow.sphere_ellipsoid import from_ellipsoid
 from crashsolve.foundation.kernels import kernel
