@@ -190,7 +190,12 @@ def with_formulas(found: Estimate, deck: Deck) -> Estimate:
     joints = [entry.card for entry in deck.entries["joints"].values()]
     motions = {getattr(card, field, None) for card in joints for field in DRIVING}
     is_second = any(word in found.watch.channels[0] for word in SECOND)
-    kept = {name: formula.sample(c, is_motion=name in motions)[3] for name, c in formulas.items()}
+    # the cubics of the run (model/build.py), which are at hand
+    displacements = {getattr(card, "curve", None) for card in joints}
+    kept = {
+        name: formula.sample(card, is_motion=name in displacements)[3]
+        for name, card in formulas.items()
+    }
     share, what = max(kept.values()), "values"
     driving = [tolerance for name, tolerance in kept.items() if name in motions]
     if is_second and driving:

@@ -21,7 +21,8 @@ def expected_size(
 ) -> str:
     """Size of the history, and of the states if blocks are known, in words.
 
-    Raises DeckError where they exceed the free space on the disk of the folder.
+    Raises DeckError where they exceed the free space on the disk of the folder, and where there
+    are more samples than numbers.
     """
     schedule = Schedule.of(deck)
     span = schedule.end - schedule.start
