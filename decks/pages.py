@@ -34,8 +34,8 @@ def finished(folder: Path) -> bool:
 
 def values(result: Result, channel: str) -> np.ndarray:
     """A history of a result, in its unit."""
-    found: np.ndarray = result.series(channel).values
-    return found
+    series: np.ndarray = result.series(channel).values
+    return series
 
 
 def swept(plan: dict[str, object], path: Path, folder: Path) -> list[dict[str, str]]:

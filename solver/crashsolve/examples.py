@@ -36,7 +36,7 @@ def listing(known: dict[str, Path]) -> str:
     for name, path in known.items():
         text, patterns = path.read_text("utf-8"), TITLES[path.suffix]
         titles = (re.search(pattern, text, re.MULTILINE) for pattern in patterns)
-        title = next((found[1].strip() for found in titles if found), "")
+        title = next((match[1].strip() for match in titles if match), "")
         lines.append(f"{name.ljust(width)}  {title}".rstrip())
     return "\n".join(lines)
 

@@ -49,8 +49,8 @@ def test_what_slides_off_a_drum_leaves_it_in_order_two(tmp_path: Path) -> None:
     errors = []
     for step in (8e-3, 4e-3, 2e-3):
         # the moment of the release falls anywhere in a step: the worst of three is compared
-        found = [compiled(tmp_path, step * share) for share in (1.0, 0.93, 0.87)]
-        errors.append(max(abs(last(r, "rbdout.rod_end.velocity.x") - exact) for r in found))
+        runs = [compiled(tmp_path, step * share) for share in (1.0, 0.93, 0.87)]
+        errors.append(max(abs(last(r, "rbdout.rod_end.velocity.x") - exact) for r in runs))
     assert errors[-1] < 1e-4
     assert slopes(errors).mean() > 1.8
 

@@ -73,10 +73,10 @@ def arrays(at: list[int]) -> dict[str, np.ndarray]:
 
 
 def run(at: list[int]) -> dict[str, np.ndarray]:
-    found = arrays(at)
-    tables = Tables(found)
+    data = arrays(at)
+    tables = Tables(data)
     machine_code(Path(__file__), "work", tables)(4.5, True, tables)
-    return found
+    return data
 
 
 @pytest.fixture(autouse=True)

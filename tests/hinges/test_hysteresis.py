@@ -44,8 +44,8 @@ class Driven:
     def go(self, angle: float, phi: float = 1.0) -> float:
         law = self.law
         curves = law.bench.curves
-        found = _law.advance_motion(law.p, law.old, law.new, 0, angle, phi, curves)
-        self.moment, self.stored, loss = map(float, found)
+        outcome = _law.advance_motion(law.p, law.old, law.new, 0, angle, phi, curves)
+        self.moment, self.stored, loss = map(float, outcome)
         self.lost += loss
         law.new.factor = phi
         law.accept()
@@ -371,9 +371,9 @@ class Turned:
     def go(self, x: float, y: float) -> np.ndarray:
         law = self.law
         _joint.copy_history(law.old, law.new)
-        found = _pair.advance_pair(law.p, law.old, law.new, x, y, 1.0, law.bench.curves)
-        self.moment, self.stored = np.array(found[:2], float), float(found[2])
-        self.lost += float(found[3])
+        outcome = _pair.advance_pair(law.p, law.old, law.new, x, y, 1.0, law.bench.curves)
+        self.moment, self.stored = np.array(outcome[:2], float), float(outcome[2])
+        self.lost += float(outcome[3])
         law.accept()
         return self.moment
 
@@ -404,13 +404,13 @@ def test_a_round_section_is_alike_in_all_directions(tmp_path: Path, angle: float
 
 def test_the_error_on_the_ellipse_is_of_first_order(tmp_path: Path) -> None:
     """A quarter turn at constant radius in steps of one piece; the limit by eight times as many."""
-    found = {}
+    moments = {}
     for count in (60, 120, 240, 1920):
         hinge = Turned(tmp_path, "curve: perfect, second_curve: down, second_stiffness: 1000")
         for a in np.linspace(0.0, np.pi / 2, count + 1):
             hinge.go(0.03 * np.cos(a), 0.03 * np.sin(a))
-        found[count] = hinge.moment
-    errors = [np.abs(found[count] - found[1920]).max() for count in (60, 120, 240)]
+        moments[count] = hinge.moment
+    errors = [np.abs(moments[count] - moments[1920]).max() for count in (60, 120, 240)]
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert ((orders > 0.8) & (orders < 1.6)).all()
 

@@ -244,14 +244,14 @@ def test_paraview_itself_reads_and_shows_what_was_written(
     command = ["pvpython", str(script), str(folder / "states.xdmf"), str(answer)]
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    found = json.loads(answer.read_text())
+    shown = json.loads(answer.read_text())
     paths = sorted((folder / "states").glob("*.h5"))
-    assert len(found) == len(paths) > 2
+    assert len(shown) == len(paths) > 2
     with h5py.File(folder / "mesh.h5") as file:
         names = json.loads(file.attrs["names"])
-        assert set(found[0][1]) == set(file)
+        assert set(shown[0][1]) == set(file)
     mesh = datasets(folder / "mesh.h5")
-    for (time, blocks), path in zip(found, paths, strict=True):
+    for (time, blocks), path in zip(shown, paths, strict=True):
         with h5py.File(path) as file:
             assert time == file.attrs["time"]
         # every number of every array, in single precision as it was written

@@ -73,9 +73,9 @@ def test_moments_windows_and_contact_times_are_exact(method: str, tmp_path: Path
     with pytest.raises(PostError, match="division by zero at t = 0"):
         statistic(result.series(QUOTIENT), "max")
     status = json.loads((tmp_path / method / "status.json").read_text())
-    found = {entry["channel"]: entry for entry in status["watched"]}
-    assert found[QUOTIENT]["value"] == pytest.approx(quotient.found)
-    assert abs(quotient.found - STIFFNESS * DEPTH) < 10 * found[QUOTIENT]["error"]
+    watched = {entry["channel"]: entry for entry in status["watched"]}
+    assert watched[QUOTIENT]["value"] == pytest.approx(quotient.found)
+    assert abs(quotient.found - STIFFNESS * DEPTH) < 10 * watched[QUOTIENT]["error"]
 
     first, last, lasted, touches = (
         float(result.series(f"rcforc.hit.{name}").values[-1])

@@ -28,7 +28,7 @@ def arrows_of(
     drawing: Drawing, fitted_camera: Camera, arrow: float, thickness: float = 1.0
 ) -> Drawing:
     """Only the arrows of a drawing, `arrow` [m] long for each unit, so many times as thick."""
-    found = Drawing()
+    arrows = Drawing()
     for starts, vectors in drawing.arrows:
         width = (
             WIDTH
@@ -40,8 +40,10 @@ def arrows_of(
         for corners in (quads, triangles):
             if len(corners):
                 which = np.zeros(len(corners), int)
-                found.surfaces.append(Surface(points, corners, [ARROW], which, which, is_flat=True))
-    return found
+                arrows.surfaces.append(
+                    Surface(points, corners, [ARROW], which, which, is_flat=True)
+                )
+    return arrows
 
 
 def arrow_polygons(

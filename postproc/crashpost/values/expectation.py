@@ -127,10 +127,10 @@ def _read(entry: Json) -> Expectation:
 def _verdict(result: Result, expected: Expectation) -> Verdict:
     try:
         series = result.series(expected.channel)
-        found = statistic(series, expected.statistic, expected.during)
+        value = statistic(series, expected.statistic, expected.during)
         unit = unit_of(expected.statistic, series.unit)
         error = error_of(result, expected.channel, expected.statistic, expected.during)
-        return Verdict(expected.in_unit(unit), found, unit, error=error)
+        return Verdict(expected.in_unit(unit), value, unit, error=error)
     except PostError as error:
         return Verdict(expected, None, "", str(error))
 

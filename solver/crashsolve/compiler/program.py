@@ -85,8 +85,8 @@ class Program:
         module, there = source.imports.get(name, ("", ""))
         module = self.replaced.get(module, module)
         if module and self.is_copied(module):
-            found = self.source(module)
-            if there in found.functions:
+            module_source = self.source(module)
+            if there in module_source.functions:
                 return module, there
         return None
 

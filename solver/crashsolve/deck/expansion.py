@@ -54,7 +54,7 @@ class Problem(ValueError):
         self.path, self.message, self.advice = path, message, advice
 
 
-def stands_for_many(item: Item) -> bool:
+def represents_many(item: Item) -> bool:
     """Whether the type of an item is one whose cards are written out."""
     word = item.value.get("type") if isinstance(item.value, Mapping) else None
     folder = SECTIONS[item.keyword].folder

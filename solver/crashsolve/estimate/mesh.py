@@ -50,14 +50,14 @@ def coarse_runs(
 
     `made` are the companions of another deck: its channels are columns of its own.
     """
-    found = Meshes([])
+    meshes = Meshes([])
     if not has_mesh(deck):
-        return found
+        return meshes
     for factor in FACTORS:
         try:
             companions = made(_coarse(deck, factor))
             companions.budget = budget
-            found.runs.append(companions.run(coarseness))
+            meshes.runs.append(companions.run(coarseness))
             budget = companions.budget
         except BudgetExceeded:
             problem = OVER_BUDGET
@@ -73,10 +73,10 @@ def coarse_runs(
             )
         else:
             continue
-        if not found.runs:
-            found.problem = problem
+        if not meshes.runs:
+            meshes.problem = problem
         break
-    return found
+    return meshes
 
 
 def _coarse(deck: Deck, factor: int) -> Deck:

@@ -53,8 +53,8 @@ class Frame:
 
     def deviations(self) -> Array:
         """Standard deviations (n, 3)."""
-        found: Array = np.sqrt(np.diag(self.covariance)).reshape(-1, 3)
-        return found
+        sigma: Array = np.sqrt(np.diag(self.covariance)).reshape(-1, 3)
+        return sigma
 
 
 @dataclass(frozen=True)
@@ -75,11 +75,11 @@ def measured(requested: Requested) -> Measured:
     for row in _rows_of_frames(requested, cameras):
         times[row.numbers["time"]][row.names["point"]].append(row)
     volume = _extent(read_table(requested.card.targets, TARGETS))
-    found = {
+    points_of = {
         time: [_point(requested, name, rows, cameras, spread) for name, rows in points.items()]
         for time, points in sorted(times.items())
     }
-    closures += [(p.closure, p.freedom) for points in found.values() for p in points]
+    closures += [(p.closure, p.freedom) for points in points_of.values() for p in points]
     freedom = sum(count for _, count in closures)
     error = requested.card.image_error
     if error is None:
@@ -87,7 +87,7 @@ def measured(requested: Requested) -> Measured:
         if error < EXACT:
             message = "images without errors do not say how large their errors are"
             raise DeckErrors([requested.error((), message, "give image_error")])
-    frames = tuple(_frame(t, tuple(points), spread, error) for t, points in found.items())
+    frames = tuple(_frame(t, tuple(points), spread, error) for t, points in points_of.items())
     _check(requested, frames, error, volume)
     return Measured(cameras, frames, error, freedom)
 
@@ -213,10 +213,10 @@ def _check(requested: Requested, frames: tuple[Frame, ...], error: float, volume
 def _all_spreads(cameras: dict[str, dlt.Camera]) -> Array:
     """Covariance (11 n, 11 n) of the L of all cameras."""
     n = dlt.UNKNOWNS
-    found = np.zeros((n * len(cameras),) * 2)
+    spreads = np.zeros((n * len(cameras),) * 2)
     for i, camera in enumerate(cameras.values()):
-        found[n * i : n * i + n, n * i : n * i + n] = camera.spread
-    return found
+        spreads[n * i : n * i + n, n * i : n * i + n] = camera.spread
+    return spreads
 
 
 def _extent(rows: list[Row]) -> float:

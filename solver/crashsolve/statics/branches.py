@@ -72,7 +72,7 @@ class Branches:
                     displacements[own] = eliminate(M[np.ix_(own, own)].copy(), q[own].copy())
                 if (displacements[own] > 0.0).all() and (q - M @ displacements <= nothing).all():
                     self.sets.append((-0.5 * float(q @ displacements), tuple(own), displacements))
-        self.sets.sort(key=lambda found: found[0])
+        self.sets.sort(key=lambda candidates: candidates[0])
 
     def tangent(self) -> tuple[np.ndarray, np.ndarray] | None:
         """K and D with the set of least work yielding; None without any set."""

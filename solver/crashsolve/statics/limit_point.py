@@ -14,7 +14,7 @@ from typing import Protocol
 import numpy as np
 
 from crashsolve.model import ledger as energy
-from crashsolve.statics.equations import CurvesOfLaws, Equations, Flowing
+from crashsolve.statics.equations import CurvesOfLaws, Equations, YieldingElements
 
 # over the value by both tangents, beyond which a change of configuration has left the path; and
 # share of the value by the first of them, below which the load step is examined in halves
@@ -57,7 +57,7 @@ class LoadSteps(Protocol):
     @property
     def yielding(self) -> CurvesOfLaws: ...
     @property
-    def plastic_flow(self) -> Flowing: ...
+    def plastic_flow(self) -> YieldingElements: ...
 
 
 def is_at_limit_point(engine: LoadSteps) -> bool:

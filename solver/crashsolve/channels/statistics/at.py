@@ -36,9 +36,9 @@ def refined(series: Series, moment: float) -> float:
     weights = [
         np.prod([(moment - other) / (here - other) for other in x if other != here]) for here in x
     ]
-    found = float(np.dot(weights, y))
+    interpolated = float(np.dot(weights, y))
     # some of the four may have no value
-    return found if np.isfinite(found) else value(series, moment)
+    return interpolated if np.isfinite(interpolated) else value(series, moment)
 
 
 def remark(series: Series, moment: float) -> str:

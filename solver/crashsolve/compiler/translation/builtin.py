@@ -93,15 +93,15 @@ def _extreme(how: str) -> Builtin:
         values = given[0].items if len(given) == 1 else given
         if not values:
             raise Untranslatable("max and min take numbers, or a tuple of some")
-        found = values[0]
+        extreme = values[0]
         for value in values[1:]:
-            a, b = arithmetic.common(of.text, found, value, INT)
+            a, b = arithmetic.common(of.text, extreme, value, INT)
             x, y, word = a.words[0], b.words[0], a.kind.words[0]
             order = f"fcmp {of.text.flags} o{how}" if a.kind == FLOAT else f"icmp s{how}"
             which = of.text.value(f"{order} {word} {y}, {x}")
             line = f"select i1 {which}, {word} {y}, {word} {x}"
-            found = Value(a.kind, (of.text.value(line),))
-        return found
+            extreme = Value(a.kind, (of.text.value(line),))
+        return extreme
 
     return translate
 

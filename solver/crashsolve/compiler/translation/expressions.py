@@ -68,23 +68,23 @@ class Expressions:
         translate = getattr(self, f"_value_{type(node).__name__}", None)
         if translate is None:
             raise Untranslatable(f"kernels have no {type(node).__name__}")
-        found: Value = translate(node)
-        return found
+        translated: Value = translate(node)
+        return translated
 
     def number(self, node: ast.expr) -> Value:
         """An index or a count."""
-        found = self.value(node)
-        if found.kind not in (INT, BOOL):
+        whole = self.value(node)
+        if whole.kind not in (INT, BOOL):
             raise Untranslatable("an index must be an integer")
-        return arithmetic.convert(self.text, found, INT)
+        return arithmetic.convert(self.text, whole, INT)
 
     def _value_Constant(self, node: ast.Constant) -> Value:
         return known(node.value)
 
     def _value_Name(self, node: ast.Name) -> Value:
-        found = self.variable(node.id)
-        if found is not None:
-            return found
+        variable = self.variable(node.id)
+        if variable is not None:
+            return variable
         if node.id in self.names:
             return known(self.names[node.id])
         if hasattr(builtins, node.id):
@@ -95,13 +95,13 @@ class Expressions:
         return tuple_of(self._listed(node.elts))
 
     def _listed(self, nodes: list[ast.expr]) -> list[Value]:
-        found: list[Value] = []
+        values: list[Value] = []
         for node in nodes:
             if isinstance(node, ast.Starred):
-                found += self.value(node.value).items
+                values += self.value(node.value).items
             else:
-                found.append(self.value(node))
-        return found
+                values.append(self.value(node))
+        return values
 
     def _value_Attribute(self, node: ast.Attribute) -> Value:
         owner = self.value(node.value)
@@ -207,12 +207,12 @@ class Expressions:
         end, one = self.text.new_label(), self.value(node.left)
         for k, (how, part) in enumerate(zip(node.ops, node.comparators, strict=True)):
             other = self.value(part)
-            found = self._compared(how, one, other)
+            truth = self._compared(how, one, other)
             if k + 1 == len(node.ops):
-                return self._joined(found, end, edges)
+                return self._joined(truth, end, edges)
             one, more = other, self.text.new_label()
             edges.append(("false", self.text.label))
-            self.text.choose(found.words[0], more, end)
+            self.text.choose(truth.words[0], more, end)
             self.text.begin(more)
         raise AssertionError
 
@@ -305,8 +305,8 @@ class Expressions:
             return BUILTINS[function](self, given)
         if isinstance(function, type) and hasattr(function, "_fields"):
             return tuple_of(given, function._fields)
-        found: Value = self.module.call(self.text, function, given)
-        return found
+        result: Value = self.module.call(self.text, function, given)
+        return result
 
 
 def _folded(how: ast.operator, a: int, b: int) -> int | None:

@@ -70,13 +70,13 @@ class SurfaceGroups:
     def _side(self, contact: Item, k: int, sides: list[Rows]) -> Rows:
         """The names of a side with those of surfaces in place of entries."""
         names, others = sides[k], sides[1 - k]
-        found = Rows(names.file)
+        rows = Rows(names.file)
         for i, name in enumerate(names):
             path = ("ab"[k], i)
             one = self._surfaces(contact, path, name, others) if self._is_group(name) else [name]
-            found.extend(one)
-            found.values_at.extend([names.values_at[i]] * len(one))
-        return found
+            rows.extend(one)
+            rows.values_at.extend([names.values_at[i]] * len(one))
+        return rows
 
     def _surfaces(self, contact: Item, path: tuple[str, int], name: str, others: Rows) -> list[str]:
         """Names of the surfaces of an entry that others face. Writes: items."""

@@ -55,12 +55,12 @@ def is_first(card: Bars, end: End) -> bool:
 
 def names(card: Bars, part: str) -> list[str]:
     """Names of the nodes of released ends."""
-    found = []
+    names_of_joints = []
     for end in card.ends:
         known = end.bar <= len(card.bars)
         side = "start" if known and is_first(card, end) else "end"
-        found.append(f"{part}_bar{end.bar}_{side}")
-    return found
+        names_of_joints.append(f"{part}_bar{end.bar}_{side}")
+    return names_of_joints
 
 
 def position(card: Bars, end: End) -> np.ndarray:
@@ -106,10 +106,10 @@ def fault(card: Bars) -> str:
 
 def joints(card: Bars, part: str) -> dict[str, tuple[str, Columns]]:
     """Joints between the ends and their points: type and words by name."""
-    found: dict[str, tuple[str, Columns]] = {}
+    columns_of: dict[str, tuple[str, Columns]] = {}
     if fault(card):
         # refused where the part is built
-        return found
+        return columns_of
     for end, name in zip(card.ends, names(card, part), strict=True):
         axes = {
             f"rotation_{k}": axis.tolist() for k, axis in zip("xyz", _axes(card, end), strict=True)
@@ -120,8 +120,8 @@ def joints(card: Bars, part: str) -> dict[str, tuple[str, Columns]]:
             words["axis"] = axes[free[0]]
         elif len(free) == 2:
             words["axis"], words["second_axis"] = (axes[rotation] for rotation in free)
-        found[name] = (JOINTS[len(free)], words)
-    return found
+        columns_of[name] = (JOINTS[len(free)], words)
+    return columns_of
 
 
 def _axes(card: Bars, end: End) -> np.ndarray:

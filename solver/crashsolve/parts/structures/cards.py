@@ -62,14 +62,14 @@ def unused(card: Any) -> dict[Steps, str]:
     reason = f"its members are {' and '.join(dict.fromkeys(chosen))}"
     followed = {word for name in chosen for word in _description(name).WORDS}
     words = {word for name in DESCRIPTIONS for word in _description(name).WORDS}
-    found: dict[Steps, str] = {(word,): reason for word in sorted(words - followed)}
+    reasons: dict[Steps, str] = {(word,): reason for word in sorted(words - followed)}
     for word in ("deformation", "divisions", "material", "section", "side"):
         if all(getattr(member, word) is not None for member in card.members):
-            found.setdefault((word,), "all members have their own")
+            reasons.setdefault((word,), "all members have their own")
     for k, name in enumerate(chosen):
         if "divisions" not in _description(name).WORDS:
-            found["members", k, "divisions"] = f"the member is {name}"
-    return found
+            reasons["members", k, "divisions"] = f"the member is {name}"
+    return reasons
 
 
 def _body(whole: Plan, k: int, point: str) -> Made:

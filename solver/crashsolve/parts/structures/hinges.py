@@ -109,12 +109,12 @@ def hinge(
     a: str,
     b: str,
     x: float,
-    stands_for: list[float],
+    equivalent_lengths: list[float],
 ) -> Made:
     """The hinge between a and b at a length from where the member begins to deform."""
     curves = [
         curve(member, whole, material, about, length)
-        for about, length in zip("yz", stands_for, strict=True)
+        for about, length in zip("yz", equivalent_lengths, strict=True)
     ]
     fields: Fields = {
         "type": "biaxial",
