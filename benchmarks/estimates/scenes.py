@@ -576,7 +576,7 @@ hinges:
 
 def kinds() -> list[list[Scene]]:
     """Every scene of the battery; those of one kind share their machine code."""
-    made: list[tuple[Callable[[float], Scene], Sequence[float]]] = [
+    families: list[tuple[Callable[[float], Scene], Sequence[float]]] = [
         (oscillators, (100.0, 900.0)),
         (pendulum, (2.0, 5.5)),
         (spinning, (3.0, 12.0)),
@@ -591,5 +591,5 @@ def kinds() -> list[list[Scene]]:
         (meshes, (16, 32, 64)),
         (hinges, (12.0, 5.0)),
     ]
-    groups = [[make(value) for value in values] for make, values in made]
+    groups = [[make(value) for value in values] for make, values in families]
     return [*groups, [heavy_top()], [squeezer()], [governor()]]

@@ -142,7 +142,7 @@ def verdicts(rows: dict[Key, Row], folder: Path) -> str:
         ),
     ]
     return "\n".join(
-        f"| {of} | {said} | {here} | {verdict} |" for of, said, here, verdict in matching
+        f"| {of} | {sample} | {value} | {verdict} |" for of, sample, value, verdict in matching
     )
 
 

@@ -53,11 +53,11 @@ def rings(
 
 def prisms(count: int, corners: int) -> tuple[np.ndarray, np.ndarray]:
     """Sides (quads) and ends (polygons) of prisms, each with two rings of corners."""
-    here = np.arange(corners)
-    after = np.roll(here, -1)
-    one = np.column_stack([here, after, after + corners, here + corners])
+    base = np.arange(corners)
+    after = np.roll(base, -1)
+    one = np.column_stack([base, after, after + corners, base + corners])
     first = 2 * corners * np.arange(count)[:, None, None]
-    ends = np.stack([here[::-1], here + corners])
+    ends = np.stack([base[::-1], base + corners])
     return (first + one).reshape(-1, 4), (first + ends).reshape(-1, corners)
 
 

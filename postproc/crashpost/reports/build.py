@@ -297,6 +297,6 @@ def _footer(result: Result) -> str:
     facts = [f"{name} {version}" for name, version in versions]
     if "started" in result.attributes:
         facts.append(f"started {result.attributes['started']} on {result.attributes.get('host')}")
-    made = datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
+    written = datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
     origin = f"<p>Run: {escape(', '.join(facts))}.</p>" if facts else ""
-    return f"<footer>{origin}<p>Page written by crashpost on {made}.</p></footer>"
+    return f"<footer>{origin}<p>Page written by crashpost on {written}.</p></footer>"

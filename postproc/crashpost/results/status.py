@@ -30,8 +30,8 @@ def read_status(path: Path) -> Json:
     if not isinstance(content, dict) or not isinstance(content.get("state"), str):
         return UNKNOWN
     status = {name: part for name, part in content.items() if KINDS.get(name, _any)(part)}
-    here = status.get("host") == socket.gethostname()
-    if status["state"] == "running" and here and not _alive(status.get("pid")):
+    is_local = status.get("host") == socket.gethostname()
+    if status["state"] == "running" and is_local and not _alive(status.get("pid")):
         return {**status, "state": "killed", "message": "the process of this run is gone"}
     return status
 

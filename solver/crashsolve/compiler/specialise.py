@@ -120,11 +120,13 @@ class Copy(ast.NodeTransformer):
     def _value_of_name(self, name: str) -> object:
         if name in self.known:
             return self.known[name]
-        module, there = self.source.imports.get(name, ("", ""))
+        module, original = self.source.imports.get(name, ("", ""))
         if name not in self.unknown and module == self.program.home:
-            if there not in self.program.placeholders:
-                raise SpecialiseError(f"{self.where}: nothing stands for the placeholder {there}")
-            return self.program.placeholders[there]
+            if original not in self.program.placeholders:
+                raise SpecialiseError(
+                    f"{self.where}: nothing stands for the placeholder {original}"
+                )
+            return self.program.placeholders[original]
         raise _Unknown
 
     def _value_of_attribute(self, value: Any, name: str) -> object:

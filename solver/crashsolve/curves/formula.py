@@ -145,11 +145,11 @@ def _refined(
         inside = inside + 0.3 / (evaluations + 1) * np.sin(17.0 * inside)
         positions = left[:, None] + (right - left)[:, None] * inside
         y, slope = (u.reshape(positions.shape) for u in with_derivative(formula, positions.ravel()))
-        here = np.max(np.abs(np.column_stack([y, a.y, b.y])), axis=1)
-        largest = max(largest, float(here.max()))
+        size = np.max(np.abs(np.column_stack([y, a.y, b.y])), axis=1)
+        largest = max(largest, float(size.max()))
         error = np.max(np.abs(y - _cubic(right - left, a, b, inside)), axis=1)
         _refuse_jump(left, right, a.y, b.y, least, largest)
-        scale = np.maximum(here, FLOOR * largest)
+        scale = np.maximum(size, FLOOR * largest)
         round_off = _round_off(largest, np.maximum(np.abs(left), np.abs(right)), a, b)
         error -= round_off
         bend_error = np.zeros_like(error)

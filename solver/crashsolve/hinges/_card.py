@@ -97,10 +97,10 @@ class AxialCurve(Card):
 
 
 def _named_or_made(card: Curve) -> Curve:
-    made = (card.section, card.material, card.length)
+    fields = (card.section, card.material, card.length)
     if (card.name is None) == (card.section is None):
         raise ValueError("give the name of a curve, or section, material and length")
-    if card.section is not None and None in made:
+    if card.section is not None and None in fields:
         raise ValueError("section: needs material and length beside it")
     if card.name is not None and any(word in card.model_fields_set for word in MAKING):
         raise ValueError("name: a curve of the deck needs nothing beside it")

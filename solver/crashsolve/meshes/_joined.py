@@ -105,7 +105,7 @@ def _spread(
     corner: int,
 ) -> list[int] | None:
     """Elements of the patch of `first`; None where kinds contradict each other. Writes: kinds."""
-    left, seen = [(first, corner)], {first}
+    left, visited = [(first, corner)], {first}
     while left:
         element, k = left.pop()
         quad = quads[element].tolist()
@@ -116,10 +116,10 @@ def _spread(
             kinds[node] = kind
         for j in range(4):
             pair = quad[j], quad[(j + 1) % 4]
-            for other in set(beside[frozenset(pair)]) - seen:
-                seen.add(other)
+            for other in set(beside[frozenset(pair)]) - visited:
+                visited.add(other)
                 left.append((other, _corner_of(quads[other].tolist(), kinds, pair)))
-    return sorted(seen)
+    return sorted(visited)
 
 
 def _corner_of(quad: list[int], kinds: np.ndarray, pair: tuple[int, int]) -> int:

@@ -61,10 +61,10 @@ def _check_motion(rows: np.ndarray, card: Tie, scene: Scene) -> None:
     for row in rows:
         corners, node = row["corner"] - faces.first, int(row["point"]) - tied.first
         N, v = row["weight"], faces.velocity[corners]
-        there = N @ v + row["height"] * normal_rate(faces.mesh.points[corners], v)
-        apart = float(np.linalg.norm(tied.velocity[node] - there))
+        velocity = N @ v + row["height"] * normal_rate(faces.mesh.points[corners], v)
+        apart = float(np.linalg.norm(tied.velocity[node] - velocity))
         spin = float(np.linalg.norm(tied.spin[node] - N @ faces.spin[corners]))
-        fast = 1.0 + float(np.linalg.norm(there)) + float(np.linalg.norm(tied.spin[node]))
+        fast = 1.0 + float(np.linalg.norm(velocity)) + float(np.linalg.norm(tied.spin[node]))
         if apart > SAME * fast or spin > SAME * fast:
             message = f"nodes begin {apart:.3g} m/s and {spin:.3g} rad/s faster than their faces"
             raise scene.fail(f"{message}; give both parts the same motion", "nodes")

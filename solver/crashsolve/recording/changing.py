@@ -50,8 +50,8 @@ def _constant_arrays(engine: Engine) -> dict[str, np.ndarray]:
     arrays |= {f"history/{g.word}": g.history for g in model.groups}
     arrays |= {f"history/{c.word}": c.history for c in model.contact_groups if c.search is None}
     for c in _lists(engine):
-        seen = c.search.arrays() if c.search else {}
-        arrays |= {f"{name}/{c.word}": array for name, array in seen.items()}
+        tables = c.search.arrays() if c.search else {}
+        arrays |= {f"{name}/{c.word}": array for name, array in tables.items()}
     for c in model.contact_groups:
         if c.body_pairs is not None:
             arrays[f"body_pairs/{c.word}"] = c.body_pairs

@@ -225,9 +225,9 @@ def hides_contact(clock, scene):
         size, missing = 0.0, 0.0
         for k in range(3):
             change = history.impulse[k] - mark.impulse[k]
-            seen = half * (mark.force[k] + card.force[k])
+            average = half * (mark.force[k] + card.force[k])
             size += change * change
-            missing += (change - seen) * (change - seen)
+            missing += (change - average) * (change - average)
         known = mark.borne
         mark.borne += sqrt(size)
         shown = max(mark.normal, card.normal)

@@ -58,13 +58,13 @@ def missed_contacts(engine: Engine, history: Path) -> list[Missed]:
     shown = np.nanmax(shown, axis=0, initial=0.0)
     bodies = _bodies(model)
     for k, name in enumerate(model.contacts):
-        peak, seen = float(saved["peak_normal"][k]), float(shown[names.index(name)])
-        if seen < SHOWN * peak:
+        peak, sampled = float(saved["peak_normal"][k]), float(shown[names.index(name)])
+        if sampled < SHOWN * peak:
             missed.append(
                 Missed(
                     name,
                     peak,
-                    seen,
+                    sampled,
                     saved["impulse"][k].copy(),
                     float(saved["duration"][k]),
                     int(saved["touches"][k]),

@@ -323,9 +323,9 @@ class StaticEngine(Engine):
 
     def change_from(self, start: np.ndarray) -> np.ndarray:
         """Displacements and rotations (n, 6) of the free nodes since a configuration."""
-        here = self.state.nodes[self.free]
-        rotated = rotations(start["q"][self.free], here["q"])
-        return np.hstack([here["r"] - start["r"][self.free], rotated])
+        nodes = self.state.nodes[self.free]
+        rotated = rotations(start["q"][self.free], nodes["q"])
+        return np.hstack([nodes["r"] - start["r"][self.free], rotated])
 
     def size_of(self, change: np.ndarray) -> float:
         """The largest of displacements [model's size] and rotations [rad] (n, 6)."""

@@ -105,10 +105,10 @@ def _ends_elsewhere(
     engine: Equations, start: np.ndarray, start_time: float, target: float, change: float
 ) -> bool:
     """Whether the way back from an equilibrium ends far from the nodes where it began."""
-    here, tangent, first = engine.state.nodes.copy(), engine.tangent, engine.first
+    saved, tangent, first = engine.state.nodes.copy(), engine.tangent, engine.first
     is_found = bool(engine.iterate(start_time))
     rest = engine.size_of(engine.change_from(start))
-    engine.state.nodes[:] = here
+    engine.state.nodes[:] = saved
     engine.imbalance(target)
     engine.tangent, engine.first = tangent, first
     return is_found and rest > ELSEWHERE * change + NEGLIGIBLE

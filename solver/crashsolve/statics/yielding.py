@@ -79,11 +79,11 @@ class Yielding:
     def stiffness(self, current: int, nodes: np.ndarray) -> np.ndarray:
         """sum k d^T d (n, 6, n, 6) of the hinges, n all nodes."""
         K = np.zeros((len(nodes), 6, len(nodes), 6))
-        for g, p, state, here in self._entries(current, nodes, self.straight):
+        for g, p, state, position in self._entries(current, nodes, self.straight):
             if state.fails:
                 continue
             rows = [plain(row) for row in np.zeros(g.module.TANGENTS, COMPLIANT.dtype)]
-            g.module.tangent(p, state, here, self.curves(), rows, 0)
+            g.module.tangent(p, state, position, self.curves(), rows, 0)
             for row in rows:
                 d = np.array(row.D).reshape(2, 6)
                 for (i, a), (j, b) in product(enumerate((p.node_a, p.node_b)), repeat=2):
@@ -149,9 +149,9 @@ class Yielding:
         names = [f"hinge '{name}'" for g in self.straight for name in g.names]
         with self.elastic_hinges(current):
             each = self._entries(current, nodes, self.straight)
-            for name, motions, (g, p, state, here) in zip(names, ahead, each, strict=True):
+            for name, motions, (g, p, state, position) in zip(names, ahead, each, strict=True):
                 rows = [plain(row) for row in np.zeros(g.module.TANGENTS, COMPLIANT.dtype)]
-                g.module.tangent(p, state, here, self.curves(), rows, 0)
+                g.module.tangent(p, state, position, self.curves(), rows, 0)
                 for row, slopes in zip(rows, motions, strict=True):
                     d = np.zeros((len(engine.free), 6))
                     for node, part in zip(
@@ -244,8 +244,8 @@ class Yielding:
         """Deformation of each hinge beyond the branch on which the load step began [rad or m]."""
         return np.array(
             [
-                g.module.event(p, state, 0.0, here, self.curves())
-                for g, p, state, here in self._entries(current, nodes, self.groups)
+                g.module.event(p, state, 0.0, position, self.curves())
+                for g, p, state, position in self._entries(current, nodes, self.groups)
             ]
         )
 

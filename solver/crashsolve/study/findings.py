@@ -367,20 +367,20 @@ def _divergence_reported(finding: Finding, curve: Curve, scale: float) -> str:
 def _order_reported(curve: Curve, finding: Finding) -> str:
     if len(curve.trials) < 3:
         return "an order needs three runs or more"
-    seen = [(trial, finding.order(trial)) for trial in curve.trials]
-    seen = [(trial, order) for trial, order in seen if isfinite(order)]
+    orders = [(trial, finding.order(trial)) for trial in curve.trials]
+    orders = [(trial, order) for trial, order in orders if isfinite(order)]
     declared = order_of(curve.series.method)
-    if not seen:
+    if not orders:
         return "no order visible: the runs differ by round-off, or their steps too little"
     if declared is None:
-        return f"order {seen[-1][1]:.2f}"
-    near = [(trial, order) for trial, order in seen if abs(order - declared) <= NEAR]
-    if near and near[-1] == seen[-1]:
-        return f"order {seen[-1][1]:.2f}"
-    if near and abs(near[-1][1] - seen[-1][1]) > NEAR:
+        return f"order {orders[-1][1]:.2f}"
+    near = [(trial, order) for trial, order in orders if abs(order - declared) <= NEAR]
+    if near and near[-1] == orders[-1]:
+        return f"order {orders[-1][1]:.2f}"
+    if near and abs(near[-1][1] - orders[-1][1]) > NEAR:
         step = f"{near[-1][0].step:.3g}"
-        return f"order {near[-1][1]:.2f} down to a step of {step} s, then {seen[-1][1]:.2f}"
-    return f"order {seen[-1][1]:.2f}, where the method has {declared:g}"
+        return f"order {near[-1][1]:.2f} down to a step of {step} s, then {orders[-1][1]:.2f}"
+    return f"order {orders[-1][1]:.2f}, where the method has {declared:g}"
 
 
 def _size(error: float, finding: Finding) -> str:

@@ -176,14 +176,18 @@ def _inner_names(deck: Deck, entry: Entry) -> frozenset[str]:
     points = {f"{entry.name}_{point.name}" for point in entry.card.points}
     names = set()
     for keyword in ("bodies", "springs", "parts"):
-        for made in deck.entries[keyword].values():
-            if made.item.owner != entry.item.title:
+        for entry_of_structure in deck.entries[keyword].values():
+            if entry_of_structure.item.owner != entry.item.title:
                 continue
             if keyword == "parts":
                 for word in ("node_names", "element_names"):
-                    names |= set(getattr(made.card, word, lambda _: ())(made.name))
+                    names |= set(
+                        getattr(entry_of_structure.card, word, lambda _: ())(
+                            entry_of_structure.name
+                        )
+                    )
             else:
-                names.add(made.name)
+                names.add(entry_of_structure.name)
     return frozenset(names - points)
 
 

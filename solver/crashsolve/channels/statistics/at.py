@@ -34,7 +34,7 @@ def refined(series: Series, moment: float) -> float:
     first = min(max(after - 2, 0), max(len(time) - 4, 0))
     x, y = time[first : first + 4], values[first : first + 4]
     weights = [
-        np.prod([(moment - other) / (here - other) for other in x if other != here]) for here in x
+        np.prod([(moment - other) / (own - other) for other in x if other != own]) for own in x
     ]
     interpolated = float(np.dot(weights, y))
     # some of the four may have no value

@@ -94,9 +94,9 @@ class Function(Expressions):
     def site(self) -> str:
         code = self.function.__code__
         what = "" if self.indexed is None else f": `{ast.unparse(self.indexed)}`"
-        said = f"{code.co_filename}:{self.where}: {self.tree.name}{what}".encode()
-        listed = "".join(f"\\{byte:02X}" for byte in said + b"\0")
-        address: str = self.module.keep(f'[{len(said) + 1} x i8] c"{listed}"')
+        text = f"{code.co_filename}:{self.where}: {self.tree.name}{what}".encode()
+        listed = "".join(f"\\{byte:02X}" for byte in text + b"\0")
+        address: str = self.module.keep(f'[{len(text) + 1} x i8] c"{listed}"')
         return address
 
     def arguments(self, k: int) -> tuple[str, ...]:

@@ -86,19 +86,19 @@ def along(card: Bars, bar: int) -> np.ndarray:
 
 def fault(card: Bars) -> str:
     """Message on the first error in the ends; empty without one."""
-    seen = set()
+    pairs = set()
     count = len(card.points)
     if not all(1 <= point <= count for bar in card.bars for point in bar):
         return f"bars join points that do not exist: points are 1 to {count}"
     for end in card.ends:
         if end.bar > len(card.bars) or end.point not in card.bars[end.bar - 1]:
             return f"bar {end.bar} does not end in point {end.point}"
-        if (end.bar, end.point) in seen:
+        if (end.bar, end.point) in pairs:
             return f"bar {end.bar} at point {end.point} is given twice"
-        seen.add((end.bar, end.point))
+        pairs.add((end.bar, end.point))
     for point in range(1, len(card.points) + 1):
         bars = [k for k, bar in enumerate(card.bars, start=1) if point in bar]
-        if bars and all((k, point) in seen for k in bars):
+        if bars and all((k, point) in pairs for k in bars):
             advice = "leave one bar without an entry: the others rotate relative to it"
             return f"every bar at point {point} has an end of its own; {advice}"
     return ""

@@ -117,8 +117,8 @@ class DiscretisedShell:
     def _refuse_bad(self, x: np.ndarray, normal: np.ndarray, scene: Scene) -> None:
         """Refuse elements that are not convex: all corners must have one sense of rotation."""
         for k in range(4):
-            here = np.cross(x[:, (k + 1) % 4] - x[:, k], x[:, (k + 3) % 4] - x[:, k])
-            is_flipped = (here * normal).sum(1) > 1e-6 * (normal**2).sum(1)
+            area = np.cross(x[:, (k + 1) % 4] - x[:, k], x[:, (k + 3) % 4] - x[:, k])
+            is_flipped = (area * normal).sum(1) > 1e-6 * (normal**2).sum(1)
             # the third side of a triangle has no length
             is_flipped[self.quad_count :] |= k > 1
             bad = np.flatnonzero(~is_flipped)

@@ -134,7 +134,7 @@ def hinge(
 
 def curve(member: Member, whole: Plan, material: str, about: str, length: float) -> Fields:
     """Moment [N m] over angle [rad] of a hinge about an axis of the section."""
-    made = {
+    fields = {
         "section": member.section.name,
         "material": material,
         "about": about,
@@ -142,4 +142,4 @@ def curve(member: Member, whole: Plan, material: str, about: str, length: float)
         "length": length,
     }
     given = whole.card.collapse_curve
-    return made if given is None else made | {"plastic_curve": given}
+    return fields if given is None else fields | {"plastic_curve": given}

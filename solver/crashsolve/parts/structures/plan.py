@@ -189,12 +189,12 @@ def _axes(along: np.ndarray, side: ArrayLike, constants: Columns, path: Steps) -
 
 def _refuse_twice(members: list[Member]) -> None:
     """Raises Problem for a member or a name given twice."""
-    seen: dict[str | frozenset[str], int] = {}
+    number_of: dict[str | frozenset[str], int] = {}
     for member in members:
         for key in (member.name, frozenset(member.ends)):
-            if key in seen:
-                raise Problem(member.path, f"repeats member {seen[key] + 1}")
-            seen[key] = member.number
+            if key in number_of:
+                raise Problem(member.path, f"repeats member {number_of[key] + 1}")
+            number_of[key] = member.number
 
 
 def _refuse_touching(points: dict[str, np.ndarray], members: list[Member]) -> None:
