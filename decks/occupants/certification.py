@@ -38,7 +38,7 @@ class Measure(NamedTuple):
 
     test: str
     what: str
-    found: float
+    computed: float
     low: float
     high: float
     unit: str
@@ -46,14 +46,14 @@ class Measure(NamedTuple):
 
     def row(self) -> str:
         """A row of the table of the page."""
-        verdict = "within" if self.low <= self.found <= self.high else "**outside**"
+        verdict = "within" if self.low <= self.computed <= self.high else "**outside**"
         requested = (
             f"{self.low:.4g} to {self.high:.4g}" if self.low > -np.inf else f"<= {self.high:.4g}"
         )
         cells = (
             self.test,
             self.what,
-            f"{self.found:.4g} {self.unit}",
+            f"{self.computed:.4g} {self.unit}",
             requested,
             verdict,
             self.source,

@@ -21,12 +21,12 @@ TITLES = {".md": (r"^# +(.+)$",), ".yaml": (r"^title: *(.+)$", r"^# (?!long$)(.+
 
 def decks() -> dict[str, Path]:
     """Example decks by their names, such as tutorial/bouncing_ball."""
-    return _found("decks", REPOSITORY / "decks", ".yaml")
+    return _listed_files("decks", REPOSITORY / "decks", ".yaml")
 
 
 def pages() -> dict[str, Path]:
     """Pages of the manual by their names, such as theory/shells."""
-    return _found("manual", REPOSITORY / "solver", ".md")
+    return _listed_files("manual", REPOSITORY / "solver", ".md")
 
 
 def listing(known: dict[str, Path]) -> str:
@@ -86,7 +86,7 @@ def write(path: Path, folder: Path) -> list[Path]:
     return targets
 
 
-def _found(installed: str, source: Path, suffix: str) -> dict[str, Path]:
+def _listed_files(installed: str, source: Path, suffix: str) -> dict[str, Path]:
     root = PACKAGE / installed if (PACKAGE / installed).is_dir() else source
     files = [path for path in sorted(root.rglob(f"*{suffix}")) if "shared" not in path.parts]
     return {str(path.relative_to(root).with_suffix("")): path for path in files}

@@ -193,7 +193,7 @@ from paraview import servermanager
 from paraview.simple import XDMFReader
 r = XDMFReader(FileNames=[sys.argv[1]])
 r.UpdatePipelineInformation()
-found = []
+shown = []
 for time in r.TimestepValues:
     r.UpdatePipeline(time)
     data, blocks = servermanager.Fetch(r), {}
@@ -205,8 +205,8 @@ for time in r.TimestepValues:
                 a = arrays.GetArray(j)
                 here[arrays.GetArrayName(j)] = [a.GetTuple(i) for i in range(a.GetNumberOfTuples())]
         blocks[name] = here
-    found.append([time, blocks])
-json.dump(found, open(sys.argv[2], "w"))
+    shown.append([time, blocks])
+json.dump(shown, open(sys.argv[2], "w"))
 """
 
 

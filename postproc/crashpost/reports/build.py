@@ -176,7 +176,7 @@ def _verdicts(verdicts: list[Verdict], page_units: PageUnits) -> str:
     for one in verdicts:
         verdict = one.in_unit(page_units.unit(one.unit), page_units.size(one.unit))
         expected = verdict.expected
-        value = "-" if verdict.found is None else f"{verdict.found:.7g}"
+        value = "-" if verdict.computed is None else f"{verdict.computed:.7g}"
         deviation = "-" if verdict.deviation is None else f"{verdict.deviation or 0:.2g}"
         numbers = [value, f"{expected.value:.7g}", expected.tolerance_text, deviation, verdict.unit]
         reason = verdict.problem or f"{expected.because}: {expected.source}"

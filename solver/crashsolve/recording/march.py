@@ -51,8 +51,8 @@ WATCH = Record("""
     watches   flag   whether intervals are watched
     time      s      begin of the interval
     cycle     count  steps by then
-    is_checked  flag   whether this interval has been looked at
-    hides     flag   what was found
+    examined  flag   whether this interval has been examined
+    hides     flag   whether its ends show too little of a contact
 """)
 # of every contact card, as the interval began
 MARK = Record("""
@@ -213,9 +213,9 @@ def has_passed(passed, rows, current):
 def hides_contact(clock, scene):
     """Whether the ends of the interval show too little of any contact. Writes: watch, marks."""
     watch = scene.watch[0]
-    if watch.is_checked or not watch.watches:
+    if watch.examined or not watch.watches:
         return watch.hides
-    watch.is_checked, watch.hides = 1, 0
+    watch.examined, watch.hides = 1, 0
     # of one step both ends are samples
     if clock.cycle - watch.cycle < 2:
         return 0
@@ -242,7 +242,7 @@ def hides_contact(clock, scene):
 def begin_interval(clock, scene):
     """Writes: watch, marks, the snapshot."""
     watch = scene.watch[0]
-    watch.is_checked, watch.hides = 0, 0
+    watch.examined, watch.hides = 0, 0
     if not watch.watches:
         return
     # the pause depends on the speed of the machine, and must not enter a dump

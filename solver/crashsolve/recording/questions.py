@@ -85,7 +85,7 @@ def _problems_of(
     channels_of: dict[str, list[Channel]],
     deck: Deck,
 ) -> Iterator[str]:
-    """Errors of a card, by its fields; adds its channels to `found`."""
+    """Errors of a card, by its fields; adds its channels to `channels_of`."""
     start = deck.control.start_time
     try:
         channels_of[card.channel] = find(card.channel, families)

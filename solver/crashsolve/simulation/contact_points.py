@@ -27,7 +27,7 @@ class ContactPoints:
         self._nodal = [(g, min(g.slot_in_use.size, MAX_NODES)) for g in model.nodal_groups]
         self.count = sum(positions for _, positions in [*self._pairs, *self._nodal])
 
-    def found(self) -> Points:
+    def points(self) -> Points:
         """Points at which contacts act in the present sample, with forces on side a and cards."""
         points = [self._of_pairs(g, positions) for g, positions in self._pairs]
         points += [self._of_nodes(g, positions) for g, positions in self._nodal]

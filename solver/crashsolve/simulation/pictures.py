@@ -279,7 +279,7 @@ class Pictures:
 
     def _contact_fields(self) -> dict[str, np.ndarray]:
         """Contact points with their forces; pairs that are apart are hidden."""
-        points, forces, cards = self._contact_points.found()
+        points, forces, cards = self._contact_points.points()
         hidden = DELETED * ~np.any(forces, axis=1)
         return {"points": points, "force": forces, "contact": cards, GHOST: hidden}
 

@@ -182,7 +182,7 @@ def read_plan(path: Path) -> Plan:
 
 
 def _axes(given: object, context: Context, diagnostics: list[Diagnostic]) -> dict[str, Axis]:
-    """The varied parameters; their errors go to `found`."""
+    """The varied parameters; their errors go to `diagnostics`."""
     axes = {}
     for name, value in given.items() if isinstance(given, Mapping) else ():
         if value is BROKEN:

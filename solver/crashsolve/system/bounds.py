@@ -49,7 +49,7 @@ class StepBound:
     def __init__(self, interval: float, longest: float | None) -> None:
         """`interval` [s] of samples, `longest` [s] the deck's own bound."""
         self._interval, self._longest = interval, longest
-        self._actor, self._at, self._found = "", 0, -np.inf
+        self._actor, self._at, self._renewed = "", 0, -np.inf
 
     def report(self, engine: Engine) -> str:
         """The entity that limits the present step, and why."""
@@ -103,8 +103,8 @@ class StepBound:
 
     def _stiffest(self, engine: Engine, at: int) -> str:
         now = monotonic()
-        if at != self._at or now > self._found + RENEWAL_INTERVAL:
-            self._actor, self._at, self._found = stiffest(engine, at), at, now
+        if at != self._at or now > self._renewed + RENEWAL_INTERVAL:
+            self._actor, self._at, self._renewed = stiffest(engine, at), at, now
         return self._actor
 
 

@@ -68,7 +68,7 @@ def criterion(time: np.ndarray, a: Term, window: Term | None, function: str) -> 
 def _keep_larger(
     criterion: Criterion, last: np.ndarray, begin: np.ndarray, end: np.ndarray, integral: np.ndarray
 ) -> None:
-    """Enter windows that end by the samples `last`, where they are larger. Writes: found."""
+    """Enter windows that end by the samples `last`, where they are larger. Writes: criterion."""
     value = (end - begin) * (integral / (end - begin)) ** EXPONENT
     is_larger = value > criterion.value[last]
     for column, new in zip(criterion, (value, begin, end), strict=True):

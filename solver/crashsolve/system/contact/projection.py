@@ -163,7 +163,7 @@ def reset_found(i, p, sides):
 
 @kernel
 def report_depth(p, hits):
-    """Depths of the faces found, from their distances. Writes: found."""
+    """Depths of the faces found, from their distances. Writes: hits."""
     for s in range(2):
         if hits[s].face >= 0:
             hits[s].depth = p.gap - (-1.0 if hits[s].crossed == 1 else 1.0) * hits[s].distance

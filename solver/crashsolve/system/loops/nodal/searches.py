@@ -16,7 +16,10 @@ from crashsolve.system.contact import (
 
 @apart
 def search_faces(group, i, hits, nodes, scene):
-    """The nearest face on either side of a probe. Writes: found, lists, turns, balls."""
+    """The nearest face on either side of a probe.
+
+    Writes: hits, near lists, ellipsoids.
+    """
     p, totals, points = group.p[0], group.totals[0], scene.points
     sides, deleted = projection.Sides(group.probe_states, group.slot_in_use, hits), group.deleted
     lists = (group.first, group.near, group.wait, group.due)
