@@ -142,7 +142,7 @@ def test_groups_are_written_out_without_excluded_blocks(program: Make) -> None:
 def test_a_flag_turns_the_other_branch_on(program: Make) -> None:
     made = program(FLAG=False, GROUPS=())
     made.add("bench_loops", "total")
-    assert body(made.text(), "total") == "'The sum.'\nfound = 0.0\nreturn sin(time)"
+    assert body(made.text(), "total") == "'The sum.'\ntotal = 0.0\nreturn sin(time)"
 
 
 def test_what_depends_on_no_placeholder_keeps_its_text(program: Make) -> None:
