@@ -18,7 +18,17 @@ MAX_LENGTH = 500
 MAX_ROOT = 12
 # functions whose value is an angle in radians, in any units of the file
 ANGLES = ("asin", "acos", "atan", "atan2")
+# functions whose value has the unit that all their arguments share
+OF_ONE_UNIT = ("abs", "min", "max", "within")
 U = TypeVar("U")
+
+
+def within(value: float, low: float, high: float) -> float:
+    """The value itself. Raises ValueError unless low <= value <= high."""
+    if not low <= value <= high:
+        raise ValueError(f"{value:g} is not within {low:g} and {high:g}")
+    return value
+
 
 FUNCTIONS: dict[str, Callable[..., float]] = {
     "sin": math.sin,
@@ -34,6 +44,7 @@ FUNCTIONS: dict[str, Callable[..., float]] = {
     "abs": abs,
     "min": min,
     "max": max,
+    "within": within,
     "deg": math.degrees,
     "rad": math.radians,
 }
@@ -148,7 +159,7 @@ class Expression:
                 return SI["angle"]
             case ast.BinOp(left=left, right=right):
                 return self._common([left, right], units)
-            case ast.Call(func=ast.Name(id="abs" | "min" | "max"), args=parts):
+            case ast.Call(func=ast.Name(id=name), args=parts) if name in OF_ONE_UNIT:
                 return self._common(parts, units)
         return PURE
 
@@ -167,7 +178,7 @@ class Expression:
                 return self._unit(operand, units)
             case ast.BinOp(op=ast.Add() | ast.Sub(), left=left, right=right):
                 parts = [left, right]
-            case ast.Call(func=ast.Name(id="abs" | "min" | "max"), args=parts):
+            case ast.Call(func=ast.Name(id=name), args=parts) if name in OF_ONE_UNIT:
                 pass
             case _:
                 return None
