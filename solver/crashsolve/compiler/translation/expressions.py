@@ -3,7 +3,8 @@
 import ast
 import builtins
 import operator
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from types import ModuleType
 from typing import Any
 
@@ -185,6 +186,13 @@ class Expressions:
             slot = self.module.keep(f"{room} [{listed}]")
         return text.load(word, text.at(word, slot, at))
 
+    @contextmanager
+    def named(self, node: ast.expr) -> Iterator[None]:
+        """Failures of checked mode within this block name the expression `node`."""
+        before, self.indexed = self.indexed, node
+        yield
+        self.indexed = before
+
     def _value_BinOp(self, node: ast.BinOp) -> Value:
         one, other = self.value(node.left), self.value(node.right)
         a, b = one.constant, other.constant
@@ -192,7 +200,8 @@ class Expressions:
             folded = _folded(node.op, a, b)
             if folded is not None:
                 return known(folded)
-        return arithmetic.operate(self.text, node.op, one, other)
+        with self.named(node):
+            return arithmetic.operate(self.text, node.op, one, other)
 
     def _value_UnaryOp(self, node: ast.UnaryOp) -> Value:
         if isinstance(node.op, ast.Not):
@@ -302,7 +311,8 @@ class Expressions:
             return self.condition(node.args[0])
         given = self._listed(node.args)
         if function in BUILTINS:
-            return BUILTINS[function](self, given)
+            with self.named(node):
+                return BUILTINS[function](self, given)
         if isinstance(function, type) and hasattr(function, "_fields"):
             return tuple_of(given, function._fields)
         result: Value = self.module.call(self.text, function, given)

@@ -236,7 +236,9 @@ class Function(Expressions):
         elif isinstance(target, (ast.Tuple, ast.List)):
             self._assign_items(target.elts, value.items)
         else:
-            memory.write_number(self.text, *self.slot_of(target), value)
+            slot, dtype = self.slot_of(target)
+            with self.named(target):
+                memory.write_number(self.text, slot, dtype, value)
 
     def _assign_items(self, targets: list[ast.expr], items: list[Value]) -> None:
         stars = [k for k, target in enumerate(targets) if isinstance(target, ast.Starred)]
@@ -326,7 +328,8 @@ class Function(Expressions):
             raise Untranslatable("a range has no step of 0")
         if step.constant is None and self.text.site is not None:
             by = step.words[0]
-            self.text.test(self.text.value(f"icmp ne i64 {by}, 0"), by, "0")
+            with self.named(node.iter):
+                self.text.test(self.text.value(f"icmp ne i64 {by}, 0"), by, "0")
         text, count = self.text, self.text.slot("i64")
         text.store("i64", first.words[0], count)
         loop = self._open(node)
