@@ -144,9 +144,9 @@ def test_totals_are_those_of_the_table_whatever_the_options(
     result = Result(tmp_path / "out")
     p = {axis: result.series(f"glstat.model.momentum.{axis}").values[0] for axis in "xyz"}
     spin = result.series("glstat.model.angular_momentum.y").values[0]
-    found = np.array([p["y"], -p["z"] / p["y"], p["x"] / p["y"], spin])
+    computed = np.array([p["y"], -p["z"] / p["y"], p["x"] / p["y"], spin])
     # the table's digits are the same on both sides, so round-off is left
-    assert found == pytest.approx(totals(sex, stature, mass), rel=1e-12)
+    assert computed == pytest.approx(totals(sex, stature, mass), rel=1e-12)
 
 
 FALLS = {

@@ -294,9 +294,9 @@ def _nested_folders() -> list[str]:
         folder = todo.pop(0)
         for word in types_in(folder):
             card = law_class(folder, word)
-            found = [declared(card, name).law for name in card.model_fields]
-            todo += [law for law in found if law and law not in folders]
-            folders.update(dict.fromkeys(law for law in found if law))
+            laws = [declared(card, name).law for name in card.model_fields]
+            todo += [law for law in laws if law and law not in folders]
+            folders.update(dict.fromkeys(law for law in laws if law))
     return list(folders)
 
 

@@ -165,10 +165,10 @@ class Expression:
 
     def _common(self, parts: list[ast.expr], units: Mapping[str, Unit]) -> Unit:
         """The unit of all terms. Raises _NoUnit where they differ."""
-        found = [self._derived(part, units) for part in parts]
-        if any(unit.exponents != found[0].exponents for unit in found):
+        derived = [self._derived(part, units) for part in parts]
+        if any(unit.exponents != derived[0].exponents for unit in derived):
             raise _NoUnit
-        return found[0]
+        return derived[0]
 
     def _unit(self, node: ast.AST, units: Mapping[str, U | None]) -> U | None:
         match node:
@@ -182,9 +182,13 @@ class Expression:
                 pass
             case _:
                 return None
-        found = [unit for part in parts if (unit := self._unit(part, units)) is not None]
+        units_of_parts = [unit for part in parts if (unit := self._unit(part, units)) is not None]
         # the same for all of them
-        return found[0] if found and all(unit == found[0] for unit in found) else None
+        return (
+            units_of_parts[0]
+            if units_of_parts and all(unit == units_of_parts[0] for unit in units_of_parts)
+            else None
+        )
 
     def _evaluate(self, node: ast.AST, names: Mapping[str, float]) -> float:
         match node:
