@@ -255,7 +255,8 @@ def test_radau_has_its_order_where_elements_turn_little(tmp_path: Path) -> None:
     for far, slight in SLIGHT.items():
         assert far in text
         text = text.replace(far, slight)
-    a, b, c = tips(text, "small", {6e-4: 10, 3e-4: 20, 1.5e-4: 40}, 1e-9, tmp_path)
+    # with 1e-9 the iteration of the shortest steps reaches round-off first on some machines
+    a, b, c = tips(text, "small", {6e-4: 10, 3e-4: 20, 1.5e-4: 40}, 3e-9, tmp_path)
     # steps of a fortieth of the period and less are up to half an order off it yet: 4.6 is seen
     assert np.log2((b - a) / (c - b)) == pytest.approx(5.0, abs=0.5)
 
@@ -289,7 +290,9 @@ def test_a_step_five_times_too_long_is_stopped(tmp_path: Path) -> None:
     deck = DECKS / "shell_ball_implicit.yaml"
     done = crashsolve(deck, "-o", tmp_path / "long", "--set", "control.step=1.25e-5")
     assert done.returncode == 4
-    assert "the model: the energy balance is off by" in done.stderr.splitlines()[-1]
+    # the contact makes it, by steps five times too long
+    assert "contact 'hits': the normal force has created energy" in done.stderr.splitlines()[-1]
+    assert "take a shorter step" in done.stderr.splitlines()[-1]
 
 
 @pytest.mark.long
