@@ -363,7 +363,11 @@ def _kind(annotation: Any) -> str:
     return words.get(annotation) or f"table {annotation.__name__}"
 
 
-_CITED = re.compile(r"([A-Z][\w.' -]*? \(\d{4}\)), Eqs?\. (\d+(?:(?:-|, | and )\d+)*)")
+_AUTHOR = r"[A-Z][\w.'-]+"
+_CITED = re.compile(
+    rf"({_AUTHOR}(?:(?:, | and ){_AUTHOR})*(?: et al\.)? \(\d{{4}}\)), "
+    r"Eqs?\. (\d+(?:(?:-|, | and )\d+)*)"
+)
 
 
 def equations_markdown() -> str:
