@@ -12,11 +12,11 @@ from crashsolve.compiler.work import Unit, Work
 
 
 def done(compile_text: Callable[[str], bytes], folder: Path, count: int = 20) -> Work:
-    found = Work(compile_text)
+    finished = Work(compile_text)
     for k in range(count):
-        found.add(Unit(folder / f"{k}.o", str(k) * (k + 1)))
-    found.finish()
-    return found
+        finished.add(Unit(folder / f"{k}.o", str(k) * (k + 1)))
+    finished.finish()
+    return finished
 
 
 @pytest.fixture(autouse=True)
@@ -31,9 +31,9 @@ def test_each_unit_is_compiled_once_and_kept(tmp_path: Path) -> None:
             file.write(f"{text}\n")
         return text.encode()
 
-    found = done(compile_text, tmp_path)
+    finished = done(compile_text, tmp_path)
     expected = {tmp_path / f"{k}.o": (str(k) * (k + 1)).encode() for k in range(20)}
-    assert found.codes == expected
+    assert finished.codes == expected
     assert {path: read_sealed(path) for path in expected} == expected
     compiled = (tmp_path / "compiled.txt").read_text("utf-8").split()
     assert sorted(compiled) == sorted(code.decode() for code in expected.values())
