@@ -360,9 +360,20 @@ def test_other_constructs_are_refused_with_file_and_line(name: str, tmp_path: Pa
 
 
 def test_a_scene_has_the_same_text_every_time() -> None:
-    texts = []
-    for _ in range(2):
-        module = Module(Tables(arrays()).slots)
+    texts: list[dict[str, str]] = [{}, {}]
+    for units in texts:
+        module = Module(Tables(arrays()).slots, take=units.__setitem__)
         module.entry(work, "work")
-        texts.append(module.units())
-    assert texts[0] == texts[1]
+        module.finish()
+    assert texts[0] and texts[0] == texts[1]
+
+
+def test_small_functions_become_part_of_all_units_that_call_them() -> None:
+    units: dict[str, str] = {}
+    module = Module(Tables(arrays()).slots, take=units.__setitem__)
+    module.entry(work, "work")
+    defined = [line for text in units.values() for line in text.splitlines() if "define " in line]
+    assert len(defined) > len(units)
+    others = [line for line in defined if "linkonce_odr" in line]
+    assert len(defined) - len(others) == len(units)
+    assert all("alwaysinline" in line for line in others)

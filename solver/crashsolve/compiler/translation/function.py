@@ -164,9 +164,12 @@ class Function(Expressions):
         self.text.begin(end)
 
     def _merged(self, edges: list[Bound]) -> dict[str, Kind]:
-        """Kinds of the variables where control comes together."""
+        """Kinds, where control comes together, of the variables that differ until there."""
         merged: dict[str, Kind] = {}
+        first = edges[0]
         for name in dict.fromkeys(name for edge in edges for name in edge):
+            if name in first and all(edge.get(name) is first[name] for edge in edges):
+                continue
             kinds = [edge[name].kind for edge in edges if name in edge]
             if len(kinds) < len(edges):
                 merged[name] = UNSET

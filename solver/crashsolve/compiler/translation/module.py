@@ -1,7 +1,7 @@
 """Some functions of a source file and all they call, in LLVM's language, as units.
 
-A unit is a function with the small ones that it calls, which LLVM may inline. Large ones, which it
-would not, are units of their own. A symbol ends in a hash of the text of its function, which has
+A unit is a function with the small ones that it calls, which become part of it. Large ones are
+units of their own. A symbol ends in a hash of the text of its function, which has
 the symbols of all that this calls: a symbol has one meaning in all scenes, and kernels with the
 same text are one. So the code of a unit serves every scene that needs it (compiler/process.py).
 """
@@ -9,7 +9,8 @@ same text are one. So the code of a unit serves every scene that needs it (compi
 import ast
 import hashlib
 import re
-from collections.abc import Iterable
+from collections import Counter
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -49,8 +50,10 @@ CHECKS = (
 )
 
 
-# a function with more lines is a unit of its own
-LARGE = 150
+# a function with more lines, those of the small ones that it calls included, is a unit of its own;
+# limits from 100 to 300 compile in the same time, and the larger has the fewer units
+LARGE = 300
+Take = Callable[[str, str], None]
 REFERENCE = re.compile(r'@"([^"]+)"')
 
 
@@ -72,23 +75,41 @@ class Part:
 
     head: str
     body: str
-    references: tuple[str, ...]
-    is_first: bool  # of a unit
+    references: Counter[str]
+    how: str  # its mark, see foundation/kernels.py
+    size: int  # lines, with those of all that become part of it
 
-    def text(self, is_called_elsewhere: bool) -> str:
+    @property
+    def is_first(self) -> bool:
+        """Whether it is the first of a unit."""
+        is_large = self.size > LARGE and self.how not in ("inlined", "stage")
+        return is_large or self.how in ("entry", "apart")
+
+    def text(self, is_called_elsewhere: bool, becomes_part: bool = False) -> str:
+        """The definition; `becomes_part`: of all functions that call it."""
         linkage = "" if is_called_elsewhere else "linkonce_odr "
-        return f"define {linkage}{self.head} {self.body}"
+        # others have the word already
+        always = " alwaysinline" * (becomes_part and self.how not in ("inlined", "stage"))
+        return f"define {linkage}{self.head}{always} {self.body}"
 
     @property
     def declaration(self) -> str:
         return f"declare {self.head}"
 
 
+def _ignored(name: str, text: str) -> None:
+    """Take no unit."""
+
+
 class Module:
     """Functions of a module, each for every combination of kinds it is called with."""
 
-    def __init__(self, slots: dict[str, Slot], is_checked: bool = False) -> None:
+    def __init__(
+        self, slots: dict[str, Slot], is_checked: bool = False, take: Take = _ignored
+    ) -> None:
+        """`take` gets every unit, by a name that no other text has, once all it calls is known."""
         self.is_checked = is_checked
+        self.take = take
         self.tables = tables_of(slots)
         self.has_lanes = "lanes" in slots
         self.entries: set[str] = set()
@@ -103,15 +124,20 @@ class Module:
         self.entries.add(name)
         self._translate(function, (FLOAT, BOOL, self.tables), name)
 
-    def units(self) -> dict[str, str]:
-        """The texts of all units by names with a hash: the same name has the same text."""
-        if self.has_lanes or self.is_checked:
-            # lanes need all that a loop calls; failures are kept in one place
-            texts = [part.text(name in self.entries) for name, part in self.parts.items()]
+    def finish(self) -> None:
+        """End the module: where it is one unit, it is complete now."""
+        if self._is_one_unit:
+            texts = [
+                part.text(name in self.entries, self._becomes_part(part))
+                for name, part in self.parts.items()
+            ]
             whole = self._joined(texts, self.constants)
-            return {_named("whole", whole): whole}
-        firsts = [symbol for symbol, part in self.parts.items() if part.is_first]
-        return dict(map(self._unit, firsts))
+            self.take(_named("whole", whole), whole)
+
+    @property
+    def _is_one_unit(self) -> bool:
+        # lanes need all that a loop calls; failures are kept in one place
+        return self.has_lanes or self.is_checked
 
     def _unit(self, first: str) -> tuple[str, str]:
         """Name and text of the unit that begins with a function."""
@@ -123,10 +149,15 @@ class Module:
                 if part is None:
                     constants.append(symbol)
                 elif symbol not in texts:
-                    texts[symbol] = part.declaration if part.is_first else part.text(False)
+                    within = part.text(False, self._becomes_part(part))
+                    texts[symbol] = part.declaration if part.is_first else within
                     left += [] if part.is_first else [symbol]
         text = self._joined(list(texts.values()), constants)
         return _named(first, text), text
+
+    def _becomes_part(self, part: Part) -> bool:
+        """Whether a function becomes part of all that call it; with lanes, LLVM decides."""
+        return not self.has_lanes and not part.is_first
 
     def _joined(self, parts: list[str], constants: Iterable[str]) -> str:
         kept = [
@@ -187,13 +218,16 @@ class Module:
         lines = ["{", "entry:", *one.rooms(), *one.text.lines, *end, "}"]
         body = "\n".join(lines)
         symbol = entry or _named(function.__name__, f"{how} {before} {after} {body}")
-        is_large = len(lines) > LARGE and how not in ("inlined", "stage")
-        self.parts[symbol] = Part(
-            head=f'{before} @"{symbol}"{after}',
-            body=body,
-            references=tuple(dict.fromkeys(REFERENCE.findall(body))),
-            is_first=is_large or how in ("entry", "apart"),
+        references = Counter(REFERENCE.findall(body))
+        size = len(lines) + sum(
+            count * self.parts[name].size
+            for name, count in references.items()
+            if name in self.parts and not self.parts[name].is_first
         )
+        part = Part(f'{before} @"{symbol}"{after}', body, references, how, size)
+        self.parts[symbol] = part
+        if part.is_first and not self._is_one_unit:
+            self.take(*self._unit(symbol))
         return Known(symbol, one.returns)
 
 

@@ -30,6 +30,8 @@ class Slots:
 
 
 Bound = dict[str, Slots | Value]
+# of every use of a name, the loops around it
+Uses = dict[str, list[tuple[ast.AST, ...]]]
 
 
 @dataclass
@@ -61,8 +63,7 @@ def wider(one: Kind, other: Kind) -> Kind:
 @cache
 def stored_in(tree: ast.FunctionDef) -> frozenset[str]:
     """Names that a function gives a value to: once for all kinds of its arguments."""
-    names = (n for n in ast.walk(tree) if isinstance(n, ast.Name))
-    return frozenset(n.id for n in names if isinstance(n.ctx, ast.Store))
+    return frozenset(_uses(tree)[0])
 
 
 @cache
@@ -71,18 +72,7 @@ def set_once_in(tree: ast.FunctionDef) -> frozenset[str]:
 
     In a loop it is set anew every time, so no use may lie outside of that loop.
     """
-    stores: dict[str, list[list[ast.stmt]]] = {}
-    loads: dict[str, list[list[ast.stmt]]] = {}
-
-    def visit(node: ast.AST, loops: list[ast.stmt]) -> None:
-        if isinstance(node, ast.Name):
-            is_store = isinstance(node.ctx, ast.Store)
-            (stores if is_store else loads).setdefault(node.id, []).append(loops)
-        inside = [*loops, node] if isinstance(node, (ast.For, ast.While)) else loops
-        for child in ast.iter_child_nodes(node):
-            visit(child, loops if child is getattr(node, "iter", None) else inside)
-
-    visit(tree, [])
+    stores, loads = _uses(tree)
     return frozenset(
         name
         for name, (loops, *others) in stores.items()
@@ -90,6 +80,28 @@ def set_once_in(tree: ast.FunctionDef) -> frozenset[str]:
         and not any(isinstance(loop, ast.For) and not _is_range(loop) for loop in loops)
         and all(used[: len(loops)] == loops for used in loads.get(name, ()))
     ) - {argument.arg for argument in tree.args.args}
+
+
+@cache
+def _uses(tree: ast.FunctionDef) -> tuple[Uses, Uses]:
+    """The loops around every store and every load of a name; ast.walk takes several times as
+    long.
+    """
+    stores, loads = Uses(), Uses()
+    left: list[tuple[ast.AST, tuple[ast.AST, ...]]] = [(tree, ())]
+    while left:
+        node, loops = left.pop()
+        if isinstance(node, ast.Name):
+            is_store = isinstance(node.ctx, ast.Store)
+            (stores if is_store else loads).setdefault(node.id, []).append(loops)
+            continue
+        inside = (*loops, node) if isinstance(node, (ast.For, ast.While)) else loops
+        for field_name, part in vars(node).items():
+            if type(part) is list:
+                left += [(inner, inside) for inner in part if isinstance(inner, ast.AST)]
+            elif isinstance(part, ast.AST) and field_name != "ctx":
+                left.append((part, loops if field_name == "iter" else inside))
+    return stores, loads
 
 
 def _is_range(loop: ast.For) -> bool:
