@@ -125,13 +125,13 @@ def test_extremes_of_a_block_are_those_of_its_numbers(tmp_path: Path) -> None:
         engine.sample()
         histories.take()
     values = histories.values()
-    found = histories.extremes(count)
-    assert found is not None and set(found) == set(values)
+    extremes = histories.extremes(count)
+    assert extremes is not None and set(extremes) == set(values)
     for family, own in values.items():
         for name, at, of in (("least", "at_least", np.min), ("greatest", "at_greatest", np.max)):
-            np.testing.assert_array_equal(found[family][name], of(own, axis=0).T, family)
+            np.testing.assert_array_equal(extremes[family][name], of(own, axis=0).T, family)
             first = (own == of(own, axis=0)).argmax(axis=0).T
-            np.testing.assert_array_equal(found[family][at], first, family)
+            np.testing.assert_array_equal(extremes[family][at], first, family)
     for wrong in (np.nan, np.inf, -np.inf):
         for row in (0, 4, count - 1):
             values["rbdout"][row, 1, 2], kept = wrong, values["rbdout"][row, 1, 2]

@@ -31,7 +31,7 @@ def _unchanged(library: str) -> Iterator[tuple[int, int]]:
     # a process has hundreds of mappings: only those of the library are read
     at = text.find(library.encode())
     while at >= 0:
-        found = MAPPING.match(text, text.rfind(b"\n", 0, at) + 1)
-        if found and b"w" not in found[3] and not any(map(int, CHANGED.findall(found[4]))):
-            yield int(found[1], 16), int(found[2], 16)
-        at = text.find(library.encode(), found.end() if found else at + 1)
+        fields = MAPPING.match(text, text.rfind(b"\n", 0, at) + 1)
+        if fields and b"w" not in fields[3] and not any(map(int, CHANGED.findall(fields[4]))):
+            yield int(fields[1], 16), int(fields[2], 16)
+        at = text.find(library.encode(), fields.end() if fields else at + 1)

@@ -114,8 +114,8 @@ class Estimating:
         except Abandoned:
             self.problems.append("asked to stop")
         meshes = self._meshes(cpu_time) if compares else []
-        found = self.estimator.estimates(main, self._companions, meshes)
-        self.estimates = with_missed_contacts(found, missed, mass or {})
+        estimates = self.estimator.estimates(main, self._companions, meshes)
+        self.estimates = with_missed_contacts(estimates, missed, mass or {})
         self._companions.append(main)
         self.cpu += clock.process_time() - start_time
         self._report(cpu_time)

@@ -26,7 +26,7 @@ from crashsolve.output.peaks import Extremes
 FIRST_CAPACITY = 1024
 # reserved at most for the expected samples: a run may have an endless end time, and be stopped;
 # times are written in advance
-MOST_RESERVED_BYTES, MOST_RESERVED_ROWS = 1 << 28, 1 << 20
+MAX_RESERVED_BYTES, MAX_RESERVED_ROWS = 1 << 28, 1 << 20
 
 
 class HistoryWriter:
@@ -65,8 +65,8 @@ class HistoryWriter:
         if resume_time is not None:
             self._read_kept_rows(resume_time)
         self._expected_rows = expected_rows
-        most_rows = min(MOST_RESERVED_BYTES // (8 * doubles + 8), MOST_RESERVED_ROWS)
-        expected = min(expected_rows or FIRST_CAPACITY, most_rows)
+        max_rows = min(MAX_RESERVED_BYTES // (8 * doubles + 8), MAX_RESERVED_ROWS)
+        expected = min(expected_rows or FIRST_CAPACITY, max_rows)
         self._rebuild(max(expected, 2 * self._rows))
 
     def append(
@@ -86,17 +86,17 @@ class HistoryWriter:
         for family, block in zip(self.families, blocks, strict=True):
             if block.shape != (len(times), len(family.ids), len(family.columns)):
                 raise ValueError(f"family '{family.name}': values of shape {block.shape}")
-        sound, error = self._judge_times(times)
+        valid, error = self._check_times(times)
         if extremes is None:
-            sound, error = self._judge_numbers(times, blocks, sound, error)
-        if sound:
-            columns = [block[:sound].transpose(2, 0, 1) for block in blocks]
-            self._write_values(times[:sound], columns, is_last)
+            valid, error = self._check_numbers(times, blocks, valid, error)
+        if valid:
+            columns = [block[:valid].transpose(2, 0, 1) for block in blocks]
+            self._write_values(times[:valid], columns, is_last)
             for number, (family, own) in enumerate(zip(self.families, columns, strict=True)):
                 if extremes is not None and error is None:
                     self.extremes.merge(number, times, extremes[family.name])
                 else:
-                    self.extremes.update(number, times[:sound], own)
+                    self.extremes.update(number, times[:valid], own)
         if error is not None:
             raise error
         if self.is_due():
@@ -159,33 +159,33 @@ class HistoryWriter:
         self._waiting += len(times)
         self._last_time = float(times[-1])
 
-    def _judge_times(self, times: np.ndarray) -> tuple[int, OutputError | None]:
+    def _check_times(self, times: np.ndarray) -> tuple[int, OutputError | None]:
         """Number of rows whose times ascend, and the error of the next."""
         before = np.concatenate([[self._last_time], times[:-1]])
         wrong = np.flatnonzero(~((before < times) & (times < np.inf)))
-        sound, error = len(times), None
+        valid, error = len(times), None
         if len(wrong):
-            sound = int(wrong[0])
-            message = f"row at t = {times[sound]:.17g} s follows t = {before[sound]:.17g} s"
+            valid = int(wrong[0])
+            message = f"row at t = {times[valid]:.17g} s follows t = {before[valid]:.17g} s"
             error = OutputError(self.path, message)
-        return sound, error
+        return valid, error
 
-    def _judge_numbers(
+    def _check_numbers(
         self,
         times: np.ndarray,
         blocks: list[np.ndarray],
-        sound: int,
+        valid: int,
         error: OutputError | None,
     ) -> tuple[int, OutputError | None]:
         """Number of rows before the first of these that is not finite, and the error of that."""
         for family, block in zip(self.families, blocks, strict=True):
-            if not np.isfinite(block[:sound]).all():
-                row, entity, column = np.argwhere(~np.isfinite(block[:sound]))[0]
-                name, sound = family.channel(entity, column), int(row)
+            if not np.isfinite(block[:valid]).all():
+                row, entity, column = np.argwhere(~np.isfinite(block[:valid]))[0]
+                name, valid = family.channel(entity, column), int(row)
                 message = f"{name} is {block[row, entity, column]} at t = {times[row]:.9g} s"
                 advice = "look for numbers of the deck that are far too large or too small"
                 error = OutputError(self.path, f"{message}; {advice}")
-        return sound, error
+        return valid, error
 
     def _read_kept_rows(self, resume_time: float) -> None:
         """Count the rows to keep and recall their extremes."""

@@ -32,11 +32,11 @@ class Extremes:
             # few channels have new ones in any block
             column, entity = np.nonzero(better(_extreme(two, values), bound))
             histories = values[column, :, entity]
-            found = where(histories, axis=1)
-            bound[column, entity] = histories[np.arange(len(found)), found]
-            bound_time[column, entity] = times[found]
+            at = where(histories, axis=1)
+            bound[column, entity] = histories[np.arange(len(at)), at]
+            bound_time[column, entity] = times[at]
 
-    def merge(self, family: int, times: np.ndarray, found: np.ndarray) -> None:
+    def merge(self, family: int, times: np.ndarray, part: np.ndarray) -> None:
         """Take in the extremes (n_column, n_id) of rows: `least`, `greatest`, and the numbers of
         the first rows that have them, `at_least` and `at_greatest`.
         """
@@ -44,19 +44,19 @@ class Extremes:
             ("least", self.least[family], self.least_time[family], np.less),
             ("greatest", self.greatest[family], self.greatest_time[family], np.greater),
         ):
-            new = better(found[name], bound)
-            bound[new] = found[name][new]
-            bound_time[new] = times[found[f"at_{name}"][new]]
+            new = better(part[name], bound)
+            bound[new] = part[name][new]
+            bound_time[new] = times[part[f"at_{name}"][new]]
 
 
 def _extreme(two: np.ufunc, values: np.ndarray) -> np.ndarray:
     """Extreme (n_column, n_id) over rows of values (n_column, k, n_id); `two`: of two numbers."""
-    found = values[:, :ROWS].copy()
+    values_of_rows = values[:, :ROWS].copy()
     for first in range(ROWS, values.shape[1], ROWS):
         more = values[:, first : first + ROWS]
-        own = found[:, : more.shape[1]]
+        own = values_of_rows[:, : more.shape[1]]
         two(own, more, out=own)
-    extreme: np.ndarray = two.reduce(found, axis=1)
+    extreme: np.ndarray = two.reduce(values_of_rows, axis=1)
     return extreme
 
 

@@ -31,7 +31,7 @@ class Field:
     dtype: str
 
 
-Place = tuple[int, int, Field | None]  # offset and size in bytes; None: the time
+FieldSlot = tuple[int, int, Field | None]  # offset and size in bytes; None: the time
 
 
 class Template:
@@ -59,11 +59,11 @@ def _bytes(field: Field, values: dict[str, dict[str, np.ndarray]]) -> memoryview
     return np.ascontiguousarray(array, field.dtype).data.cast("B")
 
 
-def _laid_out(blocks: tuple[Block, ...]) -> tuple[bytes, list[Place]]:
+def _laid_out(blocks: tuple[Block, ...]) -> tuple[bytes, list[FieldSlot]]:
     """A file with room for everything, made in memory, and where its numbers are, in order."""
     import h5py
 
-    positions: list[Place] = []
+    positions: list[FieldSlot] = []
     with h5py.File("state", "w", driver="core", backing_store=False, **HDF5_OPTIONS) as file:
         file.attrs["time"] = MARK
         for block in blocks:

@@ -95,13 +95,13 @@ def find_extremes(scene):
         own = scene.bounds[i]
         for c in range(own.width):
             for j in range(own.number):
-                found = scene.extremes[own.first + c * own.number + j]
-                find_extreme(own.source + c * own.column + 8 * j, own.advance, block, found)
+                extreme = scene.extremes[own.first + c * own.number + j]
+                find_extreme(own.source + c * own.column + 8 * j, own.advance, block, extreme)
 
 
 @kernel
-def find_extreme(address, advance, block, found):
-    """Extremes of numbers that lie `advance` bytes apart. Writes: block, found."""
+def find_extreme(address, advance, block, extreme):
+    """Extremes of numbers that lie `advance` bytes apart. Writes: block, extreme."""
     low = number_at(address)
     high, at_low, at_high = low, 0, 0
     for k in range(block.rows):
@@ -115,8 +115,8 @@ def find_extreme(address, advance, block, found):
                 block.is_sound = 0
     if not high - low < inf:
         block.is_sound = 0
-    found.least, found.greatest = low, high
-    found.at_least, found.at_greatest = at_low, at_high
+    extreme.least, extreme.greatest = low, high
+    extreme.at_least, extreme.at_greatest = at_low, at_high
 
 
 @kernel
@@ -134,10 +134,10 @@ def find_reaction(joint, nodes, rows):
 def reaction_along(joint, k, rows):
     """Component k of D^T lambda, over the rows of a joint."""
     # from 0: nothing is not -0
-    found = 0.0
+    reaction = 0.0
     for i in range(joint.first, joint.first + joint.rows):
-        found += rows[i].D[k] * rows[i].reaction
-    return found
+        reaction += rows[i].D[k] * rows[i].reaction
+    return reaction
 
 
 @kernel

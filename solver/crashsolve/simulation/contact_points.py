@@ -39,7 +39,7 @@ class ContactPoints:
         self._nodal = [(g, min(g.slot_in_use.size, MAX_NODES)) for g in model.nodal_groups]
         self.count = sum(positions for _, positions in [*pairs, *self._nodal])
 
-    def found(self) -> Points:
+    def points(self) -> Points:
         """Points at which contacts act in the present sample, with forces on side a and cards."""
         points = []
         for i, (groups, is_whole) in enumerate(self._pairs):
@@ -98,8 +98,8 @@ class ContactPoints:
         """Positions (k, 3) of probes: points of shells, or points of bodies."""
         probes = (g.balls if g.is_round else g.probes)[chosen]
         if not len(probes) or probes["point"][0] >= 0:
-            found: np.ndarray = self.engine.state.points["r"][probes["point"]]
-            return found
+            centres: np.ndarray = self.engine.state.points["r"][probes["point"]]
+            return centres
         body = self.engine.nodes[probes["node"]]
         rotated = np.einsum("nij,nj->ni", body["A"].reshape(-1, 3, 3), probes["at"])
         return np.asarray(body["r"] + rotated)
@@ -120,8 +120,8 @@ class ContactPoints:
 
 def _homes(g: ContactGroup, pairs: np.ndarray) -> np.ndarray:
     """Bodies (n,) of side a of some pairs."""
-    found: np.ndarray = g.elements_a["node"][pairs["a"]]
-    return found
+    homes: np.ndarray = g.elements_a["node"][pairs["a"]]
+    return homes
 
 
 def _walls(

@@ -83,17 +83,17 @@ def _matrices(nodes: np.ndarray) -> np.ndarray:
     spin = np.zeros(rotations.shape)
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         spin[:, i, j], spin[:, j, i] = -w[:, k], w[:, k]
-    found = np.empty((len(nodes), 6, 4))
-    found[:, :3, :3], found[:, 3:, :3] = rotations, spin @ rotations
-    found[:, :3, 3], found[:, 3:, 3] = nodes["r"], nodes["v"]
-    return found
+    matrices = np.empty((len(nodes), 6, 4))
+    matrices[:, :3, :3], matrices[:, 3:, :3] = rotations, spin @ rotations
+    matrices[:, :3, 3], matrices[:, 3:, 3] = nodes["r"], nodes["v"]
+    return matrices
 
 
-def _multiply(matrices: np.ndarray, group: Bodies, found: np.ndarray) -> None:
-    """Positions and velocities of points (6, n), world axes. Writes: found."""
+def _multiply(matrices: np.ndarray, group: Bodies, motion: np.ndarray) -> None:
+    """Positions and velocities of points (6, n), world axes. Writes: motion."""
     first = 0
     for node, last in zip(group.nodes, group.ends, strict=True):
-        np.matmul(matrices[node], group.own[:, first:last], out=found[:, first:last])
+        np.matmul(matrices[node], group.own[:, first:last], out=motion[:, first:last])
         first = last
 
 
