@@ -237,6 +237,13 @@ def test_a_run_that_watches_its_own_errors_alone_makes_no_others(
     assert OVER_BUDGET not in log
 
 
+def test_estimates_may_begin_with_a_restart(tmp_path: Path) -> None:
+    every, off = {"output.restart.every": "0.2"}, {"control.estimate": "off"}
+    assert solve(PENDULUM, tmp_path, every | off | {"control.end_time": "0.5"}, restart=False) == 0
+    assert solve(PENDULUM, tmp_path, every, restart=True) == 0
+    assert all(entry["error"] for entry in watched(tmp_path).values())
+
+
 def test_a_stop_while_errors_are_estimated_keeps_the_finished_run(tmp_path: Path) -> None:
     deck = tmp_path / "deck.yaml"
     deck.write_text(PENDULUM.read_text("utf-8").replace("interval: 1}", "interval: 0.02}"))
