@@ -187,7 +187,10 @@ def test_what_a_material_lacks_is_reported(other: dict[str, object], reported: s
         for name in ("ORDER", "STAGES", "EXTRA", "A", "C", "DENSE", "TERMS", "E", "ESTIMATES")
     ]
     + [
-        ({"STEPPER": "_runge"}, "STEPPER must be one of _runge_kutta, _implicit, or left out"),
+        (
+            {"STEPPER": "_runge"},
+            "STEPPER must be one of _kick_drift_kick, _runge_kutta, _implicit, or left out",
+        ),
         ({"STEPPER": None}, "must declare prepare_sample, take_step"),
         # compiled steps would read beyond the end
         ({"ESTIMATES": 2}, r"E has the shape \(1, 7\), not \(2, 7\)"),

@@ -14,7 +14,7 @@ from quick import first_quick
 
 from crashpost.results.result import Result
 from crashsolve.deck.reading.deck import read_deck
-from crashsolve.estimate.companion import Abandoned
+from crashsolve.estimate.companion import Abandoned, Companions
 from crashsolve.estimate.error import Estimate
 from crashsolve.estimate.estimator import OVER_BUDGET, Estimator
 from crashsolve.estimate.runner import Estimating
@@ -22,6 +22,7 @@ from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.build import build
 from crashsolve.model.ledger import EXTERNAL_WORK, IMBALANCE, LARGEST
 from crashsolve.recording.histories import Histories
+from crashsolve.simulation.solve import solve
 from crashsolve.study.watch import Watch
 from crashsolve.system.energy import check
 from crashsolve.system.engine import Engine
@@ -219,6 +220,28 @@ def test_an_accuracy_of_nothing_but_the_run_itself_is_refused(tmp_path: Path) ->
     done = crashsolve(deck, "-o", tmp_path, *words, CRASHSOLVE_PLAIN="1")
     assert done.returncode == 2
     assert "every watched channel is itself a measure of the run's errors" in done.stderr
+
+
+def test_a_run_that_watches_its_own_errors_alone_makes_no_others(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def never(*_: object) -> None:
+        raise AssertionError("there is nothing to compare")
+
+    monkeypatch.setattr(Companions, "run", never)
+    text = PENDULUM.read_text("utf-8").split("expect:")[0]
+    (tmp_path / "deck.yaml").write_text(text + "watch: [glstat.model.balance]\n", "utf-8")
+    assert solve(tmp_path / "deck.yaml", tmp_path / "out", {}, restart=False) == 0
+    log = (tmp_path / "out" / "log.txt").read_text("utf-8")
+    assert "not estimated: it measures the errors of the run itself" in log
+    assert OVER_BUDGET not in log
+
+
+def test_estimates_may_begin_with_a_restart(tmp_path: Path) -> None:
+    every, off = {"output.restart.every": "0.2"}, {"control.estimate": "off"}
+    assert solve(PENDULUM, tmp_path, every | off | {"control.end_time": "0.5"}, restart=False) == 0
+    assert solve(PENDULUM, tmp_path, every, restart=True) == 0
+    assert all(entry["error"] for entry in watched(tmp_path).values())
 
 
 def test_a_stop_while_errors_are_estimated_keeps_the_finished_run(tmp_path: Path) -> None:

@@ -26,7 +26,7 @@ def write_sample(path: Path, rows: int, **options: Any) -> HistoryWriter:
 @pytest.mark.parametrize("rows", [0, 1, 7, 1024, 1025, 2500])
 def test_a_closed_file_holds_every_row_and_no_more(tmp_path: Path, rows: int) -> None:
     path = tmp_path / "history.h5"
-    write_sample(path, rows, buffer_bytes=4000).close()
+    write_sample(path, rows).close()
     assert assert_is_sample(path, rows) == rows
     with h5py.File(path) as file:
         assert file["rbdout/position/x"].shape == (rows, 3)
@@ -177,7 +177,7 @@ def test_cost_of_appending_does_not_grow_with_the_file(
         real_copy(*what)
 
     monkeypatch.setattr(layout, "copy_rows", counted)
-    write_sample(tmp_path / "history.h5", 20_000, buffer_bytes=4000).close()
+    write_sample(tmp_path / "history.h5", 20_000).close()
     # doubling: 1024 + 2048 + ... and the last copy, which trims
     assert sum(copied) < 3 * 20_000
 
@@ -188,7 +188,7 @@ def test_a_file_that_grows_to_what_is_expected_is_not_copied_again(
     # room for the first rows alone, so that the file has to grow
     monkeypatch.setattr("crashsolve.output.history.MAX_RESERVED_BYTES", 4096)
     path, expected = tmp_path / "history.h5", 700
-    writer = write_sample(path, expected, expected_rows=expected, buffer_bytes=4000)
+    writer = write_sample(path, expected, expected_rows=expected)
     writer.flush()
     before = path.stat().st_ino
     with h5py.File(path) as file:

@@ -45,7 +45,7 @@ def test_history_keeps_its_rows_when_the_disk_is_full(tmp_path: Path) -> None:
     path = tmp_path / "history.h5"
 
     def fill() -> None:
-        with HistoryWriter(path, FAMILIES, {}, buffer_bytes=1000) as writer:
+        with HistoryWriter(path, FAMILIES, {}) as writer:
             for row in range(10**6):
                 appended(writer, sample_time(row), sample_row(row))
 

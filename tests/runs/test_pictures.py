@@ -11,6 +11,8 @@ import pytest
 from command import crashsolve, datasets
 
 from crashpost.results.result import Result
+from crashsolve.model.nodes import NODE
+from crashsolve.simulation import skins
 
 HERE = Path(__file__).parent
 pytestmark = pytest.mark.xdist_group("runs")
@@ -148,6 +150,30 @@ def test_contact_points_are_where_they_act_at_each_time(shapes: Path) -> None:
     assert acts.any()
     assert np.all(state["contacts/points"][acts, 2] >= -deepest - 1e-6)
     assert np.all(state["contacts/points"][acts, 2] <= 1e-6)
+
+
+def test_drawn_points_move_with_their_bodies(monkeypatch: pytest.MonkeyPatch) -> None:
+    # several groups of pieces, and pieces of one body that follow each other and that do not
+    monkeypatch.setattr(skins, "TOGETHER", 40)
+    random = np.random.default_rng(3)
+    start, now = (np.zeros(4, NODE.dtype) for _ in range(2))
+    for nodes in (start, now):
+        for node in nodes:
+            node["A"] = np.linalg.qr(random.normal(size=(3, 3)))[0].ravel()
+            for name in "rvw":
+                node[name] = random.normal(size=3)
+    triangles = np.array([[0, 1, 2]])
+    pieces = [(n, random.normal(size=(12, 3)), triangles) for n in (1, 1, 2, 3, 3, 3, 1, 2)]
+    drawn = skins.Skin(pieces, start)
+    fields, first = drawn.fields(now), 0
+    for n, points, _ in pieces:
+        own = slice(first, first := first + 12)
+        arms = points @ now[n]["A"].reshape(3, 3).T
+        moved = now[n]["r"] + arms - drawn.points[own]
+        # single precision
+        np.testing.assert_allclose(fields["displacement"][own], moved, rtol=1e-6, atol=1e-6)
+        velocity = now[n]["v"] + np.cross(now[n]["w"], arms)
+        np.testing.assert_allclose(fields["velocity"][own], velocity, rtol=1e-6, atol=1e-6)
 
 
 @pytest.fixture(scope="module")

@@ -111,6 +111,35 @@ def test_blocks_of_samples_are_samples_one_by_one(
         assert array.tobytes() == ends[1][name].tobytes(), name
 
 
+def test_extremes_of_a_block_are_those_of_its_numbers(tmp_path: Path) -> None:
+    deck = tmp_path / "deck.yaml"
+    deck.write_text(DECK.replace("METHOD", "rattle").replace("INTERVAL", "1e-3"), "utf-8")
+    engine = Engine(*build(read_deck(deck)))
+    histories = Histories(engine)
+    # its code seeks them
+    Resampling(engine, histories.kept, True, lambda time: None)
+    engine.start()
+    count = 9
+    for k in range(count):
+        engine.advance(0.01 * (k + 1))
+        engine.sample()
+        histories.take()
+    values = histories.values()
+    extremes = histories.extremes(count)
+    assert extremes is not None and set(extremes) == set(values)
+    for family, own in values.items():
+        for name, at, of in (("least", "at_least", np.min), ("greatest", "at_greatest", np.max)):
+            np.testing.assert_array_equal(extremes[family][name], of(own, axis=0).T, family)
+            first = (own == of(own, axis=0)).argmax(axis=0).T
+            np.testing.assert_array_equal(extremes[family][at], first, family)
+    for wrong in (np.nan, np.inf, -np.inf):
+        for row in (0, 4, count - 1):
+            values["rbdout"][row, 1, 2], kept = wrong, values["rbdout"][row, 1, 2]
+            assert histories.extremes(count) is None
+            values["rbdout"][row, 1, 2] = kept
+    assert histories.extremes(count) is not None
+
+
 def test_samples_ahead_are_those_of_the_schedule() -> None:
     schedule = Schedule(0.1, 1.0, 0.03).with_times({0.25, 0.7})
     for first in (0, 3, 5, 25):

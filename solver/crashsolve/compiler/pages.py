@@ -6,8 +6,10 @@ import re
 from collections.abc import Iterator
 from contextlib import suppress
 
-# a mapping in /proc/self/smaps: begin, end, rights, file
-MAPPING = re.compile(r"^([0-9a-f]+)-([0-9a-f]+) (\S{4}) \S+ \S+ \S+ *(.*)$")
+# a mapping in /proc/self/smaps: begin, end, rights, file, and the lines about it
+MAPPING = re.compile(rb"([0-9a-f]+)-([0-9a-f]+) (\S{4}) .*\n((?:[A-Z].*\n)*)")
+# [kB] of its pages that are no longer those of the file
+CHANGED = re.compile(rb"^(?:Anonymous|Swap): +(\d+)", re.MULTILINE)
 
 
 def release_pages(library: str) -> None:
@@ -24,13 +26,12 @@ def release_pages(library: str) -> None:
 
 def _unchanged(library: str) -> Iterator[tuple[int, int]]:
     """Address ranges of a library's pages that have not been written to."""
-    begin = end = changed = 0
-    with open("/proc/self/smaps", encoding="utf-8") as file:
-        for line in file:
-            if fields := MAPPING.match(line):
-                begin, end = int(fields[1], 16), int(fields[2], 16)
-                changed = "w" in fields[3] or library not in fields[4]
-            elif line.startswith(("Anonymous:", "Swap:")):
-                changed += int(line.split()[1])
-            elif line.startswith("VmFlags:") and not changed:
-                yield begin, end
+    with open("/proc/self/smaps", "rb") as file:
+        text = file.read()
+    # a process has hundreds of mappings: only those of the library are read
+    at = text.find(library.encode())
+    while at >= 0:
+        fields = MAPPING.match(text, text.rfind(b"\n", 0, at) + 1)
+        if fields and b"w" not in fields[3] and not any(map(int, CHANGED.findall(fields[4]))):
+            yield int(fields[1], 16), int(fields[2], 16)
+        at = text.find(library.encode(), fields.end() if fields else at + 1)

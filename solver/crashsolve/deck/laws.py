@@ -63,7 +63,13 @@ def law_module(folder: str, word: object) -> ModuleType:
                 location = f"{PACKAGE}/{file.as_posix()}"
                 advice = f"{location} has no `class {class_name(word)}(...)`, its card"
         raise UnknownType(f"unknown type '{shortened(str(word))}'", advice, "".join(near))
-    module = imported(f"{PACKAGE}.{folder.replace('/', '.')}.{word}", types[word])
+    return _checked(f"{PACKAGE}.{folder.replace('/', '.')}.{word}", types[word])
+
+
+@cache
+def _checked(name: str, path: Path) -> ModuleType:
+    """The module of a law. Raises FamilyError for one that does not provide what it must."""
+    module = imported(name, path)
     check_law(module)
     return module
 

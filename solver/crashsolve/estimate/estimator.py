@@ -74,6 +74,11 @@ class Estimator:
         return list({c.name: c for c in (*named, *followed) if c is not None}.values())
 
     @property
+    def measures_the_model(self) -> bool:
+        """Whether any watched number has an error: those that measure the run's own have none."""
+        return not all(any(c.is_of_the_run for c in watched) for watched in self.channels.values())
+
+    @property
     def power(self) -> float:
         """Power of the coarseness by which errors grow."""
         control, order = self.deck.control, self.order or 1.0

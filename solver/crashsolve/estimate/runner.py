@@ -24,7 +24,7 @@ from crashsolve.foundation.errors import DeckError, DeckErrors, RunStopped, Solv
 from crashsolve.output.channels import Family
 from crashsolve.output.files import Json
 from crashsolve.output.log import Log
-from crashsolve.recording.samples import Channel, Samples, read
+from crashsolve.recording.samples import Samples, read
 from crashsolve.recording.sampling import Schedule
 
 TARGET_SHARE = 0.5
@@ -55,7 +55,8 @@ class Estimating:
         program: str = "",
     ) -> None:
         self.estimator = Estimator(deck, families, stopped, program)
-        _refuse_unmeasured_accuracy(deck, self.estimator.channels)
+        if deck.control.accuracy is not None and not self.estimator.measures_the_model:
+            raise _unmeasured_accuracy(deck)
         self.accuracy, self.log = deck.control.accuracy, log
         self.is_full = deck.control.estimate == "full"
         self.interval = Schedule.of(deck).interval
@@ -101,8 +102,9 @@ class Estimating:
         main = read(history, self.estimator.all_channels)
         main.cycles = cycles
         self.problems = []
+        compares = self.estimator.measures_the_model
         try:
-            if not self._companions or not self.estimator.compares_with_coarser:
+            if compares and not (self._companions and self.estimator.compares_with_coarser):
                 is_free = self.accuracy is not None or self.is_full
                 budget = inf if is_free or cpu_time < SHORT else cpu_time
                 limit = inf if is_free else MAX_FOR_SHORT
@@ -111,7 +113,8 @@ class Estimating:
                 )
         except Abandoned:
             self.problems.append("asked to stop")
-        estimates = self.estimator.estimates(main, self._companions, self._meshes(cpu_time))
+        meshes = self._meshes(cpu_time) if compares else []
+        estimates = self.estimator.estimates(main, self._companions, meshes)
         self.estimates = with_missed_contacts(estimates, missed, mass or {})
         self._companions.append(main)
         self.cpu += clock.process_time() - start_time
@@ -228,16 +231,11 @@ class Estimating:
         )
 
 
-def _refuse_unmeasured_accuracy(deck: Deck, channels: dict[str, list[Channel]]) -> None:
-    """Raises DeckErrors for an accuracy where no watched number has an error of its own."""
-    of_run = [
-        any(channel.is_of_the_run for channel in channels_of_watch)
-        for channels_of_watch in channels.values()
-    ]
-    if deck.control.accuracy is not None and all(of_run):
-        message = "accuracy: every watched channel is itself a measure of the run's errors"
-        advice = "watch a quantity of the model, such as rbdout.BODY.position.x"
-        raise DeckErrors([DeckError(str(deck.path), None, None, "control", message, advice)])
+def _unmeasured_accuracy(deck: Deck) -> DeckErrors:
+    """The error of an accuracy where no watched number has an error of its own."""
+    message = "accuracy: every watched channel is itself a measure of the run's errors"
+    advice = "watch a quantity of the model, such as rbdout.BODY.position.x"
+    return DeckErrors([DeckError(str(deck.path), None, None, "control", message, advice)])
 
 
 def _of_steps(estimate: Estimate) -> float:

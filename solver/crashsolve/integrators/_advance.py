@@ -1,12 +1,12 @@
 """The loop over time: steps and samples, the balance of energy, and why it ends.
 
-The same for every method; its stepper (`rattle`, `_runge_kutta` or `_implicit`) defines a step and
-a sample, in three functions.
+The same for every method; its stepper (`_kick_drift_kick`, `_runge_kutta` or `_implicit`) defines a
+step and a sample, in three functions.
 """
 
 from crashsolve.foundation.kernels import entry
 from crashsolve.foundation.sparse.saddle import saddle_of
-from crashsolve.integrators.rattle import finish, prepare_sample, take_step
+from crashsolve.integrators._kick_drift_kick import finish, prepare_sample, take_step
 from crashsolve.model.clock import CURVE_END, PAUSED, REACHED, REBUILD, RUNNING, TOUCHED
 from crashsolve.system.contact.effective_mass import needs_effective_mass
 from crashsolve.system.energy import check, check_contacts

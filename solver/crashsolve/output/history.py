@@ -1,13 +1,15 @@
-"""Writes history.h5: blocks of rows gathered in memory, appended in place, whole at any moment.
+"""Writes history.h5: blocks of rows appended in place, whole at any moment.
 
-Appending costs time in proportion to the new rows. Rows are reserved as many as are expected,
-within limits. When they are used up the file is copied to one of twice the size, which takes its
-place by a rename, and on closing to one that fits: all copies together write less than three times
-the final size.
+The values of a block are written at once; a flush waits for the disk, and writes the times that
+validate them. Appending costs time in proportion to the new rows. Rows are reserved as many as are
+expected, within limits. When they are used up the file is copied to one of twice the size, which
+takes its place by a rename, and on closing to one that fits: all copies together write less than
+three times the final size.
 """
 
 import os
 import time as clock
+from contextlib import suppress
 from io import FileIO
 from pathlib import Path
 from types import TracebackType
@@ -25,11 +27,10 @@ FIRST_CAPACITY = 1024
 # reserved at most for the expected samples: a run may have an endless end time, and be stopped;
 # times are written in advance
 MAX_RESERVED_BYTES, MAX_RESERVED_ROWS = 1 << 28, 1 << 20
-MAX_BUFFERED_ROWS = 1024
 
 
 class HistoryWriter:
-    """Appends sample rows of all families; `extremes` holds the peaks of the flushed rows.
+    """Appends sample rows of all families; `extremes` holds the peaks of the rows appended.
 
     Raises OutputError when the file cannot be written, when a row is not finite, and when a
     history to be resumed is missing or belongs to another model.
@@ -44,7 +45,6 @@ class HistoryWriter:
         *,
         expected_rows: int = 0,
         flush_seconds: float = 5.0,
-        buffer_bytes: int = 1 << 24,
     ) -> None:
         self.path = Path(path)
         # a family without entities leaves no trace
@@ -57,14 +57,11 @@ class HistoryWriter:
         self._file: FileIO | None = None
         # where datasets begin in the file; not known yet of one that is resumed
         self._offsets: layout.Offsets = {}
-        self._rows = 0
+        # rows that are valid; those whose values are written behind them, and their times
+        self._rows, self._waiting, self._times = 0, 0, list[np.ndarray]()
         self._last_time = -np.inf
         self._flushed_at = clock.monotonic()
         doubles = sum(len(family.ids) * len(family.columns) for family in self.families)
-        most = min(max(1, buffer_bytes // (8 * doubles)), MAX_BUFFERED_ROWS)
-        # rows in waiting: their number, times, and values (n_column, k, n_id) of every family
-        self._count, self._times = 0, np.empty(most)
-        self._values = [np.empty((len(f.columns), most, len(f.ids))) for f in self.families]
         if resume_time is not None:
             self._read_kept_rows(resume_time)
         self._expected_rows = expected_rows
@@ -72,21 +69,34 @@ class HistoryWriter:
         expected = min(expected_rows or FIRST_CAPACITY, max_rows)
         self._rebuild(max(expected, 2 * self._rows))
 
-    def append(self, times: np.ndarray, values: dict[str, np.ndarray]) -> None:
+    def append(
+        self,
+        times: np.ndarray,
+        values: dict[str, np.ndarray],
+        extremes: dict[str, np.ndarray] | None = None,
+        is_last: bool = False,
+    ) -> None:
         """Add rows: times (k,), and for each family an array (k, n_id, n_column).
 
-        Flushes when it is time to. Of rows that are refused, those before are kept.
+        Flushes when it is time to. Of rows that are refused, those before are kept. `extremes`
+        of these rows are known only where all numbers are finite (`Extremes.merge`). After the
+        last rows no others are expected.
         """
         blocks = [values[family.name] for family in self.families]
         for family, block in zip(self.families, blocks, strict=True):
             if block.shape != (len(times), len(family.ids), len(family.columns)):
                 raise ValueError(f"family '{family.name}': values of shape {block.shape}")
-        valid, error = self._check_rows(times, blocks)
-        taken = 0
-        while taken < valid:
-            taken += self._take(times[taken:valid], [block[taken:valid] for block in blocks])
-            if self._count == len(self._times):
-                self.flush()
+        valid, error = self._check_times(times)
+        if extremes is None:
+            valid, error = self._check_numbers(times, blocks, valid, error)
+        if valid:
+            columns = [block[:valid].transpose(2, 0, 1) for block in blocks]
+            self._write_values(times[:valid], columns, is_last)
+            for number, (family, own) in enumerate(zip(self.families, columns, strict=True)):
+                if extremes is not None and error is None:
+                    self.extremes.merge(number, times, extremes[family.name])
+                else:
+                    self.extremes.update(number, times[:valid], own)
         if error is not None:
             raise error
         if self.is_due():
@@ -96,27 +106,23 @@ class HistoryWriter:
         """Whether rows should not wait any longer."""
         return clock.monotonic() - self._flushed_at >= self._flush_seconds
 
-    def flush(self, is_last: bool = False) -> None:
-        """Write the gathered rows: values, wait for the disk, then the times that validate them.
+    def flush(self) -> None:
+        """Wait until the disk has the values of all rows, then write the times that validate them.
 
-        After the last rows no others are expected.
+        Raises OutputError.
         """
-        if self._count:
-            count = self._count
-            self._make_room(self._rows + count, is_last)
-            times, blocks = self._times[:count], [values[:, :count] for values in self._values]
+        if self._waiting:
+            assert self._file is not None
             with reported(self.path):
-                self._write_rows(times, blocks)
-            for number, block in enumerate(blocks):
-                self.extremes.update(number, times, block)
-            self._rows += count
-            self._count = 0
+                os.fdatasync(self._file.fileno())
+                self._write_at(self._offsets["time"] + self._rows * 8, np.concatenate(self._times))
+            self._rows, self._waiting, self._times = self._rows + self._waiting, 0, []
         self._flushed_at = clock.monotonic()
 
     def close(self) -> None:
         """Flush and give back the reserved rows; a second call does nothing."""
         if self._file is not None:
-            self.flush(is_last=True)
+            self.flush()
             if self._rows < self._capacity:
                 self._rebuild(self._rows)
             self._close_file()
@@ -131,24 +137,30 @@ class HistoryWriter:
         trace: TracebackType | None,
     ) -> None:
         if isinstance(error, OutputError):
+            # rows that are whole are kept
+            with suppress(OutputError):
+                if self._file is not None:
+                    self.flush()
             self._close_file()
         else:
             self.close()
 
-    def _take(self, times: np.ndarray, blocks: list[np.ndarray]) -> int:
-        """Gather rows, as many as there is room for; returns their number."""
-        first, last = self._count, min(self._count + len(times), len(self._times))
-        count = last - first
-        self._times[first:last] = times[:count]
-        for values, block in zip(self._values, blocks, strict=True):
-            values[:, first:last] = block[:count].transpose(2, 0, 1)
-        self._count, self._last_time = last, float(times[count - 1])
-        return count
+    def _write_values(self, times: np.ndarray, blocks: list[np.ndarray], is_last: bool) -> None:
+        """Write the values (n_column, k, n_id) of rows of each family, not valid yet."""
+        self._make_room(self._rows + self._waiting + len(times), is_last)
+        first = self._rows + self._waiting
+        with reported(self.path):
+            for family, block in zip(self.families, blocks, strict=True):
+                row_bytes = 8 * len(family.ids)
+                for column, values in zip(family.columns, block, strict=True):
+                    offset = self._offsets[f"{family.name}/{column.path}"] + first * row_bytes
+                    self._write_at(offset, values)
+        self._times.append(times)
+        self._waiting += len(times)
+        self._last_time = float(times[-1])
 
-    def _check_rows(
-        self, times: np.ndarray, blocks: list[np.ndarray]
-    ) -> tuple[int, OutputError | None]:
-        """Number of valid rows, and the error of the next: its time, or a number."""
+    def _check_times(self, times: np.ndarray) -> tuple[int, OutputError | None]:
+        """Number of rows whose times ascend, and the error of the next."""
         before = np.concatenate([[self._last_time], times[:-1]])
         wrong = np.flatnonzero(~((before < times) & (times < np.inf)))
         valid, error = len(times), None
@@ -156,6 +168,16 @@ class HistoryWriter:
             valid = int(wrong[0])
             message = f"row at t = {times[valid]:.17g} s follows t = {before[valid]:.17g} s"
             error = OutputError(self.path, message)
+        return valid, error
+
+    def _check_numbers(
+        self,
+        times: np.ndarray,
+        blocks: list[np.ndarray],
+        valid: int,
+        error: OutputError | None,
+    ) -> tuple[int, OutputError | None]:
+        """Number of rows before the first of these that is not finite, and the error of that."""
         for family, block in zip(self.families, blocks, strict=True):
             if not np.isfinite(block[:valid]).all():
                 row, entity, column = np.argwhere(~np.isfinite(block[:valid]))[0]
@@ -178,10 +200,12 @@ class HistoryWriter:
         if rows > self._capacity:
             is_near = rows <= self._expected_rows <= 2 * rows
             more = self._expected_rows if is_near else 2 * rows
+            # should there be no room for another file, this one has all of them
+            self.flush()
             self._rebuild(rows if is_last else more)
 
     def _rebuild(self, capacity: int) -> None:
-        """Replace the file by one of another capacity holding the rows written so far."""
+        """Replace the file by one of another capacity holding the valid rows."""
         self._close_file()
         with replacing(self.path) as partial:
             with new_hdf5(partial) as file:
@@ -195,21 +219,10 @@ class HistoryWriter:
             self._file = FileIO(self.path, "r+")
         self._capacity = capacity
 
-    def _write_rows(self, times: np.ndarray, blocks: list[np.ndarray]) -> None:
-        """Append rows to every dataset: times, and values (n_column, k, n_id) of each family."""
-        for family, block in zip(self.families, blocks, strict=True):
-            row_bytes = 8 * len(family.ids)
-            for column, values in zip(family.columns, block, strict=True):
-                offset = self._offsets[f"{family.name}/{column.path}"] + self._rows * row_bytes
-                self._write_at(offset, values)
-        assert self._file is not None
-        os.fdatasync(self._file.fileno())
-        self._write_at(self._offsets["time"] + self._rows * 8, times)
-
     def _write_at(self, offset: int, block: np.ndarray) -> None:
         """Write doubles at a byte offset."""
         assert self._file is not None
-        layout.write_at(self._file, offset, block.astype("<f8", copy=False).data.cast("B"))
+        layout.write_at(self._file, offset, np.ascontiguousarray(block, "<f8").data.cast("B"))
 
     def _close_file(self) -> None:
         """Close the handle for appending, if open."""

@@ -36,6 +36,18 @@ class Extremes:
             bound[column, entity] = histories[np.arange(len(at)), at]
             bound_time[column, entity] = times[at]
 
+    def merge(self, family: int, times: np.ndarray, part: np.ndarray) -> None:
+        """Take in the extremes (n_column, n_id) of rows: `least`, `greatest`, and the numbers of
+        the first rows that have them, `at_least` and `at_greatest`.
+        """
+        for name, bound, bound_time, better in (
+            ("least", self.least[family], self.least_time[family], np.less),
+            ("greatest", self.greatest[family], self.greatest_time[family], np.greater),
+        ):
+            new = better(part[name], bound)
+            bound[new] = part[name][new]
+            bound_time[new] = times[part[f"at_{name}"][new]]
+
 
 def _extreme(two: np.ufunc, values: np.ndarray) -> np.ndarray:
     """Extreme (n_column, n_id) over rows of values (n_column, k, n_id); `two`: of two numbers."""

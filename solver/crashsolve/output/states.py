@@ -18,7 +18,7 @@ from crashsolve.output.template import Template
 FORMAT = "crashsolve states"
 FORMAT_VERSION = 3
 # the index is rewritten whole, so it may take this share of the run at most
-INDEX_SHARE = 0.05
+INDEX_SHARE = 0.01
 
 
 class StateWriter:
@@ -34,7 +34,7 @@ class StateWriter:
         self.folder = Path(folder)
         self.blocks = blocks
         self.times: list[float] = []
-        self._geometry = {block.name: xdmf.geometry(block, "mesh.h5") for block in blocks}
+        self._grid_at = {block.name: xdmf.grid(block, "mesh.h5") for block in blocks}
         self._grids: dict[str, list[str]] = {block.name: [] for block in blocks}
         self._index_due = 0.0
         if len(self._grids) < len(blocks):
@@ -111,9 +111,8 @@ class StateWriter:
     def _add_to_index(self, time: float) -> None:
         """Append the entry of a written state to every block's list."""
         file = _state_file(len(self.times))
-        for block in self.blocks:
-            grid = xdmf.grid(block, self._geometry[block.name], time, file)
-            self._grids[block.name].append(grid)
+        for name, grid_at in self._grid_at.items():
+            self._grids[name].append(grid_at(time, file))
         self.times.append(time)
 
     def _write_index(self) -> None:

@@ -5,7 +5,7 @@ import math
 import os
 import socket
 import threading
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
@@ -54,7 +54,7 @@ class Status:
 
 def write_status(path: Path | str, status: Status) -> None:
     """Replace status.json; JSON has no NaN or infinity, such numbers become null."""
-    text = json.dumps(_finite(asdict(status)), indent=1) + "\n"
+    text = json.dumps(_finite(vars(status)), indent=1) + "\n"
     with _writing:
         replace_text(Path(path), text)
 

@@ -6,21 +6,32 @@ where HDF5 has put them in the first.
 """
 
 import struct
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
-from crashsolve.output.blocks import Block, FieldSpec
+from crashsolve.output.blocks import Block
 from crashsolve.output.files import HDF5_OPTIONS, replacing
 from crashsolve.output.layout import reserve
 
 # stands for the time in the layout, where its bytes must be found once
 MARK = 2.9979245812345678e-211
 SIZE_OF_TIME = 8  # [bytes]
-FieldSlot = tuple[
-    int, int, tuple[Block, FieldSpec] | None
-]  # offset and size in bytes; None: the time
+
+
+@dataclass(frozen=True)
+class Field:
+    """Numbers of a field of a block, as the file has them."""
+
+    block: str
+    name: str
+    shape: tuple[int, ...]
+    dtype: str
+
+
+FieldSlot = tuple[int, int, Field | None]  # offset and size in bytes; None: the time
 
 
 class Template:
@@ -37,14 +48,14 @@ class Template:
         with replacing(path) as partial, open(partial, "wb") as file:
             for before, (_, _, what) in zip(self._between, self._positions, strict=False):
                 file.write(before)
-                file.write(struct.pack("<d", time) if what is None else _bytes(*what, values))
+                file.write(struct.pack("<d", time) if what is None else _bytes(what, values))
             file.write(self._between[-1])
 
 
-def _bytes(block: Block, field: FieldSpec, values: dict[str, dict[str, np.ndarray]]) -> memoryview:
-    array = np.asarray(values[block.name][field.name])
-    if array.shape != block.shape(field):
-        raise ValueError(f"{block.name}, {field.name}: shape {array.shape}")
+def _bytes(field: Field, values: dict[str, dict[str, np.ndarray]]) -> memoryview:
+    array = np.asarray(values[field.block][field.name])
+    if array.shape != field.shape:
+        raise ValueError(f"{field.block}, {field.name}: shape {array.shape}")
     return np.ascontiguousarray(array, field.dtype).data.cast("B")
 
 
@@ -60,7 +71,8 @@ def _laid_out(blocks: tuple[Block, ...]) -> tuple[bytes, list[FieldSlot]]:
                 name, shape = f"{block.name}/{field.name}", block.shape(field)
                 data = reserve(file, name, shape, field.dtype, fill_time="never")
                 data.attrs["unit"] = field.unit
-                positions.append((data.id.get_offset(), data.nbytes, (block, field)))
+                what = Field(block.name, field.name, shape, field.dtype)
+                positions.append((data.id.get_offset(), data.nbytes, what))
         file.flush()
         image = file.id.get_file_image()
     mark = struct.pack("<d", MARK)

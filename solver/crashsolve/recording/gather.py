@@ -5,14 +5,34 @@ of all entities side by side. Addresses alone differ between scenes, so that one
 all of them (march.py).
 """
 
-from crashsolve.foundation.addresses import copy_bytes
+from math import inf
+
+from crashsolve.foundation.addresses import copy_bytes, number_at
 from crashsolve.foundation.columns import matvec
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import cross
 
 BLOCK = Record("""
-    count  count  samples taken
+    count     count  samples taken
+    rows      count  samples whose extremes are sought
+    is_sound  flag   whether all numbers of these are finite
+""")
+# columns of a block whose extremes are sought
+BOUND = Record("""
+    source   index  address of the first number
+    column   count  bytes from one column to the next
+    advance  count  bytes from one sample to the next
+    width    count  columns
+    number   count  entities
+    first    index  extremes of the first
+""")
+# of a channel in a block, with the first samples that have them
+EXTREME = Record("""
+    least        1      in the unit of the channel
+    greatest     1      in the unit of the channel
+    at_least     count  sample
+    at_greatest  count  sample
 """)
 # columns of a block that lie side by side in a table of a run
 PIECE = Record("""
@@ -61,6 +81,42 @@ def copy_piece(piece, sample, current):
     for i in range(piece.width):
         for j in range(piece.number):
             copy_bytes(target + i * piece.column + 8 * j, source + 8 * i + j * piece.stride, 8)
+
+
+@kernel
+def find_extremes(scene):
+    """Extremes of every channel of a block, and whether all numbers are finite.
+
+    Writes: block, extremes.
+    """
+    block = scene.block[0]
+    block.is_sound = 1
+    for i in range(scene.bounds.shape[0]):
+        own = scene.bounds[i]
+        for c in range(own.width):
+            for j in range(own.number):
+                extreme = scene.extremes[own.first + c * own.number + j]
+                find_extreme(own.source + c * own.column + 8 * j, own.advance, block, extreme)
+
+
+@kernel
+def find_extreme(address, advance, block, extreme):
+    """Extremes of numbers that lie `advance` bytes apart. Writes: block, extreme."""
+    low = number_at(address)
+    high, at_low, at_high = low, 0, 0
+    for k in range(block.rows):
+        x = number_at(address + k * advance)
+        if not low <= x <= high:
+            if x < low:
+                low, at_low = x, k
+            elif x > high:
+                high, at_high = x, k
+            else:
+                block.is_sound = 0
+    if not high - low < inf:
+        block.is_sound = 0
+    extreme.least, extreme.greatest = low, high
+    extreme.at_least, extreme.at_greatest = at_low, at_high
 
 
 @kernel

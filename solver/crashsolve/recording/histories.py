@@ -108,7 +108,7 @@ class Histories:
         self._moved: list[np.ndarray] = []
         tables = {"nodes": engine.nodes, "rows": engine.rows, "clock": engine.state.clock}
         every = [part.columns for part in self._parts] + self._motion
-        self._kept = Block(every, tables, joints, origins)
+        self._kept = Block(every, tables, joints, origins, len(self._parts))
 
     @property
     def families(self) -> tuple[Family, ...]:
@@ -142,6 +142,15 @@ class Histories:
             part.family.name: values.transpose(1, 2, 0)
             for part, values in zip(self._parts, blocks, strict=False)
         }
+
+    def extremes(self, count: int) -> dict[str, np.ndarray] | None:
+        """Extremes (n_column, n_id) of every family in the `count` samples of the last values, as
+        rows of gather.EXTREME; None where they are not known.
+        """
+        extremes = self._kept.extremes(count)
+        if extremes is None:
+            return None
+        return {part.family.name: own for part, own in zip(self._parts, extremes, strict=False)}
 
     def _model(self) -> Part:
         e = self.engine

@@ -67,8 +67,9 @@ class Block:
         tables: dict[str, np.ndarray],
         joints: np.ndarray,
         origins: np.ndarray,
+        bounded: int = 0,
     ) -> None:
-        """`tables`: nodes, rows and clock of the run."""
+        """`tables`: nodes, rows and clock of the run. Extremes are those of the first `bounded`."""
         size = 8 * sum(columns.size * columns.width for columns in every)
         self.capacity = min(max(MAX_BYTES // max(size, 1), 1), MAX_SAMPLES)
         # values (n_column, capacity, n) of each
@@ -77,13 +78,19 @@ class Block:
         both = zip(every, self._values, strict=True)
         pieces = [piece for own, values in both for piece in _pieces(own.sources, values)]
         own = {"joints": joints, "origins": origins, "block": self._block}
-        # of gather.add_sample
+        self._bounded = every[:bounded]
+        bounds, self._extremes = self._bounds()
+        # of gather.add_sample and gather.find_extremes
         self.tables = tables | own | {"pieces": np.array(pieces, gather.PIECE.dtype)}
+        self.tables |= {"bounds": bounds, "extremes": self._extremes}
         self._add = self._add_in_python
+        self._bound: Callable[[], None] | None = None
 
-    def use(self, add: Callable[[], None]) -> None:
-        """Take samples by gather.add_sample compiled for tables that include these."""
-        self._add = add
+    def use(self, add: Callable[[], None], bound: Callable[[], None] | None) -> None:
+        """Take samples by gather.add_sample, and seek extremes by gather.find_extremes, compiled
+        for tables that include these.
+        """
+        self._add, self._bound = add, bound
 
     def take(self) -> None:
         """Add the present sample."""
@@ -114,6 +121,32 @@ class Block:
     def is_copied(self) -> bool:
         """Whether copies alone are needed at a sample."""
         return all(own.request is None for own in self._every)
+
+    def extremes(self, count: int) -> list[np.ndarray] | None:
+        """Extremes (n_column, n) of the last `count` values, as they have been completed.
+
+        None where a number is not finite, or no compiled code seeks them.
+        """
+        if self._bound is None:
+            return None
+        self._block["rows"] = count
+        self._bound()
+        if not self._block["is_sound"][0]:
+            return None
+        ends = np.cumsum([own.width * own.size for own in self._bounded])
+        parts = np.split(self._extremes, ends[:-1])
+        shapes = [(own.width, own.size) for own in self._bounded]
+        return [part.reshape(shape) for part, shape in zip(parts, shapes, strict=True)]
+
+    def _bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Rows of BOUND of all columns, and room for their extremes."""
+        rows, first = [], 0
+        for own, values in zip(self._bounded, self._values, strict=False):
+            if values.size:
+                column, advance, _ = values.strides
+                rows.append((_address(values), column, advance, own.width, own.size, first))
+            first += own.width * own.size
+        return np.array(rows, gather.BOUND.dtype), np.zeros(first, gather.EXTREME.dtype)
 
     def values(self) -> list[np.ndarray]:
         """Values (n_column, samples, n) taken since the last call; later samples overwrite them."""

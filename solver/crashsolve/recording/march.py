@@ -18,7 +18,7 @@ from crashsolve.foundation.record import Record
 from crashsolve.model.clock import REACHED, STOPS_AT_SAMPLE
 from crashsolve.model.contact.body_pairs import BODY_PAIR
 from crashsolve.model.ledger import LARGEST, is_spurious_energy
-from crashsolve.recording.gather import add_sample
+from crashsolve.recording.gather import add_sample, find_extremes
 from crashsolve.system.engine import FIRST_CHECKED
 
 SHOWN_SHARE, MISSING_SHARE = 0.9, 0.1
@@ -130,6 +130,12 @@ def march(_, flag, scene):
 def take(_, flag, scene):
     """Add the present sample to those taken. Writes: block, joints, origins, memory."""
     add_sample(scene)
+
+
+@entry
+def bound(_, flag, scene):
+    """Find the extremes of the samples of a block. Writes: block, extremes."""
+    find_extremes(scene)
 
 
 @entry

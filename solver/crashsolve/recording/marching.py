@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from crashsolve.foundation.rows import RowOfTable
     from crashsolve.recording.changing import Snapshot
 
-ENTRIES = ("march", "take", "check_interval", "start_interval", "finish_interval")
+ENTRIES = ("march", "take", "bound", "check_interval", "start_interval", "finish_interval")
 # samples of one block
 MAX_BLOCK_SAMPLES = 256
 Pieces = Iterable[tuple[np.ndarray, np.ndarray]]
@@ -61,7 +61,9 @@ class March:
         # one engine of exactly this kind: others do more between samples
         self._is_plain = type(engine) is Engine and not engine.model.nodal_groups
         self._bind()
-        kept.use(lambda: self._call("take"))
+        # plain Python takes longer for it than numpy
+        bound = None if runs_plain() else lambda: self._call("bound")
+        kept.use(lambda: self._call("take"), bound)
 
     def ask(self) -> bool:
         """Whether the samples miss a contact in the interval that ends now."""

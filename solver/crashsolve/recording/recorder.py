@@ -27,17 +27,18 @@ class Recorder:
 
     def flush(self) -> None:
         """Write all samples taken, after which no others are expected. Raises OutputError."""
-        self._write_block()
-        self.history.flush(is_last=True)
+        self._write_block(is_last=True)
+        self.history.flush()
 
     def close(self) -> None:
         """Write all samples taken, and close the history."""
         try:
-            self._write_block()
+            self._write_block(is_last=True)
         finally:
             self.history.close()
 
-    def _write_block(self) -> None:
+    def _write_block(self, is_last: bool = False) -> None:
         if self._times:
             times, self._times = np.array(self._times), []
-            self.history.append(times, self.histories.values())
+            values = self.histories.values()
+            self.history.append(times, values, self.histories.extremes(len(times)), is_last)

@@ -4,6 +4,8 @@ Contacts with few pairs show all of them. Of pairs that come and go, and of node
 largest forces are shown, so that a block of points keeps its size.
 """
 
+from itertools import groupby
+
 import numpy as np
 
 from crashsolve.contact.cells import WALLS
@@ -23,37 +25,53 @@ class ContactPoints:
 
     def __init__(self, engine: Engine) -> None:
         self.engine, model = engine, engine.model
-        self._pairs = [(g, n) for g in model.contact_groups if (n := _pair_slots(g))]
+        pairs = [(g, n) for g in model.contact_groups if (n := _pair_slots(g))]
+        # groups that follow each other, all of whose pairs are shown, are taken together
+        self._pairs = [
+            (list(groups), is_whole)
+            for is_whole, groups in groupby(pairs, key=lambda one: one[0].search is None)
+        ]
+        self._homes_of = {
+            i: np.concatenate([_homes(g, g.parameters) for g, _ in groups])
+            for i, (groups, is_whole) in enumerate(self._pairs)
+            if is_whole
+        }
         self._nodal = [(g, min(g.slot_in_use.size, MAX_NODES)) for g in model.nodal_groups]
-        self.count = sum(positions for _, positions in [*self._pairs, *self._nodal])
+        self.count = sum(positions for _, positions in [*pairs, *self._nodal])
 
     def points(self) -> Points:
         """Points at which contacts act in the present sample, with forces on side a and cards."""
-        points = [self._of_pairs(g, positions) for g, positions in self._pairs]
+        points = []
+        for i, (groups, is_whole) in enumerate(self._pairs):
+            if is_whole:
+                points.append(self._of_all([g for g, _ in groups], self._homes_of[i]))
+            else:
+                points += [self._of_pairs(g, positions) for g, positions in groups]
         points += [self._of_nodes(g, positions) for g, positions in self._nodal]
         position, force, card = map(np.concatenate, zip(*points, strict=True))
         return position, force, card
 
-    def _of_pairs(self, g: ContactGroup, positions: int) -> Points:
-        """Points of a group of pairs; the point of a pair that is apart lies on its body, without
-        force.
+    def _of_all(self, groups: list[ContactGroup], homes: np.ndarray) -> Points:
+        """Points of all pairs of groups; that of a pair that is apart lies on its body (n,),
+        without force.
         """
+        force = np.concatenate([g.output["force"] for g in groups])
+        position = self.engine.nodes["r"].take(homes, axis=0)
+        touching = np.flatnonzero(force.any(axis=1))
+        if len(touching):
+            point = np.concatenate([g.output["point"] for g in groups])
+            position[touching] = point[touching]
+        card = np.concatenate([g.parameters["card"] for g in groups])
+        return position, force, card.astype(float)
+
+    def _of_pairs(self, g: ContactGroup, positions: int) -> Points:
+        """Points of the pairs of a group with the largest forces."""
         force, pairs = g.output["force"], g.parameters
         strength = np.linalg.norm(force, axis=1)
-        if g.search is None:
-            position = self._homes(g, pairs)
-            touching = np.flatnonzero(strength > 0.0)
-            position[touching] = g.output["point"][touching]
-            return position, force, pairs["card"].astype(float)
         shown = _largest(strength, positions)
-        home = self._homes(g, pairs[shown])
+        home = self.engine.nodes["r"][_homes(g, pairs[shown])]
         position = np.where(strength[shown, None] > 0.0, g.output["point"][shown], home)
         return self._filled(position, force[shown], pairs["card"][shown], positions)
-
-    def _homes(self, g: ContactGroup, pairs: np.ndarray) -> np.ndarray:
-        """Mass centres (n, 3) of the bodies of side a of some pairs [m]."""
-        homes: np.ndarray = self.engine.nodes["r"][g.elements_a["node"][pairs["a"]]]
-        return homes
 
     def _of_nodes(self, g: NodalGroup, positions: int) -> Points:
         """Points of shell nodes, or of balls on the faces of shells."""
@@ -98,6 +116,12 @@ class ContactPoints:
             np.concatenate([force, np.zeros((rest, 3))]),
             np.concatenate([card, np.zeros(rest)]),
         )
+
+
+def _homes(g: ContactGroup, pairs: np.ndarray) -> np.ndarray:
+    """Bodies (n,) of side a of some pairs."""
+    homes: np.ndarray = g.elements_a["node"][pairs["a"]]
+    return homes
 
 
 def _walls(

@@ -224,9 +224,11 @@ class Pictures:
                 continue
             both = []
             for side in ("a", "b"):
-                body = nodes[g.parameters[f"node_{side}"]]
-                A = body["A"].reshape(-1, 3, 3)
-                both.append(body["r"] + np.einsum("nij,nj->ni", A, g.parameters[f"point_{side}"]))
+                body = g.parameters[f"node_{side}"]
+                A = nodes["A"][body].reshape(-1, 3, 3)
+                both.append(
+                    nodes["r"][body] + np.einsum("nij,nj->ni", A, g.parameters[f"point_{side}"])
+                )
             ends.append(np.stack(both, axis=1).reshape(-1, 3))
         return np.concatenate([np.empty((0, 3)), *ends])
 
@@ -300,9 +302,9 @@ def _through(g: Group, nodes: np.ndarray) -> list[np.ndarray]:
     segments = []
     for row in g.parameters:
         n = int(row["count"])
-        bodies, points = nodes[row["node"][:n]], row["point"].reshape(-1, 3)[:n]
-        A = bodies["A"].reshape(-1, 3, 3)
-        x = bodies["r"] + np.einsum("nij,nj->ni", A, points)
+        bodies, points = row["node"][:n], row["point"].reshape(-1, 3)[:n]
+        A = nodes["A"][bodies].reshape(-1, 3, 3)
+        x = nodes["r"][bodies] + np.einsum("nij,nj->ni", A, points)
         segments.append(np.stack([x[:-1], x[1:]], axis=1).reshape(-1, 3))
     return segments
 

@@ -16,13 +16,12 @@ class Bodies:
     """Pieces of a skin that are moved together: its points from `first` to `last`."""
 
     nodes: list[int]
-    # of each piece, its last point
+    # of each node, behind its last point
     ends: list[int]
     first: int
     last: int
-    # node of every point
-    owners: np.ndarray
-    # points in body axes, and at the start in world axes (3, n): numpy adds what lies side by side
+    # points (x, y, z, 1) in body axes (4, n), and at the start in world axes (3, n): numpy adds
+    # what lies side by side
     own: np.ndarray
     start: np.ndarray
 
@@ -45,43 +44,57 @@ class Skin:
             some.append(piece)
         self._add_group(some)
         self._moved, self._velocity = (np.empty(self.points.shape, np.float32) for _ in range(2))
+        # of one group after the other
+        most = max(group.last - group.first for group in self._groups)
+        self._room = np.empty((6, most))
 
     def fields(self, nodes: np.ndarray) -> dict[str, np.ndarray]:
         """Displacement and velocity of every point, in the single precision of states.
 
         The next call overwrites them.
         """
-        rotations = nodes["A"].reshape(-1, 3, 3)
-        vectors = [np.ascontiguousarray(nodes[name].T) for name in "rvw"]
+        matrices = _matrices(nodes)
         for group in self._groups:
             moved = self._moved[group.first : group.last]
             velocity = self._velocity[group.first : group.last]
-            x = _rotated(group, rotations)
-            r, v, w = (np.take(vector, group.owners, axis=1) for vector in vectors)
-            np.subtract(r + x, group.start, out=moved.T, casting="same_kind")
-            for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-                spin = w[j] * x[k] - w[k] * x[j]
-                np.add(v[i], spin, out=velocity[:, i], casting="same_kind")
+            both = self._room[:, : group.last - group.first]
+            _multiply(matrices, group, both)
+            np.subtract(both[:3], group.start, out=moved.T, casting="same_kind")
+            np.copyto(velocity.T, both[3:], casting="same_kind")
         return {"displacement": self._moved, "velocity": self._velocity}
 
     def _add_group(self, pieces: list[Piece]) -> None:
         first = self._groups[-1].last if self._groups else 0
         lengths = [len(points) for _, points, _ in pieces]
-        nodes, ends = [node for node, _, _ in pieces], np.cumsum(lengths).tolist()
-        own = np.concatenate([points for _, points, _ in pieces]).T
+        all_nodes, all_ends = [node for node, _, _ in pieces], np.cumsum(lengths).tolist()
+        # pieces of one body that follow each other are moved as one
+        lasts = [i for i, node in enumerate(all_nodes) if all_nodes[i + 1 : i + 2] != [node]]
+        nodes, ends = [all_nodes[i] for i in lasts], [all_ends[i] for i in lasts]
         last = first + ends[-1]
-        start, owners = self.points[first:last].T, np.repeat(nodes, lengths)
-        both = (np.ascontiguousarray(points) for points in (own, start))
-        self._groups.append(Bodies(nodes, ends, first, last, owners, *both))
+        own = np.ones((4, last - first))
+        own[:3] = np.concatenate([points for _, points, _ in pieces]).T
+        start = np.ascontiguousarray(self.points[first:last].T)
+        self._groups.append(Bodies(nodes, ends, first, last, own, start))
 
 
-def _rotated(group: Bodies, rotations: np.ndarray) -> np.ndarray:
-    """Points (3, n) from the mass centres of their bodies, world axes."""
-    rotated, first = np.empty(group.own.shape), 0
+def _matrices(nodes: np.ndarray) -> np.ndarray:
+    """Of every node (6, 4): position and velocity of a point (x, y, z, 1) in its axes."""
+    rotations, w = nodes["A"].reshape(-1, 3, 3), nodes["w"]
+    spin = np.zeros(rotations.shape)
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        spin[:, i, j], spin[:, j, i] = -w[:, k], w[:, k]
+    matrices = np.empty((len(nodes), 6, 4))
+    matrices[:, :3, :3], matrices[:, 3:, :3] = rotations, spin @ rotations
+    matrices[:, :3, 3], matrices[:, 3:, 3] = nodes["r"], nodes["v"]
+    return matrices
+
+
+def _multiply(matrices: np.ndarray, group: Bodies, motion: np.ndarray) -> None:
+    """Positions and velocities of points (6, n), world axes. Writes: motion."""
+    first = 0
     for node, last in zip(group.nodes, group.ends, strict=True):
-        np.matmul(rotations[node], group.own[:, first:last], out=rotated[:, first:last])
+        np.matmul(matrices[node], group.own[:, first:last], out=motion[:, first:last])
         first = last
-    return rotated
 
 
 def _cells(pieces: list[Piece]) -> tuple[tuple[str, np.ndarray], ...]:

@@ -126,6 +126,7 @@ class Run:
         self.cpu, self.wall_begun = cpu_seconds, wall_begun
         self.requests = Requests(folder, log, self._end_at_once)
         self.files = ExitStack()
+        self.is_estimated = False
         self.estimating: Estimating | None = None
         self.overlapping: list[str] = []
         self.schedule = Schedule.of(deck)
@@ -216,7 +217,7 @@ class Run:
 
             look_up_pictured(self.deck, self.engine.model)
         resumed = None if dump is None else self._restore(*dump)
-        self.estimating = self.account.estimating = self._prepare_estimates(dump)
+        self._prepare_estimates(dump)
         self._open(resumed)
 
     def _use_engine(self, engine: Engine) -> None:
@@ -263,44 +264,50 @@ class Run:
             self.recorder.take(self.deck.control.start_time)
             self.write(self.deck.control.start_time, force=True)
 
-    def _prepare_estimates(self, dump: Dump | None) -> Estimating | None:
-        """Look up the watched channels, and the step an accuracy needs; None without any.
+    def _prepare_estimates(self, dump: Dump | None) -> None:
+        """Look up the watched channels, and the step an accuracy needs.
 
         Raises DeckErrors, SolverError, RunStopped.
         """
         control, asks = self.deck.control, self.deck.watch or self.deck.expect
         # who only expects an equilibrium does not pay for one more
         is_enough = control.follows_path or (is_static(self.deck) and not self.deck.watch)
-        if control.estimate == "off" or not asks or is_enough:
-            if asks or self.deck.output.report:
-                # a misspelt channel is reported before the run, not after it
-                from crashsolve.recording.questions import look_up
+        self.is_estimated = bool(asks) and control.estimate != "off" and not is_enough
+        if self.is_estimated and control.accuracy is not None:
+            is_known = dump is not None and COARSENESS in dump[0]
+            coarseness = float(dump[0][COARSENESS][0]) if dump and is_known else None
+            self._begin_estimates().set_steps(self.engine.model.control, coarseness)
+        elif asks or self.deck.output.report:
+            # a misspelt channel is reported before the run, not after it
+            from crashsolve.recording.questions import look_up
 
-                look_up(self.deck, self.histories.families)
-            return None
-        # a deck that watches nothing does not import this
+            look_up(self.deck, self.histories.families)
+
+    def _begin_estimates(self) -> Estimating:
+        """Estimates of the errors of the run. Raises DeckErrors."""
+        # a run imports this when it needs it: at its end, but for an accuracy
+        started = time.process_time()
         from crashsolve.estimate.runner import Estimating
 
-        families = self.histories.families
-        estimating = Estimating(
-            self.deck, families, self._is_to_stop, self.log, self.engine.program
-        )
-        coarseness = float(dump[0][COARSENESS][0]) if dump else None
-        estimating.set_steps(self.engine.model.control, coarseness)
+        families, program = self.histories.families, self.engine.program
+        estimating = Estimating(self.deck, families, self._is_to_stop, self.log, program)
+        self.estimating = self.account.estimating = estimating
+        estimating.cpu += time.process_time() - started
         return estimating
 
     def _misses_its_accuracy(self) -> bool:
         """Estimate the errors of the finished run; whether another with other steps is due."""
-        if self.estimating is None:
+        if not self.is_estimated:
             return False
         self.files.close()
         self.account.status("running", None, "estimating errors")
         self.heartbeat.does("estimating errors")
+        estimating = self.estimating or self._begin_estimates()
         cycles = int(self.engine.clock["cycle"])
         history, model = self.folder / "history.h5", self.engine.model
         mass = dict(zip(model.bodies, model.mass.tolist(), strict=False))
         missed = missed_contacts(self.engine, history)
-        return self.estimating.estimate(history, cycles, self.account.cpu_seconds(), missed, mass)
+        return estimating.estimate(history, cycles, self.account.cpu_seconds(), missed, mass)
 
     def _start_anew(self) -> None:
         """Run the deck again from its start, with the steps that the estimates ask for."""

@@ -17,6 +17,7 @@ Engineering 111, 107-112, of joint sinuses as generalised cones.
 
 from __future__ import annotations
 
+from functools import cache
 from math import atan2, floor, pi, sin, sqrt
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
@@ -144,17 +145,17 @@ def build(card: ConeStop, scene: Scene) -> Columns:
         "azimuth": np.concatenate([azimuth, fill]),
         "narrow": np.concatenate([half**-2.0, fill]),
     }
-    columns["stretch"] = _stretch(azimuth, half)
+    columns["stretch"] = _stretch(tuple(azimuth.tolist()), tuple((half**-2.0).tolist()))
     _check_start(card, scene, columns)
     return columns
 
 
-def _stretch(azimuth: np.ndarray, half: np.ndarray) -> float:
+@cache
+def _stretch(azimuth: tuple[float, ...], narrow: tuple[float, ...]) -> float:
     """Largest 1 + (theta_l' / sin theta)^2 from the limit to half a radian past it."""
     # as plain numbers: numpy takes ten times as long one by one
-    at, narrow = azimuth.tolist(), (half**-2.0).tolist()
     around = np.linspace(0.0, 2.0 * pi, 721).tolist()
-    limit, slope = np.array([limit_between(at, narrow, len(half), phi) for phi in around]).T
+    limit, slope = np.array([limit_between(azimuth, narrow, len(narrow), phi) for phi in around]).T
     sines = np.sin(np.clip([limit, limit + 0.5], 0.0, 3.0)).min(axis=0)
     return 1.0 + float(((slope / sines) ** 2).max())
 

@@ -42,14 +42,13 @@ class Actor:
 
 
 class StepBound:
-    """The entity that limits the step of a run; searched again after a second, or for another
-    body.
-    """
+    """The entity that limits the step of a run; searched again after a second for each body."""
 
     def __init__(self, interval: float, longest: float | None) -> None:
         """`interval` [s] of samples, `longest` [s] the deck's own bound."""
         self._interval, self._longest = interval, longest
-        self._actor, self._at, self._renewed = "", 0, -np.inf
+        # of each body that has set the step: the cause, and when it was determined
+        self._causes: dict[int, tuple[str, float]] = {}
 
     def report(self, engine: Engine) -> str:
         """The entity that limits the present step, and why."""
@@ -102,10 +101,11 @@ class StepBound:
         return h, text or self._stiffest(engine, at)
 
     def _stiffest(self, engine: Engine, at: int) -> str:
-        now = monotonic()
-        if at != self._at or now > self._renewed + RENEWAL_INTERVAL:
-            self._actor, self._at, self._renewed = stiffest(engine, at), at, now
-        return self._actor
+        now, (cause, renewed) = monotonic(), self._causes.get(at, ("", -np.inf))
+        if now > renewed + RENEWAL_INTERVAL:
+            cause = stiffest(engine, at)
+            self._causes[at] = cause, now
+        return cause
 
 
 def _speeds(nodes: np.ndarray) -> np.ndarray:

@@ -40,7 +40,7 @@ def compose(model: Model) -> str:
     main = f"{INTEGRATORS}.{getattr(own, 'STEPPER', model.integrator)}"
     replaced = {f"{INTEGRATORS}.{name}": own.__name__ for name in TABLEAUX}
     replaced[f"{INTEGRATORS}._collocation"] = f"{INTEGRATORS}.{getattr(own, 'STAGE', '')}"
-    replaced[f"{INTEGRATORS}.rattle"] = main
+    replaced[f"{INTEGRATORS}._kick_drift_kick"] = main
     if model.elements:
         replaced["crashsolve.system.timestep"] = "crashsolve.system.element_step"
     if is_assembled(model):

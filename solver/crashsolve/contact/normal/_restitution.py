@@ -12,6 +12,7 @@ from v_0. Its largest depth is that where s = 0, and it parts with x v_0, the ro
 """
 
 from collections.abc import Callable
+from functools import cache
 from math import inf, log1p, sqrt
 
 from crashsolve.foundation.kernels import kernel
@@ -22,6 +23,7 @@ SMALL = 1e-4
 HALVINGS = 100
 
 
+@cache
 def returned(chi: float) -> float:
     """Restitution x [1], 0 to 1, of a free impact with damping factor chi [1], 0 or more."""
     if chi == 0.0:
@@ -29,6 +31,7 @@ def returned(chi: float) -> float:
     return _root(lambda x: _defect(chi, x), 0.0, min(1.0, 1.0 / chi))
 
 
+@cache
 def damping_factor(e: float) -> float:
     """Damping factor chi [1] with which a free impact returns the restitution e, 0 < e <= 1."""
     if e == 1.0:

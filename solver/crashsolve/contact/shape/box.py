@@ -49,7 +49,7 @@ def half_thickness(element: Columns) -> float:
 
 def half_width(element: Columns) -> float:
     """Half the middle one of its edges [m]."""
-    return float(np.median(element["half"]))
+    return float(sorted(element["half"])[1])
 
 
 def corners(element: Columns) -> list[Columns]:

@@ -47,7 +47,7 @@ def half_thickness(element: Columns) -> float:
 
 def half_width(element: Columns) -> float:
     """The middle one of its semi-axes [m]."""
-    return float(np.median(element["semi"]))
+    return float(sorted(element["semi"])[1])
 
 
 def rounds(element: Columns) -> np.ndarray:

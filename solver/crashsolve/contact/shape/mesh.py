@@ -140,7 +140,7 @@ def half_thickness(element: Columns) -> float:
 
 def half_width(element: Columns) -> float:
     """Half the middle one of its three extents [m]."""
-    return float(0.5 * np.median(np.ptp(element["points"], axis=0)))
+    return float(0.5 * np.sort(np.ptp(element["points"], axis=0))[1])
 
 
 def corners(element: Columns) -> list[Columns]:

@@ -91,21 +91,12 @@ class Expression:
                 self.root = _renamed(ast.parse(self.written, mode="eval").body)
         except (SyntaxError, ValueError, MemoryError, RecursionError):
             raise ExpressionError(f"cannot read the expression '{self.text}'") from None
-        called = {id(node.func) for node in ast.walk(self.root) if isinstance(node, ast.Call)}
-        self.has_angles = any(
-            isinstance(node, ast.Call)
-            and isinstance(node.func, ast.Name)
-            and node.func.id in ANGLES
-            for node in ast.walk(self.root)
-        )
-        self.names = sorted(
-            {
-                node.id
-                for node in ast.walk(self.root)
-                if isinstance(node, ast.Name) and id(node) not in called
-            }
-            - CONSTANTS.keys()
-        )
+        nodes = list(ast.walk(self.root))
+        functions = [node.func for node in nodes if isinstance(node, ast.Call)]
+        called = set(map(id, functions))
+        self.has_angles = any(isinstance(f, ast.Name) and f.id in ANGLES for f in functions)
+        names = {n.id for n in nodes if isinstance(n, ast.Name) and id(n) not in called}
+        self.names = sorted(names - CONSTANTS.keys())
 
     def value(self, names: Mapping[str, float]) -> float:
         """The value of the expression; raises ExpressionError."""

@@ -9,6 +9,7 @@ reads it, it must be pure.
 
 import re
 from collections.abc import Collection, Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -165,7 +166,7 @@ class Parameters:
 
     def _expression(self, text: str, file: str) -> float:
         """Value in SI when a parameter with a unit takes part, else a bare number in `file`."""
-        expression = Expression(text)
+        expression = _parsed(text)
         names = {name: self._value(name) for name in expression.names if name in self.items}
         if BROKEN in names.values():
             raise _AlreadyReported
@@ -245,6 +246,14 @@ class Parameters:
             else:
                 checked[name], self.given[name] = value, location
         return checked
+
+
+@cache
+def _parsed(text: str) -> Expression:
+    """A deck repeats expressions, in the files that it includes several times. Raises
+    ExpressionError.
+    """
+    return Expression(text)
 
 
 def _has_known_unit(value: SiFloat, written: object) -> bool:

@@ -248,8 +248,9 @@ class Report(Card):
 class Output(Card):
     """The files that a run writes, and their intervals."""
 
-    history: History = word("time histories", History())
-    states: States = word("configurations", States())
-    restart: Restart = word("restart dumps", Restart())
-    log: Log = word("log lines", Log())
+    # defaults need no validator, which takes 2 ms to make for each
+    history: History = word("time histories", History.model_construct())
+    states: States = word("configurations", States.model_construct())
+    restart: Restart = word("restart dumps", Restart.model_construct())
+    log: Log = word("log lines", Log.model_construct())
     report: Report | None = word("figures of the report; a default choice when absent", None)

@@ -80,6 +80,7 @@ def refuse_several(model: Model, deck: Deck) -> None:
 
 # attributes of the file of a method, by stepper
 DECLARED = {
+    "_kick_drift_kick": ("KICK_DRIFT_KICK",),
     "_runge_kutta": ("STAGES", "EXTRA", "A", "C", "DENSE", "TERMS", "E", "ESTIMATES"),
     "_implicit": ("STAGES", "STAGE", "A", "T"),
     "": ("prepare_sample", "take_step"),

@@ -26,7 +26,8 @@ def warn_of_holes(contact: str, sides: Sequence[Sequence[Surface]], scene: Scene
     """Warn of every two surfaces of a card of which one fits between the points of the other."""
     for a, b in product(*sides):
         for probes, other in ((a, b), (b, a)):
-            width = half_width(other, scene)
+            # most shapes have none, which is known at once
+            width = half_width(other, scene) if may_have_holes(probes) else None
             if width is None:
                 continue
             radius = hole(probes, scene)
@@ -44,15 +45,19 @@ def own_radius(surface: Surface) -> float:
     return float(getattr(surface.entry.card, "radius", 0.0))
 
 
+def may_have_holes(surface: Surface) -> bool:
+    """Whether a surface touches by its points alone, and has several."""
+    is_set = surface.entry.type in ("nodes", "point_set") and len(surface.elements) > 1
+    return surface.shape == "points" or is_set
+
+
 def hole(surface: Surface, scene: Scene) -> float:
-    """Radius of the largest ball that touches no point as it passes between them [m]; 0: none."""
+    """Radius of the largest ball that touches no point as it passes between them [m]."""
     if surface.shape == "points":
         mesh = scene.skin(surface.entry.card.part, "part")[0].mesh
         corners = mesh.points[mesh.quads]
         distance = np.linalg.norm(corners - corners.mean(axis=1, keepdims=True), axis=2)
         return float(distance.min(axis=1).max())
-    if surface.entry.type not in ("nodes", "point_set") or len(surface.elements) < 2:
-        return 0.0
     positions = np.array(list(_positions(surface, scene)))
     some = positions[:: 1 + len(positions) // MANY]
     return 0.5 * max(_second_least(np.linalg.norm(positions - x, axis=1)) for x in some)

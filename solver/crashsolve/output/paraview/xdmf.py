@@ -1,6 +1,6 @@
 """The text of states.xdmf: XDMF 2 as the reader of ParaView 5.11 takes it."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 from crashsolve.output.blocks import CELL_TYPES, POINTS, Block, FieldSpec
 
@@ -38,16 +38,21 @@ def geometry(block: Block, mesh_file: str) -> str:
     return "\n".join(lines)
 
 
-def grid(block: Block, block_geometry: str, time: float, state_file: str) -> str:
-    """One block at one time."""
-    lines = [f'<Grid Name="{block.name}"><Time Value="{time!r}"/>', block_geometry]
+def grid(block: Block, mesh_file: str) -> Callable[[float, str], str]:
+    """Function that makes the text of a block at a time [s] in a file of its state.
+
+    These texts differ in time and file alone.
+    """
+    time, state_file = "\0", "\1"
+    lines = [f'<Grid Name="{block.name}"><Time Value="{time}"/>', geometry(block, mesh_file)]
     for field in block.all_fields:
         if field is POINTS:
             dataset = f"{state_file}:/{block.name}/{field.name}"
             lines.append(_points(_item(dataset, block.shape(field), "Float", 4)))
         else:
             lines.append(_attribute(block, field, state_file))
-    return "\n".join([*lines, "</Grid>"])
+    text = "\n".join([*lines, "</Grid>"])
+    return lambda at, file: text.replace(time, repr(at)).replace(state_file, file)
 
 
 def _points(item: str) -> str:
