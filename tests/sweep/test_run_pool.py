@@ -19,7 +19,7 @@ def run(number: int) -> Run:
 
 
 def pool(folder: Path) -> RunPool:
-    return RunPool(Path("deck.yaml"), folder, 2, lambda run: ())
+    return RunPool(Path("deck.yaml"), folder, 2)
 
 
 def test_one_line_reports_all_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
