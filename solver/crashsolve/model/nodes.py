@@ -18,6 +18,7 @@ NODE = Record("""
     L             kg m^2/s    3  angular momentum about the mass centre
     mass_inv      1/kg           inverse mass; 0 for the ground
     is_attached   flag           whether it moves with a body (system/attachments.py)
+    has_surface   flag           whether a contact may touch it
     A             1           9  rotation matrix of q, by rows
     W             1/(kg m^2)  9  inverse inertia at the present orientation
     joint_force   N           3  D^T lambda

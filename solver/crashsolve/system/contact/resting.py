@@ -23,16 +23,19 @@ STEPS_AHEAD = 4.0
 
 @kernel
 def record_motion(nodes):
-    """Record displacement and rotation of every body since the start of the step. Writes: nodes."""
+    """Record displacement and rotation of bodies since the start of the step. Writes: nodes."""
     for i in range(1, nodes.shape[0]):
-        record_motion_of(nodes[i])
+        if nodes[i].has_surface == 1:
+            record_motion_of(nodes[i])
 
 
 @kernel
 def record_motion_of_attached(attached_nodes, nodes):
     """Record those of the nodes that have been moved with their bodies. Writes: nodes."""
     for i in range(attached_nodes.shape[0]):
-        record_motion_of(nodes[attached_nodes[i].node])
+        b = nodes[attached_nodes[i].node]
+        if b.has_surface == 1:
+            record_motion_of(b)
 
 
 @inlined
