@@ -107,8 +107,8 @@ def draw(results: dict[str, list[float]]) -> None:
     from matplotlib import pyplot
 
     figure, axes = pyplot.subplots(1, len(results), figsize=(11, 4), layout="constrained")
-    for axis, (name, found) in zip(axes, results.items(), strict=True):
-        axis.loglog(MESHES, found, "o-", label="beam")
+    for axis, (name, errors) in zip(axes, results.items(), strict=True):
+        axis.loglog(MESHES, errors, "o-", label="beam")
         axis.loglog(MESHES, [0.4 / n**2 for n in MESHES], "k:", label="order 2")
         axis.loglog(MESHES, [0.4 / n**4 for n in MESHES], "k--", label="order 4")
         axis.set(title=name, xlabel="elements", ylabel="error of the tip over its displacement")

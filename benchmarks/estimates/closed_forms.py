@@ -196,26 +196,26 @@ def rigid_bar(
 
     def rates(y: np.ndarray, end_of: float) -> np.ndarray:
         push = stiffness * max(depth(y, end_of), 0.0) ** 1.5
-        turning = push * end_of * half * np.sin(y[1]) / inertia
-        return np.array([y[2], y[3], -push / mass, turning, push])
+        spin_rate = push * end_of * half * np.sin(y[1]) / inertia
+        return np.array([y[2], y[3], -push / mass, spin_rate, push])
 
     # x, angle, their rates, and the impulse of the contact
-    y, t, found = np.array([-half * np.cos(angle), -angle, speed, 0.0, 0.0]), 0.0, []
+    y, t, channels = np.array([-half * np.cos(angle), -angle, speed, 0.0, 0.0]), 0.0, []
     for name, side in (("node_1", 1.0), ("node_2", -1.0)):
         y[4] = 0.0
         fly = partial(_flown, y)
         h = _first(lambda s, fly=fly, side=side: depth(fly(s), side), end - t)
         y, gone, most = _touch(fly(h), partial(rates, end_of=side), partial(depth, end_of=side))
         t += h + gone
-        found += [
+        channels += [
             (f"rcforc.{name}.peak_depth", "final", most),
             (f"rcforc.{name}.impulse.x", "final", -float(y[4])),
         ]
         if side > 0.0:
-            found.append(("rbdout.bar.velocity.x", "at:0.7", float(y[2])))
-            found.append(("rbdout.bar.angular_velocity.z", "at:0.7", float(y[3])))
+            channels.append(("rbdout.bar.velocity.x", "at:0.7", float(y[2])))
+            channels.append(("rbdout.bar.angular_velocity.z", "at:0.7", float(y[3])))
     return [
-        *found,
+        *channels,
         ("rbdout.bar.position.x", "final", float(y[0] + (end - t) * y[2])),
         ("rbdout.bar.velocity.x", "final", float(y[2])),
         ("rbdout.bar.angular_velocity.z", "final", float(y[3])),

@@ -112,20 +112,20 @@ def acting_seed(law: tuple[str, str]) -> int:
 
 @each(BETWEEN)
 def test_what_a_law_loses_is_in_its_ledger(law: tuple[str, str]) -> None:
-    found = sums(law, acting_seed(law), 240)
-    missing = abs(found.work + found.power + found.loss + found.stored)
+    energies = sums(law, acting_seed(law), 240)
+    missing = abs(energies.work + energies.power + energies.loss + energies.stored)
     # corners of a law within a step leave errors of first order, 1 / 240 of a few turns; the
     # carcass of tyres has none, and its loss is a small part of the work
-    assert missing <= (1e-3 if law in TYRES else 0.02) * found.largest
+    assert missing <= (1e-3 if law in TYRES else 0.02) * energies.largest
     # without the loss the ledger would not close: what is asked here has an edge
-    assert law not in LOSING or found.loss > 0.04 * found.largest
-    assert law not in TYRES or abs(found.loss) > 0.02 * found.largest
+    assert law not in LOSING or energies.loss > 0.04 * energies.largest
+    assert law not in TYRES or abs(energies.loss) > 0.02 * energies.largest
 
 
 @each(STIFF)
 def test_the_promised_stiffness_bounds_the_highest_frequency(law: tuple[str, str]) -> None:
     """2 max_i stiffness_i is not below the largest eigenvalue of M^-1 K (system.timestep)."""
-    found = 0
+    laws = 0
     for seed in SEEDS:
         # friction that holds: pressed, its bristle stretches by a metre before it slides
         one, ends = start(law, seed, pressed=4e6)
@@ -134,12 +134,12 @@ def test_the_promised_stiffness_bounds_the_highest_frequency(law: tuple[str, str
             highest, promised = spectrum(one, ends)
             # below this it is round-off: 1e-16 of forces of 1e3 over steps of 1e-6
             if highest > 1e-2:
-                found += 1
+                laws += 1
                 # 1 % for the turning of the line of force, which the bound leaves out
                 assert highest <= 1.01 * promised
             one.force(0.15)
             one.accept()
-        if found:
+        if laws:
             return
     raise AssertionError("the law has no stiffness on any path")
 

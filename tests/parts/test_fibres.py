@@ -50,10 +50,10 @@ PERFECT = "yield_stress: 4"
 
 
 def text(flow: str = STIFF, section: str = RECTANGLE, grid: str = "4, 16", words: str = "") -> str:
-    found = DECK
+    deck = DECK
     for word, value in (("YIELD", flow), ("SECTION", section), ("GRID", grid), ("WORDS", words)):
-        found = found.replace(word, value)
-    return found
+        deck = deck.replace(word, value)
+    return deck
 
 
 def element(folder: Path, *words: str) -> Law:
@@ -214,7 +214,7 @@ loads: {blow: {type: force, body: mass, force: [5, 2, 3], curve: blow}}
 @pytest.mark.long
 @pytest.mark.xdist_group("implicit fibres")
 def test_implicit_steps_go_through_cycles_of_yield_as_explicit_ones_do(tmp_path: Path) -> None:
-    path, found, steps = tmp_path / "deck.yaml", {}, {}
+    path, positions, steps = tmp_path / "deck.yaml", {}, {}
     path.write_text(CYCLE, "utf-8")
     # of equal steps the error is 5e-8 here, by halving them
     for method, words in (("rattle", ["control.step=8e-6"]), *((m, []) for m in IMPLICIT)):
@@ -223,10 +223,10 @@ def test_implicit_steps_go_through_cycles_of_yield_as_explicit_ones_do(tmp_path:
         assert done.returncode == 0, done.stdout + done.stderr
         result = Result(tmp_path / method)
         steps[method] = int(result.status["cycle"])
-        found[method] = [result.series(f"rbdout.mass.position.{c}").values[-1] for c in "xyz"]
+        positions[method] = [result.series(f"rbdout.mass.position.{c}").values[-1] for c in "xyz"]
     # tolerance: of a step, and errors add up; a fibre that yields within a step costs an order
     for method, tolerance in (("generalized_alpha", 1e-4), ("radau_iia_5", 1e-5)):
-        np.testing.assert_allclose(found[method], found["rattle"], rtol=0, atol=tolerance)
+        np.testing.assert_allclose(positions[method], positions["rattle"], rtol=0, atol=tolerance)
         assert steps[method] < 0.1 * steps["rattle"]
 
 
@@ -302,8 +302,8 @@ def test_a_law_that_stiffens_states_the_step() -> None:
         fibre_tangent=lambda m, old, i, eps, rate, curves: (0.0, -3.0 * E * c * eps**2, 0.0)
     )
     # stretched by 1e-3 and bent: fibres at 2e-3 and 0
-    found = fibres.stiffening(section, None, None, (1e-3, 0.1, 0.0), (0.0, 0.0, 0.0), law)
-    assert found == pytest.approx(3.0 * c * 4e-6)
+    bound = fibres.stiffening(section, None, None, (1e-3, 0.1, 0.0), (0.0, 0.0, 0.0), law)
+    assert bound == pytest.approx(3.0 * c * 4e-6)
 
 
 def test_a_section_that_cannot_yield_is_that_of_its_fibres_one_by_one(tmp_path: Path) -> None:
@@ -316,17 +316,17 @@ def test_a_section_that_cannot_yield_is_that_of_its_fibres_one_by_one(tmp_path: 
     for k in range(400):
         # now and then beyond yield
         strain = strain + rng.normal(size=3) * (3e-3 if k % 50 < 4 else 3e-5)
-        sections, found = (one[k % 2], one[1 - k % 2]), []
+        sections, results = (one[k % 2], one[1 - k % 2]), []
         before = sections[0].version
         all_[k % 2].slack = -1.0
         for old, new in (sections, (all_[k % 2], all_[1 - k % 2])):
             rates = (0.0, 0.0, 0.0)
-            found.append(
+            results.append(
                 fibres.resultants(law.p, old, new, 0.01, curves, tuple(strain), rates, material)
             )
         linear += sections[1].version == before
-        np.testing.assert_allclose(found[0][0], found[1][0], rtol=1e-12, atol=1e-12)
-        np.testing.assert_allclose(found[0][1:], found[1][1:], rtol=1e-12, atol=1e-15)
+        np.testing.assert_allclose(results[0][0], results[1][0], rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(results[0][1:], results[1][1:], rtol=1e-12, atol=1e-15)
         for name in ("plastic", "hardening", "rate", "plastic_strain"):
             assert (sections[1][name] == all_[1 - k % 2][name]).all()
     assert 100 < linear < 390

@@ -24,7 +24,7 @@ NEARLY_HALF = cos(0.5 * FOLDED)
 
 
 # of two bodies of which b rotates about an axis of a
-FULL_TURN = Record("""
+ROTATION_ABOUT_AXIS = Record("""
     node_a  index     first body
     node_b  index     second body
     axis_a  1      3  axis, axes of a

@@ -80,9 +80,9 @@ def build(card: PointDriver, scene: Scene) -> Columns:
 def _point(card: PointDriver, scene: Scene, node: int) -> np.ndarray:
     """Position of the point at the start, world axes [m]."""
     if card.at is None:
-        found: np.ndarray = scene.world_point(node, (0.0, 0.0, 0.0))
+        point: np.ndarray = scene.world_point(node, (0.0, 0.0, 0.0))
     elif card.frame == "world":
-        found = np.asarray(card.at, float)
+        point = np.asarray(card.at, float)
     else:
-        found = scene.world_point(scene.node(card.frame), card.at)
-    return found
+        point = scene.world_point(scene.node(card.frame), card.at)
+    return point

@@ -127,7 +127,7 @@ def check_contacts(clock, control, nodes, scene):
     if clock.status == RUNNING and control.energy_limit > 0.0:
         unseen, limit = unseen_distance(clock, control, nodes), control.energy_limit
         card = card_with_energy_gain(clock.current, limit, unseen, scene.card_history)
-        rubbing = card_with_friction_gain(clock.current, limit, unseen, scene.card_history)
-        if card >= 0 or rubbing >= 0:
-            clock.status, clock.index = CONTACT_GAIN, card if card >= 0 else rubbing
+        with_friction = card_with_friction_gain(clock.current, limit, unseen, scene.card_history)
+        if card >= 0 or with_friction >= 0:
+            clock.status, clock.index = CONTACT_GAIN, card if card >= 0 else with_friction
             clock.value = 0.0 if card >= 0 else 1.0

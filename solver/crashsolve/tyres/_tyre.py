@@ -237,8 +237,8 @@ def patch_of(p, i, nodes, curves, data):
     depth = -1.0 if lies else p.radius * upright - d
     tilt = (0.0, 0.0, 0.0)
     if depth > 0.0 and not is_even:
-        turning = normal_gradient(p, i, nodes, centre, u, n, curves, data)
-        tilt = scale(-p.radius * camber / cosine, turning)
+        gradient = normal_gradient(p, i, nodes, centre, u, n, curves, data)
+        tilt = scale(-p.radius * camber / cosine, gradient)
     return Patch(
         depth,
         n,
@@ -264,10 +264,10 @@ def normal_gradient(p, i, nodes, centre, u, n, curves, data):
     """
     step = NEAR * p.radius
     _, beside, _ = road_distance(p, i, nodes, add_scaled(centre, step, u), curves, data)
-    turning = scale(1.0 / step, sub(beside, n))
+    gradient = scale(1.0 / step, sub(beside, n))
     # the normal jumps where two parts of a road are equally near
-    is_jump = dot(turning, turning) * (0.1 * p.radius) ** 2 > 1.0
-    return (0.0, 0.0, 0.0) if is_jump else turning
+    is_jump = dot(gradient, gradient) * (0.1 * p.radius) ** 2 > 1.0
+    return (0.0, 0.0, 0.0) if is_jump else gradient
 
 
 @kernel
@@ -404,8 +404,8 @@ def apply_patch_forces(p, i, old, new, out, h, nodes, at, grip, F, M_z, store):
     moment = add(add(scale(M_z, at.n), scale(M_y, at.y)), scale(M_x, at.x))
     apply_torque(wheel, moment)
     apply_torque(road, scale(-1.0, moment))
-    turning = sub(vec(wheel.w), vec(road.w))
-    out.power += -F[0] * at.slip_x - F[1] * at.slip_y - dot(moment, turning)
+    spin = sub(vec(wheel.w), vec(road.w))
+    out.power += -F[0] * at.slip_x - F[1] * at.slip_y - dot(moment, spin)
     out.loss += old.store[i] - store if h > 0.0 else 0.0
     new.store[i] = store
     out.stored += store
