@@ -79,8 +79,6 @@ class RunPool:
         self._last_line, self._ended = self._started, 0
         before = {n: signal.signal(n, self._receive_signal) for n in _SIGNALS}
         self._is_checked = self.check is None
-        if runs:
-            import_all()
         try:
             while waiting or workers:
                 self._forward_signals(workers)
@@ -140,6 +138,8 @@ class RunPool:
 
     def _start(self, run: Run, continues: bool) -> Worker:
         folder = run.folder(self.folder)
+        # once, where a run is due at all
+        import_all()
         with reported(folder):
             folder.mkdir(parents=True, exist_ok=True)
             if not continues:
