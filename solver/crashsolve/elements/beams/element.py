@@ -15,7 +15,7 @@ from crashsolve.elements.beams.corotational import frame_lag, half_angle_over_si
 from crashsolve.elements.beams.tangent import slope_of_viscosity
 from crashsolve.elements.damping import apply_drag
 from crashsolve.foundation.columns import add_to, matvec, matvec_t
-from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.kernels import inlined, kernel
 from crashsolve.foundation.motion import no_tangent
 from crashsolve.foundation.vec3 import ZERO, add, add_scaled, cross, dot, put, scale, sub, unit, vec
 
@@ -37,7 +37,7 @@ def element_forces(p, out, a, b, R, v, w):
     apply_load(p, out, a, b, (R, v, w), deformed, (f, m, viscosity))
 
 
-@kernel
+@inlined
 def deformation(p, a, b, R, v, w):
     """y, u, theta, rates of u and theta, slopes of the stretch (bowing), rate of y, eta."""
     eta = half_angle_over_sine(v, w)
@@ -53,7 +53,7 @@ def deformation(p, a, b, R, v, w):
     return y, u, theta, u_dot, theta_dot, bent, y_dot, eta
 
 
-@kernel
+@inlined
 def apply_load(p, out, a, b, frame, deformed, load):
     """Apply the force f [N] and moments m [N m] conjugate to u and theta to both nodes.
 
@@ -87,7 +87,7 @@ def apply_load(p, out, a, b, frame, deformed, load):
     return growth
 
 
-@kernel
+@inlined
 def growth_of_rates(p, v, w, deformed):
     """Factors on the bound of a straight element: of its gradients, and of what they couple.
 
