@@ -6,6 +6,7 @@ where the sweep is killed, and has a memory of its own.
 
 from __future__ import annotations
 
+import atexit
 import os
 import runpy
 import signal
@@ -81,6 +82,8 @@ def _run(
 ) -> None:
     """The command, in the copy; ends this process."""
     code = int(ExitCode.INTERNAL)
+    # what the sweep does at its end is not for the run to do, but what it registers itself is
+    atexit._clear()
     try:
         for number in signals:
             is_interrupt = number == signal.SIGINT
@@ -104,6 +107,7 @@ def _run(
     except BaseException:
         traceback.print_exc()
     finally:
+        atexit._run_exitfuncs()
         for stream in (sys.stdout, sys.stderr):
             stream.flush()
         os._exit(code)
