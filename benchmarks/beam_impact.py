@@ -1,4 +1,4 @@
-"""Price of the beam impact of section 4.5: CPU time and error of the tips' paths, by method.
+"""Cost of the beam impact of section 4.5: CPU time and error of the tips' paths, by method.
 
     python benchmarks/beam_impact.py
 
@@ -32,7 +32,7 @@ CONTROLLED = [
 
 
 def run(deck: str, settings: Mapping[str, object]) -> tuple[np.ndarray, np.ndarray, int, float]:
-    """Places (n, 2, 3) of both ends, impulses (n, 3) [N s], steps and CPU time [s]."""
+    """Positions (n, 2, 3) of both ends, impulses (n, 3) [N s], steps and CPU time [s]."""
     changes = {f"control.{name}": str(value) for name, value in settings.items()}
     path = SCENES / f"beam_impact_{deck}.yaml"
     model, state = build(read_deck(path, changes | {"control.energy_limit": "off"}))

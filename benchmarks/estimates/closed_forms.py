@@ -73,7 +73,7 @@ def drawn(travel: np.poly1d, bend: np.poly1d, omega: float) -> Motion:
 def top(
     across: float, along: float, spin: float, precession: float, weight: float, arm: float
 ) -> Motion:
-    """Place (3, n) of the mass centre of a symmetric top that begins along y, its tip held.
+    """Position (3, n) of the mass centre of a symmetric top that begins along y, its tip held.
 
     u = z / arm = u1 + (u2 - u1) sn^2, and it goes round with (a - b u) / (1 - u^2); both inertias
     are about the tip, `precession` [rad/s] is about the vertical (Goldstein, Classical Mechanics,
@@ -136,7 +136,7 @@ class Rod:
         return _line(n, self.density * polar, self.young / 2.6 * polar, self.length)
 
     def beam(self, n: int) -> tuple[np.ndarray, np.ndarray]:
-        """Bending with shear: deflection and turn of each node in turn."""
+        """Bending with shear: deflection and rotation of each node in turn."""
         part, kappa = self.length / n, 6.0 * 1.3 / (7.0 + 6.0 * 0.3)
         bend, shear = self.young * self.second, kappa * self.young / 2.6 * self.area
         give = part**3 / (12.0 * bend) + part / shear

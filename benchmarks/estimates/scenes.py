@@ -358,7 +358,7 @@ def squeezer() -> Scene:
 
 def governor() -> Scene:
     """The stiff governor, IFToMM A05, by Gauss collocation in least coordinates."""
-    # benchmarks/peers/reference.py: its turn, the angle of a rod, and the slider at 1 s
+    # benchmarks/peers/reference.py: its rotation, the angle of a rod, and the slider at 1 s
     rotation, slope, slider = 5.58634696586902, 0.52183330162555, 0.50142092237957
     centre = (0.5 * 0.3 + 5.0) / 5.3
     known = [

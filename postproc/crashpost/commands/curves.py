@@ -41,7 +41,7 @@ def add_commands(add: Add) -> None:
         "--tolerance",
         default="1 %",
         metavar="SHARE",
-        help="largest difference over the range of a channel that is none, default 1 %%",
+        help="differences up to this fraction of a channel's range count as none, default 1 %%",
     )
     sub.add_argument("--all", action="store_true", help="list channels within the tolerance too")
     _add_tests(sub)

@@ -46,9 +46,8 @@ def channels(result: History, words: Sequence[str]) -> list[str]:
     selected = choices(result, words)
     for choice in selected:
         if choice.statistic:
-            raise PostError(
-                f"'{choice.channel}:{choice.statistic}': whole histories are meant here"
-            )
+            name = f"{choice.channel}:{choice.statistic}"
+            raise PostError(f"'{name}': leave out the statistic; whole histories are taken")
     return [choice.channel for choice in selected]
 
 

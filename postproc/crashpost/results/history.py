@@ -190,7 +190,9 @@ class History:
     def _family(self, name: str) -> Family:
         """A group of the history. Raises PostError, or the exception of h5py for a damaged file."""
         if self._history.get(name, getclass=True, getlink=True) is not h5py.HardLink:
-            raise PostError(f"{self.file}: '{name}' leads elsewhere")
+            raise PostError(
+                f"{self.file}: '{name}' is a link to another place in the files, not a group"
+            )
         group, columns = self._history[name], list[Column]()
         ids = tuple(map(printable, self._whole(group["ids"], 1).asstr()[:]))
 

@@ -79,8 +79,8 @@ class Fitting(Card):
 
     anchor: Anchor | None = word("end of the belt", default=None)
     retractor: Retractor | None = word("spool at the beginning of the belt", default=None)
-    ring: Ring | None = word("the belt slips through it", default=None)
-    wrap: Wrap | None = word("the belt lies on its surface", default=None)
+    ring: Ring | None = word("slip ring through which the belt runs", default=None)
+    wrap: Wrap | None = word("surface of a body around which the belt lies", default=None)
 
     @model_validator(mode="after")
     def _one(self) -> "Fitting":

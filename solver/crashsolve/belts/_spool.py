@@ -25,7 +25,7 @@ NONE, FREE, PULLING, LOCKED = range(4)
 
 
 class Pretensioner(Card):
-    """Winds webbing in from a moment on."""
+    """Pretensioner: winds webbing in from a given time on."""
 
     curve_axes: ClassVar = {"curve": ("m", "N")}
 

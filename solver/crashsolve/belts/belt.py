@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 
 STEPWISE = True
 WARNINGS = {
-    "short": "a segment reached zero length, as its ring met the next fitting: its length was "
+    "short": "a segment reached zero length, as its ring reached the next fitting: its length was "
     "taken as 0.001 of the belt; move the ring, or give the belt more webbing",
     "slipped": "the belt slipped off a surface, and was taken as straight until it was clear of "
     "it; the webbing that became slack is lost: move its fittings, or guide it by a ring",

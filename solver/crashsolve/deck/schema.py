@@ -196,7 +196,7 @@ def _manual() -> Iterator[str]:
         "Where a file has `units`, an expression of parameters with units may hold bare numbers",
         "if these are pure, as in `${length/2}`, or if the units of the others cancel, as in",
         "`${gap*sin(tilt)}`.",
-        "A parameter without a unit counts in the units of the file that defines it: a file with",
+        "A parameter without a unit is in the units of the file that defines it: a file with",
         "other units may read it only where it is pure; `'4 1'` states that it is.",
         "Expressions have `+ - * / **`, `pi` and the functions " + _functions() + ";",
         "`${within(stature, 0.5, 2.3)}` is the stature, and refuses one outside these limits.",

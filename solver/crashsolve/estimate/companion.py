@@ -1,6 +1,6 @@
 """A companion: the deck's model run again in memory, coarser or finer, for watched channels.
 
-    coarseness m: fixed or longest step, safety and turn times m; tolerance times m^q
+    coarseness m: fixed or longest step, safety and rotation times m; tolerance times m^q
 
 q is the order of a step's error, 5 at most. A fixed step has a tolerance too: joints are closed and
 stages solved by it. Where samples bound its steps, a coarser companion goes from every m-th of them

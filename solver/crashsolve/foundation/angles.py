@@ -114,7 +114,7 @@ def times(p, q):
 
 @kernel
 def check_rotation_limit(curves, node, w):
-    """Half a turn is near, of body `node`, where its rotation vector would turn over.
+    """Half a revolution of body `node` is near, where its rotation vector would change its sign.
 
     `w` is the cosine of half the angle. Writes: curves[0].fault and x.
     """

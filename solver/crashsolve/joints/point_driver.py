@@ -48,7 +48,7 @@ class PointDriver(DrivenCard):
         "acceleration": ("s", "m/s^2"),
     }
 
-    body: BodyName = word("body that is moved")
+    body: BodyName = word("body whose point is moved")
     at: Vec3 | None = quantity(
         "m",
         "the point at the start, in `frame`; the origin of the body when absent",

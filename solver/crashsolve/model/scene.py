@@ -253,7 +253,7 @@ class Scene:
         return next(entries[name] for entries in known if name in entries)
 
     def refuse_joint(self, name: str, motions: tuple[str, ...], field: str) -> None:
-        """A named joint without any of some motions: an `angle`, a `travel`, turns of a `ball`.
+        """A named joint without any of some motions: an `angle`, a `travel`, rotations of a `ball`.
 
         FREE of the file of a joint lists the free motions.
         """

@@ -29,9 +29,11 @@ class JointAngle(Card):
     angle: float | None = quantity(
         "rad", "angle of b about the joint's axis, right-handed", default=None
     )
-    rotation: Rotation | None = word("of b against a, in axes of a", default=None)
+    rotation: Rotation | None = word("rotation of b against a, in axes of a", default=None)
     rate: float | None = quantity("rad/s", "rate of the angle", default=None)
-    angular_velocity: Vec3 | None = quantity("rad/s", "of b against a, in axes of a", default=None)
+    angular_velocity: Vec3 | None = quantity(
+        "rad/s", "angular velocity of b against a, in axes of a", default=None
+    )
 
     @model_validator(mode="after")
     def _one_of_each(self) -> "JointAngle":

@@ -36,7 +36,7 @@ POINTS = Record(f"""
 
 
 class Guide(Card):
-    """A point of a body that the line passes, or ends at."""
+    """A point of a body through which the line runs, or at which it ends."""
 
     body: BodyName = word("body of the point", default="ground")
     at: Vec3 = quantity("m", "point in the frame of the body", default=(0.0, 0.0, 0.0))

@@ -2,7 +2,7 @@
 
     M = f(theta - theta_0),   positive rotates b back, with f as in springs._resistance
 
-Consequence to test: with `unloading_stiffness` k a turn theta leaves the set theta - f(theta) / k.
+Consequence to test: with `unloading_stiffness` k a rotation theta leaves theta - f(theta) / k.
 """
 
 from __future__ import annotations

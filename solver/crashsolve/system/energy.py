@@ -28,8 +28,8 @@ from crashsolve.model.ledger import (
 from crashsolve.system.contact.touches import card_with_energy_gain, card_with_friction_gain
 from crashsolve.system.kinetics import bad_node
 
-# over so much of the model's size, or turn in rad, the work of a force is round-off; equilibria
-# (static/equilibrium.py) are judged by the same
+# over so much of the model's size, or rotation in rad, the work of a force is round-off; equilibria
+# (statics/equilibrium.py) are checked by the same
 NOTHING = 1e-12
 # round-off of a displacement in a step, over the distance from the origin
 EPSILON = 4e-16
@@ -59,7 +59,7 @@ def clear_ledger(ledger):
 def least_energy(control, nodes, unseen):
     """Energy beyond which `control.energy_limit` of it is no work over an unseen motion [J].
 
-    Of the largest applied force or torque, over `unseen`: a share of the model's size, or a turn.
+    Of the largest applied force or torque over `unseen`, a share of the model's size or a rotation.
     """
     largest = 0.0
     for i in range(1, nodes.shape[0]):

@@ -53,7 +53,7 @@ class TyreCard(Card):
     wheel: BodyName = word("body of the wheel")
     axis: Vec3 = word("axis of the wheel, to the left of forward, in its frame", (0.0, 1.0, 0.0))
     at: Vec3 = quantity("m", "centre of the wheel, in its frame", (0.0, 0.0, 0.0))
-    road: tuple[SurfaceName, ...] = word("surfaces it may roll on: planes, boxes, meshes", ())
+    road: tuple[SurfaceName, ...] = word("surfaces on which it may roll: planes, boxes, meshes", ())
     profile: Profile | None = word("height of a road over the distance along it", None)
     radius: float = quantity("m", "R, without load", gt=0)
     stiffness: float | None = quantity("N/m", "k, of the depth", None, gt=0)
@@ -61,7 +61,7 @@ class TyreCard(Card):
     damping: float = quantity("N s/m", "c, of the depth", 0.0, ge=0)
     damping_depth: float = quantity("m", "depth over which damping grows to c", 5e-3, gt=0)
     rim_radius: float | None = quantity("m", "radius at which it meets the rim", None, gt=0)
-    rim_stiffness: float = quantity("N/m", "k_rim, added to k once the rim is met", 0.0, ge=0)
+    rim_stiffness: float = quantity("N/m", "k_rim, added to k once the rim is reached", 0.0, ge=0)
     slip_stiffness: float = quantity("N", "C_x, longitudinal force over slip at zero", gt=0)
     cornering_stiffness: float = quantity("N/rad", "C_y, lateral force over slip at zero", gt=0)
     camber_stiffness: float = quantity(

@@ -146,7 +146,7 @@ def operate(text: Text, how: ast.operator, one: Value, other: Value) -> Value:
         return Value(FLOAT, (text.value(f"{FLOATS[type(how)]} {text.flags} double {words}"),))
     if a.kind == INT and type(how) in INTEGERS:
         return Value(INT, (text.value(f"{INTEGERS[type(how)]} i64 {words}"),))
-    raise Untranslatable(f"no kernel does {type(how).__name__} to such numbers")
+    raise Untranslatable(f"kernels have no {type(how).__name__} of such numbers")
 
 
 def _shift(text: Text, how: ast.operator, a: Value, b: Value) -> Value:

@@ -172,7 +172,9 @@ class Scene(Card):
         "width of the window; none when empty",
         "",
     )
-    cut: str = word("a sectional view: drawn is only where y<0, or x > 100 mm; all when empty", "")
+    cut: str = word(
+        "half space that is drawn, such as y<0 or x > 100 mm; everything when empty", ""
+    )
     magnify: float = quantity(
         "1",
         "factor on displacements, for small ones; the picture is labelled with it",

@@ -26,7 +26,7 @@ class End(Card):
     """An end of a bar with a separate node, P_barK_start or P_barK_end for bar K of part P."""
 
     bar: int = word("number of the bar, from 1", ge=1)
-    point: int = word("number of the point at this end", ge=1)
+    point: int = word("number of the point at this end of the bar", ge=1)
     free: tuple[OneAxis, ...] = word(
         "rotations about the bar's axes without a moment; x along the bar", default=()
     )
