@@ -237,6 +237,8 @@ class Tyre:
     low_speed: float  # [m/s] V_low
     side_stiffness: float  # [N/m] of the carcass; infinite for none
     resistance: float  # [1] coefficient of rolling resistance
+    K_x: float  # [N/m] C_x / sigma_x
+    K_y: float  # [N/m] C_y / sigma_y
     C_x: float  # [N] longitudinal force over slip at zero
     C_y: float  # [N/rad] lateral force over slip at zero
     C_gamma: float  # [N/rad] lateral force over camber at zero

@@ -170,7 +170,7 @@ class Fibre:
         self.m = p.material
         # one alone, of unit area
         self.p = SimpleNamespace(
-            count=1, y=np.zeros(1), z=np.zeros(1), area=np.ones(1), material=self.m
+            material=self.m, **fibres.columns(np.array([[0.0], [0.0], [1.0]]), float(self.m.young))
         )
         self.old, self.new = as_rows(group.history)[:, 0].copy()
 
@@ -178,7 +178,7 @@ class Fibre:
         """Stress, stored and lost energy at a strain; not accepted."""
         along = ((strain, 0.0, 0.0), (rate, 0.0, 0.0))
         result = fibres.resultants(self.p, self.old, self.new, h, self.curves, *along, self.law)
-        return result[0], result[3], result[4]
+        return result[0][0], result[1], result[2]
 
     def accept(self) -> None:
         for name in self.new.dtype.names:

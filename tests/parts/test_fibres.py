@@ -14,6 +14,7 @@ from crashpost.results.result import Result
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.elements.beams import fibres
 from crashsolve.foundation.errors import DeckErrors
+from crashsolve.foundation.rows import as_rows
 from crashsolve.model.build import build
 from crashsolve.parts.fibre_beam import IMPLICIT
 
@@ -303,3 +304,29 @@ def test_a_law_that_stiffens_states_the_step() -> None:
     # stretched by 1e-3 and bent: fibres at 2e-3 and 0
     bound = fibres.stiffening(section, None, None, (1e-3, 0.1, 0.0), (0.0, 0.0, 0.0), law)
     assert bound == pytest.approx(3.0 * c * 4e-6)
+
+
+def test_a_section_that_cannot_yield_is_that_of_its_fibres_one_by_one(tmp_path: Path) -> None:
+    flow = "yield_stress: 4, hardening: 300, kinematic: 0.5, rate_D: 40, rate_q: 2"
+    law = element(tmp_path, flow)
+    material, curves = law.materials[0], law.bench.curves
+    # both histories of the section, and of one whose fibres are all evaluated
+    one, all_ = (as_rows(law.group.history)[:, law.i].copy() for _ in range(2))
+    rng, strain, linear = np.random.default_rng(3), np.zeros(3), 0
+    for k in range(400):
+        # now and then beyond yield
+        strain = strain + rng.normal(size=3) * (3e-3 if k % 50 < 4 else 3e-5)
+        sections, results = (one[k % 2], one[1 - k % 2]), []
+        before = sections[0].version
+        all_[k % 2].slack = -1.0
+        for old, new in (sections, (all_[k % 2], all_[1 - k % 2])):
+            rates = (0.0, 0.0, 0.0)
+            results.append(
+                fibres.resultants(law.p, old, new, 0.01, curves, tuple(strain), rates, material)
+            )
+        linear += sections[1].version == before
+        np.testing.assert_allclose(results[0][0], results[1][0], rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(results[0][1:], results[1][1:], rtol=1e-12, atol=1e-15)
+        for name in ("plastic", "hardening", "rate", "plastic_strain"):
+            assert (sections[1][name] == all_[1 - k % 2][name]).all()
+    assert 100 < linear < 390

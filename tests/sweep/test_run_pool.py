@@ -1,4 +1,6 @@
-"""Claim: one line states how far all runs are; a run that another process holds is waited for."""
+"""Claims: one line states how far all runs are; a run that another process holds is waited for; a
+run is a process of its own.
+"""
 
 import threading
 import time
@@ -6,9 +8,12 @@ from pathlib import Path
 from typing import Any, cast
 
 import pytest
+from sweeping import WAGON
 
+from crashsolve.foundation.errors import ExitCode
 from crashsolve.output.lock import Lock, is_held
 from crashsolve.sweep.folder import Mark, Run, RunStatus, record
+from crashsolve.sweep.forked_run import ForkedRun
 from crashsolve.sweep.run_pool import RunPool, Worker
 
 MARK = Mark("deck", "files", "version")
@@ -19,7 +24,7 @@ def run(number: int) -> Run:
 
 
 def pool(folder: Path) -> RunPool:
-    return RunPool(Path("deck.yaml"), folder, 2, lambda run: ())
+    return RunPool(Path("deck.yaml"), folder, 2)
 
 
 def test_one_line_reports_all_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -73,3 +78,25 @@ def test_a_run_that_another_process_holds_is_waited_for(
         "  0001 runs in another process: waiting for its end",
         "  0001 failed, exit code 4: m",
     ]
+
+
+def ended(words: list[str], folder: Path) -> tuple[int | None, str, bool]:
+    """Exit code of a run that begins within the lock of a folder, its errors, and whether it left
+    the lock to others.
+    """
+    is_free = False
+    with (folder / "errors.txt").open("w+", encoding="utf-8") as errors:
+        with Lock(folder):
+            run = ForkedRun(words, errors, ())
+        while run.poll() is None:
+            is_free = is_free or not is_held(folder)
+            time.sleep(0.001)
+        errors.seek(0)
+        return run.returncode, errors.read(), is_free
+
+
+def test_a_run_has_its_own_exit_code_and_errors_and_no_lock_of_its_sweep(tmp_path: Path) -> None:
+    assert ended(["check", str(WAGON)], tmp_path) == (0, "", True)
+    code, errors, _ = ended(["check", str(tmp_path / "missing.yaml")], tmp_path)
+    assert code == ExitCode.DECK
+    assert "the file cannot be read" in errors

@@ -185,7 +185,7 @@ def test_the_distance_from_a_profile_is_the_least(seed: int) -> None:
     curves = as_rows(points)
     rng = np.random.default_rng(seed)
     at = (rng.uniform(-2, 2), 0.0, rng.uniform(0.3, 0.6))
-    distance, n = profile_distance(curves, starts[0], 2.0, at)
+    distance, n, _ = profile_distance(curves, starts[0], 2.0, at)
     s = np.linspace(-3, 3, 60001)
     brute = np.hypot(s - at[0], 0.15 * np.sin(2 * s) - at[2]).min()
     # the grid is 1e-4 fine and the cubics follow the sine to 1e-6
@@ -206,7 +206,7 @@ def test_corners_steps_and_troughs_of_a_profile_have_their_true_distance(seed: i
     curves = as_rows(points)
     s = x[0] + (x[-1] - x[0]) * rng.uniform(0.2, 0.8)
     at = (s, 0.0, np.interp(s, x, z) + rng.uniform(0.0, 0.4))
-    distance, n = profile_distance(curves, starts[0], 2.0, at)
+    distance, n, _ = profile_distance(curves, starts[0], 2.0, at)
     # the exact distance from every chord
     a, d = np.column_stack([x, z])[:-1], np.column_stack([np.diff(x), np.diff(z)])
     t = (((s, at[2]) - a) * d).sum(1) / (d * d).sum(1)

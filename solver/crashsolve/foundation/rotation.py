@@ -69,6 +69,12 @@ def midpoint_spin(J, J_inv, p, h):
     """
     s = 0.5 * h
     W = matvec(J_inv, p)
+    gyro = cross(W, p)
+    # about a principal axis, as all bodies of a plane model, that is all
+    if gyro[0] == 0.0 and gyro[1] == 0.0 and gyro[2] == 0.0:
+        return W
+    # it spares an iteration of Newton's method, which costs four times as much
+    W = sub(W, scale(s, matvec(J_inv, gyro)))
     for _ in range(12):
         JW = matvec(J, W)
         f = sub(add(JW, scale(s, cross(W, JW))), p)

@@ -191,7 +191,7 @@ def table(scene: Scene) -> np.ndarray:
 def transfer_inertia(nodes: np.ndarray, attached_nodes: np.ndarray) -> None:
     """Take their inertia from the rows of attached nodes. Writes: nodes."""
     at = attached_nodes["node"]
-    nodes["mass_inv"][at] = 1.0 / NOTHING
+    nodes["mass_inv"][at], nodes["is_attached"][at] = 1.0 / NOTHING, 1
     for name in ("J", "J_inv", "L"):
         nodes[name][at] = 0.0
 

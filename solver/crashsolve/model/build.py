@@ -23,7 +23,7 @@ from crashsolve.model.checks.statics import is_incremental, refuse_motion
 from crashsolve.model.citations import citations, laws_in_use
 from crashsolve.model.clock import CLOCK, CONTROL
 from crashsolve.model.contact import records
-from crashsolve.model.contact.body_pairs import find_body_pairs
+from crashsolve.model.contact.body_pairs import find_body_pairs, mark_bodies
 from crashsolve.model.contact.build import build_contacts
 from crashsolve.model.contact.node_to_surface import loads_of_points
 from crashsolve.model.contact.pieces import cut as cut_pairs
@@ -390,6 +390,7 @@ def _state(model: Model, scene: Scene) -> State:
     card_history["first_touch"] = card_history["last_release"] = start - 1.0
     nodes = initial_nodes(scene)
     set_references(nodes, model.joints)
+    mark_bodies(nodes, model.contact_groups)
     # the ground never moves
     nodes["start_q"], nodes["start_A"] = nodes["q"], nodes["A"]
     return State(

@@ -5,28 +5,40 @@ Every body is a node, a point with a triad; node 0 is the ground. World componen
 
 from crashsolve.foundation.record import Record
 
+# what most laws read stands together
 NODE = Record("""
     r             m           3  position of the mass centre
     q             1           4  unit quaternion (w, x, y, z), body to world
-    A             1           9  rotation matrix of q, by rows
     v             m/s         3  velocity of the mass centre
-    L             kg m^2/s    3  angular momentum about the mass centre
     w             rad/s       3  angular velocity
-    W             1/(kg m^2)  9  inverse inertia at the present orientation
-    mass_inv      1/kg           inverse mass; 0 for the ground
-    J             kg m^2      9  inertia, body axes
-    J_inv         1/(kg m^2)  9  inverse inertia, body axes
     force         N           3  applied force
     torque        N m         3  applied torque about the mass centre
-    deferred_force  N           3  part of force that began during the step
-    deferred_torque  N m         3  part of torque that began during the step
     stiffness     1/s^2          sum of k times mobility, for the stable step
     damping       1/s            sum of c times mobility
+    L             kg m^2/s    3  angular momentum about the mass centre
+    mass_inv      1/kg           inverse mass; 0 for the ground
+    is_attached   flag           whether it moves with a body (system/attachments.py)
+    has_surface   flag           whether a contact may touch it
+    A             1           9  rotation matrix of q, by rows
+    W             1/(kg m^2)  9  inverse inertia at the present orientation
+    joint_force   N           3  D^T lambda
+    joint_torque  N m         3  D^T lambda about the mass centre
+    v_half        m/s         3  velocity during the drift
+    L_half        kg m^2/s    3  angular momentum during the drift
+    start_r       m           3  at the start of the step
+    start_v       m/s         3  at the start of the step
+    start_L       kg m^2/s    3  at the start of the step
+    start_q       1           4  at the start of the step
+    start_A       1           9  at the start of the step
+    moved         m           3  displacement of the mass centre in the step, where it bounds gaps
+    rotated       1           3  2 tan(theta / 2) times the axis of its rotation, for the same
+    J             kg m^2      9  inertia, body axes
+    J_inv         1/(kg m^2)  9  inverse inertia, body axes
+    deferred_force  N           3  part of force that began during the step
+    deferred_torque  N m         3  part of torque that began during the step
     pressed       m/s^2          sum of normal force times mobility along the slip, where friction
                                  acts
     was_pressed   m/s^2          the same in the last step
-    joint_force   N           3  D^T lambda
-    joint_torque  N m         3  D^T lambda about the mass centre
     reference     index          body of its mechanism, or the ground, to whose velocity work of
                                  joints is relative
     joint_work    J              work of joints, less that of drivers, in steps of many iterations
@@ -36,15 +48,6 @@ NODE = Record("""
     external      N, N m      6  row 0: force and torque about the origin from outside
     v_dot         m/s^2       3  acceleration of the mass centre, at samples
     w_dot         rad/s^2     3  angular acceleration, at samples
-    start_r       m           3  at the start of the step
-    start_q       1           4  at the start of the step
-    start_A       1           9  at the start of the step
-    start_v       m/s         3  at the start of the step
-    start_L       kg m^2/s    3  at the start of the step
-    v_half        m/s         3  velocity during the drift
-    L_half        kg m^2/s    3  angular momentum during the drift
-    moved         m           3  displacement of the mass centre in the step, where it bounds gaps
-    rotated       1           3  2 tan(theta / 2) times the axis of its rotation, for the same
 """)
 
 STAGE = Record("""

@@ -47,17 +47,13 @@ RATES = 3
 MAX_FIBRES = fibres.MAX_FIBRES
 TANGENTS = element.TANGENTS + RATES
 ORDER, DESCRIPTIONS = 1, beam.DESCRIPTIONS
-PARAMETERS = beam.PARAMETERS + Record(f"""
-    count  count                        fibres
-    y      m      {fibres.MAX_FIBRES}  positions along y of the section
-    z      m      {fibres.MAX_FIBRES}  positions along z of the section
-    area   m^2    {fibres.MAX_FIBRES}  areas
-    law    index                        of the material's law among those of the group
-""")
-HISTORY = Record(f"""
-    stress  Pa  {fibres.MAX_FIBRES}  of the fibres; the material adds its other columns
-    work    J                         plastic work
-""")
+PARAMETERS = (
+    beam.PARAMETERS
+    + fibres.SECTION
+    + Record("law  index  of the material's law among those of the group")
+)
+# the material adds the columns of its fibres
+HISTORY = fibres.STATE + Record("work  J  plastic work")
 OUTPUT = beam.OUTPUT + Record("""
     plastic_strain  1  largest e of the fibres
     plastic_work    J  of the element
@@ -84,10 +80,8 @@ def elements(card: FibreBeam, nodes: list[int], scene: Scene) -> list[Columns]:
     section, _ = properties.laws(card, scene)
     law, material_card = scene.law("materials", card.material)
     material = law.build(material_card, scene)
-    y, z, area = fibres.fit(_table(card, scene), section)
-    room = np.zeros(fibres.MAX_FIBRES - len(y))
-    own: Columns = {"count": len(y), "material": material}
-    own |= {"y": np.append(y, room), "z": np.append(z, room), "area": np.append(area, room)}
+    table = fibres.fit(_table(card, scene), section)
+    own = fibres.columns(table, material["young"]) | {"material": material}
     return [row | own for row in beam.elements(card, nodes, scene)]
 
 
@@ -121,11 +115,11 @@ def force(
     R, v, w = mean_frame(a, b)
     check_rotation_limit(curves, p.node_b, w)
     strained = element.deformation(p, a, b, R, v, w)
-    _, u, theta, u_dot, theta_dot, _, _ = strained
+    _, u, theta, u_dot, theta_dot, _, _, _ = strained
     strain, rate = at_section(p, strained)
-    N, M_y, M_z, stored, lost = fibres.resultants(p, old, new, h, curves, strain, rate, material)
+    load, stored, lost = fibres.resultants(p, old, new, h, curves, strain, rate, material)
     k, k_r = p.stiffness, p.rotational_stiffness
-    f, m = (N, k[1] * u[1], k[2] * u[2]), (k_r[0] * theta[0], M_y, M_z)
+    f, m = (load[0], k[1] * u[1], k[2] * u[2]), (k_r[0] * theta[0], load[1], load[2])
     elastic = k[1] * u[1] * u[1] + k[2] * u[2] * u[2] + k_r[0] * theta[0] * theta[0]
     slow = p.viscosity - p.quadratic_viscosity * min(u_dot[0], 0.0)
     lag = (
@@ -140,23 +134,21 @@ def force(
     out.power = dot(lag, u_dot) + dot(rotation, theta_dot)
     out.loss = lost * p.length
     new.work = old.work + out.loss
-    load = (add(f, lag), add(m, rotation), slow)
-    growth = element.apply_load(p, out, a, b, (R, v, w), strained, load)
+    damped = (add(f, lag), add(m, rotation), slow)
+    growth = element.apply_load(p, out, a, b, (R, v, w), strained, damped)
     if not material.VON_MISES:
         growth *= fibres.stiffening(p, old, curves, strain, rate, material)
         a.stiffness += growth * p.rate_a
         b.stiffness += growth * p.rate_b
     element.add_drag(p, out, nodes)
-    out.plastic_work, out.plastic_strain = new.work, 0.0
-    if material.VON_MISES:
-        for i in range(p.count):
-            out.plastic_strain = max(out.plastic_strain, new.hardening[i])
+    # other laws leave it at 0
+    out.plastic_work, out.plastic_strain = new.work, new.plastic_strain
 
 
 @kernel
 def at_section(p: Parameters, strained):
     """Stretch and bending of the section, and their rates, from element.deformation."""
-    _, u, theta, u_dot, theta_dot, _, _ = strained
+    _, u, theta, u_dot, theta_dot, _, _, _ = strained
     per = 1.0 / p.length
     strain = (per * u[0], per * theta[1], per * theta[2])
     return strain, (per * u_dot[0], per * theta_dot[1], per * theta_dot[2])

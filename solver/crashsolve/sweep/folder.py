@@ -52,12 +52,16 @@ class Mark:
 
 @dataclass(frozen=True)
 class Run:
-    """One run of a sweep: its number from 1, its values, all that it sets in the deck."""
+    """One run of a sweep: its number from 1, its values, all that it sets in the deck.
+
+    `span` is its simulated time [s].
+    """
 
     number: int
     values: Point
     overrides: dict[str, str]
     mark: Mark
+    span: float = 0.0
 
     @property
     def name(self) -> str:

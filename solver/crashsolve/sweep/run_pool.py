@@ -1,31 +1,46 @@
 """The runs of a sweep side by side, each an ordinary run in a process of its own, on one display.
 
+Their processes are copies of this one, which has imported all that they need.
+
 One loop looks at all of them, so that a signal to it reaches every run: SIGTERM and SIGINT stop
 them with a dump each, SIGUSR1 dumps. A run that was stopped or killed continues from its dump.
 """
 
 import signal
-import subprocess
 import sys
 import time
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Protocol
 
 from crashsolve.foundation.errors import ExitCode
 from crashsolve.foundation.streams import discard_output, print_line, printable
 from crashsolve.output.files import reported
 from crashsolve.output.lock import is_held
-from crashsolve.study.child_runs import reason, start, status_of
+from crashsolve.study.child_runs import reason, status_of
 from crashsolve.sweep.folder import ERRORS, Run, RunStatus, clear, record, run_status
+from crashsolve.sweep.forked_run import ForkedRun, import_all
 
 # [s] between two looks at the runs, and between two lines where standard output is no terminal
 POLL, LINE_INTERVAL = 0.05, 60.0
 SHOWN = 4
 STATES = {int(ExitCode.NORMAL): "finished", int(ExitCode.STOPPED): "stopped"}
-Scene = Callable[[Run], tuple[str, ...]]
+
+
+class Check(Protocol):
+    """A process that looks at the results of the first run beside the others."""
+
+    def start(self) -> None:
+        """Start it."""
+
+    def report(self) -> None:
+        """Print what it has found, once it has ended."""
+
+    def wait(self) -> None:
+        """Wait for its end, and print what it has found."""
 
 
 @dataclass
@@ -33,9 +48,8 @@ class Worker:
     """A run and its process; `is_stopping` once it has been asked to stop."""
 
     run: Run
-    process: subprocess.Popen[str]
+    process: ForkedRun
     started: float = field(default_factory=time.monotonic)
-    is_compiled: bool = False
     is_stopping: bool = False
     progress: float = 0.0
 
@@ -44,16 +58,14 @@ class Worker:
 class RunPool:
     """Runs a list of runs, `jobs` at a time, into the folder of their sweep.
 
-    `scene` distinguishes the runs whose steps must be compiled: the first of each begins alone.
-    `after_first` is called once the first run has finished.
+    `check` is started once the first run has finished.
     """
 
     deck: Path
     folder: Path
     jobs: int
-    scene: Scene
     time_limit: float | None = None
-    after_first: Callable[[], None] | None = None
+    check: Check | None = None
     states: dict[int, RunStatus] = field(default_factory=dict)
     codes: dict[int, int] = field(default_factory=dict)
     requests: list[int] = field(default_factory=list)
@@ -62,11 +74,11 @@ class RunPool:
     def run_all(self, runs: Sequence[Run]) -> None:
         """Run all; afterwards `states` and `codes` have the outcome of each. Raises OutputError."""
         waiting, workers = list(runs), list[Worker]()
-        self._compiled: set[tuple[str, ...]] = set()
         self._held_by_others: set[int] = set()
         self._count, self._started = len(waiting), time.monotonic()
         self._last_line, self._ended = self._started, 0
         before = {n: signal.signal(n, self._receive_signal) for n in _SIGNALS}
+        self._is_checked = self.check is None
         try:
             while waiting or workers:
                 self._forward_signals(workers)
@@ -78,6 +90,8 @@ class RunPool:
                     self._finish(worker)
                 self._monitor(workers, len(waiting))
                 time.sleep(POLL)
+            if self.check is not None:
+                self.check.wait()
         finally:
             for worker in workers:
                 worker.process.terminate()
@@ -108,10 +122,6 @@ class RunPool:
         for run in list(waiting):
             if len(workers) >= self.jobs:
                 return
-            scene = self.scene(run)
-            is_first = scene not in [self.scene(w.run) for w in workers]
-            if not (scene in self._compiled or is_first):
-                continue
             if is_held(run.folder(self.folder)):
                 if run.number not in self._held_by_others:
                     self._print(f"  {run.name} runs in another process: waiting for its end")
@@ -128,20 +138,29 @@ class RunPool:
 
     def _start(self, run: Run, continues: bool) -> Worker:
         folder = run.folder(self.folder)
+        # once, where a run is due at all
+        import_all()
         with reported(folder):
             folder.mkdir(parents=True, exist_ok=True)
             if not continues:
                 clear(self.folder, run)
             record(self.folder, run, "running")
             with (folder / ERRORS).open("w", encoding="utf-8") as errors:
-                own = start(self.deck, folder, run.overrides, continues, errors, self.jobs)
-                return Worker(run, own)
+                words, shares = self._words(run, continues), self.jobs > 1
+                return Worker(run, ForkedRun(words, errors, _SIGNALS, shares))
+
+    def _words(self, run: Run, continues: bool) -> list[str]:
+        """The command line of a run."""
+        words = ["run", str(self.deck), "-o", str(run.folder(self.folder))]
+        for name, value in run.overrides.items():
+            words += ["--set", f"{name}={value}"]
+        return words + ["--restart"] * continues
 
     def _finish(self, worker: Worker) -> None:
         """Store the outcome of a run."""
-        run, code = worker.run, worker.process.returncode
+        run, code = worker.run, worker.process.poll()
+        assert code is not None
         folder = run.folder(self.folder)
-        self._compiled.add(self.scene(run))
         if code == -signal.SIGTERM and worker.is_stopping:
             # asked before its first step
             code = int(ExitCode.STOPPED)
@@ -154,9 +173,9 @@ class RunPool:
         message = printable(message)
         record(self.folder, run, state, code, message)
         self._report(run, RunStatus(state, "" if state == "finished" else message), code)
-        if state == "finished" and self.after_first is not None:
-            self.after_first()
-            self.after_first = None
+        if state == "finished" and self.check is not None and not self._is_checked:
+            self._is_checked = True
+            self.check.start()
 
     def _report(self, run: Run, status: RunStatus, code: int) -> None:
         self.states[run.number], self.codes[run.number] = status, code
@@ -168,11 +187,9 @@ class RunPool:
         """Once a second: progress of all runs, and those that are out of time."""
         now = time.monotonic()
         is_terminal = sys.stdout.isatty()
+        if self.check is not None:
+            self.check.report()
         for worker in workers:
-            status = status_of(worker.run.folder(self.folder)) if not worker.is_compiled else {}
-            if status.get("pid") == worker.process.pid and (status.get("cycle") or 0) > 0:
-                worker.is_compiled = True
-                self._compiled.add(self.scene(worker.run))
             if (
                 self.time_limit
                 and now - worker.started > self.time_limit

@@ -9,6 +9,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from tempfile import TemporaryFile
 
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.deck.reading.several import Several
@@ -69,16 +70,10 @@ def sweep(request: Request) -> int:
         _report_plan(request, runs, statuses)
         if request.queue is not None:
             return _queue(request, due)
-        words = [name for name, axis in plan.axes.items() if not axis.is_of_numbers]
-        pool = RunPool(
-            plan.deck,
-            request.folder,
-            max(request.jobs or cores(), 1),
-            lambda run: tuple(run.values[name] for name in words),
-            plan.card.time_limit,
-            lambda: _report_problems(request.folder),
-        )
-        pool.run_all(due)
+        jobs, limit = max(request.jobs or cores(), 1), plan.card.time_limit
+        pool = RunPool(plan.deck, request.folder, jobs, limit, MeasureCheck(request.folder))
+        # the longest first, so that all end together
+        pool.run_all(sorted(due, key=lambda run: -run.span))
         is_measured = gather(request.folder)
     failed = [int(ExitCode.SOLVER) for run in runs if _failed_before(run, statuses, pool)]
     code = ExitCode.STOPPED if pool.is_stopping else _code([*pool.codes.values(), *failed])
@@ -105,7 +100,7 @@ def task(folder: Path, number: int) -> int:
         if run_status(folder, run).state == "finished":
             print_line(f"  {run.name} finished already")
             return ExitCode.NORMAL
-        pool = RunPool(deck, folder, 1, lambda run: ())
+        pool = RunPool(deck, folder, 1)
         pool.run_all([run])
     return pool.codes.get(run.number, ExitCode.STOPPED)
 
@@ -131,7 +126,8 @@ def prepared(plan: Plan) -> tuple[str, list[Run]]:
         except DeckError as error:
             wrong.append((number, point, DeckErrors([error])))
         else:
-            runs.append(Run(number, point, overrides, mark_of(deck)))
+            span = deck.control.end_time - deck.control.start_time
+            runs.append(Run(number, point, overrides, mark_of(deck), span))
         if wrong and not runs:
             break
     if not wrong and several.ineffective:
@@ -244,7 +240,8 @@ def gather(folder: Path) -> bool:
 
     Raises OutputError when it cannot.
     """
-    done = _gathered(folder)
+    words = _gathering(folder)
+    done = subprocess.run(words, capture_output=True, text=True, errors="replace")
     if done.returncode > 1:
         last_line = done.stderr.strip().splitlines()[-1:] or [f"crashpost: code {done.returncode}"]
         raise OutputError(folder, f"the table cannot be gathered: {last_line[0]}")
@@ -253,15 +250,38 @@ def gather(folder: Path) -> bool:
     return done.returncode == 0
 
 
-def _report_problems(folder: Path) -> None:
-    """Print errors of the measures after the first run, while there is time to correct them."""
-    done = _gathered(folder)
-    if done.returncode == 1:
-        for line in done.stdout.splitlines()[1:]:
-            print_line(printable(line))
-        print_line("  measures may be corrected in the plan: finished runs are kept")
+class MeasureCheck:
+    """Errors of the measures in the first run, reported while there is time to correct them."""
+
+    def __init__(self, folder: Path) -> None:
+        self._words = _gathering(folder)
+        self._process: subprocess.Popen[str] | None = None
+
+    def start(self) -> None:
+        """Gather the first run, beside the others."""
+        # a file takes any number of lines, a pipe stops who writes more than a few
+        self._lines = TemporaryFile("w+", encoding="utf-8", errors="replace")  # noqa: SIM115
+        null = subprocess.DEVNULL
+        self._process = subprocess.Popen(self._words, stdout=self._lines, stderr=null, text=True)
+
+    def report(self) -> None:
+        """Print the errors, once it has ended."""
+        if self._process is not None and self._process.poll() is not None:
+            self.wait()
+
+    def wait(self) -> None:
+        """Wait for its end, and print the errors."""
+        if self._process is None:
+            return
+        code, self._process = self._process.wait(), None
+        with self._lines as file:
+            file.seek(0)
+            lines = file.read().splitlines()
+        if code == 1:
+            for line in lines[1:]:
+                print_line(printable(line))
+            print_line("  measures may be corrected in the plan: finished runs are kept")
 
 
-def _gathered(folder: Path) -> subprocess.CompletedProcess[str]:
-    words = [sys.executable, "-m", "crashpost", "sweep", str(folder), "--table"]
-    return subprocess.run(words, capture_output=True, text=True, errors="replace")
+def _gathering(folder: Path) -> list[str]:
+    return [sys.executable, "-m", "crashpost", "sweep", str(folder), "--table"]

@@ -115,6 +115,10 @@ def kick_with_joints_and_drift(nodes, h, again):
     """
     for i in range(1, nodes.shape[0]):
         b = nodes[i]
+        if b.is_attached == 1:
+            # until the force pass moves it with its body
+            put(b.r, add_scaled(vec(b.start_r), h, vec(b.start_v)))
+            continue
         v, L = kicked(b, h, vec(b.start_v), vec(b.start_L))
         v = add_scaled(v, 0.5 * h * b.mass_inv, vec(b.joint_force))
         L = add_scaled(L, 0.5 * h, vec(b.joint_torque))

@@ -116,9 +116,10 @@ def begin_force_pass(nodes, h):
     clear_forces_of(nodes[0])
     for i in range(1, nodes.shape[0]):
         b = nodes[i]
-        if h > 0.0:
-            predict_body(b, h)
-        refresh_body(b)
+        if b.is_attached == 0:
+            if h > 0.0:
+                predict_body(b, h)
+            refresh_body(b)
         clear_forces_of(b)
     for k in range(6):
         nodes[0].external[k] = 0.0
@@ -129,10 +130,12 @@ def second_kick(nodes, h):
     """Second half kick by the applied forces, from half step. Writes: nodes.v, L, w."""
     for i in range(1, nodes.shape[0]):
         b = nodes[i]
-        v, L = kicked(b, h, vec(b.v_half), vec(b.L_half))
-        put(b.v, v)
-        put(b.L, L)
-        put(b.w, matvec(b.W, vec(b.L)))
+        # attached nodes have the velocities of the force pass
+        if b.is_attached == 0:
+            v, L = kicked(b, h, vec(b.v_half), vec(b.L_half))
+            put(b.v, v)
+            put(b.L, L)
+            put(b.w, matvec(b.W, L))
 
 
 @kernel

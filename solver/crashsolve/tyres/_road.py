@@ -30,6 +30,8 @@ from crashsolve.foundation.vec3 import dot, norm, scale, sub
 MAX_ROADS = 6  # roads of one tyre
 # cosine between normals of two roads above which they press a wheel from one side
 ONE_SIDE = 0.99
+# difference by which the turning of a normal is found, over R
+NEAR = 1e-4
 STARTS = 3  # of the search on a curved piece of a profile
 PLANE, BOX, MESH, PROFILE = range(4)
 KINDS = {"plane": PLANE, "box": BOX, "mesh": MESH}
@@ -132,13 +134,15 @@ def mesh_tables(
 
 @kernel
 def road_distance(p, i, nodes, x, curves, data):
-    """Distance of a world point x from road i [m], negative below, and the unit normal to x."""
+    """Distance of a world point x from road i [m], negative below, the unit normal to x, and
+    whether that is known to be the same beside it.
+    """
     body = nodes[p.road_node[i]]
     at = (p.road_at[3 * i], p.road_at[3 * i + 1], p.road_at[3 * i + 2])
     displacement = sub(x, world_position(body, at))
     if p.kind[i] == PLANE:
         n = arm(body, (p.road_axes[9 * i + 6], p.road_axes[9 * i + 7], p.road_axes[9 * i + 8]))
-        return dot(displacement, n), n
+        return dot(displacement, n), n, True
     axes = road_axes(p, i)
     y = matvec_t(axes, matvec_t(body.A, displacement))
     if p.kind[i] == BOX:
@@ -148,13 +152,13 @@ def road_distance(p, i, nodes, x, curves, data):
     elif p.kind[i] == PROFILE:
         # its axes are rows of the ground
         y = matvec(axes, displacement)
-        distance, m = profile_distance(curves, p.road_root[i], p.radius, y)
-        return distance, matvec_t(axes, m)
+        distance, m, is_even = profile_distance(curves, p.road_root[i], p.radius, y)
+        return distance, matvec_t(axes, m), is_even
     else:
         distance, m = 1e300, (0.0, 0.0, 1.0)
         if data is not None:
             distance, m = mesh_distance(p.road_root[i], p.thickness[i], y, data)
-    return distance, matvec(body.A, matvec(axes, m))
+    return distance, matvec(body.A, matvec(axes, m)), False
 
 
 @kernel
@@ -184,6 +188,7 @@ def road_axes(p, i):
 @kernel
 def profile_distance(curves, curve, radius, y):
     """Distance of (s, across, z) from a profile, and the normal in its axes; exact up to `radius`.
+    Last, whether the nearest point lies within a straight piece.
 
     All pieces that may be nearer than the road straight below are searched, so that corners, steps
     and troughs narrower than the wheel have their true distance, which has no jumps.
@@ -196,7 +201,7 @@ def profile_distance(curves, curve, radius, y):
         at += (y[2] - height) * slope / (1.0 + slope * slope)
         z += slope * (at - y[0])
     least = (at - y[0]) ** 2 + (z - y[2]) ** 2
-    reach = min(sqrt(least), radius)
+    reach, is_even = min(sqrt(least), radius), False
     i = segment(curves, curve, last, max(y[0] - reach, curves[curve].x))
     while i < last and curves[i].x <= y[0] + reach:
         start, end = curves[i].x, curves[i + 1].x
@@ -204,9 +209,14 @@ def profile_distance(curves, curve, radius, y):
         # a cubic has up to three nearest points: one from each third is found
         for j in range(1 if is_straight else STARTS):
             begin = (j + 0.5) / STARTS * (end - start)
-            s = nearest_on_piece(curves[i].c, begin, end - start, y, start)
+            if is_straight:
+                s = nearest_on_line(curves[i].c, end - start, y, start)
+            else:
+                s = nearest_on_piece(curves[i].c, begin, end - start, y, start)
             h = piece_height(curves[i].c, s)
             square = (start + s - y[0]) ** 2 + (h - y[2]) ** 2
+            if square <= least:
+                is_even = is_straight and min(s, end - start - s) > 2.0 * NEAR * radius
             if square < least:
                 at, z, least = start + s, h, square
         i += 1
@@ -214,15 +224,22 @@ def profile_distance(curves, curve, radius, y):
     distance = sqrt(least)
     if distance <= 1e-12:
         length = sqrt(1.0 + slope * slope)
-        return y[2] - height, (-slope / length, 0.0, 1.0 / length)
+        return y[2] - height, (-slope / length, 0.0, 1.0 / length), False
     sign = -1.0 if y[2] < height else 1.0
-    return sign * distance, (sign * d / distance, 0.0, sign * rise / distance)
+    return sign * distance, (sign * d / distance, 0.0, sign * rise / distance), is_even
 
 
 @kernel
 def piece_height(c, s):
     """Height of a piece at s from its start [m]."""
     return c[0] + s * (c[1] + s * (c[2] + s * c[3]))
+
+
+@kernel
+def nearest_on_line(c, end, y, start):
+    """Position on a straight piece of that length nearest to y, from its start [m]."""
+    s = (y[0] - start + (y[2] - c[0]) * c[1]) / (1.0 + c[1] * c[1])
+    return min(max(s, 0.0), end)
 
 
 @kernel

@@ -39,12 +39,10 @@ from crashsolve.foundation.motion import (
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import Vector, add, add_scaled, cross, dot, scale, sub, vec
 from crashsolve.springs._resistance import steepest
-from crashsolve.tyres._road import MAX_ROADS, PLANE, ROADS, Profile, road_columns, road_distance
+from crashsolve.tyres._road import MAX_ROADS, NEAR, ROADS, Profile, road_columns, road_distance
 
 # cosine of the camber below which a wheel lies on its side, and is not on its tyre
 LEAST_COSINE = 0.1
-# difference by which the turning of a normal is found, over R
-NEAR = 1e-4
 
 
 class TyreCard(Card):
@@ -121,6 +119,8 @@ TYRE = ROADS + Record("""
     low_speed       m/s       V_low
     side_stiffness  N/m       of the carcass; infinite for none
     resistance      1         coefficient of rolling resistance
+    K_x             N/m       C_x / sigma_x
+    K_y             N/m       C_y / sigma_y
     C_x             N         longitudinal force over slip at zero
     C_y             N/rad     lateral force over slip at zero
     C_gamma         N/rad     lateral force over camber at zero
@@ -189,6 +189,8 @@ def tyre_columns(card: TyreCard, scene: Scene) -> Columns:
         "low_speed": card.low_speed,
         "side_stiffness": card.side_stiffness or float("inf"),
         "resistance": card.rolling_resistance,
+        "K_x": card.slip_stiffness / card.relaxation,
+        "K_y": card.cornering_stiffness / card.side_relaxation,
         "C_x": card.slip_stiffness,
         "C_y": card.cornering_stiffness,
         "C_gamma": card.camber_stiffness,
@@ -219,7 +221,7 @@ def patch_of(p, i, nodes, curves, data):
     wheel, road = nodes[p.node], nodes[p.road_node[i]]
     u, hub = arm(wheel, vec(p.axis)), arm(wheel, vec(p.centre))
     centre = world_position(wheel, vec(p.centre))
-    d, n = road_distance(p, i, nodes, centre, curves, data)
+    d, n, is_even = road_distance(p, i, nodes, centre, curves, data)
     camber = dot(u, n)
     upright = sqrt(max(1.0 - camber * camber, 0.0))
     lies = upright < LEAST_COSINE
@@ -234,7 +236,7 @@ def patch_of(p, i, nodes, curves, data):
     V_x = dot(x, relative_velocity(wheel, hub, road))
     depth = -1.0 if lies else p.radius * upright - d
     tilt = (0.0, 0.0, 0.0)
-    if depth > 0.0 and p.kind[i] != PLANE:
+    if depth > 0.0 and not is_even:
         gradient = normal_gradient(p, i, nodes, centre, u, n, curves, data)
         tilt = scale(-p.radius * camber / cosine, gradient)
     return Patch(
@@ -261,7 +263,7 @@ def normal_gradient(p, i, nodes, centre, u, n, curves, data):
     The distance from a road has a symmetric second derivative, so that it is that of n along u.
     """
     step = NEAR * p.radius
-    _, beside = road_distance(p, i, nodes, add_scaled(centre, step, u), curves, data)
+    _, beside, _ = road_distance(p, i, nodes, add_scaled(centre, step, u), curves, data)
     gradient = scale(1.0 / step, sub(beside, n))
     # the normal jumps where two parts of a road are equally near
     is_jump = dot(gradient, gradient) * (0.1 * p.radius) ** 2 > 1.0
@@ -335,7 +337,7 @@ def grip_of(p, i, old, new, out, at, h, curves):
     now = sqrt(at.slip_x**2 + at.slip_y**2) / max(V, p.low_speed)
     mu = p.friction_max - (p.friction_max - p.friction_min) * min(now, 1.0)
     # the carcass of a patch that slides all over is not deflected further
-    carcass_force = sqrt((p.C_x * q_x / p.sigma_x) ** 2 + (p.C_y * q_y / p.sigma_y) ** 2)
+    carcass_force = sqrt((p.K_x * q_x) ** 2 + (p.K_y * q_y) ** 2)
     share = 3.0 * mu * F_z / carcass_force if carcass_force > 3.0 * mu * F_z else 1.0
     new.q_x[i], new.q_y[i] = share * q_x, share * q_y
     # a wheel that leans to the right is pushed to the right
@@ -417,21 +419,19 @@ def apply_patch_forces(p, i, old, new, out, h, nodes, at, grip, F, M_z, store):
     load(wheel, at.bottom, at.n, grip.slope, grip.damping)
     if p.road_node[i] > 0:
         load(road, add(to_road, at.bottom), at.n, grip.slope, grip.damping)
-    load(wheel, at.foot, at.x, p.C_x / p.sigma_x, p.standstill_damping)
-    load(wheel, at.foot, at.y, p.C_y / p.sigma_y, p.standstill_damping)
+    load(wheel, at.foot, at.x, p.K_x, p.standstill_damping)
+    load(wheel, at.foot, at.y, p.K_y, p.standstill_damping)
 
 
 @kernel
 def bound_step(p, nodes, curves, data):
-    """A tyre off all roads bounds the step: nothing else shortens it before the next road.
-
-    It will meet one in a point of its circle, not in the point of the road that is now below it.
-    Writes: nodes.
+    """A tyre off all roads bounds the step: nothing else shortens it before the next road, which
+    it meets in a point of its circle, not of the road that is now below it. Writes: nodes.
     """
     at, wheel = patch_of(p, 0, nodes, curves, data), nodes[p.node]
     load(wheel, at.bottom, at.n, p.largest_slope, p.damping)
-    load(wheel, at.bottom, at.x, p.C_x / p.sigma_x, p.standstill_damping)
-    load(wheel, at.bottom, at.y, p.C_y / p.sigma_y, p.standstill_damping)
+    load(wheel, at.bottom, at.x, p.K_x, p.standstill_damping)
+    load(wheel, at.bottom, at.y, p.K_y, p.standstill_damping)
 
 
 @kernel

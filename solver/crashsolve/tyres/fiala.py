@@ -69,10 +69,8 @@ def forces(C_x, C_y, s_x, s_y, mu, F_z, length):
 @kernel
 def carcass_energy(p: Parameters, grip):
     """Energy of the deflected carcass, whose force is that of the tyre [J]."""
-    F_x, F_y, _, _ = forces(
-        p.C_x, p.C_y, grip.q_x / p.sigma_x, grip.q_y / p.sigma_y, grip.mu, grip.F_z, 1.0
-    )
-    return 0.5 * (F_x * F_x * p.sigma_x / p.C_x + F_y * F_y * p.sigma_y / p.C_y)
+    F_x, F_y, _, _ = forces(p.K_x, p.K_y, grip.q_x, grip.q_y, grip.mu, grip.F_z, 1.0)
+    return 0.5 * (F_x * F_x / p.K_x + F_y * F_y / p.K_y)
 
 
 @kernel

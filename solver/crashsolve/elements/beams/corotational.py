@@ -14,10 +14,10 @@ Reference: Crisfield (1990), A consistent co-rotational formulation for non-line
 three-dimensional beam-elements, Computer Methods in Applied Mechanics and Engineering 81, 131-150.
 """
 
-from math import atan2, sqrt
+from math import sqrt
 
 from crashsolve.foundation.angles import times
-from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.kernels import inlined, kernel
 from crashsolve.foundation.vec3 import add_scaled, cross, dot, scale
 
 # square of the sine below which the next term of the series, 0.012 x^8, is below 2e-18
@@ -26,13 +26,13 @@ C_1, C_2, C_3, C_4 = 1.0 / 6.0, 3.0 / 40.0, 5.0 / 112.0, 35.0 / 1152.0
 C_5, C_6, C_7 = 63.0 / 2816.0, 231.0 / 13312.0, 143.0 / 10240.0
 
 
-@kernel
+@inlined
 def mean_frame(a, b):
     """R by rows (9), v and w."""
     return mean_frame_of((a.q[0], a.q[1], a.q[2], a.q[3]), (b.q[0], b.q[1], b.q[2], b.q[3]))
 
 
-@kernel
+@inlined
 def mean_frame_of(p, q):
     """R by rows (9), v and w between two triads given by their quaternions."""
     w, x, y, z = times((p[0], -p[1], -p[2], -p[3]), q)
@@ -63,16 +63,21 @@ def matrix_of(q):
 
 @kernel
 def half_angle_over_sine(v, w):
-    """eta; where the sine is small by the series of the arcsine, to round-off."""
-    x = dot(v, v)
-    if x < SMALL:
-        rest = C_4 + x * (C_5 + x * (C_6 + x * C_7))
-        return 1.0 + x * (C_1 + x * (C_2 + x * (C_3 + x * rest)))
-    sine = sqrt(x)
-    return atan2(sine, w) / sine
+    """eta, to round-off, by the series of the arcsine at an angle that is halved until it is small.
+
+    eta(phi) = eta(phi / 2) / cos(phi / 2)
+    """
+    x, share = dot(v, v), 1.0
+    while x >= SMALL:
+        half = 0.5 * (1.0 + w)
+        x *= 0.25 / half
+        w = sqrt(half)
+        share *= w
+    rest = C_4 + x * (C_5 + x * (C_6 + x * C_7))
+    return (1.0 + x * (C_1 + x * (C_2 + x * (C_3 + x * rest)))) / share
 
 
-@kernel
+@inlined
 def rotated_rate(eta, v, s):
     """T s, axes of R. T is symmetric."""
     square = dot(v, v)
@@ -81,7 +86,7 @@ def rotated_rate(eta, v, s):
     return add_scaled(scale(eta, s), (1.0 - eta) * dot(v, s) / square, v)
 
 
-@kernel
+@inlined
 def frame_lag(v, w, s):
     """g x s, the lag of the spin of R behind the mean spin [rad/s], axes of R."""
     return cross(scale(0.5 / (1.0 + w), v), s)

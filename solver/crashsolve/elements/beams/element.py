@@ -15,7 +15,7 @@ from crashsolve.elements.beams.corotational import frame_lag, half_angle_over_si
 from crashsolve.elements.beams.tangent import slope_of_viscosity
 from crashsolve.elements.damping import apply_drag
 from crashsolve.foundation.columns import add_to, matvec, matvec_t
-from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.kernels import inlined, kernel
 from crashsolve.foundation.motion import no_tangent
 from crashsolve.foundation.vec3 import ZERO, add, add_scaled, cross, dot, put, scale, sub, unit, vec
 
@@ -26,7 +26,7 @@ TANGENTS = 6
 def element_forces(p, out, a, b, R, v, w):
     """Forces on the nodes a and b of an element whose frame is R. Writes: a, b, out."""
     deformed = deformation(p, a, b, R, v, w)
-    _, u, theta, u_dot, theta_dot, _, _ = deformed
+    _, u, theta, u_dot, theta_dot, _, _, _ = deformed
     f, energy, power = damped_force(p.stiffness, p.damping, u, u_dot)
     viscosity = p.viscosity - p.quadratic_viscosity * min(u_dot[0], 0.0)
     f, power = (f[0] + viscosity * u_dot[0], f[1], f[2]), power + viscosity * u_dot[0] * u_dot[0]
@@ -37,9 +37,9 @@ def element_forces(p, out, a, b, R, v, w):
     apply_load(p, out, a, b, (R, v, w), deformed, (f, m, viscosity))
 
 
-@kernel
+@inlined
 def deformation(p, a, b, R, v, w):
-    """y, u, theta, rates of u and theta, slopes of the stretch (bowing.stretched), rate of y."""
+    """y, u, theta, rates of u and theta, slopes of the stretch (bowing), rate of y, eta."""
     eta = half_angle_over_sine(v, w)
     y = matvec_t(R, sub(vec(b.r), vec(a.r)))
     spin = matvec_t(R, sub(vec(b.w), vec(a.w)))
@@ -50,10 +50,10 @@ def deformation(p, a, b, R, v, w):
     e, bent = stretched(p, y, theta)
     e_dot = dot(bent[3], y_dot) + dot(bent[4], theta_dot)
     u, u_dot = (e, y[1], y[2]), (e_dot, y_dot[1], y_dot[2])
-    return y, u, theta, u_dot, theta_dot, bent, y_dot
+    return y, u, theta, u_dot, theta_dot, bent, y_dot, eta
 
 
-@kernel
+@inlined
 def apply_load(p, out, a, b, frame, deformed, load):
     """Apply the force f [N] and moments m [N m] conjugate to u and theta to both nodes.
 
@@ -62,8 +62,8 @@ def apply_load(p, out, a, b, frame, deformed, load):
     of a straight one. Writes: a, b, out.
     """
     (R, v, w), (f, m, viscosity) = frame, load
-    y, u, theta, _, _, bent, _ = deformed
-    eta, tension = half_angle_over_sine(v, w), f[0]
+    y, u, theta, _, _, bent, _, eta = deformed
+    tension = f[0]
     f = add_scaled((0.0, f[1], f[2]), tension, bent[3])
     m = add_scaled(m, tension, bent[4])
     # the force acts at both nodes, each of which takes half of its moment about the other
@@ -79,7 +79,7 @@ def apply_load(p, out, a, b, frame, deformed, load):
     add_to(a.torque, matvec(R, sub(m, c)))
     add_to(b.force, scale(-1.0, f))
     add_to(b.torque, matvec(R, scale(-1.0, add(m, c))))
-    growth, coupling = growth_of_rates(p, eta, v, w, deformed)
+    growth, coupling = growth_of_rates(p, v, w, deformed)
     bow, taut = 2.0 * growth * bowed(y, theta, bent), growth * max(tension, 0.0)
     growth *= coupling
     add_bounds(p, a, growth * p.rate_a, bow * p.tension_rate_a, taut * p.tension_rate_a, viscosity)
@@ -87,8 +87,8 @@ def apply_load(p, out, a, b, frame, deformed, load):
     return growth
 
 
-@kernel
-def growth_of_rates(p, eta, v, w, deformed):
+@inlined
+def growth_of_rates(p, v, w, deformed):
     """Factors on the bound of a straight element: of its gradients, and of what they couple.
 
     Rates of theta grow by eta, those of shear by that and the length. An element that bends is also
@@ -96,7 +96,7 @@ def growth_of_rates(p, eta, v, w, deformed):
     and the coupling, the root of the ratio of their rates, adds as it is. Twist couples shear and
     bending by 2 |g|.
     """
-    y, _, theta, _, _, bent, _ = deformed
+    y, _, theta, _, _, bent, _, eta = deformed
     square = eta * eta
     growth = square * max(1.0, square * dot(y, y) / (p.length * p.length))
     twist = abs(v[0]) / (1.0 + w)
@@ -138,8 +138,7 @@ def damping_rows(p, a, b, R, v, w, rows, first):
         no_tangent(rows[first + k])
     if not (p.damping > 0.0 or p.viscosity > 0.0 or p.quadratic_viscosity > 0.0):
         return
-    eta = half_angle_over_sine(v, w)
-    y, _, _, u_dot, _, bent, _ = deformation(p, a, b, R, v, w)
+    y, _, _, u_dot, _, bent, _, eta = deformation(p, a, b, R, v, w)
     for k in range(3):
         e = bent[3] if k == 0 else unit(k)
         c = scale(0.5, cross(e, y))

@@ -62,7 +62,7 @@ def add_tangent_blocks(p, section, a, b, frame, deformed, slot, blocks):
 @kernel
 def stresses(p, section, deformed, eta, v, g):
     """Tension N, force f and moments m with damping, c, and the moment m' of both ends."""
-    y, u, theta, u_dot, theta_dot, bent, _ = deformed
+    y, u, theta, u_dot, theta_dot, bent, _, _ = deformed
     k, k_r, beta = p.stiffness, p.rotational_stiffness, p.damping
     slow = p.viscosity - p.quadratic_viscosity * min(u_dot[0], 0.0)
     f = (
@@ -120,7 +120,7 @@ def changes(p, section, deformed, state, stress, dr, s, w_0):
 @kernel
 def rate_changes(deformed, state, omega, dy, d_theta, dg, slopes):
     """Changes of u_dot and theta_dot by the position."""
-    y, _, _, _, theta_dot, bent, y_dot = deformed
+    y, _, _, _, theta_dot, bent, y_dot, _ = deformed
     v, eta, g, speed, spin, mean, factors = state
     d_spin, d_mean = cross(spin, omega), cross(mean, omega)
     d_swing = add(cross(dg, spin), cross(g, d_spin))

@@ -33,6 +33,13 @@ BODY_PAIR = Record("""
 """)
 
 
+def mark_bodies(nodes: np.ndarray, groups: list[ContactGroup]) -> None:
+    """Mark the nodes that contacts may touch. Writes: nodes.has_surface."""
+    for group in groups:
+        for elements in (group.elements_a, group.elements_b):
+            nodes["has_surface"][elements["node"]] = 1
+
+
 def find_body_pairs(groups: Iterable[ContactGroup]) -> None:
     """Find pairs on the same bodies of a group with one list of pairs that are skipped while
     separated.

@@ -23,10 +23,18 @@ class Parameters(Row, Protocol):
     y: Numbers[float]  # [m] positions along y of the section
     z: Numbers[float]  # [m] positions along z of the section
     area: Numbers[float]  # [m^2] areas
+    elastic: Numbers[float]  # [N, N m, N m^2] moduli of N, M_y, M_z without yield, upper half
+    reach: Numbers[float]  # [m] largest distances along z and y
     law: int  # [index] of the material's law among those of the group
 
 class History(Row, Protocol):
-    stress: Numbers[float]  # [Pa] of the fibres; the material adds its other columns
+    strain: Numbers[float]  # [1, 1/m] eps_0, kappa_y, kappa_z
+    reference_strain: Numbers[float]  # [1, 1/m] the same when the fibres were last evaluated, one by one
+    reference_load: Numbers[float]  # [N, N m] N, M_y, M_z then
+    reference_energy: float  # [J/m] elastic energy then
+    slack: float  # [1] change of strain since then up to which no fibre yields
+    plastic_strain: float  # [1] largest e of the fibres
+    version: int  # [count] evaluations
     work: float  # [J] plastic work
 
 class Output(Row, Protocol):

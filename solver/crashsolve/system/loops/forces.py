@@ -43,7 +43,7 @@ def force_pass(clock, time, h, nodes, rows, curves, scene):
     if ATTACHMENTS:
         attachments.move_nodes(scene.attached_nodes, nodes)
         if RESTING and h > 0.0:
-            resting.record_motion(nodes)
+            resting.record_motion_of_attached(scene.attached_nodes, nodes)
     if ELEMENTS:
         move_elements(clock, h, nodes, scene)
     apply_laws(clock, time, h, nodes, rows, curves, scene)
