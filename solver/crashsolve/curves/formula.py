@@ -24,7 +24,7 @@ from pydantic import ValidationInfo, model_validator
 
 from crashsolve.curves._card import EXTRAPOLATE, CurveCard, check_axis
 from crashsolve.curves._derivatives import Jet, round_off, with_derivative
-from crashsolve.curves._enclosures import deviation
+from crashsolve.curves._enclosures import Mask, deviation
 from crashsolve.curves._piecewise import Array, hermite
 from crashsolve.deck.building import Scene
 from crashsolve.deck.card import word
@@ -49,6 +49,11 @@ HIDDEN, SEARCHES = 1e-3, 10
 SLOW = 2e-4
 # against division by zero
 TINY = 1e-300
+TOO_FAST = f"needs more than {MAX_CUBICS} cubics over its range", "give a shorter range"
+CANCELS = (
+    "cancels: round-off is more than the differences that are left",
+    "write it without differences of nearly equal terms",
+)
 
 
 class Formula(CurveCard):
@@ -149,16 +154,14 @@ def _refined(
     least = SMALLEST * max(end - start, abs(start), abs(end))
     count = len(left)
     while len(left):
-        inside = np.linspace(0.0, 1.0, evaluations + 2)[1:-1]
-        # a fast sine could be a multiple of equidistant points
-        inside = inside + 0.3 / (evaluations + 1) * np.sin(17.0 * inside)
+        inside = _points_within(evaluations)
         positions = left[:, None] + (right - left)[:, None] * inside
         y, slope = (u.reshape(positions.shape) for u in with_derivative(formula, positions.ravel()))
         here = np.max(np.abs(np.column_stack([y, a.y, b.y])), axis=1)
         largest = max(largest, float(here.max()))
         error = np.max(np.abs(y - _cubic(right - left, a, b, inside)), axis=1)
         _refuse_jump(left, right, a.y, b.y, least, largest)
-        scale = np.maximum(here, FLOOR * largest)
+        scale = np.maximum(here, max(FLOOR * largest, TINY))
         noise = np.maximum(round_off(formula, left), round_off(formula, right))
         within = _round_off(largest, np.maximum(np.abs(left), np.abs(right)), a, b) + noise
         error -= within
@@ -168,44 +171,45 @@ def _refined(
             is_long = right - left > SHORT * (end - start)
             rate_error *= is_long
             fastest = max(fastest, float(rate[is_long].max(initial=0.0)))
-        limit = motion_tolerance(1.0) * fastest
-        is_rough = (error > tolerance * scale) | (rate_error > tolerance * limit)
-        is_rough &= right - left > least
-        while count + is_rough.sum() > MAX_CUBICS:
-            tolerance *= 10.0
-            # a fast one: of its largest value
-            scale = np.full_like(scale, largest)
-            is_rough &= (error > tolerance * scale) | (rate_error > tolerance * limit)
-            if tolerance > LOOSEST:
-                raise ExpressionError(
-                    f"needs more than {MAX_CUBICS} cubics from {start:g} to {end:g}",
-                    "give a shorter range",
-                )
+        rate_share = rate_error / max(motion_tolerance(1.0) * fastest, TINY)
+        is_rough, tolerance = _rough(
+            (
+                np.maximum(error / scale, rate_share),
+                np.maximum(error / max(largest, TINY), rate_share),
+            ),
+            right - left > least,
+            MAX_CUBICS - count,
+            tolerance,
+        )
         done.append(left[~is_rough])
         fast = max(fastest, SLOW * largest / (end - start) ** order, TINY)
         blur = _blur(noise, right - left, a.slope - b.slope, (largest, fast), order)
         blurs.append(blur[~is_rough])
-        left, right = left[is_rough], right[is_rough]
-        a, b = (Jet(j.y[is_rough], j.slope[is_rough]) for j in (a, b))
-        middle = 0.5 * (left + right)
-        m = _known(formula, middle)
-        left, right = np.concatenate([left, middle]), np.concatenate([middle, right])
-        a, b = (
-            Jet(*(np.concatenate(pair) for pair in zip(*pairs, strict=True)))
-            for pairs in ((a, m), (m, b))
-        )
-        count += len(middle)
+        left, right, a, b = _halved(formula, left, right, a, b, is_rough)
+        count += len(left) // 2
         evaluations = max((evaluations + 1) // 2, LEAST)
     x = np.concatenate([np.sort(np.concatenate(done)), [end]])
     found = _known(formula, x)
     # of most pieces: those at a kink are short
     blur = float(np.median(np.concatenate(blurs)))
-    if blur > LOOSEST:
-        raise ExpressionError(
-            f"cancels from {start:g} to {end:g}: round-off is more than its differences",
-            "write it without the difference of nearly equal terms",
-        )
+    if max(tolerance, blur) > LOOSEST:
+        raise ExpressionError(*(CANCELS if blur > LOOSEST else TOO_FAST))
     return x, found.y, found.slope, max(tolerance, blur)
+
+
+def _rough(
+    errors: tuple[Array, Array], is_divisible: Mask, room: int, tolerance: float
+) -> tuple[Mask, float]:
+    """Which intervals are halved, and the tolerance: a looser one where there is too little room.
+
+    `errors` (n,): over the values of each, and, where that asks for too many, over the largest of
+    all. None is halved where no tolerance is loose enough.
+    """
+    is_rough: Mask = is_divisible & (errors[0] > tolerance)
+    while is_rough.sum() > room and tolerance <= LOOSEST:
+        tolerance *= 10.0
+        is_rough &= errors[1] > tolerance
+    return is_rough & (tolerance <= LOOSEST), tolerance
 
 
 def _round_off(largest: float, size: Array, a: Jet, b: Jet) -> Array:
@@ -213,6 +217,30 @@ def _round_off(largest: float, size: Array, a: Jet, b: Jet) -> Array:
     steepest = np.maximum(np.abs(a.slope), np.abs(b.slope))
     with np.errstate(over="ignore"):
         return np.asarray(ROUND_OFF * (largest + size * steepest))
+
+
+def _points_within(count: int) -> Array:
+    """Positions (n,) in an interval from 0 to 1; a fast sine could be a multiple of equidistant
+    ones.
+    """
+    even = np.linspace(0.0, 1.0, count + 2)[1:-1]
+    found: Array = even + 0.3 / (count + 1) * np.sin(17.0 * even)
+    return found
+
+
+def _halved(
+    formula: Expression, left: Array, right: Array, a: Jet, b: Jet, which: Mask
+) -> tuple[Array, Array, Jet, Jet]:
+    """Both halves of some intervals, with the formula at their ends."""
+    left, right = left[which], right[which]
+    a, b = (Jet(j.y[which], j.slope[which]) for j in (a, b))
+    middle = 0.5 * (left + right)
+    m = _known(formula, middle)
+    a, b = (
+        Jet(*(np.concatenate(pair) for pair in zip(*pairs, strict=True)))
+        for pairs in ((a, m), (m, b))
+    )
+    return np.concatenate([left, middle]), np.concatenate([middle, right]), a, b
 
 
 def _blur(noise: Array, h: Array, change: Array, of: tuple[float, float], order: int) -> Array:
