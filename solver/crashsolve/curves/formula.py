@@ -124,7 +124,7 @@ def _sample(
 def _hidden(formula: Expression, x: Array, y: Array, slopes: Array) -> Array:
     """Positions (n,) where the formula is far from the cubics between these breakpoints."""
     far = HIDDEN * float(np.abs(y).max())
-    left, right, done, found = x[:-1], x[1:], 0, [x[:0]]
+    left, right, done, midpoints = x[:-1], x[1:], 0, [x[:0]]
     while len(left) and done < MAX_CUBICS:
         middle = 0.5 * (left + right)
         may_be_far = (deviation(formula, left, right) > far) & (left < middle) & (middle < right)
@@ -133,11 +133,11 @@ def _hidden(formula: Expression, x: Array, y: Array, slopes: Array) -> Array:
         h, a, b = x[k + 1] - x[k], Jet(y[k], slopes[k]), Jet(y[k + 1], slopes[k + 1])
         cubic = _cubic(h, a, b, ((middle - x[k]) / h)[:, None])[:, 0]
         is_far = np.abs(with_derivative(formula, middle).y - cubic) > far
-        found.append(middle[is_far])
+        midpoints.append(middle[is_far])
         left, right, middle = left[~is_far], right[~is_far], middle[~is_far]
         left, right = np.concatenate([left, middle]), np.concatenate([middle, right])
         done += len(left)
-    return np.concatenate(found)
+    return np.concatenate(midpoints)
 
 
 def _refined(
@@ -157,11 +157,11 @@ def _refined(
         inside = _points_within(evaluations)
         positions = left[:, None] + (right - left)[:, None] * inside
         y, slope = (u.reshape(positions.shape) for u in with_derivative(formula, positions.ravel()))
-        here = np.max(np.abs(np.column_stack([y, a.y, b.y])), axis=1)
-        largest = max(largest, float(here.max()))
+        size = np.max(np.abs(np.column_stack([y, a.y, b.y])), axis=1)
+        largest = max(largest, float(size.max()))
         error = np.max(np.abs(y - _cubic(right - left, a, b, inside)), axis=1)
         _refuse_jump(left, right, a.y, b.y, least, largest)
-        scale = np.maximum(here, max(FLOOR * largest, TINY))
+        scale = np.maximum(size, max(FLOOR * largest, TINY))
         noise = np.maximum(round_off(formula, left), round_off(formula, right))
         within = _round_off(largest, np.maximum(np.abs(left), np.abs(right)), a, b) + noise
         error -= within
@@ -189,12 +189,12 @@ def _refined(
         count += len(left) // 2
         evaluations = max((evaluations + 1) // 2, LEAST)
     x = np.concatenate([np.sort(np.concatenate(done)), [end]])
-    found = _known(formula, x)
+    jet = _known(formula, x)
     # of most pieces: those at a kink are short
     blur = float(np.median(np.concatenate(blurs)))
     if max(tolerance, blur) > LOOSEST:
         raise ExpressionError(*(CANCELS if blur > LOOSEST else TOO_FAST))
-    return x, found.y, found.slope, max(tolerance, blur)
+    return x, jet.y, jet.slope, max(tolerance, blur)
 
 
 def _rough(
@@ -224,8 +224,8 @@ def _points_within(count: int) -> Array:
     ones.
     """
     even = np.linspace(0.0, 1.0, count + 2)[1:-1]
-    found: Array = even + 0.3 / (count + 1) * np.sin(17.0 * even)
-    return found
+    positions: Array = even + 0.3 / (count + 1) * np.sin(17.0 * even)
+    return positions
 
 
 def _halved(
@@ -249,20 +249,20 @@ def _blur(noise: Array, h: Array, change: Array, of: tuple[float, float], order:
     At both ends of a cubic it changes the slope by 3 / h of it, the second derivative by 12 / h^2;
     where the slope does not change, nothing reads that. `of`: the largest value and rate.
     """
-    found: Array = noise / max(of[0], TINY)
+    blur: Array = noise / max(of[0], TINY)
     if order:
         share = noise * (3.0 / h if order == 1 else 12.0 / h**2) / of[1]
         share[change == 0.0] = 0.0
-        found = np.maximum(found, share / motion_tolerance(1.0))
-    return found
+        blur = np.maximum(found, share / motion_tolerance(1.0))
+    return blur
 
 
 def _known(formula: Expression, x: Array) -> Jet:
     """Values and slopes at positions; by a difference where the formula has no slope."""
-    found = with_derivative(formula, x)
-    slope = found.slope.copy()
+    jet = with_derivative(formula, x)
+    slope = jet.slope.copy()
     slope[~np.isfinite(slope)] = 0.0
-    return Jet(found.y, slope)
+    return Jet(jet.y, slope)
 
 
 def _cubic(h: Array, a: Jet, b: Jet, part: Array) -> Array:

@@ -12,10 +12,10 @@ DERIVATIVES = {"curve": 2, "velocity": 1, "acceleration": 0}
 
 def derivatives_read(deck: "Deck") -> dict[str, int]:
     """Names of the curves that drive joints, each with the highest derivative that is read."""
-    found: dict[str, int] = {}
+    orders: dict[str, int] = {}
     for entry in deck.entries["joints"].values():
         for field, order in DERIVATIVES.items():
             name = getattr(entry.card, field, None)
             if isinstance(name, str):
-                found[name] = max(order, found.get(name, 0))
-    return found
+                orders[name] = max(order, orders.get(name, 0))
+    return orders

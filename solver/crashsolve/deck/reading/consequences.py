@@ -63,13 +63,13 @@ def _kinds_of(sections: set[str]) -> set[str]:
 
 def _kind(error: DeckError) -> str:
     """The kind of name that an error does not know; empty: another error."""
-    found = _UNKNOWN.search(error.message)
-    return found[1] if found else ""
+    match = _UNKNOWN.search(error.message)
+    return match[1] if match else ""
 
 
 def _mistake(error: DeckError) -> str:
     """The same for errors of one mistake: a name, or all names of a kind where none are given."""
-    found = _UNKNOWN.search(error.message)
-    if not found:
+    match = _UNKNOWN.search(error.message)
+    if not match:
         return str(error)
-    return found[1] if error.advice.endswith(": none)") else found[0]
+    return match[1] if error.advice.endswith(": none)") else match[0]
