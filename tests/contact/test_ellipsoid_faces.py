@@ -155,6 +155,7 @@ def look(g: Any, x: ArrayLike, A: np.ndarray, is_smooth: bool = False) -> Any:
             projection.Sides(g.probe_states, g.slot_in_use, g.hits[0]),
             mesh,
             lists,
+            (g.excluded_first, g.excluded),
         ),
     )
     if is_smooth:

@@ -162,7 +162,9 @@ class Bench:
         self.search(g)
         position = tuple(map(float, x))
         sides = projection.Sides(g.probe_states, g.slot_in_use, g.hits[0])
-        projection.find_nearest_faces(0, position, g.p[0], g.totals[0], sides, g.mesh, g.lists)
+        projection.find_nearest_faces(
+            0, position, g.p[0], g.totals[0], sides, g.mesh, g.lists, (g.excluded_first, g.excluded)
+        )
         if is_smooth:
             excluded = (g.excluded_first, g.excluded)
             normals.apply_field(0, position, None, g.p[0], g.mesh, excluded, g.hits[0])

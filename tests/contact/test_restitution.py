@@ -138,6 +138,20 @@ def test_all_corners_share_the_damping(e: float, tilt: float, tmp_path: Path) ->
     )
 
 
+@pytest.mark.parametrize("speed", [1e-4, 5e-6])
+def test_a_slow_impact_after_a_long_flight_has_its_restitution(
+    speed: float, tmp_path: Path
+) -> None:
+    text = FLAT.format(e=0.5, tilt=0.0).replace("0.0502", "0.15").replace("-1]", f"{-speed:.1e}]")
+    deck = tmp_path / "deck.yaml"
+    deck.write_text(text.replace("2.0e-3", f"{0.2 / speed:.1e}"), "utf-8")
+    assert crashsolve(deck, "-o", tmp_path / "out").returncode == 0
+    # 2e-4 by a step of the default length; with an onset within 1e-9 of the model, 1e-2 at 5e-6 m/s
+    assert last(Result(tmp_path / "out"), "rbdout.a.velocity.z") == pytest.approx(
+        0.5 * speed, abs=3e-4 * speed
+    )
+
+
 WHOLE = Path(__file__).resolve().parents[2] / "decks/verification/contact/kelvin_voigt_whole.yaml"
 
 

@@ -25,7 +25,9 @@ def hits_of(bench: Bench, x: Sequence[float]) -> list[tuple[float, float, np.nda
     bench.search(g)
     sides = projection.Sides(g.probe_states, g.slot_in_use, g.hits[0])
     position = tuple(map(float, x))
-    projection.find_nearest_faces(0, position, g.p[0], g.totals[0], sides, g.mesh, g.lists)
+    projection.find_nearest_faces(
+        0, position, g.p[0], g.totals[0], sides, g.mesh, g.lists, (g.excluded_first, g.excluded)
+    )
     walls.find_walls(0, position, g.p[0], g.totals[0], sides, g.mesh, g.lists, g.initial)
     hits = []
     for s in range(2):
@@ -96,6 +98,19 @@ def test_no_wall_of_a_fold_with_four_is_left_out(tmp_path: Path) -> None:
     assert [len(hits) for hits in sides] == [4, 4]
     # whichever of two is nearer: with three walls the force jumped by a tenth from step to step
     np.testing.assert_allclose(*(force(hits) for hits in sides), atol=1e-5)
+
+
+def test_a_face_behind_a_nearer_one_is_not_met_from_below(tmp_path: Path) -> None:
+    # a steep dent in a plate: seen from its bottom the plate ends at the rim, below which a normal
+    # of plate and dent says that the ball is, but the dent is nearer
+    profile = [(-0.2, 0.08), (-0.02, 0.08), (0, 0), (0.02, 0.08), (0.2, 0.08)]
+    nodes = [[float(x), float(y), float(z)] for x, z in profile for y in (0, 1)]
+    quads = [[2 * k + 1, 2 * k + 3, 2 * k + 4, 2 * k + 2] for k in range(4)]
+    bench = Bench(tmp_path, nodes, quads)
+    for x in (-0.002, 0.0, 0.003):
+        hits = hits_of(bench, [x, 0.5, 0.03])
+        assert hits
+        assert all(n[2] > 0.0 for _, _, n in hits)
 
 
 @pytest.mark.parametrize("angle", [0.2, 0.4, 0.6, 0.8, 1.2, 1.6, 2.4])
@@ -225,6 +240,24 @@ DENT: dict[str, Any] = {
         "c": {"a": ["ball"], "b": ["plate"], "normal": {"type": "penalty", "share": 0.05}}
     },
 }
+
+
+@pytest.mark.parametrize("elements", [(23, 7), (7, 23)])
+def test_a_dent_of_narrow_triangles_makes_no_energy(
+    elements: tuple[int, int], tmp_path: Path
+) -> None:
+    plate = DENT["parts"]["plate"]
+    mesh = {**plate["mesh"], "elements": list(elements)}
+    parts = {"plate": {**plate, "mesh": mesh, "element": "triangles"}}
+    deck = tmp_path / "dent.yaml"
+    deck.write_text(yaml.safe_dump({**DENT, "parts": parts}), "utf-8")
+    done = crashsolve(deck, "-o", tmp_path / "out")
+    assert done.returncode == 0, done.stdout + done.stderr
+    result = Result(tmp_path / "out")
+    # the ball comes within a tenth of the middle of the plate, where faces beyond the rim of its
+    # dent had been met from below: 6 and 38 percent
+    assert result.series("rcforc.c.peak_depth").values.max() > 0.9 * (8e-3 + 1e-3)
+    assert np.abs(result.series("glstat.model.balance").values).max() < 1.0
 
 
 def test_a_ball_that_dents_a_plate_makes_no_energy(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from importlib import import_module
 from math import erf, pi, sqrt
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -13,13 +14,13 @@ from crashsolve.curves import file, formula, table
 from crashsolve.curves._card import EXTRAPOLATE
 from crashsolve.curves._derivatives import with_derivative
 from crashsolve.curves._enclosures import bounds, deviation
-from crashsolve.curves._piecewise import coefficients
+from crashsolve.curves._piecewise import coefficients, hermite
 from crashsolve.deck.card import law_class, reference_of
 from crashsolve.deck.keywords import SECTIONS
 from crashsolve.deck.laws import types_in
 from crashsolve.deck.numbers import Context, SiFloat
 from crashsolve.deck.reading.deck import read_deck
-from crashsolve.deck.reading.expressions import Expression
+from crashsolve.deck.reading.expressions import Expression, ExpressionError
 from crashsolve.deck.schema import _nested_folders
 from crashsolve.foundation import curve
 from crashsolve.foundation.errors import DeckErrors
@@ -203,7 +204,7 @@ def test_slopes_of_a_formula_are_its_derivative() -> None:
 def test_round_off_and_jumps_of_acceleration_need_few_cubics(expression: str) -> None:
     """Halving finds where an acceleration jumps in 20 steps, and stops where round-off begins."""
     card = formula.Formula.model_validate({"expression": expression, "from": 0, "to": 0.21})
-    x, _, _ = formula.build_motion(card, None)
+    x, _, _ = formula.build_motion(card, None, 2)
     # 200 at first, halved twice where the tolerance asks for it
     assert len(x) < 1000
 
@@ -218,11 +219,55 @@ def test_round_off_and_jumps_of_acceleration_need_few_cubics(expression: str) ->
 )
 def test_a_motion_by_a_formula_has_its_acceleration(expression: str, second: Any) -> None:
     card = formula.Formula.model_validate({"expression": expression, "from": 0, "to": 10})
-    x, c, _ = formula.build_motion(card, None)
+    x, c, _ = formula.build_motion(card, None, 2)
     at = np.random.default_rng(2).random(5000) * 10
     off = np.abs(values(x, c, at, derivative=2) - second(at)).max()
     # the error is estimated to a quarter, as that of the values is
     assert off < 1.25 * formula.MOTION * np.abs(second(at)).max()
+
+
+@pytest.mark.parametrize(
+    "expression, end, exact, kept",
+    [
+        ("exp(x) - 1", 1e-6, np.expm1, 1e-9),
+        ("1 - cos(x)", 1e-2, lambda x: 2 * np.sin(x / 2) ** 2, 1e-9),
+        # round-off is 2e-16 of 5e-9
+        ("1 - cos(x)", 1e-4, lambda x: 2 * np.sin(x / 2) ** 2, 5e-8),
+        ("(1 + x)**3 - 1 - 3*x", 1e-3, lambda x: x**2 * (3 + x), 1e-9),
+    ],
+)
+def test_differences_of_equal_terms_need_few_cubics(
+    expression: str, end: float, exact: Any, kept: float
+) -> None:
+    """No cubic is halved for round-off, which 240,000 of them had followed."""
+    card = formula.Formula.model_validate({"expression": expression, "from": 0, "to": end})
+    x, y, _, tolerance = formula.sample(card)
+    assert len(x) < 300
+    assert tolerance <= kept
+    _, c, _ = formula.build(card, SimpleNamespace(warnings=[]))
+    at = np.random.default_rng(4).random(2000) * end
+    off = np.abs(values(x, c, at) - exact(at)).max()
+    assert off < 1.25 * tolerance * np.abs(y).max()
+
+
+def test_a_motion_whose_acceleration_is_round_off_is_refused() -> None:
+    card = formula.Formula.model_validate({"expression": "exp(x) - 1", "from": 0, "to": 1e-6})
+    with pytest.raises(ExpressionError, match="cancels"):
+        formula.sample(card, 2)
+
+
+def test_a_velocity_by_a_formula_has_its_acceleration() -> None:
+    """A fast term that is small beside the velocity, and large in its slope."""
+    text = "1000 + 1e-3*sin(1e4*x)"
+    card = formula.Formula.model_validate({"expression": text, "from": 0, "to": 0.1})
+    at = np.random.default_rng(5).random(5000) * 0.1
+    off = {}
+    for order in (0, 1):
+        x, _, _, _ = formula.sample(card, order)
+        c = hermite(*formula.sample(card, order)[:3])
+        off[order] = np.abs(values(x, c, at, derivative=1) - 10 * np.cos(1e4 * at)).max() / 10
+    assert off[0] > 10 * formula.MOTION
+    assert off[1] < 1.25 * formula.MOTION
 
 
 def test_a_formula_that_jumps_is_refused() -> None:

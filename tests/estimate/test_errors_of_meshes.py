@@ -42,6 +42,24 @@ def test_a_lucky_difference_does_not_make_the_error_small() -> None:
     assert error(2.0, 1.0, 1.0 + 1e-9, 1.12)[0] == pytest.approx(0.01)
 
 
+@pytest.mark.parametrize(
+    ("numbers", "scale", "true"),
+    [
+        # a plate of shells struck by a ball, 8, 4 and 2 elements along a side, against 32: lowest
+        # position and last velocity of the ball, energy of the plate
+        ((0.0153326, 0.01594, 0.0199022), 0.0205, 9.2e-5),
+        ((3.65038, 3.27287, 9.16622), 10.0, 0.19),
+        ((21.6953, 21.415, 11.1109), 47.0, 0.81),
+    ],
+)
+def test_a_useless_third_mesh_does_not_make_the_error_large(
+    numbers: tuple[float, ...], scale: float, true: float
+) -> None:
+    size, _ = mesh_error([np.array([x]) for x in numbers], scale, 1.0)
+    assert size is not None
+    assert true / 10.0 < size < 10.0 * true
+
+
 def test_an_order_near_nothing_makes_no_error_of_any_size() -> None:
     size, _ = error(2.0, 1.0, 1.045, 1.095)
     assert size is not None

@@ -76,6 +76,48 @@ def _jet(node: ast.AST, x: Array) -> Jet:
     raise AssertionError(ast.dump(node))
 
 
+def round_off(formula: Expression, x: Array) -> Array:
+    """Bounds (n,) of the round-off of a formula at positions (n,), which differences magnify.
+
+    That of each operation is carried through the others by their derivatives, to first order.
+    """
+    with np.errstate(all="ignore"):
+        _, error = _with_round_off(formula.root, x)
+    return np.where(np.isfinite(error), error, 0.0)
+
+
+def _with_round_off(node: ast.AST, x: Array) -> tuple[Array, Array]:
+    """Values of a node and the bounds of their round-off."""
+    match node:
+        case ast.UnaryOp(operand=operand):
+            y, error = _with_round_off(operand, x)
+            return _jet(node, x).y, error
+        case ast.BinOp(op=op, left=left, right=right):
+            (u, e_u), (v, e_v) = _with_round_off(left, x), _with_round_off(right, x)
+            zero, one = np.zeros_like(x), np.ones_like(x)
+            by_u, by_v = (
+                _binary(op, Jet(u, one), Jet(v, zero)),
+                _binary(op, Jet(u, zero), Jet(v, one)),
+            )
+            return by_u.y, _carried([(by_u, e_u), (by_v, e_v)])
+        case ast.Call(func=ast.Name(id=name), args=args):
+            of = [_with_round_off(arg, x) for arg in args]
+            parts = []
+            for k, (_, error) in enumerate(of):
+                jets = [Jet(y, np.full_like(x, float(k == m))) for m, (y, _) in enumerate(of)]
+                parts.append((_function(name, jets), error))
+            return parts[0][0].y, _carried(parts)
+    return _jet(node, x).y, np.zeros_like(x)
+
+
+def _carried(parts: list[tuple[Jet, Array]]) -> Array:
+    """Round-off of a result: its own, and that of its arguments, each times its derivative."""
+    total = np.abs(np.finfo(float).eps * parts[0][0].y)
+    for by, error in parts:
+        total += np.where(error == 0.0, 0.0, np.abs(by.slope) * error)
+    return total
+
+
 def _binary(op: ast.operator, u: Jet, v: Jet) -> Jet:
     match op:
         case ast.Add():

@@ -3,7 +3,8 @@
     y(x) = expression, y'(x) its derivative, both exact at breakpoints;
     between two of them |cubic - expression| <= 1e-9 of the largest |y| there, or 1e-15 of the
     largest of all, beside the round-off of x; of a motion that drives a joint also
-    |cubic'' - expression''| <= 1e-6 of the largest |y''|
+    |cubic'' - expression''| <= 1e-6 of the largest |y''|, of a velocity that does
+    |cubic' - expression'| <= 1e-6 of the largest |y'|
 
 Breakpoints halve until that holds, kinks included. `segments` is their initial number; every one
 is evaluated at many points. Between them the formula is bounded (`_enclosures.py`), and where the
@@ -22,8 +23,8 @@ import numpy as np
 from pydantic import ValidationInfo, model_validator
 
 from crashsolve.curves._card import EXTRAPOLATE, CurveCard, check_axis
-from crashsolve.curves._derivatives import Jet, with_derivative
-from crashsolve.curves._enclosures import deviation
+from crashsolve.curves._derivatives import Jet, round_off, with_derivative
+from crashsolve.curves._enclosures import Mask, deviation
 from crashsolve.curves._piecewise import Array, hermite
 from crashsolve.deck.building import Scene
 from crashsolve.deck.card import word
@@ -39,11 +40,20 @@ EVALUATIONS, LEAST, MAX_CUBICS = 65_536, 5, 450_000
 # [of the range] the shortest cubic, which holds a kink; and least size of a jump, of the largest
 # value
 SMALLEST, JUMP = 1e-13, 1e-3
-# [of the largest] error of the second derivative where a formula drives a joint; pieces that are
+# [of the largest] error of the acceleration where a formula drives a joint; pieces that are
 # shorter than this share of the range hold kinks
 MOTION, SHORT = 1e-6, 1e-6
 # [of the largest value] the least of what is sought between breakpoints, and the most searches
 HIDDEN, SEARCHES = 1e-3, 10
+# [of the largest value over the range, or its square] rates below that are those of round-off
+SLOW = 2e-4
+# against division by zero
+TINY = 1e-300
+TOO_FAST = f"needs more than {MAX_CUBICS} cubics over its range", "give a shorter range"
+CANCELS = (
+    "cancels: round-off is more than the differences that are left",
+    "write it without differences of nearly equal terms",
+)
 
 
 class Formula(CurveCard):
@@ -83,14 +93,17 @@ class Formula(CurveCard):
         return self
 
 
-def sample(card: Formula, *, is_motion: bool = False) -> tuple[Array, Array, Array, float]:
-    """Breakpoints, values and slopes (n,), and the tolerance kept. Raises ExpressionError."""
-    return _sample(card.expression, card.from_, card.to, card.segments, is_motion)
+def sample(card: Formula, order: int = 0) -> tuple[Array, Array, Array, float]:
+    """Breakpoints, values and slopes (n,), and the tolerance kept. Raises ExpressionError.
+
+    `order` is that of the highest derivative that is read.
+    """
+    return _sample(card.expression, card.from_, card.to, card.segments, order)
 
 
 @lru_cache(maxsize=32)
 def _sample(
-    expression: str, start: float, end: float, segments: int, is_motion: bool
+    expression: str, start: float, end: float, segments: int, order: int
 ) -> tuple[Array, Array, Array, float]:
     """The samples of a formula, computed once for the check of the card and its build."""
     formula = Expression(expression)
@@ -98,13 +111,13 @@ def _sample(
     formula.value({"x": start})
     x = np.linspace(start, end, segments + 1)
     evaluations = max(math.ceil(EVALUATIONS / segments), LEAST)
-    samples = _refined(formula, x, evaluations, is_motion=is_motion)
+    samples = _refined(formula, x, evaluations, order)
     for _ in range(SEARCHES):
         hidden = _hidden(formula, *samples[:3])
         if not len(hidden):
             break
         x = np.union1d(x, hidden)
-        samples = _refined(formula, x, evaluations, is_motion=is_motion)
+        samples = _refined(formula, x, evaluations, order)
     return samples
 
 
@@ -128,64 +141,75 @@ def _hidden(formula: Expression, x: Array, y: Array, slopes: Array) -> Array:
 
 
 def _refined(
-    formula: Expression, x: Array, evaluations: int, *, is_motion: bool
+    formula: Expression, x: Array, evaluations: int, order: int
 ) -> tuple[Array, Array, Array, float]:
     """Breakpoints that begin with x, values and slopes (n,), and the tolerance kept."""
     start, end = float(x[0]), float(x[-1])
-    largest, bent, tolerance = 0.0, 0.0, TOLERANCE
+    largest, fastest, tolerance = 0.0, 0.0, TOLERANCE
     done: list[Array] = []
+    blurs: list[Array] = []
     left, right = x[:-1], x[1:]
     ends = _known(formula, x)
     a, b = Jet(ends.y[:-1], ends.slope[:-1]), Jet(ends.y[1:], ends.slope[1:])
     least = SMALLEST * max(end - start, abs(start), abs(end))
     count = len(left)
     while len(left):
-        inside = np.linspace(0.0, 1.0, evaluations + 2)[1:-1]
-        # a fast sine could be a multiple of equidistant points
-        inside = inside + 0.3 / (evaluations + 1) * np.sin(17.0 * inside)
+        inside = _points_within(evaluations)
         positions = left[:, None] + (right - left)[:, None] * inside
         y, slope = (u.reshape(positions.shape) for u in with_derivative(formula, positions.ravel()))
         size = np.max(np.abs(np.column_stack([y, a.y, b.y])), axis=1)
         largest = max(largest, float(size.max()))
         error = np.max(np.abs(y - _cubic(right - left, a, b, inside)), axis=1)
         _refuse_jump(left, right, a.y, b.y, least, largest)
-        scale = np.maximum(size, FLOOR * largest)
-        round_off = _round_off(largest, np.maximum(np.abs(left), np.abs(right)), a, b)
-        error -= round_off
-        bend_error = np.zeros_like(error)
-        if is_motion:
-            bend_error, bend = _bends(right - left, a, b, slope, inside, round_off)
+        scale = np.maximum(size, max(FLOOR * largest, TINY))
+        noise = np.maximum(round_off(formula, left), round_off(formula, right))
+        within = _round_off(largest, np.maximum(np.abs(left), np.abs(right)), a, b) + noise
+        error -= within
+        rate_error = np.zeros_like(error)
+        if order:
+            rate_error, rate = _rates(right - left, a, b, slope, inside, within, order)
             is_long = right - left > SHORT * (end - start)
-            bend_error *= is_long
-            bent = max(bent, float(bend[is_long].max(initial=0.0)))
-        limit = motion_tolerance(1.0) * bent
-        is_rough = (error > tolerance * scale) | (bend_error > tolerance * limit)
-        is_rough &= right - left > least
-        while count + is_rough.sum() > MAX_CUBICS:
-            tolerance *= 10.0
-            # a fast one: of its largest value
-            scale = np.full_like(scale, largest)
-            is_rough &= (error > tolerance * scale) | (bend_error > tolerance * limit)
-            if tolerance > LOOSEST:
-                raise ExpressionError(
-                    f"needs more than {MAX_CUBICS} cubics from {start:g} to {end:g}",
-                    "give a shorter range",
-                )
-        done.append(left[~is_rough])
-        left, right = left[is_rough], right[is_rough]
-        a, b = (Jet(j.y[is_rough], j.slope[is_rough]) for j in (a, b))
-        middle = 0.5 * (left + right)
-        m = _known(formula, middle)
-        left, right = np.concatenate([left, middle]), np.concatenate([middle, right])
-        a, b = (
-            Jet(*(np.concatenate(pair) for pair in zip(*pairs, strict=True)))
-            for pairs in ((a, m), (m, b))
+            rate_error *= is_long
+            fastest = max(fastest, float(rate[is_long].max(initial=0.0)))
+        rate_share = rate_error / max(motion_tolerance(1.0) * fastest, TINY)
+        is_rough, tolerance = _rough(
+            (
+                np.maximum(error / scale, rate_share),
+                np.maximum(error / max(largest, TINY), rate_share),
+            ),
+            right - left > least,
+            MAX_CUBICS - count,
+            tolerance,
         )
-        count += len(middle)
+        done.append(left[~is_rough])
+        fast = max(fastest, SLOW * largest / (end - start) ** order, TINY)
+        blur = _blur(noise, right - left, a.slope - b.slope, (largest, fast), order)
+        blurs.append(blur[~is_rough])
+        left, right, a, b = _halved(formula, left, right, a, b, is_rough)
+        count += len(left) // 2
         evaluations = max((evaluations + 1) // 2, LEAST)
     x = np.concatenate([np.sort(np.concatenate(done)), [end]])
     jet = _known(formula, x)
-    return x, jet.y, jet.slope, tolerance
+    # of most pieces: those at a kink are short
+    blur = float(np.median(np.concatenate(blurs)))
+    if max(tolerance, blur) > LOOSEST:
+        raise ExpressionError(*(CANCELS if blur > LOOSEST else TOO_FAST))
+    return x, jet.y, jet.slope, max(tolerance, blur)
+
+
+def _rough(
+    errors: tuple[Array, Array], is_divisible: Mask, room: int, tolerance: float
+) -> tuple[Mask, float]:
+    """Which intervals are halved, and the tolerance: a looser one where there is too little room.
+
+    `errors` (n,): over the values of each, and, where that asks for too many, over the largest of
+    all. None is halved where no tolerance is loose enough.
+    """
+    is_rough: Mask = is_divisible & (errors[0] > tolerance)
+    while is_rough.sum() > room and tolerance <= LOOSEST:
+        tolerance *= 10.0
+        is_rough &= errors[1] > tolerance
+    return is_rough & (tolerance <= LOOSEST), tolerance
 
 
 def _round_off(largest: float, size: Array, a: Jet, b: Jet) -> Array:
@@ -193,6 +217,44 @@ def _round_off(largest: float, size: Array, a: Jet, b: Jet) -> Array:
     steepest = np.maximum(np.abs(a.slope), np.abs(b.slope))
     with np.errstate(over="ignore"):
         return np.asarray(ROUND_OFF * (largest + size * steepest))
+
+
+def _points_within(count: int) -> Array:
+    """Positions (n,) in an interval from 0 to 1; a fast sine could be a multiple of equidistant
+    ones.
+    """
+    even = np.linspace(0.0, 1.0, count + 2)[1:-1]
+    positions: Array = even + 0.3 / (count + 1) * np.sin(17.0 * even)
+    return positions
+
+
+def _halved(
+    formula: Expression, left: Array, right: Array, a: Jet, b: Jet, which: Mask
+) -> tuple[Array, Array, Jet, Jet]:
+    """Both halves of some intervals, with the formula at their ends."""
+    left, right = left[which], right[which]
+    a, b = (Jet(j.y[which], j.slope[which]) for j in (a, b))
+    middle = 0.5 * (left + right)
+    m = _known(formula, middle)
+    a, b = (
+        Jet(*(np.concatenate(pair) for pair in zip(*pairs, strict=True)))
+        for pairs in ((a, m), (m, b))
+    )
+    return np.concatenate([left, middle]), np.concatenate([middle, right]), a, b
+
+
+def _blur(noise: Array, h: Array, change: Array, of: tuple[float, float], order: int) -> Array:
+    """Tolerances (n,) that round-off of the values of cubics of length h (n,) leaves.
+
+    At both ends of a cubic it changes the slope by 3 / h of it, the second derivative by 12 / h^2;
+    where the slope does not change, nothing reads that. `of`: the largest value and rate.
+    """
+    blur: Array = noise / max(of[0], TINY)
+    if order:
+        share = noise * (3.0 / h if order == 1 else 12.0 / h**2) / of[1]
+        share[change == 0.0] = 0.0
+        blur = np.maximum(found, share / motion_tolerance(1.0))
+    return blur
 
 
 def _known(formula: Expression, x: Array) -> Jet:
@@ -212,11 +274,11 @@ def _cubic(h: Array, a: Jet, b: Jet, part: Array) -> Array:
     return value
 
 
-def _bends(
-    h: Array, a: Jet, b: Jet, slopes: Array, part: Array, round_off: Array
+def _rates(
+    h: Array, a: Jet, b: Jet, slopes: Array, part: Array, round_off: Array, order: int
 ) -> tuple[Array, Array]:
-    """Errors of the second derivatives of cubics (n,), by slopes (n, m) at parts of them; and the
-    largest of these derivatives. `round_off` (n,) is that of the values.
+    """Errors of the derivatives of this order, 1 or 2, of cubics (n,), by slopes (n, m) at parts of
+    them; and the largest of these derivatives. `round_off` (n,) is that of the values.
 
     Of a fourth derivative q the slope errs by q h^3 / 125 at most, the second one by q h^2 / 12.
     """
@@ -228,8 +290,10 @@ def _bends(
     error -= ROUND_OFF * np.maximum(np.abs(first), np.abs(last)) + round_off[:, None] / h
     # where the formula has no slope there is a kink, which is none of the cubics
     error[~np.isfinite(error)] = 0.0
-    worst: Array = np.max(error, axis=1) * 125.0 / 12.0 / h[:, 0]
-    return worst, np.max(np.abs(np.hstack(ends)) / h, axis=1)
+    worst: Array = np.max(error, axis=1)
+    if order == 1:
+        return worst, np.max(np.abs(np.hstack([first, last])), axis=1)
+    return worst * 125.0 / 12.0 / h[:, 0], np.max(np.abs(np.hstack(ends)) / h, axis=1)
 
 
 def _refuse_jump(
@@ -244,26 +308,26 @@ def _refuse_jump(
 
 
 def motion_tolerance(tolerance: float) -> float:
-    """Error of the second derivative over its largest, where that of the values is `tolerance`."""
+    """Error of accelerations over their largest, where that of the values is `tolerance`."""
     return MOTION / TOLERANCE * tolerance
 
 
-def build_motion(card: Formula, scene: Scene) -> tuple[Array, Array, int]:
-    """As `build`, of a motion whose second derivative is read."""
-    return build(card, scene, is_motion=True)
+def build_motion(card: Formula, scene: Scene, order: int) -> tuple[Array, Array, int]:
+    """As `build`, of a motion whose derivative of this order is read."""
+    return build(card, scene, order=order)
 
 
-def build(card: Formula, scene: Scene, *, is_motion: bool = False) -> tuple[Array, Array, int]:
+def build(card: Formula, scene: Scene, *, order: int = 0) -> tuple[Array, Array, int]:
     """Breakpoints (n,), coefficients (n - 1, 4) and the code of extrapolation."""
     try:
-        x, y, slopes, tolerance = sample(card, is_motion=is_motion)
+        x, y, slopes, tolerance = sample(card, order)
     except ExpressionError as error:
         raise scene.fail(f"{error.message}; {error.advice}", "expression") from None
     if tolerance > TOLERANCE:
         scene.warnings.append(
             f"formula '{card.expression}': {len(x) - 1} cubics approximate it within "
             f"{tolerance:.0e} of its largest value, where {TOLERANCE:.0e} is usual"
-            + (f", and its acceleration within {motion_tolerance(tolerance):.0e}" * is_motion)
-            + "; give a shorter range"
+            + (f", and its acceleration within {motion_tolerance(tolerance):.0e}" * (order > 0))
+            + "; give a shorter range, or write it without differences of nearly equal terms"
         )
     return x, hermite(x, y, slopes), EXTRAPOLATE[card.extrapolate]

@@ -25,6 +25,7 @@ from crashsolve.foundation.errors import SolverError
 from crashsolve.model.build import build
 from crashsolve.model.curve_steps import unseen
 from crashsolve.model.integrator_selection import with_chosen_method
+from crashsolve.model.motions import derivatives_read
 from crashsolve.output.channels import Family
 from crashsolve.recording.engines import is_static
 from crashsolve.recording.histories import families_of
@@ -37,8 +38,7 @@ from crashsolve.study.watch import Watch, named
 
 COARSER = (4.0, 2.0)
 MESH = "the mesh"
-# fields of drivers that name a curve; words of channels that read its second derivative
-DRIVING = ("curve", "velocity", "acceleration")
+# words of channels that read the acceleration of a motion
 SECOND = ("acceleration", "force", "moment", "torque")
 OVER_BUDGET = "further runs would cost more than this one; control.estimate: full makes them"
 # the second where the first does not shorten the steps
@@ -194,17 +194,12 @@ def with_formulas(estimate: Estimate, deck: Deck) -> Estimate:
         return estimate
     # a run without formulas does not import them
     formula = import_module(type(next(iter(formulas.values()))).__module__)
-    joints = [entry.card for entry in deck.entries["joints"].values()]
-    motions = {getattr(card, field, None) for card in joints for field in DRIVING}
+    motions = derivatives_read(deck)
     is_second = any(word in estimate.watch.channels[0] for word in SECOND)
     # the cubics of the run (model/build.py), which are at hand
-    displacements = {getattr(card, "curve", None) for card in joints}
-    kept = {
-        name: formula.sample(card, is_motion=name in displacements)[3]
-        for name, card in formulas.items()
-    }
+    kept = {name: formula.sample(card, motions.get(name, 0))[3] for name, card in formulas.items()}
     share, what = max(kept.values()), "values"
-    driving = [tolerance for name, tolerance in kept.items() if name in motions]
+    driving = [tolerance for name, tolerance in kept.items() if motions.get(name, 0)]
     if is_second and driving:
         share, what = formula.motion_tolerance(max(driving)), "accelerations"
     if estimate.error >= share * estimate.scale:

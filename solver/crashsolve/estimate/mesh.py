@@ -1,7 +1,8 @@
 """The error by the mesh: a run on elements twice as long, and one on elements four times as long.
 
     d1 = |x1 - x2|,  d2 = |x2 - x4|,  p = log2(d2 / d1), no more than the elements' order q
-    three meshes        error = d1 / (2^p - 1), at least d2 / (2^q (2^q - 1))
+    three meshes        error = d1 / (2^p - 1), at least d2 / (2^s (2^s - 1)), s = max(q, 2)
+    of opposite signs   error = d1, at least d2 / (2^s (2^s - 1)), where d1 < d2 / 4; else d2
     two meshes          error = d1, that of order 1: contact and yield have no more
 
 No error follows from the meshes where x1 and x2 differ by more than half the scale of the number,
@@ -25,8 +26,12 @@ from crashsolve.study.convergence import NEAR, SHRINKS, distance
 from crashsolve.study.meshes import coarser, has_mesh
 
 FACTORS = (2, 4)
+# order of elements without contact and yield
+SMOOTH = 2.0
 # shares of the scale
 TOO_FAR, NOTABLE = 0.5, 0.05
+# of d2: a smaller d1 of the other sign is that of elements which are small enough
+MUCH_LESS = 0.25
 # share of the cost of the run, and CPU time [s], that its coarser meshes may cost unasked
 SHARE, LEAST = 0.25, 0.3
 OVER_BUDGET = (
@@ -138,11 +143,20 @@ def mesh_error(
     if reverses or one > SHRINKS * two:
         if one > NOTABLE * scale:
             return None, "three meshes do not converge to one value"
-        return max(one, two), "2 coarser meshes, differences do not shrink"
+        if one >= MUCH_LESS * two:
+            return max(one, two), "2 coarser meshes, differences do not shrink"
+        return max(one, _share(two, order)), "2 coarser meshes, on either side of this"
     if one == 0.0:
         return 0.0, "2 coarser meshes, no difference"
     power = log2(two / one)
-    least = two / (2.0**order * (2.0**order - 1.0)) if power > order + NEAR else 0.0
+    # a lucky difference: of an error a l + b l^2 that d1 misses, d2 states a third
+    least = _share(two, order) if power > order + NEAR else 0.0
     size = max(one / (2.0 ** min(power, order) - 1.0), least)
     # an order near zero gives an error of any size
     return min(size, max(one, two) * 2.0), f"2 coarser meshes, order {power:.2f}"
+
+
+def _share(two: float, order: float) -> float:
+    """Error by the difference of the coarser two of three meshes alone, of the smooth order."""
+    ratio: float = 2.0 ** max(order, SMOOTH)
+    return two / (ratio * (ratio - 1.0))

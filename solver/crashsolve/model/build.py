@@ -47,6 +47,7 @@ from crashsolve.model.integrator_selection import Choice, by_default, choose, re
 from crashsolve.model.ledger import ENTRIES
 from crashsolve.model.materials import fill, laws_of, refuse_different, with_constants, with_memory
 from crashsolve.model.model import Group, Joint, Model, State
+from crashsolve.model.motions import derivatives_read
 from crashsolve.model.nodes import IMPLICIT_STAGE, NODE, ROW, STAGE
 from crashsolve.model.partition import cut
 from crashsolve.model.phases import build_phases
@@ -197,12 +198,13 @@ def _share_pairs(model: Model, scene: Scene) -> None:
 def _build_curves(deck: Deck, scene: Scene) -> np.ndarray:
     """All curves as kernels read them; the scene learns where each begins."""
     built = {}
-    motions = {getattr(entry.card, "curve", None) for entry in deck.entries["joints"].values()}
+    motions = derivatives_read(deck)
     for name, entry in deck.entries["curves"].items():
         law = _module(entry)
-        make = getattr(law, "build_motion", law.build) if name in motions else law.build
+        is_motion = name in motions and hasattr(law, "build_motion")
+        make = law.build_motion if is_motion else law.build
         with scene.building(entry):
-            built[name] = make(entry.card, scene)
+            built[name] = make(entry.card, scene, *[motions.get(name)] * is_motion)
     for name, entry in deck.entries["hinges"].items():
         with scene.building(entry):
             own = _module(entry).curves(entry.card, built, scene)

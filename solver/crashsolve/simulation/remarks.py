@@ -11,6 +11,7 @@ from crashsolve.model.ledger import HOURGLASS, INTERNAL, LARGEST
 from crashsolve.output.files import Json
 from crashsolve.output.peaks import Extremes
 from crashsolve.simulation.self_penetration import shells_through_themselves
+from crashsolve.system.diagnosis import HALFWAY
 from crashsolve.system.engine import Engine
 from crashsolve.system.flags import contact_flags
 
@@ -20,8 +21,6 @@ STRAINED, STORED = 1e-10, 1e-18
 NO_DEPTH = 1e-9
 # share of the half thicknesses of both sides, beyond which a touch is deep
 DEEP = 0.25
-# the same of a point, whose run is stopped at the middle of the struck body
-HALFWAY = 0.5
 # crushed length over length at which the folds of a square tube touch: Abramowicz (1983), Int. J.
 # Impact Engng 1, 309-317, has 0.73
 FOLDED = 0.73
@@ -97,10 +96,9 @@ def deep_points(engine: Engine) -> list[str]:
     """Contacts of points and of nodes of shells that penetrated deeply."""
     worst: dict[str, tuple[float, float, float]] = {}
     for g in engine.model.nodal_groups:
-        p, deepest = g.arrays["p"][0], float(g.arrays["totals"]["deepest"][0])
-        # of faces, the probe and half of the shell
-        thick = float(p["gap"] if g.narrow is None else p["thick"])
-        one, name = (deepest / thick, deepest, thick), engine.model.contacts[p["card"]]
+        deepest, thick = g.depth_and_middle
+        one = (deepest / thick, deepest, thick)
+        name = engine.model.contacts[int(g.arrays["p"]["card"][0])]
         worst[name] = max(worst.get(name, one), one)
     return [
         f"contact '{name}': points penetrated {depth:.3g} m deep into the body they struck, "

@@ -37,6 +37,8 @@ OTHER_SIDE = (
     "give the corners of the faces in the opposite order, to resist on the side that is struck; or "
     "close the mesh, to resist on both"
 )
+# of the distance from a surface to its middle: a point is deep, which is lost beyond the middle
+HALFWAY = 0.5
 # location, likely cause, advice
 Diagnosis = tuple[str, str, str]
 
@@ -79,7 +81,9 @@ def diagnose(model: Model, state: State, clock: np.void, ledger: np.ndarray) -> 
     else:
         share = 100.0 * ledger[energy.IMBALANCE] / ledger[energy.LARGEST]
         cause = f"the energy balance is off by {share:.3g} % of the largest energy"
-        advice = f"{closer(model, state)}; control.energy_limit sets the bound"
+        deep = [advice_on_depth(model, card) for card in range(len(model.contacts))]
+        known = next((f"{text}; or " for text in deep if text), "")
+        advice = f"{known}{closer(model, state)}; control.energy_limit sets the bound"
         causes = "the model", cause, advice
     return SolverError(float(clock["time"]), int(clock["cycle"]), *causes)
 
@@ -310,6 +314,18 @@ def advice_on_gain(model: Model, card: int) -> str:
     return OWN_FACES if any(group.is_self_contact for group in groups) else ""
 
 
+def advice_on_depth(model: Model, card: int) -> str:
+    """What to do about points of a contact card that penetrated deeply; or nothing."""
+    depths = [g.depth_and_middle for g in model.nodal_groups if g.arrays["p"]["card"][0] == card]
+    depth, thick = max(depths, key=lambda one: one[0] / one[1], default=(0.0, 1.0))
+    if depth <= HALFWAY * thick:
+        return ""
+    return (
+        f"make contact '{model.contacts[card]}' stiffer: its points penetrated {depth:.3g} m of "
+        f"the {thick:.3g} m from the surface of what they struck to its middle"
+    )
+
+
 def find_contact_gain(model: Model, state: State, clock: np.void) -> Diagnosis:
     """A contact card whose normal force, or friction, has created energy."""
     number, is_friction = int(clock["index"]), float(clock["value"]) == 1.0
@@ -326,6 +342,7 @@ def find_contact_gain(model: Model, state: State, clock: np.void) -> Diagnosis:
         f"from them ({taken:.3g} J) and stored at the start ({initial:.3g} J)"
     )
     known, shorter = advice_on_gain(model, number), closer(model, state)
+    known = known or advice_on_depth(model, number)
     advice = f"{known}; or {shorter}" if known else shorter
     advice += "; control.energy_limit sets the bound"
     return f"contact '{model.contacts[number]}'", cause, advice

@@ -18,6 +18,7 @@ from crashsolve.deck.fields import deck_words, declared
 from crashsolve.deck.keywords import SECTIONS, answering
 from crashsolve.deck.laws import UnknownType, types_in
 from crashsolve.deck.numbers import Context
+from crashsolve.deck.reading.consequences import without_consequences
 from crashsolve.deck.reading.files import Files
 from crashsolve.deck.reading.items import Entry, Item, items_of
 from crashsolve.deck.reading.locations import placed
@@ -272,7 +273,8 @@ class _Reader:
         """Each error once, by file and line; those of the command line first."""
         order = {str(file): i for i, file in enumerate(self.tables)}
         unique = {str(error): error for error in self.diagnostics}.values()
-        return sorted(unique, key=lambda e: (order.get(e.file, -1), e.line or 0, e.column or 0))
+        ordered = sorted(unique, key=lambda e: (order.get(e.file, -1), e.line or 0, e.column or 0))
+        return without_consequences(ordered, self.tables)
 
     def context(self, file: Path, table: Table) -> Context:
         """Folder of a file, and the units of its bare numbers."""

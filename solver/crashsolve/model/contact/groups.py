@@ -229,6 +229,14 @@ class NodalGroup(Touching):
         return self.narrow is None and is_own
 
     @property
+    def depth_and_middle(self) -> tuple[float, float]:
+        """Deepest penetration so far, and the distance from the surface to the middle [m]."""
+        p = self.arrays["p"][0]
+        # of faces, the probe and half of the shell
+        middle = p["gap"] if self.narrow is None else p["thick"]
+        return float(self.arrays["totals"]["deepest"][0]), float(middle)
+
+    @property
     def is_round(self) -> bool:
         """Whether ellipsoids press."""
         return "ellipsoids" in self.arrays

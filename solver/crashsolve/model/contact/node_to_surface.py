@@ -130,7 +130,9 @@ HIT = Record("""
     depth     m         penetration; 0: no touch
     distance  m         to the face
     face      index     the nearest
+    spot      index     where on the face the nearest point lies: narrow/_face.py
     crossed   flag      whether it has been passed
+    is_strict  flag     whether only faces are taken that none beside them hides
     weight    1         share of its force; less than 1 where it is one wall with a nearer one
     other_walls  count  other walls found on this side, in that of the nearest
     group     index     of the walls that are joined: the first of them

@@ -10,7 +10,7 @@ import numpy as np
 
 from crashsolve.model.ledger import LARGEST
 from crashsolve.model.model import Model, State
-from crashsolve.system.diagnosis import advice_on_gain
+from crashsolve.system.diagnosis import advice_on_depth, advice_on_gain
 
 # of the largest energy that the normal force or the friction of a card has stored and dissipated
 UNBALANCED = 0.02
@@ -67,7 +67,8 @@ def _warning(model: Model, card: int, what: str, missing: float, largest_energy:
     shorter = (
         "control.safety or control.step" if is_by_safety else "control.tolerance or control.step"
     )
-    helps = advice_on_gain(model, card) or f"halve {shorter}"
+    deep = advice_on_depth(model, card)
+    helps = advice_on_gain(model, card) or f"{deep}; or halve {shorter}".removeprefix("; or ")
     verb = "made" if missing > 0.0 else "lost"
     return (
         f"contact '{model.contacts[card]}': its {what} has {verb} {abs(missing):.3g} J that "

@@ -22,19 +22,33 @@ from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, point_velocity, world_position
 from crashsolve.foundation.vec3 import add_scaled, dot, norm, put, scale, sub, vec
-from crashsolve.system.contact.projection import keep_nearest, report_depth, reset_found
+from crashsolve.system.contact.projection import (
+    keep_nearest,
+    remove_hidden,
+    report_depth,
+    reset_found,
+)
 
 
 @kernel
-def find_nearest_faces(i, p, totals, ellipsoid, nodes, sides, mesh, lists):
-    """The nearest face on either side of an ellipsoid, nearer than the gap. Writes: sides, lists.
+def find_nearest_faces(i, p, totals, ellipsoid, nodes, sides, mesh, lists, excluded):
+    """The nearest face on either side of an ellipsoid within the gap. Writes: sides, lists."""
+    is_deep = reset_found(i, p, sides)
+    search_list(i, p, totals, is_deep, ellipsoid, nodes, sides, mesh, lists, excluded)
+    if remove_hidden(i, p, sides, mesh, excluded):
+        search_list(i, p, totals, is_deep, ellipsoid, nodes, sides, mesh, lists, excluded)
+    report_depth(p, sides.hits)
 
-    A face that is farther is due when the travel may have closed its gap.
+
+@kernel
+def search_list(i, p, totals, is_deep, ellipsoid, nodes, sides, mesh, lists, excluded):
+    """Keep the nearest faces of an ellipsoid's list. Writes: sides, lists.
+
+    A face that is farther than the gap is due when the travel may have closed it.
     """
     first, near, wait, due = lists
     body, soonest = nodes[ellipsoid.node], 1e300
     low = min(ellipsoid.semi[0], ellipsoid.semi[1], ellipsoid.semi[2])
-    is_deep = reset_found(i, p, sides)
     for k in range(first[i], first[i + 1]):
         f = near[k]
         if mesh[5][f] == 1:
@@ -47,10 +61,9 @@ def find_nearest_faces(i, p, totals, ellipsoid, nodes, sides, mesh, lists):
             wait[k] = totals.travel + max(distance + low - p.gap, 0.0)
             if distance + low < p.gap:
                 to = scale(distance + low, to_world_axes(ellipsoid, body, m))
-                keep_nearest(i, p, (f, N, spot), abs(distance + low), to, sides, mesh)
+                keep_nearest(i, p, (f, N, spot), abs(distance + low), to, sides, mesh, excluded)
         soonest = min(soonest, wait[k])
     due[i] = soonest
-    report_depth(p, sides.hits)
 
 
 @kernel

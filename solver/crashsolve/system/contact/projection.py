@@ -18,7 +18,14 @@ References: Baerentzen and Aanaes (2005), IEEE Transactions on Visualization and
 from math import acos, sqrt
 from typing import NamedTuple
 
-from crashsolve.contact.cells import WALLS, bound_faces, corner_points, list_near, sort_faces
+from crashsolve.contact.cells import (
+    WALLS,
+    bound_faces,
+    corner_points,
+    is_excluded,
+    list_near,
+    sort_faces,
+)
 from crashsolve.contact.narrow._face import (
     CORNER,
     EDGE,
@@ -46,6 +53,8 @@ from crashsolve.system.contact.node_contact import (
 
 # a distance of this share of the gap has no direction
 NO_DISTANCE = 1e-9
+# of a distance: two faces are equally near at their common edge, to round-off
+SAME_DISTANCE = 1e-9
 # of `reach`, the distance from which a face may be crossed in a step: speeds may grow within it
 CROSSED = 1.5
 
@@ -120,14 +129,23 @@ class Sides(NamedTuple):
 
 
 @kernel
-def find_nearest_faces(i, x, p, totals, sides, mesh, lists):
-    """The nearest face on either side of a probe at x, nearer than the gap. Writes: sides, lists.
+def find_nearest_faces(i, x, p, totals, sides, mesh, lists, excluded):
+    """The nearest face on either side of a probe at x within the gap. Writes: sides, lists."""
+    is_deep = reset_found(i, p, sides)
+    search_list(i, x, p, totals, is_deep, sides, mesh, lists, excluded)
+    if remove_hidden(i, p, sides, mesh, excluded):
+        search_list(i, x, p, totals, is_deep, sides, mesh, lists, excluded)
+    report_depth(p, sides.hits)
 
-    A face that is farther is due when the travel may have closed its gap.
+
+@kernel
+def search_list(i, x, p, totals, is_deep, sides, mesh, lists, excluded):
+    """Keep the nearest faces of a probe's list. Writes: sides, lists.
+
+    A face that is farther than the gap is due when the travel may have closed it.
     """
     first, near, wait, due = lists
     soonest = 1e300
-    is_deep = reset_found(i, p, sides)
     for k in range(first[i], first[i + 1]):
         f = near[k]
         if mesh[5][f] == 1:
@@ -140,10 +158,9 @@ def find_nearest_faces(i, x, p, totals, sides, mesh, lists):
             # a probe that has been driven through the surface is not released behind it
             if distance < p.gap or is_deep:
                 to = point_of(N, a, b, c, d)
-                keep_nearest(i, p, (f, N, spot), distance, to, sides, mesh)
+                keep_nearest(i, p, (f, N, spot), distance, to, sides, mesh, excluded)
         soonest = min(soonest, wait[k])
     due[i] = soonest
-    report_depth(p, sides.hits)
 
 
 @kernel
@@ -155,7 +172,7 @@ def reset_found(i, p, sides):
     is_deep, (probe_states, slot_in_use, hits) = False, sides
     for s in range(2):
         hits[s].distance, hits[s].face, hits[s].depth = p.gap + p.margin, -1, 0.0
-        hits[s].other_walls, hits[s].weight = 0, 1.0
+        hits[s].other_walls, hits[s].weight, hits[s].is_strict = 0, 1.0, 0
         old = probe_states[accept_record(slot_in_use, 2 * i + s), 2 * i + s]
         is_deep = is_deep or (old.active == 1 and old.depth > 0.5 * p.gap)
     return is_deep
@@ -182,7 +199,7 @@ def relative_corners(x, p, f, mesh):
 
 
 @kernel
-def keep_nearest(i, p, face, distance, to, sides, mesh):
+def keep_nearest(i, p, face, distance, to, sides, mesh, excluded):
     """Store a face if it is the nearest on its side, at a distance [m]; `to` is the vector to it.
 
     `face`: its number, the weights of its corners at the nearest point, the feature of that.
@@ -193,7 +210,9 @@ def keep_nearest(i, p, face, distance, to, sides, mesh):
     hit = hits[s]
     if distance >= hit.distance or (distance >= p.gap and crossed == 0):
         return
-    hit.distance, hit.face, hit.crossed = distance, f, crossed
+    if hit.is_strict == 1 and is_hidden(i, p, f, N, spot, to, mesh, excluded):
+        return
+    hit.distance, hit.face, hit.crossed, hit.spot = distance, f, crossed, spot
     for k in range(4):
         hit.N[k] = N[k]
     if f >= p.quads:
@@ -206,6 +225,54 @@ def keep_nearest(i, p, face, distance, to, sides, mesh):
     else:
         n = face_normal(p, f, mesh)
         put(hit.normal, scale(1.0 if s == 0 else -1.0, n))
+
+
+@kernel
+def remove_hidden(i, p, sides, mesh, excluded):
+    """Whether the farther of two faces on both sides is hidden, and must be searched again.
+
+    Its side would be that of a normal at an edge which is not nearest: a ball deep in a dent has
+    been found behind the rim, through the bottom. Writes: sides.hits.
+    """
+    up, down = sides.hits[0], sides.hits[1]
+    if up.face < 0 or down.face < 0:
+        return False
+    hit = up if up.distance > down.distance else down
+    if hit.crossed == 1 or hit.distance <= NO_DISTANCE * p.gap:
+        return False
+    to = scale(-hit.distance, vec(hit.normal))
+    if not is_hidden(i, p, hit.face, hit.N, hit.spot, to, mesh, excluded):
+        return False
+    hit.distance, hit.face, hit.is_strict = p.gap + p.margin, -1, 1
+    return True
+
+
+@kernel
+def is_hidden(i, p, f, N, spot, to, mesh, excluded):
+    """Whether a face beside the nearest point of this one is nearer to the probe."""
+    if spot == INSIDE:
+        return False
+    a, b, c, d = relative_corners((0.0, 0.0, 0.0), p, f, mesh)
+    x = sub(point_of(N, a, b, c, d), to)
+    nearer = (1.0 - SAME_DISTANCE) * norm(to)
+    if spot < CORNER:
+        return is_nearer(i, x, p, adjacent_face(f, spot - EDGE, mesh), nearer, mesh, excluded)
+    first, faces = mesh[3], mesh[4]
+    own = corner_points(p, f, mesh[1])[spot - CORNER] - p.first_own
+    for k in range(first[own], first[own + 1]):
+        if mesh[5][faces[k]] == 0 and is_nearer(i, x, p, faces[k], nearer, mesh, excluded):
+            return True
+    return False
+
+
+@kernel
+def is_nearer(i, x, p, g, distance, mesh, excluded):
+    """Whether a face that the probe may meet is nearer to x than a distance; -1: none."""
+    if g < 0 or is_excluded(i, g, excluded):
+        return False
+    a, b, c, d = relative_corners(x, p, g, mesh)
+    _, square, _ = nearest_on_face(a, b, c, d)
+    return square < distance * distance
 
 
 @kernel

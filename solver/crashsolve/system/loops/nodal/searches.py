@@ -27,13 +27,13 @@ def search_faces(group, i, hits, nodes, scene):
     excluded = (group.excluded_first, group.excluded)
     if group.is_round:
         ellipsoid = group.ellipsoids[i]
-        ellipsoids.find_nearest_faces(i, p, totals, ellipsoid, nodes, sides, mesh, lists)
+        ellipsoids.find_nearest_faces(i, p, totals, ellipsoid, nodes, sides, mesh, lists, excluded)
         if group.is_smooth:
             x, probe_element = ellipsoids.centre_of(ellipsoid, nodes)
             normals.apply_field(i, x, probe_element, p, mesh, excluded, hits)
     else:
         x, _ = node_contact.position_and_velocity(group.probes[i], 0.0, nodes, points)
-        projection.find_nearest_faces(i, x, p, totals, sides, mesh, lists)
+        projection.find_nearest_faces(i, x, p, totals, sides, mesh, lists, excluded)
         if group.is_smooth:
             normals.apply_field(i, x, None, p, mesh, excluded, hits)
         else:
