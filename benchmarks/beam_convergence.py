@@ -20,7 +20,7 @@ from crashsolve.statics.equilibrium import StaticEngine
 
 HERE = Path(__file__).resolve().parent
 MESHES = (2, 4, 8, 16, 32)
-# place of the tip
+# position of the tip
 PROBLEMS = {
     "F1, elastica, P L^2 / E I = 10": (1.0 - 0.5549956, 0.81060902, 0.0),
     "F3, cantilever of Geradin": (5.0 - 0.5964713, 0.0, -2.1596939),
@@ -87,7 +87,7 @@ def deck(problem: str, n: int) -> str:
 
 
 def error(folder: Path, problem: str, n: int) -> float:
-    """Of the tip's place, over its displacement."""
+    """Of the tip's position, over its displacement."""
     path = folder / "deck.yaml"
     path.write_text(deck(problem, n), "utf-8")
     read = read_deck(path)
@@ -107,8 +107,8 @@ def draw(results: dict[str, list[float]]) -> None:
     from matplotlib import pyplot
 
     figure, axes = pyplot.subplots(1, len(results), figsize=(11, 4), layout="constrained")
-    for axis, (name, found) in zip(axes, results.items(), strict=True):
-        axis.loglog(MESHES, found, "o-", label="beam")
+    for axis, (name, errors) in zip(axes, results.items(), strict=True):
+        axis.loglog(MESHES, errors, "o-", label="beam")
         axis.loglog(MESHES, [0.4 / n**2 for n in MESHES], "k:", label="order 2")
         axis.loglog(MESHES, [0.4 / n**4 for n in MESHES], "k--", label="order 4")
         axis.set(title=name, xlabel="elements", ylabel="error of the tip over its displacement")

@@ -1,4 +1,4 @@
-"""Price of the beam impact of section 4.5: CPU time and error of the tips' paths, by method.
+"""Cost of the beam impact of section 4.5: CPU time and error of the tips' paths, by method.
 
     python benchmarks/beam_impact.py
 
@@ -32,20 +32,20 @@ CONTROLLED = [
 
 
 def run(deck: str, settings: Mapping[str, object]) -> tuple[np.ndarray, np.ndarray, int, float]:
-    """Places (n, 2, 3) of both ends, impulses (n, 3) [N s], steps and CPU time [s]."""
+    """Positions (n, 2, 3) of both ends, impulses (n, 3) [N s], steps and CPU time [s]."""
     changes = {f"control.{name}": str(value) for name, value in settings.items()}
     path = SCENES / f"beam_impact_{deck}.yaml"
     model, state = build(read_deck(path, changes | {"control.energy_limit": "off"}))
-    engine, found, impulses = Engine(model, state), [], []
+    engine, positions, impulses = Engine(model, state), [], []
     engine.start()
     ends = [model.bodies.index(f"beam_{end}") for end in ("start", "end")]
     begun = time.process_time()
     for moment in TIMES:
         engine.advance(moment)
-        found.append(engine.state.nodes["r"][ends].copy())
+        positions.append(engine.state.nodes["r"][ends].copy())
         impulses.append(engine.clock["impulse"].copy())
     return (
-        np.array(found),
+        np.array(positions),
         np.array(impulses),
         int(engine.clock["cycle"]),
         time.process_time() - begun,

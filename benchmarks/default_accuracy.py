@@ -187,20 +187,20 @@ def runs(paths: list[Path], words: dict[str, str]) -> Iterator[tuple[str, Run | 
             ] + tries
         for name, run in tries:
             try:
-                found = run()
+                estimates = run()
             except BudgetExceeded:
                 yield name, f"more than {LIMIT:g} s of CPU"
             except (CrashsolveError, ValueError) as error:
                 yield name, str(error).splitlines()[0]
             else:
-                if found is not None and found.numbers:
-                    yield name, found
+                if estimates is not None and estimates.numbers:
+                    yield name, estimates
 
 
 def every_deck() -> list[Path]:
     """Decks that run by themselves, in order."""
-    found = sorted(path for folder in FOLDERS for path in (DECKS / folder).rglob("*.yaml"))
-    return [path for path in found if "\ncontrol:" in path.read_text("utf-8")]
+    paths = sorted(path for folder in FOLDERS for path in (DECKS / folder).rglob("*.yaml"))
+    return [path for path in paths if "\ncontrol:" in path.read_text("utf-8")]
 
 
 def main() -> None:

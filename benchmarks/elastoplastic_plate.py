@@ -50,7 +50,7 @@ def deflection(terms: int, is_plastic: bool) -> np.ndarray:
     steps = int(END * fastest / 0.8) + 1
     h = END / steps
     A, speed, force = np.zeros((terms, terms)), np.zeros((terms, terms)), 0.5 * load
-    s, found = np.zeros((3, len(x), len(x), LAYERS)), []
+    s, deflections = np.zeros((3, len(x), len(x), LAYERS)), []
     xx, xy = np.broadcast_to(k[:, None] ** 2, A.shape), np.outer(k, k)
     for _ in range(steps):
         speed = speed + h / mass * force
@@ -68,8 +68,8 @@ def deflection(terms: int, is_plastic: bool) -> np.ndarray:
         held = sine.T @ M[0] @ sine * xx + sine.T @ M[1] @ sine * xx.T
         force = load - held + 2.0 * xy * (cosine.T @ M[2] @ cosine)
         middle = np.sin(0.5 * k * SIDE)
-        found.append(middle @ A @ middle)
-    return np.array(found)
+        deflections.append(middle @ A @ middle)
+    return np.array(deflections)
 
 
 def main(terms: int) -> None:

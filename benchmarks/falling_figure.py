@@ -50,22 +50,22 @@ Body = dict[str, Any]
 
 def figure() -> dict[str, Body]:
     """Mass, inertia, position and velocities of every body, which its joints allow."""
-    rng, found = np.random.default_rng(5), dict[str, Body]()
+    rng, bodies = np.random.default_rng(5), dict[str, Body]()
     for name, (parent, share, joint, along, radius) in SEGMENTS.items():
         mass, length, at = MASS * share, abs(along[2]), np.array(joint)
         across = mass * (3.0 * radius**2 + length**2) / 12.0
         w, r, v = rng.normal(0.0, 2.0, 3), at + 0.5 * np.array(along), np.zeros(3)
         if parent:
-            a = found[parent]
+            a = bodies[parent]
             v = a["velocity"] + np.cross(a["angular_velocity"], at - a["position"])
-        found[name] = {
+        bodies[name] = {
             "mass": mass,
             "inertia": [across, across, 0.5 * mass * radius**2],
             "position": r,
             "velocity": v + np.cross(w, r - at),
             "angular_velocity": w,
         }
-    return found
+    return bodies
 
 
 def ground(bodies: dict[str, Body]) -> dict[str, Any]:
@@ -189,10 +189,10 @@ def table(exact: dict[str, np.ndarray], runs: dict[str, Run]) -> None:
     """Error and CPU time of runs, each compared with the positions of the code it begins with."""
     print("| | error, mm | CPU, s |\n|---|---|---|")
     for name, run in runs.items():
-        found = [run() for _ in range(3)]
-        error = np.linalg.norm(found[0][0] - exact[name.split(maxsplit=1)[0]], axis=1).max()
+        results = [run() for _ in range(3)]
+        error = np.linalg.norm(results[0][0] - exact[name.split(maxsplit=1)[0]], axis=1).max()
         print(
-            f"| {name} | {1e3 * error:.2g} | {min(spent for _, spent in found):.3f} |", flush=True
+            f"| {name} | {1e3 * error:.2g} | {min(spent for _, spent in results):.3f} |", flush=True
         )
 
 

@@ -113,11 +113,11 @@ def measure(words: tuple[object, ...]) -> tuple[float, float]:
     answer: Queue = Queue()
     child = Process(target=_run, args=(answer, [str(word) for word in words]))
     child.start()
-    found = answer.get()
+    answered = answer.get()
     child.join()
-    if isinstance(found, str):
-        raise SystemExit(found)
-    return found
+    if isinstance(answered, str):
+        raise SystemExit(answered)
+    return answered
 
 
 def _run(answer: Queue, words: list[str]) -> None:

@@ -98,11 +98,11 @@ def cost(case: Case, folder: Path, history: float, states: float) -> Cost:
 
 
 def _width(group: h5py.Group) -> int:
-    found = []
+    datasets = []
     group.visititems(
-        lambda path, item: found.append(path) if getattr(item, "ndim", 0) == 2 else None
+        lambda path, item: datasets.append(path) if getattr(item, "ndim", 0) == 2 else None
     )
-    return len(found) * len(group["ids"])
+    return len(datasets) * len(group["ids"])
 
 
 def main() -> None:

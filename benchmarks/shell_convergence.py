@@ -75,10 +75,10 @@ def answer(folder: Path, problem: tuple[str, str, list[str], str], kind: str, n:
     return float(Result(out).series(channel).values[-1])
 
 
-def table(found: dict[str, list[float]], reference: float) -> list[str]:
+def table(answers: dict[str, list[float]], reference: float) -> list[str]:
     """Lines of a problem: answers over the reference, errors and orders."""
     lines = ["| element | n | answer / reference | error | order |", "|---|---|---|---|---|"]
-    for kind, values in found.items():
+    for kind, values in answers.items():
         errors = [value / reference - 1.0 for value in values]
         for k, (n, error) in enumerate(zip(MESHES, errors, strict=True)):
             order = f"({log2(abs(errors[k - 1] / error)):.2f})" if k else ""
@@ -94,8 +94,8 @@ def draw(results: dict[str, tuple[dict[str, list[float]], float]]) -> None:
     from matplotlib import pyplot
 
     figure, axes = pyplot.subplots(1, len(results), figsize=(9, 4), layout="constrained")
-    for axis, (name, (found, reference)) in zip(axes, results.items(), strict=True):
-        for (kind, values), mark in zip(found.items(), ("o-", "x--", "^-"), strict=True):
+    for axis, (name, (answers, reference)) in zip(axes, results.items(), strict=True):
+        for (kind, values), mark in zip(answers.items(), ("o-", "x--", "^-"), strict=True):
             axis.loglog(MESHES, [abs(v / reference - 1.0) for v in values], mark, label=kind)
         axis.loglog(MESHES, [1.0 / n**2 for n in MESHES], "k:", label="order 2")
         axis.set(title=name, xlabel="elements along a side", ylabel="relative error")
@@ -107,10 +107,12 @@ def main() -> None:
     results, lines = {}, [HEAD]
     with tempfile.TemporaryDirectory() as name:
         for title, (problem, reference) in PROBLEMS.items():
-            found = {kind: [answer(Path(name), problem, kind, n) for n in MESHES] for kind in KINDS}
-            results[title] = (found, reference)
+            answers = {
+                kind: [answer(Path(name), problem, kind, n) for n in MESHES] for kind in KINDS
+            }
+            results[title] = (answers, reference)
             lines += [f"## {title}", "", f"Reference {reference:.6e} m.", ""]
-            lines += [*table(found, reference), ""]
+            lines += [*table(answers, reference), ""]
     draw(results)
     (HERE / "shell_convergence.md").write_text("\n".join(lines).rstrip() + "\n" + TAIL, "utf-8")
 

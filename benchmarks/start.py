@@ -40,8 +40,8 @@ BARE = "import resource, numpy, h5py; print(resource.getrusage(resource.RUSAGE_S
 
 def decks() -> list[Path]:
     """Every deck of the project; in `shared`, and without `control:`, are parts for others."""
-    found = sorted((ROOT / "decks").rglob("*.yaml"))
-    alone = [path for path in found if path.parent.name != "shared"]
+    paths = sorted((ROOT / "decks").rglob("*.yaml"))
+    alone = [path for path in paths if path.parent.name != "shared"]
     return [path for path in alone if "\ncontrol:" in path.read_text("utf-8")]
 
 
@@ -122,32 +122,32 @@ def measure(deck: Path, bare: float) -> dict[str, float]:
         cold = start(deck, cache)
         warm = [start(deck, cache) for _ in range(STARTS)]
     memory = max(one.peak for one in warm) - bare
-    found = {"cold wall": cold.wall, "cold s": cold.cpu, "memory MB": memory}
-    found["warm s"] = median(one.cpu for one in warm)
-    return {name: found[name] for name in BUDGET} | {"compiler MB": cold.compiler_peak}
+    measures = {"cold wall": cold.wall, "cold s": cold.cpu, "memory MB": memory}
+    measures["warm s"] = median(one.cpu for one in warm)
+    return {name: measures[name] for name in BUDGET} | {"compiler MB": cold.compiler_peak}
 
 
 def survey() -> None:
     """The table of `--all`; the number of decks done so far goes to standard error."""
-    found, apart, all_decks = [], [], decks()
+    starts, apart, all_decks = [], [], decks()
     for number, deck in enumerate(all_decks, 1):
         name = deck.relative_to(ROOT)
         try:
             with tempfile.TemporaryDirectory() as cache:
-                found.append((name, start(deck, cache), start(deck, cache)))
+                starts.append((name, start(deck, cache), start(deck, cache)))
         except SystemExit as reason:
             apart.append(f"{name} has no first step: {str(reason).splitlines()[0]}")
             continue
-        message = f"{number} of {len(all_decks)}: {name} {found[-1][1].cpu:.2f} s"
+        message = f"{number} of {len(all_decks)}: {name} {starts[-1][1].cpu:.2f} s"
         print(message, file=sys.stderr, flush=True)
-    found.sort(key=lambda row: -row[1].cpu)
+    starts.sort(key=lambda row: -row[1].cpu)
     print(f"CPU time [s] {'':40}    cold =    run + compiler    warm")
-    for deck, cold, warm in found:
+    for deck, cold, warm in starts:
         kind = "flexible" if cold.is_flexible else "rigid"
         figures = (cold.cpu, cold.run, cold.compiler, warm.cpu)
         print(f"{deck!s:52}{kind:9}" + "".join(f"{figure:8.2f}" for figure in figures))
     for flexible in (False, True):
-        cold_ones = [cold.cpu for _, cold, _ in found if cold.is_flexible == flexible]
+        cold_ones = [cold.cpu for _, cold, _ in starts if cold.is_flexible == flexible]
         kind = "flexible" if flexible else "rigid"
         print(f"{len(cold_ones)} {kind}: median {median(cold_ones):.2f}, most {max(cold_ones):.2f}")
     print(*apart, sep="\n")

@@ -148,15 +148,15 @@ def measure_whole(name: str, path: Path, end: float, threads: list[int]) -> None
     for n in threads:
         spent: dict[int, list[float]] = {1: [], n: []}
         for _ in range(WHOLE):
-            for count, found in spent.items():
+            for count, times in spent.items():
                 with tempfile.TemporaryDirectory() as folder:
                     words = ("-o", folder, "--set", f"control.end_time={end}")
                     words += ("--set", f"control.threads={count}", "--set", "control.estimate=off")
                     begun = time.perf_counter()
                     command = [sys.executable, "-m", "crashsolve", str(path), *words]
                     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-                    found.append(time.perf_counter() - begun)
-        one, several = (min(found) for found in spent.values())
+                    times.append(time.perf_counter() - begun)
+        one, several = (min(times) for times in spent.values())
         print(
             f"{name} as a whole, to {1e3 * end:g} ms: {one:.1f} s with one thread, {several:.1f} s "
             f"with {n}: {one / several:.2f} times one; {load()}",

@@ -34,8 +34,8 @@ def finished(folder: Path) -> bool:
 
 def values(result: Result, channel: str) -> np.ndarray:
     """A history of a result, in its unit."""
-    found: np.ndarray = result.series(channel).values
-    return found
+    series: np.ndarray = result.series(channel).values
+    return series
 
 
 def swept(plan: dict[str, object], path: Path, folder: Path) -> list[dict[str, str]]:
@@ -46,11 +46,11 @@ def swept(plan: dict[str, object], path: Path, folder: Path) -> list[dict[str, s
     path.parent.mkdir(parents=True, exist_ok=True)
     # JSON is YAML
     path.write_text(json.dumps(plan, indent=1), "utf-8")
-    made = folder / "sweep.csv"
-    if not made.exists():
+    csv_file = folder / "sweep.csv"
+    if not csv_file.exists():
         command = [sys.executable, "-m", "crashsolve", "sweep", str(path), "-o", str(folder)]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-    with made.open(encoding="utf-8") as rows:
+    with csv_file.open(encoding="utf-8") as rows:
         return list(csv.DictReader(rows))
 
 

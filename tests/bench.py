@@ -371,13 +371,15 @@ def tangents_of(law: Law, bodies: list[int]) -> Tangents:
     several = np.ndim(law.p.node) if "node" in law.p.dtype.names else 0
     ends = np.ravel(law.p.node) if several else np.array([law.p.node_a, law.p.node_b])
     count = law.module.TANGENTS
-    found = as_rows(np.zeros(count * len(ends) // 2, COMPLIANT.dtype))
-    law.module.tangent(law.p, law.old, law.bench.nodes, law.bench.curves, found, 0)
+    tangent_rows = as_rows(np.zeros(count * len(ends) // 2, COMPLIANT.dtype))
+    law.module.tangent(law.p, law.old, law.bench.nodes, law.bench.curves, tangent_rows, 0)
     sums = np.zeros((2, count, 6 * len(bodies)))
     for j, body in enumerate(ends.tolist()):
         if body in bodies:
             rows = slice(count * (j // 2), count * (j // 2 + 1))
             own, half = 6 * bodies.index(body), 6 * (j % 2)
             for k, name in enumerate("DG"):
-                sums[k, :, own : own + 6] += found[name][rows, half : half + 6]
-    return Tangents(*sums, found.stiffness[:count].copy(), found.damping[:count].copy())
+                sums[k, :, own : own + 6] += tangent_rows[name][rows, half : half + 6]
+    return Tangents(
+        *sums, tangent_rows.stiffness[:count].copy(), tangent_rows.damping[:count].copy()
+    )

@@ -50,30 +50,30 @@ def start(*words: object, **changes: str) -> subprocess.Popen[str]:
 
 def datasets(path: Path) -> dict[str, np.ndarray]:
     """All datasets of an HDF5 file by their paths."""
-    found: dict[str, np.ndarray] = {}
+    arrays: dict[str, np.ndarray] = {}
 
     def keep(name: str, item: object) -> None:
         if isinstance(item, h5py.Dataset):
             text = h5py.check_string_dtype(item.dtype)
-            found[name] = item.asstr()[()].astype(str) if text else item[()]
+            arrays[name] = item.asstr()[()].astype(str) if text else item[()]
 
     with h5py.File(path) as file:
         file.visititems(keep)
-    return found
+    return arrays
 
 
 def results(folder: Path) -> dict[str, np.ndarray]:
     """Every number a run has written: histories, states, newest dump."""
     files = [folder / "history.h5", folder / "mesh.h5", *sorted((folder / "states").glob("*.h5"))]
     dumps = sorted(folder.glob("restart_*.h5"), key=_serial)
-    found = {
+    content = {
         f"{path.relative_to(folder)}:{name}": array
         for path in files
         for name, array in datasets(path).items()
     }
     if not dumps:
-        return found
-    return found | {f"dump:{name}": array for name, array in datasets(dumps[-1]).items()}
+        return content
+    return content | {f"dump:{name}": array for name, array in datasets(dumps[-1]).items()}
 
 
 def differences(one: Path, other: Path) -> list[str]:

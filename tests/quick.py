@@ -8,9 +8,9 @@ import pytest
 
 def first_quick(values: Iterable[Any], count: int = 1) -> list[Any]:
     """Cases of a test, all but the first `count` marked long."""
-    found = [case if isinstance(case, type(pytest.param())) else _case(case) for case in values]
-    late = [pytest.param(*c.values, id=c.id, marks=[*c.marks, pytest.mark.long]) for c in found]
-    return [*found[:count], *late[count:]]
+    params = [case if isinstance(case, type(pytest.param())) else _case(case) for case in values]
+    late = [pytest.param(*c.values, id=c.id, marks=[*c.marks, pytest.mark.long]) for c in params]
+    return [*params[:count], *late[count:]]
 
 
 def _case(value: object) -> Any:

@@ -38,7 +38,7 @@ FACTOR = 10.0
 
 
 @dataclass(frozen=True)
-class Judged:
+class RatedNumber:
     """One number of one run: its estimate and its true error, in the unit of the number."""
 
     scene: str
@@ -83,7 +83,7 @@ def settings(scene: Scene) -> Iterator[tuple[str, str, dict[str, str], int]]:
             yield method, f"step {step:.3g}", {"control.step": f"{step!r} s"}, 100
 
 
-def rate_scene(scene: Scene, folder: Path) -> Iterator[list[Judged]]:
+def rate_scene(scene: Scene, folder: Path) -> Iterator[list[RatedNumber]]:
     """The numbers of every run of a scene."""
     path = scene.deck
     if isinstance(path, str):
@@ -94,7 +94,7 @@ def rate_scene(scene: Scene, folder: Path) -> Iterator[list[Judged]]:
         main, estimates, cost = estimate_in_memory(deck)
         numbers = [(k, s) for k in scene.known for s in k.statistics]
         yield [
-            Judged(
+            RatedNumber(
                 *(scene.name, method, words, f"{k.channel} {s}", e),
                 *(true_error(k, s, e, main), near_error(k, s, main)),
                 *(max(ROUND_OFF, k.floor), cost),
@@ -123,10 +123,10 @@ def with_watches(deck: Deck, method: str, samples: int, scene: Scene) -> Deck:
     )
 
 
-def true_error(known: Known, statistic: str, found: Estimate, main: Samples) -> float:
+def true_error(known: Known, statistic: str, estimate: Estimate, main: Samples) -> float:
     """Distance of a number from its truth."""
     if not callable(known.truth):
-        return abs((found.value or 0.0) - known.truth)
+        return abs((estimate.value or 0.0) - known.truth)
     if statistic == "path":
         values = main.series(known.channel).values
         return float(np.max(np.abs(values - known.truth(main.time))))
@@ -136,7 +136,7 @@ def true_error(known: Known, statistic: str, found: Estimate, main: Samples) -> 
         truth = float(known.truth(np.array([float(statistic[3:])]))[0])
     else:
         truth = refined(Series(fine, known.truth(fine)), statistic)
-    return abs((found.value or 0.0) - truth)
+    return abs((estimate.value or 0.0) - truth)
 
 
 def near_error(known: Known, statistic: str, main: Samples) -> float:
@@ -148,7 +148,7 @@ def near_error(known: Known, statistic: str, main: Samples) -> float:
     return float(np.max(np.abs(errors[last])))
 
 
-def run_all(words: Sequence[str] = ()) -> list[list[Judged]]:
+def run_all(words: Sequence[str] = ()) -> list[list[RatedNumber]]:
     """All runs, each a list of its numbers; kinds of scenes side by side on the cores.
 
     Only kinds whose first scene has one of the words in its name, where some are given.
@@ -159,18 +159,18 @@ def run_all(words: Sequence[str] = ()) -> list[list[Judged]]:
         return [run for runs in pool.map(run_kind, wanted) for run in runs]
 
 
-def run_kind(number: int) -> list[list[Judged]]:
+def run_kind(number: int) -> list[list[RatedNumber]]:
     """The runs of one kind of scenes."""
     with TemporaryDirectory() as folder:
         return [run for scene in kinds()[number] for run in rate_scene(scene, Path(folder))]
 
 
-def share(numbers: list[Judged]) -> float:
+def share(numbers: list[RatedNumber]) -> float:
     """Share of the numbers whose estimate holds."""
     return sum(number.holds for number in numbers) / max(len(numbers), 1)
 
 
-def table(runs: list[list[Judged]]) -> str:
+def table(runs: list[list[RatedNumber]]) -> str:
     """How many estimates hold, by method; and every one that does not."""
     numbers = [number for run in runs for number in run if number.counts]
     lines = [
@@ -193,7 +193,7 @@ def table(runs: list[list[Judged]]) -> str:
     return "\n".join([*lines, "", *_failures(numbers)])
 
 
-def _failures(numbers: list[Judged]) -> list[str]:
+def _failures(numbers: list[RatedNumber]) -> list[str]:
     lines = [
         "| scene | method | setting | number | estimated | true |",
         "|---|---|---|---|---|---|",

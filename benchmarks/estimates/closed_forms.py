@@ -73,7 +73,7 @@ def drawn(travel: np.poly1d, bend: np.poly1d, omega: float) -> Motion:
 def top(
     across: float, along: float, spin: float, precession: float, weight: float, arm: float
 ) -> Motion:
-    """Place (3, n) of the mass centre of a symmetric top that begins along y, its tip held.
+    """Position (3, n) of the mass centre of a symmetric top that begins along y, its tip held.
 
     u = z / arm = u1 + (u2 - u1) sn^2, and it goes round with (a - b u) / (1 - u^2); both inertias
     are about the tip, `precession` [rad/s] is about the vertical (Goldstein, Classical Mechanics,
@@ -136,7 +136,7 @@ class Rod:
         return _line(n, self.density * polar, self.young / 2.6 * polar, self.length)
 
     def beam(self, n: int) -> tuple[np.ndarray, np.ndarray]:
-        """Bending with shear: deflection and turn of each node in turn."""
+        """Bending with shear: deflection and rotation of each node in turn."""
         part, kappa = self.length / n, 6.0 * 1.3 / (7.0 + 6.0 * 0.3)
         bend, shear = self.young * self.second, kappa * self.young / 2.6 * self.area
         give = part**3 / (12.0 * bend) + part / shear
@@ -196,26 +196,26 @@ def rigid_bar(
 
     def rates(y: np.ndarray, end_of: float) -> np.ndarray:
         push = stiffness * max(depth(y, end_of), 0.0) ** 1.5
-        turning = push * end_of * half * np.sin(y[1]) / inertia
-        return np.array([y[2], y[3], -push / mass, turning, push])
+        spin_rate = push * end_of * half * np.sin(y[1]) / inertia
+        return np.array([y[2], y[3], -push / mass, spin_rate, push])
 
     # x, angle, their rates, and the impulse of the contact
-    y, t, found = np.array([-half * np.cos(angle), -angle, speed, 0.0, 0.0]), 0.0, []
+    y, t, channels = np.array([-half * np.cos(angle), -angle, speed, 0.0, 0.0]), 0.0, []
     for name, side in (("node_1", 1.0), ("node_2", -1.0)):
         y[4] = 0.0
         fly = partial(_flown, y)
         h = _first(lambda s, fly=fly, side=side: depth(fly(s), side), end - t)
         y, gone, most = _touch(fly(h), partial(rates, end_of=side), partial(depth, end_of=side))
         t += h + gone
-        found += [
+        channels += [
             (f"rcforc.{name}.peak_depth", "final", most),
             (f"rcforc.{name}.impulse.x", "final", -float(y[4])),
         ]
         if side > 0.0:
-            found.append(("rbdout.bar.velocity.x", "at:0.7", float(y[2])))
-            found.append(("rbdout.bar.angular_velocity.z", "at:0.7", float(y[3])))
+            channels.append(("rbdout.bar.velocity.x", "at:0.7", float(y[2])))
+            channels.append(("rbdout.bar.angular_velocity.z", "at:0.7", float(y[3])))
     return [
-        *found,
+        *channels,
         ("rbdout.bar.position.x", "final", float(y[0] + (end - t) * y[2])),
         ("rbdout.bar.velocity.x", "final", float(y[2])),
         ("rbdout.bar.angular_velocity.z", "final", float(y[3])),

@@ -358,7 +358,7 @@ def squeezer() -> Scene:
 
 def governor() -> Scene:
     """The stiff governor, IFToMM A05, by Gauss collocation in least coordinates."""
-    # benchmarks/peers/reference.py: its turn, the angle of a rod, and the slider at 1 s
+    # benchmarks/peers/reference.py: its rotation, the angle of a rod, and the slider at 1 s
     rotation, slope, slider = 5.58634696586902, 0.52183330162555, 0.50142092237957
     centre = (0.5 * 0.3 + 5.0) / 5.3
     known = [
@@ -428,7 +428,7 @@ loads: {{weight: {{type: force, body: bob, force: [0, 0, {-G}]}}}}
 def rigid_bar(stiffness: float) -> Scene:
     """The rigid bar of section 4.5 of Ambrosio (2003): free but for two contacts by Hertz."""
     end, radius = 1.2, 0.0284777
-    found = exact.rigid_bar(20.0, 1.0, 2.0, np.radians(35.2), stiffness, end)
+    channels = exact.rigid_bar(20.0, 1.0, 2.0, np.radians(35.2), stiffness, end)
     deck = f"""
 bodies:
   bar:
@@ -445,7 +445,7 @@ contacts:
   node_1: {{a: [node_1], b: [wall], normal: {{type: hertz, stiffness: {stiffness}}}}}
   node_2: {{a: [node_2], b: [wall], normal: {{type: hertz, stiffness: {stiffness}}}}}
 """
-    known = [Known(name, (statistic,), value) for name, statistic, value in found]
+    known = [Known(name, (statistic,), value) for name, statistic, value in channels]
     steps = [1.2 / n for n in (2000, 8000, 16000, 64000)]
     return Scene(f"rigid bar, {stiffness:g} N/m^1.5", deck, end, known, steps, [1.2 / 1000])
 
@@ -576,7 +576,7 @@ hinges:
 
 def kinds() -> list[list[Scene]]:
     """Every scene of the battery; those of one kind share their machine code."""
-    made: list[tuple[Callable[[float], Scene], Sequence[float]]] = [
+    families: list[tuple[Callable[[float], Scene], Sequence[float]]] = [
         (oscillators, (100.0, 900.0)),
         (pendulum, (2.0, 5.5)),
         (spinning, (3.0, 12.0)),
@@ -591,5 +591,5 @@ def kinds() -> list[list[Scene]]:
         (meshes, (16, 32, 64)),
         (hinges, (12.0, 5.0)),
     ]
-    found = [[make(value) for value in values] for make, values in made]
-    return [*found, [heavy_top()], [squeezer()], [governor()]]
+    groups = [[make(value) for value in values] for make, values in families]
+    return [*groups, [heavy_top()], [squeezer()], [governor()]]

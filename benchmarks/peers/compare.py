@@ -24,11 +24,11 @@ def cost(points: list[Point], target: float) -> float:
 def best(points: list[Point], code: str, target: float) -> tuple[float, str]:
     """Least CPU time of a code over its methods, and which method that is."""
     methods = dict.fromkeys(point.method for point in points if point.code == code)
-    found = [
+    solvers = [
         (cost([p for p in points if (p.code, p.method) == (code, name)], target), name)
         for name in methods
     ]
-    return min(found, default=(inf, ""))
+    return min(solvers, default=(inf, ""))
 
 
 def at_equal_error(points: list[Point]) -> list[list[str]]:

@@ -85,6 +85,6 @@ def rotation(body: np.void) -> np.ndarray:
 
 
 def angle_of(body: np.void) -> float:
-    """Angle about z of a body that rotates about z only, modulo a turn."""
+    """Angle about z of a body that rotates about z only, modulo a revolution."""
     w, _, _, z = body["q"]
     return float(2.0 * np.arctan2(z, w))

@@ -124,7 +124,7 @@ def mujoco_watch(model, data):
 PROBLEM = Problem(
     name="A5",
     title="A5 stiff flyball governor, 1 s",
-    measure="largest error of shaft's turn, rod's angle [rad] and slider's height [m] at 1 s",
+    measure="largest error of shaft's rotation, rod's angle [rad] and slider's height [m] at 1 s",
     reference=np.array(REFERENCE),
     angles=True,
     methods=[

@@ -32,14 +32,14 @@ def exudyn_body(kind):
 
     def fill(system):
         about_tip = np.diag(INERTIA) + MASS * np.diag([1.0, 0.0, 1.0])
-        made = system.CreateRigidBody(
+        created = system.CreateRigidBody(
             nodeType=getattr(exu.NodeType, kind),
             inertia=RigidBodyInertia(mass=MASS, inertiaTensor=about_tip),
             initialAngularVelocity=SPIN,
             returnDict=True,
         )
-        node = made["nodeNumber"]
-        centre = exudyn_runs.point(system, made["bodyNumber"], [0, 1])
+        node = created["nodeNumber"]
+        centre = exudyn_runs.point(system, created["bodyNumber"], [0, 1])
         system.AddLoad(LoadForceVector(markerNumber=centre, loadVector=[0, 0, -MASS * GRAVITY]))
         still = system.AddNode(NodePointGround())
         fixed = system.AddMarker(MarkerNodeCoordinate(nodeNumber=still, coordinate=0))

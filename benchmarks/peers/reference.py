@@ -73,7 +73,7 @@ def four_bar() -> Vector:
 
 
 def governor() -> Vector:
-    """A5: turn of the shaft, angle of a rod below the horizontal, height of the slider, at 1 s."""
+    """A5 at 1 s: rotation of the shaft, angle of a rod below horizontal, height of the slider."""
     rod, ball, slider, k, c, g = 0.3, 5.0, 3.0, 8e5, 4e4, 9.81
     mass = rod + ball
     d = (0.5 * rod + ball) / mass

@@ -48,14 +48,14 @@ def crashsolve_turns(body):
 
 def exudyn_bodies(system):
     base = exudyn_runs.ground(system)
-    made = {"ground": (None, base)}
+    created = {"ground": (None, base)}
     for name, card in BODIES.items():
         configuration = [*card.position[:2], 0.0]
-        made[name] = exudyn_runs.plane_body(system, card.mass, card.inertia[2], configuration)
+        created[name] = exudyn_runs.plane_body(system, card.mass, card.inertia[2], configuration)
 
     def marker(name, position):
         centre = BODIES[name].position[:2] if name in BODIES else (0.0, 0.0)
-        return exudyn_runs.point(system, made[name][1], np.subtract(position[:2], centre))
+        return exudyn_runs.point(system, created[name][1], np.subtract(position[:2], centre))
 
     for name, entry in DECK.entries["joints"].items():
         a, b, at = entry.card.a, entry.card.b, POINTS[name]
@@ -67,9 +67,9 @@ def exudyn_bodies(system):
             referenceLength=SPRING.length,
         )
     )
-    crank = system.AddMarker(MarkerBodyRigid(bodyNumber=made["k1"][1]))
+    crank = system.AddMarker(MarkerBodyRigid(bodyNumber=created["k1"][1]))
     system.AddLoad(LoadTorqueVector(markerNumber=crank, loadVector=[0, 0, TORQUE]))
-    return lambda: [exudyn_runs.coordinates(system, made[name][0])[2] for name in NAMES]
+    return lambda: [exudyn_runs.coordinates(system, created[name][0])[2] for name in NAMES]
 
 
 def mujoco_text(step, closure):

@@ -78,7 +78,7 @@ def deck():
     """The scene as a deck of crashsolve: sixteen bodies, fifteen springs with a curve."""
     points = {"low": LOW, "high": HIGH}
     pitch = 26.0
-    made = {
+    fields = {
         "title": "Two trains of eight cars",
         "control": {"end_time": END, "step": 1e-3},
         "curves": {
@@ -107,7 +107,7 @@ def deck():
         },
     }
     path = Path(tempfile.mkdtemp()) / "train_16.yaml"
-    path.write_text(yaml.safe_dump(made))
+    path.write_text(yaml.safe_dump(fields))
     return path
 
 

@@ -81,8 +81,8 @@ def run(
 
 
 def status(out: Path) -> dict[str, Any]:
-    found: dict[str, object] = json.loads((out / "status.json").read_text("utf-8"))
-    return found
+    content: dict[str, object] = json.loads((out / "status.json").read_text("utf-8"))
+    return content
 
 
 def cost(out: Path) -> float:
@@ -148,8 +148,10 @@ def fold(runs: dict[str, Result]) -> str:
     for mesh, result in runs.items():
         stroke, mean = force(result)
         stop = int(stroke.argmax())
-        found = np.interp(POSITIONS, stroke[:stop], mean[:stop])
-        lines.append(f"| {mesh.removesuffix(', 5 mm')} | {' | '.join(f'{F:.1f}' for F in found)} |")
+        forces = np.interp(POSITIONS, stroke[:stop], mean[:stop])
+        lines.append(
+            f"| {mesh.removesuffix(', 5 mm')} | {' | '.join(f'{F:.1f}' for F in forces)} |"
+        )
     return "\n".join(lines)
 
 
@@ -202,9 +204,9 @@ def draw_curves(runs: dict[str, Result], plt: ModuleType, name: str, until: floa
     for element, style in (("belytschko_tsay", "0.5"), ("qeph", "0.75")):
         path = MEASURED / f"{element}_5mm.csv"
         if path.exists():
-            found = np.loadtxt(path, delimiter=",", skiprows=1)
+            curve = np.loadtxt(path, delimiter=",", skiprows=1)
             label = f"OpenRadioss, {element.replace('_', ' ')}, 5 mm"
-            ax.plot(found[:, 2], found[:, 1], color=style, lw=1.6, label=label)
+            ax.plot(curve[:, 2], curve[:, 1], color=style, lw=1.6, label=label)
     for mesh, result in runs.items():
         ax.plot(*force(result), lw=1.0, label=f"crashsolve, {mesh}")
     ax.set_xlabel("shortening [mm]")

@@ -38,7 +38,7 @@ class Measure(NamedTuple):
 
     test: str
     what: str
-    found: float
+    computed: float
     low: float
     high: float
     unit: str
@@ -46,14 +46,14 @@ class Measure(NamedTuple):
 
     def row(self) -> str:
         """A row of the table of the page."""
-        verdict = "within" if self.low <= self.found <= self.high else "**outside**"
+        verdict = "within" if self.low <= self.computed <= self.high else "**outside**"
         requested = (
             f"{self.low:.4g} to {self.high:.4g}" if self.low > -np.inf else f"<= {self.high:.4g}"
         )
         cells = (
             self.test,
             self.what,
-            f"{self.found:.4g} {self.unit}",
+            f"{self.computed:.4g} {self.unit}",
             requested,
             verdict,
             self.source,
@@ -87,14 +87,14 @@ def save(figure: Figure, name: str) -> None:
 
 def head(folder: Path) -> list[Measure]:
     result = solved("head_drop", folder)
-    found = result.series("cfc(nodout.head.resultant, 1000)")
+    acceleration = result.series("cfc(nodout.head.resultant, 1000)")
     figure, axes = framed("Head drop, 376 mm", "time [ms]", "acceleration [g], CFC 1000")
     axes.axhspan(225, 275, color=ALLOWED, alpha=0.4, label="peak: 225 to 275 g")
-    axes.plot(1e3 * found.time, found.values / G, color=LINE)
+    axes.plot(1e3 * acceleration.time, acceleration.values / G, color=LINE)
     axes.legend()
     save(figure, "head_drop")
-    peak = float(found.values.max()) / G
-    after = found.values[np.argmax(found.values) :] / G
+    peak = float(acceleration.values.max()) / G
+    after = acceleration.values[np.argmax(acceleration.values) :] / G
     # what comes once the pulse has fallen to a hundredth
     over = np.flatnonzero(after < 0.01 * peak)
     later = float(after[over[0] :].max()) / peak if len(over) else np.inf
@@ -127,8 +127,8 @@ def thorax(folder: Path) -> list[Measure]:
 
 
 def hip(folder: Path) -> list[Measure]:
-    found = solved("hip_flexion", folder).series("disbout.flexion.angle")
-    angle, moment = np.degrees(found.values), 25.0 * found.time
+    angles = solved("hip_flexion", folder).series("disbout.flexion.angle")
+    angle, moment = np.degrees(angles.values), 25.0 * angles.time
     figure, axes = framed("Hip flexion", "flexion from the seated posture [deg]", "moment [N m]")
     axes.plot([30, 30], [0, 95], color=ALLOWED, lw=5, label="at most 95 N m at 30 deg")
     axes.plot([40, 50], [203, 203], color="#d1495b", lw=5, label="203 N m at 40 to 50 deg")
@@ -145,14 +145,14 @@ def hip(folder: Path) -> list[Measure]:
 
 
 def knee(folder: Path) -> list[Measure]:
-    found = solved("knee_impact", folder).series("secforc.man_femur_load_left.force.z")
+    force = solved("knee_impact", folder).series("secforc.man_femur_load_left.force.z")
     figure, axes = framed("Knee impact, 5 kg at 2.1 m/s", "time [ms]", "force of the femur [kN]")
     axes.axhspan(4.7, 5.8, color=ALLOWED, alpha=0.4, label="peak: 4.7 to 5.8 kN")
-    axes.plot(1e3 * found.time, -found.values / 1e3, color=LINE)
+    axes.plot(1e3 * force.time, -force.values / 1e3, color=LINE)
     axes.set_xlim(0, 5)
     axes.legend()
     save(figure, "knee")
-    peak = -float(found.values.min()) / 1e3
+    peak = -float(force.values.min()) / 1e3
     source = "572.35(b), from memory, unverified"
     return [Measure("knee impact", "peak force of the femur", peak, 4.7, 5.8, "kN", source)]
 
@@ -179,9 +179,9 @@ def neck(folder: Path) -> list[Measure]:
 
 def main(folder: Path) -> None:
     """Run what is not there, draw the pictures and write the page."""
-    found = [m for test in (head, thorax, hip, knee, neck) for m in test(folder)]
+    measures = [m for test in (head, thorax, hip, knee, neck) for m in test(folder)]
     rows = ["| test | measure | found | required | | corridor |", "|---|---|---|---|---|---|"]
-    write_page(PAGE, {"table": "\n".join(rows + [m.row() for m in found])})
+    write_page(PAGE, {"table": "\n".join(rows + [m.row() for m in measures])})
 
 
 if __name__ == "__main__":

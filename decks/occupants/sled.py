@@ -56,8 +56,8 @@ def words(at: Key) -> str:
 
 def measure(row: Row, name: str) -> float:
     """A measure of a run, from the column that begins with its name."""
-    found = [text for head, text in row.items() if head.split(" [")[0] == name]
-    return float(found[0])
+    texts = [text for head, text in row.items() if head.split(" [")[0] == name]
+    return float(texts[0])
 
 
 def history(row: Row, channel: str, folder: Path) -> Any:
@@ -102,7 +102,7 @@ def verdicts(rows: dict[Key, Row], folder: Path) -> str:
     heads = [excursion(row, "head", folder) for row in (some, wound, tight, limited)]
     alone, beside = change(limited, tight, "chest"), change(both, fired, "chest")
     knees = change(soft, hard, "thigh")
-    found = [
+    matching = [
         (
             "120 mm of slack",
             "injury indexes more than 20 % worse (SAE 980557)",
@@ -141,7 +141,9 @@ def verdicts(rows: dict[Key, Row], folder: Path) -> str:
             AS if knees < -15.0 else LESS if knees < 0.0 else NOT,
         ),
     ]
-    return "\n".join(f"| {of} | {said} | {here} | {verdict} |" for of, said, here, verdict in found)
+    return "\n".join(
+        f"| {of} | {sample} | {value} | {verdict} |" for of, sample, value, verdict in matching
+    )
 
 
 def curves(rows: dict[Key, Row], folder: Path) -> None:
@@ -170,8 +172,8 @@ def curves(rows: dict[Key, Row], folder: Path) -> None:
     figure, panels = plt.subplots(1, 3, figsize=(13, 3.8), layout="constrained")
     for axes, (label, (channel, scale, keys)) in zip(panels, pictures.items(), strict=True):
         for at in keys:
-            found = history(rows[at], channel, folder)
-            axes.plot(1e3 * found.time, scale * np.asarray(found.values), label=words(at))
+            curve = history(rows[at], channel, folder)
+            axes.plot(1e3 * curve.time, scale * np.asarray(curve.values), label=words(at))
         axes.set(xlabel="time [ms]", ylabel=label)
         axes.grid(alpha=0.3)
         axes.legend(fontsize=7)

@@ -157,9 +157,9 @@ def draw_meshes(runs: Runs, plt: ModuleType) -> None:
     figure, axes = plt.subplots(1, 3, figsize=(12.0, 4.0))
     for mu, style in zip(FRICTIONS, ("-", "--"), strict=True):
         for k, model in enumerate(MODELS):
-            found = [impulse(runs.beam(model, n, mu)) for n in FINER]
+            impulses = [impulse(runs.beam(model, n, mu)) for n in FINER]
             label = f"{model}, mu = {mu:g}"
-            axes[0].plot(FINER, found, style, marker="o", ms=4, color=f"C{k}", label=label)
+            axes[0].plot(FINER, impulses, style, marker="o", ms=4, color=f"C{k}", label=label)
         lost = [captured(runs.beam("unilateral", n, mu)) for n in FINER]
         axes[1].plot(FINER, lost, style, marker="o", color="C2", label=f"mu = {mu:g}")
         apart = [tips_apart(runs, n, mu) for n in FINER]
@@ -243,8 +243,8 @@ def steps_table(runs: Runs) -> str:
 
 def steps(result: Result) -> list[str]:
     status = json.loads((result.folder / "status.json").read_text("utf-8"))
-    found = status["average_step"]
-    return [f"{found[phase]:.1e}" for phase in ("before", "during", "after")]
+    averages = status["average_step"]
+    return [f"{averages[phase]:.1e}" for phase in ("before", "during", "after")]
 
 
 def balance(result: Result) -> str:
@@ -260,9 +260,9 @@ def groups_table(runs: Runs) -> str:
                 result = runs.beam(model, elements, mu)
                 cells = []
                 for node in (1, 2):
-                    found = groups(result, node)
-                    cells += [" ".join(f"{1e3 * long:.1f}" for _, long in found)]
-                    cells += [f"{1e3 * np.sum([long for _, long in found]):.0f}"]
+                    durations = groups(result, node)
+                    cells += [" ".join(f"{1e3 * long:.1f}" for _, long in durations)]
+                    cells += [f"{1e3 * np.sum([long for _, long in durations]):.0f}"]
                 lines.append([model, f"{mu:g}", str(elements), *cells])
     head = "model|mu|elements|groups of node 1 [ms]|sum|groups of node 2 [ms]|sum"
     return table(head, lines)
@@ -273,12 +273,16 @@ def equivalence_table(runs: Runs) -> str:
     lines = []
     for mu in FRICTIONS:
         for elements in FINER:
-            found = [impulse(runs.beam(model, elements, mu)) for model in MODELS]
+            impulses = [impulse(runs.beam(model, elements, mu)) for model in MODELS]
             last = runs.beam("unilateral", elements, mu)
             first = 0.5 * MASS / (2.0 * elements) * SPEED**2
             until, whole = (captured(last, time) for time in (0.7, 2.0))
             apart = f"{1e3 * tips_apart(runs, elements, mu):.0f}"
-            cells = [f"{x:.2f}" for x in found] + [f"{first:.2f}", f"{until:.2f}", f"{whole:.2f}"]
+            cells = [f"{x:.2f}" for x in impulses] + [
+                f"{first:.2f}",
+                f"{until:.2f}",
+                f"{whole:.2f}",
+            ]
             lines.append([f"{mu:g}", str(elements), *cells, apart])
     head = "mu|elements|J, K = 1.2e8|J, K = 1.2e7|J, unilateral|first capture [J]"
     return table(f"{head}|captures to 0.7 s|captures to 2 s|tips apart [mm]", lines)

@@ -37,8 +37,8 @@ def severity(folder: Path) -> None:
     axes.axhspan(LOW, HIGH, color="#edae49", alpha=0.4, label="Fig. 28 ends: 1000 to 3500")
     axes.axhline(1000, color="grey", lw=0.8)
     for name, label in HEADS.items():
-        found = Result(folder).series(f"si(nodout.{name}_head_acceleration.resultant)")
-        axes.plot(found.time, found.values, label=label)
+        index = Result(folder).series(f"si(nodout.{name}_head_acceleration.resultant)")
+        axes.plot(index.time, index.values, label=label)
     # three decades: the curves of the chapter stay below 4000, ours do not
     axes.set(xlabel="time [s]", ylabel="Severity Index", yscale="log", ylim=(10, 1e5))
     axes.grid(alpha=0.3)

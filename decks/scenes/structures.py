@@ -112,8 +112,8 @@ def collapse(result: Result) -> np.ndarray:
     second, length = (0.05**4 - 0.046**4) / 12.0, 0.95
     moment = np.abs(values(result, "jntforc.floor.moment.y"))
     angle = np.abs(values(result, "disbout.tip.angle")) - moment * length / (2 * 2.1e11 * second)
-    found: np.ndarray = np.interp(ANGLES, np.maximum.accumulate(angle), moment)
-    return found
+    moments: np.ndarray = np.interp(ANGLES, np.maximum.accumulate(angle), moment)
+    return moments
 
 
 def limit(runs: Runs, finest: int = 4) -> np.ndarray:
@@ -133,8 +133,8 @@ def bent_table(runs: Runs) -> str:
     lines["hinges, kecman"] = collapse(runs("bent", "fold"))
     head = "|moment [N m] at a plastic angle of|" + "".join(f"{x:g} rad|" for x in REPORTED)
     rows = [
-        f"| {name} | " + " | ".join(f"{np.interp(x, ANGLES, found):.0f}" for x in REPORTED) + " |"
-        for name, found in lines.items()
+        f"| {name} | " + " | ".join(f"{np.interp(x, ANGLES, moments):.0f}" for x in REPORTED) + " |"
+        for name, moments in lines.items()
     ]
     return "\n".join([head, "|---" * (len(REPORTED) + 1) + "|", *rows])
 
@@ -143,12 +143,12 @@ def draw_bent(runs: Runs, plt: ModuleType) -> None:
     """Moments over plastic angles."""
     figure, axes = plt.subplots(figsize=(7, 4.2), layout="constrained")
     for name, style in zip(BENT, (":", "-.", "--", "-"), strict=True):
-        found = collapse(runs("bent", name))
-        axes.plot(ANGLES, 1e-3 * found, style, color=BEST, lw=1.2, label=DESCRIPTIONS[name][0])
+        moments = collapse(runs("bent", name))
+        axes.plot(ANGLES, 1e-3 * moments, style, color=BEST, lw=1.2, label=DESCRIPTIONS[name][0])
     axes.plot(ANGLES, 1e-3 * limit(runs), color=COLOURS["limit"], lw=2.2, label="of a fine mesh")
     for name in ("hinges", "fold"):
-        found = collapse(runs("bent", name))
-        axes.plot(ANGLES, 1e-3 * found, color=COLOURS[name], label=DESCRIPTIONS[name][0])
+        moments = collapse(runs("bent", name))
+        axes.plot(ANGLES, 1e-3 * moments, color=COLOURS[name], label=DESCRIPTIONS[name][0])
     axes.set(xlabel="plastic angle [rad]", ylabel="moment at the foot [kN m]", ylim=(0.0, None))
     axes.spines[["top", "right"]].set_visible(False)
     axes.legend(frameon=False, fontsize=8)
@@ -192,10 +192,10 @@ def table(runs: Runs, scene: str) -> str:
     lines = []
     for name in (*PLAIN, *meshes):
         result, cost = runs(scene, name), runs.cost(scene, name)
-        found = numbers(result)
+        computed = numbers(result)
         cells = [DESCRIPTIONS[name][0]]
         for value, wanted, scale, digits in zip(
-            found, exact, (1e-3, 1e3, 1e3, 1.0), (2, 1, 1, 0), strict=True
+            computed, exact, (1e-3, 1e3, 1e3, 1.0), (2, 1, 1, 0), strict=True
         ):
             shown_values = f"{scale * value:.{digits}f}"
             is_best = name == meshes[-1]
@@ -289,8 +289,8 @@ def words(runs: Runs) -> dict[str, str]:
         f"{100 * x:.0f} %" for x in (shares.min(), shares.max())
     )
     for scene in ("cantilever", "portal"):
-        found = collapse(runs("bent", SCENES[scene][1][-1]))
-        above = np.interp(0.2, ANGLES, found) / np.interp(0.2, ANGLES, fine) - 1.0
+        moments = collapse(runs("bent", SCENES[scene][1][-1]))
+        above = np.interp(0.2, ANGLES, moments) / np.interp(0.2, ANGLES, fine) - 1.0
         shown_values[f"bent_above_{scene}"] = f"{100 * above:.0f} %"
     for scene, (_, meshes) in SCENES.items():
         best = numbers(runs(scene, meshes[-1]))
@@ -302,9 +302,9 @@ def words(runs: Runs) -> dict[str, str]:
         finest = runs.cost(scene, meshes[-1]) / runs.cost(scene, "hinges")
         shown_values[f"{scene}_finest_ratio"] = f"{finest:.0f}"
         for name in dict.fromkeys((*PLAIN, *meshes)):
-            found = numbers(runs(scene, name))
-            shown_values[f"{scene}_{name}_rest"] = f"{100 * (found[2] / best[2] - 1):+.0f} %"
-            shown_values[f"{scene}_{name}_back"] = f"{1e3 * (found[1] - found[2]):.1f}"
+            moments = numbers(runs(scene, name))
+            shown_values[f"{scene}_{name}_rest"] = f"{100 * (moments[2] / best[2] - 1):+.0f} %"
+            shown_values[f"{scene}_{name}_back"] = f"{1e3 * (moments[1] - moments[2]):.1f}"
         fold_rest, limit_rest = (numbers(runs(scene, name))[2] for name in ("fold", "limit"))
         shown_values[f"{scene}_fold_limit"] = f"{100 * (fold_rest / limit_rest - 1):+.0f} %"
         coarse = numbers(runs(scene, meshes[-2]))

@@ -190,9 +190,9 @@ def table(head: str, lines: list[list[str]]) -> str:
 
 def largest(result: Result, measure: Callable[[Result, int], np.ndarray]) -> tuple[float, str]:
     """The largest magnitude over all interfaces, and where it is."""
-    found = {i: abs(extreme(measure(result, i))) for i in INTERFACES}
-    i = max(found, key=lambda k: found[k])
-    return found[i], f"{i}-{i + 1}"
+    values = {i: abs(extreme(measure(result, i))) for i in INTERFACES}
+    i = max(values, key=lambda k: values[k])
+    return values[i], f"{i}-{i + 1}"
 
 
 def energy_table(runs: Runs) -> str:

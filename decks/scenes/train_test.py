@@ -76,13 +76,13 @@ ALONE += ("k_traction", "plateau_C", "device_C", "ends_CB", "buffer_A_200", "dam
 
 def ranges() -> dict[str, tuple[str, ...]]:
     """Value, low and high end of every number with a range, as the deck writes them."""
-    found: dict[str, tuple[str, ...]] = {}
+    limits: dict[str, tuple[str, ...]] = {}
     for line in DECK.read_text("utf-8").splitlines():
         match = _LINE.match(line)
         if match:
             unit = match["unit"] or ""
-            found[match["name"]] = tuple(match[k] + unit for k in ("value", "low", "high"))
-    return found
+            limits[match["name"]] = tuple(match[k] + unit for k in ("value", "low", "high"))
+    return limits
 
 
 def number(text: object) -> Any:
@@ -93,11 +93,11 @@ def number(text: object) -> Any:
 def cases() -> list[tuple[str, dict[str, object]]]:
     """Names and settings of all runs."""
     stated = ranges()
-    found: list[tuple[str, dict[str, object]]] = [("as the deck stands", {})]
+    changes: list[tuple[str, dict[str, object]]] = [("as the deck stands", {})]
     for name in ALONE:
         _, low, high = stated[name]
-        found += [(f"{name} {end}", {name: number(end)}) for end in (low, high)]
-    return found + [(name, dict(some)) for name, some in TOGETHER]
+        changes += [(f"{name} {end}", {name: number(end)}) for end in (low, high)]
+    return changes + [(name, dict(some)) for name, some in TOGETHER]
 
 
 def run(folder: Path) -> list[dict[str, str]]:
@@ -122,8 +122,8 @@ def run(folder: Path) -> list[dict[str, str]]:
 
 
 def line(name: str, row: dict[str, str]) -> str:
-    found = {column.split(" [")[0]: text for column, text in row.items()}
-    values = {key: float(found[key]) for key, *_ in MEASURES}
+    texts = {column.split(" [")[0]: text for column, text in row.items()}
+    values = {key: float(texts[key]) for key, *_ in MEASURES}
     cells = (
         f"{values['force'] / TONNE:.1f}",
         f"{1e3 * values['gap']:.1f}",

@@ -170,10 +170,10 @@ def _value(options: argparse.Namespace) -> int:
         word = own or options.statistic
         if not word:
             raise PostError("name the number: CHANNEL:STATISTIC, or --statistic WORD")
-        found = answer(result, channel, word, during, options.unit)
-        if found.remark:
-            print(printable(f"crashpost: {channel}: {found.remark}"), file=sys.stderr)
-        rows.append([channel, word, repr(found.value), found.unit or "-"])
+        reply = answer(result, channel, word, during, options.unit)
+        if reply.remark:
+            print(printable(f"crashpost: {channel}: {reply.remark}"), file=sys.stderr)
+        rows.append([channel, word, repr(reply.value), reply.unit or "-"])
     if len(rows) == 1:
         print(rows[0][2])
     else:
@@ -225,18 +225,18 @@ def _completion(parser: argparse.ArgumentParser, options: argparse.Namespace) ->
 def _sweep(options: argparse.Namespace) -> int:
     from crashpost.sweeps import table
 
-    found = table.read(options.result)
-    _say(table.summary(found, table.write(found)))
+    sweep = table.read(options.result)
+    _say(table.summary(sweep, table.write(sweep)))
     # a measure that no run has is an error of the plan
-    code = 1 if table.unanswered(found) else 0
+    code = 1 if table.unanswered(sweep) else 0
     if options.table:
         return code
     from crashpost.sweeps.effects_table import write_tables
     from crashpost.sweeps.pictures import draw
 
     folder = options.output or options.result
-    paths, missing = draw(found, folder)
-    for line in (*write_tables(found, folder), *map(str, paths), *missing):
+    paths, missing = draw(sweep, folder)
+    for line in (*write_tables(sweep, folder), *map(str, paths), *missing):
         _say(line)
     return code
 

@@ -21,12 +21,12 @@ TITLES = {".md": (r"^# +(.+)$",), ".yaml": (r"^title: *(.+)$", r"^# (?!long$)(.+
 
 def decks() -> dict[str, Path]:
     """Example decks by their names, such as tutorial/bouncing_ball."""
-    return _found("decks", REPOSITORY / "decks", ".yaml")
+    return _listed_files("decks", REPOSITORY / "decks", ".yaml")
 
 
 def pages() -> dict[str, Path]:
     """Pages of the manual by their names, such as theory/shells."""
-    return _found("manual", REPOSITORY / "solver", ".md")
+    return _listed_files("manual", REPOSITORY / "solver", ".md")
 
 
 def listing(known: dict[str, Path]) -> str:
@@ -36,7 +36,7 @@ def listing(known: dict[str, Path]) -> str:
     for name, path in known.items():
         text, patterns = path.read_text("utf-8"), TITLES[path.suffix]
         titles = (re.search(pattern, text, re.MULTILINE) for pattern in patterns)
-        title = next((found[1].strip() for found in titles if found), "")
+        title = next((match[1].strip() for match in titles if match), "")
         lines.append(f"{name.ljust(width)}  {title}".rstrip())
     return "\n".join(lines)
 
@@ -86,7 +86,7 @@ def write(path: Path, folder: Path) -> list[Path]:
     return targets
 
 
-def _found(installed: str, source: Path, suffix: str) -> dict[str, Path]:
+def _listed_files(installed: str, source: Path, suffix: str) -> dict[str, Path]:
     root = PACKAGE / installed if (PACKAGE / installed).is_dir() else source
     files = [path for path in sorted(root.rglob(f"*{suffix}")) if "shared" not in path.parts]
     return {str(path.relative_to(root).with_suffix("")): path for path in files}

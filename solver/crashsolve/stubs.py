@@ -12,7 +12,7 @@ from pathlib import Path
 from types import ModuleType
 
 from crashsolve.deck.family import families
-from crashsolve.foundation.angles import FULL_TURN
+from crashsolve.foundation.angles import ROTATION_ABOUT_AXIS
 from crashsolve.foundation.record import Column, Record
 from crashsolve.hinges import _joint as hinge
 from crashsolve.hinges import _law as hinge_law
@@ -56,7 +56,7 @@ PARTS = {
     "SpringPoints": _between.POINTS,
     "JointSlide": _between.SLIDE,
     "SpringOutput": linear.OUTPUT,
-    "FullTurn": FULL_TURN,
+    "FullTurn": ROTATION_ABOUT_AXIS,
     "BeamElement": beam.PARAMETERS,
     "BeamOutput": beam.OUTPUT,
     "Tyre": _tyre.TYRE,
@@ -101,10 +101,10 @@ def bases(law: ModuleType) -> dict[str, str]:
         return dict.fromkeys(RECORDS, "Row, Protocol")
     if hasattr(law, "normal_force") or hasattr(law, "friction_force"):
         return {name: f"Contact{name}" for name in RECORDS}
-    found = {"Parameters": "RowParameters"} if hasattr(law, "CONSTRAINTS") else {}
+    names_of_bases = {"Parameters": "RowParameters"} if hasattr(law, "CONSTRAINTS") else {}
     if hasattr(law, "force"):
-        found |= {name: f"Force{name}" for name in ("History", "Output")}
-    return found
+        names_of_bases |= {name: f"Force{name}" for name in ("History", "Output")}
+    return names_of_bases
 
 
 def stub(law: ModuleType) -> str:
@@ -119,12 +119,12 @@ def stub(law: ModuleType) -> str:
 
 def _divided(record: Record, base: str) -> tuple[list[Column], str]:
     """Columns of a record that are in none of PARTS, and its bases: `base`, and those of PARTS."""
-    columns, found = [*record.columns], [base] if base else []
+    columns, names_of_bases = [*record.columns], [base] if base else []
     for name, part in PARTS.items() if "Protocol" not in base else ():
         if {*part.columns} <= {*columns}:
             columns = [column for column in columns if column not in part.columns]
-            found.append(name)
-    return columns, ", ".join(found)
+            names_of_bases.append(name)
+    return columns, ", ".join(names_of_bases)
 
 
 def shared_stub() -> str:
@@ -141,9 +141,9 @@ def _file(classes: list[str]) -> str:
     text = "\n\n".join(classes)
     words = {*re.findall(r"[A-Z]\w+", re.sub(r"#.*", "", text))}
     imports = [
-        f"from {home} import {', '.join(found)}"
+        f"from {home} import {', '.join(used)}"
         for home, names in HOMES.items()
-        if (found := sorted(words & names - {*re.findall(r"class (\w+)", text)}))
+        if (used := sorted(words & names - {*re.findall(r"class (\w+)", text)}))
     ]
     return "\n".join([HEAD, *imports, "", text, ""])
 

@@ -36,14 +36,14 @@ class Copy:
         package = home / "solver" / "crashsolve"
         shutil.copytree(ROOT / "solver" / "crashsolve", package, ignore=lambda *_: ["__pycache__"])
 
-    def add(self, found: dict[str, str]) -> list[Path]:
+    def add(self, texts: dict[str, str]) -> list[Path]:
         """Write files; the decks among them."""
-        for name, text in found.items():
+        for name, text in texts.items():
             path = self.home / name
             path.parent.mkdir(parents=True, exist_ok=True)
             assert not path.exists(), f"{name} is there already"
             path.write_text(text, "utf-8")
-        return [self.home / name for name in found if name.endswith(".yaml")]
+        return [self.home / name for name in texts if name.endswith(".yaml")]
 
     @property
     def environment(self) -> dict[str, str]:

@@ -141,17 +141,17 @@ class Folded(ast.NodeTransformer):
 
     def block(self, body: list[ast.stmt]) -> list[ast.stmt]:
         """Statements that are reached."""
-        found: list[ast.stmt] = []
+        statements: list[ast.stmt] = []
         for node in body:
             if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
                 continue
             if isinstance(node, ast.Pass):
                 continue
             new = self.visit(node)
-            found += new if isinstance(new, list) else [new]
-            if found and isinstance(found[-1], (ast.Return, ast.Continue, ast.Break)):
+            statements += new if isinstance(new, list) else [new]
+            if statements and isinstance(statements[-1], (ast.Return, ast.Continue, ast.Break)):
                 break
-        return found
+        return statements
 
     def visit_If(self, node: ast.If) -> ast.If | list[ast.stmt]:
         test, decided = self.decide(node.test)
@@ -208,11 +208,11 @@ class Inlined(ast.NodeTransformer):
 
     def block(self, body: list[ast.stmt]) -> list[ast.stmt]:
         """Statements with the stages that they call."""
-        found: list[ast.stmt] = []
+        statements: list[ast.stmt] = []
         for node in body:
             new = self.visit(node)
-            found += new if isinstance(new, list) else [new]
-        return found
+            statements += new if isinstance(new, list) else [new]
+        return statements
 
     def inlined(self, node: ast.stmt, call: ast.expr, target: ast.expr | None) -> Any:
         """The statements of a stage, and what takes what it returns."""
@@ -242,7 +242,7 @@ class Inlined(ast.NodeTransformer):
 
 def split(body: list[ast.stmt]) -> list[ast.stmt]:
     """Statements with those that assign several names at once taken apart."""
-    found: list[ast.stmt] = []
+    statements: list[ast.stmt] = []
     for node in body:
         for name in ("body", "orelse"):
             if hasattr(node, name):
@@ -251,10 +251,10 @@ def split(body: list[ast.stmt]) -> list[ast.stmt]:
             target, value = node.targets[0], node.value
             if isinstance(value, ast.Tuple):
                 pairs = zip(target.elts, value.elts, strict=True)
-                found += [ast.Assign([a], b, lineno=0) for a, b in pairs]
+                statements += [ast.Assign([a], b, lineno=0) for a, b in pairs]
                 continue
-        found.append(node)
-    return found
+        statements.append(node)
+    return statements
 
 
 def short(name: str) -> str:
@@ -293,7 +293,7 @@ def normal_form(text: str) -> dict[str, str]:
     for function in functions.values():
         function.body = Folded(constants, names).block(function.body)
     stages = {name: f for name, f in functions.items() if f.decorator_list[0].id == "stage"}
-    found: dict[str, str] = {}
+    texts: dict[str, str] = {}
 
     def dump(name: str) -> str:
         function = copy.deepcopy(functions[name])
@@ -303,17 +303,17 @@ def normal_form(text: str) -> dict[str, str]:
         Folded(constants, names).normal(function)
         for node in ast.walk(function):
             if isinstance(node, ast.Name) and node.id in functions:
-                if node.id not in found:
+                if node.id not in texts:
                     dump(node.id)
                 node.id = f"f_{short(node.id)}"
         function.name = short(name)
-        found[name] = ast.unparse(function)
-        return found[name]
+        texts[name] = ast.unparse(function)
+        return texts[name]
 
     for name in ("advance", "assist"):
         if name in functions:
             dump(name)
-    return found
+    return texts
 
 
 class Enough(Exception):
@@ -327,8 +327,8 @@ def results(folder: Path, decks: list[str]) -> None:
         path, _, number = word.partition(" ")
         name = f"{path.replace('/', '.')}.{number or 0}.json"
         if not decks or word in decks:
-            found = state_after(ROOT / "decks" / f"{path}.yaml", SETTINGS[int(number or 0)], steps)
-            (folder / name).write_text(json.dumps(found, indent=1), "utf-8")
+            state = state_after(ROOT / "decks" / f"{path}.yaml", SETTINGS[int(number or 0)], steps)
+            (folder / name).write_text(json.dumps(state, indent=1), "utf-8")
             print(name, flush=True)
 
 
@@ -363,8 +363,8 @@ def state_after(path: Path, setting: dict[str, str], steps: int) -> dict[str, st
         tables |= {f"{group.word}.h": group.history, f"{group.word}.o": group.output}
     for nodal in model.nodal_groups:
         tables |= {f"{nodal.word}.{name}": array for name, array in nodal.arrays.items()}
-    found = {name: hashlib.sha1(table.tobytes()).hexdigest() for name, table in tables.items()}
-    return found | {"cycles": str(state.clock[0]["cycle"])}
+    hashes = {name: hashlib.sha1(table.tobytes()).hexdigest() for name, table in tables.items()}
+    return hashes | {"cycles": str(state.clock[0]["cycle"])}
 
 
 def compare(before: Path, after: Path) -> int:

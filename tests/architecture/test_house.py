@@ -138,8 +138,8 @@ def test_the_postprocessor_knows_the_solver_by_its_files_only() -> None:
 
 
 def test_every_package_of_the_solver_has_its_layer() -> None:
-    found = {path.name for path in SOLVER.iterdir() if (path / "__init__.py").exists()}
-    assert found == {name for names in LAYERS for name in names}
+    packages = {path.name for path in SOLVER.iterdir() if (path / "__init__.py").exists()}
+    assert packages == {name for names in LAYERS for name in names}
 
 
 def test_the_packages_of_the_postprocessor_have_an_order() -> None:

@@ -48,8 +48,8 @@ PART_OF = {
 
 def names(requirements: list[str]) -> set[str]:
     """Modules that some requirements bring."""
-    found = {re.split(r"[\[<>=!~;, ]", text)[0].lower() for text in requirements} - TOOLS
-    return {IMPORTED_AS.get(name, name) for name in found}
+    required = {re.split(r"[\[<>=!~;, ]", text)[0].lower() for text in requirements} - TOOLS
+    return {IMPORTED_AS.get(name, name) for name in required}
 
 
 def imported(*folders: str) -> set[str]:
@@ -65,8 +65,8 @@ def imported(*folders: str) -> set[str]:
                 yield ast.literal_eval(node.args[0])
 
     files = [path for folder in folders for path in (ROOT / folder).rglob("*.py")]
-    found = {name.split(".")[0] for path in files for name in words(path)}
-    return {PART_OF.get(name, name) for name in found} - set(sys.stdlib_module_names)
+    roots = {name.split(".")[0] for path in files for name in words(path)}
+    return {PART_OF.get(name, name) for name in roots} - set(sys.stdlib_module_names)
 
 
 def test_what_is_listed_is_imported_and_what_is_imported_is_listed() -> None:

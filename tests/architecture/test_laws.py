@@ -59,14 +59,14 @@ def _cards(value: object) -> list[Card]:
 
 def _proved() -> set[str]:
     """Modules of the laws in all decks that expect something."""
-    found: set[str] = set()
+    proved: set[str] = set()
     for folder in ("verification", "benchmark"):
         for path in (DECKS / folder).rglob("*.yaml"):
             deck = read_deck(path)
             cards = [entry.card for entries in deck.entries.values() for entry in entries.values()]
             cards += [entry.card for entry in deck.written_out]
-            found = found.union(*map(_modules, cards)) if deck.expect else found
-    return found
+            proved = proved.union(*map(_modules, cards)) if deck.expect else proved
+    return proved
 
 
 def test_every_law_is_proved_by_a_deck_with_expectations() -> None:

@@ -80,15 +80,15 @@ def test_it_meets_the_contract(home: Path) -> None:
     reported = subprocess.run(
         command, capture_output=True, text=True, env=position, check=True
     ).stdout
-    found = {line.split(": ")[0]: float(line.split(": ")[1]) for line in reported.splitlines()}
+    measured = {line.split(": ")[0]: float(line.split(": ")[1]) for line in reported.splitlines()}
     for word in ("tangent", "fibre by strain"):
-        assert found[word] < 1e-8, reported
+        assert measured[word] < 1e-8, reported
     for word in ("rotated", "fibre stress"):
-        assert found[word] < 1e-14, reported
-    assert max(found["layer and fibre"], found["layer and point"]) < 1e-8, reported
+        assert measured[word] < 1e-14, reported
+    assert max(measured["layer and fibre"], measured["layer and point"]) < 1e-8, reported
     # a fiftieth of the limit a step: its square where the slope changes, and beyond
-    assert max(found["balance"], found["fibre balance"]) < 1e-3, reported
-    assert found["least lost"] >= 0.0, reported
+    assert max(measured["balance"], measured["fibre balance"]) < 1e-3, reported
+    assert measured["least lost"] >= 0.0, reported
 
 
 def run_as_expected(

@@ -32,12 +32,12 @@ def banned(where: str) -> list[str]:
 
 @cache
 def files() -> tuple[Path, ...]:
-    found = [path for name in FOLDERS for path in (ROOT / name).rglob("*")]
-    found += [ROOT / name for name in ("README.md", "CHANGELOG.md", "Makefile")]
+    paths = [path for name in FOLDERS for path in (ROOT / name).rglob("*")]
+    paths += [ROOT / name for name in ("README.md", "CHANGELOG.md", "Makefile")]
     hidden = {"__pycache__", ".pytest_cache"}
     return tuple(
         path
-        for path in found
+        for path in paths
         if path not in NAMING and (path.suffix in ENDINGS or path.name == "Makefile")
         if path.is_file() and not hidden & set(path.parts)
         if not any(part.endswith(".results") for part in path.parts)
@@ -68,10 +68,10 @@ def test_a_word_is_nowhere(word: str) -> None:
 
 def test_words_are_no_names() -> None:
     given = set(banned("no name"))
-    found = [
+    banned_names = [
         f"{path.relative_to(ROOT)}: {word}"
         for path in files()
         if path.suffix == ".py"
         for word in given & set(names(path))
     ]
-    assert not found, "\n".join(found)
+    assert not banned_names, "\n".join(banned_names)

@@ -64,16 +64,16 @@ def holder(data: Any, route: Route) -> Any:
 
 def change_number(data: object, rng: random.Random) -> None:
     """Another number in place of one, with its unit."""
-    found = [
+    routes_of_numbers = [
         route
         for route in routes(data)
         if not isinstance(value := holder(data, route)[route[-1]], bool | None)
         and not isinstance(value, dict | list)
         and QUANTITY.fullmatch(str(value))
     ]
-    if not found:
+    if not routes_of_numbers:
         return
-    route = rng.choice(found)
+    route = rng.choice(routes_of_numbers)
     old = holder(data, route)[route[-1]]
     unit = (QUANTITY.fullmatch(str(old)) or [""] * 4)[3] or ""
     text = str(old).removesuffix(unit)
@@ -85,13 +85,13 @@ def change_number(data: object, rng: random.Random) -> None:
 
 def change_anything(data: object, rng: random.Random) -> None:
     """A value replaced, left out, or put into the position of another."""
-    found = list(routes(data))
-    route = rng.choice(found)
+    all_routes = list(routes(data))
+    route = rng.choice(all_routes)
     table, direction = holder(data, route), rng.random()
     if direction < 0.3 and isinstance(table, dict):
         del table[route[-1]]
     elif direction < 0.6:
-        other = rng.choice(found)
+        other = rng.choice(all_routes)
         table[route[-1]] = copy.deepcopy(holder(data, other)[other[-1]])
     elif direction < 0.7 and isinstance(table, dict):
         table[str(rng.choice(WORDS))] = table.pop(route[-1])

@@ -152,7 +152,7 @@ def test_of_sixteen_that_begin_together_one_compiles(
         jobs = [pool.submit(machine._compile_once, path, (), None, path) for _ in range(16)]
         assert [job.result(timeout=60) for job in jobs] == [CODE] * 16
     assert len(compiled) == 1
-    assert [found.name for found in tmp_path.iterdir()] == ["step.o"]
+    assert [entry.name for entry in tmp_path.iterdir()] == ["step.o"]
 
 
 HOLDER = """

@@ -48,9 +48,9 @@ def test_a_mutated_plan_is_read_or_refused(seed: int, tmp_path: Path) -> None:
         text = yaml.safe_dump(data, sort_keys=False, allow_unicode=True)
         path.write_bytes(text.encode("utf-8", "replace"))
         try:
-            found = read_plan(path)
+            plan = read_plan(path)
             # what is drawn takes a moment
-            points = points_of(found) if (found.card.design.runs or 0) < 1000 else []
+            points = points_of(plan) if (plan.card.design.runs or 0) < 1000 else []
         except CrashsolveError as refused:
             assert refused.exit_code == 2
             assert str(refused)

@@ -74,10 +74,10 @@ parts:
 @pytest.mark.parametrize("count", [10**6, 10**9, 10**15])
 def test_a_mesh_beyond_the_memory_of_the_machine(count: int, tmp_path: Path) -> None:
     text = SHELL.replace("NU", str(count)).replace("THICK", "0.01").replace("MORE", "")
-    found = refusal(tmp_path, text)
-    assert "part 'p': mesh.elements: " in found
-    assert "GB of memory, and this machine has" in found
-    assert "take fewer" in found
+    message = refusal(tmp_path, text)
+    assert "part 'p': mesh.elements: " in message
+    assert "GB of memory, and this machine has" in message
+    assert "take fewer" in message
 
 
 @pytest.mark.parametrize("count", ["200000", "1000000000000", "1" + "0" * 300])
@@ -98,8 +98,8 @@ def test_names_of_cuts_are_names(tmp_path: Path) -> None:
 @pytest.mark.parametrize("thickness", ["1e200", "1e300"])
 def test_numbers_that_no_machine_reckons_with(thickness: str, tmp_path: Path) -> None:
     text = SHELL.replace("1000000]", "4]").replace("NU", "4").replace("MORE", "")
-    found = refusal(tmp_path, text.replace("THICK", thickness))
-    assert "too large or too small to compute with" in found
+    message = refusal(tmp_path, text.replace("THICK", thickness))
+    assert "too large or too small to compute with" in message
 
 
 def test_no_text_adds_a_line_to_the_log(tmp_path: Path) -> None:

@@ -99,15 +99,15 @@ def test_any_motion_conserves_webbing_and_obeys_friction_at_every_ring(
 
 @pytest.mark.parametrize("webbing", [ELASTIC, DRAWN])
 def test_drawn_in_one_direction_the_step_does_not_matter(tmp_path: Path, webbing: str) -> None:
-    found = []
+    results = []
     for steps in (1, 7, 100):
         law = belt(tmp_path, webbing)
         go(law, [(0.3, 0, 0)], steps=steps)
-        found.append(np.concatenate([forces(law), law.out.slip]))
+        results.append(np.concatenate([forces(law), law.out.slip]))
     if webbing is ELASTIC:
         # every ring slips, but beta changes: flows of 0.02 m, steps of 1/100
-        np.testing.assert_allclose(found[1], found[2], rtol=2e-3, atol=1e-5)
-    assert np.abs(found[0] - found[2]).max() <= 0.05 * np.abs(found[2]).max()
+        np.testing.assert_allclose(results[1], results[2], rtol=2e-3, atol=1e-5)
+    assert np.abs(results[0] - results[2]).max() <= 0.05 * np.abs(results[2]).max()
 
 
 def test_where_angles_stay_one_step_is_as_good_as_many(tmp_path: Path) -> None:
@@ -118,14 +118,14 @@ def test_where_angles_stay_one_step_is_as_good_as_many(tmp_path: Path) -> None:
       - {ring: {at: [1, 1, 0], friction_coefficient: 0.1}}
       - {anchor: {body: a, at: [0, 1, -0.5]}}
 """
-    found = []
+    results = []
     for steps in (1, 3, 50):
         law = belt(tmp_path, route=route)
         go(law, [(0.2, 0, 0)], steps=steps)
-        found.append(np.concatenate([forces(law), law.out.slip]))
-    np.testing.assert_allclose(found[0], found[2], rtol=1e-10)
-    np.testing.assert_allclose(found[1], found[2], rtol=1e-10)
-    T = found[0]
+        results.append(np.concatenate([forces(law), law.out.slip]))
+    np.testing.assert_allclose(results[0], results[2], rtol=1e-10)
+    np.testing.assert_allclose(results[1], results[2], rtol=1e-10)
+    T = results[0]
     assert T[1] / T[0] == pytest.approx(np.exp(0.3 * np.pi / 2), rel=1e-9)
     assert T[2] / T[1] == pytest.approx(np.exp(0.1 * np.pi / 2), rel=1e-9)
 
@@ -197,7 +197,7 @@ def drawn_while_carried(
     The belt is given by its webbing, slack [m], and the number of a motion.
     """
     webbing, slack, seed = belt_of
-    law, rng, found = belt(folder, webbing, slack, CARRIED), np.random.default_rng(seed), []
+    law, rng, rows = belt(folder, webbing, slack, CARRIED), np.random.default_rng(seed), []
     r = [np.array(law.bench.nodes[node].r) for node in (1, 2)]
     q = [np.array(law.bench.nodes[node].q) for node in (1, 2)]
     for k in range(60):
@@ -208,9 +208,9 @@ def drawn_while_carried(
             at = matrix(frame) @ r[i] + drift * k * np.array([1.0, 2.0, -1.0])
             law.bench.move(i + 1, r=at, q=product(frame, q[i]))
         law.force(1e-3)
-        found.append([*forces(law), *law.new.flow[1:4], float(law.out.loss)])
+        rows.append([*forces(law), *law.new.flow[1:4], float(law.out.loss)])
         law.accept()
-    return np.array(found)
+    return np.array(rows)
 
 
 # drawn webbing that becomes slack lies where round-off lets it, and what it loses later depends on

@@ -75,9 +75,9 @@ def test_the_geodesic_is_the_shortest_line_around_an_ellipsoid(seed: int) -> Non
     A, B = ends(seed)
     arc = wrap.over_ellipsoid(SEMI, A, B, A, 0.0)
     assert arc.touches == 1
-    found = length_over(arc, A, B)
+    length = length_over(arc, A, B)
     # 200 chords of an arc of one to two radii are short of it by (2/200)^2 / 24
-    assert _shortest(np.array(A), np.array(B), np.array(SEMI)) == pytest.approx(found, rel=1e-5)
+    assert _shortest(np.array(A), np.array(B), np.array(SEMI)) == pytest.approx(length, rel=1e-5)
 
 
 def _shortest(
@@ -124,7 +124,7 @@ def test_length_and_force_are_continuous_across_the_silhouette(
     tmp_path: Path, surface: str
 ) -> None:
     law = belt(tmp_path, surface, 0.3)
-    found, touched = [], []
+    rows, touched = [], []
     # from well on the body to well off it, a tenth of a millimetre a step
     x = np.linspace(0.1, 0.6, 5001)
     for far in x:
@@ -132,10 +132,10 @@ def test_length_and_force_are_continuous_across_the_silhouette(
         law.bench.move(2, r=[0.02, 0.0, 0.0])
         law.force(1e-3)
         law.accept()
-        found.append([law.out.length[:2].sum(), *law.out.force[:2]])
+        rows.append([law.out.length[:2].sum(), *law.out.force[:2]])
         touched.append(law.new.touches[1])
     assert touched[0] == 1 and touched[-1] == 0
-    lengths, forces = np.array(found)[:, 0], np.array(found)[:, 1:]
+    lengths, forces = np.array(rows)[:, 0], np.array(rows)[:, 1:]
     # a step is at most as much belt
     assert np.abs(np.diff(lengths)).max() <= 1.01e-4
     # and at most k over the shorter segment of force

@@ -42,10 +42,10 @@ def test_the_pairs_are_those_whose_gap_is_below_the_margin(tmp_path: Path) -> No
     walls = group.elements_b
     gap = np.array([(r - w["point"]) @ w["normal"] for w in walls]).T - 0.1
     near = np.argwhere(gap < group.search.margin)
-    found = np.stack([group.parameters["a"], group.parameters["b"]], axis=1)
-    assert found.tolist() == near.tolist()
+    pairs = np.stack([group.parameters["a"], group.parameters["b"]], axis=1)
+    assert pairs.tolist() == near.tolist()
     # of 1000 possible ones
-    assert 0 < len(found) < 250
+    assert 0 < len(pairs) < 250
 
 
 @pytest.mark.parametrize(("count", "body"), [(200, "cart"), (36, "ground")])

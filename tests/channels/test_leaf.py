@@ -30,8 +30,8 @@ from crashsolve.channels.folder import module_of, words_in
 for folder in ("functions", "statistics"):
     for word in words_in(folder):
         module_of(folder, word)
-found = [name for name in sys.modules if name.startswith("crashsolve.")]
-assert all(name.startswith("crashsolve.channels") for name in found), found
+loaded = [name for name in sys.modules if name.startswith("crashsolve.")]
+assert all(name.startswith("crashsolve.channels") for name in loaded), loaded
 assert not {"numba", "scipy", "h5py", "pydantic", "pandas"} & set(sys.modules)
 """
     run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)

@@ -46,18 +46,18 @@ def measured(
 
 @pytest.mark.parametrize("pulse", PULSES)
 def test_the_severity_index_has_its_closed_form(pulse: str) -> None:
-    found = measured("si(a.b.c)", pulse, 100, 0.01, 1e-6)
+    measure = measured("si(a.b.c)", pulse, 100, 0.01, 1e-6)
     # trapezoids; a square's jumps count half an interval on either side
-    assert found == pytest.approx(
+    assert measure == pytest.approx(
         SI[pulse] * 100**2.5 * 0.01, rel=2e-4 if pulse == "square" else 1e-7
     )
 
 
 @pytest.mark.parametrize("pulse", HIC)
 def test_the_criterion_without_a_limit_has_its_closed_form(pulse: str) -> None:
-    found = measured("hic(a.b.c)", pulse, 100, 0.01, 1e-5, around=0.002)
+    measure = measured("hic(a.b.c)", pulse, 100, 0.01, 1e-5, around=0.002)
     # the window meets whole samples: 1e-3 of its length, to the second power
-    assert found == pytest.approx(HIC[pulse] * 100**2.5 * 0.01, rel=2e-5)
+    assert measure == pytest.approx(HIC[pulse] * 100**2.5 * 0.01, rel=2e-5)
     window = measured("hic_end(a.b.c) - hic_start(a.b.c)", pulse, 100, 0.01, 1e-5, around=0.002)
     # of pulses with a top the window is flat: its ends are known to some samples
     assert window == pytest.approx(WINDOW[pulse] * 0.01, abs=3e-5)
@@ -78,9 +78,9 @@ def test_the_criterion_without_a_limit_has_its_closed_form(pulse: str) -> None:
 def test_the_criterion_with_a_window_has_its_closed_form(
     pulse: str, peak: float, length: float, limit: str, expected: float
 ) -> None:
-    found = measured(f"hic(a.b.c, '{limit}')", pulse, peak, length, 5e-5, around=0.02)
+    measure = measured(f"hic(a.b.c, '{limit}')", pulse, peak, length, 5e-5, around=0.02)
     # trapezoids and windows of whole samples: 0.6 (pi h / T)^2 at the shortest pulse
-    assert found == pytest.approx(expected, rel=1.5e-4)
+    assert measure == pytest.approx(expected, rel=1.5e-4)
 
 
 @pytest.mark.parametrize("limit", ["15 ms", "14.3 ms"])
@@ -175,9 +175,9 @@ def test_the_filter_is_that_of_j211(
         return y
 
     twice = once(once(noise)[::-1])[::-1]
-    found = evaluate(f"cfc(a.b.c, {cfc})", lambda _: Series(time, noise, "m/s^2")).values
+    filtered = evaluate(f"cfc(a.b.c, {cfc})", lambda _: Series(time, noise, "m/s^2")).values
     # coefficients have 12 digits, and what is left of the past 30 ms ago is less
-    np.testing.assert_allclose(found, twice, atol=1e-9 if cfc > 60 else 1e-4)
+    np.testing.assert_allclose(filtered, twice, atol=1e-9 if cfc > 60 else 1e-4)
     if peak is not None:
         top = measured(f"cfc(a.b.c, {cfc})", "half sine", 100, 0.01, 1e-4, "max")
         assert top / G == pytest.approx(peak, abs=6e-5)
@@ -187,9 +187,9 @@ def test_a_filter_leaves_a_constant_and_a_slow_ramp_alone_up_to_the_ends() -> No
     pytest.importorskip("scipy")
     time = np.arange(1000) * 1e-4
     for values in (np.full(1000, 7.0), 3.0 + 20.0 * time):
-        found = evaluate("cfc(a.b.c, 180)", lambda _, v=values: Series(time, v, "N")).values
+        filtered = evaluate("cfc(a.b.c, 180)", lambda _, v=values: Series(time, v, "N")).values
         # of a ramp's transient two periods of the corner leave e^(-2 pi sqrt(2)), squared
-        np.testing.assert_allclose(found, values, rtol=1e-6)
+        np.testing.assert_allclose(filtered, values, rtol=1e-6)
 
 
 def test_a_filter_takes_further_samples_between_even_ones() -> None:
@@ -202,8 +202,8 @@ def test_a_filter_takes_further_samples_between_even_ones() -> None:
 
     plain = evaluate("cfc(a.b.c, 180)", lambda _: history(even))
     uneven = np.sort(np.concatenate([even, [0.0123456, 0.05000001, 0.08765]]))
-    found = evaluate("cfc(a.b.c, 180)", lambda _: history(uneven))
-    np.testing.assert_allclose(np.interp(even, uneven, found.values), plain.values, atol=1e-9)
+    filtered = evaluate("cfc(a.b.c, 180)", lambda _: history(uneven))
+    np.testing.assert_allclose(np.interp(even, uneven, filtered.values), plain.values, atol=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -287,8 +287,8 @@ def test_the_head_channels_of_a_crash_test_give_the_values_of_its_header(
     assert value("hic(HEAD, '15 ms')") == pytest.approx(hic15, abs=1e-3)
     assert value("hic(HEAD, '36 ms')") == pytest.approx(hic36, abs=1e-3)
     # the header gives its window to 0.1 ms, and may count the sample before or after
-    found = value("hic_start(HEAD, '15 ms')"), value("hic_end(HEAD, '15 ms')")
-    np.testing.assert_allclose(found, window, atol=1.01e-4)
+    window_of_channels = value("hic_start(HEAD, '15 ms')"), value("hic_end(HEAD, '15 ms')")
+    np.testing.assert_allclose(window_of_channels, window, atol=1.01e-4)
     # from the first contact of the car on
     history = evaluate(f"si(resultant({filtered}))", lookup)
     before = float(np.interp(0.0, history.time, history.values))

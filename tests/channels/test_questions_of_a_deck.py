@@ -30,6 +30,9 @@ def test_questions_that_make_no_sense_are_refused_before_the_run(flight: Path) -
         "rbdout.ball.velocity.x + rbdout.ball.position.x": "cannot add 'm/s' and 'm'",
         "hic(rbdout.ball.velocity.x, '15 ms')": "hic() takes an acceleration, not 'm/s'",
         "sin(rbdout.ball.velocity.x)": "unknown function 'sin'",
+        "rbdout.ball.velocity.x at:0.5": "cannot read the expression 'rbdout.ball.velocity.x "
+        "at:0.5'; a statistic is a field of its own: {channel: rbdout.ball.velocity.x, "
+        "statistic: at:0.5}",
     }
     entries = [f'{{channel: "{channel}", statistic: max}}' for channel in wrong]
     entries += ["{channel: rbdout.ball.velocity.x, statistic: at:-0.1}"]
@@ -39,7 +42,7 @@ def test_questions_that_make_no_sense_are_refused_before_the_run(flight: Path) -
     assert (done.returncode, len(lines)) == (2, len(wrong)), done.stderr
     for number, (line, reported) in enumerate(zip(lines, wrong.values(), strict=True), 1):
         assert "flight.yaml:5:" in line and f"watch {number}: channel: {reported}" in line
-    assert "watch 5: statistic: 'at:-0.1' is before the run, from 0 s on" in last
+    assert "watch 6: statistic: 'at:-0.1' is before the run, from 0 s on" in last
 
 
 def test_a_value_in_a_unit_that_its_statistic_cannot_have_is_refused(flight: Path) -> None:

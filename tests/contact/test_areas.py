@@ -72,10 +72,10 @@ def patch(contact: Contact) -> tuple[float, float, np.ndarray, np.ndarray, np.nd
     ],
 )
 def test_flat_sides_press_evenly(first: str, second: str, radius: float, tmp_path: Path) -> None:
-    depth, found, x, points, shares = patch(pair(tmp_path, first, second))
+    depth, patch_radius, x, points, shares = patch(pair(tmp_path, first, second))
     assert depth == pytest.approx(1e-4, abs=1e-12)
     # a line is as wide as its rounding, 2.5e-4, which adds the square of that over its length
-    assert found == pytest.approx(radius, rel=1e-5)
+    assert patch_radius == pytest.approx(radius, rel=1e-5)
     assert shares.sum() == pytest.approx(1.0, abs=1e-14)
     np.testing.assert_allclose(shares @ points, x, atol=1e-12)
     assert 4 <= len(points) <= 8

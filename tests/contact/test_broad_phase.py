@@ -41,7 +41,7 @@ def test_the_pairs_are_those_of_a_full_comparison(
 def test_any_scale_of_space_will_do(spread: float) -> None:
     rng = np.random.default_rng(1)
     c, r = rng.uniform(-1, 1, (50, 3)) * spread, np.full(50, 0.1)
-    found = near_pairs(c, r, 0.05)
-    assert {tuple(p) for p in found.tolist()} == {
+    pairs = near_pairs(c, r, 0.05)
+    assert {tuple(p) for p in pairs.tolist()} == {
         (i, j) for i, j in brute(c, r, 0.05, c, r) if i < j
     }

@@ -223,9 +223,9 @@ def test_along_a_field_it_points_to_the_axis_of_a_drum(r: float, seed: int, tmp_
         m = sign * np.array([np.cos(phi), np.sin(phi), 0.0])
         S = B @ m / np.sqrt(m @ B @ m)
         z = r * sign * m + [0.0, 0.0, 0.5]
-        ((_, depth, normal, found),) = look(g, z + S - 0.1 * m, A, is_smooth=True)
+        ((_, depth, normal, axis),) = look(g, z + S - 0.1 * m, A, is_smooth=True)
         np.testing.assert_allclose(normal, m, atol=1e-12)
-        np.testing.assert_allclose(found, z, atol=1e-12)
+        np.testing.assert_allclose(axis, z, atol=1e-12)
         half = np.pi / 24
         chord = np.cos(half) / np.cos(phi % (2.0 * half) - half)
         assert depth == pytest.approx(0.11 - abs(r - chord), abs=1e-12)
@@ -243,9 +243,9 @@ def test_the_way_to_the_centre_changes_by_its_derivative(seed: int, tmp_path: Pa
         np.array(ellipsoids.centre_from_ball(ellipsoid_data, tuple(n + k * step * d)))
         for k in (1, -1)
     ]
-    found = ellipsoids.change_of_centre(ellipsoid_data, tuple(n), tuple(d))
+    derivative = ellipsoids.change_of_centre(ellipsoid_data, tuple(n), tuple(d))
     # central differences: round-off 1e-11, third order 1e-10
-    np.testing.assert_allclose(found, (ends[0] - ends[1]) / (2.0 * step), atol=1e-8)
+    np.testing.assert_allclose(derivative, (ends[0] - ends[1]) / (2.0 * step), atol=1e-8)
 
 
 def test_the_corners_of_a_face_are_where_the_shell_is(tmp_path: Path) -> None:

@@ -29,11 +29,11 @@ def test_with_equal_semi_axes_it_is_the_gap_of_a_sphere(tmp_path: Path, seed: in
     sphere = over(tmp_path, "type: sphere, radius: 0.3", mesh)
     inside = 0
     for y in rng.uniform(-1.1, 1.1, (20, 3)):
-        found = []
+        contacts = []
         for contact in (egg, sphere):
             contact.bench.move(1, r=y)
-            found.append(contact.deepest())
-        (depth, n, x), (expected, n_sphere, x_sphere) = found
+            contacts.append(contact.deepest())
+        (depth, n, x), (expected, n_sphere, x_sphere) = contacts
         inside += expected > 0.3
         assert depth == pytest.approx(expected, abs=1e-13)
         # a foot on an edge is known to the root of round-off

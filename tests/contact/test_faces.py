@@ -60,11 +60,11 @@ def test_no_position_of_a_face_is_nearer(seed: int) -> None:
     assert (N >= 0.0).all() and N.sum() == pytest.approx(1.0, abs=1e-14)
     # the weights lead to the position whose distance is reported, and it lies on a triangle
     assert np.linalg.norm(N @ corners - x) == pytest.approx(distance, abs=1e-13)
-    found = searched(corners, x)
+    least = searched(corners, x)
     # a net of this fineness has a node within two hundredths of any position; the distance is of
     # second order in that unless the position is near
-    assert distance <= found + 1e-13
-    assert found <= np.hypot(distance, 0.04)
+    assert distance <= least + 1e-13
+    assert least <= np.hypot(distance, 0.04)
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -207,8 +207,8 @@ def test_lists_hold_the_same_faces_as_comparing_all_with_all(tmp_path: Path) -> 
     for i, x in enumerate(np.array(xy)):
         near = np.linalg.norm(middle - x, axis=1) < reach + radius
         own = (np.array(quads) - 1 == i).any(axis=1)
-        found = sorted(g.near[g.first[i] : g.first[i + 1]])
-        assert found == list(np.flatnonzero(near & ~own))
+        faces = sorted(g.near[g.first[i] : g.first[i + 1]])
+        assert faces == list(np.flatnonzero(near & ~own))
     assert g.totals[0].pairs == g.first[-1] > 0
 
 
@@ -362,11 +362,11 @@ def test_faces_across_sides_and_rings_about_nodes() -> None:
     for ring in range(3):
         first, excluded = excluded_faces(quads, around, ring)
         i, j = 3, 2
-        found = excluded[first[n * i + j] : first[n * i + j + 1]]
-        rows, columns = np.divmod(found, n - 1)
+        faces = excluded[first[n * i + j] : first[n * i + j + 1]]
+        rows, columns = np.divmod(faces, n - 1)
         assert set(rows) == set(range(max(i - 1 - ring, 0), min(i + ring, n - 2) + 1))
         assert set(columns) == set(range(max(j - 1 - ring, 0), min(j + ring, n - 2) + 1))
-        assert len(found) == len(set(rows)) * len(set(columns))
+        assert len(faces) == len(set(rows)) * len(set(columns))
 
 
 STICK = {

@@ -117,13 +117,13 @@ def test_depth_is_the_largest_separation_of_all_directions(pair: Pair, seed: int
     first, second = pair.shapes
     if second == "plane":
         n = pair.bench.nodes[2].A.reshape(3, 3) @ np.array([1.0, 2.0, 2.0]) / 3.0
-        found = -separation(pair, n[None], plane=True)[0]
+        largest = -separation(pair, n[None], plane=True)[0]
     else:
-        found = -search(lambda n: separation(pair, n), seed)
+        largest = -search(lambda n: separation(pair, n), seed)
     # the search ends within 1e-6; edges are rounded inwards, by at most four roundings a body
     rounded = {"cylinder", "box"} & set(pair.shapes) and not {"sphere", "mesh"} & set(pair.shapes)
     allowed = 8 * ROUNDING * LEAST if rounded and pair.shapes != ["box", "plane"] else 0.0
-    assert found - allowed - 2e-6 <= depth <= found + 2e-6
+    assert largest - allowed - 2e-6 <= depth <= largest + 2e-6
 
 
 def separation(pair: Pair, n: np.ndarray, plane: bool = False) -> np.ndarray:
@@ -207,18 +207,18 @@ def test_points_inside_a_box_leave_by_the_nearest_face(tmp_path: Path) -> None:
         ((0, -0.15, 0.1), 0.30, (0, -1, 0)),
         ((0.1, 0.05, -0.24), 0.26, (0, 0, -1)),
     ):
-        found = from_inside(pair, centre)
-        assert found[0] == pytest.approx(depth, abs=1e-14)
-        np.testing.assert_allclose(found[1], AXES @ n, atol=1e-14)
+        exit_of_ball = from_inside(pair, centre)
+        assert exit_of_ball[0] == pytest.approx(depth, abs=1e-14)
+        np.testing.assert_allclose(exit_of_ball[1], AXES @ n, atol=1e-14)
 
 
 def test_points_inside_an_ellipsoid_leave_by_the_nearest_point(tmp_path: Path) -> None:
     pair = Pair(tmp_path, "sphere_ellipsoid")
     # from the centre by the shortest axis; on the long axis up to (a^2 - b^2)/a sideways
     for centre, depth in (((0, 0, 0), 0.2), ((0.39, 0, 0), 0.01), ((0, 0.19, 0), 0.01)):
-        found = from_inside(pair, centre)
-        assert found[0] == pytest.approx(0.25 + depth, abs=1e-13)
-        assert np.linalg.norm(found[1]) == pytest.approx(1.0, abs=1e-14)
+        exit_of_ball = from_inside(pair, centre)
+        assert exit_of_ball[0] == pytest.approx(0.25 + depth, abs=1e-13)
+        assert np.linalg.norm(exit_of_ball[1]) == pytest.approx(1.0, abs=1e-14)
 
 
 def from_inside(pair: Pair, centre: ArrayLike) -> tuple[float, np.ndarray, np.ndarray]:

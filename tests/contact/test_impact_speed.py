@@ -95,10 +95,10 @@ def test_slow_pressing_and_release_rebounds_alike_at_any_speed(tmp_path: Path, e
 def test_results_are_continuous_as_a_gap_goes_to_zero(tmp_path: Path, name: str) -> None:
     """A ball strikes a ball that is a gap away from a wall: speeds of both in the end."""
     gaps = (1e-3, 1e-5, 1e-7, 1e-9, 0.0)
-    found = [chain(tmp_path, name, gap) for gap in gaps]
-    limit = found[-1]
+    speeds_of_gaps = [chain(tmp_path, name, gap) for gap in gaps]
+    limit = speeds_of_gaps[-1]
     assert limit[0] > 0.0 and limit[1] > 0.0
-    for gap, speeds in zip(gaps, found, strict=True):
+    for gap, speeds in zip(gaps, speeds_of_gaps, strict=True):
         # the blow goes 6 mm deep: a gap counts by its share of that, 1/6e-3 per metre
         assert speeds == pytest.approx(limit, abs=200.0 * gap + 1e-9)
 

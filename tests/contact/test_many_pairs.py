@@ -88,8 +88,8 @@ def two(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
 
 @pytest.mark.long
 def test_all_contacts_of_the_scene_touch_and_their_pairs_are_many(two: tuple[Path, Path]) -> None:
-    found = results(two[1])
-    assert (found["history.h5:rcforc/peak_normal"].max(axis=0) > 0.0).all()
+    content = results(two[1])
+    assert (content["history.h5:rcforc/peak_normal"].max(axis=0) > 0.0).all()
     model, _ = build(read_deck(two[0]))
     assert len(model.contact_groups) == 3
     assert all(group.in_pieces for group in model.contact_groups)
@@ -97,7 +97,7 @@ def test_all_contacts_of_the_scene_touch_and_their_pairs_are_many(two: tuple[Pat
     assert all(len(group.pieces) > 1 for group in model.contact_groups[:2])
     # what a dump holds is another list than that of the start
     searched = model.contact_groups[2]
-    assert len(found[f"dump:arrays/pairs/{searched.word}"]) > len(searched.parameters)
+    assert len(content[f"dump:arrays/pairs/{searched.word}"]) > len(searched.parameters)
 
 
 # beyond two, more than this machine has cores

@@ -17,11 +17,11 @@ def test_a_search_ends_beyond_the_onset(parted: float) -> None:
     early, late, _, _, _, count = new_bracket(STEP)
     allowed = 1e-9
     bracket = early, late, parted, gap(STEP), allowed, count
-    trial, found = STEP, False
+    trial, is_located = STEP, False
     for _ in range(100):
         tried = trial
-        bracket, trial, found = narrow_bracket(bracket, STEP, tried, gap(tried))
-        if found:
+        bracket, trial, is_located = narrow_bracket(bracket, STEP, tried, gap(tried))
+        if is_located:
             break
-    assert found
+    assert is_located
     assert 0.0 < gap(tried) <= allowed

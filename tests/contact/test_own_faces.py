@@ -44,9 +44,9 @@ def test_points_are_found_along_the_surface(size: float) -> None:
     assert distance.max() < 2.0
     everyone = np.linalg.norm(points[:, None] - points, axis=2)
     expected = everyone < 2.0 * np.cos(np.pi / 8)
-    found = np.zeros_like(expected)
-    found[owners, reached] = True
-    assert found[expected].all()
+    is_reached = np.zeros_like(expected)
+    is_reached[owners, reached] = True
+    assert is_reached[expected].all()
 
 
 def test_a_wall_that_is_near_but_far_along_the_surface_is_met() -> None:

@@ -53,9 +53,9 @@ def built(path: Path) -> tuple[Model, State]:
 def test_a_few_pairs_are_all_kept_and_each_counts_once(tmp_path: Path) -> None:
     model, _ = built(heap(tmp_path, 10))
     (group,) = model.contact_groups
-    found = list(zip(group.parameters["a"], group.parameters["b"], strict=True))
+    pairs = list(zip(group.parameters["a"], group.parameters["b"], strict=True))
     assert group.search is None
-    assert sorted(found) == [(i, j) for i in range(10) for j in range(i + 1, 10)]
+    assert sorted(pairs) == [(i, j) for i in range(10) for j in range(i + 1, 10)]
 
 
 @pytest.mark.parametrize(
@@ -95,9 +95,9 @@ def test_many_pairs_are_searched_for_the_near_ones(tmp_path: Path) -> None:
     gap = np.linalg.norm(r[:, None] - r, axis=2) - radius[:, None] - radius
     assert group.search is not None
     near = np.argwhere(np.triu(gap < group.search.margin, 1))
-    found = np.stack([group.parameters["a"], group.parameters["b"]], axis=1)
-    assert found.tolist() == near.tolist()
-    assert len(found) < 48 * 47 / 4
+    pairs = np.stack([group.parameters["a"], group.parameters["b"]], axis=1)
+    assert pairs.tolist() == near.tolist()
+    assert len(pairs) < 48 * 47 / 4
 
 
 def test_a_renewed_list_keeps_the_histories_of_its_pairs(tmp_path: Path) -> None:
@@ -135,7 +135,7 @@ def test_a_searched_run_has_the_bits_of_one_that_looks_at_all_pairs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Every pair that ever touches was in the list in time."""
-    found = []
+    outcomes = []
     for above in (500, 10**9):
         monkeypatch.setattr(pairs, "SEARCH_ABOVE", above)
         model, state = built(heap(tmp_path, 48))
@@ -144,13 +144,13 @@ def test_a_searched_run_has_the_bits_of_one_that_looks_at_all_pairs(
         engine.start()
         engine.advance(0.4)
         engine.sample()
-        found.append((state.nodes["r"].copy(), state.nodes["v"].copy(), engine.ledger.copy()))
+        outcomes.append((state.nodes["r"].copy(), state.nodes["v"].copy(), engine.ledger.copy()))
         onsets = int(state.card_history[0, 0]["onsets"])
         assert onsets > 100
-    for searched, full in zip(*(f[:2] for f in found), strict=True):
+    for searched, full in zip(*(f[:2] for f in outcomes), strict=True):
         np.testing.assert_array_equal(searched, full)
     # sums over the list in another order: round-off of some hundred terms
-    np.testing.assert_allclose(found[0][2], found[1][2], rtol=1e-10, atol=1e-10)
+    np.testing.assert_allclose(outcomes[0][2], outcomes[1][2], rtol=1e-10, atol=1e-10)
 
 
 @pytest.mark.long

@@ -75,23 +75,23 @@ def outcome(path: Path) -> tuple[dict[str, bytes | str], np.ndarray, np.ndarray,
         engine.advance(deck.control.end_time * k / SAMPLES)
         engine.sample()
         sampled.append(state.cards.copy())
-    found = {name: state.nodes[name].tobytes() for name in ("r", "q", "v", "L")}
+    outcome_of_tables = {name: state.nodes[name].tobytes() for name in ("r", "q", "v", "L")}
     # the deepest pair is looked for where a pair touches, so a release is timed by that pair alone
     exact = [c for c in state.card_history.dtype.names if c not in ("deepest", *TIMED)]
     kept = state.card_history[exact]
     cards = np.array(sampled)
     bits = [name for name in cards.dtype.names if name not in LOSSES]
-    found |= {"cards": repr(cards[bits].tolist()), "card_history": repr(kept.tolist())}
+    outcome_of_tables |= {"cards": repr(cards[bits].tolist()), "card_history": repr(kept.tolist())}
     losses = np.array([cards[name] for name in LOSSES])
     times = np.array([state.card_history[name] for name in TIMED])
     depths = []
     for group in model.contact_groups:
-        found[f"{group.word}.force"] = group.output["force"].tobytes()
+        outcome_of_tables[f"{group.word}.force"] = group.output["force"].tobytes()
         for name in ("active", "dissipated", "friction_dissipated"):
-            found[f"{group.word}.{name}"] = group.history[name].tobytes()
+            outcome_of_tables[f"{group.word}.{name}"] = group.history[name].tobytes()
         depths.append((group.history["depth"] + moved_since(group)).ravel())
-    found |= {"ledger": state.ledger.tobytes(), "clock": state.clock.tobytes()}
-    return found, np.concatenate(depths), times, losses
+    outcome_of_tables |= {"ledger": state.ledger.tobytes(), "clock": state.clock.tobytes()}
+    return outcome_of_tables, np.concatenate(depths), times, losses
 
 
 def moved_since(group: ContactGroup) -> np.ndarray:
@@ -119,10 +119,10 @@ def test_pairs_of_two_bodies_rest_together_as_each_would(
 @pytest.mark.long
 def test_pairs_left_alone_change_no_bit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tumbling(tmp_path, 1)
-    found, bounds, times, losses = outcome(path)
+    state, bounds, times, losses = outcome(path)
     monkeypatch.setattr(ContactGroup, "skips", property(lambda group: False))
     looked_at, depths, same_times, same_losses = outcome(path)
-    assert found == looked_at
+    assert state == looked_at
     # nine bodies on a floor and on each other: a sum of some forty pairs in another order
     np.testing.assert_allclose(losses, same_losses, rtol=40 * 2.0**-52)
     # a release is known to a part of a step, of 1e-4 s

@@ -48,8 +48,8 @@ def test_a_flat_mesh_is_a_plane_however_it_is_cut(tmp_path: Path, word: str, see
     for q in [*lying, *(exponential(rng.uniform(-1.5, 1.5, 3)) for _ in range(5))]:
         for contact in (plane, mesh):
             contact.bench.move(1, r=[0.1, -0.2, 0.09], q=q)
-        expected, found = plane.gaps(), mesh.gaps()
-        *positions, edges = found
+        expected, gaps = plane.gaps(), mesh.gaps()
+        *positions, edges = gaps
         for (d, n, x), (depth, n_mesh, x_mesh) in zip(expected, positions, strict=True):
             # the mesh is solid down to 0.5 m; round-off of a metre
             assert depth == pytest.approx(d, abs=1e-14)
@@ -68,7 +68,7 @@ def test_an_edge_leaves_by_the_shortest_exit(is_round: int, seed: int) -> None:
     half = np.array([0.2, 0.2, 0.3]) if is_round else np.array([0.2, 0.15, 0.3])
     a = SimpleNamespace(half=half, is_round=is_round)
     m, g = rng.uniform(-0.25, 0.25, 3), rng.normal(size=3) * rng.uniform(0.05, 0.6)
-    found, n, t = _ridges.exit_of(a, tuple(map(float, m)), tuple(map(float, g)))
+    shortest, n, t = _ridges.exit_of(a, tuple(map(float, m)), tuple(map(float, g)))
     u, width, least = rng.normal(size=(20000, 3)), 0.03, np.inf
     while width > 1e-8:
         u /= np.linalg.norm(u, axis=1)[:, None]
@@ -77,9 +77,9 @@ def test_an_edge_leaves_by_the_shortest_exit(is_round: int, seed: int) -> None:
         width *= 0.6 if least == before else 1.0
         u = np.vstack([best, best + width * rng.normal(size=(200, 3))])
     # no direction has a shorter exit, and this one is that long
-    assert found <= least + 1e-12
-    assert overlap(half, is_round, m, g, np.array([n]))[0] == pytest.approx(found, abs=1e-12)
-    if found > 0.0:
+    assert shortest <= least + 1e-12
+    assert overlap(half, is_round, m, g, np.array([n]))[0] == pytest.approx(shortest, abs=1e-12)
+    if shortest > 0.0:
         # the point on the edge is within the body
         x = np.abs(m + t * g)
         within = np.hypot(x[0], x[1]) <= 0.2 + 1e-12 if is_round else (x <= half + 1e-12).all()

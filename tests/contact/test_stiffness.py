@@ -19,9 +19,9 @@ def stiffness(folder: Path, law: str, surfaces: str = SPHERES, sides: str = "") 
 
 def test_two_steel_spheres_have_the_stiffness_of_the_benchmark(tmp_path: Path) -> None:
     spheres = SPHERES.replace("0.2", "0.01").replace("0.3", "0.01")
-    found = stiffness(tmp_path, f"type: hertz, {BOTH}", spheres)
+    computed = stiffness(tmp_path, f"type: hertz, {BOTH}", spheres)
     # half a unit of the last of eight digits quoted
-    assert found == pytest.approx(1.0878566e10, rel=5e-8)
+    assert computed == pytest.approx(1.0878566e10, rel=5e-8)
 
 
 @pytest.mark.parametrize("sides, published", (("a", 2.4246e7), ("ab", 1.2123e7)))
@@ -30,9 +30,9 @@ def test_the_beam_of_the_chapter_by_equation_19(
 ) -> None:
     law = ", ".join(f"young_{side}: 1e8, poisson_{side}: 0.27" for side in sides)
     radius = sqrt(20 / 7850 / pi)
-    found = stiffness(tmp_path, f"type: hertz, {law}, radius: {radius}")
+    computed = stiffness(tmp_path, f"type: hertz, {law}, radius: {radius}")
     # the figures use the printed 0.424, which stands for 4/(3 pi); five digits are quoted
-    assert found * 0.424 / (4 / (3 * pi)) == pytest.approx(published, rel=5e-5)
+    assert computed * 0.424 / (4 / (3 * pi)) == pytest.approx(published, rel=5e-5)
 
 
 def test_radii_combine_and_a_flat_side_has_none(tmp_path: Path) -> None:

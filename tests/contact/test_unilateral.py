@@ -49,8 +49,8 @@ def test_what_slides_off_a_drum_leaves_it_in_order_two(tmp_path: Path) -> None:
     errors = []
     for step in (8e-3, 4e-3, 2e-3):
         # the moment of the release falls anywhere in a step: the worst of three is compared
-        found = [compiled(tmp_path, step * share) for share in (1.0, 0.93, 0.87)]
-        errors.append(max(abs(last(r, "rbdout.rod_end.velocity.x") - exact) for r in found))
+        runs = [compiled(tmp_path, step * share) for share in (1.0, 0.93, 0.87)]
+        errors.append(max(abs(last(r, "rbdout.rod_end.velocity.x") - exact) for r in runs))
     assert errors[-1] < 1e-4
     assert slopes(errors).mean() > 1.8
 
@@ -76,11 +76,11 @@ def test_a_round_rod_rolls_or_slides_within_the_cone_and_keeps_the_balance(tmp_p
     changed |= {"control": control, "output": {"history": {"interval": 1e-3}}}
     result = run(tmp_path, changed, 0.12, 5e-4)
     normal = result.series("rcforc.touch.normal").values
-    rubbing = result.series("rcforc.touch.tangential").values
-    assert (rubbing <= 0.2 * normal + 1e-9).all()
+    sliding = result.series("rcforc.touch.tangential").values
+    assert (sliding <= 0.2 * normal + 1e-9).all()
     # it slides at first and rolls at last: the friction fades, but the rod goes on
-    assert rubbing[normal > 0.0][0] == pytest.approx(0.2 * normal[normal > 0.0][0], rel=1e-9)
-    assert rubbing[-1] < 1e-3 * normal[-1]
+    assert sliding[normal > 0.0][0] == pytest.approx(0.2 * normal[normal > 0.0][0], rel=1e-9)
+    assert sliding[-1] < 1e-3 * normal[-1]
     assert last(result, "rbdout.rod_end.velocity.x") == pytest.approx(0.5 * 2 / 3, rel=1e-3)
     assert np.abs(result.series("glstat.model.balance").values).max() < 0.01
     # what is held never goes deeper than it was when it was found: 1e-9 of the model's size

@@ -17,7 +17,7 @@ from crashsolve.system.contact import projection, walls
 GAP = 0.1
 
 
-def found(bench: Bench, x: Sequence[float]) -> list[tuple[float, float, np.ndarray]]:
+def hits_of(bench: Bench, x: Sequence[float]) -> list[tuple[float, float, np.ndarray]]:
     """Weight, depth and normal of all walls that a ball at x touches, which has never touched."""
     g = bench.groups[0]
     g.nodes[1].r, g.totals[0].listed = x, -1.0
@@ -59,7 +59,7 @@ def test_a_flat_or_convex_surface_is_one_wall_however_deep(tmp_path: Path, angle
     for _ in range(60):
         # above the line at which the faces meet, from the gap down to a fiftieth of it
         x = [rng.uniform(-1.0, 1.0) * GAP, 0.5, rng.uniform(0.02, 1.0) * GAP]
-        hits = found(bench, x)
+        hits = hits_of(bench, x)
         assert len(hits) <= 1
         touched += len(hits)
     assert touched > 20
@@ -71,7 +71,7 @@ def test_between_two_walls_the_middle_is_stable(tmp_path: Path) -> None:
     nodes += [[0, 1, 0.15], [0, 0, 0.15]]
     bench = Bench(tmp_path, nodes, [[1, 2, 3, 4], [4, 3, 5, 6], [6, 5, 7, 8]])
     for z in (0.06, 0.075, 0.08):
-        hits = found(bench, [0.1, 0.5, z])
+        hits = hits_of(bench, [0.1, 0.5, z])
         assert [weight for weight, _, _ in hits] == [1.0, 1.0]
         # 2 (0.1 - z) - 2 (0.1 - 0.15 + z): the stiffness of both
         np.testing.assert_allclose(force(hits), [0, 0, 0.3 - 4 * z], atol=1e-13)
@@ -80,7 +80,7 @@ def test_between_two_walls_the_middle_is_stable(tmp_path: Path) -> None:
 def test_in_a_corner_three_walls_push(tmp_path: Path) -> None:
     nodes = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [0, 1, 1]]
     quads = [[1, 2, 3, 4], [1, 5, 6, 2], [1, 4, 7, 5]]
-    hits = found(Bench(tmp_path, nodes, quads), [0.06, 0.08, 0.09])
+    hits = hits_of(Bench(tmp_path, nodes, quads), [0.06, 0.08, 0.09])
     assert len(hits) == 3
     np.testing.assert_allclose(force(hits), [0.08, 0.04, 0.02], atol=1e-13)
 
@@ -92,7 +92,7 @@ def test_no_wall_of_a_fold_with_four_is_left_out(tmp_path: Path) -> None:
     high = [[0.2 * x, y, 0.19 - 0.2 * z] for x, y, z in crease(1.0)[0]]
     roof, end = [[10, 9, 8, 7], [9, 12, 11, 8]], [5, 11, 12, 6]
     bench = Bench(tmp_path, low + high, [*quads, *roof, end])
-    sides = [found(bench, [x, 0.5, 0.095]) for x in (-1e-7, 1e-7)]
+    sides = [hits_of(bench, [x, 0.5, 0.095]) for x in (-1e-7, 1e-7)]
     assert [len(hits) for hits in sides] == [4, 4]
     # whichever of two is nearer: with three walls the force jumped by a tenth from step to step
     np.testing.assert_allclose(*(force(hits) for hits in sides), atol=1e-5)
@@ -106,7 +106,7 @@ def test_no_energy_jumps_on_a_path_through_a_crease(tmp_path: Path, angle: float
     z = 0.95 * GAP / np.cos(0.5 * angle)
     phi = np.linspace(0, 2 * np.pi, 241)
     path = np.column_stack([0.05 * np.sin(phi), 0 * phi + 0.5, z + 0.005 * np.cos(2 * phi)])
-    hits = [found(bench, x) for x in path]
+    hits = [hits_of(bench, x) for x in path]
     values, forces = np.array([energy(h) for h in hits]), np.array([force(h) for h in hits])
     step = np.linalg.norm(np.diff(path, axis=0), axis=1)
     # energy rises no faster than with the full force of all walls at the largest depth
@@ -130,7 +130,7 @@ def test_the_walls_that_go_on_keep_their_records(tmp_path: Path) -> None:
         old.active, old.face, old.normal = 1, face, [(-1.0, 1.0)[w] * 0.7, 0.0, 0.7]
     g.probe_states[0, 0].other_walls = 1
     # nearer to the other wall than before
-    assert len(found(bench, [-0.01, 0.5, z])) == 2
+    assert len(hits_of(bench, [-0.01, 0.5, z])) == 2
     taken = walls.match_walls(g.p[0], 0, 0, 2, 2, g.hits[0], g.probe_states, g.slot_in_use)
     nearest, other = g.hits[0][0], g.hits[0][walls.row_of_wall(0, 1)]
     assert (nearest.face, other.face, taken) == (0, 1, 3)

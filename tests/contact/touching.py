@@ -57,8 +57,8 @@ class Contact:
         gap, nodes = self.group.narrow.gap, self.bench.nodes
         a, b = as_rows(self.group.elements_a), as_rows(self.group.elements_b)
         data = tuple(as_rows(array) for array in self.group.data)
-        found = (gap(a[p.a], b[p.b], nodes, data) for p in self.pairs)
-        return [(float(depth), np.array(n), np.array(x)) for depth, n, x in found]
+        contacts = (gap(a[p.a], b[p.b], nodes, data) for p in self.pairs)
+        return [(float(depth), np.array(n), np.array(x)) for depth, n, x in contacts]
 
     def deepest(self) -> tuple[float, np.ndarray, np.ndarray]:
         """The deepest pair of elements, or the nearest."""
@@ -104,9 +104,9 @@ class Contact:
         slide = Slide(normal, u, middle, direction, m, mass, compliance)
         result = kernel(self.p, self.old, self.new, slide, curves)
         names = ("force", "stored", "power", "loss", "stiffness", "damping")
-        found = SimpleNamespace(**dict(zip(names, result, strict=True)))
-        found.force = self.new.friction_force = np.array(found.force)
-        return found
+        friction = SimpleNamespace(**dict(zip(names, result, strict=True)))
+        friction.force = self.new.friction_force = np.array(friction.force)
+        return friction
 
     def release(self, law: Any) -> None:
         """The bodies are apart."""

@@ -57,10 +57,10 @@ STEP, TOLERANCE = 1e-5, 2e-8
 def deck_of(law: tuple[str, str]) -> Path:
     """The smallest verification deck with the law, its own before others."""
     pattern = re.compile(rf"type: {law[1]}\b")
-    found = [p for p in DECKS.rglob("*.yaml") if pattern.search(p.read_text("utf-8"))]
-    assert found, f"no deck of decks/verification has {'/'.join(law)}"
-    found.sort(key=lambda p: (p.parent.name != law[0], p.stem != law[1], p.stat().st_size))
-    return found[0]
+    paths = [p for p in DECKS.rglob("*.yaml") if pattern.search(p.read_text("utf-8"))]
+    assert paths, f"no deck of decks/verification has {'/'.join(law)}"
+    paths.sort(key=lambda p: (p.parent.name != law[0], p.stem != law[1], p.stat().st_size))
+    return paths[0]
 
 
 def example(law: tuple[str, str]) -> Law:
@@ -157,9 +157,9 @@ def _missing(law: tuple[str, str], seed: int, steps: int) -> float:
 def _ends(one: Law) -> list[int]:
     """Bodies that it acts on."""
     columns = [name for name in one.p.dtype.names if name.startswith("node")]
-    found = [int(node) for name in columns for node in np.ravel(one.p[name])]
+    ends = [int(node) for name in columns for node in np.ravel(one.p[name])]
     # a law of several bodies names some of them more than once
-    return list(dict.fromkeys(found))
+    return list(dict.fromkeys(ends))
 
 
 @each(BETWEEN)

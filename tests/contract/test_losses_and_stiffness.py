@@ -1,10 +1,11 @@
-"""What a law loses is in its ledger, and the stiffness that it promises bounds its forces.
+"""What a law loses is in its ledger; the stiffness and damping that it promises bound its forces.
 
 The paths are long enough for laws to yield and to slip: five times those of test_every_law.py. They
 are chosen by the work on the bodies alone, so that a law that hides its losses has the same path.
 The laws run as machine code that checks its bounds; with CRASHSOLVE_PLAIN=1 as plain Python.
 """
 
+from collections.abc import Callable
 from functools import cache
 from typing import NamedTuple
 
@@ -16,10 +17,20 @@ from test_every_law import BETWEEN, Law, _ends, each, moving
 SCALE, SEEDS = 5.0, range(1, 9)
 # links that a longer path brings to their dead centre, where a run stops
 SHORT = {("springs", "anti_roll_bar"): 2.0}
-# their force at rest does not depend on the position, or only where they flow
-FLAT = {("springs", "brake"), ("springs", "damper"), ("hinges", "axial")}
+# on a path of this scale they hold: beyond, their force at rest does not depend on the position
+HOLDING = {("springs", "brake"): 5e-3, ("hinges", "axial"): 5e-3}
 TYRES = {law for law in BETWEEN if law[0] == "tyres"}
-STIFF = [law for law in BETWEEN if law not in FLAT]
+# a damper has no force at rest
+STIFF = [law for law in BETWEEN if law != ("springs", "damper")]
+# laws that must show damping on these paths, so that the test has an edge
+DAMPED = TYRES | {
+    ("springs", "brake"),
+    ("springs", "bushing"),
+    ("springs", "damper"),
+    ("springs", "rotation_friction"),
+    ("springs", "strut"),
+    ("springs", "translation_friction"),
+}
 # ranges of some tenths of a radian or a metre, which bodies leave at 3 rad/s and 3 m/s
 STOPS = {law for law in BETWEEN if law[1].endswith("_stop")}
 # laws that must lose something on their path, so that the ledger would not close without
@@ -36,8 +47,13 @@ LOSING = {
 }
 
 
-def start(law: tuple[str, str], seed: int, pressed: float = 40.0) -> tuple[Law, list[int]]:
-    """The law with its bodies in motion, in the range where it acts; its joint is pressed [N]."""
+def start(
+    law: tuple[str, str], seed: int, pressed: float = 40.0, scale: float | None = None
+) -> tuple[Law, list[int]]:
+    """The law with its bodies in motion, in the range where it acts; its joint is pressed [N].
+
+    `scale` of the motion, unless the law determines it.
+    """
     one = compiled(law)
     moving(one, seed)
     ends = [node for node in _ends(one) if node > 0]
@@ -55,8 +71,8 @@ def start(law: tuple[str, str], seed: int, pressed: float = 40.0) -> tuple[Law, 
         elif law in STOPS:
             one.bench.move(node, v=3.0 * rng.normal(size=3), w=3.0 * rng.normal(size=3))
         else:
-            scale = SHORT.get(law, SCALE)
-            one.bench.move(node, v=scale * nodes[node].v, w=scale * nodes[node].w)
+            size = scale or SHORT.get(law, SCALE)
+            one.bench.move(node, v=size * nodes[node].v, w=size * nodes[node].w)
     if law[1] == "translation_friction":
         one.bench.rows.multiplier[:] = one.bench.rows.reaction[:] = pressed
     return one, ends
@@ -112,36 +128,55 @@ def acting_seed(law: tuple[str, str]) -> int:
 
 @each(BETWEEN)
 def test_what_a_law_loses_is_in_its_ledger(law: tuple[str, str]) -> None:
-    found = sums(law, acting_seed(law), 240)
-    missing = abs(found.work + found.power + found.loss + found.stored)
+    energies = sums(law, acting_seed(law), 240)
+    missing = abs(energies.work + energies.power + energies.loss + energies.stored)
     # corners of a law within a step leave errors of first order, 1 / 240 of a few turns; the
     # carcass of tyres has none, and its loss is a small part of the work
-    assert missing <= (1e-3 if law in TYRES else 0.02) * found.largest
+    assert missing <= (1e-3 if law in TYRES else 0.02) * energies.largest
     # without the loss the ledger would not close: what is asked here has an edge
-    assert law not in LOSING or found.loss > 0.04 * found.largest
-    assert law not in TYRES or abs(found.loss) > 0.02 * found.largest
+    assert law not in LOSING or energies.loss > 0.04 * energies.largest
+    assert law not in TYRES or abs(energies.loss) > 0.02 * energies.largest
 
 
 @each(STIFF)
 def test_the_promised_stiffness_bounds_the_highest_frequency(law: tuple[str, str]) -> None:
     """2 max_i stiffness_i is not below the largest eigenvalue of M^-1 K (system.timestep)."""
-    found = 0
+    laws = 0
     for seed in SEEDS:
         # friction that holds: pressed, its bristle stretches by a metre before it slides
-        one, ends = start(law, seed, pressed=4e6)
+        one, ends = start(law, seed, 4e6, HOLDING.get(law))
         for _ in range(6):
             one.bench.drift(0.15)
             highest, promised = spectrum(one, ends)
             # below this it is round-off: 1e-16 of forces of 1e3 over steps of 1e-6
             if highest > 1e-2:
-                found += 1
+                laws += 1
                 # 1 % for the turning of the line of force, which the bound leaves out
                 assert highest <= 1.01 * promised
             one.force(0.15)
             one.accept()
-        if found:
+        if laws:
             return
     raise AssertionError("the law has no stiffness on any path")
+
+
+@each(BETWEEN)
+def test_the_promised_damping_bounds_the_fastest_decay(law: tuple[str, str]) -> None:
+    """2 max_i damping_i is not below the largest eigenvalue of M^-1 C (system.timestep)."""
+    fastest = 0.0
+    # bristles that hold, and laws that slide or flow
+    for scale in (5e-3, SCALE):
+        for seed in range(1, 4):
+            one, ends = start(law, seed, scale=scale)
+            for _ in range(4):
+                one.bench.drift(0.15)
+                decay, promised = decays(one, ends)
+                # round-off as above; 1 % as above
+                assert decay <= 1.01 * promised + 1e-6
+                fastest = max(fastest, decay)
+                one.force(0.15)
+                one.accept()
+    assert fastest > 1e-2 or law not in DAMPED
 
 
 def spectrum(one: Law, ends: list[int]) -> tuple[float, float]:
@@ -149,17 +184,44 @@ def spectrum(one: Law, ends: list[int]) -> tuple[float, float]:
     nodes, moved = one.bench.nodes, one.bench.state()
     for node in ends:
         one.bench.move(node, v=np.zeros(3), w=np.zeros(3))
-    rest = one.bench.state()
+
+    def displace(node: int, step: np.ndarray) -> None:
+        one.bench.move(node, r=nodes[node].r + step)
+
+    largest = largest_slope(one, ends, displace, one.bench.rotation)
     one.force(1e-3)
     promised = 2.0 * max(float(nodes[node].stiffness) for node in ends)
+    nodes[:] = moved
+    return largest, promised
+
+
+def decays(one: Law, ends: list[int]) -> tuple[float, float]:
+    """Largest eigenvalue of M^-1 C [1/s], and twice the largest damping promised."""
+    nodes = one.bench.nodes
+
+    def accelerate(node: int, step: np.ndarray) -> None:
+        one.bench.move(node, v=nodes[node].v + step)
+
+    def spin(node: int, step: np.ndarray) -> None:
+        one.bench.move(node, w=nodes[node].w + step)
+
+    largest = largest_slope(one, ends, accelerate, spin)
+    one.force(1e-3)
+    return largest, 2.0 * max(float(nodes[node].damping) for node in ends)
+
+
+def largest_slope(
+    one: Law,
+    ends: list[int],
+    translate: Callable[[int, np.ndarray], None],
+    rotate: Callable[[int, np.ndarray], None],
+) -> float:
+    """Largest eigenvalue of the accelerations over these changes, with the opposite sign."""
+    nodes, before = one.bench.nodes, one.bench.state()
 
     def acceleration(k: int, step: float) -> np.ndarray:
-        nodes[:] = rest
-        node, axis = ends[k // 6], np.eye(3)[k % 3]
-        if k % 6 < 3:
-            one.bench.move(node, r=nodes[node].r + step * axis)
-        else:
-            one.bench.rotation(node, step * axis)
+        nodes[:] = before
+        (translate if k % 6 < 3 else rotate)(ends[k // 6], step * np.eye(3)[k % 3])
         one.force(1e-3)
         return np.concatenate(
             [
@@ -174,5 +236,5 @@ def spectrum(one: Law, ends: list[int]) -> tuple[float, float]:
 
     size, count = 1e-6, 6 * len(ends)
     columns = [(acceleration(k, size) - acceleration(k, -size)) / (2 * size) for k in range(count)]
-    nodes[:] = moved
-    return float(np.linalg.eigvals(-np.array(columns).T).real.max()), promised
+    nodes[:] = before
+    return float(np.linalg.eigvals(-np.array(columns).T).real.max())

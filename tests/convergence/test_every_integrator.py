@@ -51,8 +51,8 @@ def reference(case: tuple[str, float]) -> np.ndarray:
     return solved(case, "dormand_prince_8", 4 * STEPS[case]["dormand_prince_8"][1])
 
 
-def distance(found: np.ndarray, exact: np.ndarray, columns: tuple[str, ...]) -> float:
-    return float(np.linalg.norm([np.linalg.norm(found[c] - exact[c]) for c in columns]))
+def distance(computed: np.ndarray, exact: np.ndarray, columns: tuple[str, ...]) -> float:
+    return float(np.linalg.norm([np.linalg.norm(computed[c] - exact[c]) for c in columns]))
 
 
 def slope(case: tuple[str, float], method: str) -> float:

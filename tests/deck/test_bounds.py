@@ -31,7 +31,7 @@ def test_files_that_each_include_the_next_twice_are_refused(
 def test_a_file_is_read_once_however_often_it_is_included(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The price of a deck of N includes is N copies with their words, and no N readings."""
+    """The cost of a deck of N includes is N copies with their words, and no N readings."""
     count, read = 100, []
     plain = files.read_yaml
     monkeypatch.setattr(files, "read_yaml", lambda *of: (read.append(of[0]), plain(*of))[1])

@@ -45,8 +45,8 @@ class Sample(Card):
 def diagnostic(**fields: object) -> tuple[object, ...]:
     with pytest.raises(ValidationError) as caught:
         Sample.model_validate(fields)
-    (found,) = diagnostics_of(Sample, caught.value)
-    return found.path, found.message
+    (reported,) = diagnostics_of(Sample, caught.value)
+    return reported.path, reported.message
 
 
 def test_numbers_are_in_si() -> None:
@@ -120,8 +120,8 @@ def test_an_error_has_its_location_and_words(
 def test_all_errors_of_a_card_are_found() -> None:
     with pytest.raises(ValidationError) as caught:
         Sample.model_validate({"step": -1, "at": [1], "inner": {"length": 0}, "extra": 1})
-    found = diagnostics_of(Sample, caught.value)
-    assert {m.path for m in found} == {("step",), ("at",), ("inner", "length"), ("extra",)}
+    diagnostics = diagnostics_of(Sample, caught.value)
+    assert {m.path for m in diagnostics} == {("step",), ("at",), ("inner", "length"), ("extra",)}
 
 
 HALF = math.sqrt(0.5)

@@ -263,10 +263,10 @@ def test_a_formula_and_its_slope_lie_within_their_bounds(expression: str) -> Non
     random, word = np.random.default_rng(1), Expression(expression)
     left = random.uniform(0.01, 4, 1000)
     right = left + 10 ** random.uniform(-6, 0.3, 1000)
-    found = bounds(word, left, right)
+    limits = bounds(word, left, right)
     for part in random.random(20):
         jet = with_derivative(word, left + part * (right - left))
-        for true, (low, high) in zip(jet, found, strict=True):
+        for true, (low, high) in zip(jet, limits, strict=True):
             # round-off, of either
             slack = 1e-12 * (1.0 + np.abs(true))
             known = np.isfinite(true)

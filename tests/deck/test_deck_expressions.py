@@ -26,6 +26,7 @@ NAMES = {"speed": 54.0, "n": 3.0}
         ("tan(atan(2)) + asin(1) - acos(0)", 2.0),
         ("sqrt(16) + exp(0) + log(1)", 5.0),
         ("abs(-3) + min(1, 2) + max(1, 2, 3)", 7.0),
+        ("within(n, 3, 4) + within(-1, -1, -1)", 2.0),
         ("1e3", 1000.0),
         (" n ", 3.0),
     ],
@@ -78,6 +79,10 @@ def test_value(text: str, value: float) -> None:
         "(-1)**0.5",
         "log(0)",
         "exp(1e6)",
+        "within(n, 3.1, 4)",
+        "within(n, 0, 2.9)",
+        "within(n, 4, 2)",
+        "within(n, 1)",
     ],
 )
 def test_all_else_is_refused(text: str) -> None:

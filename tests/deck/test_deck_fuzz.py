@@ -88,17 +88,17 @@ def test_the_deck_to_be_spoilt_is_sound(tmp_path: Path) -> None:
 @pytest.mark.parametrize("route", WORDS, ids=lambda route: ".".join(map(str, route)))
 def test_an_unknown_word_is_named_wherever_it_stands(route: Route, tmp_path: Path) -> None:
     word = f"{route[-1]}x"
-    found = outcome(tmp_path, renamed(route, word))
-    assert isinstance(found, str)
-    assert f"'{word}'" in found or route[-1] == "type"
+    message = outcome(tmp_path, renamed(route, word))
+    assert isinstance(message, str)
+    assert f"'{word}'" in message or route[-1] == "type"
 
 
 @SPOIL
 @given(route=st.sampled_from(WORDS), word=st.text(max_size=8))
 def test_any_unknown_word_is_refused(route: Route, word: str, tmp_path: Path) -> None:
     known = {step for path in ROUTES for step in path if isinstance(step, str)}
-    found = outcome(tmp_path, renamed(route, word))
-    assert isinstance(found, str) or word in known or word in ("step_max", "title")
+    ended = outcome(tmp_path, renamed(route, word))
+    assert isinstance(ended, str) or word in known or word in ("step_max", "title")
 
 
 @SPOIL

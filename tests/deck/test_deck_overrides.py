@@ -40,14 +40,14 @@ def deck_of(folder: Path, **overrides: str) -> Deck:
 def value(deck: Deck, path: str) -> Any:
     """What the deck says at a path of Python names."""
     keyword, *steps = path.split(".")
-    found: Any = getattr(deck, keyword, None) or deck.entries[keyword][steps.pop(0)].card
+    item: Any = getattr(deck, keyword, None) or deck.entries[keyword][steps.pop(0)].card
     for step in steps:
-        found = found[int(step)] if step.isdigit() else getattr(found, step)
-    return found
+        item = item[int(step)] if step.isdigit() else getattr(item, step)
+    return item
 
 
 @pytest.mark.parametrize(
-    ("name", "text", "path", "found"),
+    ("name", "text", "path", "expected"),
     [
         ("output.history.interval", "1e-3", "output.history.interval", 1e-3),
         ("output.log.interval", "2 ms", "output.log.interval", 2e-3),
@@ -66,9 +66,9 @@ def value(deck: Deck, path: str) -> Any:
     ],
 )
 def test_every_field_can_be_set(
-    name: str, text: str, path: str, found: Any, tmp_path: Path
+    name: str, text: str, path: str, expected: Any, tmp_path: Path
 ) -> None:
-    assert value(deck_of(tmp_path, **{name: text}), path) == pytest.approx(found, rel=1e-14)
+    assert value(deck_of(tmp_path, **{name: text}), path) == pytest.approx(expected, rel=1e-14)
 
 
 def test_what_is_anchored_is_set_in_one_location_only(tmp_path: Path) -> None:

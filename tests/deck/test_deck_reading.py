@@ -188,10 +188,10 @@ def test_a_wrong_override_is_refused(word: str, reported: str, tmp_path: Path) -
 
 def test_an_override_sets_a_field_of_control(tmp_path: Path) -> None:
     text = "units: {time: ms}\ncontrol: {end_time: 20, step: 1}\n"
-    for given, found in (("0.5", 5e-4), ("2e-4 s", 2e-4), ("auto", "auto")):
+    for given, expected in (("0.5", 5e-4), ("2e-4 s", 2e-4), ("auto", "auto")):
         overrides = {"control.step": given, "control.step_max": "0.1 s"}
         control = deck_of(tmp_path, text, **overrides).control
-        assert (control.step, control.step_max, control.end_time) == (found, 0.1, 0.02)
+        assert (control.step, control.step_max, control.end_time) == (expected, 0.1, 0.02)
     assert deck_of(tmp_path, "title: none", **{"control.end_time": "3"}).control.end_time == 3.0
 
 
@@ -360,14 +360,14 @@ def test_words_that_do_not_fit_a_file_are_refused(
 ) -> None:
     (tmp_path / "car.yaml").write_text(CAR)
     assert before in TWO_CARS
-    found = messages(tmp_path, TWO_CARS.replace(before, after))
-    assert any(line.startswith(reported) for line in found), found
+    lines = messages(tmp_path, TWO_CARS.replace(before, after))
+    assert any(line.startswith(reported) for line in lines), lines
 
 
 def test_errors_stand_in_the_order_of_the_files(tmp_path: Path) -> None:
     (tmp_path / "a.yaml").write_text("bodies:\n  wagon: {mass: 0, inertia: [1, 1, 1]}\n")
-    found = messages(tmp_path, "include: [a.yaml]\ncontrol: {end_time: -1}\ntitle: 3\n")
-    assert [line.split(": error")[0] for line in found] == [
+    lines = messages(tmp_path, "include: [a.yaml]\ncontrol: {end_time: -1}\ntitle: 3\n")
+    assert [line.split(": error")[0] for line in lines] == [
         "deck.yaml:2:21",
         "deck.yaml:3:8",
         "a.yaml:2:17",
@@ -422,8 +422,8 @@ MEANT = {
 
 
 def test_symbols_of_textbooks_get_the_field_that_is_meant(tmp_path: Path) -> None:
-    found = [line for line in messages(tmp_path, SYMBOLS) if "unknown field" in line]
-    for line, (symbol, field) in zip(found, MEANT.items(), strict=True):
+    lines = [line for line in messages(tmp_path, SYMBOLS) if "unknown field" in line]
+    for line, (symbol, field) in zip(lines, MEANT.items(), strict=True):
         assert f"unknown field '{symbol}'; did you mean '{field}'? (fields: " in line
 
 
@@ -461,7 +461,7 @@ BESIDE = (
 
 def test_an_unknown_type_hides_no_other_error_and_makes_none_up(tmp_path: Path) -> None:
     # neither the node of the part that cannot be read nor its missing shell is complained of
-    found = messages(tmp_path, MISTYPED)
-    assert len(found) == len(BESIDE)
-    for line, start in zip(found, BESIDE, strict=True):
+    lines = messages(tmp_path, MISTYPED)
+    assert len(lines) == len(BESIDE)
+    for line, start in zip(lines, BESIDE, strict=True):
         assert line.removeprefix("deck.yaml:").startswith(start)

@@ -63,11 +63,13 @@ def test_the_manual_names_every_type_with_its_file() -> None:
 
 def cards() -> list[type[Card]]:
     """All cards of the deck language, nested ones too."""
-    found = [law_class(folder, word) for folder, word in LAWS] + list(SINGLE.values())
-    for card in found:
+    cards_of_laws = [law_class(folder, word) for folder, word in LAWS] + list(SINGLE.values())
+    for card in cards_of_laws:
         nested = [_cards_in(info.annotation) for info in card.model_fields.values()]
-        found += [inner for group in nested for inner in group if inner not in found]
-    return found
+        cards_of_laws += [
+            inner for group in nested for inner in group if inner not in cards_of_laws
+        ]
+    return cards_of_laws
 
 
 @pytest.mark.parametrize("card", cards(), ids=lambda card: card.__name__)
@@ -172,12 +174,12 @@ def test_every_deck_keeps_to_the_schema() -> None:
     # what an include fills in is none of the words yet
     filled_in = re.compile(r": '[^']*<\w+>[^']*' is none of")
     for path in DECKS:
-        found = faults(read_yaml(path, []), schema, schema, path.name)
-        assert [fault for fault in found if not filled_in.search(fault)] == []
+        faults_of_deck = faults(read_yaml(path, []), schema, schema, path.name)
+        assert [fault for fault in faults_of_deck if not filled_in.search(fault)] == []
 
 
 @pytest.mark.parametrize(
-    ("text", "found"),
+    ("text", "field"),
     [
         (
             "springs: {s: {type: linear, b: x, stifness: 1, stiffness: 1}}",
@@ -209,11 +211,11 @@ def test_every_deck_keeps_to_the_schema() -> None:
         ),
     ],
 )
-def test_the_schema_points_at_the_field_that_is_wrong(text: str, found: str) -> None:
+def test_the_schema_points_at_the_field_that_is_wrong(text: str, field: str) -> None:
     schema = json_schema()
     reported = list(faults(yaml.safe_load(text), schema, schema))
-    assert [line for line in reported if line.startswith(f".{found}")], reported
-    assert len(reported) == 1 or "friction.friction_coefficient" in found
+    assert [line for line in reported if line.startswith(f".{field}")], reported
+    assert len(reported) == 1 or "friction.friction_coefficient" in field
 
 
 def test_what_may_be_left_empty_may_be_null() -> None:

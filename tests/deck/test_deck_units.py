@@ -151,8 +151,8 @@ def test_bare_numbers_beside_units_are_understood_or_refused(
         with pytest.raises(DeckErrors, match="give the unit of every parameter that has one"):
             read_deck(deck)
         return
-    found = read_deck(deck).entries["bodies"]["a"].card.position[0]
-    assert found == pytest.approx(metres, rel=1e-14)
+    position = read_deck(deck).entries["bodies"]["a"].card.position[0]
+    assert position == pytest.approx(metres, rel=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -172,8 +172,8 @@ def test_functions_give_radians_whatever_the_units(
         with pytest.raises(DeckErrors, match="give the unit of every parameter that has one"):
             read_deck(deck)
         return
-    found = read_deck(deck).entries["bodies"]["a"].card.rotation.angle
-    assert found == pytest.approx(radians, rel=1e-14)
+    angle = read_deck(deck).entries["bodies"]["a"].card.rotation.angle
+    assert angle == pytest.approx(radians, rel=1e-14)
 
 
 MAIN = """include: [part.yaml]

@@ -51,9 +51,9 @@ def parsed(text: str) -> Table:
     ],
 )
 def test_scalar(text: str, value: object) -> None:
-    found = parsed(f"key: {text}")["key"]
-    assert found == value
-    assert type(found) is type(value)
+    number = parsed(f"key: {text}")["key"]
+    assert number == value
+    assert type(number) is type(value)
 
 
 def test_anchors_and_merges() -> None:

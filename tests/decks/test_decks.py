@@ -17,7 +17,7 @@ FOLDERS = ("tutorial", "verification", "benchmark", "queue", "occupants/tests")
 
 def _decks() -> list[object]:
     """Decks to run, those that take long marked so."""
-    found: list[object] = []
+    params: list[object] = []
     for folder in FOLDERS:
         for path in sorted((DECKS / folder).rglob("*.yaml")):
             if path.name.endswith(".plan.yaml"):
@@ -25,8 +25,8 @@ def _decks() -> list[object]:
             text = path.read_text("utf-8")
             marks = [pytest.mark.long] if text.startswith("# long\n") else []
             name = str(path.relative_to(DECKS).with_suffix(""))
-            found.append(pytest.param(path, id=name, marks=marks))
-    return found
+            params.append(pytest.param(path, id=name, marks=marks))
+    return params
 
 
 @pytest.mark.parametrize("deck", _decks())

@@ -47,9 +47,9 @@ def moved(deck: Path) -> dict[str, np.ndarray]:
 
 @pytest.mark.parametrize("name", first_quick(NAMES, 2))
 def test_a_model_in_other_units_moves_alike(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    found = moved(DECKS / f"{name}.yaml")
+    moved_by_unit = moved(DECKS / f"{name}.yaml")
     monkeypatch.setattr("crashsolve.deck.card.number", scaled)
     other = moved(DECKS / f"{name}.yaml")
-    assert np.any(found["J"] != 0.0)
-    for unit, values in found.items():
+    assert np.any(moved_by_unit["J"] != 0.0)
+    for unit, values in moved_by_unit.items():
         np.testing.assert_array_equal(other[unit], values * factor(unit), err_msg=unit)

@@ -43,25 +43,25 @@ def run(folder: Path, interval: str) -> tuple[dict[str, dict[str, float]], str]:
 
 @pytest.mark.parametrize("interval", ["0.01", "0.0473", "0.1"])
 def test_numbers_are_right_within_their_errors(tmp_path: Path, interval: str) -> None:
-    found, log = run(tmp_path, interval)
+    watched, log = run(tmp_path, interval)
     true = {"rcforc.c.normal max": PEAK, "rcforc.c.normal integral": IMPULSE}
     true["rbdout.a.acceleration.z max"] = PEAK / 2
     for name, value in true.items():
         # the step's own error is below a hundredth
-        assert abs(found[name]["value"] - value) <= 1.01 * found[name]["error"], name
+        assert abs(watched[name]["value"] - value) <= 1.01 * watched[name]["error"], name
         # twenty steps and more see the touch so well
-        assert found[name]["value"] == pytest.approx(value, rel=0.02), name
-    assert found["rcforc.c.depth max"]["value"] == pytest.approx(DEPTH, rel=0.01)
+        assert watched[name]["value"] == pytest.approx(value, rel=0.02), name
+    assert watched["rcforc.c.depth max"]["value"] == pytest.approx(DEPTH, rel=0.01)
     # a tenth of its value at most
-    assert 0.0 < 10.0 * found["hic max"]["error"] < found["hic max"]["value"]
-    assert found["rbdout.a.velocity.z final"]["error"] < 1e-2
+    assert 0.0 < 10.0 * watched["hic max"]["error"] < watched["hic max"]["value"]
+    assert watched["rbdout.a.velocity.z final"]["error"] < 1e-2
     assert "contact 'c' peaked at" not in log
     assert "take shorter steps" not in log
 
 
 @pytest.mark.long
 def test_samples_that_show_the_touch_are_not_warned_of(tmp_path: Path) -> None:
-    found, log = run(tmp_path, "2e-5")
+    watched, log = run(tmp_path, "2e-5")
     assert "peaked at" not in log
-    assert found["rcforc.c.normal max"]["value"] == pytest.approx(PEAK, rel=0.01)
-    assert found["hic max"]["error"] is not None
+    assert watched["rcforc.c.normal max"]["value"] == pytest.approx(PEAK, rel=0.01)
+    assert watched["hic max"]["error"] is not None

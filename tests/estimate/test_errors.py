@@ -34,52 +34,52 @@ def estimate(
 @pytest.mark.parametrize("order", [1.0, 2.0, 5.0])
 @pytest.mark.parametrize("statistic", ["final", "path", "max"])
 def test_three_runs_of_an_order_state_the_error(order: float, statistic: str) -> None:
-    found = estimate(order, statistic, lambda h: h**order, 20, 10, 5)
+    estimated = estimate(order, statistic, lambda h: h**order, 20, 10, 5)
     # the extrapolation is exact but for the tenth that is kept against luck
-    assert found.error == pytest.approx((1 / 20) ** order, rel=0.11)
-    assert f"order {order:.2f}" in found.how
-    assert found.unit == "m"
+    assert estimated.error == pytest.approx((1 / 20) ** order, rel=0.11)
+    assert f"order {order:.2f}" in estimated.how
+    assert estimated.unit == "m"
 
 
 @pytest.mark.parametrize("order", [2.0, 5.0])
 def test_a_coarser_run_alone_states_it_by_the_order(order: float) -> None:
-    found = estimate(order, "final", lambda h: h**order, 20, 10)
-    assert found.error == pytest.approx((1 / 20) ** order, rel=1e-6)
+    estimated = estimate(order, "final", lambda h: h**order, 20, 10)
+    assert estimated.error == pytest.approx((1 / 20) ** order, rel=1e-6)
 
 
 @pytest.mark.parametrize("order", [2.0, 5.0, 8.0])
 def test_a_finer_run_states_it_without_the_order(order: float) -> None:
-    found = estimate(order, "final", lambda h: h**order, 20, 40)
+    estimated = estimate(order, "final", lambda h: h**order, 20, 40)
     # that of order 2 is taken for any higher one: a third too much at most
-    assert (1 / 20) ** order <= (found.error or 0.0) * (1 + 1e-3) <= 1.34 * (1 / 20) ** order
+    assert (1 / 20) ** order <= (estimated.error or 0.0) * (1 + 1e-3) <= 1.34 * (1 / 20) ** order
 
 
 def test_differences_that_do_not_shrink_are_the_error() -> None:
     chaos = {1 / 20: 0.03, 1 / 10: -0.2, 1 / 5: -0.1}
-    found = estimate(2.0, "final", chaos.__getitem__, 20, 10, 5)
-    assert found.error == pytest.approx(0.23, rel=1e-6)
-    assert "do not shrink" in found.how
+    estimated = estimate(2.0, "final", chaos.__getitem__, 20, 10, 5)
+    assert estimated.error == pytest.approx(0.23, rel=1e-6)
+    assert "do not shrink" in estimated.how
 
 
 def test_a_lucky_difference_does_not_make_the_error_small() -> None:
     lucky = {1 / 20: 0.01, 1 / 10: 0.01 + 1e-9, 1 / 5: 0.16}
-    found = estimate(2.0, "final", lucky.__getitem__, 20, 10, 5)
+    estimated = estimate(2.0, "final", lucky.__getitem__, 20, 10, 5)
     # no order leads from one difference to the other: all that the longer steps say, 0.15 / 12
-    assert found.error == pytest.approx(0.15 / 12, rel=1e-6)
+    assert estimated.error == pytest.approx(0.15 / 12, rel=1e-6)
 
 
 def test_an_order_below_that_of_the_method_keeps_its_own_error() -> None:
     # differences that shrink by 3.5 in place of 4: order 1.81, which is believed
     slow = {1 / 20: 0.0, 1 / 10: 1.0, 1 / 5: 4.5}
-    found = estimate(2.0, "final", lambda h: 0.01 * slow[h], 20, 10, 5)
-    assert found.error == pytest.approx(0.01 / 3.0, rel=0.2)
+    estimated = estimate(2.0, "final", lambda h: 0.01 * slow[h], 20, 10, 5)
+    assert estimated.error == pytest.approx(0.01 / 3.0, rel=0.2)
 
 
 def test_an_order_above_that_of_any_method_widens_what_the_first_difference_says() -> None:
     # differences 16 times smaller where steps are halved: order 4 of a method of order 2
     high = {1 / 20: 0.0, 1 / 10: 0.01, 1 / 5: 0.17}
-    found = estimate(2.0, "final", high.__getitem__, 20, 10, 5)
-    assert found.error == pytest.approx(4 * 0.16 / 12.0, rel=1e-6)
+    estimated = estimate(2.0, "final", high.__getitem__, 20, 10, 5)
+    assert estimated.error == pytest.approx(4 * 0.16 / 12.0, rel=1e-6)
 
 
 # Hertz impacts of a ball of 1 m on one of 1 mm, three steps each, masses and stiffness at random:
@@ -102,32 +102,32 @@ def test_impacts_of_impossible_orders_err_by_less_than_is_said(
     error: float, first: float, second: float
 ) -> None:
     runs = {1 / 20: 0.0, 1 / 10: second, 1 / 5: second + first}
-    found = estimate(2.0, "final", runs.__getitem__, 20, 10, 5)
+    estimated = estimate(2.0, "final", runs.__getitem__, 20, 10, 5)
     # chance of single differences: 1 to 14 times the error
-    assert found.error is not None and error < found.error < 15.0 * error
+    assert estimated.error is not None and error < estimated.error < 15.0 * error
 
 
 def test_without_a_run_of_other_steps_nothing_is_reported() -> None:
-    found = estimate(2.0, "final", lambda h: h, 20, 19)
-    assert found.error is None
-    assert "not estimated" in found.how
+    estimated = estimate(2.0, "final", lambda h: h, 20, 19)
+    assert estimated.error is None
+    assert "not estimated" in estimated.how
 
 
 def test_a_time_that_another_swing_may_take_has_that_error() -> None:
     runs = [samples(n, lambda t, n=n: np.cos(20.0 * t) * (1.0 + 1.0 / n**2)) for n in (20, 10, 5)]
     errors = NumberErrors({NAME: [Channel(NAME, FAMILY, 0, 0)]}, 2.0)
-    found = errors.estimate(Watch("x", (NAME,), "argmin"), runs[0], runs[1:])
+    estimated = errors.estimate(Watch("x", (NAME,), "argmin"), runs[0], runs[1:])
     # the next minimum, a period of 0.314 s later, is as low
-    assert found.error is not None and found.error > 0.3
-    assert "another peak" in found.how
+    assert estimated.error is not None and estimated.error > 0.3
+    assert "another peak" in estimated.how
 
 
 def test_the_time_of_a_count_is_known_to_one_sample() -> None:
     runs = [samples(n, lambda t: np.where(t > 0.305, 1.0, 0.0)) for n in (20, 10, 5)]
     errors = NumberErrors({NAME: [Channel(NAME, FAMILY, 0, 0)]}, 2.0)
-    found = errors.estimate(Watch("x", (NAME,), "argmax"), runs[0], runs[1:])
-    assert found.value == pytest.approx(0.31)
-    assert found.error == pytest.approx(0.01, rel=1e-6)
+    estimated = errors.estimate(Watch("x", (NAME,), "argmax"), runs[0], runs[1:])
+    assert estimated.value == pytest.approx(0.31)
+    assert estimated.error == pytest.approx(0.01, rel=1e-6)
 
 
 def test_what_measures_the_run_is_not_estimated() -> None:
@@ -135,8 +135,8 @@ def test_what_measures_the_run_is_not_estimated() -> None:
     family = Family("glstat", ("model",), (Column("balance", "", "%", ""),))
     errors = NumberErrors({name: [Channel(name, family, 0, 0)]}, 2.0)
     run = Samples(TIME, {name: TIME}, {name: TIME}, 20)
-    found = errors.estimate(Watch("b", (name,), "final"), run, [])
-    assert found.error is None and not found.is_wanted
+    estimated = errors.estimate(Watch("b", (name,), "final"), run, [])
+    assert estimated.error is None and not estimated.is_wanted
 
 
 def test_a_largest_value_that_a_sample_has_caught_has_the_error_of_its_gap() -> None:
@@ -149,10 +149,10 @@ def test_a_largest_value_that_a_sample_has_caught_has_the_error_of_its_gap() -> 
     values = {history: depth, latched: np.maximum.accumulate(depth)}
     runs = [Samples(TIME, values, {name: abs(v) for name, v in values.items()}, n) for n in (20, 9)]
     errors = NumberErrors({latched: [Channel(latched, family, 0, 1)]}, 5.0)
-    found = errors.estimate(Watch("d", (latched,), "final"), runs[0], runs[1:])
-    assert found.error == pytest.approx(1.0 - depth.max(), rel=1e-6)
-    assert found.value == depth.max()
-    assert found.watch.channels == (latched,)
+    estimated = errors.estimate(Watch("d", (latched,), "final"), runs[0], runs[1:])
+    assert estimated.error == pytest.approx(1.0 - depth.max(), rel=1e-6)
+    assert estimated.value == depth.max()
+    assert estimated.watch.channels == (latched,)
 
 
 def test_a_largest_value_of_a_step_has_an_error_by_chance() -> None:
@@ -168,6 +168,6 @@ def test_a_largest_value_of_a_step_has_an_error_by_chance() -> None:
         values = {"rcforc.c.depth": 0.5 * x, name: x}
         runs.append(Samples(TIME, values, {k: abs(v) for k, v in values.items()}, n))
     errors = NumberErrors({name: [Channel(name, family, 0, 1)]}, 2.0)
-    found = errors.estimate(Watch("d", (name,), "final"), runs[0], runs[1:])
+    estimated = errors.estimate(Watch("d", (name,), "final"), runs[0], runs[1:])
     true = 1.0 - runs[0].values[name][-1]
-    assert true / 10 < (found.error or 0.0) < 10 * true
+    assert true / 10 < (estimated.error or 0.0) < 10 * true

@@ -109,8 +109,8 @@ def estimate(folder: Path, name: str, count: int, word: str = "") -> Estimate:
     path = folder / f"{name}{count}.yaml"
     text = SCENES[name].replace("COUNT", str(count)).replace("WORD", word)
     path.write_text(text, "utf-8")
-    _, (found,), _ = estimate_in_memory(read_deck(path))
-    return found
+    _, (estimated,), _ = estimate_in_memory(read_deck(path))
+    return estimated
 
 
 @pytest.mark.parametrize(
@@ -127,17 +127,17 @@ def estimate(folder: Path, name: str, count: int, word: str = "") -> Estimate:
 def test_the_error_is_near_the_true_one(
     name: str, word: str, count: int, fine: int, tmp_path: Path
 ) -> None:
-    found = estimate(tmp_path, name, count, word)
+    estimated = estimate(tmp_path, name, count, word)
     # a constant force sends a front along the bar: u = F c t / (E A)
     front = 10.0 * 10.0 * 0.06 / (1e5 * np.pi * 0.05**2)
     truth = front if name == "bar" else estimate(tmp_path, name, fine, word).value
-    assert found.value is not None
+    assert estimated.value is not None
     assert truth is not None
-    true = abs(found.value - truth)
-    assert found.error is not None, found.how
-    assert true / FACTOR <= found.error <= FACTOR * true, found.how
-    assert found.how.startswith("time ")
-    assert "; mesh " in found.how
+    true = abs(estimated.value - truth)
+    assert estimated.error is not None, estimated.how
+    assert true / FACTOR <= estimated.error <= FACTOR * true, estimated.how
+    assert estimated.how.startswith("time ")
+    assert "; mesh " in estimated.how
 
 
 def given_plate(folder: Path, is_file: bool, count: int) -> Path:
@@ -170,23 +170,23 @@ def test_given_meshes_in_rows_have_the_error_of_generated_ones(
 ) -> None:
     if is_file:
         pytest.importorskip("meshio")
-    _, (found,), _ = estimate_in_memory(read_deck(given_plate(tmp_path, is_file, 8)))
+    _, (estimated,), _ = estimate_in_memory(read_deck(given_plate(tmp_path, is_file, 8)))
     other = estimate(tmp_path, "plate", 8)
-    assert found.mesh is not None and other.mesh is not None
+    assert estimated.mesh is not None and other.mesh is not None
     # the same elements in another order: round-off of a thousand steps
-    assert found.value == pytest.approx(other.value, rel=1e-9)
-    assert found.mesh == pytest.approx(other.mesh, rel=1e-6)
+    assert estimated.value == pytest.approx(other.value, rel=1e-9)
+    assert estimated.mesh == pytest.approx(other.mesh, rel=1e-6)
 
 
 def test_a_given_mesh_in_odd_rows_says_why_it_is_left_out(tmp_path: Path) -> None:
     deck = read_deck(given_plate(tmp_path, False, 5))
     model, state = build(deck)
-    found = Estimator(with_chosen_method(deck, model), families_of(model, state)).mesh_runs(
+    meshes = Estimator(with_chosen_method(deck, model), families_of(model, state)).mesh_runs(
         1.0, inf
     )
-    assert not found.runs
-    assert "the error estimates do not cover the mesh" in found.problem
-    assert "rows of even numbers" in found.problem
+    assert not meshes.runs
+    assert "the error estimates do not cover the mesh" in meshes.problem
+    assert "rows of even numbers" in meshes.problem
 
 
 CONTACT = """
@@ -216,8 +216,10 @@ def test_an_error_says_which_laws_it_leaves_out(
     (tmp_path / "deck.yaml").write_text(text, "utf-8")
     deck = read_deck(tmp_path / "deck.yaml")
     assert left_out(deck) == words
-    _, (found,), _ = estimate_in_memory(deck)
-    assert found.how.endswith(f"; without {words[0]}" if words and found.error else found.how)
+    _, (estimated,), _ = estimate_in_memory(deck)
+    assert estimated.how.endswith(
+        f"; without {words[0]}" if words and estimated.error else estimated.how
+    )
 
 
 def test_a_deck_that_changes_while_it_runs_states_no_error_of_the_mesh(tmp_path: Path) -> None:
@@ -227,6 +229,6 @@ def test_a_deck_that_changes_while_it_runs_states_no_error_of_the_mesh(tmp_path:
     deck = read_deck(path)
     # another load, of which the coarser meshes are not to tell
     path.write_text(text.replace("[0, 0, 100]", "[0, 0, 200]"), "utf-8")
-    _, (found,), _ = estimate_in_memory(deck)
-    assert found.mesh is None
-    assert "without the mesh" in found.how
+    _, (estimated,), _ = estimate_in_memory(deck)
+    assert estimated.mesh is None
+    assert "without the mesh" in estimated.how

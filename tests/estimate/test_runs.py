@@ -51,11 +51,11 @@ def run(folder: Path, *words: object) -> dict[str, dict[str, Any]]:
 # higher orders come too near the digits of these values; the battery has them
 @pytest.mark.parametrize("step", first_quick(["2e-3", "8e-3"]))
 def test_the_estimated_error_is_near_the_true_one(step: str, tmp_path: Path) -> None:
-    found = run(tmp_path, "--set", f"control.step={step}")
+    numbers = run(tmp_path, "--set", f"control.step={step}")
     log = (tmp_path / "log.txt").read_text("utf-8")
     for channel, exact in EXACT.items():
-        true = abs(found[channel]["value"] - exact)
-        assert true / FACTOR < found[channel]["error"] < true * FACTOR
+        true = abs(numbers[channel]["value"] - exact)
+        assert true / FACTOR < numbers[channel]["error"] < true * FACTOR
         assert f"{channel} final = " in log
     assert "cost of the error estimates" in log
 
@@ -71,11 +71,11 @@ def test_an_accuracy_is_kept(method: str, accuracy: float, tmp_path: Path) -> No
     words += ["--set", f"control.integrator={method}"]
     done = crashsolve(deck, "-o", tmp_path, *words)
     assert done.returncode == 0, done.stdout + done.stderr
-    found = watched(tmp_path)
+    numbers = watched(tmp_path)
     for channel, exact in EXACT.items():
-        scale = found[channel]["scale"]
-        assert found[channel]["error"] <= accuracy * scale
-        assert abs(found[channel]["value"] - exact) <= accuracy * scale
+        scale = numbers[channel]["scale"]
+        assert numbers[channel]["error"] <= accuracy * scale
+        assert abs(numbers[channel]["value"] - exact) <= accuracy * scale
     assert "pilot runs" in (tmp_path / "log.txt").read_text("utf-8")
 
 
@@ -109,9 +109,9 @@ def estimator(folder: Path, extra: str = "", integrator: str = "rattle") -> Esti
 def test_a_companion_of_the_same_steps_is_the_run_itself(tmp_path: Path) -> None:
     run(tmp_path)
     series = Result(tmp_path).series(X)
-    found = estimator(tmp_path).companions.run(1.0)
-    np.testing.assert_array_equal(found.time, series.time)
-    np.testing.assert_array_equal(found.values[X], series.values)
+    companion = estimator(tmp_path).companions.run(1.0)
+    np.testing.assert_array_equal(companion.time, series.time)
+    np.testing.assert_array_equal(companion.values[X], series.values)
 
 
 def test_a_companion_gives_up_when_asked() -> None:
@@ -234,7 +234,7 @@ def test_a_stop_while_errors_are_estimated_keeps_the_finished_run(tmp_path: Path
     process.send_signal(signal.SIGTERM)
     out, errors = process.communicate(timeout=600)
     assert process.returncode == 0, out + errors
-    found = watched(tmp_path)[X]
+    position = watched(tmp_path)[X]
     # one of the coarser runs may have been through before the signal came
-    assert found["value"] == pytest.approx(EXACT[X], abs=1e-4)
+    assert position["value"] == pytest.approx(EXACT[X], abs=1e-4)
     assert Result(tmp_path).finished

@@ -22,7 +22,7 @@ class Bordered:
 
     def __init__(self, seed: int, twin: bool = False) -> None:
         rng = np.random.default_rng(seed)
-        matrix, found = plan(NODES, PAIRS | set(ENDS[7:]), JOINTS, ENDS)
+        matrix, addresses = plan(NODES, PAIRS | set(ENDS[7:]), JOINTS, ENDS)
         self.matrix: Any = matrix._make(as_rows(part) for part in matrix)
         rows = np.zeros(len(ENDS), COMPLIANT.dtype)
         rows["D"] = rng.normal(size=(len(rows), 12))
@@ -40,11 +40,11 @@ class Bordered:
             assert self.matrix.blocks[c.block].column == p
         K = np.zeros((42, 42))
         for a, b in PAIRS:
-            if (a, b) in found:
+            if (a, b) in addresses:
                 below, above = rng.normal(size=(2, 6, 6))
                 K[6 * b : 6 * b + 6, 6 * a : 6 * a + 6] = above.T
                 K[6 * a : 6 * a + 6, 6 * b : 6 * b + 6] = below
-                block = self.matrix.blocks[found[a, b]]
+                block = self.matrix.blocks[addresses[a, b]]
                 block.stiff, block.stiff_above = below.ravel(), above.ravel()
         A += 0.5 * K
         D = np.zeros((4, 42))

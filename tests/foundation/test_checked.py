@@ -54,10 +54,10 @@ WRONG = [
     (5, -1, 3, "`THREE[at[5]]`"),
     (6, 2, 3, "added: `column[k]`"),
     (7, 3, 4, "added: `column[k]`"),
-    (8, 2**30, 2**31, "work"),
-    (9, 0, 0, "work"),
-    (10, 64, 64, "work"),
-    (11, 2**62, 2**63 - 1, "work"),
+    (8, 2**30, 2**31, "`scene.small[0]`"),
+    (9, 0, 0, "`7 // at[9]`"),
+    (10, 64, 64, "`1 << at[10]`"),
+    (11, 2**62, 2**63 - 1, "`int(number * at[11])`"),
 ]
 RIGHT = (3, 4, 2, 1, 2, 2, 1, 2, 2**29, -3, 63, 1)
 
@@ -73,10 +73,10 @@ def arrays(at: list[int]) -> dict[str, np.ndarray]:
 
 
 def run(at: list[int]) -> dict[str, np.ndarray]:
-    found = arrays(at)
-    tables = Tables(found)
+    data = arrays(at)
+    tables = Tables(data)
     machine_code(Path(__file__), "work", tables)(4.5, True, tables)
-    return found
+    return data
 
 
 @pytest.fixture(autouse=True)

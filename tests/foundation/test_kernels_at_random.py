@@ -122,11 +122,11 @@ def source_of(seed: int) -> str:
 def compare(seed: int, folder: Path) -> None:
     path = folder / f"kernels_at_random_{seed}.py"
     path.write_text(source_of(seed), "utf-8")
-    found = [{"out": np.zeros(5 * KERNELS * ROUNDS)} for _ in range(2)]
-    tables = [Tables(arrays) for arrays in found]
+    outputs = [{"out": np.zeros(5 * KERNELS * ROUNDS)} for _ in range(2)]
+    tables = [Tables(arrays) for arrays in outputs]
     machine_code(path, "work", tables[0])(2.75, True, tables[0])
     import_file(path).work(2.75, True, tables[1])
-    np.testing.assert_array_equal(found[0]["out"], found[1]["out"], err_msg=str(path))
+    np.testing.assert_array_equal(outputs[0]["out"], outputs[1]["out"], err_msg=str(path))
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -26,16 +26,16 @@ SMALLEST = 1.0
 
 def total(time, scene):
     """The sum."""
-    found = 0.0
+    total = 0.0
     for k, group in enumerate(GROUPS):
         if hasattr(group.law, "push"):
-            found += group.law.push(group.rows[k], LARGEST)
-        if group.is_round and found > 1.0:
-            found += one(group, time, scene)
+            total += group.law.push(group.rows[k], LARGEST)
+        if group.is_round and total > 1.0:
+            total += one(group, time, scene)
         elif FLAG:
-            found -= 1.0
+            total -= 1.0
     nothing(time, scene)
-    return found if FLAG else sin(time)
+    return total if FLAG else sin(time)
 
 
 def one(group, time, scene):
@@ -121,14 +121,14 @@ def test_groups_are_written_out_without_excluded_blocks(program: Make) -> None:
     text = made.text()
     assert body(text, "total") == (
         "'The sum.'\n"
-        "found = 0.0\n"
-        "found += springs_soft.push(scene.soft_springs_rows[0], LARGEST)\n"
-        "if found > 1.0:\n"
-        "    found += one_soft_springs(time, scene)\n"
+        "total = 0.0\n"
+        "total += springs_soft.push(scene.soft_springs_rows[0], LARGEST)\n"
+        "if total > 1.0:\n"
+        "    total += one_soft_springs(time, scene)\n"
         "else:\n"
-        "    found -= 1.0\n"
-        "found -= 1.0\n"
-        "return found"
+        "    total -= 1.0\n"
+        "total -= 1.0\n"
+        "return total"
     )
     assert body(text, "one_soft_springs") == "return cos(time) * scene.soft_springs_rows.shape[0]"
     # neither what nothing reaches, nor what is empty, nor the names that these would need
@@ -142,7 +142,7 @@ def test_groups_are_written_out_without_excluded_blocks(program: Make) -> None:
 def test_a_flag_turns_the_other_branch_on(program: Make) -> None:
     made = program(FLAG=False, GROUPS=())
     made.add("bench_loops", "total")
-    assert body(made.text(), "total") == "'The sum.'\nfound = 0.0\nreturn sin(time)"
+    assert body(made.text(), "total") == "'The sum.'\ntotal = 0.0\nreturn sin(time)"
 
 
 def test_what_depends_on_no_placeholder_keeps_its_text(program: Make) -> None:

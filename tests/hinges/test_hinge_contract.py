@@ -169,9 +169,9 @@ def load(law: Law) -> np.ndarray:
 
 
 def tangents(law: Law) -> Any:
-    found = np.zeros(law.module.TANGENTS, COMPLIANT.dtype).view(np.recarray)
-    law.module.tangent(law.p, law.old, law.bench.nodes, law.bench.curves, found, 0)
-    return found
+    rows = np.zeros(law.module.TANGENTS, COMPLIANT.dtype).view(np.recarray)
+    law.module.tangent(law.p, law.old, law.bench.nodes, law.bench.curves, rows, 0)
+    return rows
 
 
 @pytest.mark.parametrize("case", ["bending", "bending softened", "torsion", "axial"])
@@ -201,17 +201,17 @@ def test_tangents_are_derivatives_as_the_hinge_flows_on(make: Make, case: str, s
 
 
 def test_the_order_of_bodies_changes_the_sign_of_both_angles_alone(tmp_path: Path) -> None:
-    found = []
+    outcomes = []
     for ends in ("a: a, b: b", "a: b, b: a"):
         text = HINGES["biaxial"].replace("a: a, b: b", ends)
         law = Bench(tmp_path, f"{CURVES}hinges:\n  h: {{{text}}}\n").law("hinges", "h")
         near(law, 2)
         out = law.force()
-        found.append((out.angle.copy(), out.moment.copy(), law.bench.nodes.torque[2].copy()))
+        outcomes.append((out.angle.copy(), out.moment.copy(), law.bench.nodes.torque[2].copy()))
     # round-off of angles of 1 rad and moments of 10 N m
-    np.testing.assert_allclose(found[0][0], -found[1][0], atol=1e-14)
-    np.testing.assert_allclose(found[0][1], -found[1][1], atol=1e-11)
-    np.testing.assert_allclose(found[0][2], found[1][2], atol=1e-11)
+    np.testing.assert_allclose(outcomes[0][0], -outcomes[1][0], atol=1e-14)
+    np.testing.assert_allclose(outcomes[0][1], -outcomes[1][1], atol=1e-11)
+    np.testing.assert_allclose(outcomes[0][2], outcomes[1][2], atol=1e-11)
 
 
 def test_angles_are_counted_over_many_turns(make: Make) -> None:

@@ -123,8 +123,8 @@ def test_every_integrator_stops_hinges_of_all_types_where_theory_says(
     assert done.returncode == 0, done.stdout + done.stderr
     if method != "generalized_alpha":
         assert crashpost(["expect", str(tmp_path)]) == 0
-    found = Result(tmp_path)
+    result = Result(tmp_path)
     # corners within steps of 1e-4 s at 12 rad/s: (w h)^2 / 8 of 0.1 rad, a few times
     for hinge in ("rotor", "shaft", "bent"):
-        largest = found.series(f"hinge.{hinge}.angle").values.max()
+        largest = result.series(f"hinge.{hinge}.angle").values.max()
         assert largest == pytest.approx(0.48 + 300 / 2 / 3e5, abs=3e-5)

@@ -46,9 +46,9 @@ def test_plastic_moments_of_solid_sections(
     tmp_path: Path, section: str, about: str, moment: float, second: float
 ) -> None:
     words = f"{{section: {section}, material: steel, length: 0.2, about: {about}}}"
-    found = backbone(tmp_path, "bending", words)
-    assert found[0] == pytest.approx([2.1e11 * second / 0.2, moment], rel=1e-3)
-    assert found[1:, 1] == pytest.approx(moment, rel=1e-3)
+    points = backbone(tmp_path, "bending", words)
+    assert points[0] == pytest.approx([2.1e11 * second / 0.2, moment], rel=1e-3)
+    assert points[1:, 1] == pytest.approx(moment, rel=1e-3)
 
 
 def test_the_plastic_axis_halves_the_area() -> None:
@@ -129,8 +129,8 @@ def test_a_tube_collapses_as_in_the_figure(tmp_path: Path) -> None:
     a third above yield, as the tensile strength of mild steel is.
     """
     words = "{section: tube, material: steel, length: 0.2, model: kecman, flow_stress: 4e8}"
-    found = backbone(tmp_path, "bending", words)
-    x, y = found[1:].T
+    points = backbone(tmp_path, "bending", words)
+    x, y = points[1:].T
     assert y[0] == y.max() and x[y > 0.999 * y[0]].max() < 0.05
     share = np.interp(0.25, x, y) / y[0]
     assert 0.85 * 20 / 55 < share < 1.15 * 20 / 45

@@ -24,26 +24,26 @@ def engine(folder: Path, text: str) -> StaticEngine:
     path = folder / "deck.yaml"
     path.write_text(HEAD + text, "utf-8")
     deck = read_deck(path)
-    found = engine_of(deck, *build(deck))
-    assert isinstance(found, StaticEngine)
-    found.start()
-    return found
+    solver = engine_of(deck, *build(deck))
+    assert isinstance(solver, StaticEngine)
+    solver.start()
+    return solver
 
 
-def output(found: StaticEngine, hinge: str) -> Any:
-    found.sample()
-    for g in found.model.groups:
+def output(solver: StaticEngine, hinge: str) -> Any:
+    solver.sample()
+    for g in solver.model.groups:
         if hinge in g.names and g.keyword == "hinges":
             return g.output.view(np.recarray)[g.names.index(hinge)]
     raise KeyError(hinge)
 
 
-def collapse(found: StaticEngine, steps: int = 4) -> tuple[float, float]:
+def collapse(solver: StaticEngine, steps: int = 4) -> tuple[float, float]:
     """Times [s] between which there is no equilibrium any more."""
     with pytest.raises(SolverError, match="prescribe .* by a driver") as caught:
         for k in range(steps):
-            found.reach((k + 1) / steps)
-    return float(found.clock.time), float(caught.value.cause.split("t = ")[-1].split(" s")[0])
+            solver.reach((k + 1) / steps)
+    return float(solver.clock.time), float(caught.value.cause.split("t = ")[-1].split(" s")[0])
 
 
 PROPPED = f"""
@@ -65,15 +65,15 @@ loads: {{p: {{type: force, body: left, at: [0.25, 0, 0], force: [0, 0, -1], curv
 @pytest.mark.long
 def test_beyond_the_limit_load_a_beam_hangs_in_its_new_shape(tmp_path: Path) -> None:
     """A propped cantilever flows at 6 M / L, and then P cos(theta) = 6 M / L."""
-    found = engine(tmp_path, PROPPED)
-    found.reach(0.85)
-    assert float(output(found, "middle").angle) < 1e-6
+    solver = engine(tmp_path, PROPPED)
+    solver.reach(0.85)
+    assert float(output(solver, "middle").angle) < 1e-6
     for time in (0.9, 0.95):
-        found.reach(time)
+        solver.reach(time)
         # the middle turns twice as far; the tolerance of equilibrium is 1e-8
         theta = np.arccos(6.0 / (7.0 * time))
-        assert float(output(found, "clamp").angle) == pytest.approx(theta, rel=1e-6)
-        assert float(output(found, "middle").angle) == pytest.approx(-2.0 * theta, rel=1e-6)
+        assert float(output(solver, "clamp").angle) == pytest.approx(theta, rel=1e-6)
+        assert float(output(solver, "middle").angle) == pytest.approx(-2.0 * theta, rel=1e-6)
 
 
 COLUMN = f"""
@@ -142,12 +142,12 @@ loads: {{p: {{type: force, body: arm, force: [0, 2800, 2800], curve: rise}}}}
 @pytest.mark.long
 def test_a_load_between_two_axes_meets_the_ellipse(tmp_path: Path) -> None:
     """(P / 3000)^2 + (P / 4000)^2 = 1 at P = 2400 N on an arm of 1 m."""
-    found = engine(tmp_path, SKEW)
+    solver = engine(tmp_path, SKEW)
     # turning of the arm by 1e-4 rad takes 1e-8 of the moment
-    found.reach(0.99999 * 2400.0 / 2800.0)
-    assert not np.any(output(found, "h").plastic_angle)
-    found.reach(0.9)
-    out = output(found, "h")
+    solver.reach(0.99999 * 2400.0 / 2800.0)
+    assert not np.any(output(solver, "h").plastic_angle)
+    solver.reach(0.9)
+    out = output(solver, "h")
     assert np.hypot(*(out.moment / [3000.0, 4000.0])) == pytest.approx(1.0, abs=1e-9)
     assert (np.abs(out.plastic_angle) > 0.01).all()
 
@@ -176,10 +176,10 @@ hinges:
 @pytest.mark.parametrize("steps", first_quick([2, 20]))
 def test_softening_is_followed_under_a_driver(tmp_path: Path, steps: int) -> None:
     """Springs of 2e5 in series, 1e5 N m/rad, unload more steeply than the hinge softens."""
-    found = engine(tmp_path, SERIES.replace("STIFFNESS", "20000"))
+    solver = engine(tmp_path, SERIES.replace("STIFFNESS", "20000"))
     for k in range(steps):
-        found.reach((k + 1) / steps)
-    out = output(found, "fold")
+        solver.reach((k + 1) / steps)
+    out = output(solver, "fold")
     # angle x: 0.2 = x + M / 1e5 on the last piece
     slope = 100.0 / 0.94
     angle = (0.2 - (700.0 + 0.06 * slope) / 1e5) / (1.0 - slope / 1e5)
@@ -189,14 +189,14 @@ def test_softening_is_followed_under_a_driver(tmp_path: Path, steps: int) -> Non
     area = 5.0 + 0.04 * 1200 + 0.01 * 1050 + 0.5 * (angle - 0.06) * (700 + float(out.moment))
     assert float(out.energy) == pytest.approx(area, rel=1e-9)
     # equilibrium has a tolerance of 1e-8 of the moments
-    assert abs(found.ledger[ledger.IMBALANCE]) < 1e-7 * found.ledger[ledger.LARGEST]
+    assert abs(solver.ledger[ledger.IMBALANCE]) < 1e-7 * solver.ledger[ledger.LARGEST]
 
 
 @pytest.mark.long
 def test_softening_that_outruns_its_neighbours_is_no_equilibrium(tmp_path: Path) -> None:
     """Springs of 1.2e5 in series, 6e4 N m/rad, do not: the turn jumps behind the peak."""
-    found = engine(tmp_path, SERIES.replace("STIFFNESS", "12000"))
-    last, none = collapse(found, 20)
+    solver = engine(tmp_path, SERIES.replace("STIFFNESS", "12000"))
+    last, none = collapse(solver, 20)
     # the peak: 0.05 rad, and 1400 N m on 6e4 N m/rad
     peak = (0.05 + 1400.0 / 6e4) / 0.2
     # a load step over 2^7
@@ -220,16 +220,16 @@ def test_where_two_hinges_would_fold_alike_the_run_stops(
     tmp_path: Path, steps: int, share: float
 ) -> None:
     """Either may go on, so none is chosen, however long the steps."""
-    found = engine(tmp_path, two_folds(share))
+    solver = engine(tmp_path, two_folds(share))
     reported = (
         "hinge 'end' and hinge 'fold': any one of them may continue to yield .* make one of them"
     )
     with pytest.raises(SolverError, match=reported):
         for k in range(steps):
-            found.reach((k + 1) / steps)
+            solver.reach((k + 1) / steps)
     # both peaks and the elastic hinge: 0.05 + 0.05 + 1400 / 2e5 rad, of 0.2 s^-1; the weaker
     # stands at its peak 1.4e-4 N m earlier, where the other still hardens by 1e4 N m/rad
-    assert float(found.clock.time) == pytest.approx(0.107 / 0.2, abs=1e-7)
+    assert float(solver.clock.time) == pytest.approx(0.107 / 0.2, abs=1e-7)
 
 
 @pytest.mark.parametrize("share", first_quick([0.999, 0.75]))
@@ -238,23 +238,23 @@ def test_a_hinge_that_hardens_unloads_behind_the_peak_of_a_weaker_one(
     tmp_path: Path, steps: int, share: float
 ) -> None:
     """In series, all have the moment M of the weaker's tail; the other goes back by k = 1e5."""
-    found = engine(tmp_path, two_folds(share))
+    solver = engine(tmp_path, two_folds(share))
     for k in range(steps):
-        found.reach((k + 1) / steps)
+        solver.reach((k + 1) / steps)
     peak = 1400.0 * share
     rotated = 0.01 + (peak - 1000.0) / 1e4
     # 0.2 = M / 2e5 + turned - (peak - M) / 1e5 + 0.08 + (700 share - M) / slope
     slope = share * 100.0 / 0.92
     rest = 0.2 - rotated + peak / 1e5 - 0.08 - 700.0 * share / slope
     moment = rest / (1 / 2e5 + 1 / 1e5 - 1 / slope)
-    strong, weak = output(found, "fold").copy(), output(found, "end").copy()
+    strong, weak = output(solver, "fold").copy(), output(solver, "end").copy()
     # corners are passed by 1e-6 of a load step: 2e-7 rad, of which M has 2e-5 N m on the tail
     assert float(strong.moment) == pytest.approx(moment, abs=2e-5)
     assert float(weak.moment) == pytest.approx(moment, abs=2e-5)
     assert float(strong.angle) == pytest.approx(rotated - (peak - moment) / 1e5, abs=1e-9)
     work = 5.0 + (rotated - 0.01) * 0.5 * (1000.0 + peak) - (peak**2 - moment**2) / 2e5
     assert float(strong.energy) == pytest.approx(work, rel=1e-6)
-    assert abs(found.ledger[ledger.IMBALANCE]) < 1e-6 * found.ledger[ledger.LARGEST]
+    assert abs(solver.ledger[ledger.IMBALANCE]) < 1e-6 * solver.ledger[ledger.LARGEST]
 
 
 LOOP = f"""
@@ -272,13 +272,13 @@ hinges:
 
 @pytest.mark.parametrize("steps", first_quick([4, 40]))
 def test_a_loop_at_rest_loses_its_area(tmp_path: Path, steps: int) -> None:
-    found, energies = engine(tmp_path, LOOP), {}
+    solver, energies = engine(tmp_path, LOOP), {}
     for k in range(steps):
-        found.reach((k + 1) / steps)
-        energies[(k + 1) / steps] = float(output(found, "h").energy)
+        solver.reach((k + 1) / steps)
+        energies[(k + 1) / steps] = float(output(solver, "h").energy)
     # as of a driven loop in test_hysteresis.py; corners are passed by 1e-6 of a load step
     assert energies[1.0] - energies[0.5] == pytest.approx((0.22 - 0.02) * 18.0, rel=1e-9)
-    assert abs(found.ledger[ledger.IMBALANCE]) < 1e-7 * found.ledger[ledger.LARGEST]
+    assert abs(solver.ledger[ledger.IMBALANCE]) < 1e-7 * solver.ledger[ledger.LARGEST]
 
 
 def test_quasi_static_shells_and_hinges_do_not_go_together_yet(tmp_path: Path) -> None:

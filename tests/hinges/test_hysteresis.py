@@ -44,8 +44,8 @@ class Driven:
     def go(self, angle: float, phi: float = 1.0) -> float:
         law = self.law
         curves = law.bench.curves
-        found = _law.advance_motion(law.p, law.old, law.new, 0, angle, phi, curves)
-        self.moment, self.stored, loss = map(float, found)
+        outcome = _law.advance_motion(law.p, law.old, law.new, 0, angle, phi, curves)
+        self.moment, self.stored, loss = map(float, outcome)
         self.lost += loss
         law.new.factor = phi
         law.accept()
@@ -360,7 +360,7 @@ def test_a_factor_that_makes_softening_too_steep_still_has_an_answer(tmp_path: P
 BIAXIAL = "type: biaxial, a: a, b: b, at: [0, 0, 0], axis: [1, 0, 0], side: [0, 1, 0]"
 
 
-class Turned:
+class Rotated:
     """A hinge in two directions, led along two angles by its kernel."""
 
     def __init__(self, folder: Path, words: str) -> None:
@@ -371,16 +371,16 @@ class Turned:
     def go(self, x: float, y: float) -> np.ndarray:
         law = self.law
         _joint.copy_history(law.old, law.new)
-        found = _pair.advance_pair(law.p, law.old, law.new, x, y, 1.0, law.bench.curves)
-        self.moment, self.stored = np.array(found[:2], float), float(found[2])
-        self.lost += float(found[3])
+        outcome = _pair.advance_pair(law.p, law.old, law.new, x, y, 1.0, law.bench.curves)
+        self.moment, self.stored = np.array(outcome[:2], float), float(outcome[2])
+        self.lost += float(outcome[3])
         law.accept()
         return self.moment
 
 
 @pytest.mark.long
 def test_a_load_that_turns_stays_on_the_ellipse(tmp_path: Path) -> None:
-    hinge = Turned(tmp_path, "curve: perfect, second_curve: down, second_stiffness: 1000")
+    hinge = Rotated(tmp_path, "curve: perfect, second_curve: down, second_stiffness: 1000")
     moments = [
         hinge.go(0.05 * a * np.cos(a), 0.05 * a * np.sin(a)) for a in np.linspace(0, 12, 160)
     ]
@@ -394,7 +394,7 @@ def test_a_load_that_turns_stays_on_the_ellipse(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("angle", [0.0, 2.0])
 def test_a_round_section_is_alike_in_all_directions(tmp_path: Path, angle: float) -> None:
-    hinge, plane = Turned(tmp_path, "curve: up"), Driven(tmp_path, "curve: up")
+    hinge, plane = Rotated(tmp_path, "curve: up"), Driven(tmp_path, "curve: up")
     direction = np.array([np.cos(angle), np.sin(angle)])
     for x in (0.005, 0.03, 0.055, 0.08, -0.03):
         wanted = plane.go(x)
@@ -404,13 +404,13 @@ def test_a_round_section_is_alike_in_all_directions(tmp_path: Path, angle: float
 
 def test_the_error_on_the_ellipse_is_of_first_order(tmp_path: Path) -> None:
     """A quarter turn at constant radius in steps of one piece; the limit by eight times as many."""
-    found = {}
+    moments = {}
     for count in (60, 120, 240, 1920):
-        hinge = Turned(tmp_path, "curve: perfect, second_curve: down, second_stiffness: 1000")
+        hinge = Rotated(tmp_path, "curve: perfect, second_curve: down, second_stiffness: 1000")
         for a in np.linspace(0.0, np.pi / 2, count + 1):
             hinge.go(0.03 * np.cos(a), 0.03 * np.sin(a))
-        found[count] = hinge.moment
-    errors = [np.abs(found[count] - found[1920]).max() for count in (60, 120, 240)]
+        moments[count] = hinge.moment
+    errors = [np.abs(moments[count] - moments[1920]).max() for count in (60, 120, 240)]
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert ((orders > 0.8) & (orders < 1.6)).all()
 
@@ -419,7 +419,7 @@ def test_the_error_on_the_ellipse_is_of_first_order(tmp_path: Path) -> None:
 def test_the_tangent_on_the_ellipse_is_the_derivative(
     tmp_path: Path, onward: tuple[float, float]
 ) -> None:
-    hinge = Turned(tmp_path, "curve: bilinear, second_curve: down, second_stiffness: 1000")
+    hinge = Rotated(tmp_path, "curve: bilinear, second_curve: down, second_stiffness: 1000")
     for share in np.linspace(0.0, 1.0, 41):
         start = hinge.go(0.05 * share, 0.03 * share)
     law, direction = hinge.law, np.array(onward)
@@ -432,7 +432,7 @@ def test_the_tangent_on_the_ellipse_is_the_derivative(
 
 
 def test_work_on_the_ellipse_is_stored_and_lost(tmp_path: Path) -> None:
-    hinge = Turned(tmp_path, "curve: up, second_curve: down, second_stiffness: 1000")
+    hinge = Rotated(tmp_path, "curve: up, second_curve: down, second_stiffness: 1000")
     rng, before = np.random.default_rng(3), np.zeros(2)
     work, x = 0.0, np.zeros(2)
     for _ in range(5):

@@ -16,7 +16,7 @@ END = 0.2
 G = 9.81
 BRISTLE = {"stiffness": 1e4, "damping": 20}
 # pendulum of 1 kg and 0.2 kg m^2 on an arm of 1 m that never turns back
-INERTIA, PIN, FULL_TURN = 0.2, 0.1, 12.0
+INERTIA, PIN, ROTATION_ABOUT_AXIS = 0.2, 0.1, 12.0
 # block of 1 kg pressed by 20 N (1 + sin(6 t) / 2)
 PRESS, MU, SPEED = 20.0, 0.3, 5.0
 
@@ -37,8 +37,8 @@ def pendulum_and_slider() -> dict[str, object]:
                 "mass": 1,
                 "inertia": [INERTIA] * 3,
                 "position": [0, -1, 0],
-                "velocity": [FULL_TURN, 0, 0],
-                "angular_velocity": [0, 0, FULL_TURN],
+                "velocity": [ROTATION_ABOUT_AXIS, 0, 0],
+                "angular_velocity": [0, 0, ROTATION_ABOUT_AXIS],
             },
             "block": {
                 "mass": 1,
@@ -100,7 +100,7 @@ def exact_turn() -> float:
             w_dot = (-G * sin(angle) - PIN * reaction) / (1.0 + INERTIA)
         return np.array([w, w_dot])
 
-    y, h = np.array([0.0, FULL_TURN]), END / 400
+    y, h = np.array([0.0, ROTATION_ABOUT_AXIS]), END / 400
     for _ in range(400):
         a = rate(y)
         b = rate(y + 0.5 * h * a)
@@ -130,6 +130,6 @@ def test_pendulum_and_slider_converge_at_order_two(tmp_path: Path) -> None:
 def test_friction_that_changes_its_own_reaction_converges_at_order_two(tmp_path: Path) -> None:
     for speed in (3.0, -3.0):
         runs = [run(tmp_path, ladder(speed), 0.04, h) for h in (1e-3, 5e-4, 2.5e-4)]
-        found = [last(result, "rbdout.foot.velocity.x") for result in runs]
+        speeds = [last(result, "rbdout.foot.velocity.x") for result in runs]
         # the halved step against the step: errors of both have the same sign
-        assert np.all(slopes(np.abs(np.diff(found)).tolist()) >= 1.8)
+        assert np.all(slopes(np.abs(np.diff(speeds)).tolist()) >= 1.8)

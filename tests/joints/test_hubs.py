@@ -39,15 +39,15 @@ GROUND = "  held: {type: spherical, b: b_5, at: [0.567324370926, -1.917848549326
 
 
 @pytest.mark.parametrize(
-    "text, found", [(star(), 1), (star(hub_mass=5.0), 0), (star(ground=GROUND), 0)]
+    "text, hubs", [(star(), 1), (star(hub_mass=5.0), 0), (star(ground=GROUND), 0)]
 )
 def test_the_heaviest_body_with_many_joints_and_no_ground_is_a_hub(
-    tmp_path: Path, text: str, found: int
+    tmp_path: Path, text: str, hubs: int
 ) -> None:
     deck = tmp_path / "star.yaml"
     deck.write_text(text, "utf-8")
     model, _ = build(read_deck(deck))
-    assert int((model.saddle.columns["node"] > 0).sum()) == found
+    assert int((model.saddle.columns["node"] > 0).sum()) == hubs
     assert model.saddle.rows() == 31 + 3 * ("held" in text)
 
 
@@ -65,7 +65,7 @@ def test_the_heaviest_body_with_many_joints_and_no_ground_is_a_hub(
 def test_a_hub_changes_no_motion(
     text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    deck, found = tmp_path / "star.yaml", []
+    deck, runs = tmp_path / "star.yaml", []
     deck.write_text(text, "utf-8")
     # in this process, where the bound on rows can be another
     for least in (hubs.LEAST_ROWS, 1000):
@@ -80,8 +80,8 @@ def test_a_hub_changes_no_motion(
         rows = engine.rows
         # what the joints bear: of redundant ones only the sum is determined
         forces = (rows["D"] * rows["reaction"][:, None]).sum(axis=0)
-        found.append((engine.nodes["r"].copy(), engine.nodes["v"].copy(), forces))
-    for one, other in zip(*found, strict=True):
+        runs.append((engine.nodes["r"].copy(), engine.nodes["v"].copy(), forces))
+    for one, other in zip(*runs, strict=True):
         # joints are closed to 1e-10 of 2 m, and forces are 1e6 times that, of some 100 N
         assert np.abs(one).max() > 1e-3
         np.testing.assert_allclose(one, other, atol=1e-6 * np.abs(other).max())

@@ -53,7 +53,7 @@ def final(folder: Path, **words: str) -> float:
 
 SLIDE = {"joint": "prismatic", "drive": "type: translation_driver, joint: rail"}
 POINT = {"joint": "prismatic", "drive": "type: point_driver, body: sled, axis: [2, 0, 0]"}
-FULL_TURN = {"joint": "revolute", "drive": "type: rotation_driver, joint: rail"}
+ROTATION_ABOUT_AXIS = {"joint": "revolute", "drive": "type: rotation_driver, joint: rail"}
 
 
 @pytest.mark.parametrize("method", first_quick(METHODS))
@@ -83,7 +83,7 @@ def test_a_measured_velocity_gives_its_stroke(method: str, tmp_path: Path) -> No
 def test_a_measured_spin_is_that_of_a_turn(tmp_path: Path) -> None:
     t, a = pulse(tmp_path, 0.0)
     words = {"moves": "angular_velocity: [4, 0, 0]", "method": "rattle", "kind": "acceleration"}
-    w = final(tmp_path, channel="rbdout.sled.angular_velocity.x", **(words | FULL_TURN))
+    w = final(tmp_path, channel="rbdout.sled.angular_velocity.x", **(words | ROTATION_ABOUT_AXIS))
     assert w == pytest.approx(4 + integrals(t, a, 0.1)[0], rel=1e-9)
 
 

@@ -116,15 +116,15 @@ FREE: list[Block] = [(5, (1, 2)), (3, (1, 3)), (2, (2, 3)), (1, (1, 2, 1, 3))]
 @pytest.mark.parametrize("hub", [1, 2, 3])
 @pytest.mark.parametrize("seed", range(3))
 def test_a_hub_changes_the_factor_and_not_the_solution(hub: int, seed: int) -> None:
-    found = []
+    solutions = []
     for hubs in ((), (hub,)):
         rows = Rows(np.random.default_rng(seed), FREE, None, hubs)
         rows.table.right = np.random.default_rng(seed + 9).normal(size=len(rows.table))
-        found.append(rows.solve(-2.0))
+        solutions.append(rows.solve(-2.0))
         assert rows.saddle.redundant() == 0 and rows.saddle.rows() == 11
     # round-off times the condition of S
-    tolerance = 1e-13 * np.linalg.cond(rows.S) * np.abs(found[0]).max()
-    np.testing.assert_allclose(found[1], found[0], atol=tolerance)
+    tolerance = 1e-13 * np.linalg.cond(rows.S) * np.abs(solutions[0]).max()
+    np.testing.assert_allclose(solutions[1], solutions[0], atol=tolerance)
 
 
 def test_rows_given_twice_on_a_hub_are_found() -> None:

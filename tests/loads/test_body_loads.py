@@ -58,15 +58,15 @@ def test_power_or_potential_equals_the_energy_of_the_bodies(bench: Bench, name: 
 
 @pytest.mark.parametrize("name", LOADS)
 def test_forces_are_proportional_to_the_amplitude(bench: Bench, name: str) -> None:
-    law, n, found = bench.law("loads", name), bench.nodes, []
+    law, n, forces = bench.law("loads", name), bench.nodes, []
     full = np.array(law.p[law.module.AMPLITUDE])
     for share in (0.0, 1.0, 3.0):
         law.p[law.module.AMPLITUDE] = share * full
         law.force(t=1.5)
-        found.append(np.hstack([n.force, n.torque]))
-    assert not found[0].any()
-    assert found[1].any()
-    np.testing.assert_allclose(found[2], 3.0 * found[1], rtol=1e-12)
+        forces.append(np.hstack([n.force, n.torque]))
+    assert not forces[0].any()
+    assert forces[1].any()
+    np.testing.assert_allclose(forces[2], 3.0 * forces[1], rtol=1e-12)
 
 
 @pytest.mark.parametrize("name", LOADS)

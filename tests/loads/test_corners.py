@@ -130,7 +130,7 @@ def test_a_model_without_curves_of_time_has_no_corners(tmp_path: Path) -> None:
 
 def test_every_law_that_reads_a_curve_of_time_declares_it() -> None:
     root = Path(package.__file__).parent
-    found = 0
+    laws = 0
     for family in ("loads", "joints", "springs", "sensors", "contact/normal", "friction", "parts"):
         for path in (root / family).glob("*.py"):
             columns = set(re.findall(r"curve_value\(curves, p\.(\w+), t\)", path.read_text()))
@@ -138,10 +138,10 @@ def test_every_law_that_reads_a_curve_of_time_declares_it() -> None:
             columns |= {"curve"} if "driven(p, curves, t)" in path.read_text() else set()
             if not columns or path.stem.startswith("_"):
                 continue
-            found += 1
+            laws += 1
             module = import_module(f"crashsolve.{family.replace('/', '.')}.{path.stem}")
             assert columns == set(module.CURVES_OF_TIME), path
-    assert found >= 4
+    assert laws >= 4
     # those that take their kernels from others
     for name in ("loads.force", "loads.torque", "joints.point_driver"):
         assert import_module(f"crashsolve.{name}").CURVES_OF_TIME == ("curve",)

@@ -48,11 +48,11 @@ def deck(folder: Path, formulas: list[str], end: float, control: str = "", out: 
 
 def check(path: Path, true: float, accuracy: float) -> None:
     """The value is right, and its error reported to a factor of ten."""
-    _, (found,), _ = estimate_in_memory(read_deck(path))
-    assert found.value is not None and found.error is not None
-    off = abs(found.value - true)
+    _, (estimated,), _ = estimate_in_memory(read_deck(path))
+    assert estimated.value is not None and estimated.error is not None
+    off = abs(estimated.value - true)
     assert off <= accuracy * abs(true)
-    assert off <= 10.0 * found.error + CUBICS * abs(true)
+    assert off <= 10.0 * estimated.error + CUBICS * abs(true)
 
 
 @pytest.mark.parametrize("frequency", [999, 1000, 20_000])
@@ -99,9 +99,9 @@ def test_a_stated_step_that_misses_a_load_states_so(
     path = deck(tmp_path, ["1 - cos(2*pi*1000*x)"], 0.1, control)
     model, _ = build(read_deck(path))
     assert any("points per period of curve 'p0'" in text for text in model.warnings)
-    _, (found,), _ = estimate_in_memory(read_deck(path))
-    assert found.value is not None and found.error is not None
-    assert abs(found.value - 0.1) <= 2.0 * found.error + CUBICS
+    _, (estimated,), _ = estimate_in_memory(read_deck(path))
+    assert estimated.value is not None and estimated.error is not None
+    assert abs(estimated.value - 0.1) <= 2.0 * estimated.error + CUBICS
 
 
 def test_a_stated_step_that_resolves_a_load_is_accepted(tmp_path: Path) -> None:
@@ -124,8 +124,8 @@ def test_a_table_is_seen_like_a_formula(interpolation: str, tmp_path: Path) -> N
 
 
 def check_table(path: Path, true: float) -> None:
-    _, (found,), _ = estimate_in_memory(read_deck(path))
-    assert found.value == pytest.approx(true, rel=1e-3)
+    _, (estimated,), _ = estimate_in_memory(read_deck(path))
+    assert estimated.value == pytest.approx(true, rel=1e-3)
 
 
 def test_steps_are_short_where_the_curve_is_fast_alone(tmp_path: Path) -> None:
@@ -160,8 +160,8 @@ def test_a_lone_pulse_of_unlike_slopes_moves_a_body(method: str, tmp_path: Path)
         impulse = 500.0 * (rise + fall)
         # of the triangle: a third of the way from its top to the middle of its base
         centre = start + (2.0 * rise + fall) / 3.0
-        _, found, _ = estimate_in_memory(read_deck(path))
-        for estimate, true in zip(found, (impulse, impulse * (0.1 - centre)), strict=True):
+        _, estimates, _ = estimate_in_memory(read_deck(path))
+        for estimate, true in zip(estimates, (impulse, impulse * (0.1 - centre)), strict=True):
             assert estimate.value is not None and estimate.error is not None
             off = abs(estimate.value - true)
             # 8 steps of order 2 in each slope
@@ -176,9 +176,9 @@ def test_a_load_of_infinite_slope_takes_short_steps_there_alone(tmp_path: Path) 
     lengths = np.diff(np.r_[starts, 2.0])
     # by octaves towards 0, which take some ten steps each
     assert np.ceil(lengths / steps)[np.isfinite(steps)].sum() < 600
-    _, (found,), _ = estimate_in_memory(read_deck(path))
-    assert found.value is not None and found.error is not None
-    assert abs(found.value - 2.0**2.5 / 3.0) <= 2.0 * found.error + CUBICS
+    _, (estimated,), _ = estimate_in_memory(read_deck(path))
+    assert estimated.value is not None and estimated.error is not None
+    assert abs(estimated.value - 2.0**2.5 / 3.0) <= 2.0 * estimated.error + CUBICS
 
 
 @pytest.mark.parametrize("step", ["auto", "1e-3"])
@@ -192,11 +192,11 @@ def test_a_run_that_ends_on_a_short_ramp_estimates_what_moves_on_it(
         "{type: formula, expression: '0*x', from: 0, to: 1}", f"{{points: {points}}}"
     )
     path.write_text(text.replace("velocity.x", "position.x"))
-    _, (found,), _ = estimate_in_memory(read_deck(path))
-    assert found.value is not None and found.error is not None
-    off = abs(found.value - ramp**2 / 6.0)
+    _, (estimated,), _ = estimate_in_memory(read_deck(path))
+    assert estimated.value is not None and estimated.error is not None
+    off = abs(estimated.value - ramp**2 / 6.0)
     # of order 2, with four steps over the ramp
-    assert off < 0.07 * found.value and off <= 2.0 * found.error
+    assert off < 0.07 * estimated.value and off <= 2.0 * estimated.error
 
 
 @pytest.mark.parametrize("field", ["curve", "velocity", "acceleration"])
@@ -221,8 +221,8 @@ def test_what_the_cubics_of_a_formula_miss_is_in_the_error(field: str, tmp_path:
     )
     where, rate = amplitude * np.sin(omega * end), amplitude * omega * np.cos(omega * end)
     true = [where, rate, -(omega**2) * where, -2.0 * omega**2 * where]
-    _, found, _ = estimate_in_memory(read_deck(path))
-    for estimate, exact in zip(found, true, strict=True):
+    _, estimates, _ = estimate_in_memory(read_deck(path))
+    for estimate, exact in zip(estimates, true, strict=True):
         assert estimate.value is not None and estimate.error is not None
         # errors of an acceleration add up over its integrals
         assert abs(estimate.value - exact) <= 10.0 * estimate.error

@@ -89,8 +89,8 @@ class Layers:
 
     def get(self, row: int, count: int = 1) -> np.ndarray:
         """(lanes, count), or (lanes,)."""
-        found = self.work[LANES * row : LANES * (row + count)].reshape(count, LANES).T
-        return found[:, 0].copy() if count == 1 else found.copy()
+        lanes = self.work[LANES * row : LANES * (row + count)].reshape(count, LANES).T
+        return lanes[:, 0].copy() if count == 1 else lanes.copy()
 
     def strained(self, d: np.ndarray) -> None:
         for k in range(3):
@@ -122,15 +122,15 @@ class Layers:
 
     def differences(self, d: np.ndarray, h: float, size: float) -> np.ndarray:
         """The same by central differences."""
-        found, blocks_before = np.zeros((LANES, 4, 3)), self.blocks.copy()
+        derivative, blocks_before = np.zeros((LANES, 4, 3)), self.blocks.copy()
         for k in range(3):
             ends = []
             for direction in (size, -size):
                 stress = self.step(d + direction * np.eye(3)[k], h)
                 ends.append(np.column_stack([stress, self.get(WORK.thinning)]))
                 self.blocks[:] = blocks_before
-            found[:, :, k] = (ends[0] - ends[1]) / (2.0 * size)
-        return found
+            derivative[:, :, k] = (ends[0] - ends[1]) / (2.0 * size)
+        return derivative
 
     def stored(self) -> np.ndarray:
         """Elastic energy per volume (lanes,)."""
@@ -177,8 +177,8 @@ class Fibre:
     def step(self, strain: float, rate: float, h: float = 1.0) -> tuple[float, float, float]:
         """Stress, stored and lost energy at a strain; not accepted."""
         along = ((strain, 0.0, 0.0), (rate, 0.0, 0.0))
-        found = fibres.resultants(self.p, self.old, self.new, h, self.curves, *along, self.law)
-        return found[0], found[3], found[4]
+        result = fibres.resultants(self.p, self.old, self.new, h, self.curves, *along, self.law)
+        return result[0], result[3], result[4]
 
     def accept(self) -> None:
         for name in self.new.dtype.names:
@@ -203,8 +203,8 @@ def walk(layers: Layers, size: float, steps: int, seed: int, h: float = 1.0) -> 
 def tangent_error(layers: Layers, d: np.ndarray, h: float, size: float) -> float:
     """Largest difference between tangent and differences, over E (strain across: over 1)."""
     scale = np.array([layers.m.young] * 3 + [1.0])[None, :, None]
-    found = (layers.tangent(d, h) - layers.differences(d, h, size)) / scale
-    return float(np.abs(found).max())
+    error = (layers.tangent(d, h) - layers.differences(d, h, size)) / scale
+    return float(np.abs(error).max())
 
 
 def balance(layers: Layers, direction: np.ndarray, steps: int, h: float) -> tuple[float, float]:
@@ -235,29 +235,31 @@ def rotated(d: np.ndarray, angle: float, half: float) -> np.ndarray:
     c, s = np.cos(angle), np.sin(angle)
     R = np.array([[c, -s], [s, c]])
     tensor = np.array([[d[:, 0], half * d[:, 2]], [half * d[:, 2], d[:, 1]]]).transpose(2, 0, 1)
-    found = R @ tensor @ R.T
-    return np.column_stack([found[:, 0, 0], found[:, 1, 1], found[:, 0, 1] / half])
+    turned_tensor = R @ tensor @ R.T
+    return np.column_stack(
+        [turned_tensor[:, 0, 0], turned_tensor[:, 1, 1], turned_tensor[:, 0, 1] / half]
+    )
 
 
 def checks(example: Example, folder: Path) -> dict[str, float]:
     """What is found of a material; the limits stand in test_material_contract.py."""
     size = example_size(example)
     plain = {k: v for k, v in example.items() if k != "failure_strain"}
-    h, found = size, {}
+    h, errors_of = size, {}
     errors = []
     for seed in range(3):
         layers = Layers(folder, plain)
         d = walk(layers, size, 3 * seed, seed, h)
         errors.append(tangent_error(layers, d, h, 1e-6 * size))
-    found["tangent"] = max(errors)
+    errors_of["tangent"] = max(errors)
     layers = Layers(folder, plain)
     direction = 0.02 * size * np.random.default_rng(4).normal(size=(LANES, 3))
-    found["balance"], found["least lost"] = balance(layers, direction, 100, 0.02 * h)
-    found["rotated"] = turn_error(folder, plain, size, h)
+    errors_of["balance"], errors_of["least lost"] = balance(layers, direction, 100, 0.02 * h)
+    errors_of["rotated"] = turn_error(folder, plain, size, h)
     module = import_module(f"crashsolve.materials.{example['type']}")
     if module.FIBRE is not None:
-        found |= fibre_checks(folder, plain, size, h)
-    return found
+        errors_of |= fibre_checks(folder, plain, size, h)
+    return errors_of
 
 
 def example_size(example: Example) -> float:
@@ -296,7 +298,7 @@ def fibre_checks(folder: Path, example: Example, size: float, h: float) -> dict[
         strain += step
         fibre.step(strain, step / h, h)
         fibre.accept()
-    found = {
+    errors = {
         "fibre stress": stress_error / (E * size),
         "fibre by strain": by_strain,
         "fibre by rate": by_rate / (E * size),
@@ -308,7 +310,7 @@ def fibre_checks(folder: Path, example: Example, size: float, h: float) -> dict[
         one, other = fibre.step(strain, step / h, h)[0], layers.pull(step, h)
         fibre.accept()
         worst = max(worst, abs(one - other))
-    return found | {"layer and fibre": worst / (E * size)}
+    return errors | {"layer and fibre": worst / (E * size)}
 
 
 def fibre_balance(fibre: Fibre, size: float, h: float) -> float:
@@ -329,7 +331,7 @@ if __name__ == "__main__":
 
     given = yaml.safe_load(sys.argv[1])
     with tempfile.TemporaryDirectory() as name:
-        found = checks(given, Path(name))
-        found["layer and point"] = layer_and_point(Path(name), given, 1e-3, 1e-2)
-        for word, value in found.items():
+        measured = checks(given, Path(name))
+        measured["layer and point"] = layer_and_point(Path(name), given, 1e-3, 1e-2)
+        for word, value in measured.items():
             print(f"{word}: {value:.2e}")

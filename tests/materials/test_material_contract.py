@@ -43,21 +43,21 @@ def test_every_material_has_an_example() -> None:
 
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_a_material_keeps_its_contract(name: str, tmp_path: Path) -> None:
-    found = checks(EXAMPLES[name], tmp_path)
+    errors_of = checks(EXAMPLES[name], tmp_path)
     large = EXAMPLES[name]["type"] == "neo_hookean"
     # differences of 1e-6 of the strain: round-off of 1e-16 over 1e-6, and the next order
-    assert found["tangent"] < 1e-8
+    assert errors_of["tangent"] < 1e-8
     # exact where stress is linear between the ends of a step; of rubber the square of steps of 1e-3
-    assert found["balance"] < (1e-5 if large else 1e-13)
-    assert found["least lost"] >= -1e-15
-    assert found["rotated"] < 1e-14
+    assert errors_of["balance"] < (1e-5 if large else 1e-13)
+    assert errors_of["least lost"] >= -1e-15
+    assert errors_of["rotated"] < 1e-14
     if not large:
-        assert found["fibre stress"] < 1e-14
-        assert found["fibre by strain"] < 1e-8
-        assert found["fibre by rate"] < 1e-8
-        assert found["fibre balance"] < 1e-13
+        assert errors_of["fibre stress"] < 1e-14
+        assert errors_of["fibre by strain"] < 1e-8
+        assert errors_of["fibre by rate"] < 1e-8
+        assert errors_of["fibre balance"] < 1e-13
         # Newton's method across the layer ends at 1e-12 E; a return at 1e-14 of its yield stress
-        assert found["layer and fibre"] < 1e-8
+        assert errors_of["layer and fibre"] < 1e-8
 
 
 @pytest.mark.parametrize("side", [1e-3, -1e-3])
@@ -231,7 +231,7 @@ def test_lanes_do_not_know_of_each_other(tmp_path: Path) -> None:
     layers = Layers(tmp_path, EXAMPLES["hot"])
     d = np.zeros((LANES, 3))
     d[5] = 4e-3, 0.0, 1e-3
-    found = layers.step(d, 1.0)
+    change = layers.step(d, 1.0)
     alone = Layers(tmp_path, EXAMPLES["hot"]).step(np.tile(d[5], (LANES, 1)), 1.0)
-    assert (found[5] == alone[0]).all()
-    assert not found[np.arange(LANES) != 5].any()
+    assert (change[5] == alone[0]).all()
+    assert not change[np.arange(LANES) != 5].any()

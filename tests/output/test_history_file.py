@@ -186,7 +186,7 @@ def test_a_file_that_grows_to_what_is_expected_is_not_copied_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # room for the first rows alone, so that the file has to grow
-    monkeypatch.setattr("crashsolve.output.history.MOST_RESERVED_BYTES", 4096)
+    monkeypatch.setattr("crashsolve.output.history.MAX_RESERVED_BYTES", 4096)
     path, expected = tmp_path / "history.h5", 700
     writer = write_sample(path, expected, expected_rows=expected, buffer_bytes=4000)
     writer.flush()

@@ -54,7 +54,7 @@ def append_for_ever(path: Path, pipe: int, flushes: int = 10**9) -> None:
 def test_kill_at_random_moments(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "history.h5"
     dice = random.Random(1989)
-    found = []
+    samples = []
     for attempt in range(60):
         # half of the runs spend most of their time appending, half of it replacing the file
         monkeypatch.setattr(history, "FIRST_CAPACITY", 4 if attempt % 2 else 1024)
@@ -68,8 +68,8 @@ def test_kill_at_random_moments(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
         time.sleep(dice.uniform(0.0, 2e-3))
         os.kill(child, signal.SIGKILL)
         os.waitpid(child, 0)
-        found.append(assert_is_sample(path, rows_reported(pipe) + ROWS_PER_FLUSH * seen))
-    assert len(set(found)) > 10, "the kills did not fall at different moments"
+        samples.append(assert_is_sample(path, rows_reported(pipe) + ROWS_PER_FLUSH * seen))
+    assert len(set(samples)) > 10, "the kills did not fall at different moments"
 
 
 @pytest.mark.parametrize("torn", first_quick([False, True]))

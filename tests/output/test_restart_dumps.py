@@ -43,13 +43,13 @@ def test_dump_returns_the_same_bits(tmp_path: Path) -> None:
     }
     info = {"time": 0.1 + 0.2, "cycle": 12, "deck": "größe"}
     write_restart(tmp_path, arrays, info)
-    found, reported = newest_restart(tmp_path) or ({}, {})
+    dump, reported = newest_restart(tmp_path) or ({}, {})
     assert reported == info
-    assert found.keys() == arrays.keys()
+    assert dump.keys() == arrays.keys()
     for name, array in arrays.items():
-        assert found[name].dtype == array.dtype
-        assert found[name].shape == array.shape
-        assert found[name].tobytes() == array.tobytes()
+        assert dump[name].dtype == array.dtype
+        assert dump[name].shape == array.shape
+        assert dump[name].tobytes() == array.tobytes()
 
 
 def test_dump_may_be_empty(tmp_path: Path) -> None:

@@ -144,14 +144,14 @@ def test_forces_by_motions_are_their_derivatives(
     law.bench.shake(1, 0.0, rotation)
     rigid(law, np.array([1.1, -0.7, 0.4]))
     start, still, wanted = law.bench.state(), np.zeros(12), np.zeros((12, 12))
-    found = law.module.forces_by_motions(law.p.reshape(1), None, law.bench.nodes, None)[0]
+    forces = law.module.forces_by_motions(law.p.reshape(1), None, law.bench.nodes, None)[0]
     for k, direction in enumerate(np.eye(12)):
         # of fourth order: steps of 1e-3 leave 1e-12 of fifth derivatives, and round-off 1e-13
         for steps, weight in ((1, 8), (-1, -8), (2, -1), (-2, 1)):
             shift(law, start, direction, still, steps * 1e-3)
             wanted[:, k] += weight * load(law) / 12e-3
     law.bench.nodes[:] = start
-    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-10 * np.abs(wanted).max())
+    np.testing.assert_allclose(forces, wanted, rtol=0, atol=1e-10 * np.abs(wanted).max())
 
 
 VISCOUS = "0.02\n    viscosity: {linear: 0.1, quadratic: 0.5}"
@@ -200,15 +200,15 @@ def on_its_way(folder: Path, kind: str, seed: int, speed: float, rotation: float
 def test_rows_are_the_derivative_by_the_velocity(tmp_path: Path, kind: str, seed: int) -> None:
     """dF = -D^T c D dv, as tests/springs/test_tangents.py has it."""
     law = on_its_way(tmp_path, kind, seed, 1.0, 0.8)
-    found = as_rows(np.zeros(law.module.TANGENTS, COMPLIANT.dtype))
-    position = (law.bench.nodes, law.bench.curves, found, 0)
+    rows = as_rows(np.zeros(law.module.TANGENTS, COMPLIANT.dtype))
+    position = (law.bench.nodes, law.bench.curves, rows, 0)
     law.module.tangent(law.p, law.old, *position, *law.materials)
     start, rate, ends = law.bench.state(), np.random.default_rng(seed).normal(size=12), []
     for side in (-STEP, STEP):
         shift(law, start, np.zeros(12), rate, side)
         ends.append(load(law))
     change = (ends[1] - ends[0]) / (2.0 * STEP)
-    reported = -found.D.T @ (found.damping * (found.D @ rate))
+    reported = -rows.D.T @ (rows.damping * (rows.D @ rate))
     np.testing.assert_allclose(reported, change, atol=1e-8 * np.abs(change).max())
 
 
@@ -234,13 +234,13 @@ def test_blocks_are_the_derivative_by_the_position(
     # some fibres flow, and with a turn some do not
     assert not is_plastic(kind) or (law.new.hardening > law.old.hardening).any()
     start, still, wanted = law.bench.state(), np.zeros(12), np.zeros((12, 12))
-    found = [whole_tangent(law, flips) for flips in (0, 1)]
+    tangents = [whole_tangent(law, flips) for flips in (0, 1)]
     for k, direction in enumerate(np.eye(12)):
         # as above, but no fibre may yield or turn back on the way: round-off is 1e-11
         for steps, weight in ((1, 8), (-1, -8), (2, -1), (-2, 1)):
             shift(law, start, direction, still, steps * 1e-4)
             wanted[:, k] -= weight * load(law) / 12e-4
-    for K in found:
+    for K in tangents:
         np.testing.assert_allclose(K, wanted, rtol=0, atol=1e-10 * np.abs(wanted).max())
 
 

@@ -49,10 +49,10 @@ PERFECT = "yield_stress: 4"
 
 
 def text(flow: str = STIFF, section: str = RECTANGLE, grid: str = "4, 16", words: str = "") -> str:
-    found = DECK
+    deck = DECK
     for word, value in (("YIELD", flow), ("SECTION", section), ("GRID", grid), ("WORDS", words)):
-        found = found.replace(word, value)
-    return found
+        deck = deck.replace(word, value)
+    return deck
 
 
 def element(folder: Path, *words: str) -> Law:
@@ -213,7 +213,7 @@ loads: {blow: {type: force, body: mass, force: [5, 2, 3], curve: blow}}
 @pytest.mark.long
 @pytest.mark.xdist_group("implicit fibres")
 def test_implicit_steps_go_through_cycles_of_yield_as_explicit_ones_do(tmp_path: Path) -> None:
-    path, found, steps = tmp_path / "deck.yaml", {}, {}
+    path, positions, steps = tmp_path / "deck.yaml", {}, {}
     path.write_text(CYCLE, "utf-8")
     # of equal steps the error is 5e-8 here, by halving them
     for method, words in (("rattle", ["control.step=8e-6"]), *((m, []) for m in IMPLICIT)):
@@ -222,10 +222,10 @@ def test_implicit_steps_go_through_cycles_of_yield_as_explicit_ones_do(tmp_path:
         assert done.returncode == 0, done.stdout + done.stderr
         result = Result(tmp_path / method)
         steps[method] = int(result.status["cycle"])
-        found[method] = [result.series(f"rbdout.mass.position.{c}").values[-1] for c in "xyz"]
+        positions[method] = [result.series(f"rbdout.mass.position.{c}").values[-1] for c in "xyz"]
     # tolerance: of a step, and errors add up; a fibre that yields within a step costs an order
     for method, tolerance in (("generalized_alpha", 1e-4), ("radau_iia_5", 1e-5)):
-        np.testing.assert_allclose(found[method], found["rattle"], rtol=0, atol=tolerance)
+        np.testing.assert_allclose(positions[method], positions["rattle"], rtol=0, atol=tolerance)
         assert steps[method] < 0.1 * steps["rattle"]
 
 
@@ -301,5 +301,5 @@ def test_a_law_that_stiffens_states_the_step() -> None:
         fibre_tangent=lambda m, old, i, eps, rate, curves: (0.0, -3.0 * E * c * eps**2, 0.0)
     )
     # stretched by 1e-3 and bent: fibres at 2e-3 and 0
-    found = fibres.stiffening(section, None, None, (1e-3, 0.1, 0.0), (0.0, 0.0, 0.0), law)
-    assert found == pytest.approx(3.0 * c * 4e-6)
+    bound = fibres.stiffening(section, None, None, (1e-3, 0.1, 0.0), (0.0, 0.0, 0.0), law)
+    assert bound == pytest.approx(3.0 * c * 4e-6)

@@ -21,12 +21,12 @@ def plate(nu: int, nv: int, closed: bool = False) -> Mesh:
 
 def outlines(mesh: Mesh) -> set[tuple[tuple[float, ...], ...]]:
     """Elements by the positions of their corners, from the least one on: their sense counts."""
-    found = set()
+    rings = set()
     for quad in mesh.quads:
         positions = [tuple(np.round(mesh.points[node], 9)) for node in quad]
         k = positions.index(min(positions))
-        found.add(tuple(positions[k:] + positions[:k]))
-    return found
+        rings.add(tuple(positions[k:] + positions[:k]))
+    return rings
 
 
 @pytest.mark.parametrize("closed", [False, True])
@@ -34,10 +34,10 @@ def outlines(mesh: Mesh) -> set[tuple[tuple[float, ...], ...]]:
 def test_a_divided_mesh_that_is_joined_is_itself_again(closed: bool, factor: int) -> None:
     nu, nv = (5, 3) if not closed else (6, 3)
     coarse, fine = plate(nu, nv, closed), plate(factor * nu, factor * nv, closed)
-    found = joined(fine, factor)
-    assert outlines(found) == outlines(coarse)
+    again = joined(fine, factor)
+    assert outlines(again) == outlines(coarse)
     for name, own in coarse.sets.items():
-        positions = {tuple(np.round(p, 9)) for p in found.points[found.sets[name]]}
+        positions = {tuple(np.round(p, 9)) for p in again.points[again.sets[name]]}
         assert positions == {tuple(np.round(p, 9)) for p in coarse.points[own]}
 
 
@@ -46,10 +46,10 @@ def test_sets_of_elements_are_joined_unless_their_border_runs_through_a_joined_o
     points = np.column_stack([at, np.zeros(len(at))])
     x = points[quads, 0].mean(axis=1)
     halves = {"left": np.flatnonzero(x < 0.5), "right": np.flatnonzero(x > 0.5)}
-    found = joined(Mesh(points, quads, sides, halves), 2)
-    middle = found.points[found.quads, 0].mean(axis=1)
+    coarse = joined(Mesh(points, quads, sides, halves), 2)
+    middle = coarse.points[coarse.quads, 0].mean(axis=1)
     for name, is_in in (("left", middle < 0.5), ("right", middle > 0.5)):
-        assert found.element_sets[name].tolist() == np.flatnonzero(is_in).tolist()
+        assert coarse.element_sets[name].tolist() == np.flatnonzero(is_in).tolist()
     with pytest.raises(ValueError, match="border of element set 'first'"):
         joined(Mesh(points, quads, sides, {"first": np.flatnonzero(x < 0.25)}), 2)
 
@@ -62,8 +62,8 @@ def test_three_faces_around_a_corner_are_joined() -> None:
     faces = [np.column_stack(c) for c in ((x, y, zero), (y, zero, x), (zero, x, y))]
     points, number = np.unique(np.round(np.concatenate(faces), 9), axis=0, return_inverse=True)
     all_quads = np.concatenate([quads + k * len(at) for k in range(3)])
-    found = joined(Mesh(points, number.ravel()[all_quads], {}), 2)
-    assert (len(found.quads), len(found.points)) == (12, 19)
+    coarse = joined(Mesh(points, number.ravel()[all_quads], {}), 2)
+    assert (len(coarse.quads), len(coarse.points)) == (12, 19)
 
 
 @pytest.mark.parametrize(

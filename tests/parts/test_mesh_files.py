@@ -394,7 +394,7 @@ def test_no_mutated_file_ends_in_anything_but_a_mesh_or_a_refusal(tmp_path: Path
             text = text[:i] + rng.choice(bits) + text[i + rng.randrange(3) :]
         (tmp_path / name).write_text(text, "utf-8")
         with suppress(MeshFileError):
-            found = read_mesh_file(tmp_path / name)
-            assert found.corners.max(initial=-1) < len(found.points)
-            for own in found.element_sets.values():
-                assert own.max(initial=-1) < len(found.corners)
+            mesh_file = read_mesh_file(tmp_path / name)
+            assert mesh_file.corners.max(initial=-1) < len(mesh_file.points)
+            for own in mesh_file.element_sets.values():
+                assert own.max(initial=-1) < len(mesh_file.corners)

@@ -185,8 +185,8 @@ def test_a_mesh_written_and_read_is_the_same(kind: str, suffix: str, tmp_path: P
     # a file may number its nodes anew
     wanted = sorted(sorted(map(tuple, points[cell])) for cell in cells)
     corners = [dict.fromkeys(q) for q in part.mesh.quads]
-    found = sorted(sorted(map(tuple, part.mesh.points[list(q)])) for q in corners)
-    np.testing.assert_allclose(found, wanted, atol=1e-12)
+    corners_read = sorted(sorted(map(tuple, part.mesh.points[list(q)])) for q in corners)
+    np.testing.assert_allclose(corners_read, wanted, atol=1e-12)
 
 
 BDF = """BEGIN BULK

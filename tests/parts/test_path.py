@@ -73,9 +73,9 @@ def test_the_path_of_two_bars_is_its_closed_form(tmp_path: Path, load: float) ->
     assert (z[-1] < -0.3) == has_limit
     if has_limit:
         text = result.log
-        found = [float(x) for x in re.findall(r"of the load factor, (\S+);", text)]
+        factors = [float(x) for x in re.findall(r"of the load factor, (\S+);", text)]
         # of a parabola through three equilibria
-        assert load * found[0] == pytest.approx(limit, rel=0.03)
+        assert load * factors[0] == pytest.approx(limit, rel=0.03)
         unstable = series(result, "glstat.model.unstable_modes")
         slope = np.gradient(of_bars(z), z)
         between = np.abs(np.abs(z) - heights[of_bars(heights).argmax()]) > 0.02

@@ -45,19 +45,19 @@ def engine(folder: Path, text: str = DECK) -> equilibrium.StaticEngine:
     path = folder / "deck.yaml"
     path.write_text(text, "utf-8")
     deck = read_deck(path)
-    found = engine_of(deck, *build(deck))
-    assert isinstance(found, equilibrium.StaticEngine)
-    found.start()
-    return found
+    solver = engine_of(deck, *build(deck))
+    assert isinstance(solver, equilibrium.StaticEngine)
+    solver.start()
+    return solver
 
 
 @pytest.mark.long
 def test_corrections_fall_quadratically_to_round_off(tmp_path: Path) -> None:
-    found, sizes = engine(tmp_path), []
+    solver, sizes = engine(tmp_path), []
     for _ in range(8):
-        direction = found.correction(0.3)
+        direction = solver.correction(0.3)
         sizes.append(float(np.abs(direction).max()))
-        found.shift(found.state.nodes, direction)
+        solver.shift(solver.state.nodes, direction)
     # each is the square of the one before, then a share: differences over 1e-7 of the size see
     # the stretch of what they turn, and round-off of 1e-16 / 1e-7
     near = [k for k in range(7) if sizes[k] < 0.01]
@@ -68,45 +68,45 @@ def test_corrections_fall_quadratically_to_round_off(tmp_path: Path) -> None:
 
 
 def test_work_of_loads_is_stored_to_second_order_in_the_load_step(tmp_path: Path) -> None:
-    found, missing = engine(tmp_path), []
-    start = {g.word: g.history.copy() for g in found.model.groups}
-    nodes, clock = found.state.nodes.copy(), found.state.clock.copy()
+    solver, missing = engine(tmp_path), []
+    start = {g.word: g.history.copy() for g in solver.model.groups}
+    nodes, clock = solver.state.nodes.copy(), solver.state.clock.copy()
     for steps in (4, 8):
-        found.state.nodes[:], found.state.clock[:] = nodes, clock
-        for g in found.model.groups:
+        solver.state.nodes[:], solver.state.clock[:] = nodes, clock
+        for g in solver.model.groups:
             g.history[:] = start[g.word]
         for k in range(steps):
-            found.reach((k + 1) / steps)
-        found.sample()
-        missing.append(abs(found.ledger[ledger.IMBALANCE]))
-    assert missing[1] < 1e-2 * found.ledger[ledger.ELASTIC]
+            solver.reach((k + 1) / steps)
+        solver.sample()
+        missing.append(abs(solver.ledger[ledger.IMBALANCE]))
+    assert missing[1] < 1e-2 * solver.ledger[ledger.ELASTIC]
     assert np.log2(missing[0] / missing[1]) == pytest.approx(2.0, abs=0.3)
 
 
 def test_where_no_equilibrium_is_found_the_run_says_so(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    found = engine(tmp_path)
-    before = found.state.nodes.copy()
+    solver = engine(tmp_path)
+    before = solver.state.nodes.copy()
     monkeypatch.setattr(equilibrium, "MAX_ITERATIONS", 1)
     with pytest.raises(SolverError, match="no equilibrium found for the next load step"):
-        found.reach(1.0)
+        solver.reach(1.0)
     # what failed has left no trace
-    np.testing.assert_array_equal(found.state.nodes["r"], before["r"])
+    np.testing.assert_array_equal(solver.state.nodes["r"], before["r"])
 
 
-def run(found: equilibrium.StaticEngine, steps: int = 10) -> None:
+def run(solver: equilibrium.StaticEngine, steps: int = 10) -> None:
     for k in range(steps):
-        found.reach((k + 1) / steps)
-        found.sample()
+        solver.reach((k + 1) / steps)
+        solver.sample()
 
 
-def bracket(found: equilibrium.StaticEngine) -> tuple[float, float, str]:
+def bracket(solver: equilibrium.StaticEngine) -> tuple[float, float, str]:
     """Times [s] between which an equilibrium becomes unstable, and the position."""
     with pytest.raises(SolverError, match="becomes unstable between t = .* s and t = ") as caught:
-        run(found)
+        run(solver)
     stable, unstable = (float(part.split(" s")[0]) for part in caught.value.cause.split("t = ")[1:])
-    assert stable == pytest.approx(float(found.clock.time), rel=1e-5)
+    assert stable == pytest.approx(float(solver.clock.time), rel=1e-5)
     assert stable < unstable
     return stable, unstable, caught.value.location
 
@@ -138,8 +138,8 @@ def test_a_shaft_is_refused_beyond_its_critical_torque(tmp_path: Path) -> None:
         for name, moment in (("start", -torque), ("end", torque))
     )
     text = STIFF.replace("elements: 4", "elements: 8").replace(f"{{{CLAMP}}}", f"\n  {ends}")
-    found = engine(tmp_path, text.replace(f"{{{TIP}}}", twist))
-    stable, unstable, _ = bracket(found)
+    solver = engine(tmp_path, text.replace(f"{{{TIP}}}", twist))
+    stable, unstable, _ = bracket(solver)
     # a load step over 2^6 is 0.16 % of the load, and 8 elements leave less
     assert 1.05 * stable == pytest.approx(1.0, abs=2e-3)
     assert 1.05 * unstable == pytest.approx(1.0, abs=2e-3)
@@ -153,9 +153,9 @@ def test_a_column_under_a_force_that_follows_it_may_flutter(
     # the bracket of 2.5 % holds the 2 % that 8 elements with their masses in the nodes leave
     text = STIFF.replace("elements: 4", "elements: 8")
     text = text.replace("force: [0, 1, 1]", f"force: [{-load}, 0, 0], axes: body")
-    found = engine(tmp_path, text)
-    found.reach(1.0)
-    assert [("(flutter)" in note) for note in found.step_warnings()] == [True] * flutters
+    solver = engine(tmp_path, text)
+    solver.reach(1.0)
+    assert [("(flutter)" in note) for note in solver.step_warnings()] == [True] * flutters
 
 
 PENDULUM = """
@@ -182,9 +182,9 @@ SPRUNG = DECK.replace(
 
 
 def test_springs_alone_may_hold_a_beam(tmp_path: Path) -> None:
-    found = engine(tmp_path, SPRUNG)
-    found.reach(1.0)
-    tip = found.state.nodes["r"][found.model.bodies.index("p_end"), 1]
+    solver = engine(tmp_path, SPRUNG)
+    solver.reach(1.0)
+    tip = solver.state.nodes["r"][solver.model.bodies.index("p_end"), 1]
     # shift and tilt of the spring, bending, of which 4 elements leave 1 / 4 n^2, and shear
     assert tip == pytest.approx(0.01 * (0.1 + 0.1 + 1.0 / 3.0 + 1.0 / 500.0), rel=1e-2)
 
@@ -251,9 +251,9 @@ def test_beyond_the_plastic_moment_there_is_no_equilibrium(tmp_path: Path) -> No
     ):
         assert old in text
         text = text.replace(old, new)
-    found = engine(tmp_path, text)
+    solver = engine(tmp_path, text)
     with pytest.raises(SolverError, match="no equilibrium found") as caught:
-        run(found)
+        run(solver)
     # the limit moment of n rows, whose second moment is that of the section (theory, beams.md)
     most = 1.5 / np.sqrt(1.0 - 1.0 / 32**2)
     # the core that is still elastic has (1.5 - m) / 0.5 of the square of the height
@@ -279,9 +279,9 @@ def test_watched_channels_have_the_errors_of_load_steps(tmp_path: Path) -> None:
 
 def test_a_column_below_its_critical_load_is_not(tmp_path: Path) -> None:
     load = f"force: [{-0.9 * EULER}, 0, 0]"
-    found = engine(tmp_path, DECK.replace("force: [0, 1, 1]", load))
-    run(found, 2)
-    assert float(found.clock.time) == 1.0
+    solver = engine(tmp_path, DECK.replace("force: [0, 1, 1]", load))
+    run(solver, 2)
+    assert float(solver.clock.time) == 1.0
 
 
 @pytest.mark.parametrize("factor", [1e-12, 1e12])
@@ -290,9 +290,9 @@ def test_the_answer_scales_with_loads_and_stiffness(tmp_path: Path, factor: floa
     scaled = scaled.replace("force: [0, 1, 1]", f"force: [0, {factor!r}, {factor!r}]")
     positions = []
     for text in (plain, scaled):
-        found = engine(tmp_path, text)
-        run(found, 2)
-        positions.append(found.state.nodes["r"].copy())
+        solver = engine(tmp_path, text)
+        run(solver, 2)
+        positions.append(solver.state.nodes["r"].copy())
     np.testing.assert_allclose(positions[1], positions[0], rtol=0.0, atol=1e-9)
 
 
@@ -300,10 +300,10 @@ def test_the_course_of_time_and_the_number_of_load_steps_do_not_count(tmp_path: 
     positions = []
     for end, steps in ((1.0, 1), (1e-6, 3), (1e6, 5)):
         text = DECK.replace("end_time: 1,", f"end_time: {end!r},")
-        found = engine(tmp_path, text.replace("[1, 1]]", f"[{end!r}, 1]]"))
+        solver = engine(tmp_path, text.replace("[1, 1]]", f"[{end!r}, 1]]"))
         for k in range(steps):
-            found.reach(end * (k + 1) / steps)
-        positions.append(found.state.nodes["r"].copy())
+            solver.reach(end * (k + 1) / steps)
+        positions.append(solver.state.nodes["r"].copy())
     for location in positions[1:]:
         # ten times what the tolerance leaves of the way
         np.testing.assert_allclose(
@@ -312,17 +312,17 @@ def test_the_course_of_time_and_the_number_of_load_steps_do_not_count(tmp_path: 
 
 
 def test_loads_without_a_curve_act_from_the_start_and_do_half_their_way(tmp_path: Path) -> None:
-    found = engine(tmp_path, DECK.replace("force: [0, 1, 1], curve: rise", "force: [0, 0.01, 0]"))
-    found.sample()
-    location, stored = found.nodes["r"].copy(), float(found.ledger[ledger.ELASTIC])
-    tip = found.model.bodies.index("p_end")
+    solver = engine(tmp_path, DECK.replace("force: [0, 1, 1], curve: rise", "force: [0, 0.01, 0]"))
+    solver.sample()
+    location, stored = solver.nodes["r"].copy(), float(solver.ledger[ledger.ELASTIC])
+    tip = solver.model.bodies.index("p_end")
     # P L^3 / 3 E I and shear P L / G A; 4 elements leave 1 / 4 n^2 of bending
     assert location[tip, 1] == pytest.approx(0.01 / 3.0 + 0.01 / 500.0, rel=2e-2)
     assert stored == pytest.approx(0.005 * location[tip, 1], rel=1e-4)
-    assert abs(found.ledger[ledger.IMBALANCE]) < 1e-4 * stored
-    found.reach(1.0)
-    found.sample()
-    np.testing.assert_allclose(found.nodes["r"], location, rtol=0.0, atol=1e-10)
+    assert abs(solver.ledger[ledger.IMBALANCE]) < 1e-4 * stored
+    solver.reach(1.0)
+    solver.sample()
+    np.testing.assert_allclose(solver.nodes["r"], location, rtol=0.0, atol=1e-10)
 
 
 def test_equilibrium_is_a_matter_of_forces() -> None:

@@ -36,11 +36,14 @@ def test_every_section_is_under_this_contract() -> None:
 
 @pytest.mark.parametrize("word", list(SECTIONS))
 def test_a_section_is_complete(word: str) -> None:
-    found = section(word, **SECTIONS[word])
-    assert set(found) == {"area", "second", "torsion", "shear"}
-    assert min(found["area"], found["torsion"], *found["second"], *found["shear"]) > 0.0
+    constants = section(word, **SECTIONS[word])
+    assert set(constants) == {"area", "second", "torsion", "shear"}
+    assert (
+        min(constants["area"], constants["torsion"], *constants["second"], *constants["shear"])
+        > 0.0
+    )
     # a shape with its own shear coefficient bears no more than its area
-    assert max(found["shear"]) < 1.0
+    assert max(constants["shear"]) < 1.0
 
 
 def integrals(inside, size: float, n: int = 2000) -> tuple[float, float, float]:
@@ -60,10 +63,12 @@ SHAPES = {
 
 @pytest.mark.parametrize("word", list(SHAPES))
 def test_area_and_second_moments_are_the_integrals(word: str) -> None:
-    found = section(word, **SECTIONS[word])
+    constants = section(word, **SECTIONS[word])
     area, I_y, I_z = integrals(SHAPES[word], 0.31)
     # edges lie within a square of 3e-4 m: up to 3e-4 / 0.1 for a side, thrice that for its cube
-    np.testing.assert_allclose([found["area"], *found["second"]], [area, I_y, I_z], rtol=1e-2)
+    np.testing.assert_allclose(
+        [constants["area"], *constants["second"]], [area, I_y, I_z], rtol=1e-2
+    )
 
 
 def test_the_thin_box_is_the_difference_of_two_rectangles() -> None:
@@ -79,8 +84,8 @@ def test_the_thin_box_is_the_difference_of_two_rectangles() -> None:
 @pytest.mark.parametrize(("ratio", "factor"), [(1.0, 0.1406), (2.0, 0.229), (10.0, 0.312)])
 def test_torsion_of_a_rectangle_is_that_of_the_table(ratio: float, factor: float) -> None:
     """Timoshenko and Goodier (1970), Theory of Elasticity, 109: k_1, as rounded there."""
-    found = section("rectangle", width=0.1, height=0.1 * ratio)["torsion"]
-    assert found / (0.1**4 * ratio) == pytest.approx(factor, abs=6e-4)
+    torsion = section("rectangle", width=0.1, height=0.1 * ratio)["torsion"]
+    assert torsion / (0.1**4 * ratio) == pytest.approx(factor, abs=6e-4)
 
 
 def test_torsion_of_a_round_section_is_polar() -> None:
@@ -114,7 +119,7 @@ def test_a_web_without_flanges_is_a_thin_rectangle() -> None:
 
 def test_the_shear_flow_of_an_i_is_that_of_its_integral() -> None:
     b, H, t_f, t_w = 0.2, 0.39, 0.01, 0.008
-    found = section("i_section", **SECTIONS["i_section"])
+    constants = section("i_section", **SECTIONS["i_section"])
     inertia = t_w * H**3 / 12 + 2 * b * t_f * (H / 2) ** 2
     s = (np.arange(4000) + 0.5) / 4000
     flange = t_f * s * (b / 2) * (H / 2) / inertia
@@ -122,7 +127,7 @@ def test_the_shear_flow_of_an_i_is_that_of_its_integral() -> None:
     web = (b * t_f * H / 2 + t_w * (H**2 / 4 - z**2) / 2) / inertia
     flow = 4 * (flange**2).mean() * (b / 2) / t_f + (web**2).mean() * H / t_w
     # midpoints: (1/4000)^2
-    assert 1 / (found["shear"][1] * found["area"]) == pytest.approx(flow, rel=1e-6)
+    assert 1 / (constants["shear"][1] * constants["area"]) == pytest.approx(flow, rel=1e-6)
     # equilibrium: the flow of the web is the whole force
     assert web.mean() * H == pytest.approx(1.0, rel=1e-6)
 
@@ -144,7 +149,7 @@ def test_the_outline_of_a_solid_section_has_its_second_moments(word: str) -> Non
     cross = y * z2 - y2 * z
     area = abs(cross.sum()) / 2.0
     I_y = abs((cross * (z * z + z * z2 + z2 * z2)).sum()) / 12.0
-    found = law.build(kind(**fields), NU)
+    constants = law.build(kind(**fields), NU)
     share = 0.06 if word == "circle" else 1e-12
-    assert area == pytest.approx(found["area"], rel=share)
-    assert I_y == pytest.approx(found["second"][0], rel=share)
+    assert area == pytest.approx(constants["area"], rel=share)
+    assert I_y == pytest.approx(constants["second"][0], rel=share)

@@ -123,8 +123,8 @@ def test_frequencies_of_a_cantilever_converge_with_the_square_of_the_length(
     errors = []
     for n in (4, 8, 16, 32):
         # a round rod swings at each frequency in two planes
-        found = Chain(tmp_path, n).frequencies()[:6:2]
-        errors.append(np.abs(found / wanted - 1.0))
+        frequencies = Chain(tmp_path, n).frequencies()[:6:2]
+        errors.append(np.abs(frequencies / wanted - 1.0))
     assert errors[2][0] < 2e-3
     for mode in range(3):
         assert orders([e[mode] for e in errors]) == pytest.approx([2.0] * 3, abs=0.15)
@@ -159,9 +159,9 @@ def buckling_load(folder: Path, count: int) -> float:
             chain.nodes[node].r[0] -= (i + 1) * load / p[0].stiffness[0]
         own = chain.law.forces_by_motions(p, chain.old, chain.nodes, None)
         K = np.zeros((6 * len(chain.nodes), 6 * len(chain.nodes)))
-        for k, found in enumerate(own):
+        for k, forces in enumerate(own):
             at = np.r_[6 * p[k].node_a : 6 * p[k].node_a + 6, 6 * p[k].node_b : 6 * p[k].node_b + 6]
-            K[np.ix_(at, at)] -= found
+            K[np.ix_(at, at)] -= forces
         # the load keeps its direction, and its point is off the mass centre of the last half
         free = np.concatenate([np.arange(6 * i, 6 * i + 6) for i in chain.order])
         tip, arm = 6 * chain.order[-1], 1.0 - start[chain.order[-1]].r[0]

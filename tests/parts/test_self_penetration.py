@@ -40,10 +40,10 @@ def loop(half_width: float) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize("triangles", [False, True])
 def test_a_strip_passes_through_itself_where_its_curve_does(triangles: bool) -> None:
     x, quads = strip(*loop(0.4), triangles)
-    found = np.flatnonzero(passed(x, quads))
-    assert len(found) >= 5
+    crossing = np.flatnonzero(passed(x, quads))
+    assert len(crossing) >= 5
     # only elements at the height of the point where both branches meet, z = 0.4
-    heights = x[quads[found]][:, :, 2]
+    heights = x[quads[crossing]][:, :, 2]
     assert (heights.min(axis=1) < 0.4).all() and (heights.max(axis=1) > 0.4).all()
     x, quads = strip(*loop(-0.01), triangles)
     assert not passed(x, quads).any()

@@ -64,12 +64,12 @@ def solved(folder: Path, scene: Mapping[str, object], name: str, **words: str) -
 
 def motion(result: Result, owners: dict[str, str]) -> np.ndarray:
     quantities = [f"{q}.{k}" for q in ("position", "velocity") for k in "xyz"]
-    found = [
+    histories = [
         result.series(f"nodout.{owners[name]}_{name}.{q}").values
         for name in TRACES
         for q in quantities
     ]
-    return np.array(found)
+    return np.array(histories)
 
 
 TWO = {"a": "low", "b": "top", "c": "top"}
@@ -177,10 +177,10 @@ def test_a_bar_of_two_materials_in_series_has_its_closed_form(tmp_path: Path) ->
         "output": {"history": {"interval": 5e-4}},
     }
     result = solved(tmp_path, scene, "bar")
-    found = result.series("nodout.p1_end.displacement.x").values[-1]
+    displacement = result.series("nodout.p1_end.displacement.x").values[-1]
     exact = F / b * sum(length / (e * d) for length, e, d in zip(L, E, t, strict=True))
     # strains of 1e-4: the logarithm differs from the linear one by half of that
-    assert found == pytest.approx(exact, rel=3e-4)
+    assert displacement == pytest.approx(exact, rel=3e-4)
 
 
 def test_masses_are_those_of_the_parts(tmp_path: Path) -> None:

@@ -194,8 +194,8 @@ def test_the_tangent_is_the_derivative_of_the_forces(tmp_path: Path, case: str) 
         if size == 6e-3:
             bench.begin()
     # small beside 1e-3, at which the tangent changes; forces of 1e-15 over it are 1e-10
-    found, wanted = bench.stiffness(), bench.differences(1e-5)
-    np.testing.assert_allclose(found, wanted, atol=2e-9 * np.abs(wanted).max(), rtol=0)
+    K, wanted = bench.stiffness(), bench.differences(1e-5)
+    np.testing.assert_allclose(K, wanted, atol=2e-9 * np.abs(wanted).max(), rtol=0)
     # strains are those of the middle of the step, forces those of its end
     assert np.abs(wanted - wanted.T).max() > 1e-4 * np.abs(wanted).max()
 
@@ -236,7 +236,7 @@ SLIGHT |= {"speed: 2}": "speed: 0}", "[1, 0, -2]": "[0, 0, 0]", "[20, 30, 50]": 
 
 def tips(text: str, part: str, steps: dict[float, int], tolerance: float, at: Path) -> list[float]:
     """Where the tip of a strip is at the end, by steps of these lengths, so many of them."""
-    found, deck = [], at / "strips.yaml"
+    heights, deck = [], at / "strips.yaml"
     deck.write_text(text, "utf-8")
     for step, count in steps.items():
         words = {"step": step, "tolerance": tolerance, "estimate": "off"}
@@ -244,8 +244,8 @@ def tips(text: str, part: str, steps: dict[float, int], tolerance: float, at: Pa
         done = crashsolve(deck, "-o", at / f"{step}", *sets)
         assert done.returncode == 0, done.stdout + done.stderr
         assert done.stdout.split("accepted, rejected")[1].split()[:2] == [f"{count},", "0"]
-        found.append(Result(at / f"{step}").series(f"rbdout.{part}_a.position.z").values[-1])
-    return found
+        heights.append(Result(at / f"{step}").series(f"rbdout.{part}_a.position.z").values[-1])
+    return heights
 
 
 @pytest.mark.long
@@ -255,7 +255,8 @@ def test_radau_has_its_order_where_elements_turn_little(tmp_path: Path) -> None:
     for far, slight in SLIGHT.items():
         assert far in text
         text = text.replace(far, slight)
-    a, b, c = tips(text, "small", {6e-4: 10, 3e-4: 20, 1.5e-4: 40}, 1e-9, tmp_path)
+    # with 1e-9 the iteration of the shortest steps reaches round-off first on some machines
+    a, b, c = tips(text, "small", {6e-4: 10, 3e-4: 20, 1.5e-4: 40}, 3e-9, tmp_path)
     # steps of a fortieth of the period and less are up to half an order off it yet: 4.6 is seen
     assert np.log2((b - a) / (c - b)) == pytest.approx(5.0, abs=0.5)
 
@@ -289,7 +290,9 @@ def test_a_step_five_times_too_long_is_stopped(tmp_path: Path) -> None:
     deck = DECKS / "shell_ball_implicit.yaml"
     done = crashsolve(deck, "-o", tmp_path / "long", "--set", "control.step=1.25e-5")
     assert done.returncode == 4
-    assert "the model: the energy balance is off by" in done.stderr.splitlines()[-1]
+    # the contact makes it, by steps five times too long
+    assert "contact 'hits': the normal force has created energy" in done.stderr.splitlines()[-1]
+    assert "take a shorter step" in done.stderr.splitlines()[-1]
 
 
 @pytest.mark.long

@@ -96,10 +96,10 @@ def two(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
 
 
 def test_the_scene_has_all_that_threads_share(two: tuple[Path, Path]) -> None:
-    found = results(two[1])
-    assert found["history.h5:matsum-shell/deleted"].max() > 0
-    assert (found["history.h5:rcforc/peak_normal"].max(axis=0) > 0.0).all()
-    assert found["history.h5:matsum-shell/plastic"].max() > 0.0
+    content = results(two[1])
+    assert content["history.h5:matsum-shell/deleted"].max() > 0
+    assert (content["history.h5:rcforc/peak_normal"].max(axis=0) > 0.0).all()
+    assert content["history.h5:matsum-shell/plastic"].max() > 0.0
 
 
 # beyond two, more than this machine has cores, and more than there are blocks of elements
@@ -253,8 +253,8 @@ def test_pieces_of_a_part_push_its_points_as_the_whole(
     for k in rng.permutation(len(rows)):
         jobs.collect_replicas(scene.pieces[k], scene)
     jobs.note_rates(one.clock, 0, scene)
-    found = np.hstack([own.force, own.torque])
-    assert found.tobytes() == forces.tobytes()
+    loads = np.hstack([own.force, own.torque])
+    assert loads.tobytes() == forces.tobytes()
     assert one.clock.element_rate == whole.clock.element_rate
     assert one.clock.limit_element == whole.clock.limit_element
 

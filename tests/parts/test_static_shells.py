@@ -21,10 +21,10 @@ def engine(folder: Path, old: str = "", new: str = "", **given: float) -> Static
     assert old in text
     path.write_text(text.replace(old, new), "utf-8")
     deck = read_deck(path, {name: repr(value) for name, value in given.items()})
-    found = engine_of(deck, *build(deck))
-    assert isinstance(found, StaticEngine)
-    found.start()
-    return found
+    solver = engine_of(deck, *build(deck))
+    assert isinstance(solver, StaticEngine)
+    solver.start()
+    return solver
 
 
 @pytest.mark.parametrize(
@@ -32,12 +32,12 @@ def engine(folder: Path, old: str = "", new: str = "", **given: float) -> Static
     [{"T": 1e-6}, {"T": 1e6}, {"F": 1e-12}, {"E": 70e-3, "F": 1e-16}, {"E": 70e21, "F": 1e8}],
 )
 def test_neither_time_nor_units_count(tmp_path: Path, given: dict[str, float]) -> None:
-    found = engine(tmp_path, **given)
-    tip = found.model.bodies.index("strip_a")
+    solver = engine(tmp_path, **given)
+    tip = solver.model.bodies.index("strip_a")
     values = {"F": 1e-4, "E": 70e9} | given
     exact = 4.0 * values["F"] * 1e3 / (values["E"] * 0.1 * 0.005**3)
     # 40 elements leave 1 / 4 n^2
-    assert found.state.nodes["r"][tip, 2] == pytest.approx(exact, rel=2e-4)
+    assert solver.state.nodes["r"][tip, 2] == pytest.approx(exact, rel=2e-4)
 
 
 def test_a_strip_buckles_as_a_column_does(tmp_path: Path) -> None:

@@ -234,14 +234,14 @@ def test_the_elastic_stiffness_at_the_tip_is_that_of_the_beam(tmp_path: Path, wo
         # a coarse mesh: its stiffness is that of a fine one within a few parts of a thousand
         text = text.replace("deformation: shells", "deformation: shells\n    across: 2")
     result = Result(run(written(tmp_path, text), tmp_path / "results"))
-    found = [float(result.series(f"disbout.tip.vector.{k}").values[-1]) for k in "yz"]
+    displacements = [float(result.series(f"disbout.tip.vector.{k}").values[-1]) for k in "yz"]
     # of the runs in time, they still swing by (period / 0.8 s)^2 = 5e-4 of it; of shells, their
     # walls are held at the joints, and bend
     tolerance = 1.5e-2 if word == "shells" else 1e-3
     wanted = tip_in_closed_form()
-    assert found[1] == pytest.approx(wanted[1], rel=tolerance)
+    assert displacements[1] == pytest.approx(wanted[1], rel=tolerance)
     if "force: [0, 100, 200]" in text:
-        assert found[0] == pytest.approx(wanted[0], rel=tolerance)
+        assert displacements[0] == pytest.approx(wanted[0], rel=tolerance)
 
 
 STRUCK = (
@@ -325,8 +325,8 @@ def test_members_compressed_beyond_eulers_load_are_named(
     if share == 1.5:
         # a slow rise, with axial vibrations of a few hundredths
         line = result.log.partition("member 'frame_post' was compressed by")[2]
-        found = float(line.partition("N, ")[2].partition(" times")[0])
-        assert found == pytest.approx(1.5, rel=0.1)
+        ratio = float(line.partition("N, ")[2].partition(" times")[0])
+        assert ratio == pytest.approx(1.5, rel=0.1)
 
 
 def test_hinges_of_a_material_with_a_rate_have_that_of_eq_7(tmp_path: Path) -> None:

@@ -41,9 +41,9 @@ def chain(folder: Path, count: int, tension: float) -> tuple[np.ndarray, np.ndar
     nodes = bench.nodes
     nodes.r[1:] *= 1.0 + tension / 1e8
     K, size = np.zeros((6 * count + 6, 6 * count + 6)), 6 * count + 6
-    for k, found in enumerate(group.module.forces_by_motions(group.parameters, None, nodes, None)):
+    for k, forces in enumerate(group.module.forces_by_motions(group.parameters, None, nodes, None)):
         at = slice(6 * k, 6 * k + 12)
-        K[at, at] -= found
+        K[at, at] -= forces
     J = nodes.J[1:].reshape(-1, 3, 3)[:, [0, 1, 2], [0, 1, 2]]
     M = np.hstack([np.repeat(1.0 / nodes.mass_inv[1:], 3).reshape(-1, 3), J]).ravel()
     plane = np.sort(np.r_[1:size:6, 5:size:6])

@@ -118,11 +118,11 @@ def turned_across(x: np.ndarray) -> np.ndarray:
 
 def residual(folder: Path, scene: dict[str, object], v: Field, w: Field) -> float:
     """Largest force, or torque on 0.05 m, at nodes within, over the largest at the border."""
-    found, x = forces(folder, scene, v, w)
+    loads, x = forces(folder, scene, v, w)
     eps = 1e-9
     outer = (x[:, 0] < eps) | (x[:, 0] > 0.4 - eps) | (x[:, 1] < eps) | (x[:, 1] > 0.2 - eps)
-    found = np.abs(np.hstack([found[:, :3], found[:, 3:] / 0.05]))
-    return float(found[~outer].max() / found[outer].max())
+    loads = np.abs(np.hstack([loads[:, :3], loads[:, 3:] / 0.05]))
+    return float(loads[~outer].max() / loads[outer].max())
 
 
 @pytest.mark.parametrize(
@@ -206,14 +206,14 @@ def test_a_node_stays_exactly_where_it_is(shape: str) -> None:
     corners = np.array([[0, 0, 0], [1.1, 0.1, 0], [1, 0.9, 0.2], [-0.1, 1, 0.0], [2, 0, 0.3]])
     quads = np.array([[1, 4, 2, 2], [0, 1, 2, 3]] if shape == "warped" else [[1, 4, 2, 2]])
     x = np.array([0.4, 0.6, 0.3]) if shape == "warped" else np.array([1.3, 0.3, 0.2])
-    found = nearest_face(x, corners, quads)
-    assert found is not None
-    assert found.face == len(quads) - 1
-    own = corners[quads[found.face]]
+    face = nearest_face(x, corners, quads)
+    assert face is not None
+    assert face.face == len(quads) - 1
+    own = corners[quads[face.face]]
     n = np.cross(own[2] - own[0], own[3] - own[1])
-    back = found.weights @ own + found.height * n / np.linalg.norm(n)
+    back = face.weights @ own + face.height * n / np.linalg.norm(n)
     assert back == pytest.approx(x, abs=1e-14)
-    assert found.weights.sum() == pytest.approx(1.0, abs=1e-14)
+    assert face.weights.sum() == pytest.approx(1.0, abs=1e-14)
 
 
 @pytest.mark.long
@@ -262,15 +262,15 @@ def middle(folder: Path, coarse: int, fine: int) -> float:
 @pytest.mark.long
 def test_the_middle_of_tied_plates_converges_as_that_of_one(tmp_path: Path) -> None:
     """Sides of 2 to 3, none of whose inner nodes meet but the middle one."""
-    found = [middle(tmp_path, n, 3 * n // 2) for n in (4, 8, 16)]
-    steps = np.diff(found)
+    deflections = [middle(tmp_path, n, 3 * n // 2) for n in (4, 8, 16)]
+    steps = np.diff(deflections)
     # linear elements under bending: order 2, approached from below on coarse meshes
     assert np.log2(steps[0] / steps[1]) > 1.6
     scene = pressed({"plate": SHELL | {"mesh": grid(0.0, 32, 16) | {"along": [0.4, 0, 0]}}})
     del scene["ties"]
     one = solved(tmp_path, scene, "one").series("nodout.plate_mid.displacement.z").values[-1]
     # errors of both meshes by the mesh itself: 1.2 and 0.8 %
-    assert found[-1] == pytest.approx(one, rel=5e-3)
+    assert deflections[-1] == pytest.approx(one, rel=5e-3)
 
 
 @pytest.mark.long

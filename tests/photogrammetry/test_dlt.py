@@ -27,8 +27,8 @@ def null_vector(L: np.ndarray, u: np.ndarray) -> np.ndarray:
     H = np.column_stack([L, np.ones(len(L))]).reshape(-1, 3, 4)
     rows = (H[:, :2] - u[:, :, None] * H[:, 2:]).reshape(-1, 4)
     x = np.linalg.svd(rows)[2][-1]
-    found: np.ndarray = x[:3] / x[3]
-    return found
+    position: np.ndarray = x[:3] / x[3]
+    return position
 
 
 def test_the_published_points_are_found() -> None:
@@ -41,8 +41,8 @@ def test_the_published_points_are_found() -> None:
 
 
 def test_the_published_residual_is_found() -> None:
-    found, _ = published("least_squares")
-    rms = np.sqrt(np.mean(np.sum((found - WORLD) ** 2, axis=1)))
+    points, _ = published("least_squares")
+    rms = np.sqrt(np.mean(np.sum((points - WORLD) ** 2, axis=1)))
     assert rms == pytest.approx(0.836626, abs=6e-7)  # half a unit of its last digit
 
 
@@ -54,8 +54,8 @@ def transformation(eye: np.ndarray, at: np.ndarray, focal: float) -> np.ndarray:
     R = np.array([right, np.cross(ahead, right), ahead])
     K = np.array([[focal, 0.0, 960.0], [0.0, focal, 540.0], [0.0, 0.0, 1.0]])
     H = K @ np.column_stack([R, -R @ eye])
-    found: np.ndarray = (H / H[2, 3]).ravel()[:11]
-    return found
+    parameters: np.ndarray = (H / H[2, 3]).ravel()[:11]
+    return parameters
 
 
 EYES = ([-2.5, -3, 1.8], [2.6, -2.8, 1.2], [3, 3, 2.4], [-2.8, 3.1, 1])
@@ -99,8 +99,8 @@ def test_errors_have_the_covariance_that_is_stated(method: dlt.Method, cameras: 
         closures[i] = dlt.closure_of_point(L, u, x, spread) / error**2
     # means of chi-squared of n over the draws: n +- sqrt(2 n / draws), four of these and 3 % for
     # the second order in the noise, which the covariance leaves out
-    for found, n in ((squares, 3), (closures, 2 * cameras - 3)):
-        assert abs(found.mean() - n) < 4 * np.sqrt(2 * n / draws) + 0.03 * n
+    for squares_of, n in ((squares, 3), (closures, 2 * cameras - 3)):
+        assert abs(squares_of.mean() - n) < 4 * np.sqrt(2 * n / draws) + 0.03 * n
     # one in twenty is beyond the 95 % value of chi-squared of 3, within four standard deviations
     assert abs(np.mean(squares > 7.815) - 0.05) < 4 * np.sqrt(0.05 * 0.95 / draws)
 

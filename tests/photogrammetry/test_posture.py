@@ -37,7 +37,7 @@ def example(tmp_path: Path) -> Path:
     return tmp_path / "posture" / "driver.posture.yaml"
 
 
-def found(request: Path) -> tuple[Any, list[Fit]]:
+def posture_of(request: Path) -> tuple[Any, list[Fit]]:
     requested = read_request(request)
     chain, _ = chain_of(requested)
     return chain, fitted(requested, chain, measured(requested))
@@ -65,7 +65,7 @@ def test_without_noise_the_posture_is_found_to_round_off(example: Path) -> None:
     points = {time: synthetic.landmarks_at(time) for time in synthetic.TIMES}
     synthetic.write(example.parent, 0.0, 1, points)
     example.write_text(example.read_text("utf-8") + "image_error: 0.5\n", "utf-8")
-    chain, fits = found(example)
+    chain, fits = posture_of(example)
     for fit, time in zip(fits, synthetic.TIMES, strict=True):
         # the search ends on changes of 1e-12 of q, and so well within 1e-8 rad
         assert np.abs(errors_of(chain, fit, time)).max() < 1e-8
@@ -87,7 +87,7 @@ def test_the_example_is_what_the_script_makes(example: Path, tmp_path: Path) -> 
 
 
 def test_with_noise_errors_have_the_covariance_stated(example: Path) -> None:
-    chain, fits = found(example)
+    chain, fits = posture_of(example)
     squares = []
     for fit, time in zip(fits, _synthetic().TIMES, strict=True):
         e = errors_of(chain, fit, time)

@@ -33,13 +33,13 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_a_window_lies_where_the_contact_acts(run: Path) -> None:
     scene = Scene(States(run), Appearance())
     seen = fitted(camera("side", np.array([0.0, 0, 1]), *np.eye(3)[:2]), scene.extent(0), 0.4, 9)
-    found = close_ups.close_up(scene, "hit:20 mm", [0.0, 1.0, 2.0], [seen] * 3)
-    assert found.width == pytest.approx(0.02)
-    for own in found.cameras:
+    window = close_ups.close_up(scene, "hit:20 mm", [0.0, 1.0, 2.0], [seen] * 3)
+    assert window.width == pytest.approx(0.02)
+    for own in window.cameras:
         # in the first state nothing touches: the window waits where it will
         assert own.middle == pytest.approx([0.0, 0.0, 0.5])
-    left, bottom, width, height = found.frame(1)
-    x, y, _ = seen.flat(found.cameras[1].middle[None])[0]
+    left, bottom, width, height = window.frame(1)
+    x, y, _ = seen.flat(window.cameras[1].middle[None])[0]
     assert (left + width / 2 - 0.5) * seen.width == pytest.approx(x)
     assert (bottom + height / 2 - 0.5) * 2 * seen.half_height == pytest.approx(y)
     # without a width it is as wide as the model is high, or a quarter of the picture
@@ -88,12 +88,12 @@ def test_a_cut_keeps_the_area_on_its_side(text: str, left: float, *, edges: bool
     ends = np.array([[[0.0, 0.5, 0.0], [1.0, 0.5, 0.0]]])
     drawing = Drawing([surface], [Lines(ends, "#000000")], [Dots(SQUARE)], [(SQUARE, SQUARE)])
     half = half_space(text)
-    found = cut(drawing, half)
-    assert sum(map(area, found.surfaces)) == pytest.approx(left)
-    length = sum(float(np.linalg.norm(e[1] - e[0])) for one in found.lines for e in one.ends)
+    kept = cut(drawing, half)
+    assert sum(map(area, kept.surfaces)) == pytest.approx(left)
+    length = sum(float(np.linalg.norm(e[1] - e[0])) for one in kept.lines for e in one.ends)
     assert length == pytest.approx({"y<0": 0.0}.get(text, left))
     normal, offset = half
-    for points in (found.dots[0].points, found.arrows[0][0], clamped(SQUARE, half)):
+    for points in (kept.dots[0].points, kept.arrows[0][0], clamped(SQUARE, half)):
         assert np.all(points @ normal <= offset + 1e-12)
 
 
@@ -107,16 +107,18 @@ def test_a_section_crosses_its_elements_and_moves_with_them(run: Path) -> None:
     block = States(run).blocks["part_post"]
     level = Section("post", "middle", (0.0, 0.0, 0.52), (0.0, 0.0, 1.0))
     edges, shares = weights(block, level)
-    found = lines(block.points, edges, shares)
-    assert found.shape == (1, 2, 3) and found[..., 2] == pytest.approx(0.52)
-    assert sorted(found[0, :, 0]) == pytest.approx([0.0, 0.1])
+    crossings = lines(block.points, edges, shares)
+    assert crossings.shape == (1, 2, 3) and crossings[..., 2] == pytest.approx(0.52)
+    assert sorted(crossings[0, :, 0]) == pytest.approx([0.0, 0.1])
     # twice as far apart, the nodes have the section at twice the height
-    assert lines(2 * block.points, edges, shares) == pytest.approx(2 * found)
+    assert lines(2 * block.points, edges, shares) == pytest.approx(2 * crossings)
     scene = Scene(States(run), Appearance(sections=(level,)))
     assert ("section cut", "#000000") in scene.legend()
     drawn = [one.ends for one in scene.at(1).lines]
     # this state lies 10 mm further in all directions
-    assert any(np.allclose(ends, found + 0.01) for ends in drawn if ends.shape == found.shape)
+    assert any(
+        np.allclose(ends, crossings + 0.01) for ends in drawn if ends.shape == crossings.shape
+    )
 
 
 def test_names_are_shortened_to_what_groups_share() -> None:

@@ -33,13 +33,13 @@ def shifted(folder: Path, share: float) -> Path:
 
 def test_a_difference_is_reported_over_the_range_with_its_time(tmp_path: Path) -> None:
     runs = [Result(shifted(tmp_path / f"{k}", share)) for k, share in enumerate((0.0, 0.02))]
-    found = compare(runs)
-    worst = found.differences[0]
+    compared = compare(runs)
+    worst = compared.differences[0]
     # the peak that is wrong widens the range itself
     assert worst.largest == pytest.approx(0.02 / 1.02, rel=1e-9)
     assert (worst.channel, worst.time) == (FORCE, TIME[200])
-    assert not found.remarks
-    assert all(one.largest == 0.0 for one in found.differences[1:])
+    assert not compared.remarks
+    assert all(one.largest == 0.0 for one in compared.differences[1:])
 
 
 def test_the_exit_code_states_whether_results_differ(
@@ -76,10 +76,10 @@ def test_round_off_is_no_difference_and_a_missing_channel_is(tmp_path: Path) -> 
         if k:
             del families["deforc"][1]["length"]
         runs.append(Result(write_result(tmp_path / f"{k}", families)))
-    found = compare(runs)
-    noise = next(one for one in found.differences if one.channel.startswith("jntforc"))
+    compared = compare(runs)
+    noise = next(one for one in compared.differences if one.channel.startswith("jntforc"))
     assert noise.largest < 1e-8
-    assert found.remarks == [f"1 channels in {tmp_path / '0'} only: deforc.buffer.length"]
+    assert compared.remarks == [f"1 channels in {tmp_path / '0'} only: deforc.buffer.length"]
 
 
 def test_other_times_and_a_shorter_run_are_met(tmp_path: Path) -> None:
@@ -88,9 +88,9 @@ def test_other_times_and_a_shorter_run_are_met(tmp_path: Path) -> None:
     columns = {"velocity/x": ("m/s", "", np.array([[0.0], [1.5]]))}
     write_result(tmp_path / "b", {"rbdout": (["b"], columns)}, np.array([0.0, 1.5]))
     runs = [Result(tmp_path / name) for name in "ab"]
-    found = compare(runs)
-    assert found.differences[0].largest == pytest.approx(0.0, abs=1e-15)
-    assert "compared in the time of both" in found.remarks[0]
+    compared = compare(runs)
+    assert compared.differences[0].largest == pytest.approx(0.0, abs=1e-15)
+    assert "compared in the time of both" in compared.remarks[0]
     columns = {"velocity/x": ("N", "", np.zeros((2, 1)))}
     write_result(tmp_path / "c", {"rbdout": (["b"], columns)}, np.array([0.0, 1.5]))
     with pytest.raises(PostError, match="cannot|is in 'm/s' and in 'N'"):

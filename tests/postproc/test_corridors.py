@@ -22,11 +22,11 @@ def border(level: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def test_a_sine_between_levels() -> None:
-    found = compare_with_corridor(SINE, border(-0.5), border(2.0))
+    rated = compare_with_corridor(SINE, border(-0.5), border(2.0))
     # sin < -1/2 for a third of the period; lines between samples err by (pi h)^2 / 2 = 1.2e-6
-    assert found.inside == pytest.approx(2.0 / 3.0, abs=2e-6)
-    assert found.excess == pytest.approx(0.5, abs=2e-6)
-    assert found.at == pytest.approx(0.75, abs=1e-9)
+    assert rated.inside == pytest.approx(2.0 / 3.0, abs=2e-6)
+    assert rated.excess == pytest.approx(0.5, abs=2e-6)
+    assert rated.at == pytest.approx(0.75, abs=1e-9)
 
 
 def test_one_that_never_leaves_and_one_that_is_never_inside() -> None:
@@ -40,8 +40,8 @@ def test_corners_of_borders_count_where_there_are_no_samples() -> None:
     peak = np.array([0.0, 0.25, 1.0]), np.array([0.0, 2.0, 0.0])
     flat = np.array([0.0, 1.0]), np.array([1.0, 1.0])
     # the lower border is above 1 from 1/8 to 5/8
-    found = compare_with_corridor(flat, peak, border(9.0))
-    assert (found.inside, found.excess, found.at) == (0.5, 1.0, 0.25)
+    rated = compare_with_corridor(flat, peak, border(9.0))
+    assert (rated.inside, rated.excess, rated.at) == (0.5, 1.0, 0.25)
 
 
 def test_only_the_time_that_both_cover_counts() -> None:
@@ -67,11 +67,11 @@ def test_a_reference_of_a_figure_is_compared(tmp_path: Path) -> None:
         "tests", "corridor", points=points[0], upper=points[1], channel="rcforc.wall.normal"
     )
     figure = Figure("Wall", (), x_unit="ms", y_unit="kN", reference=(reference,))
-    (found,) = comparisons(Result(sine_result(tmp_path)), figure)
-    assert found.computed == pytest.approx(0.5, abs=2e-6)
-    assert found.unit == "kN"
-    assert found.missed is True
-    assert "inside for 66.67 % of the time" in found.label
+    (compared,) = comparisons(Result(sine_result(tmp_path)), figure)
+    assert compared.computed == pytest.approx(0.5, abs=2e-6)
+    assert compared.unit == "kN"
+    assert compared.missed is True
+    assert "inside for 66.67 % of the time" in compared.label
 
 
 def test_compare_says_how_a_result_keeps_to_the_corridor_of_a_test(

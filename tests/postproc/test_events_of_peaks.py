@@ -17,9 +17,9 @@ def reported(folder: Path, shown: list[float], of_steps: list[float]) -> list[st
     }
     write_result(folder, {"rcforc": (["wall"], forces)}, np.arange(float(len(shown))))
     write_status(folder)
-    found = [e for e in events(Result(folder)) if "largest" in e.text]
-    assert [e.time for e in found] == [2.0]
-    return [e.text for e in found]
+    peaks = [e for e in events(Result(folder)) if "largest" in e.text]
+    assert [e.time for e in peaks] == [2.0]
+    return [e.text for e in peaks]
 
 
 def test_a_peak_between_samples_is_that_of_the_steps(tmp_path: Path) -> None:

@@ -68,7 +68,7 @@ def test_an_unfinished_run_is_judged_only_when_asked(
 
 
 @pytest.mark.parametrize(
-    ("value", "tolerance", "relative", "found", "passed"),
+    ("value", "tolerance", "relative", "computed", "passed"),
     [
         (100.0, 1.0, False, 101.0, True),
         (100.0, 1.0, False, 101.0001, False),
@@ -80,10 +80,10 @@ def test_an_unfinished_run_is_judged_only_when_asked(
     ],
 )
 def test_tolerances_are_closed_and_nothing_passes_without_a_number(
-    value: float, tolerance: float, relative: bool, found: float | None, passed: bool
+    value: float, tolerance: float, relative: bool, computed: float | None, passed: bool
 ) -> None:
     entry = Expectation("a.b.c", "max", value, tolerance, relative)
-    assert Verdict(entry, found, "m").passed is passed
+    assert Verdict(entry, computed, "m").passed is passed
 
 
 @pytest.mark.parametrize(
@@ -107,7 +107,7 @@ def test_a_channel_in_percent_is_judged_in_the_unit_of_the_entry(
     folder = write_result(tmp_path, families, expect=json.dumps([entry]))
     (verdict,) = check_expectations(Result(folder))
     assert verdict.passed is passed
-    assert (verdict.found, verdict.unit) == (5.0, "%")
+    assert (verdict.computed, verdict.unit) == (5.0, "%")
 
 
 @pytest.mark.parametrize(

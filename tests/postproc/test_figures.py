@@ -377,9 +377,9 @@ def test_the_load_criterion_of_a_constant_deceleration() -> None:
 
 
 def test_what_happened_first(tmp_path: Path) -> None:
-    found = [(round(event.time, 4), event.text) for event in events.events(head(tmp_path))]
+    reported = [(round(event.time, 4), event.text) for event in events.events(head(tmp_path))]
     # sin > 1/2 from a sixth of the pulse on
-    assert found == [
+    assert reported == [
         (0.01, "Bag: first contact"),
         (0.0117, "Door begins to yield"),
         (0.015, "Bag: largest contact force, 1 kN"),

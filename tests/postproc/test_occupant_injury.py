@@ -23,8 +23,8 @@ springs:
 """
 
 
-def row_of(found: list[list[str]], name: str, measure: str) -> list[str]:
-    (row,) = (row for row in found if row[0] == name and row[1].split(",")[0] == measure)
+def row_of(table: list[list[str]], name: str, measure: str) -> list[str]:
+    (row,) = (row for row in table if row[0] == name and row[1].split(",")[0] == measure)
     return row
 
 
@@ -63,24 +63,24 @@ def occupant(folder: Path) -> Result:
 
 def test_measures_of_half_waves(tmp_path: Path) -> None:
     result = occupant(tmp_path / "run")
-    found = rows(result)
+    table = rows(result)
     # tension of half its intercept and flexion of 62 in 310
-    neck = row_of(found, "Neck", "Nij")
+    neck = row_of(table, "Neck", "Nij")
     assert neck[1] == "Nij, tension and flexion" and neck[4] == "within"
     assert float(neck[2]) == pytest.approx(0.7, rel=2e-3)
-    assert row_of(found, "Neck", "neck tension")[2].startswith("3.40")
+    assert row_of(table, "Neck", "neck tension")[2].startswith("3.40")
     # 8 kN of compression, and cos(pi 5 / 100) of it for 10 ms
-    peak, held = (row_of(found, "Thigh", text) for text in ("compression", "compression for 10 ms"))
+    peak, held = (row_of(table, "Thigh", text) for text in ("compression", "compression for 10 ms"))
     assert float(peak[2].split()[0]) == pytest.approx(8.0, rel=2e-3)
     # to a sample at either end
     level = 8.0 * np.cos(np.pi * 5 / 100)
     assert float(held[2].split()[0]) == pytest.approx(level, rel=2e-3)
     assert (peak[4], held[4]) == ("within", "beyond")
-    assert float(row_of(found, "Head", "BrIC")[2]) == pytest.approx(3.0**0.5, rel=2e-3)
+    assert float(row_of(table, "Head", "BrIC")[2]) == pytest.approx(3.0**0.5, rel=2e-3)
     # D = 50 mm sin: VC = 1.3 pi D^2 / (2 x 0.1 s x 0.229 m) sin(2 ...)
     expected = 1.3 * np.pi * 0.05**2 / (2 * 0.1 * 0.229)
-    assert float(row_of(found, "Ribs", "VC")[2].split()[0]) == pytest.approx(expected, rel=5e-3)
-    assert row_of(found, "Ribs", "deflection")[4] == "beyond"
+    assert float(row_of(table, "Ribs", "VC")[2].split()[0]) == pytest.approx(expected, rel=5e-3)
+    assert row_of(table, "Ribs", "deflection")[4] == "beyond"
 
 
 def test_signs_choose_the_intercept() -> None:
@@ -106,6 +106,6 @@ def test_a_level_must_be_held_without_a_break() -> None:
 
 
 def test_what_no_sensor_serves_is_named(tmp_path: Path) -> None:
-    found = rows(occupant(tmp_path / "run"))
-    missing = {row[1] for row in found if row[0] == "Occupants"}
+    table = rows(occupant(tmp_path / "run"))
+    missing = {row[1] for row in table if row[0] == "Occupants"}
     assert missing == {"3 ms clip of the chest", "force of the right femur"}

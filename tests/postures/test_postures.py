@@ -145,5 +145,5 @@ def test_rates_move_the_segments_as_their_angles_do(tmp_path: Path) -> None:
         # central differences: h^2 of the third derivative, some 10 m/s^3, and round-off over h
         np.testing.assert_allclose((a["r"] - b["r"]) / (2 * h), n["v"], atol=1e-8)
         rate = (a["A"].reshape(3, 3) - b["A"].reshape(3, 3)) / (2 * h) @ n["A"].reshape(3, 3).T
-        found = [rate[2, 1], rate[0, 2], rate[1, 0]]
-        np.testing.assert_allclose(found, n["w"], atol=1e-8)
+        spins = [rate[2, 1], rate[0, 2], rate[1, 0]]
+        np.testing.assert_allclose(spins, n["w"], atol=1e-8)

@@ -35,16 +35,16 @@ def test_values_do_not_depend_on_the_samples_beside_them(scene: str) -> None:
     outputs = [group.output for group in model.groups]
     outputs += [model.elements.cuts] if model.elements else []
     together, alone = (Histories(Start(model, state)) for _ in range(2))
-    random, found = np.random.default_rng(1), []
+    random, samples = np.random.default_rng(1), []
     for _ in range(SAMPLES):
         move(state, random, outputs)
         together.take()
         alone.take()
         # later samples overwrite them
-        found.append({family: values.copy() for family, values in alone.values().items()})
+        samples.append({family: values.copy() for family, values in alone.values().items()})
     whole = together.values()
     assert len(whole) > 1
     for family, values in whole.items():
-        single = np.concatenate([values[family] for values in found])
+        single = np.concatenate([values[family] for values in samples])
         assert np.ptp(values, axis=0).any(), f"{family}: nothing has changed"
         np.testing.assert_array_equal(values, single, err_msg=family)

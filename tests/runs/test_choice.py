@@ -109,13 +109,13 @@ def test_vibrations_keep_three_digits_by_default(
     path.write_text(OSCILLATOR)
     words = {"n": periods, "far": far, "fast": fast}
     deck = read_deck(path, {name: repr(value) for name, value in words.items()})
-    _, (found,), _ = estimate_in_memory(deck)
+    _, (estimated,), _ = estimate_in_memory(deck)
     # cos(omega t) an eighth of a period after a whole number of them
     true = 0.1 / np.sqrt(2)
-    assert found.value is not None and found.error is not None
-    assert found.value == pytest.approx(true, abs=1e-4)
+    assert estimated.value is not None and estimated.error is not None
+    assert estimated.value == pytest.approx(true, abs=1e-4)
     # the estimate holds within its factor of ten, beside round-off of a position
-    assert abs(found.value - true) <= 10 * found.error + 1e-9
+    assert abs(estimated.value - true) <= 10 * estimated.error + 1e-9
 
 
 def test_many_bodies_in_contact_are_not_for_located_onsets(tmp_path: Path) -> None:

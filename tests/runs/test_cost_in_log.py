@@ -26,8 +26,8 @@ def account(*counts: int) -> Any:
 
 
 def test_elements_of_all_parts_count() -> None:
-    found = _cost(account(30, 18))["element-cycles per second"]
-    rate, _, rest = found.partition(" ")
+    cost = _cost(account(30, 18))["element-cycles per second"]
+    rate, _, rest = cost.partition(" ")
     assert float(rate) == pytest.approx(48 * CYCLES / STEPPING, rel=5e-3)  # three digits
     assert rest.endswith("48 elements")
 

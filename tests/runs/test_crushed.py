@@ -41,6 +41,6 @@ def engine(*stretches: float) -> Any:
 def test_what_is_crushed_beyond_its_folds_is_named(
     stretches: tuple[float, ...], words: tuple[str, ...]
 ) -> None:
-    found = crushed(engine(*stretches))
-    assert len(found) == bool(words)
-    assert all(word in found[0] for word in words)
+    warnings = crushed(engine(*stretches))
+    assert len(warnings) == bool(words)
+    assert all(word in warnings[0] for word in words)

@@ -42,11 +42,11 @@ contacts:
 
 
 def times_of_states(folder: Path) -> list[float]:
-    found = []
+    times = []
     for path in sorted((folder / "states").glob("*.h5")):
         with h5py.File(path) as file:
-            found.append(float(file.attrs["time"]))
-    return found
+            times.append(float(file.attrs["time"]))
+    return times
 
 
 @pytest.fixture(scope="module")
@@ -55,15 +55,15 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("events")
     deck = folder / "deck.yaml"
     deck.write_text(DECK, "utf-8")
-    found = {}
+    folders = {}
     for name, requested in {
         "events": (),
         "plain": ("--set", "output.states.interval=0.004"),
     }.items():
-        found[name] = folder / name
-        done = crashsolve(deck, "-o", found[name], *requested)
+        folders[name] = folder / name
+        done = crashsolve(deck, "-o", folders[name], *requested)
         assert done.returncode == 0, done.stderr
-    return found
+    return folders
 
 
 def test_states_are_at_events(results: dict[str, Path]) -> None:

@@ -17,5 +17,5 @@ def test_samples_before_a_step_that_fails_are_written(tmp_path: Path) -> None:
     assert (
         "valid for relative rotations below 3 rad" in done.stderr and "Traceback" not in done.stderr
     )
-    found = Result(tmp_path / "out").series("deforc.cone.swing")
-    assert found.time[-1] > 0.49 and found.values[-1] > 2.9
+    swing = Result(tmp_path / "out").series("deforc.cone.swing")
+    assert swing.time[-1] > 0.49 and swing.values[-1] > 2.9

@@ -51,13 +51,13 @@ def run(folder: Path, interval: str, estimate: str = "auto") -> dict[str, Any]:
 
 @pytest.mark.parametrize("interval", first_quick(["0.01", "0.017", "0.1"]))
 def test_numbers_of_a_short_touch_are_right_at_any_interval(tmp_path: Path, interval: str) -> None:
-    found = run(tmp_path, interval)
-    peak = found["rcforc.c.peak_normal final"]["value"]
+    watched = run(tmp_path, interval)
+    peak = watched["rcforc.c.peak_normal final"]["value"]
     for name in ("rcforc.c.normal max", "rbdout.a.acceleration.z max"):
         # a quarter of a per cent: eleven steps a touch see its speed so well
-        assert found[name]["value"] == pytest.approx(peak, rel=2.5e-3)
-        assert found[name]["error"] > 0.0
-    impulse = found["rcforc.c.normal integral"]
+        assert watched[name]["value"] == pytest.approx(peak, rel=2.5e-3)
+        assert watched[name]["error"] > 0.0
+    impulse = watched["rcforc.c.normal integral"]
     assert abs(impulse["value"] - 1.5) < 10.0 * impulse["error"]
     # trapezia of ten steps
     assert impulse["value"] == pytest.approx(1.5, rel=0.02)

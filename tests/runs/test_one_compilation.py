@@ -45,8 +45,8 @@ def test_runs_that_start_together_compile_once(tmp_path: Path) -> None:
         for k in range(TOGETHER)
     ]
     assert [run.wait(1800) for run in runs] == [0] * TOGETHER
-    found = compilations(tmp_path)
-    assert found and set(found.values()) == {1}, found
+    counts = compilations(tmp_path)
+    assert counts and set(counts.values()) == {1}, counts
 
 
 def test_the_runs_of_a_sweep_compile_once(tmp_path: Path) -> None:
@@ -61,5 +61,5 @@ def test_the_runs_of_a_sweep_compile_once(tmp_path: Path) -> None:
     words = ("sweep", plan, "-o", tmp_path / "out", "--jobs", TOGETHER)
     done = crashsolve(*words, **counting(tmp_path))
     assert done.returncode == 0, done.stdout + done.stderr
-    found = compilations(tmp_path)
-    assert found and set(found.values()) == {1}, found
+    counts = compilations(tmp_path)
+    assert counts and set(counts.values()) == {1}, counts

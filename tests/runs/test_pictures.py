@@ -193,7 +193,7 @@ from paraview import servermanager
 from paraview.simple import XDMFReader
 r = XDMFReader(FileNames=[sys.argv[1]])
 r.UpdatePipelineInformation()
-found = []
+shown = []
 for time in r.TimestepValues:
     r.UpdatePipeline(time)
     data, blocks = servermanager.Fetch(r), {}
@@ -205,8 +205,8 @@ for time in r.TimestepValues:
                 a = arrays.GetArray(j)
                 here[arrays.GetArrayName(j)] = [a.GetTuple(i) for i in range(a.GetNumberOfTuples())]
         blocks[name] = here
-    found.append([time, blocks])
-json.dump(found, open(sys.argv[2], "w"))
+    shown.append([time, blocks])
+json.dump(shown, open(sys.argv[2], "w"))
 """
 
 
@@ -244,14 +244,14 @@ def test_paraview_itself_reads_and_shows_what_was_written(
     command = ["pvpython", str(script), str(folder / "states.xdmf"), str(answer)]
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    found = json.loads(answer.read_text())
+    shown = json.loads(answer.read_text())
     paths = sorted((folder / "states").glob("*.h5"))
-    assert len(found) == len(paths) > 2
+    assert len(shown) == len(paths) > 2
     with h5py.File(folder / "mesh.h5") as file:
         names = json.loads(file.attrs["names"])
-        assert set(found[0][1]) == set(file)
+        assert set(shown[0][1]) == set(file)
     mesh = datasets(folder / "mesh.h5")
-    for (time, blocks), path in zip(found, paths, strict=True):
+    for (time, blocks), path in zip(shown, paths, strict=True):
         with h5py.File(path) as file:
             assert time == file.attrs["time"]
         # every number of every array, in single precision as it was written

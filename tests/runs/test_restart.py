@@ -47,8 +47,8 @@ pytestmark = pytest.mark.xdist_group("runs")
 
 
 def status(folder: Path) -> dict[str, Any]:
-    found: dict[str, object] = json.loads((folder / "status.json").read_text("utf-8"))
-    return found
+    content: dict[str, object] = json.loads((folder / "status.json").read_text("utf-8"))
+    return content
 
 
 def wait_for(path: Path, seconds: float = BUSY) -> None:
@@ -215,15 +215,15 @@ def test_a_new_run_forgets_the_dumps_of_the_old_one(mechanism: Path, tmp_path: P
 
 def middle_of_an_array(path: Path) -> int:
     """Where in a dump the middle byte of its largest array is."""
-    found: list[tuple[int, int]] = []
+    arrays: list[tuple[int, int]] = []
 
     def visit(name: str, one: h5py.Dataset | h5py.Group) -> None:
         if isinstance(one, h5py.Dataset) and one.id.get_offset() is not None:
-            found.append((one.id.get_storage_size(), one.id.get_offset()))
+            arrays.append((one.id.get_storage_size(), one.id.get_offset()))
 
     with h5py.File(path) as file:
         file.visititems(visit)
-    size, begin = max(found)
+    size, begin = max(arrays)
     return begin + size // 2
 
 
@@ -270,8 +270,8 @@ def test_a_run_goes_on_to_another_end_with_the_bits_of_the_whole(
     assert done.returncode == 0, done.stderr
     assert "with other control.end_time, control.energy_limit" in done.stdout
     assert status(tmp_path)["end_time"] == 0.5
-    found = [name for name in differences(tmp_path, uninterrupted[mechanism])]
-    assert [name for name in found if "deck" not in name] == []
+    names = [name for name in differences(tmp_path, uninterrupted[mechanism])]
+    assert [name for name in names if "deck" not in name] == []
 
 
 def test_what_says_only_how_to_go_on_may_differ() -> None:

@@ -66,16 +66,16 @@ def test_moments_windows_and_contact_times_are_exact(method: str, tmp_path: Path
     depth, quotient, _ = check_expectations(result)
     # rattle errs by a 600th in its frequency, with omega h = 0.2
     close = {"rattle": 5e-3, "dormand_prince_5": 1e-6}[method]
-    assert depth.found == pytest.approx(DEPTH, rel=close)
+    assert depth.computed == pytest.approx(DEPTH, rel=close)
     assert not quotient.problem
-    assert quotient.found == pytest.approx(STIFFNESS * DEPTH, rel=close)
+    assert quotient.computed == pytest.approx(STIFFNESS * DEPTH, rel=close)
     # nothing touches at other samples
     with pytest.raises(PostError, match="division by zero at t = 0"):
         statistic(result.series(QUOTIENT), "max")
     status = json.loads((tmp_path / method / "status.json").read_text())
-    found = {entry["channel"]: entry for entry in status["watched"]}
-    assert found[QUOTIENT]["value"] == pytest.approx(quotient.found)
-    assert abs(quotient.found - STIFFNESS * DEPTH) < 10 * found[QUOTIENT]["error"]
+    watched = {entry["channel"]: entry for entry in status["watched"]}
+    assert watched[QUOTIENT]["value"] == pytest.approx(quotient.computed)
+    assert abs(quotient.computed - STIFFNESS * DEPTH) < 10 * watched[QUOTIENT]["error"]
 
     first, last, lasted, touches = (
         float(result.series(f"rcforc.hit.{name}").values[-1])

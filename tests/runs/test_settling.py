@@ -71,10 +71,10 @@ def test_the_origin_of_a_body_has_its_channel(tmp_path: Path) -> None:
     deck = tmp_path / "deck.yaml"
     deck.write_text(SPUN, "utf-8")
     assert crashsolve(deck, "-o", tmp_path / "out").returncode == 0
-    found = Result(tmp_path / "out")
+    result = Result(tmp_path / "out")
     # the mass centre, 0.3 m ahead, does not move; after 1 rad the origin is behind it on a circle
-    assert last(found, "rbdout.a.position.x") == pytest.approx(1.3, abs=1e-12)
+    assert last(result, "rbdout.a.position.x") == pytest.approx(1.3, abs=1e-12)
     # round-off of steps of second order at a constant spin
-    assert last(found, "rbdout.a.origin.x") == pytest.approx(1.3 - 0.3 * np.cos(1.0), abs=1e-9)
-    assert last(found, "rbdout.a.origin.y") == pytest.approx(2.0 - 0.3 * np.sin(1.0), abs=1e-9)
-    assert last(found, "rbdout.b.origin.z") == 5.0
+    assert last(result, "rbdout.a.origin.x") == pytest.approx(1.3 - 0.3 * np.cos(1.0), abs=1e-9)
+    assert last(result, "rbdout.a.origin.y") == pytest.approx(2.0 - 0.3 * np.sin(1.0), abs=1e-9)
+    assert last(result, "rbdout.b.origin.z") == 5.0

@@ -171,11 +171,11 @@ def test_default_settings_are_multiples_of_the_steps_of_the_deck(tmp_path: Path)
 
 def test_three_steps_of_any_ratio_give_order_and_limit() -> None:
     steps = [0.4, 0.25, 0.1]
-    found = analyse(steps, [np.array([1.0 + h**2]) for h in steps], 2.0)
-    assert found.order == pytest.approx(2.0)
-    assert found.value[0] == pytest.approx(1.0)
-    assert found.error == pytest.approx(0.01)
-    assert found.stalls is None
+    convergence = analyse(steps, [np.array([1.0 + h**2]) for h in steps], 2.0)
+    assert convergence.order == pytest.approx(2.0)
+    assert convergence.value[0] == pytest.approx(1.0)
+    assert convergence.error == pytest.approx(0.01)
+    assert convergence.stalls is None
 
 
 def test_differences_that_do_not_shrink_are_reported() -> None:
@@ -184,9 +184,9 @@ def test_differences_that_do_not_shrink_are_reported() -> None:
     # smooth until 0.6 s, then another branch with every run
     late = np.where(time > 0.605, 1.0, 0.0)
     paths = [np.sin(time) * (1 + h**2) + late * (-1) ** k for k, h in enumerate(steps)]
-    found = analyse(steps, paths, 2.0)
-    assert (found.stalls, found.diverges) == (1, True)
-    assert found.error == pytest.approx(2.0, rel=0.02)
+    convergence = analyse(steps, paths, 2.0)
+    assert (convergence.stalls, convergence.diverges) == (1, True)
+    assert convergence.error == pytest.approx(2.0, rel=0.02)
     assert divergence_time(time, paths) == pytest.approx(0.61)
     assert analyse(steps, [np.sin(time) * (1 + h**2) for h in steps], 2.0).stalls is None
 
@@ -194,28 +194,28 @@ def test_differences_that_do_not_shrink_are_reported() -> None:
 def test_differences_that_stay_small_are_a_floor() -> None:
     steps = [0.1 / 2**k for k in range(10)]
     values = [np.array([1.0 + h**2 + 1e-6 * (-1) ** k]) for k, h in enumerate(steps)]
-    found = analyse(steps, values, 2.0)
-    assert (found.diverges, found.has_floor) == (False, True)
-    assert found.error == pytest.approx(2e-6, rel=0.3)
+    convergence = analyse(steps, values, 2.0)
+    assert (convergence.diverges, convergence.has_floor) == (False, True)
+    assert convergence.error == pytest.approx(2e-6, rel=0.3)
 
 
 def test_errors_that_grow_as_steps_shrink_are_reported_and_not_extrapolated() -> None:
     # what a study found where the iteration of a step was not as short as the step
     errors = {4e-3: 3.5e-6, 2e-3: 1.0e-6, 1e-3: 4.5e-4, 5e-4: 4.1e-4}
     trials = [trial(1, h, 1.0 + error) for h, error in errors.items()]
-    found = find(Watch("x", ("x",), "final"), 0, trials, None)
-    assert found.diverges
-    assert "errors grow as the steps shrink, from step 0.002 s on" in found.notes[-1]
-    reported = [found.error(t) for t in trials]
+    finding = find(Watch("x", ("x",), "final"), 0, trials, None)
+    assert finding.diverges
+    assert "errors grow as the steps shrink, from step 0.002 s on" in finding.notes[-1]
+    reported = [finding.error(t) for t in trials]
     # no error is reported too small, and the good runs are not the last
     assert all(e >= abs(wrong) for e, wrong in zip(reported, errors.values(), strict=True))
     assert max(reported[:2]) < min(reported[2:])
-    assert cheapest([found], trials, 4e-4) is None
+    assert cheapest([finding], trials, 4e-4) is None
     # runs that agree better and better, about a value that is not the exact one
     trials = [trial(1, h, 1.0 + h**2 - 4e-6) for h in (4e-3, 2e-3, 1e-3, 5e-4)]
     exact = Watch("x", ("x",), "final", value=1.0, because="exact")
-    found = find(exact, 0, trials, None)
-    assert "its errors grow as the steps shrink" in found.notes[-1]
+    finding = find(exact, 0, trials, None)
+    assert "its errors grow as the steps shrink" in finding.notes[-1]
     # long steps that agreed by luck do not spoil what follows in order
     lucky = [1.0, 1.0 + 1e-6, *(1.0 + h**2 for h in (0.2, 0.1, 0.05, 0.025))]
     steps = [0.8 / 2**k for k in range(6)]
@@ -233,16 +233,18 @@ def trial(mesh: int, h: float, value: float) -> Trial:
 def test_steps_and_meshes_have_orders_of_their_own() -> None:
     runs = [(m, h) for m in (1, 2, 4) for h in (0.2, 0.1, 0.05)]
     trials = [trial(m, h, 1.0 + h**2 + 0.3 / m**2) for m, h in runs]
-    found = find(Watch("x", ("x",), "final"), 0, trials, None, 2.0)
-    assert found.kind == "extrapolated of rattle, meshes x1 to x4"
-    assert found.reference[0] == pytest.approx(1.0, abs=1e-12)
+    finding = find(Watch("x", ("x",), "final"), 0, trials, None, 2.0)
+    assert finding.kind == "extrapolated of rattle, meshes x1 to x4"
+    assert finding.reference[0] == pytest.approx(1.0, abs=1e-12)
     for (m, h), t in zip(runs[:-1], trials, strict=False):
-        assert found.error(t) == pytest.approx(h**2 + 0.3 / m**2)
-    assert [found.order(trials[k]) for k in (2, 5, 8)] == pytest.approx([2.0] * 3)
-    assert found.mesh_order(trials[8]) == pytest.approx(2.0)
+        assert finding.error(t) == pytest.approx(h**2 + 0.3 / m**2)
+    assert [finding.order(trials[k]) for k in (2, 5, 8)] == pytest.approx([2.0] * 3)
+    assert finding.mesh_order(trials[8]) == pytest.approx(2.0)
     # of the finest run what shorter steps and finer meshes would still change
-    assert found.error(trials[8]) == pytest.approx(0.05**2 + 0.3 / 16)
-    assert "0.3, 0.075, 0.019 away; order 2.00 +- 0.00 in the length of elements" in found.notes[-1]
+    assert finding.error(trials[8]) == pytest.approx(0.05**2 + 0.3 / 16)
+    assert (
+        "0.3, 0.075, 0.019 away; order 2.00 +- 0.00 in the length of elements" in finding.notes[-1]
+    )
 
 
 def test_methods_that_contradict_each_other_are_not_believed() -> None:
@@ -252,31 +254,31 @@ def test_methods_that_contradict_each_other_are_not_believed() -> None:
             t = trial(1, h, limit + h**order)
             t.setting = Setting(Series(method), f"{h}", {})
             trials.append(t)
-    found = find(Watch("x", ("x",), "final"), 0, trials, None)
-    assert "methods converge to values" in found.notes[0]
-    assert found.error(trials[7]) == pytest.approx(0.1 / 1.1, rel=0.05)
-    assert cheapest([found], trials, 1e-2) is None
+    finding = find(Watch("x", ("x",), "final"), 0, trials, None)
+    assert "methods converge to values" in finding.notes[0]
+    assert finding.error(trials[7]) == pytest.approx(0.1 / 1.1, rel=0.05)
+    assert cheapest([finding], trials, 1e-2) is None
     # where they agree the error is that of the better one
     for t in trials[4:]:
         t.answers[0]["value"] -= 0.1
-    found = find(Watch("x", ("x",), "final"), 0, trials, None)
-    assert found.error(trials[7]) < 1e-6
+    finding = find(Watch("x", ("x",), "final"), 0, trials, None)
+    assert finding.error(trials[7]) < 1e-6
 
 
 def test_a_mesh_is_not_its_own_judge() -> None:
     # of no order in the mesh
     wrong = {1: 0.5, 2: 0.1, 4: 0.03}
     trials = [trial(m, h, 1.0 + h**2 + wrong[m]) for m in wrong for h in (0.2, 0.1, 0.05)]
-    found = find(Watch("x", ("x",), "final"), 0, trials, None, 2.0)
+    finding = find(Watch("x", ("x",), "final"), 0, trials, None, 2.0)
     finest = trials[6:]
     # the finest mesh differs from the one before by 0.07: a third of that, if its order is 2
-    assert min(found.error(t) for t in finest) > 0.02
-    assert cheapest([found], trials, 1e-2) is None
+    assert min(finding.error(t) for t in finest) > 0.02
+    assert cheapest([finding], trials, 1e-2) is None
     # a force that each mesh halves, and of which the finest still has an error of 0.5
     halved = {1: 8.0, 2: 4.0, 4: 2.1}
     trials = [trial(m, h, halved[m] + h**2) for m in halved for h in (0.2, 0.1, 0.05)]
-    found = find(Watch("x", ("x",), "final"), 0, trials, None, 2.0)
-    errors = [found.error(t) for t in trials]
+    finding = find(Watch("x", ("x",), "final"), 0, trials, None, 2.0)
+    errors = [finding.error(t) for t in trials]
     assert min(errors[:6]) > max(errors[6:])
 
 
@@ -309,10 +311,10 @@ def test_a_series_that_does_not_converge_is_not_recommended() -> None:
             t.setting = Setting(Series(method), f"{h}", {})
             t.cpu_steps = 1.0 if method == "dormand_prince_5" else 10.0 + t.cycles
             trials.append(t)
-    found = find(Watch("x", ("x",), "final"), 0, trials, None)
+    finding = find(Watch("x", ("x",), "final"), 0, trials, None)
     # its last run is right by luck, and cheaper
-    assert found.error(trials[3]) > 0.5
-    best = cheapest([found], trials, 1e-2)
+    assert finding.error(trials[3]) > 0.5
+    best = cheapest([finding], trials, 1e-2)
     assert best is not None
     assert best.setting.series.method == "rattle"
 
@@ -322,8 +324,8 @@ def test_times_below_the_noise_are_not_ranked() -> None:
     # shorter steps cannot cost less
     for t, cpu in zip(trials, (0.013, 0.012, 0.011, 0.010), strict=True):
         t.cpu_steps = cpu
-    found = find(Watch("x", ("x",), "final"), 0, trials, None)
-    assert cheapest([found], trials, 0.02) is trials[0]
+    finding = find(Watch("x", ("x",), "final"), 0, trials, None)
+    assert cheapest([finding], trials, 0.02) is trials[0]
 
 
 BAR = """
@@ -415,8 +417,8 @@ def test_a_published_value_the_runs_do_not_lead_to_is_reported_but_no_reference(
 
 def test_a_method_that_chooses_its_step_is_given_tolerances() -> None:
     deck = read_deck(PENDULUM, {"control.step": "auto"})
-    found = settings(deck, ("dormand_prince_5", "rattle"), "1e-3", "1e-6,1e-3")
-    labels = [(setting.series.method, setting.label) for setting in found]
+    listed = settings(deck, ("dormand_prince_5", "rattle"), "1e-3", "1e-6,1e-3")
+    labels = [(setting.series.method, setting.label) for setting in listed]
     chosen = [("dormand_prince_5", "tolerance 0.001"), ("dormand_prince_5", "tolerance 1e-06")]
     assert labels == [*chosen, ("rattle", "0.001")]
-    assert found[1].overrides["control.tolerance"] == "1e-06"
+    assert listed[1].overrides["control.tolerance"] == "1e-06"

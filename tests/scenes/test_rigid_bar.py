@@ -92,8 +92,8 @@ def test_with_friction_the_end_slides_at_the_coulomb_limit(tmp_path: Path) -> No
     drag = number(result, "rcforc.node_1.impulse.y", "at:0.7")
     assert abs(drag / push) == pytest.approx(mu, rel=0.01)
     exact = SPEED - 2.0 * SPEED / (1.0 + 3.0 * s * s - 3.0 * mu * s * c)
-    found = number(result, "rbdout.bar.velocity.x", "at:0.7")
-    assert found == pytest.approx(exact, abs=0.02 * SPEED)
+    speed = number(result, "rbdout.bar.velocity.x", "at:0.7")
+    assert speed == pytest.approx(exact, abs=0.02 * SPEED)
 
 
 def test_the_printed_law_returns_more_than_it_is_asked_for(tmp_path: Path) -> None:
@@ -101,8 +101,8 @@ def test_the_printed_law_returns_more_than_it_is_asked_for(tmp_path: Path) -> No
     s2 = 3.0 * sin(ANGLE) ** 2
     result = run(tmp_path, K="1.2e12", e="0.5")
     exact = SPEED - 1.725241 * SPEED / (1.0 + s2)
-    found = number(result, "rbdout.bar.velocity.x", "at:0.7")
-    assert found == pytest.approx(exact, abs=2e-3)
+    speed = number(result, "rbdout.bar.velocity.x", "at:0.7")
+    assert speed == pytest.approx(exact, abs=2e-3)
     assert "of 0.725 in a free impact" in (tmp_path / "log.txt").read_text("utf-8")
 
 

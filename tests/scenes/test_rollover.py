@@ -33,9 +33,9 @@ def result(tmp_path_factory: pytest.TempPathFactory) -> Result:
 
 def first(result: Result, channel: str) -> float:
     """Time at which a channel first has a value [s]; infinite where it never has."""
-    found = result.series(channel)
-    at = np.flatnonzero(found.values)
-    return float(found.time[at[0]]) if len(at) else np.inf
+    series = result.series(channel)
+    at = np.flatnonzero(series.values)
+    return float(series.time[at[0]]) if len(at) else np.inf
 
 
 def test_all_fly_as_one_until_the_tyres_touch(result: Result) -> None:
@@ -78,22 +78,22 @@ def test_energy_closes(result: Result) -> None:
 @pytest.mark.long
 def test_the_sequence_of_the_chapter(tmp_path: Path) -> None:
     """Left tyres, roll bar, ejection of the rear occupant, and after a whole turn the tyres."""
-    found = run(tmp_path, 3.0)
-    assert np.abs(found.series("glstat.model.balance").values).max() < 0.5  # %
-    tyres = min(first(found, f"tyrout.tyre_{end}_left.normal") for end in ("front", "rear"))
-    bar = first(found, "rcforc.bar_on_ground.normal")
-    right = min(first(found, f"tyrout.tyre_{end}_right.normal") for end in ("front", "rear"))
+    result = run(tmp_path, 3.0)
+    assert np.abs(result.series("glstat.model.balance").values).max() < 0.5  # %
+    tyres = min(first(result, f"tyrout.tyre_{end}_left.normal") for end in ("front", "rear"))
+    bar = first(result, "rcforc.bar_on_ground.normal")
+    right = min(first(result, f"tyrout.tyre_{end}_right.normal") for end in ("front", "rear"))
     assert tyres < bar < right
     # out of his seat while the vehicle is on its side; the belted ones stay
-    away = found.series("disbout.rear_seat.distance")
+    away = result.series("disbout.rear_seat.distance")
     assert bar - 0.1 < away.time[np.flatnonzero(away.values > 1.0)[0]] < right
-    roll = -np.degrees(found.series("disbout.roll.angle").values)
+    roll = -np.degrees(result.series("disbout.roll.angle").values)
     assert roll.max() > 337.0
     for who in ("driver", "passenger"):
         seat = np.array(
-            [found.series(f"rbdout.{who}_lower_torso.position.{a}").values for a in "xyz"]
+            [result.series(f"rbdout.{who}_lower_torso.position.{a}").values for a in "xyz"]
         )
-        vehicle = np.array([found.series(f"rbdout.vehicle.position.{a}").values for a in "xyz"])
+        vehicle = np.array([result.series(f"rbdout.vehicle.position.{a}").values for a in "xyz"])
         # both mass centres: 0.4 m apart at the start, never a metre
         assert np.linalg.norm(seat - vehicle, axis=0).max() < 1.0
 

@@ -27,14 +27,14 @@ pytestmark = [pytest.mark.xdist_group("sled"), pytest.mark.long]
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Result]:
     folder = tmp_path_factory.mktemp("sled")
-    found = {}
+    results = {}
     for name, changes in CASES.items():
         given = {"control.estimate": "off", "control.end_time": 0.13, "output.states.interval": 1}
         words = [x for k, v in (given | changes).items() for x in ("--set", f"{k}={v}")]
         done = crashsolve(DECK, "-o", folder / name, *words)
         assert done.returncode == 0, done.stderr
-        found[name] = Result(folder / name)
-    return found
+        results[name] = Result(folder / name)
+    return results
 
 
 def largest(result: Result, channel: str) -> float:
@@ -50,10 +50,10 @@ def hic(result: Result) -> float:
 
 
 def test_the_pulse_is_that_of_the_source(runs: dict[str, Result]) -> None:
-    found = runs["tight"].series("rbdout.sled.acceleration.x")
+    acceleration = runs["tight"].series("rbdout.sled.acceleration.x")
     # samples of 0.1 ms find the corner at 77 ms
-    assert -found.values.min() / 9.81 == pytest.approx(18.2, rel=1e-6)
-    assert found.time[found.values.argmin()] == pytest.approx(0.077, abs=1e-4)
+    assert -acceleration.values.min() / 9.81 == pytest.approx(18.2, rel=1e-6)
+    assert acceleration.time[acceleration.values.argmin()] == pytest.approx(0.077, abs=1e-4)
     # the driver closes to its tolerance
     final = runs["tight"].series("rbdout.sled.velocity.x").values[-1]
     assert -final == pytest.approx(11.21, rel=1e-6)

@@ -43,7 +43,7 @@ def test_a_field_without_words_needs_its_values() -> None:
 
 @pytest.mark.long
 def test_explicit_and_implicit_methods_bend_segments_that_yield_alike(tmp_path: Path) -> None:
-    found = []
+    outcomes = []
     for method in ("rattle", "generalized_alpha", "radau_iia_5"):
         words = f"parts.frame.deformation=segments control.integrator={method} end=0.015".split()
         words.append("control.estimate=off")
@@ -52,8 +52,8 @@ def test_explicit_and_implicit_methods_bend_segments_that_yield_alike(tmp_path: 
         assert done.returncode == 0, done.stdout + done.stderr
         result = Result(tmp_path / method)
         direction = result.series("disbout.deflection.vector.z").values[-1]
-        found.append([direction, result.series("glstat.model.energy.plastic").values[-1]])
+        outcomes.append([direction, result.series("glstat.model.energy.plastic").values[-1]])
     # steps of rattle have errors of the second order: 3e-6 of the way, 2e-4 of the plastic work
-    assert found[0][1] > 10.0
-    assert [pair[0] for pair in found[:2]] == pytest.approx([found[2][0]] * 2, rel=1e-4)
-    assert [pair[1] for pair in found[:2]] == pytest.approx([found[2][1]] * 2, rel=1e-3)
+    assert outcomes[0][1] > 10.0
+    assert [pair[0] for pair in outcomes[:2]] == pytest.approx([outcomes[2][0]] * 2, rel=1e-4)
+    assert [pair[1] for pair in outcomes[:2]] == pytest.approx([outcomes[2][1]] * 2, rel=1e-3)

@@ -41,8 +41,8 @@ def run(folder: Path, scene: dict[str, Any], end: float, interval: float) -> Res
 
 
 def values(result: Result, channel: str) -> np.ndarray:
-    found: np.ndarray = result.series(channel).values
-    return found
+    series: np.ndarray = result.series(channel).values
+    return series
 
 
 def one_car(speed: float, dimension: str = "plane", mu: float = MU) -> dict[str, Any]:

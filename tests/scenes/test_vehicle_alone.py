@@ -57,8 +57,8 @@ def test_on_a_tilt_table_rigid_wheels_lift_at_half_the_track_over_the_height(
     high = sum(result.series(f"tyrout.tyre_{name}.normal").values for name in names)
     # what is left of the load falls in proportion to the slope, to none where the wheels lift;
     # springs of 1e7 N/m give by 1 mm of 0.6 m
-    found = share * lift / (1 - high / static)
-    assert found == pytest.approx(np.full(len(high), lift), rel=2e-3)
+    angles = share * lift / (1 - high / static)
+    assert angles == pytest.approx(np.full(len(high), lift), rel=2e-3)
 
 
 def test_a_steeper_table_is_refused(tmp_path: Path) -> None:

@@ -56,9 +56,9 @@ def test_a_car_pushed_aside_lifts_the_wheels_of_one_side_as_levers_say(tmp_path:
     grown = push * np.clip(result.time / 0.5, 0.0, 1.0)
     levers = RAIL_SIDE * (carried["left"] - carried["right"]) - leaned - grown * height
     # the wheels' places move aside with their bogies: some millimetres of 0.75 m
-    found, requested = np.trapezoid(levers, result.time), moved[-1] - moved[0]
+    work, requested = np.trapezoid(levers, result.time), moved[-1] - moved[0]
     scale = np.trapezoid(grown * height, result.time)
-    assert abs(found - requested) < 0.02 * scale
+    assert abs(work - requested) < 0.02 * scale
     assert carried["right"][-1] == 0.0
     assert values(result, "rcforc.car_rails_right.touching")[-1] == 0
     assert values(result, "rcforc.car_rails_left.touching")[-1] == 4

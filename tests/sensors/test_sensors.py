@@ -120,7 +120,9 @@ def test_rates_of_a_displacement_are_its_derivatives(bench: Bench, name: str) ->
 
 def test_change_of_a_displacement_is_from_the_start(tmp_path: Path) -> None:
     bench = Bench(tmp_path, TEXT)
-    assert float(bench.law("sensors", "apart").measure().change) == 0.0
+    out = bench.law("sensors", "apart").measure()
+    # round-off: compiled code may fuse products and sums, the distance at the start is numpy's
+    assert abs(out.change) <= 4 * np.finfo(float).eps * out.distance
 
 
 def test_angle_is_the_integral_of_its_rate_over_many_turns(bench: Bench) -> None:

@@ -37,8 +37,8 @@ def error(folder: Path, **control: object) -> float:
             "damper": {"type": "damper", "b": "mass", "curve": "oil"},
         },
     }
-    found = last(run(folder, scene, END, control.get("step")), "rbdout.mass.position.x")
-    return abs(found - 1.0 - swing(END))
+    position = last(run(folder, scene, END, control.get("step")), "rbdout.mass.position.x")
+    return abs(position - 1.0 - swing(END))
 
 
 def test_the_error_falls_with_the_square_of_the_step(tmp_path: Path) -> None:

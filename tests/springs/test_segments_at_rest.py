@@ -31,7 +31,7 @@ def test_forces_by_motions_are_their_derivatives(tmp_path: Path, case: str, seed
     law.force(0.0)
     assert (law.new.strain > 0.0) == (case != "segment")
     args = (law.p.reshape(1), law.old.reshape(1), law.bench.nodes, law.bench.curves)
-    found = law.module.forces_by_motions(*args)[0]
+    forces = law.module.forces_by_motions(*args)[0]
     start, wanted, step = law.bench.state(), np.zeros((12, 12)), 1e-5
     for k, way_of in enumerate(np.eye(12)):
         for side in (1, -1):
@@ -42,4 +42,4 @@ def test_forces_by_motions_are_their_derivatives(tmp_path: Path, case: str, seed
                 law.bench.move(node, r=law.bench.nodes[node].r + part[:3])
             wanted[:, k] += side * load(law) / (2.0 * step)
     # third derivatives of some times the stiffness over the step, and round-off over it
-    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-7 * np.abs(wanted).max())
+    np.testing.assert_allclose(forces, wanted, rtol=0, atol=1e-7 * np.abs(wanted).max())

@@ -143,5 +143,7 @@ def test_a_damper_that_turns_a_velocity_round_in_every_step_stops_the_run(tmp_pa
 
 def test_friction_that_turns_a_velocity_round_in_every_step_is_said(tmp_path: Path) -> None:
     # it does no work at all in a step: nothing shows in any balance
-    found = bounded(tmp_path, BRAKE).step_warnings()
-    assert len(found) == 1 and "body 'sledge': dampers, friction or contacts stop it" in found[0]
+    warnings = bounded(tmp_path, BRAKE).step_warnings()
+    assert (
+        len(warnings) == 1 and "body 'sledge': dampers, friction or contacts stop it" in warnings[0]
+    )

@@ -63,7 +63,7 @@ def rows(law: Law) -> Tangents:
     return tangents_of(law, [1, 2])
 
 
-def turning(law: Law) -> np.ndarray:
+def rotations_of(law: Law) -> np.ndarray:
     """D of the law's own forces; what yields together has mixtures of them for rows."""
     if "yields" not in law.p.dtype.names:
         return rows(law).D.copy()
@@ -91,11 +91,11 @@ def compare(law: Law, direction: np.ndarray, rate: np.ndarray, sides: tuple[floa
     """Differences over `sides` steps against the rows in the middle."""
     start = law.bench.state()
     here = rows(law)
-    force = np.linalg.lstsq(turning(law).T, load(law), rcond=None)[0]
+    force = np.linalg.lstsq(rotations_of(law).T, load(law), rcond=None)[0]
     ends = []
     for side in sides:
         shift(law, start, direction, rate, side * STEP)
-        ends.append((load(law), turning(law)))
+        ends.append((load(law), rotations_of(law)))
     law.bench.nodes[:] = start
     span = (sides[1] - sides[0]) * STEP
     change = (ends[1][0] - ends[0][0]) / span - ((ends[1][1] - ends[0][1]) / span).T @ force
@@ -152,16 +152,16 @@ def test_an_end_on_the_ground_has_no_blocks(make: Make, at: int) -> None:
     law = make("linear")
     law.bench.shake(1)
     law.force()
-    found = []
+    matrices = []
     for free in (False, True):
         position, blocks = pair_of_blocks(0)
         if not free:
             position["a" if at == 1 else "b"] = position["across"] = -1
         law.module.geometric_stiffness(law.p, law.out, law.bench.nodes, position, blocks)
-        found.append(matrix_of_pair(blocks, 0))
+        matrices.append(matrix_of_pair(blocks, 0))
     # all that is left is what the other end does to itself
-    found[1][6 * at - 6 : 6 * at] = found[1][:, 6 * at - 6 : 6 * at] = 0.0
-    np.testing.assert_array_equal(found[0], found[1])
+    matrices[1][6 * at - 6 : 6 * at] = matrices[1][:, 6 * at - 6 : 6 * at] = 0.0
+    np.testing.assert_array_equal(matrices[0], matrices[1])
 
 
 @pytest.mark.parametrize("case", list(REVERSIBLE))

@@ -55,8 +55,8 @@ def flips(result: Result, settings: dict[str, str]) -> Iterator[tuple[str, float
     momentum = given["w1"], 2.0 * given["w2"], 3.0 * given["w3"]
     axis = 2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + w * x)
     along = sum(a * m for a, m in zip(axis, momentum, strict=True))
-    found = np.count_nonzero(np.diff(np.sign(along)))
-    yield "flips", abs(found - 2 * given["periods"]), 0.0
+    changes = np.count_nonzero(np.diff(np.sign(along)))
+    yield "flips", abs(changes - 2 * given["periods"]), 0.0
 
 
 def emptied(result: Result, settings: dict[str, str]) -> Iterator[tuple[str, float, float]]:

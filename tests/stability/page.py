@@ -48,7 +48,7 @@ VERDICTS = {"ends": "within bounds", "is refused": "refused", "stops": "stopped"
 def line(sweep: Sweep, methods: tuple[str, ...]) -> str:
     """A sweep: what was measured, what it cost and whether it keeps its promise."""
     with tempfile.TemporaryDirectory() as folder:
-        found = [
+        outcomes = [
             run(sweep, value, method, Path(folder) / f"{method}{value:g}", plain=False)
             for method in methods
             for value in sweep.values
@@ -58,8 +58,8 @@ def line(sweep: Sweep, methods: tuple[str, ...]) -> str:
         f"`{sweep.deck or 'tests/stability/long_chains.py'}`",
         f"{sweep.setting} {_range(sweep)}",
         _method(sweep, methods),
-        *_measured(sweep, found),
-        _verdict(sweep, found),
+        *_measured(sweep, outcomes),
+        _verdict(sweep, outcomes),
     ]
     return f"| {' | '.join(parts)} |"
 
@@ -81,14 +81,16 @@ def _method(sweep: Sweep, methods: tuple[str, ...]) -> str:
     return ", ".join([methods[0], *(f"{k} {v}" for k, v in given.items() if "$" not in v)])
 
 
-def _measured(sweep: Sweep, found: list[Outcome]) -> list[str]:
+def _measured(sweep: Sweep, outcomes: list[Outcome]) -> list[str]:
     """Energy, joints, share, of, steps, CPU."""
-    found = [outcome for outcome in found if outcome.code == 0]
-    if not found or sweep.end not in ("ends", EITHER):
+    outcomes = [outcome for outcome in outcomes if outcome.code == 0]
+    if not outcomes or sweep.end not in ("ends", EITHER):
         return [""] * 6
-    balance, residual = (max(getattr(o, name) for o in found) for name in ("balance", "residual"))
-    share, what = max(o.worst for o in found)
-    longest = max(found, key=lambda o: o.steps)
+    balance, residual = (
+        max(getattr(o, name) for o in outcomes) for name in ("balance", "residual")
+    )
+    share, what = max(o.worst for o in outcomes)
+    longest = max(outcomes, key=lambda o: o.steps)
     joints = f"{residual:.1e}" if residual > 0.0 else ""
     what = f"`{what}`" if share > 0.0 else ""
     return [
@@ -101,30 +103,30 @@ def _measured(sweep: Sweep, found: list[Outcome]) -> list[str]:
     ]
 
 
-def _verdict(sweep: Sweep, found: list[Outcome]) -> str:
-    faults = [fault for outcome in found for fault in outcome.faults(sweep)]
+def _verdict(sweep: Sweep, outcomes: list[Outcome]) -> str:
+    faults = [fault for outcome in outcomes for fault in outcome.faults(sweep)]
     if faults:
         return f"**fails**: {faults[0].replace('|', '/').splitlines()[0]}"
-    stopped = [outcome for outcome in found if outcome.code != 0]
+    stopped = [outcome for outcome in outcomes if outcome.code != 0]
     if not stopped:
         return VERDICTS["ends"]
     end = "stops" if sweep.end == EITHER else sweep.end
     message = ENDS[end][1].search(stopped[0].message)
     # without the folders of a deck; units have slashes of their own
     text = re.sub(r"^\S*/", "", message[0]) if message else ""
-    some = f" in {len(stopped)} of {len(found)} runs" if len(stopped) < len(found) else ""
+    some = f" in {len(stopped)} of {len(outcomes)} runs" if len(stopped) < len(outcomes) else ""
     return f"{VERDICTS[end]}{some}: {text}"
 
 
 def jobs() -> list[tuple[Sweep, tuple[str, ...]]]:
     """A line each: what is refused before its first step is refused whatever the method."""
-    found = []
+    all_jobs = []
     for sweep in MATRIX:
         if sweep.end == "is refused":
-            found.append((sweep, sweep.integrators))
+            all_jobs.append((sweep, sweep.integrators))
         else:
-            found += [(sweep, (method,)) for method in sweep.integrators]
-    return found
+            all_jobs += [(sweep, (method,)) for method in sweep.integrators]
+    return all_jobs
 
 
 def _line(job: tuple[Sweep, tuple[str, ...]], word: str, present: list[str]) -> str:

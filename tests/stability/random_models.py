@@ -160,7 +160,7 @@ class _Draw:
 
     def joints(self) -> Table:
         """Joints anywhere: loops, doubles and contradictions are wanted too."""
-        found: Table = {}
+        cards: Table = {}
         for kind in ("spherical", "revolute"):
             for i in self.some():
                 b = self.body()
@@ -168,19 +168,19 @@ class _Draw:
                 self.jointed |= {str(card["a"]), b}
                 if kind == "revolute":
                     card["axis"] = self.vector(1.0)
-                found[f"{kind}_{i}"] = card
+                cards[f"{kind}_{i}"] = card
         driven = self.body()
         self.jointed.add(driven)
-        found["driver"] = {
+        cards["driver"] = {
             "type": "point_driver",
             "body": driven,
             "axis": self.vector(1.0),
             "curve": "displacement",
         }
-        return found
+        return cards
 
     def springs(self) -> Table:
-        found: Table = {}
+        cards: Table = {}
         for kind in ("linear", "bushing"):
             for i in self.some():
                 b = self.body()
@@ -189,8 +189,8 @@ class _Draw:
                 # a thin beam has next to no inertia to hold an arm with
                 at = self.vector(0.5 if a in self.names or a == "ground" else 0.0)
                 card = {"type": kind, "a": a, "b": b, "at_a": at, "stiffness": k}
-                found[f"{kind}_{i}"] = card if kind == "linear" else card | {"stiffness": [k] * 3}
-        return found
+                cards[f"{kind}_{i}"] = card if kind == "linear" else card | {"stiffness": [k] * 3}
+        return cards
 
     def surfaces(self) -> Table:
         skins = {

@@ -91,17 +91,17 @@ class Outcome:
         end = ("ends" if self.code == 0 else "stops") if sweep.end == EITHER else sweep.end
         code, pattern = ENDS[end]
         says = "" if end == "ends" else sweep.says
-        found = []
+        all_faults = []
         if self.code != code:
-            found.append(f"exit code {self.code} instead of {code}: {self.message[-500:]}")
+            all_faults.append(f"exit code {self.code} instead of {code}: {self.message[-500:]}")
         elif not (pattern.search(self.message) and re.search(says, self.message)):
-            found.append(f"unclear message: {self.message[-500:]}")
+            all_faults.append(f"unclear message: {self.message[-500:]}")
         if re.search("Traceback|Warning:", self.message):
-            found.append(f"not meant for a user: {self.message[-500:]}")
+            all_faults.append(f"not meant for a user: {self.message[-500:]}")
         if not self.is_finite:
-            found.append("a file holds a number that is not finite")
+            all_faults.append("a file holds a number that is not finite")
         wrong = [d for d in self.deviations if not d[1] <= d[2]] if code == 0 else []
-        return found + [
+        return all_faults + [
             f"{what}: off by {got:.3g}, allowed {bound:.3g}" for what, got, bound in wrong
         ]
 
@@ -167,9 +167,9 @@ def outcome(
 
 
 def _deviation(verdict: Verdict) -> tuple[str, float, float]:
-    expected, found = verdict.expected, verdict.deviation
+    expected, deviation = verdict.expected, verdict.deviation
     what = f"{expected.channel} {expected.statistic}"
-    return what, np.inf if found is None else abs(found), expected.allowed
+    return what, np.inf if deviation is None else abs(deviation), expected.allowed
 
 
 def finite(result: Result) -> bool:

@@ -27,8 +27,8 @@ ALL = [
 def test_an_extreme_case_stays_within_its_bounds(
     sweep: Sweep, value: float, tmp_path: Path
 ) -> None:
-    found = run(sweep, value, sweep.integrators[0], tmp_path, plain=True)
-    assert not found.faults(sweep)
+    outcome = run(sweep, value, sweep.integrators[0], tmp_path, plain=True)
+    assert not outcome.faults(sweep)
 
 
 @pytest.mark.long
@@ -36,9 +36,11 @@ def test_an_extreme_case_stays_within_its_bounds(
 def test_a_range_stays_within_its_bounds(sweep: Sweep, method: str, tmp_path: Path) -> None:
     faults = {}
     for value in sweep.values:
-        found = run(sweep, value, method, tmp_path / f"{value:g}", plain=False).faults(sweep)
-        if found:
-            faults[value] = found
+        faults_of_run = run(sweep, value, method, tmp_path / f"{value:g}", plain=False).faults(
+            sweep
+        )
+        if faults_of_run:
+            faults[value] = faults_of_run
     assert not faults
 
 

@@ -35,16 +35,16 @@ def check_end(seed: int, folder: Path, integrator: str = "rattle") -> int:
     drawn = model(seed, integrator)
     deck.write_text(yaml.safe_dump(drawn, sort_keys=False), "utf-8")
     done = crashsolve(deck, "-o", folder / "out")
-    found = outcome(done.returncode, done.stderr, folder / "out", {})
+    ended = outcome(done.returncode, done.stderr, folder / "out", {})
     assert "Traceback" not in done.stderr and "Warning:" not in done.stderr, done.stderr
-    assert found.is_finite
+    assert ended.is_finite
     if done.returncode == 0:
-        assert found.balance <= ENERGY
-        assert found.residual <= CLOSED
+        assert ended.balance <= ENERGY
+        assert ended.residual <= CLOSED
         lost, flow, reach = momentum(Result(folder / "out"), drawn)
         allowed = MOMENTUM * flow
         # joints and equations are closed to within the error that a step may make
-        allowed += 0.0 if integrator == "rattle" else found.steps * TOLERANCE * reach
+        allowed += 0.0 if integrator == "rattle" else ended.steps * TOLERANCE * reach
         # generalized-alpha weighs forces by its own recursion, and the ledger by the
         # trapezoidal rule: they differ by what a step does not follow
         assert lost <= allowed or integrator == "generalized_alpha"

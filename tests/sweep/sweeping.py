@@ -60,13 +60,13 @@ def status(folder: Path, number: int) -> dict[str, Any]:
         text = (folder / "runs" / f"{number:04d}" / "status.json").read_text("utf-8")
     except OSError:
         return {}
-    found: dict[str, object] = json.loads(text)
-    return found
+    content: dict[str, object] = json.loads(text)
+    return content
 
 
 def begun(folder: Path) -> dict[str, str]:
     """When each run began, as its results state: what is kept keeps it."""
-    found = {}
+    times = {}
     for path in sorted((folder / "runs").glob("*/log.txt")):
-        found[path.parent.name] = str(path.stat().st_mtime_ns)
-    return found
+        times[path.parent.name] = str(path.stat().st_mtime_ns)
+    return times

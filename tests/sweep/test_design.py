@@ -37,7 +37,7 @@ def numbers(design: Mapping[str, Any], **axes: Mapping[str, Any]) -> np.ndarray:
 
 
 def test_a_grid_is_every_value_with_every_other() -> None:
-    found = points_of(
+    points = points_of(
         plan(
             {"type": "grid"},
             a={"values": ("x", 2, "3 mm")},
@@ -45,32 +45,32 @@ def test_a_grid_is_every_value_with_every_other() -> None:
             c={"from": 0, "to": 0.3, "count": 4},
         )
     )
-    assert len(found) == 36
-    assert [point["c"] for point in found[:5]] == ["0.0", "0.1", "0.2", "0.3", "0.0"]
-    assert [point["b"] for point in found[:12:4]] == ["1.0", "10.0", "100.0"]
-    assert [point["a"] for point in found[::12]] == ["x", "2", "3 mm"]
+    assert len(points) == 36
+    assert [point["c"] for point in points[:5]] == ["0.0", "0.1", "0.2", "0.3", "0.0"]
+    assert [point["b"] for point in points[:12:4]] == ["1.0", "10.0", "100.0"]
+    assert [point["a"] for point in points[::12]] == ["x", "2", "3 mm"]
 
 
 def test_a_list_takes_first_values_together() -> None:
-    found = points_of(plan({"type": "list"}, a={"values": (1, 2)}, b={"values": ("p", True)}))
-    assert found == [{"a": "1", "b": "p"}, {"a": "2", "b": "true"}]
+    points = points_of(plan({"type": "list"}, a={"values": (1, 2)}, b={"values": ("p", True)}))
+    assert points == [{"a": "1", "b": "p"}, {"a": "2", "b": "true"}]
 
 
 def test_each_share_of_a_latin_hypercube_holds_one_value() -> None:
     n = 20
     design = {"type": "latin_hypercube", "runs": n}
-    found = numbers(design, a={"from": 0, "to": 1}, b={"from": -1, "to": 3})
-    assert sorted(np.floor(found[:, 0] * n)) == list(range(n))
-    assert sorted(np.floor((found[:, 1] + 1) / 4 * n)) == list(range(n))
+    points = numbers(design, a={"from": 0, "to": 1}, b={"from": -1, "to": 3})
+    assert sorted(np.floor(points[:, 0] * n)) == list(range(n))
+    assert sorted(np.floor((points[:, 1] + 1) / 4 * n)) == list(range(n))
 
 
 def test_a_sobol_sequence_fills_every_cell_and_grows_by_itself() -> None:
     axes: dict[str, Any] = {"a": {"from": 0, "to": 1}, "b": {"from": 0, "to": 1}}
-    found = numbers({"type": "sobol", "runs": 64}, **axes)
+    points = numbers({"type": "sobol", "runs": 64}, **axes)
     # a (0, 6, 2)-net in base 2: one point in every cell of 8 by 8
-    assert len({(int(8 * a), int(8 * b)) for a, b in found}) == 64
-    assert (numbers({"type": "sobol", "runs": 32}, **axes) == found[:32]).all()
-    assert (numbers({"type": "sobol", "runs": 64, "seed": 2}, **axes) != found).any()
+    assert len({(int(8 * a), int(8 * b)) for a, b in points}) == 64
+    assert (numbers({"type": "sobol", "runs": 32}, **axes) == points[:32]).all()
+    assert (numbers({"type": "sobol", "runs": 64, "seed": 2}, **axes) != points).any()
 
 
 # fields of an axis; mean and deviation in closed form
@@ -118,14 +118,14 @@ def test_sobol_indices_of_a_known_function() -> None:
     y = ishigami(x)
     # a run that failed takes its block with it, and nothing else
     y[7] = np.nan
-    found = indices_of(y, 3)
-    assert isinstance(found, Indices)
-    assert (found.blocks, found.lost) == (1023, 1)
+    analysis = indices_of(y, 3)
+    assert isinstance(analysis, Indices)
+    assert (analysis.blocks, analysis.lost) == (1023, 1)
     # in closed form; within three times half of the 95 % interval that goes with each
     first, total = (0.3139, 0.4424, 0.0), (0.5576, 0.4424, 0.2437)
     for known, values, errors in (
-        (first, found.first, found.first_errors),
-        (total, found.total, found.total_errors),
+        (first, analysis.first, analysis.first_errors),
+        (total, analysis.total, analysis.total_errors),
     ):
         assert np.abs(np.subtract(values, known)).max() < 3.0 * max(errors) < 0.3
     assert np.abs(np.subtract(values, known) / errors).max() < 3.0

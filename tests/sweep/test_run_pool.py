@@ -23,9 +23,9 @@ def pool(folder: Path) -> RunPool:
 
 
 def test_one_line_reports_all_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    found = pool(tmp_path)
-    found.run_all([])
-    found.states = {
+    run_pool = pool(tmp_path)
+    run_pool.run_all([])
+    run_pool.states = {
         1: RunStatus("finished"),
         2: RunStatus("finished"),
         3: RunStatus("failed", "why"),
@@ -33,8 +33,8 @@ def test_one_line_reports_all_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     nobody = cast(Any, None)
     workers = [Worker(run(4), nobody, progress=0.5), Worker(run(5), nobody, progress=0.25)]
     # 3.75 of 10 runs in 15 s
-    found._count, found._ended, found._started = 10, 3, time.monotonic() - 15.0
-    reported = found._progress(workers, 5)
+    run_pool._count, run_pool._ended, run_pool._started = 10, 3, time.monotonic() - 15.0
+    reported = run_pool._progress(workers, 5)
     assert reported == "1 failed, 2 finished; running 0004 50 %, 0005 25 %; 5 waiting; 25 s left"
 
 
@@ -65,10 +65,10 @@ def test_a_run_that_another_process_holds_is_waited_for(
 
     timer = threading.Timer(0.5, end)
     timer.start()
-    found = pool(tmp_path)
-    found.run_all([run(1)])
+    run_pool = pool(tmp_path)
+    run_pool.run_all([run(1)])
     timer.join()
-    assert found.states[1] == RunStatus("failed", "m")
+    assert run_pool.states[1] == RunStatus("failed", "m")
     assert capsys.readouterr().out.splitlines() == [
         "  0001 runs in another process: waiting for its end",
         "  0001 failed, exit code 4: m",

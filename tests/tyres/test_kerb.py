@@ -36,8 +36,8 @@ def velocity_change(folder: Path, step: str) -> np.ndarray:
     deck.write_text(DECK.replace("STEP", step), "utf-8")
     done = crashsolve(deck, "-o", out)
     assert done.returncode == 0, done.stdout + done.stderr
-    found = [Result(out).series(f"rbdout.wheel.velocity.{axis}").values for axis in "xz"]
-    return np.array([v[-1] - v[0] for v in found])
+    speeds = [Result(out).series(f"rbdout.wheel.velocity.{axis}").values for axis in "xz"]
+    return np.array([v[-1] - v[0] for v in speeds])
 
 
 def test_a_wheel_that_begins_in_a_kerb_is_reported(tmp_path: Path) -> None:
@@ -59,10 +59,10 @@ def test_a_wheel_that_passes_a_thin_wall_within_a_step_is_reported(tmp_path: Pat
     deck = tmp_path / "deck.yaml"
     deck.write_text(text.replace("[1.2, 0, 0.015]", "[0.5, 0, 0.5]"), "utf-8")
     done = crashsolve(deck, "-o", tmp_path / "out")
-    found = Result(tmp_path / "out")
+    result = Result(tmp_path / "out")
     # it has come out behind
-    assert found.series("rbdout.wheel.position.x").values[-1] > 0.6
-    assert found.series("rbdout.wheel.velocity.x").values[-1] > 0.0
+    assert result.series("rbdout.wheel.position.x").values[-1] > 0.6
+    assert result.series("rbdout.wheel.velocity.x").values[-1] > 0.0
     assert "tyre 't': the wheel centre has reached the road" in done.stdout + done.stderr
 
 

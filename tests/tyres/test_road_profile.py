@@ -49,15 +49,15 @@ def test_the_spectrum_of_a_period_is_that_of_the_class(
     count = 1 << 13
     z = heights(card, np.arange(count) * 100.0 / count)
     amplitude = 2.0 * np.abs(np.fft.rfft(z)) / count
-    found = amplitude**2 / 2.0 * 100.0
+    spectrum = amplitude**2 / 2.0 * 100.0
     n = np.fft.rfftfreq(count, 100.0 / count)
     inside = (n >= 0.0199) & (n <= 2.8301)
     expected = roughness * (n[inside] / 0.1) ** -exponent
     # cubics err by 6e-5 of the height of the shortest wave, twice that in its square, and by
     # waves of theirs that others fold onto
-    np.testing.assert_allclose(found[inside], expected, rtol=2e-3)
+    np.testing.assert_allclose(spectrum[inside], expected, rtol=2e-3)
     outside = n > 2.84
-    assert found[outside].max() < 1e-6 * expected.min()
+    assert spectrum[outside].max() < 1e-6 * expected.min()
 
 
 def test_a_seed_is_a_road() -> None:

@@ -33,9 +33,9 @@ def image(eye: Any, x: Array) -> Array:
     ahead = (AT - np.array(eye)) / np.linalg.norm(AT - np.array(eye))
     right = np.cross(ahead, [0.0, 0.0, 1.0])
     right /= np.linalg.norm(right)
-    seen = (x - np.array(eye)) @ np.array([right, np.cross(ahead, right), ahead]).T
-    found: Array = FOCAL * seen[:, :2] / seen[:, 2:] + [960.0, 540.0]
-    return found
+    in_camera = (x - np.array(eye)) @ np.array([right, np.cross(ahead, right), ahead]).T
+    pixels: Array = FOCAL * in_camera[:, :2] / in_camera[:, 2:] + [960.0, 540.0]
+    return pixels
 
 
 def posture_at(time: float) -> dict[str, object]:
@@ -68,12 +68,12 @@ def scene_at(time: float) -> Scene:
 
 def landmarks_at(time: float) -> dict[str, Array]:
     """Positions of all landmarks in the world."""
-    scene, found = scene_at(time), {}
+    scene, positions = scene_at(time), {}
     for row in read_table(str(HERE / "landmarks.csv"), LANDMARKS):
         node = scene.node(row.names["body"].replace("<who>", "driver"))
         at = [row.numbers[axis] for axis in "xyz"]
-        found[row.names["point"]] = np.array(scene.world_point(node, at))
-    return found
+        positions[row.names["point"]] = np.array(scene.world_point(node, at))
+    return positions
 
 
 def write(folder: Path, error: float, seed: int, points: dict[float, dict[str, Array]]) -> None:
@@ -94,8 +94,8 @@ def write(folder: Path, error: float, seed: int, points: dict[float, dict[str, A
     lines = []
     for time, marks in points.items():
         for k in range(len(EYES)):
-            seen = zip(marks, pictures(np.array(list(marks.values())), k), strict=True)
-            lines += [f"{time:g},{k},{p},{u}" for p, u in seen if (p, k) not in HIDDEN]
+            image_points = zip(marks, pictures(np.array(list(marks.values())), k), strict=True)
+            lines += [f"{time:g},{k},{p},{u}" for p, u in image_points if (p, k) not in HIDDEN]
     _write(folder / "frames.csv", "time [s],camera,point,u,v", lines)
 
 

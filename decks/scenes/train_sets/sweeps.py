@@ -52,15 +52,15 @@ class Extreme(NamedTuple):
 
 def assumptions() -> list[Assumption]:
     """All that is assumed or shaped with a range, in the order of the files."""
-    found = []
+    listed = []
     for file in ("rail_trains.yaml", "rail_numbers.yaml"):
         for line in (SHARED / file).read_text("utf-8").splitlines():
             match = _LINE.match(line)
             if match and match["name"] not in INEFFECTIVE:
                 unit = match["tonnes"] or ""
                 ends = (match["low"] + unit, match["high"] + unit)
-                found.append(Assumption(match["name"], match["kind"], *ends))
-    return found
+                listed.append(Assumption(match["name"], match["kind"], *ends))
+    return listed
 
 
 def deck_value(name: str) -> str:

@@ -41,7 +41,7 @@ def add_commands(add: Add) -> None:
         "--tolerance",
         default="1 %",
         metavar="SHARE",
-        help="largest difference over the range of a channel that is none, default 1 %%",
+        help="differences up to this fraction of a channel's range count as none, default 1 %%",
     )
     sub.add_argument("--all", action="store_true", help="list channels within the tolerance too")
     _add_tests(sub)
@@ -151,19 +151,22 @@ def _compare(options: argparse.Namespace) -> int:
     in_corridors, exceeds = corridor_rows(results, named, words, options.test, during)
     # one result alone may be rated against a test
     is_alone = len(results) == 1 and bool(options.test)
-    found = Compared([], []) if is_alone else compare(results, words)
-    parts = [differences_text(found, named, tolerance, everything=options.all), ratings_text(rated)]
+    compared = Compared([], []) if is_alone else compare(results, words)
+    parts = [
+        differences_text(compared, named, tolerance, everything=options.all),
+        ratings_text(rated),
+    ]
     parts.append(text_table(HEADER, in_corridors) if in_corridors else "")
     print(printable_lines("\n\n".join(part for part in parts if part)))
     if options.output:
-        write_page(results, named, found, tolerance, rated, in_corridors, options)
+        write_page(results, named, compared, tolerance, rated, in_corridors, options)
         print(printable_lines(str(options.output)))
-    return 1 if differ(found, tolerance) or exceeds else 0
+    return 1 if differ(compared, tolerance) or exceeds else 0
 
 
-def differ(found: "Compared", tolerance: float) -> bool:
+def differ(compared: "Compared", tolerance: float) -> bool:
     """Whether results differ: a channel beyond the tolerance, or in one of them only."""
-    return bool(found.remarks) or any(one.is_beyond(tolerance) for one in found.differences)
+    return bool(compared.remarks) or any(one.is_beyond(tolerance) for one in compared.differences)
 
 
 def _export(options: argparse.Namespace) -> int:

@@ -20,7 +20,7 @@ from crashpost.values.measured import read_test
 from crashsolve.channels.display import factor, is_convertible
 from crashsolve.channels.series import Window
 
-Course = tuple[np.ndarray, np.ndarray]
+Polyline = tuple[np.ndarray, np.ndarray]
 HEADER = ("result", "channel", "test", "time inside", "largest excess", "unit", "at s")
 
 
@@ -34,7 +34,7 @@ class CorridorResult:
 
 
 def compare_with_corridor(
-    history: Course, lower: Course, upper: Course, during: Window | None = None
+    history: Polyline, lower: Polyline, upper: Polyline, during: Window | None = None
 ) -> CorridorResult:
     """Share of time and excess of a history (x, y) with borders (x, y); raises PostError without
     common time.
@@ -69,7 +69,7 @@ def corridor_rows(
     during: Window | None,
 ) -> tuple[list[list[str]], bool]:
     """A row for every channel beside every corridor of its kind; whether one leaves it."""
-    found, exceeds = [], False
+    rows, exceeds = [], False
     for test in map(read_test, tests):
         if test.corridor is None or not is_convertible(test.abscissa.unit, "s"):
             continue
@@ -85,5 +85,5 @@ def corridor_rows(
                 rated = compare_with_corridor(history, lower, upper, during)
                 exceeds = exceeds or rated.excess > 0.0
                 sizes = [f"{100 * rated.inside:.4g} %", number(rated.excess), unit or "-"]
-                found.append([name, choice.channel, test.name, *sizes, number(rated.at)])
-    return found, exceeds
+                rows.append([name, choice.channel, test.name, *sizes, number(rated.at)])
+    return rows, exceeds

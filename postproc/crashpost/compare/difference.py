@@ -56,15 +56,15 @@ def compare(results: Sequence[Result], requested: Sequence[str] = ()) -> Compare
     """Every result against the first; raises PostError for fewer than two, or nothing in common."""
     if len(results) < 2:
         raise PostError("compare takes two results or more")
-    found, remarks = list[Difference](), list[str]()
+    differences, remarks = list[Difference](), list[str]()
     for run, other in enumerate(results[1:], start=1):
         shared, alone = _names(results[0], other, requested)
         if not shared:
             raise PostError(f"{other.folder} and {results[0].folder} share no channel")
         remarks += alone + _times(results[0], other)
         floors = _floors(results[0], other, shared)
-        found += [_difference(results[0], other, run, name, floors) for name in shared]
-    return Compared(sorted(found, key=lambda one: -one.largest), remarks)
+        differences += [_difference(results[0], other, run, name, floors) for name in shared]
+    return Compared(sorted(differences, key=lambda one: -one.largest), remarks)
 
 
 def _names(first: Result, other: Result, requested: Sequence[str]) -> tuple[list[str], list[str]]:

@@ -65,16 +65,16 @@ def rating(
     own = np.interp(grid, history.time, history.values)
     if not np.ptp(reference) > 0 or not np.ptp(own) > 0:
         raise PostError("a history that does not change cannot be rated")
-    found = ISO18571(
+    scores = ISO18571(
         reference_curve=np.column_stack([grid, reference]),
         comparison_curve=np.column_stack([grid, own]),
         dt=INTERVAL,
     )
     parts = (
-        found.overall_rating(),
-        found.corridor_rating(),
-        found.phase_rating(),
-        found.magnitude_rating(),
-        found.slope_rating(),
+        scores.overall_rating(),
+        scores.corridor_rating(),
+        scores.phase_rating(),
+        scores.magnitude_rating(),
+        scores.slope_rating(),
     )
     return Rating(*map(float, parts))

@@ -88,12 +88,12 @@ def _beside_corridor(series: Series, figure: Figure, reference: Reference) -> Co
     if during is not None:
         first, last = (end * factor("s", x_unit) + figure.x_offset for end in during)
         during = first, last
-    found = compare_with_corridor(
+    excess = compare_with_corridor(
         (time, values), (lower[0], lower[1]), (upper[0], upper[1]), during
     )
-    label = f"{reference.label}: largest excess, inside for {100 * found.inside:.4g} % of the time"
+    label = f"{reference.label}: largest excess, inside for {100 * excess.inside:.4g} % of the time"
     known = reference.tolerance or 0.0
-    return Comparison(label, reference.source, found.excess, 0.0, 0.0, unit, known)
+    return Comparison(label, reference.source, excess.excess, 0.0, 0.0, unit, known)
 
 
 def _published(reference: Reference) -> tuple[float, float]:

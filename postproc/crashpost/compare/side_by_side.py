@@ -25,7 +25,9 @@ MEASURE = (
 RATINGS = ("result", "channel", "test", "rating", "", "corridor", "phase", "magnitude", "slope")
 
 
-def rows(found: Sequence[Difference], named: Sequence[str], tolerance: float) -> list[list[str]]:
+def rows(
+    differences: Sequence[Difference], named: Sequence[str], tolerance: float
+) -> list[list[str]]:
     """A row for each difference: verdict, channel, sizes, difference in % of the range, when."""
     return [
         [
@@ -38,7 +40,7 @@ def rows(found: Sequence[Difference], named: Sequence[str], tolerance: float) ->
             f"{100 * one.rms:.3g}%",
             number(one.time),
         ]
-        for one in found
+        for one in differences
     ]
 
 
@@ -49,26 +51,26 @@ def header(named: Sequence[str]) -> tuple[str, ...]:
 
 
 def differences_text(
-    found: Compared, named: Sequence[str], tolerance: float, *, everything: bool
+    compared: Compared, named: Sequence[str], tolerance: float, *, everything: bool
 ) -> str:
     """Channels that differ, or all, as text; "" where nothing was compared."""
-    if not found.differences and not found.remarks:
+    if not compared.differences and not compared.remarks:
         return ""
-    beyond = [one for one in found.differences if one.is_beyond(tolerance)]
-    shown = found.differences if everything else beyond[:MAX_ROWS]
+    beyond = [one for one in compared.differences if one.is_beyond(tolerance)]
+    shown = compared.differences if everything else beyond[:MAX_ROWS]
     parts = [text_table(header(named), rows(shown, named, tolerance))] if shown else []
     if len(beyond) > MAX_ROWS and not everything:
         parts.append(f"... and {len(beyond) - MAX_ROWS} more; --all lists them")
-    parts += [MEASURE, summary(found, tolerance)]
-    parts += [f"remark: {remark}" for remark in found.remarks]
+    parts += [MEASURE, summary(compared, tolerance)]
+    parts += [f"remark: {remark}" for remark in compared.remarks]
     return "\n".join(parts)
 
 
-def summary(found: Compared, tolerance: float) -> str:
+def summary(compared: Compared, tolerance: float) -> str:
     """Number of channels that differ, in words."""
-    beyond = sum(one.is_beyond(tolerance) for one in found.differences)
+    beyond = sum(one.is_beyond(tolerance) for one in compared.differences)
     return (
-        f"{beyond} of {len(found.differences)} channels differ by more than "
+        f"{beyond} of {len(compared.differences)} channels differ by more than "
         f"{100 * tolerance:.4g} % of their range"
     )
 
@@ -85,7 +87,7 @@ def rating_rows(
         raise PostError("--during limits ratings, which need --test")
     if tests and not words:
         raise PostError("name the channel that is rated against the test")
-    found = []
+    lines = []
     for test in map(read_test, tests):
         fitting = 0
         for result, name in zip(results, named, strict=True):
@@ -96,11 +98,11 @@ def rating_rows(
                         rated = rating(series, test, curve, during)
                         numbers = [f"{value:.3f}" for value in rated[1:5]]
                         row = [name, choice.channel, f"{test.name}: {curve.name}"]
-                        found.append([*row, f"{rated.overall:.3f}", rated.grade, *numbers])
+                        lines.append([*row, f"{rated.overall:.3f}", rated.grade, *numbers])
                         fitting += 1
         if not fitting and test.corridor is None:
             raise PostError(f"test '{test.name}' has no curve in the unit of {' '.join(words)}")
-    return found
+    return lines
 
 
 def ratings_text(rated: Sequence[Sequence[str]]) -> str:
@@ -111,7 +113,7 @@ def ratings_text(rated: Sequence[Sequence[str]]) -> str:
 def write_page(
     results: Sequence[Result],
     named: Sequence[str],
-    found: Compared,
+    compared: Compared,
     tolerance: float,
     rated: Sequence[Sequence[str]],
     in_corridors: Sequence[Sequence[str]],
@@ -122,17 +124,17 @@ def write_page(
     """
     from crashpost.figures.page import block, escape, page, table, tiles
 
-    beyond = [one for one in found.differences if one.is_beyond(tolerance)]
+    beyond = [one for one in compared.differences if one.is_beyond(tolerance)]
     heading = " and ".join(named) if len(named) < 3 else f"{len(named)} results"
     units = Units.read(options.unit)
-    shown = list(dict.fromkeys(one.channel for one in beyond or found.differences))[:MAX_FIGURES]
+    shown = list(dict.fromkeys(one.channel for one in beyond or compared.differences))[:MAX_FIGURES]
     shown = shown or list(dict.fromkeys(row[1] for row in (*rated, *in_corridors)))
     classes = ("", "name", "", "unit", "num", "num", "num", "num", "num")
-    listed = found.differences if options.all else beyond
-    remarks = "".join(f'<p class="problem">{escape(remark)}</p>' for remark in found.remarks)
+    listed = compared.differences if options.all else beyond
+    remarks = "".join(f'<p class="problem">{escape(remark)}</p>' for remark in compared.remarks)
     facts = [
         (str(len(beyond)), f"channels differ by more than {100 * tolerance:.4g} % of their range"),
-        (str(len(found.differences) - len(beyond)), "channels within"),
+        (str(len(compared.differences) - len(beyond)), "channels within"),
     ]
     body = [
         '<header><div class="eyebrow">crashsolve results compared</div>'

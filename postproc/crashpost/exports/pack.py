@@ -72,15 +72,15 @@ class _Packing:
 
     def _fields(self) -> dict[tuple[str, str], int]:
         """Name and location of every field of any block, and its components."""
-        found: dict[tuple[str, str], int] = {}
+        sizes: dict[tuple[str, str], int] = {}
         for block in self.blocks:
             for name in self.states.fields(block.name):
                 if name not in SKIPPED:
                     values = self.states.read(0, block.name, name)[name]
-                    found[name, _position(block, name, values)] = 1 if values.ndim == 1 else 3
-        found["displacement", "PointData"] = 3
-        found["block", "CellData"] = 1
-        return found
+                    sizes[name, _position(block, name, values)] = 1 if values.ndim == 1 else 3
+        sizes["displacement", "PointData"] = 3
+        sizes["block", "CellData"] = 1
+        return sizes
 
     def _values(self, k: int, name: str, association: str, width: int) -> np.ndarray:
         """A field of all blocks at a state."""
@@ -88,15 +88,15 @@ class _Packing:
         for number, block in enumerate(self.blocks):
             size = len(block.points) if association == "PointData" else block.n_cells
             shape = (size,) if width == 1 else (size, width)
-            found = self.states.read(k, block.name, name).get(name)
+            field = self.states.read(k, block.name, name).get(name)
             if name == "block":
                 parts.append(np.full(shape, float(number)))
             elif (
-                found is not None
-                and found.shape == shape
-                and _position(block, name, found) == association
+                field is not None
+                and field.shape == shape
+                and _position(block, name, field) == association
             ):
-                parts.append(found)
+                parts.append(field)
             else:
                 parts.append(np.full(shape, 0.0 if name in (GHOST, "displacement") else np.nan))
         return np.concatenate(parts)

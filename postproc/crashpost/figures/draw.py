@@ -212,8 +212,16 @@ def _draw_reference(axes: Axes, reference: Reference, colour: str, figure: Figur
         axes.plot(x, y, linestyle=(0, MEASURED), linewidth=2, **style)
         return Key(reference.label, colour, "dots", MEASURED)
     # a point on the border of the figure is drawn whole, one beyond it not at all
-    seen = _between(x, figure.x_range) & _between(y, figure.y_range)
-    axes.plot(x[seen], y[seen], "o", markersize=6, markerfacecolor="white", clip_on=False, **style)
+    is_visible = _between(x, figure.x_range) & _between(y, figure.y_range)
+    axes.plot(
+        x[is_visible],
+        y[is_visible],
+        "o",
+        markersize=6,
+        markerfacecolor="white",
+        clip_on=False,
+        **style,
+    )
     return Key(reference.label, colour, "point")
 
 
@@ -260,8 +268,8 @@ def _finish_axes(axes: Axes, figure: Figure, scaled: _Scaled) -> None:
 
 def _fit_y(axes: Axes, x_range: Pair, lines: Sequence[_Line]) -> None:
     """Set the range of the ordinate to that of the lines within the abscissa shown."""
-    seen = [line.y[_between(line.x, x_range)] for line in lines]
-    values = np.concatenate([part[np.isfinite(part)] for part in seen])
+    visible = [line.y[_between(line.x, x_range)] for line in lines]
+    values = np.concatenate([part[np.isfinite(part)] for part in visible])
     if not len(values):
         low, high = x_range
         raise PostError(f"no sample lies from {low:g} to {high:g} on the abscissa")

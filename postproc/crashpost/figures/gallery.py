@@ -288,8 +288,8 @@ def _family_figure(result: Result, family: Family) -> Figure | None:
 
 def _ranges(result: Result, family: Family, columns: list[Column]) -> dict[str, float]:
     """Greatest minus least value of every channel of the columns, entity by entity."""
-    found = [result.extremes(family, column) for column in columns]
-    ranges = np.array([one.greatest - one.least for one in found])
+    spans = [result.extremes(family, column) for column in columns]
+    ranges = np.array([one.greatest - one.least for one in spans])
     return {
         f"{family.word}.{entity}.{column.name}": float(ranges[c, e])
         for e, entity in enumerate(family.ids)

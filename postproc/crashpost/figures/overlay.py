@@ -25,9 +25,9 @@ def names(results: Sequence[Result]) -> list[str]:
     stated = [_stated(result) for result in results]
     for values in (stated, [_parameters(result) for result in results], _decks(results)):
         differing = _differing(values)
-        found = [_description(own, differing, values) for own in values]
-        if 0 < len(differing) <= MAX_DIFFERENCES and len(set(found)) == len(found):
-            return found
+        descriptions = [_description(own, differing, values) for own in values]
+        if 0 < len(differing) <= MAX_DIFFERENCES and len(set(descriptions)) == len(descriptions):
+            return descriptions
     folders = [_folder(result) for result in results]
     if len(set(folders)) < len(folders):
         folders = [printable(str(result.folder)) for result in results]
@@ -53,7 +53,7 @@ def _decks(results: Sequence[Result]) -> list[Json]:
     import yaml
 
     loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-    found = []
+    leaves_of_runs = []
     for result in results:
         try:
             tree = yaml.load(result.deck_text, Loader=loader) or {}
@@ -64,8 +64,8 @@ def _decks(results: Sequence[Result]) -> list[Json]:
             _collect(
                 {key: part for key, part in tree.items() if key not in INEFFECTIVE}, "", leaves
             )
-        found.append(leaves)
-    return found
+        leaves_of_runs.append(leaves)
+    return leaves_of_runs
 
 
 def _collect(part: dict[str, object] | list[object], path: str, leaves: Json) -> None:

@@ -75,14 +75,14 @@ def _longest(results: Sequence[Result]) -> Result:
 
 def _chosen(results: Sequence[Result], requested: Sequence[str]) -> dict[Choice, list[int]]:
     """The channels, each with the numbers of the results that have it; raises PostError."""
-    found: dict[Choice, list[int]] = {}
+    runs_of: dict[Choice, list[int]] = {}
     problems: list[PostError] = []
     for word in requested:
         fitting = 0
         for run, result in enumerate(results):
             try:
                 for choice in choices(result, [word]):
-                    found.setdefault(choice, []).append(run)
+                    runs_of.setdefault(choice, []).append(run)
                     fitting += 1
             except PostError as error:
                 # a pattern may fit in some results only, a name must be in all
@@ -92,7 +92,7 @@ def _chosen(results: Sequence[Result], requested: Sequence[str]) -> dict[Choice,
                 problems.append(error)
         if not fitting:
             raise problems[-1]
-    return {choice: list(dict.fromkeys(runs)) for choice, runs in found.items()}
+    return {choice: list(dict.fromkeys(runs)) for choice, runs in runs_of.items()}
 
 
 def _kind(results: Sequence[Result], names: Sequence[str], kind: str) -> list[Figure]:
@@ -188,15 +188,15 @@ def _mark(
 ) -> Reference:
     """A level at a statistic, or a point where it is a moment or measures something else."""
     channel, word = choice
-    series, found = result.series(channel), answer(result, channel, word)
-    is_value = found.unit == series.unit
+    series, marked = result.series(channel), answer(result, channel, word)
+    is_value = marked.unit == series.unit
     if is_value:
-        found = answer(result, channel, word, None, units[1])
+        marked = answer(result, channel, word, None, units[1])
     elif is_a_time(word) and against == "time":
-        found = answer(result, channel, word, None, units[0])
-    message = f"{word} {found.value:.5g} {found.unit}".rstrip() + (f", {name}" if name else "")
+        marked = answer(result, channel, word, None, units[0])
+    message = f"{word} {marked.value:.5g} {marked.unit}".rstrip() + (f", {name}" if name else "")
     if is_value and not is_of_a_moment(word):
-        return Reference(message, value=found.value)
+        return Reference(message, value=marked.value)
     moment = result.value(channel, word) if is_a_time(word) else requested_moment(word)
     moment = float(series.time[-1]) if moment is None else moment
     at = f"at:{moment!r}"
@@ -243,15 +243,15 @@ def units_of(results: Sequence[Result], figure: Figure) -> tuple[str, str]:
 
 
 def _measured(test: Measurement, x_unit: str, y_unit: str) -> list[Reference]:
-    found = [
+    references = [
         Reference(f"{test.name}: {one.name}", "curve", points=test.points(one, x_unit, y_unit))
         for one in test.curves
         if is_convertible(one.unit, y_unit)
     ]
     if test.corridor and is_convertible(test.corridor[0].unit, y_unit):
         low, high = (test.points(one, x_unit, y_unit) for one in test.corridor)
-        found.append(Reference(f"{test.name}: corridor", "corridor", points=low, upper=high))
-    return found
+        references.append(Reference(f"{test.name}: corridor", "corridor", points=low, upper=high))
+    return references
 
 
 def profile(
@@ -273,8 +273,8 @@ def profile(
         for one in (xs, ys)
     )
     x_unit, y_unit = (
-        axis_unit([Series(np.arange(found.size), found.ravel(), own)], wanted or AUTO)
-        for found, own, wanted in (
+        axis_unit([Series(np.arange(values.size), values.ravel(), own)], wanted or AUTO)
+        for values, own, wanted in (
             (x_all, x_own, request.units.wanted(along, x_own)),
             (y_all, y_own, request.units.wanted(word, y_own)),
         )
@@ -311,14 +311,14 @@ def _entities(result: Result, word: str) -> dict[str, str]:
     if match is None:
         raise PostError(f"'{word}' has no pattern of entities, such as rbdout.tube_*.position.z")
     family, pattern, column = match.groups()
-    found = {
+    entities = {
         entity: word[: match.start()] + f"'{family}.{entity}.{column}'" + word[match.end() :]
         for one in result.families.values()
         if one.word == family and column in {c.name for c in one.columns}
         for entity in one.ids
         if fnmatchcase(entity, pattern)
     }
-    if not found:
+    if not entities:
         raise PostError(f"no channel fits '{match[0]}'; see `crashpost channels`")
     bare = word[: match.start()].strip() or word[match.end() :].strip()
-    return found if bare else {e: name.strip("'") for e, name in found.items()}
+    return entities if bare else {e: name.strip("'") for e, name in entities.items()}

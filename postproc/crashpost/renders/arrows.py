@@ -28,7 +28,7 @@ def arrows_of(
     drawing: Drawing, fitted_camera: Camera, arrow: float, thickness: float = 1.0
 ) -> Drawing:
     """Only the arrows of a drawing, `arrow` [m] long for each unit, so many times as thick."""
-    found = Drawing()
+    arrows = Drawing()
     for starts, vectors in drawing.arrows:
         width = (
             WIDTH
@@ -40,8 +40,10 @@ def arrows_of(
         for corners in (quads, triangles):
             if len(corners):
                 which = np.zeros(len(corners), int)
-                found.surfaces.append(Surface(points, corners, [ARROW], which, which, is_flat=True))
-    return found
+                arrows.surfaces.append(
+                    Surface(points, corners, [ARROW], which, which, is_flat=True)
+                )
+    return arrows
 
 
 def arrow_polygons(
@@ -74,11 +76,11 @@ def arrow_polygons(
         ],
         axis=1,
     )
-    here = np.arange(n)
-    after = np.roll(here, -1)
-    shaft = np.column_stack([here, after, after + n, here + n])
-    head_points = np.column_stack([here + n, after + n, after + 2 * n, here + 2 * n])
-    cone = np.column_stack([here + 2 * n, after + 2 * n, np.full(n, 3 * n)])
+    base = np.arange(n)
+    after = np.roll(base, -1)
+    shaft = np.column_stack([base, after, after + n, base + n])
+    head_points = np.column_stack([base + n, after + n, after + 2 * n, base + 2 * n])
+    cone = np.column_stack([base + 2 * n, after + 2 * n, np.full(n, 3 * n)])
     first = (3 * n + 1) * np.arange(len(starts))[:, None, None]
     quads = (first + np.concatenate([shaft, head_points])).reshape(-1, 4)
     return cloud.reshape(-1, 3), quads, (first + cone).reshape(-1, 3)

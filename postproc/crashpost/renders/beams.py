@@ -47,17 +47,17 @@ def rings(
         ends[own, end][:, None] + np.einsum("nij,nkj->nki", rotated_corners[own, end], flat)
         for end in (0, 1)
     ]
-    found: np.ndarray = np.stack(both, axis=1)
-    return found
+    circles: np.ndarray = np.stack(both, axis=1)
+    return circles
 
 
 def prisms(count: int, corners: int) -> tuple[np.ndarray, np.ndarray]:
     """Sides (quads) and ends (polygons) of prisms, each with two rings of corners."""
-    here = np.arange(corners)
-    after = np.roll(here, -1)
-    one = np.column_stack([here, after, after + corners, here + corners])
+    base = np.arange(corners)
+    after = np.roll(base, -1)
+    one = np.column_stack([base, after, after + corners, base + corners])
     first = 2 * corners * np.arange(count)[:, None, None]
-    ends = np.stack([here[::-1], here + corners])
+    ends = np.stack([base[::-1], base + corners])
     return (first + one).reshape(-1, 4), (first + ends).reshape(-1, corners)
 
 
@@ -69,5 +69,5 @@ def rotated(vectors: np.ndarray) -> np.ndarray:
     zero = np.zeros_like(x)
     K = np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]).transpose(2, 0, 1)
     sine, rest = np.sin(angle)[:, None, None], (1.0 - np.cos(angle))[:, None, None]
-    found: np.ndarray = np.eye(3) + sine * K + rest * (K @ K)
-    return found
+    R: np.ndarray = np.eye(3) + sine * K + rest * (K @ K)
+    return R

@@ -10,14 +10,14 @@ EDGE_ON = 0.1
 
 def borders(block: Block) -> tuple[np.ndarray, np.ndarray]:
     """Edges (e, 2) that belong to one cell alone, and the row (e,) of that cell."""
-    found, owners = [np.empty((0, 2), int)], [np.empty(0, int)]
+    edges_of_blocks, owners = [np.empty((0, 2), int)], [np.empty(0, int)]
     for rows, corners in block.cells:
         if corners.shape[1] not in (3, 4):
             continue
         for one, other in zip(corners.T, np.roll(corners, -1, axis=1).T, strict=True):
-            found.append(np.column_stack([one, other]).astype(int))
+            edges_of_blocks.append(np.column_stack([one, other]).astype(int))
             owners.append(np.asarray(rows, int))
-    edges, rows = np.concatenate(found), np.concatenate(owners)
+    edges, rows = np.concatenate(edges_of_blocks), np.concatenate(owners)
     _, first, counts = np.unique(
         np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True
     )

@@ -29,10 +29,10 @@ class Camera:
 
     def flat(self, points: np.ndarray) -> np.ndarray:
         """Points (n, 3) in the picture: right and up [m] from its middle, and towards the eye."""
-        found: np.ndarray = (points - self.middle) @ np.column_stack(
+        flattened: np.ndarray = (points - self.middle) @ np.column_stack(
             [self.right, self.up, self.towards]
         )
-        return found
+        return flattened
 
     @property
     def dot(self) -> float:
@@ -101,8 +101,8 @@ def _direction(view: str) -> np.ndarray:
 
 
 def _unit(vector: np.ndarray) -> np.ndarray:
-    found: np.ndarray = vector / np.linalg.norm(vector)
-    return found
+    unit_vector: np.ndarray = vector / np.linalg.norm(vector)
+    return unit_vector
 
 
 def round_length(width: float) -> float:
@@ -115,5 +115,5 @@ def outermost(points: np.ndarray) -> np.ndarray:
     """The points that reach furthest in 26 directions: enough to fit a picture around them."""
     steps = np.array([(i, j, k) for i in (-1, 0, 1) for j in (-1, 0, 1) for k in (-1, 0, 1)], float)
     steps = steps[np.any(steps, axis=1)]
-    found: np.ndarray = points[np.unique((points @ steps.T).argmax(axis=0))]
-    return found
+    extreme_points: np.ndarray = points[np.unique((points @ steps.T).argmax(axis=0))]
+    return extreme_points

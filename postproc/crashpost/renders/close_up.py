@@ -83,15 +83,15 @@ def _positions(scene: Scene, name: str, numbers: Sequence[float]) -> list[np.nda
         if name not in known:
             raise unknown("contact, body or part", name, known)
         return [scene.position(number, name) for number in numbers]
-    found = [_acts_at(scene, contacts.index(name), int(number)) for number in numbers]
-    touching = [k for k, middle in enumerate(found) if middle is not None]
+    middles = [_acts_at(scene, contacts.index(name), int(number)) for number in numbers]
+    touching = [k for k, middle in enumerate(middles) if middle is not None]
     if not touching:
         raise PostError(f"close-up '{name}': this contact touches at none of these moments")
     positions = []
     for k, number in enumerate(numbers):
         # before and after a touch the window moves with the body nearest to it
         at = min(touching, key=lambda t: abs(t - k))
-        middle = found[at]
+        middle = middles[at]
         assert middle is not None
         positions.append(middle + _moved(scene, middle, (numbers[at], number)))
     return positions

@@ -48,14 +48,14 @@ class ColourScale:
         """Colours (256, 3)."""
         from matplotlib import colormaps
 
-        found: np.ndarray = 255.0 * colormaps[self.cmap](np.linspace(0.0, 1.0, 256))[:, :3]
-        return found
+        colours: np.ndarray = 255.0 * colormaps[self.cmap](np.linspace(0.0, 1.0, 256))[:, :3]
+        return colours
 
     def colours(self, values: np.ndarray) -> np.ndarray:
         """Red, green and blue (n, 3), 0 to 255."""
         share = (values - self.low) / (self.high - self.low)
-        found: np.ndarray = self.table[np.clip(255.0 * share + 0.5, 0, 255).astype(int)]
-        return found
+        rgb: np.ndarray = self.table[np.clip(255.0 * share + 0.5, 0, 255).astype(int)]
+        return rgb
 
 
 def rgb(colour: str) -> np.ndarray:

@@ -17,11 +17,11 @@ Half = tuple[np.ndarray, float]
 
 def half_space(text: str) -> Half:
     """Half space that a sectional view keeps, from words; raises PostError."""
-    found = _WORDS.fullmatch(text)
+    match = _WORDS.fullmatch(text)
     try:
-        if found is None:
+        if match is None:
             raise ValueError
-        axis, side, digits, unit = found.groups()
+        axis, side, digits, unit = match.groups()
         value = float(digits) * factor(unit or "m", "m")
     except (ValueError, PostError):
         raise PostError(
@@ -42,7 +42,7 @@ def clamped(points: np.ndarray, half: Half) -> np.ndarray:
 def cut(drawing: Drawing, half: Half) -> Drawing:
     """The part of a drawing within a half space."""
     normal, offset = half
-    found = Drawing([s for one in drawing.surfaces for s in _surfaces(one, half)])
+    kept = Drawing([s for one in drawing.surfaces for s in _surfaces(one, half)])
     for lines in drawing.lines:
         # a segment that is cut off has no length, so that each keeps its value
         ends = lines.ends.copy()
@@ -55,21 +55,21 @@ def cut(drawing: Drawing, half: Half) -> Drawing:
         gone = (above > 0).all(axis=1)
         ends[gone, 1] = ends[gone, 0] = lines.ends[gone, 0]
         values = lines.values if lines.values is None else lines.values[~gone]
-        found.lines.append(replace(lines, ends=ends[~gone], values=values))
+        kept.lines.append(replace(lines, ends=ends[~gone], values=values))
     for dots in drawing.dots:
-        found.dots.append(replace(dots, points=dots.points[dots.points @ normal <= offset]))
+        kept.dots.append(replace(dots, points=dots.points[dots.points @ normal <= offset]))
     for starts, vectors in drawing.arrows:
         selected = starts @ normal <= offset
-        found.arrows.append((starts[selected], vectors[selected]))
-    return found
+        kept.arrows.append((starts[selected], vectors[selected]))
+    return kept
 
 
 def _crossing(points: np.ndarray, above: np.ndarray, edge: tuple[int, int]) -> np.ndarray:
     """The point (3,) of an edge in the plane."""
     one, other = edge
     share = above[one] / (above[one] - above[other])
-    found: np.ndarray = (1.0 - share) * points[one] + share * points[other]
-    return found
+    crossings: np.ndarray = (1.0 - share) * points[one] + share * points[other]
+    return crossings
 
 
 def _surfaces(surface: Surface, half: Half) -> list[Surface]:
@@ -89,11 +89,11 @@ def _surfaces(surface: Surface, half: Half) -> list[Surface]:
     if not surface.edges:
         rows = [row for row, p in zip(rows, polygons, strict=True) for _ in p[2:]]
         polygons = [[p[0], p[k], p[k + 1]] for p in polygons for k in range(1, len(p) - 1)]
-    found = []
+    halves = []
     for count in sorted({surface.corners.shape[1] if surface.edges else 3, *map(len, polygons)}):
         own = [k for k, polygon in enumerate(polygons) if len(polygon) == count]
         selected = np.array([rows[k] for k in own], int)
-        found.append(
+        halves.append(
             replace(
                 surface,
                 points=points,
@@ -103,7 +103,7 @@ def _surfaces(surface: Surface, half: Half) -> list[Surface]:
                 values=None if surface.values is None else surface.values[selected],
             )
         )
-    return found
+    return halves
 
 
 def _pieces(

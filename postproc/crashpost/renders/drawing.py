@@ -116,17 +116,19 @@ class Scene:
 
         None where all that was shown is deleted, or the ground is all there is.
         """
-        found = [np.empty((0, 3))]
+        outermost_points = [np.empty((0, 3))]
         for name in self.drawn:
             points = self.positions(number, name)
             used = self._used_points(name, number)
             if name == "ground":
                 # the ground may extend beyond the parts that are shown
                 used = used[:0] if self.appearance.show else np.setdiff1d(used, self.planes)
-            found.append(points[used])
+            outermost_points.append(points[used])
             if name == "beams" and len(used):
-                found += [ring.reshape(-1, 3) for _, _, ring in self._outlines(number, points)]
-        points = np.concatenate(found)
+                outermost_points += [
+                    ring.reshape(-1, 3) for _, _, ring in self._outlines(number, points)
+                ]
+        points = np.concatenate(outermost_points)
         if self.half:
             points = clamped(points, self.half)
         return outermost(points) if len(points) else points
@@ -155,8 +157,8 @@ class Scene:
         states = self.states
         if name in states.names["bodies"][1:]:
             row = states.names["bodies"].index(name) - 1
-            found: np.ndarray = self.positions(number, "mass_centres")[row]
-            return found
+            at: np.ndarray = self.positions(number, "mass_centres")[row]
+            return at
         if f"part_{name}" in states.blocks:
             return self.positions(number, f"part_{name}").mean(axis=0)
         if name in states.names["parts"] and "beams" in states.blocks:
@@ -168,11 +170,11 @@ class Scene:
 
     def positions(self, number: float, name: str) -> np.ndarray:
         """Points (n, 3) of a block as they are drawn, with displacements magnified."""
-        found = self._between(number, name)
+        present = self._between(number, name)
         if self.appearance.magnify == 1.0 or name == "contacts":
-            return found
+            return present
         start = self.states.blocks[name].points
-        magnified: np.ndarray = start + self.appearance.magnify * (found - start)
+        magnified: np.ndarray = start + self.appearance.magnify * (present - start)
         return magnified
 
     def _between(self, number: float, name: str) -> np.ndarray:
@@ -202,13 +204,13 @@ class Scene:
         names = [n for n in self.states.fields(block) if n == name or n.startswith(f"{name}_")]
         if name in names:
             names = [name]
-        found = [v for v in self.states.read(int(number), block, *names).values()]
-        if not found:
+        fields = [v for v in self.states.read(int(number), block, *names).values()]
+        if not fields:
             return None
         self.color_unit = self.states.units.get(names[0], "")
         # vectors in space are those of points
-        is_nodal = found[0].ndim == 2 or len(found[0]) != mesh.n_cells
-        flat = [np.linalg.norm(v, axis=1) if v.ndim == 2 else v.astype(float) for v in found]
+        is_nodal = fields[0].ndim == 2 or len(fields[0]) != mesh.n_cells
+        flat = [np.linalg.norm(v, axis=1) if v.ndim == 2 else v.astype(float) for v in fields]
         # of several fields of this name, such as those of the layers, the largest counts
         values: np.ndarray = np.max(flat, axis=0)
         if not is_nodal:
@@ -243,21 +245,21 @@ class Scene:
         """
         if self.appearance.color:
             return []
-        names, found = self.states.names, dict[str, str]()
+        names, entries = self.states.names, dict[str, str]()
         for name in ("bodies", "links"):
             block = self.states.blocks.get(name)
             numbers = block.fixed.get("body", ()) if block else ()
             for body in np.unique(numbers):
                 if int(body) in self.bodies:
-                    found.setdefault(self._label(int(body)), self._body_colour(int(body)))
+                    entries.setdefault(self._label(int(body)), self._body_colour(int(body)))
         for body in self._without_shape():
-            found.setdefault(self._label(body), self._body_colour(body))
+            entries.setdefault(self._label(body), self._body_colour(body))
         for k, part in enumerate(names["parts"]):
             if part in self.parts:
-                found[self.labels[len(self.wholes) + k]] = self._part_colour(k)
+                entries[self.labels[len(self.wholes) + k]] = self._part_colour(k)
         if self.sections:
-            found["section cut"] = SECTION
-        return list(found.items()) if len(set(found.values())) == len(found) else []
+            entries["section cut"] = SECTION
+        return list(entries.items()) if len(set(entries.values())) == len(entries) else []
 
     def _shown(self) -> tuple[set[int], set[str]]:
         """Numbers of the bodies and names of the parts that the look shows."""
@@ -429,14 +431,14 @@ class Scene:
 
     def shells_are_edge_on(self, towards: np.ndarray) -> bool:
         """Whether there are shells, and all are seen from their edges."""
-        found = []
+        edge_on = []
         for name in self.drawn:
             if name.startswith("part_") and self._cells_shown(name).any():
                 points = self.states.blocks[name].points
                 for _, corners in self.states.blocks[name].cells:
                     if corners.shape[1] in (3, 4):
-                        found.append(are_edge_on(points, corners, towards))
-        return bool(found) and all(found)
+                        edge_on.append(are_edge_on(points, corners, towards))
+        return bool(edge_on) and all(edge_on)
 
 
 def _edges(points: np.ndarray, corners: np.ndarray) -> np.ndarray:

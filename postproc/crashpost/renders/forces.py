@@ -51,9 +51,9 @@ def forces_of(scene: Shown, number: float, contacts: set[int]) -> tuple[np.ndarr
         return scene.positions(number, "mass_centres")[rows], speed[rows].astype(float)
     if "contacts" not in states.blocks:
         return empty, empty
-    found = states.read(int(number), "contacts", "force", "contact")
-    forces = found["force"].astype(float)
-    cards = found.get("contact", np.zeros(len(forces))).astype(int)
+    fields = states.read(int(number), "contacts", "force", "contact")
+    forces = fields["force"].astype(float)
+    cards = fields.get("contact", np.zeros(len(forces))).astype(int)
     starts = states.positions(int(number), "contacts")
     chosen = np.isin(cards, list(contacts)) & np.any(forces, axis=1)
     if scene.appearance.show:

@@ -11,12 +11,12 @@ def is_node(name: str, parts: list[str]) -> bool:
 def groups(names: list[str]) -> list[int]:
     """For each body the shortest other whose name it begins with: A_bogie_1 belongs to A."""
     positions = {name: k for k, name in enumerate(names)}
-    found = []
+    owners = []
     for k, name in enumerate(names):
         words = name.split("_")
         heads = ("_".join(words[:n]) for n in range(1, len(words)))
-        found.append(next((positions[head] for head in heads if positions.get(head)), k))
-    return found
+        owners.append(next((positions[head] for head in heads if positions.get(head)), k))
+    return owners
 
 
 def labels(names: list[str], most: int) -> list[str]:

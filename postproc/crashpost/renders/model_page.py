@@ -175,14 +175,14 @@ def _key(colour_scale: ColourScale, scene: Scene) -> list[tuple[str, str]]:
     if not colour_scale.name:
         return note + [(colour, name) for name, colour in scene.legend()[:MAX_NAMES]]
     unit = f" {colour_scale.shown_unit}" if colour_scale.shown_unit not in ("", "1") else ""
-    found = []
+    entries = []
     for share in (0.0, 0.25, 0.5, 0.75, 1.0):
         red, green, blue = colour_scale.table[int(255 * share)].astype(int)
         value = (
             colour_scale.low + share * (colour_scale.high - colour_scale.low)
         ) * colour_scale.scale
-        found.append((f"#{red:02x}{green:02x}{blue:02x}", f"{value:.3g}{unit}"))
-    return [*note, ("", colour_scale.name.replace("_", " ")), *found]
+        entries.append((f"#{red:02x}{green:02x}{blue:02x}", f"{value:.3g}{unit}"))
+    return [*note, ("", colour_scale.name.replace("_", " ")), *entries]
 
 
 def _thinned(scene: Scene, count: int) -> list[int]:
@@ -307,8 +307,8 @@ def _at_vertices(values: np.ndarray | None, corners: np.ndarray, count: int) -> 
     weights = np.repeat(values, corners.shape[1])
     sums = np.bincount(corners.ravel(), weights, minlength=count)
     around = np.bincount(corners.ravel(), minlength=count)
-    found: np.ndarray = (sums / np.maximum(around, 1)).astype(np.float32)
-    return found
+    means: np.ndarray = (sums / np.maximum(around, 1)).astype(np.float32)
+    return means
 
 
 def _separate_triangles(first: Surface, surface: Surface, of: np.ndarray) -> np.ndarray:
@@ -318,8 +318,8 @@ def _separate_triangles(first: Surface, surface: Surface, of: np.ndarray) -> np.
     gone = np.ones(len(corners), bool)
     gone[positions] = False
     corners[gone] = corners[gone][:, :1]
-    found: np.ndarray = surface.points[_fan(corners[of]).ravel()].astype(np.float32)
-    return found
+    triangles: np.ndarray = surface.points[_fan(corners[of]).ravel()].astype(np.float32)
+    return triangles
 
 
 def _positions(first: Surface, surface: Surface) -> np.ndarray:
@@ -347,12 +347,12 @@ def _segments(
 
 def _arrow_ends(frames: dict[str, Drawing], arrow: float) -> dict[str, np.ndarray]:
     """Ends (n, 2, 3) of arrows, as many at all times: those missing have no length."""
-    found = {}
+    ends_of = {}
     for key, drawing in frames.items():
         ends = [np.stack([starts, starts + arrow * v], axis=1) for starts, v in drawing.arrows]
-        found[key] = np.concatenate([np.empty((0, 2, 3)), *ends])
-    most = max(1, *(len(ends) for ends in found.values()))
-    return {key: np.concatenate([e, np.zeros((most - len(e), 2, 3))]) for key, e in found.items()}
+        ends_of[key] = np.concatenate([np.empty((0, 2, 3)), *ends])
+    most = max(1, *(len(ends) for ends in ends_of.values()))
+    return {key: np.concatenate([e, np.zeros((most - len(e), 2, 3))]) for key, e in ends_of.items()}
 
 
 def _code(colour: str) -> int:

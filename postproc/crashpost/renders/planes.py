@@ -16,14 +16,14 @@ def planes(states: States) -> np.ndarray:
     if block is None or not block.cells or block.cells[0][1].shape[1] != 3:
         return np.empty((0, 4), int)
     cells = block.cells[0][1]
-    uses, found = np.bincount(cells.ravel(), minlength=len(block.points)), []
+    uses, quads = np.bincount(cells.ravel(), minlength=len(block.points)), []
     for one, two in pairwise(cells):
         first = int(one[0])
         corners = first + np.arange(4)
         is_pair = (one == corners[:3]).all() and (two == corners[[0, 2, 3]]).all()
         if is_pair and (uses[corners] == [2, 1, 2, 1]).all():
-            found.append(corners)
-    return np.array(found, int).reshape(-1, 4)
+            quads.append(corners)
+    return np.array(quads, int).reshape(-1, 4)
 
 
 def cut(corners: np.ndarray, near: np.ndarray) -> np.ndarray:
@@ -36,18 +36,18 @@ def cut(corners: np.ndarray, near: np.ndarray) -> np.ndarray:
     margin = PLANE_MARGIN * float(np.ptp(near, axis=0).max())
     low, high = low - margin, high + margin
     around = np.array([[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]])
-    found: np.ndarray = corners[0] + around @ axes
-    return found
+    outline: np.ndarray = corners[0] + around @ axes
+    return outline
 
 
 def footprints(rectangles: list[np.ndarray], near: np.ndarray) -> np.ndarray:
     """Points of planes close below points (n, 3), which belong in the picture as well."""
-    found = [np.empty((0, 3))]
+    points = [np.empty((0, 3))]
     size = float(np.ptp(near, axis=0).max())
     for corners in rectangles:
         normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
         normal /= np.linalg.norm(normal)
         height = (near - corners[0]) @ normal
         if abs(height).min() < CLOSE * size:
-            found.append((near - height[:, None] * normal)[[np.argmin(abs(height))]])
-    return np.concatenate(found)
+            points.append((near - height[:, None] * normal)[[np.argmin(abs(height))]])
+    return np.concatenate(points)

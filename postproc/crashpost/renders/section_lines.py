@@ -20,12 +20,12 @@ class Section(NamedTuple):
 
 def sections(result: Result) -> tuple[Section, ...]:
     """All section cuts of the stored deck."""
-    found = []
+    section_cuts = []
     for part, card in sensor_cards(result, "parts").items():
         for entry in card.get("section_cuts") or ():
             at, normal = (tuple(map(float, entry[word])) for word in ("at", "normal"))
-            found.append(Section(part, str(entry["name"]), at, normal))
-    return tuple(found)
+            section_cuts.append(Section(part, str(entry["name"]), at, normal))
+    return tuple(section_cuts)
 
 
 def weights(block: Block, section: Section) -> tuple[np.ndarray, np.ndarray]:

@@ -235,10 +235,10 @@ class Sheet:
         from PIL import Image, ImageDraw
 
         left, top, width, height = self.window
-        found = self.blank.copy()
-        found[top : top + height, left : left + width] = picture
-        image = Image.fromarray(found)
-        position = (0.02 * found.shape[1], 0.40 * DPI)
+        canvas = self.blank.copy()
+        canvas[top : top + height, left : left + width] = picture
+        image = Image.fromarray(canvas)
+        position = (0.02 * canvas.shape[1], 0.40 * DPI)
         ImageDraw.Draw(image).text(position, time, fill=INK, font=_font(), anchor="lm")
         return np.asarray(image)
 

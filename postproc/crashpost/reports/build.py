@@ -155,9 +155,9 @@ def _facts(result: Result, verdicts: list[Verdict], missed: int) -> list[tuple[s
     return [*facts, (str(warnings), "warning" if warnings == 1 else "warnings")]
 
 
-def _comparisons(found: list[Comparison]) -> str:
+def _comparisons(compared: list[Comparison]) -> str:
     rows = []
-    for c in found:
+    for c in compared:
         percent = f" ({c.percent:+.3g}\u00a0%)" if c.percent else ""
         inside = c.low != c.high and not c.difference
         size = f"{c.difference:+.3g}" if c.difference else "0"
@@ -176,9 +176,9 @@ def _verdicts(verdicts: list[Verdict], page_units: PageUnits) -> str:
     for one in verdicts:
         verdict = one.in_unit(page_units.unit(one.unit), page_units.size(one.unit))
         expected = verdict.expected
-        found = "-" if verdict.found is None else f"{verdict.found:.7g}"
+        value = "-" if verdict.computed is None else f"{verdict.computed:.7g}"
         deviation = "-" if verdict.deviation is None else f"{verdict.deviation or 0:.2g}"
-        numbers = [found, f"{expected.value:.7g}", expected.tolerance_text, deviation, verdict.unit]
+        numbers = [value, f"{expected.value:.7g}", expected.tolerance_text, deviation, verdict.unit]
         reason = verdict.problem or f"{expected.because}: {expected.source}"
         outcome = "pass" if one.passed else "FAIL"
         rows.append([outcome, expected.channel, expected.statistic_text, *numbers, reason])
@@ -297,6 +297,6 @@ def _footer(result: Result) -> str:
     facts = [f"{name} {version}" for name, version in versions]
     if "started" in result.attributes:
         facts.append(f"started {result.attributes['started']} on {result.attributes.get('host')}")
-    made = datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
+    written = datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
     origin = f"<p>Run: {escape(', '.join(facts))}.</p>" if facts else ""
-    return f"<footer>{origin}<p>Page written by crashpost on {made}.</p></footer>"
+    return f"<footer>{origin}<p>Page written by crashpost on {written}.</p></footer>"

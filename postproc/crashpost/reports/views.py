@@ -74,18 +74,18 @@ def default_scene(result: Result, states: States) -> Json:
     """Four moments of the run, one of them that of the largest contact force."""
     first, last = float(states.times[0]), float(states.times[-1])
     at: list[float | str] = [first + k / 3 * (last - first) for k in range(4)]
-    found: Json = {"title": "The run", "at": at}
+    defaults: Json = {"title": "The run", "at": at}
     if "contacts" in states.blocks:
-        found["arrows"] = "rcforc"
+        defaults["arrows"] = "rcforc"
         strongest = _strongest(result)
         if strongest:
             at[1] = f"max:{strongest}"
             # moments in order, without two of one state
-            found["at"] = _in_order(result, states, at)
+            defaults["at"] = _in_order(result, states, at)
     fields = {field for block in states.blocks for field in states.fields(block)}
     if any(field.startswith("plastic_strain") for field in fields):
-        found["color"] = "plastic_strain"
-    return found
+        defaults["color"] = "plastic_strain"
+    return defaults
 
 
 def _strongest(result: Result) -> str:

@@ -32,24 +32,23 @@ def choices(result: History, words: Sequence[str]) -> list[Choice]:
     """The channels and statistics that words name, each once and in order; raises PostError for a
     word that names none.
     """
-    found: dict[Choice, None] = {}
+    selected: dict[Choice, None] = {}
     for word in words:
         channel, _, statistic = word.strip().partition(":")
         if statistic:
             check(statistic)
-        found |= dict.fromkeys(Choice(name, statistic) for name in _fitting(result, channel))
-    return list(found)
+        selected |= dict.fromkeys(Choice(name, statistic) for name in _fitting(result, channel))
+    return list(selected)
 
 
 def channels(result: History, words: Sequence[str]) -> list[str]:
     """The channels that words name, where statistics have no meaning; raises PostError for one."""
-    found = choices(result, words)
-    for choice in found:
+    selected = choices(result, words)
+    for choice in selected:
         if choice.statistic:
-            raise PostError(
-                f"'{choice.channel}:{choice.statistic}': whole histories are meant here"
-            )
-    return [choice.channel for choice in found]
+            name = f"{choice.channel}:{choice.statistic}"
+            raise PostError(f"'{name}': leave out the statistic; whole histories are taken")
+    return [choice.channel for choice in selected]
 
 
 def _fitting(result: History, word: str) -> list[str]:

@@ -23,8 +23,8 @@ class Extremes:
     @property
     def largest(self) -> np.ndarray:
         """Largest magnitudes."""
-        found: np.ndarray = np.maximum(np.abs(self.least), np.abs(self.greatest))
-        return found
+        sizes: np.ndarray = np.maximum(np.abs(self.least), np.abs(self.greatest))
+        return sizes
 
 
 def rows_of_a_slab(width: int) -> int:
@@ -37,11 +37,11 @@ def extremes(slabs: Iterable[Slab], width: int) -> Extremes:
     least, greatest = np.full(width, np.nan), np.full(width, np.nan)
     rows = np.zeros((2, width), int)
     for first, values in slabs:
-        for best, found, row, is_better in (
+        for best, at, row, is_better in (
             (least, values.argmin(axis=0), rows[0], np.less),
             (greatest, values.argmax(axis=0), rows[1], np.greater),
         ):
-            own = values[found, np.arange(width)]
+            own = values[at, np.arange(width)]
             better = is_better(own, best) | np.isnan(best)
-            best[better], row[better] = own[better], first + found[better]
+            best[better], row[better] = own[better], first + at[better]
     return Extremes(least, rows[0], greatest, rows[1])

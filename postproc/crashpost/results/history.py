@@ -139,8 +139,8 @@ class History:
     def span(self, name: str) -> tuple[float, float]:
         """Least and greatest value of a channel; raises PostError for one that does not exist."""
         family, at, column = self._position(name)
-        found = self.extremes(family, column)
-        return float(found.least[at]), float(found.greatest[at])
+        bounds = self.extremes(family, column)
+        return float(bounds.least[at]), float(bounds.greatest[at])
 
     def has(self, name: str) -> bool:
         """Whether there is a channel of this name."""
@@ -180,17 +180,19 @@ class History:
         """Value of a root attribute in JSON, None when absent; raises PostError when broken."""
         text = self.attributes.get(attribute)
         try:
-            found = None if text is None else json.loads(text)
+            content = None if text is None else json.loads(text)
         except (TypeError, ValueError, RecursionError) as error:
             raise PostError(f"{self.file}: attribute '{attribute}' is not JSON: {error}") from error
-        if found is not None and not isinstance(found, kind):
+        if content is not None and not isinstance(content, kind):
             raise PostError(f"{self.file}: attribute '{attribute}' is no {kind.__name__}")
-        return found
+        return content
 
     def _family(self, name: str) -> Family:
         """A group of the history. Raises PostError, or the exception of h5py for a damaged file."""
         if self._history.get(name, getclass=True, getlink=True) is not h5py.HardLink:
-            raise PostError(f"{self.file}: '{name}' leads elsewhere")
+            raise PostError(
+                f"{self.file}: '{name}' is a link to another place in the files, not a group"
+            )
         group, columns = self._history[name], list[Column]()
         ids = tuple(map(printable, self._whole(group["ids"], 1).asstr()[:]))
 

@@ -124,10 +124,12 @@ def check_numbers(blocks: dict[str, Block], names: dict[str, list[str]], n_secti
 
 def sections_of(entries: Iterable[ArrayLike]) -> list[np.ndarray]:
     """Outlines (n, 2) of sections."""
-    found = [np.array(entry, float) for entry in entries]
-    if any(one.ndim != FLAT or one.shape[1] != FLAT or not np.isfinite(one).all() for one in found):
+    numbers = [np.array(entry, float) for entry in entries]
+    if any(
+        one.ndim != FLAT or one.shape[1] != FLAT or not np.isfinite(one).all() for one in numbers
+    ):
         raise Damaged("the outlines of sections are no points of a plane")
-    return found
+    return numbers
 
 
 def vertical_of(entry: object) -> np.ndarray:

@@ -75,23 +75,23 @@ class States:
 
     def read(self, number: int, block: str, *names: str) -> dict[str, np.ndarray]:
         """Fields of a block at a state; those that it does not have are left out."""
-        found = {}
+        fields = {}
         with _open(self.files[number]) as file:
             for name in names:
                 path = f"{block}/{name}"
                 if path in file:
-                    found[name] = field_of(self.blocks[block], name, file[path])
+                    fields[name] = field_of(self.blocks[block], name, file[path])
                     self.units[name] = printable(str(file[path].attrs.get("unit", "")))
                 elif name in self.blocks[block].fixed:
-                    found[name] = self.blocks[block].fixed[name]
-        return found
+                    fields[name] = self.blocks[block].fixed[name]
+        return fields
 
     def positions(self, number: int, block: str) -> np.ndarray:
         """Points (n, 3) of a block at a state."""
-        found = self.read(number, block, "points", "displacement")
-        if "points" in found:
-            return found["points"].astype(float)
-        return self.blocks[block].points + found.get("displacement", 0.0)
+        fields = self.read(number, block, "points", "displacement")
+        if "points" in fields:
+            return fields["points"].astype(float)
+        return self.blocks[block].points + fields.get("displacement", 0.0)
 
     def visible(self, number: int, block: str) -> np.ndarray:
         """Mask of the cells (m,) that are drawn: not deleted elements, nor contacts that are

@@ -24,14 +24,14 @@ MAX_PID = 2**31 - 1
 def read_status(path: Path) -> Json:
     """The entries of status.json; state "unknown" without one, "killed" for a run that vanished."""
     try:
-        found = json.loads(plain_text(path) or "")
+        content = json.loads(plain_text(path) or "")
     except (ValueError, RecursionError):
         return UNKNOWN
-    if not isinstance(found, dict) or not isinstance(found.get("state"), str):
+    if not isinstance(content, dict) or not isinstance(content.get("state"), str):
         return UNKNOWN
-    status = {name: part for name, part in found.items() if KINDS.get(name, _any)(part)}
-    here = status.get("host") == socket.gethostname()
-    if status["state"] == "running" and here and not _alive(status.get("pid")):
+    status = {name: part for name, part in content.items() if KINDS.get(name, _any)(part)}
+    is_local = status.get("host") == socket.gethostname()
+    if status["state"] == "running" and is_local and not _alive(status.get("pid")):
         return {**status, "state": "killed", "message": "the process of this run is gone"}
     return status
 

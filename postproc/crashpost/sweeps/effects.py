@@ -101,8 +101,8 @@ def indices_of(y: np.ndarray, d: int) -> Indices | str:
     if np.ptp(whole) <= 1e-12 * np.max(np.abs(whole)):
         return "the measure does not vary"
     problem = {"num_vars": d, "names": [str(i) for i in range(d)], "bounds": [[0.0, 1.0]] * d}
-    found = sobol.analyze(problem, whole.ravel(), calc_second_order=False, seed=1)
+    analysis = sobol.analyze(problem, whole.ravel(), calc_second_order=False, seed=1)
     first, first_errors, total, total_errors = (
-        [float(x) for x in found[name]] for name in ("S1", "S1_conf", "ST", "ST_conf")
+        [float(x) for x in analysis[name]] for name in ("S1", "S1_conf", "ST", "ST_conf")
     )
     return Indices(first, first_errors, total, total_errors, len(whole), lost)

@@ -45,12 +45,12 @@ def indices_rows(sweep: Sweep) -> Rows:
         return []
     rows = []
     for i, measure in enumerate(sweep.measures):
-        found = indices(sweep, i)
-        if isinstance(found, Indices):
-            columns = (found.first, found.first_errors, found.total, found.total_errors)
+        analysis = indices(sweep, i)
+        if isinstance(analysis, Indices):
+            columns = (analysis.first, analysis.first_errors, analysis.total, analysis.total_errors)
             rows += [
                 [measure.name, axis.name, *(f"{column[j]:.4f}" for column in columns)]
-                + [str(found.blocks)]
+                + [str(analysis.blocks)]
                 for j, axis in enumerate(sweep.axes)
             ]
     return rows

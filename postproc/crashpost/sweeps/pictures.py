@@ -43,12 +43,12 @@ def draw(sweep: Sweep, folder: Path) -> tuple[list[Path], list[str]]:
             (folder / "indices.png").unlink(missing_ok=True)
             if sweep.design != "saltelli":
                 return paths, []
-            found = [indices(sweep, at) for at in range(len(sweep.measures))]
-            if any(isinstance(one, Indices) for one in found):
-                paths.append(_draw_indices(sweep, found, folder / "indices.png"))
+            analyses = [indices(sweep, at) for at in range(len(sweep.measures))]
+            if any(isinstance(one, Indices) for one in analyses):
+                paths.append(_draw_indices(sweep, analyses, folder / "indices.png"))
     except OSError as error:
         raise PostError(f"{folder}: {error.strerror}") from error
-    pairs = zip(sweep.measures, found, strict=True)
+    pairs = zip(sweep.measures, analyses, strict=True)
     return paths, [f"{m.name}: {reason}" for m, reason in pairs if isinstance(reason, str)]
 
 
@@ -152,9 +152,11 @@ def _name_words(axes: Axes, sweep: Sweep, j: int) -> None:
         axes.set_xlim(-0.5, len(words) - 0.5)
 
 
-def _draw_indices(sweep: Sweep, found: Sequence[Indices | str], path: Path) -> Path:
+def _draw_indices(sweep: Sweep, indices_of: Sequence[Indices | str], path: Path) -> Path:
     """Bars of first and total indices with their 95 % intervals, a panel per measure."""
-    known = [(m, f) for m, f in zip(sweep.measures, found, strict=True) if isinstance(f, Indices)]
+    known = [
+        (m, f) for m, f in zip(sweep.measures, indices_of, strict=True) if isinstance(f, Indices)
+    ]
     height = 0.9 + len(known) * (0.7 + 0.42 * len(sweep.axes))
     canvas = Canvas(figsize=(6.4, height), layout="constrained", dpi=160)
     every = canvas.subplots(len(known), squeeze=False, sharex=True)[:, 0]

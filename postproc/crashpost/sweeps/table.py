@@ -129,10 +129,10 @@ def _row(sweep: Path, entry: Json, axes: list[Axis], measures: list[Measure]) ->
 
 def _number(text: str) -> float:
     """The number of a value such as "12.5 km/h"."""
-    found = re.match(r"\s*[-+0-9.eE]+", text)
-    if found is None:
+    match = re.match(r"\s*[-+0-9.eE]+", text)
+    if match is None:
         raise ValueError(f"'{text}' is no number")
-    return float(found[0])
+    return float(match[0])
 
 
 def _state(folder: Path, mark: dict[str, str]) -> tuple[str, str]:
@@ -175,14 +175,14 @@ def _measure(row: Row, folder: Path, measures: list[Measure]) -> None:
             (requested["during"][0], requested["during"][1]) if requested.get("during") else None
         )
         try:
-            found = answer(result, channel, word, during)
-            size = factor(found.unit, requested.get("unit") or found.unit)
+            reply = answer(result, channel, word, during)
+            size = factor(reply.unit, requested.get("unit") or reply.unit)
         except (PostError, ValueError, LookupError, OverflowError) as error:
             remarks.append(f"{measure.name}: {error}")
             continue
-        remarks += [f"{measure.name}: {found.remark}"] if found.remark else []
-        measure.unit = str(requested.get("unit") or found.unit)
-        row.measured[at] = found.value * size
+        remarks += [f"{measure.name}: {reply.remark}"] if reply.remark else []
+        measure.unit = str(requested.get("unit") or reply.unit)
+        row.measured[at] = reply.value * size
         estimate = error_of(result, channel, word, during)
         row.errors[at] = nan if estimate is None else estimate * size
     row.message = "; ".join(remarks)
@@ -197,10 +197,10 @@ def _text_mark(text: str, is_auto: bool) -> str:
 def _table(path: Path) -> Json:
     """The table in a JSON file; empty without one."""
     try:
-        found = json.loads(plain_text(path) or "")
+        content = json.loads(plain_text(path) or "")
     except (ValueError, RecursionError):
         return {}
-    return found if isinstance(found, dict) else {}
+    return content if isinstance(content, dict) else {}
 
 
 def columns(sweep: Sweep) -> Iterator[tuple[str, list[object]]]:

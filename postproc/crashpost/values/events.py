@@ -42,20 +42,20 @@ def events(result: Result, units: Mapping[str, str] | None = None) -> list[Event
     units = units or {}
     if not len(result.time):
         return []
-    found: list[Event] = []
+    collected: list[Event] = []
     for family in result.families.values():
         if family.word == "rcforc":
-            found += _of_contacts(result, family, units)
+            collected += _of_contacts(result, family, units)
         for column in family.columns:
             if column.name in STARTS:
-                found += _starts(result, family, column)
+                collected += _starts(result, family, column)
     deleted = result.status.get("deleted") or {}
     for part, entry in deleted.items() if isinstance(deleted, dict) else ():
         if isinstance(entry, dict) and isinstance(entry.get("last"), int | float):
-            found.append(
+            collected.append(
                 Event(entry["last"], f"{_name(part)} has lost {entry.get('count')} elements")
             )
-    return sorted(found)[:MAX_EVENTS]
+    return sorted(collected)[:MAX_EVENTS]
 
 
 def _of_contacts(result: Result, family: Family, units: Mapping[str, str]) -> Iterator[Event]:
@@ -98,35 +98,35 @@ def _peaks(
     if "normal" not in columns:
         return None
     sampled = result.extremes(family, columns["normal"])
-    found = [
+    peaks = [
         (float(force), float(result.time[row]), "")
         for force, row in zip(sampled.greatest, sampled.greatest_row, strict=True)
     ]
     if "peak_normal" not in columns:
-        return found
+        return peaks
     of_steps = result.extremes(family, columns["peak_normal"])
     for at, (peak, row) in enumerate(zip(of_steps.greatest, of_steps.greatest_row, strict=True)):
-        if found[at][0] < SHOWN * peak:
+        if peaks[at][0] < SHOWN * peak:
             before = float(result.time[max(int(row) - 1, 0)]) * factor("s", time_unit)
             begin = f"{number(before)} {time_unit}"
             where = f" (within the interval of samples that begins at {begin})"
-            found[at] = float(peak), float(result.time[row]), where
-    return found
+            peaks[at] = float(peak), float(result.time[row]), where
+    return peaks
 
 
 def _force_ends(result: Result, family: Family, column: Column | None) -> np.ndarray:
     """Times (n_id,) of the first samples without force after the last with one; never: inf."""
-    found = np.full(len(family.ids), np.inf)
+    times = np.full(len(family.ids), np.inf)
     if column is None:
-        return found
+        return times
     largest = result.extremes(family, column).largest
     for first, values in result.slabs(family, column):
         for at in range(len(family.ids)):
             rows = np.flatnonzero(np.abs(values[:, at]) > LEAST * largest[at])
             if len(rows):
                 after = first + int(rows[-1]) + 1
-                found[at] = result.time[after] if after < len(result.time) else np.inf
-    return found
+                times[at] = result.time[after] if after < len(result.time) else np.inf
+    return times
 
 
 def _starts(result: Result, family: Family, column: Column) -> Iterator[Event]:

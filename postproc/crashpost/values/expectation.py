@@ -1,7 +1,7 @@
 """The deck's own test: the value expected by each `expect:` entry and that of the run.
 
-passed  <=>  |found - value| <= tolerance             (absolute)
-             |found - value| <= tolerance |value|     (relative)
+passed  <=>  |computed - value| <= tolerance             (absolute)
+             |computed - value| <= tolerance |value|     (relative)
 
 Value and tolerance are compared and shown in the unit of the value found.
 """
@@ -62,7 +62,7 @@ class Verdict:
     """An expectation, the value found, and the reason where there is none."""
 
     expected: Expectation
-    found: float | None
+    computed: float | None
     unit: str
     problem: str = ""
     error: float | None = None  # estimated by the run, in the same unit
@@ -70,15 +70,15 @@ class Verdict:
     @property
     def deviation(self) -> float | None:
         """Found minus expected."""
-        return None if self.found is None else self.found - self.expected.value
+        return None if self.computed is None else self.computed - self.expected.value
 
     def in_unit(self, unit: str, size: float) -> "Verdict":
         """The verdict with its numbers multiplied by `size`, for another unit."""
         expected, is_relative = self.expected, self.expected.relative
         tolerance = expected.tolerance * (1.0 if is_relative else size)
         expected = replace(expected, value=expected.value * size, tolerance=tolerance)
-        found, error = (None if v is None else v * size for v in (self.found, self.error))
-        return replace(self, expected=expected, found=found, error=error, unit=unit)
+        computed, error = (None if v is None else v * size for v in (self.computed, self.error))
+        return replace(self, expected=expected, computed=computed, error=error, unit=unit)
 
     @property
     def passed(self) -> bool:
@@ -127,10 +127,10 @@ def _read(entry: Json) -> Expectation:
 def _verdict(result: Result, expected: Expectation) -> Verdict:
     try:
         series = result.series(expected.channel)
-        found = statistic(series, expected.statistic, expected.during)
+        value = statistic(series, expected.statistic, expected.during)
         unit = unit_of(expected.statistic, series.unit)
         error = error_of(result, expected.channel, expected.statistic, expected.during)
-        return Verdict(expected.in_unit(unit), found, unit, error=error)
+        return Verdict(expected.in_unit(unit), value, unit, error=error)
     except PostError as error:
         return Verdict(expected, None, "", str(error))
 
@@ -140,7 +140,7 @@ def _row(verdict: Verdict) -> list[str]:
     return [
         expected.channel,
         expected.statistic_text,
-        "-" if verdict.found is None else f"{verdict.found:.8g}",
+        "-" if verdict.computed is None else f"{verdict.computed:.8g}",
         "-" if verdict.error is None else f"{verdict.error:.1e}",
         f"{expected.value:.8g}",
         expected.tolerance_text,

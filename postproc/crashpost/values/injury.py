@@ -80,7 +80,7 @@ def measures(result: Result) -> list[list[str]]:
         rows.append([position.name, position.filter or "not filtered", "", "", "", message])
         held = "as instruments show it" if position.has_gravity else "left out"
         rows.append([position.name, "gravity", "", "", "", held])
-        rows += [_judged(position, *row) for row in _measures(result, position)]
+        rows += [_row_with_limit(position, *row) for row in _measures(result, position)]
     return rows
 
 
@@ -112,7 +112,7 @@ def _measures(result: Result, position: SensorPosition) -> list[tuple[str, str, 
     return rows
 
 
-def _judged(position: SensorPosition, measure: str, value: str, when: str) -> list[str]:
+def _row_with_limit(position: SensorPosition, measure: str, value: str, when: str) -> list[str]:
     """The row of a measure with its limit; a signal that was not filtered is not judged."""
     limit = LIMITS.get(position.role, {}).get(measure)
     if limit is None or value == "-":
@@ -162,10 +162,10 @@ def _hic(result: Result, channel: str, window: str) -> tuple[str, str]:
 def _reported(result: Result, channel: str, statistic: str, unit: str = "") -> tuple[str, str]:
     """The number with its unit, or why there is none."""
     try:
-        found = answer(result, channel, statistic, None, unit.replace("g", "g0"))
+        reply = answer(result, channel, statistic, None, unit.replace("g", "g0"))
     except TooShort as error:
         return "-", str(error)
-    return f"{number(found.value)} {unit}".rstrip(), ""
+    return f"{number(reply.value)} {unit}".rstrip(), ""
 
 
 def _position(result: Result, sensor: str, role: str, *, has_gravity: bool) -> SensorPosition:

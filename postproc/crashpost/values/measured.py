@@ -121,9 +121,9 @@ def _numbers(path: Path, number: int, line: str, mark: str, width: int) -> list[
     if len(cells) != width:
         raise PostError(f"{path}:{number}: {len(cells)} columns where the first line has {width}")
     try:
-        found = [float(cell) for cell in cells]
+        numbers = [float(cell) for cell in cells]
     except ValueError as error:
         raise PostError(f"{path}:{number}: {error}") from None
-    if not all(map(math.isfinite, found)):
+    if not all(map(math.isfinite, numbers)):
         raise PostError(f"{path}:{number}: a value is not finite")
-    return found
+    return numbers

@@ -71,14 +71,14 @@ def rows(result: Result) -> list[Row]:
         "femur_right": _femur,
         "head": _head_rotation,
     }
-    found = []
+    measures_of_all = []
     for name, card in cards.items():
         if card.get("role") in measures:
             try:
-                found += measures[card["role"]](result, name, card)
+                measures_of_all += measures[card["role"]](result, name, card)
             except PostError as reason:
-                found.append([_title(name), "not stated", "-", "", "", str(reason)])
-    return found + _missing(cards)
+                measures_of_all.append([_title(name), "not stated", "-", "", "", str(reason)])
+    return measures_of_all + _missing(cards)
 
 
 def nij(force: np.ndarray, moment: np.ndarray) -> np.ndarray:
@@ -90,8 +90,8 @@ def nij(force: np.ndarray, moment: np.ndarray) -> np.ndarray:
 def viscous(time: np.ndarray, deflection: np.ndarray) -> np.ndarray:
     """VC over time [m/s], of the deflection of the chest [m]."""
     rate = np.gradient(deflection, time)
-    found: np.ndarray = VC_FACTOR * rate * deflection / CHEST_DEPTH
-    return found
+    criterion: np.ndarray = VC_FACTOR * rate * deflection / CHEST_DEPTH
+    return criterion
 
 
 def bric(spins: list[np.ndarray]) -> float:
@@ -111,7 +111,7 @@ def _neck(result: Result, name: str, card: Json) -> list[Row]:
     where = _when(result, at)
     message = force.plain_because or moment.plain_because
     return [
-        _judged(name, f"Nij, {case}", load[at], "", 1.0, where, message),
+        _row_with_limit(name, f"Nij, {case}", load[at], "", 1.0, where, message),
         _row(name, "neck tension", 1e-3 * force.values.max(initial=0.0), "kN", message),
         _row(name, "neck compression", -1e-3 * force.values.min(initial=0.0), "kN", message),
     ]
@@ -137,8 +137,8 @@ def _chest(result: Result, name: str, card: Json) -> list[Row]:
     message, at = deflection.plain_because, int(deflection.values.argmax())
     top, fastest = 1e3 * deflection.values[at], int(load.argmax())
     return [
-        _judged(name, "deflection", top, "mm", 42.0, _when(result, at), message),
-        _judged(name, "VC", load[fastest], "m/s", 1.0, _when(result, fastest), message),
+        _row_with_limit(name, "deflection", top, "mm", 42.0, _when(result, at), message),
+        _row_with_limit(name, "VC", load[fastest], "m/s", 1.0, _when(result, fastest), message),
     ]
 
 
@@ -148,8 +148,8 @@ def _femur(result: Result, name: str, card: Json) -> list[Row]:
     held = 1e-3 * _exceeded_for(result.time, force.values, 10e-3)
     top = 1e-3 * max(float(force.values[at]), 0.0)
     return [
-        _judged(name, "compression", top, "kN", 9.07, _when(result, at), message),
-        _judged(name, "compression for 10 ms", held, "kN", 7.58, "in one span", message),
+        _row_with_limit(name, "compression", top, "kN", 9.07, _when(result, at), message),
+        _row_with_limit(name, "compression for 10 ms", held, "kN", 7.58, "in one span", message),
     ]
 
 
@@ -175,7 +175,7 @@ def _history(result: Result, expression: str, cfc: int) -> Filtered:
         return Filtered(plain_values, str(reason))
 
 
-def _judged(
+def _row_with_limit(
     name: str, measure: str, value: float, unit: str, limit: float, when: str, message: str
 ) -> Row:
     """A row with its limit; a signal that was not filtered is not judged."""

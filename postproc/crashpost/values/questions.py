@@ -59,9 +59,9 @@ def _answer(result: Result, requested: Json) -> Json:
                 "value": (values * factor(unit, wanted)).tolist(),
                 "unit": wanted,
             }
-        found = answer(result, channel, word, during, _unit(requested))
-        remark = {"remark": found.remark} if found.remark else {}
-        return {"value": found.value, "unit": found.unit, **remark}
+        reply = answer(result, channel, word, during, _unit(requested))
+        remark = {"remark": reply.remark} if reply.remark else {}
+        return {"value": reply.value, "unit": reply.unit, **remark}
     except KeyError as error:
         return {"problem": f"{error} is missing"}
     except (PostError, TypeError, ValueError, LookupError, OverflowError) as error:

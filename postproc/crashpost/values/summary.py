@@ -51,9 +51,9 @@ class Peak(NamedTuple):
 def peaks(result: Result) -> Iterator[Peak]:
     """The peaks of every channel that moves, one by one as there may be many."""
     for family in result.families.values() if len(result.time) else ():
-        found = [(column, result.extremes(family, column)) for column in family.columns]
+        columns = [(column, result.extremes(family, column)) for column in family.columns]
         for at, entity in enumerate(family.ids):
-            for column, own in found:
+            for column, own in columns:
                 if own.least[at] != own.greatest[at]:
                     name = f"{family.word}.{entity}.{column.name}"
                     least, greatest = float(own.least[at]), float(own.greatest[at])

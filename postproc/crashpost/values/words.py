@@ -141,17 +141,17 @@ def _call(function: str, inside: str) -> str:
 
 def _arguments(inside: str) -> list[str]:
     """The arguments of a call, cut at commas outside of brackets and quotes."""
-    found, depth, start, quoted = list[str](), 0, 0, ""
+    arguments, depth, start, quoted = list[str](), 0, 0, ""
     for at, letter in enumerate(inside):
         if quoted:
             quoted = "" if letter == quoted else quoted
         elif letter in "'\"":
             quoted = letter
         elif letter == "," and not depth:
-            found.append(inside[start:at].strip())
+            arguments.append(inside[start:at].strip())
             start = at + 1
         depth += (letter == "(") - (letter == ")")
-    return [*found, inside[start:].strip()]
+    return [*arguments, inside[start:].strip()]
 
 
 def _is_closed(inside: str) -> bool:

@@ -79,8 +79,8 @@ class Fitting(Card):
 
     anchor: Anchor | None = word("end of the belt", default=None)
     retractor: Retractor | None = word("spool at the beginning of the belt", default=None)
-    ring: Ring | None = word("the belt slips through it", default=None)
-    wrap: Wrap | None = word("the belt lies on its surface", default=None)
+    ring: Ring | None = word("slip ring through which the belt runs", default=None)
+    wrap: Wrap | None = word("surface of a body around which the belt lies", default=None)
 
     @model_validator(mode="after")
     def _one(self) -> "Fitting":
@@ -107,7 +107,7 @@ ROUTE = Record(f"""
     turned                rad    {FITTINGS}      angle of it that is wrapped at the start
     shortest              m                  length below which a segment is taken as that long
 """)
-LAID = Record(f"""
+ROUTE_HISTORY = Record(f"""
     along     1      {3 * SEGMENTS}  directions of the segments
     arrive    m      {3 * FITTINGS}  where the belt reaches each fitting, world axes
     leave     m      {3 * FITTINGS}  where it leaves
@@ -162,7 +162,7 @@ def route_columns(route: tuple[Fitting, ...], scene: Scene) -> Columns:
     columns["node"][len(route) :] = columns["node"][len(route) - 1]
     if len(set(columns["node"].ravel())) == 1:
         raise scene.fail("all fittings are on one body; a belt needs two or more", "route")
-    _turn_about_cylinders(columns, route, scene)
+    _set_rotation_about_cylinders(columns, route, scene)
     flat = {name: table.ravel() for name, table in columns.items()}
     return flat | {"segments": len(route) - 1, "shortest": 0.0}
 
@@ -191,7 +191,9 @@ def _place_surface(columns: Columns, i: int, wrap: Wrap, scene: Scene) -> None:
         raise scene.fail(message, f"{field}")
 
 
-def _turn_about_cylinders(columns: Columns, route: tuple[Fitting, ...], scene: Scene) -> None:
+def _set_rotation_about_cylinders(
+    columns: Columns, route: tuple[Fitting, ...], scene: Scene
+) -> None:
     """Writes: sense and turned of columns."""
     for i in np.flatnonzero(columns["surface"].ravel() == CYLINDER):
         node, wrap = int(columns["node"][i, 0]), route[i].wrap
@@ -217,11 +219,11 @@ def _turn_about_cylinders(columns: Columns, route: tuple[Fitting, ...], scene: S
 
 
 def refuse_route(
-    route: tuple[Fitting, ...], laid: np.void, lengths: np.ndarray, scene: Scene
+    route: tuple[Fitting, ...], initial: np.void, lengths: np.ndarray, scene: Scene
 ) -> None:
-    """Refuse fittings that make no route at the start; `laid` has the columns LAID."""
+    """Refuse fittings that make no route at the start; `initial` has the columns ROUTE_HISTORY."""
     for i, fitting in enumerate(route):
-        if fitting.wrap and laid["touches"][i] < 0:
+        if fitting.wrap and initial["touches"][i] < 0:
             message = "contains the fitting before or behind it, or there is no shortest line over "
             message += "it from one to the other; move them"
             raise scene.fail(message, f"route.{i}.wrap.surface")
@@ -231,7 +233,7 @@ def refuse_route(
             message += f"{lengths.sum():.3g} m; a segment needs more than {2 * SHORT:g} of it"
             field = "surface" if route[i + 1].wrap else "at"
             raise scene.fail(message, f"route.{i + 1}.{route[i + 1].kind}.{field}")
-    units = laid["along"].reshape(-1, 3)
+    units = initial["along"].reshape(-1, 3)
     for i in range(1, len(route) - 1):
         if route[i].ring and units[i - 1] @ units[i] < BACK:
             message = "the belt doubles back on itself in it; move it, or leave it out"

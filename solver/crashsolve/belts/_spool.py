@@ -25,7 +25,7 @@ NONE, FREE, PULLING, LOCKED = range(4)
 
 
 class Pretensioner(Card):
-    """Winds webbing in from a moment on."""
+    """Pretensioner: winds webbing in from a given time on."""
 
     curve_axes: ClassVar = {"curve": ("m", "N")}
 
@@ -79,7 +79,7 @@ SPOOL = Record("""
     winds              s      how long
     reserve            m      webbing on it at the start
 """)
-WOUND = Record("""
+SPOOL_HISTORY = Record("""
     locked    flag     whether it is
     mode      flag     NONE, FREE, PULLING or LOCKED in the step
     wound_in  m        s

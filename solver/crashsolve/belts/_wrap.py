@@ -89,7 +89,7 @@ def around(R, e, f, angle):
 
 @kernel
 def over_cylinder(R, A, B, sense, before):
-    """The Arc on a cylinder about the third axis; `sense` of its turn, `before` its last angle."""
+    """The Arc on a cylinder about the third axis; `sense` of rotation, `before` the last angle."""
     a, b = sqrt(A[0] * A[0] + A[1] * A[1]), sqrt(B[0] * B[0] + B[1] * B[1])
     flat_A, flat_B = (A[0], A[1], 0.0), (B[0], B[1], 0.0)
     share = nearest_share(flat_A, flat_B)

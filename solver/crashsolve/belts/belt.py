@@ -17,8 +17,8 @@ from pydantic import model_validator
 from crashsolve.belts._flow import ITERATIONS, solve_flow
 from crashsolve.belts._route import (
     FITTINGS,
-    LAID,
     ROUTE,
+    ROUTE_HISTORY,
     SEGMENTS,
     SHORT,
     Fitting,
@@ -30,7 +30,7 @@ from crashsolve.belts._route import (
     route_columns,
     update_route,
 )
-from crashsolve.belts._spool import SPOOL, WOUND, spool_columns, update_spool
+from crashsolve.belts._spool import SPOOL, SPOOL_HISTORY, spool_columns, update_spool
 from crashsolve.belts._webbing import WEBBING, Webbing, force_at, read_beyond_end, webbing_columns
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, quantity, word
@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 
 STEPWISE = True
 WARNINGS = {
-    "short": "a segment reached zero length, as its ring met the next fitting: its length was "
+    "short": "a segment reached zero length, as its ring reached the next fitting: its length was "
     "taken as 0.001 of the belt; move the ring, or give the belt more webbing",
     "slipped": "the belt slipped off a surface, and was taken as straight until it was clear of "
     "it; the webbing that became slack is lost: move its fittings, or guide it by a ring",
@@ -86,8 +86,8 @@ PARAMETERS = (
 """)
 )
 HISTORY = (
-    LAID
-    + WOUND
+    ROUTE_HISTORY
+    + SPOOL_HISTORY
     + Record(f"""
     webbing     m    {SEGMENTS}  L, unstrained length
     residual    m    {SEGMENTS}  S, residual elongation
@@ -131,8 +131,8 @@ PLACED = Record("""
 def build(card: Belt, scene: Scene) -> Columns:
     columns = route_columns(card.route, scene) | webbing_columns(card.webbing, scene)
     columns |= spool_columns(card.route[0].retractor, scene)
-    laid, lengths = laid_at_start(columns, scene)
-    refuse_route(card.route, laid, lengths, scene)
+    initial, lengths = initial_route(columns, scene)
+    refuse_route(card.route, initial, lengths, scene)
     straight = float(lengths.sum())
     total = straight + card.slack
     if not total > 0.0:
@@ -152,9 +152,9 @@ def build(card: Belt, scene: Scene) -> Columns:
     return columns | {"start": start, "total": total, "first": first, "shortest": shortest}
 
 
-def laid_at_start(columns: Columns, scene: Scene) -> tuple[np.void, np.ndarray]:
-    """Columns LAID and lengths of the segments at the start [m]."""
-    p, new, old = (as_rows(np.zeros(1, r.dtype))[0] for r in (ROUTE, LAID, LAID))
+def initial_route(columns: Columns, scene: Scene) -> tuple[np.void, np.ndarray]:
+    """Columns ROUTE_HISTORY and lengths of the segments at the start [m]."""
+    p, new, old = (as_rows(np.zeros(1, r.dtype))[0] for r in (ROUTE, ROUTE_HISTORY, ROUTE_HISTORY))
     out, nodes = (
         as_rows(np.zeros(1, OUTPUT.dtype))[0],
         as_rows(np.zeros(len(scene.r), PLACED.dtype)),
@@ -169,7 +169,7 @@ def laid_at_start(columns: Columns, scene: Scene) -> tuple[np.void, np.ndarray]:
 
 
 def initial_history(card: Belt, p: np.void, scene: Scene) -> Columns:
-    laid, lengths = laid_at_start(ROUTE.columns_of(p), scene)
+    initial, lengths = initial_route(ROUTE.columns_of(p), scene)
     used, n = np.arange(SEGMENTS) < p["segments"], len(lengths)
     residual, straight = np.zeros(SEGMENTS), np.zeros(SEGMENTS)
     straight[:n] = lengths
@@ -183,7 +183,7 @@ def initial_history(card: Belt, p: np.void, scene: Scene) -> Columns:
         "residual": residual,
         "tension": used * p["first"],
     }
-    return {column.name: laid[column.name] for column in LAID.columns} | own
+    return {column.name: initial[column.name] for column in ROUTE_HISTORY.columns} | own
 
 
 @kernel

@@ -37,7 +37,7 @@ class Primitive(Card):
 
 
 class Bar(Card):
-    """Length of a section that a body is drawn by; it has no mass, and nothing touches it."""
+    """Length of a section drawn for a body; it has no mass and no contact."""
 
     from_: Vec3 = quantity("m", "middle of the section where it begins, in the body's frame")
     to: Vec3 = quantity("m", "middle of the section where it ends, in the body's frame")

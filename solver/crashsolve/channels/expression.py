@@ -97,7 +97,16 @@ def _tree(expression: str) -> ast.expr:
         with warnings.catch_warnings(action="ignore"):
             return ast.parse(text, mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-        raise ChannelError(f"cannot read the expression '{expression}'") from error
+        message = f"cannot read the expression '{expression}'{_advice(expression.strip())}"
+        raise ChannelError(message) from error
+
+
+def _advice(expression: str) -> str:
+    """What to write for a channel that a statistic follows, as logs have it."""
+    channel, _, last = expression.rpartition(" ")
+    if not channel or last.partition(":")[0] not in words_in("statistics"):
+        return ""
+    return f"; a statistic is a field of its own: {{channel: {channel}, statistic: {last}}}"
 
 
 def _names(node: ast.expr) -> list[str]:

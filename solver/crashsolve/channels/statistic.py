@@ -81,28 +81,28 @@ def refined(series: Series, text: str) -> float:
 def unresolved(series: Series, text: str) -> float:
     """Uncertainty of the number by sampling, in its unit; 0 without any."""
     module, arguments = _read(text)
-    found = getattr(module, "unresolved", None)
-    return float(found(series, *arguments)) if found else 0.0
+    function = getattr(module, "unresolved", None)
+    return float(function(series, *arguments)) if function else 0.0
 
 
 def scale(series: Series, text: str, size: float) -> float:
     """Scale of relative errors of the number; `size` is the history's largest magnitude."""
     module, _ = _read(text)
-    found = getattr(module, "scale", None)
-    return float(found(series, size)) if found else size
+    function = getattr(module, "scale", None)
+    return float(function(series, size)) if function else size
 
 
 def remark(series: Series, text: str) -> str:
     """Remark to show beside the number; "" for most."""
     module, arguments = _read(text)
-    found = getattr(module, "remark", None)
-    return str(found(series, *arguments)) if found else ""
+    function = getattr(module, "remark", None)
+    return str(function(series, *arguments)) if function else ""
 
 
 def unit_of(text: str, unit: str) -> str:
     """The unit of a statistic of a channel that has `unit`."""
-    found = getattr(_read(text)[0], "unit", None)
-    return str(found(unit)) if found else unit
+    function = getattr(_read(text)[0], "unit", None)
+    return str(function(unit)) if function else unit
 
 
 def is_of_a_moment(text: str) -> bool:

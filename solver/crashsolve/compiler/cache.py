@@ -169,9 +169,9 @@ def write_sealed(path: Path, content: bytes, sync: bool = True) -> None:
 
 def read_sealed(path: Path) -> bytes | None:
     """Content of a file of this user with its checksum; None for one absent, damaged or foreign."""
-    found = read_own(path)
-    seal, _, content = (found or b"").partition(b"\n")
-    return content if found and seal == _seal(path, content) else None
+    sealed = read_own(path)
+    seal, _, content = (sealed or b"").partition(b"\n")
+    return content if sealed and seal == _seal(path, content) else None
 
 
 def _seal(path: Path, content: bytes) -> bytes:

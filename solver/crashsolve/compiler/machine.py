@@ -225,9 +225,9 @@ def _checked(function: Function, engine: Engine) -> Function:
     def checked(number: float, flag: bool, tables: Tables) -> None:
         function(number, flag, tables)
         if failure.site:
-            said = failure.site.decode(errors="replace")
+            location = failure.site.decode(errors="replace")
             failure.site = None
-            message = f"{said}: {failure.number} is out of bounds, the limit is {failure.limit}"
+            message = f"{location}: {failure.number} is out of bounds, the limit is {failure.limit}"
             raise BoundsError(message)
 
     return checked

@@ -27,9 +27,9 @@ def _unchanged(library: str) -> Iterator[tuple[int, int]]:
     begin = end = changed = 0
     with open("/proc/self/smaps", encoding="utf-8") as file:
         for line in file:
-            if found := MAPPING.match(line):
-                begin, end = int(found[1], 16), int(found[2], 16)
-                changed = "w" in found[3] or library not in found[4]
+            if fields := MAPPING.match(line):
+                begin, end = int(fields[1], 16), int(fields[2], 16)
+                changed = "w" in fields[3] or library not in fields[4]
             elif line.startswith(("Anonymous:", "Swap:")):
                 changed += int(line.split()[1])
             elif line.startswith("VmFlags:") and not changed:

@@ -67,13 +67,15 @@ def compiled(units: dict[Path, str], vectors: bool) -> dict[Path, bytes]:
             _compile(shares[1], units, vectors)
         finally:
             os._exit(0)
-    found = _compile(shares[0], units, vectors)
+    compiled_units = _compile(shares[0], units, vectors)
     if child is not None:
         os.waitpid(child, 0)
         codes = {path: read_sealed(path) for path in shares[1]}
-        found |= {path: code for path, code in codes.items() if code is not None}
+        compiled_units |= {path: code for path, code in codes.items() if code is not None}
     # what the other process has not made shows its error here
-    return found | _compile([path for path in units if path not in found], units, vectors)
+    return compiled_units | _compile(
+        [path for path in units if path not in compiled_units], units, vectors
+    )
 
 
 def _shares(lengths: dict[Path, int]) -> list[list[Path]]:
@@ -90,11 +92,11 @@ def _shares(lengths: dict[Path, int]) -> list[list[Path]]:
 
 
 def _compile(paths: list[Path], units: dict[Path, str], vectors: bool) -> dict[Path, bytes]:
-    found = {path: object_code(units[path], vectors) for path in paths}
-    for path, code in found.items():
+    codes = {path: object_code(units[path], vectors) for path in paths}
+    for path, code in codes.items():
         # a damaged file is made anew: there is no need to wait for the disk
         write_sealed(path, code, sync=False)
-    return found
+    return codes
 
 
 @cache

@@ -82,12 +82,12 @@ class Program:
         """Module and name of a function that is copied, where a name of a file means one."""
         if name in source.functions:
             return source.module, name
-        module, there = source.imports.get(name, ("", ""))
+        module, original = source.imports.get(name, ("", ""))
         module = self.replaced.get(module, module)
         if module and self.is_copied(module):
-            found = self.source(module)
-            if there in found.functions:
-                return module, there
+            module_source = self.source(module)
+            if original in module_source.functions:
+                return module, original
         return None
 
     def source(self, module: str) -> Source:
@@ -107,14 +107,14 @@ class Program:
             if name in source.constants:
                 self._constant(source, name)
             elif name in source.imports:
-                module, there = source.imports[name]
+                module, original = source.imports[name]
                 module = self.replaced.get(module, module)
                 if self.is_copied(module):
                     # its functions are there already, by the visitor
-                    if there in self.source(module).constants:
-                        self._constant(self.source(module), there)
+                    if original in self.source(module).constants:
+                        self._constant(self.source(module), original)
                 else:
-                    self._import(name, module, there)
+                    self._import(name, module, original)
 
     def _constant(self, source: Source, name: str) -> None:
         """Copy the statement that a constant is given its value by."""
@@ -167,8 +167,8 @@ def _is_ineffective(node: ast.stmt) -> bool:
 
 def _written(source: Source, original: ast.FunctionDef, function: ast.FunctionDef) -> str:
     """Text of a copied function under the name of its file; its own text where nothing changed."""
-    said = f"# {source.module}\n"
+    header = f"# {source.module}\n"
     if not are_same(original, function):
-        return said + ast.unparse(function)
+        return header + ast.unparse(function)
     first = min([original.lineno, *(d.lineno for d in original.decorator_list)])
-    return said + "\n".join(source.lines[first - 1 : original.end_lineno])
+    return header + "\n".join(source.lines[first - 1 : original.end_lineno])

@@ -104,9 +104,9 @@ class Copy(ast.NodeTransformer):
         if isinstance(node, ast.Tuple):
             return tuple(map(self.value, node.elts))
         if isinstance(node, ast.Subscript) and isinstance(node.value, ast.Attribute):
-            found = self.value(node.value)
-            if isinstance(found, tuple):
-                return found[self.value(node.slice)]
+            entries = self.value(node.value)
+            if isinstance(entries, tuple):
+                return entries[self.value(node.slice)]
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
             return not self.value(node.operand)
         if isinstance(node, ast.BoolOp):
@@ -120,31 +120,33 @@ class Copy(ast.NodeTransformer):
     def _value_of_name(self, name: str) -> object:
         if name in self.known:
             return self.known[name]
-        module, there = self.source.imports.get(name, ("", ""))
+        module, original = self.source.imports.get(name, ("", ""))
         if name not in self.unknown and module == self.program.home:
-            if there not in self.program.placeholders:
-                raise SpecialiseError(f"{self.where}: nothing stands for the placeholder {there}")
-            return self.program.placeholders[there]
+            if original not in self.program.placeholders:
+                raise SpecialiseError(
+                    f"{self.where}: nothing stands for the placeholder {original}"
+                )
+            return self.program.placeholders[original]
         raise _Unknown
 
     def _value_of_attribute(self, value: Any, name: str) -> object:
         if isinstance(value, (Table, int, float, tuple)):
             raise _Unknown
         if isinstance(value, ModuleType):
-            found = getattr(value, name, None)
-            if isinstance(found, (bool, int, float, str)):
-                return found
+            attribute = getattr(value, name, None)
+            if isinstance(attribute, (bool, int, float, str)):
+                return attribute
             raise _Unknown
         try:
-            found = getattr(value, name)
+            attribute = getattr(value, name)
         except AttributeError:
             message = f"{self.where}: group {word_of(value)} has no '{name}'"
             raise SpecialiseError(message) from None
-        if found is None or name not in value.TABLES:
-            return found
+        if attribute is None or name not in value.TABLES:
+            return attribute
         word = f"{value.word}_{name}"
-        if isinstance(found, tuple):
-            return tuple(Table(f"{word}_{k}") for k in range(len(found)))
+        if isinstance(attribute, tuple):
+            return tuple(Table(f"{word}_{k}") for k in range(len(attribute)))
         return Table(word)
 
     def _value_of_choice(self, node: ast.BoolOp) -> object:
@@ -209,13 +211,13 @@ class Copy(ast.NodeTransformer):
 
     def block(self, body: list[ast.stmt]) -> list[ast.stmt]:
         """The statements that are left."""
-        found: list[ast.stmt] = []
+        statements: list[ast.stmt] = []
         for node in body:
             new = self.visit(node)
-            found += new if isinstance(new, list) else [new]
-            if found and isinstance(found[-1], (ast.Return, ast.Continue, ast.Break)):
+            statements += new if isinstance(new, list) else [new]
+            if statements and isinstance(statements[-1], (ast.Return, ast.Continue, ast.Break)):
                 break
-        return found
+        return statements
 
     def visit(self, node: ast.AST) -> Any:
         """Copy a statement or an expression."""
@@ -283,13 +285,13 @@ class Copy(ast.NodeTransformer):
             return node
         if any(isinstance(n, (ast.Break, ast.Continue)) for n in _of_this_loop(node.body)):
             raise SpecialiseError(f"{self.where}: a loop over groups cannot be left or cut short")
-        found: list[ast.stmt] = []
+        statements: list[ast.stmt] = []
         outside = dict(self.known)
         for value in values:
             self._bind(node.target, value)
-            found += self.block(copied(node.body))
+            statements += self.block(copied(node.body))
         self.known = outside
-        return found
+        return statements
 
     def _bind(self, target: ast.expr, value: Any) -> None:
         if isinstance(target, ast.Tuple):
@@ -306,12 +308,12 @@ class Copy(ast.NodeTransformer):
         return node
 
     def visit_Call(self, node: ast.Call) -> ast.AST:
-        found = None
+        definition = None
         if isinstance(node.func, ast.Name) and node.func.id not in self.unknown:
-            found = self.program.find(self.source, node.func.id)
-        if found is None:
+            definition = self.program.find(self.source, node.func.id)
+        if definition is None:
             return self.generic_visit(node)
-        module, name = found
+        module, name = definition
         names = [a.arg for a in self.program.source(module).functions[name].args.args]
         bound, given = {}, []
         for word, argument in zip(names, node.args, strict=True):
@@ -344,14 +346,14 @@ def copied(tree: Any) -> Any:
 
 def walk(tree: ast.AST) -> list[ast.AST]:
     """The nodes of a syntax tree, level by level as of ast.walk, in a quarter of its time."""
-    found = [tree]
-    for node in found:
+    nodes = [tree]
+    for node in nodes:
         for part in vars(node).values():
             if isinstance(part, ast.AST):
-                found.append(part)
+                nodes.append(part)
             elif type(part) is list:
-                found += [inner for inner in part if isinstance(inner, ast.AST)]
-    return found
+                nodes += [inner for inner in part if isinstance(inner, ast.AST)]
+    return nodes
 
 
 def names_in(tree: ast.AST) -> set[str]:
@@ -359,15 +361,15 @@ def names_in(tree: ast.AST) -> set[str]:
 
     A tree that is changed may lose names, which does no harm where each is then asked about.
     """
-    found: set[str] | None = getattr(tree, "names_in_it", None)
-    if found is None:
-        found = {tree.id} if isinstance(tree, ast.Name) else set()
+    names: set[str] | None = getattr(tree, "names_in_it", None)
+    if names is None:
+        names = {tree.id} if isinstance(tree, ast.Name) else set()
         for part in vars(tree).values():
             for inner in part if type(part) is list else (part,):
                 if isinstance(inner, ast.AST):
-                    found |= names_in(inner)
-        tree.names_in_it = found  # type: ignore[attr-defined]
-    return found
+                    names |= names_in(inner)
+        tree.names_in_it = names  # type: ignore[attr-defined]
+    return names
 
 
 def are_same(one: Any, other: Any) -> bool:
@@ -390,12 +392,12 @@ def word_of(value: Any) -> str:
 
 def assigned_in(tree: ast.AST) -> set[str]:
     """Names that are given a value; found once for a tree."""
-    found: set[str] | None = getattr(tree, "assigned_in_it", None)
-    if found is None:
+    assigned: set[str] | None = getattr(tree, "assigned_in_it", None)
+    if assigned is None:
         names = (n for n in walk(tree) if isinstance(n, ast.Name))
-        found = {n.id for n in names if isinstance(n.ctx, ast.Store)}
-        tree.assigned_in_it = found  # type: ignore[attr-defined]
-    return found
+        assigned = {n.id for n in names if isinstance(n.ctx, ast.Store)}
+        tree.assigned_in_it = assigned  # type: ignore[attr-defined]
+    return assigned
 
 
 def _of_this_loop(body: list[ast.stmt]) -> Iterable[ast.AST]:

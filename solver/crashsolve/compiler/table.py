@@ -39,15 +39,15 @@ class Tables:
 
     def replaced(self, arrays: dict[str, np.ndarray]) -> "Tables":
         """These tables with other arrays in place of some, of the same layout."""
-        found = copy(self)
-        found.addresses = self.addresses.copy()
-        found.pointer = found.addresses.ctypes.data
-        found._arrays = self._arrays | arrays
-        for address, name in zip(found.addresses, self.slots, strict=True):
-            found.__dict__.pop(name, None)
+        tables = copy(self)
+        tables.addresses = self.addresses.copy()
+        tables.pointer = tables.addresses.ctypes.data
+        tables._arrays = self._arrays | arrays
+        for address, name in zip(tables.addresses, self.slots, strict=True):
+            tables.__dict__.pop(name, None)
             if name in arrays:
                 _point(address, name, arrays[name])
-        return found
+        return tables
 
     def __getattr__(self, name: str) -> Any:
         """A table as Rows, made when it is first asked for: compiled code asks for none."""

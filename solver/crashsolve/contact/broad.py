@@ -77,8 +77,8 @@ def _collect_pairs(
 ) -> np.ndarray:
     """Near pairs, in any order; repeated with more room where `room` is too small."""
     pairs = np.zeros(room, PAIR.dtype)
-    found = Tables(tables | {"pairs": pairs})
-    machine_code(Path(__file__), "collect_pairs", found)(margin, same, found)
+    all_tables = Tables(tables | {"pairs": pairs})
+    machine_code(Path(__file__), "collect_pairs", all_tables)(margin, same, all_tables)
     count = int(tables["count"][0])
     return pairs[:count] if count <= room else _collect_pairs(tables, count, margin, same)
 

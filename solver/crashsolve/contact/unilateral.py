@@ -32,10 +32,10 @@ INSTEAD = "a law of force does: normal: {type: lankarani_nikravesh, stiffness: .
 
 
 class Unilateral(Card):
-    """Constraint that holds nodes of flexible parts on a surface as long as it pushes them."""
+    """Unilateral constraint: nodes of flexible parts stay on a surface while it pushes them."""
 
     a: tuple[SurfaceName, ...] = word("surfaces on nodes of flexible parts")
-    b: tuple[SurfaceName, ...] = word("surfaces that hold them; the normal points out of them")
+    b: tuple[SurfaceName, ...] = word("surfaces of the other side; the normal points out of them")
     friction_coefficient: float = quantity(
         "1", "mu; sticks below mu times the reaction", default=0.0, ge=0
     )

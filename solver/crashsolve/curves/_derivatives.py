@@ -48,11 +48,11 @@ def with_derivative(formula: Expression, x: Array) -> Jet:
     A slope is not finite where the formula has none.
     """
     with np.errstate(all="ignore"):
-        found = _jet(formula.root, x)
-    for at in x[~np.isfinite(found.y)][:1]:
+        jet = _jet(formula.root, x)
+    for at in x[~np.isfinite(jet.y)][:1]:
         # the plain evaluation raises the error there
         formula.value({"x": float(at)})
-    return found
+    return jet
 
 
 def _jet(node: ast.AST, x: Array) -> Jet:
@@ -99,8 +99,8 @@ def _function(name: str, of: list[Jet]) -> Jet:
     if name == "atan2":
         u, v = of
         return Jet(np.arctan2(u.y, v.y), (u.slope * v.y - u.y * v.slope) / (u.y * u.y + v.y * v.y))
-    found = of[0]
+    extreme = of[0]
     for other in of[1:]:
-        takes = other.y < found.y if name == "min" else other.y > found.y
-        found = Jet(*(np.where(takes, b, a) for a, b in zip(found, other, strict=True)))
-    return found
+        takes = other.y < extreme.y if name == "min" else other.y > extreme.y
+        extreme = Jet(*(np.where(takes, b, a) for a, b in zip(extreme, other, strict=True)))
+    return extreme

@@ -43,8 +43,8 @@ def deviation(formula: Expression, left: Array, right: Array) -> Array:
     with np.errstate(all="ignore"):
         y, slope = bounds(formula, left, right)
         by_slope = 0.25 * (right - left) * (slope.high - slope.low)
-        found: Array = np.fmin(y.high - y.low, by_slope)
-    return np.where(np.isnan(found), np.inf, found)
+        bound: Array = np.fmin(y.high - y.low, by_slope)
+    return np.where(np.isnan(bound), np.inf, bound)
 
 
 def bounds(formula: Expression, left: Array, right: Array) -> Bounds:

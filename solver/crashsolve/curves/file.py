@@ -37,8 +37,8 @@ class File(PointsCard):
         if not isinstance(given, Mapping):
             return given
         context = info.context or Context()
-        found = {name: context.unit_of_axis(j) for j, name in enumerate(("x_unit", "y_unit"))}
-        return {**{name: unit for name, unit in found.items() if unit}, **given}
+        units = {name: context.unit_of_axis(j) for j, name in enumerate(("x_unit", "y_unit"))}
+        return {**{name: unit for name, unit in units.items() if unit}, **given}
 
     @model_validator(mode="after")
     def _readable(self, info: ValidationInfo) -> "File":

@@ -111,7 +111,7 @@ def _sample(
 def _hidden(formula: Expression, x: Array, y: Array, slopes: Array) -> Array:
     """Positions (n,) where the formula is far from the cubics between these breakpoints."""
     far = HIDDEN * float(np.abs(y).max())
-    left, right, done, found = x[:-1], x[1:], 0, [x[:0]]
+    left, right, done, midpoints = x[:-1], x[1:], 0, [x[:0]]
     while len(left) and done < MAX_CUBICS:
         middle = 0.5 * (left + right)
         may_be_far = (deviation(formula, left, right) > far) & (left < middle) & (middle < right)
@@ -120,11 +120,11 @@ def _hidden(formula: Expression, x: Array, y: Array, slopes: Array) -> Array:
         h, a, b = x[k + 1] - x[k], Jet(y[k], slopes[k]), Jet(y[k + 1], slopes[k + 1])
         cubic = _cubic(h, a, b, ((middle - x[k]) / h)[:, None])[:, 0]
         is_far = np.abs(with_derivative(formula, middle).y - cubic) > far
-        found.append(middle[is_far])
+        midpoints.append(middle[is_far])
         left, right, middle = left[~is_far], right[~is_far], middle[~is_far]
         left, right = np.concatenate([left, middle]), np.concatenate([middle, right])
         done += len(left)
-    return np.concatenate(found)
+    return np.concatenate(midpoints)
 
 
 def _refined(
@@ -145,11 +145,11 @@ def _refined(
         inside = inside + 0.3 / (evaluations + 1) * np.sin(17.0 * inside)
         positions = left[:, None] + (right - left)[:, None] * inside
         y, slope = (u.reshape(positions.shape) for u in with_derivative(formula, positions.ravel()))
-        here = np.max(np.abs(np.column_stack([y, a.y, b.y])), axis=1)
-        largest = max(largest, float(here.max()))
+        size = np.max(np.abs(np.column_stack([y, a.y, b.y])), axis=1)
+        largest = max(largest, float(size.max()))
         error = np.max(np.abs(y - _cubic(right - left, a, b, inside)), axis=1)
         _refuse_jump(left, right, a.y, b.y, least, largest)
-        scale = np.maximum(here, FLOOR * largest)
+        scale = np.maximum(size, FLOOR * largest)
         round_off = _round_off(largest, np.maximum(np.abs(left), np.abs(right)), a, b)
         error -= round_off
         bend_error = np.zeros_like(error)
@@ -184,8 +184,8 @@ def _refined(
         count += len(middle)
         evaluations = max((evaluations + 1) // 2, LEAST)
     x = np.concatenate([np.sort(np.concatenate(done)), [end]])
-    found = _known(formula, x)
-    return x, found.y, found.slope, tolerance
+    jet = _known(formula, x)
+    return x, jet.y, jet.slope, tolerance
 
 
 def _round_off(largest: float, size: Array, a: Jet, b: Jet) -> Array:
@@ -197,10 +197,10 @@ def _round_off(largest: float, size: Array, a: Jet, b: Jet) -> Array:
 
 def _known(formula: Expression, x: Array) -> Jet:
     """Values and slopes at positions; by a difference where the formula has no slope."""
-    found = with_derivative(formula, x)
-    slope = found.slope.copy()
+    jet = with_derivative(formula, x)
+    slope = jet.slope.copy()
     slope[~np.isfinite(slope)] = 0.0
-    return Jet(found.y, slope)
+    return Jet(jet.y, slope)
 
 
 def _cubic(h: Array, a: Jet, b: Jet, part: Array) -> Array:

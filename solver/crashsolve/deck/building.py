@@ -137,7 +137,7 @@ class Attached(BetweenBodies, Protocol):
     def at_b(self) -> ArrayLike: ...
 
 
-class Turning(BetweenBodies, Protocol):
+class AboutAxis(BetweenBodies, Protocol):
     """A card of a law about an axis of a."""
 
     @property
@@ -253,7 +253,7 @@ class Scene(Protocol):
     def distance(self, ends: Columns) -> float:
         """Distance between two attachments [m]."""
 
-    def turning(self, card: Turning) -> Columns:
+    def rotation_about_axis(self, card: AboutAxis) -> Columns:
         """Rotation of b about `axis` of a, with sides that meet at the start."""
 
     def joint_point(self, card: Jointed) -> tuple[int, int, np.ndarray]:

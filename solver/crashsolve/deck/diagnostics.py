@@ -69,12 +69,12 @@ def shown(value: object) -> str:
 
 def diagnostics_of(card: type[BaseModel], error: ValidationError) -> list[Diagnostic]:
     """The errors found in a card, one for each location, in words."""
-    found: dict[Path, Diagnostic] = {}
+    diagnostics: dict[Path, Diagnostic] = {}
     lines = [line for line in error.errors(include_url=False) if not _is_reported(line)]
     for word, group in groupby(lines, key=lambda line: line["loc"][:1]):
         for diagnostic in _of_field(card, word, list(group)):
-            found[diagnostic.path] = diagnostic
-    return list(found.values())
+            diagnostics[diagnostic.path] = diagnostic
+    return list(diagnostics.values())
 
 
 def explained(card: type[BaseModel], error: ValidationError) -> ValidationError:

@@ -54,7 +54,7 @@ class Problem(ValueError):
         self.path, self.message, self.advice = path, message, advice
 
 
-def stands_for_many(item: Item) -> bool:
+def represents_many(item: Item) -> bool:
     """Whether the type of an item is one whose cards are written out."""
     word = item.value.get("type") if isinstance(item.value, Mapping) else None
     folder = SECTIONS[item.keyword].folder
@@ -76,11 +76,11 @@ def expand(
     """
     words = control if isinstance(control, Mapping) else {}
     try:
-        made = import_module(entry.module_name).expand(entry.name, entry.card, known(laws), words)
+        cards = import_module(entry.module_name).expand(entry.name, entry.card, known(laws), words)
     except Problem as problem:
         refuse(entry.item, Diagnostic(problem.path, problem.message, problem.advice))
         return False
-    return add(entry, made, items, refuse)
+    return add(entry, cards, items, refuse)
 
 
 def known(laws: Mapping[str, Mapping[str, Entry]]) -> dict[str, dict[str, Law]]:
@@ -95,14 +95,14 @@ def known(laws: Mapping[str, Mapping[str, Entry]]) -> dict[str, dict[str, Law]]:
 
 
 def add(
-    entry: Entry, made: list[Made], items: Items, refuse: Callable[[Item, Diagnostic], None]
+    entry: Entry, cards: list[Made], items: Items, refuse: Callable[[Item, Diagnostic], None]
 ) -> bool:
     """Add cards that an entry is written out in; returns whether none has a name of another.
 
     Writes: items.
     """
     is_well, owner = True, entry.item.title
-    for card in made:
+    for card in cards:
         where = locate(entry.where, entry.item.value, card.path, False)
         item = Item(card.keyword, card.name, card.fields, where, where, MADE, owner=owner)
         if card.name in items[card.keyword]:

@@ -153,8 +153,8 @@ def _are_paths(values: object) -> bool:
 @cache
 def provided(law: type) -> tuple[str, ...]:
     """Functions that a law must provide, by the Protocol of its family."""
-    found = [n for part in _roles(law) for n, v in vars(part).items() if callable(v)]
-    return tuple(dict.fromkeys(n for n in found if not n.startswith("_")))
+    names = [n for part in _roles(law) for n, v in vars(part).items() if callable(v)]
+    return tuple(dict.fromkeys(n for n in names if not n.startswith("_")))
 
 
 def constants(law: type) -> tuple[str, ...]:
@@ -277,17 +277,17 @@ def families() -> dict[str, Family]:
     follows none, or takes a name that another has.
     """
     root = _root()
-    found = []
+    declared = []
     for path in sorted(root.glob("**/__init__.py")):
         if re.search(r"^FAMILY\b.*=", path.read_text("utf-8"), re.MULTILINE):
             folder = path.parent.relative_to(root).as_posix()
             family = imported(f"{PACKAGE}.{folder.replace('/', '.')}", path).FAMILY
             if not isinstance(family, Family):
                 raise FamilyError(f"{PACKAGE}/{folder}/__init__.py: FAMILY must be Family(...)")
-            found.append(replace(family, folder=folder))
-    _refuse_clashes(found)
-    return _in_order({f.name: f for f in found if f.entry is not None}) | {
-        f.name: f for f in found if f.entry is None
+            declared.append(replace(family, folder=folder))
+    _refuse_clashes(declared)
+    return _in_order({f.name: f for f in declared if f.entry is not None}) | {
+        f.name: f for f in declared if f.entry is None
     }
 
 
@@ -334,10 +334,10 @@ def _import_message(error: Exception, location: str, path: Path) -> str:
     return f"{location}:{line} {type(error).__name__}: {reason}"
 
 
-def _refuse_clashes(found: list[Family]) -> None:
+def _refuse_clashes(families_of_folders: list[Family]) -> None:
     """Raises FamilyError for names that two families have, and for names of no family."""
     owners: dict[tuple[str, str], str] = {("channels", "glstat"): "the whole model"}
-    for family in found:
+    for family in families_of_folders:
         location = f"{PACKAGE}/{family.folder}/__init__.py"
         names = [("section", family.name)] if family.entry is not None else []
         names += [("energy", word) for word in family.energy]
@@ -346,7 +346,7 @@ def _refuse_clashes(found: list[Family]) -> None:
             if name in owners:
                 raise FamilyError(f"{location}: {name[0]} '{name[1]}' is that of {owners[name]}")
             owners[name] = f"{PACKAGE}/{family.folder}"
-        known = {f.name for f in found}
+        known = {f.name for f in families_of_folders}
         for what, words, right in (
             ("uses", family.uses, known),
             ("integrators", () if family.integrators == ANY else family.integrators, integrators()),

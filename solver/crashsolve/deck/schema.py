@@ -17,6 +17,7 @@ from crashsolve.deck.card import Card, Reference, existing_file, law_class, numb
 from crashsolve.deck.fields import BOUNDS, Declared, deck_words, declared
 from crashsolve.deck.keywords import KEYWORDS, LISTS, SECTIONS, SINGLE
 from crashsolve.deck.laws import PACKAGE, package_folder, types_in
+from crashsolve.deck.reading.expressions import FUNCTIONS
 
 Schema = dict[str, Any]
 _SCALARS: dict[object, Schema] = {
@@ -182,6 +183,10 @@ def keywords_markdown() -> str:
     return "\n".join(_manual()) + "\n"
 
 
+def _functions() -> str:
+    return " ".join(f"`{name}`" for name in FUNCTIONS)
+
+
 def _manual() -> Iterator[str]:
     yield from (
         "# Keywords",
@@ -191,8 +196,10 @@ def _manual() -> Iterator[str]:
         "Where a file has `units`, an expression of parameters with units may hold bare numbers",
         "if these are pure, as in `${length/2}`, or if the units of the others cancel, as in",
         "`${gap*sin(tilt)}`.",
-        "A parameter without a unit counts in the units of the file that defines it: a file with",
+        "A parameter without a unit is in the units of the file that defines it: a file with",
         "other units may read it only where it is pure; `'4 1'` states that it is.",
+        "Expressions have `+ - * / **`, `pi` and the functions " + _functions() + ";",
+        "`${within(stature, 0.5, 2.3)}` is the stature, and refuses one outside these limits.",
         "`title` is text, `include` a list of files, `parameters` a table of names and numbers.",
         "A file may be included many times with other words: with",
         "`{file: car.yaml, with: {car: c1}}` every `<car>` in its names and texts becomes `c1`.",
@@ -287,9 +294,9 @@ def _nested_folders() -> list[str]:
         folder = todo.pop(0)
         for word in types_in(folder):
             card = law_class(folder, word)
-            found = [declared(card, name).law for name in card.model_fields]
-            todo += [law for law in found if law and law not in folders]
-            folders.update(dict.fromkeys(law for law in found if law))
+            laws = [declared(card, name).law for name in card.model_fields]
+            todo += [law for law in laws if law and law not in folders]
+            folders.update(dict.fromkeys(law for law in laws if law))
     return list(folders)
 
 

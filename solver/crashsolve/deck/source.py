@@ -166,10 +166,14 @@ def _syntax_error(name: str, text: str, error: yaml.MarkedYAMLError) -> DeckErro
     problem = " ".join(filter(None, (error.context, error.problem)))
     advice = ""
     rows = text.split("\n")
-    here = rows[line][column : column + 1] if line < len(rows) else ""
+    character = rows[line][column : column + 1] if line < len(rows) else ""
     if "cannot start any token" in problem:
-        problem = "a tab cannot indent" if here == "\t" else f"a value cannot begin with '{here}'"
-        advice = "use spaces" if here == "\t" else "put it in quotes"
+        problem = (
+            "a tab cannot indent"
+            if character == "\t"
+            else f"a value cannot begin with '{character}'"
+        )
+        advice = "use spaces" if character == "\t" else "put it in quotes"
     elif "mapping values are not allowed" in problem:
         problem = "a ':' is not expected here"
         advice = "check the indentation, or put the text in quotes"

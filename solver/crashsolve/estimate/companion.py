@@ -1,6 +1,6 @@
 """A companion: the deck's model run again in memory, coarser or finer, for watched channels.
 
-    coarseness m: fixed or longest step, safety and turn times m; tolerance times m^q
+    coarseness m: fixed or longest step, safety and rotation times m; tolerance times m^q
 
 q is the order of a step's error, 5 at most. A fixed step has a tolerance too: joints are closed and
 stages solved by it. Where samples bound its steps, a coarser companion goes from every m-th of them
@@ -20,7 +20,7 @@ from crashsolve.foundation.errors import SolverError
 from crashsolve.model.build import build
 from crashsolve.recording.engines import engine_of, is_static
 from crashsolve.recording.histories import Histories
-from crashsolve.recording.marching import MOST
+from crashsolve.recording.marching import MAX_BLOCK_SAMPLES
 from crashsolve.recording.resampling import Resampling
 from crashsolve.recording.samples import Channel, Samples, gather
 from crashsolve.recording.sampling import Schedule
@@ -105,7 +105,7 @@ class Companions:
                 self._take_load_steps(engine, schedule.time(k), schedule.time(k + 1), coarseness)
                 k = self._sample(k + 1, recorded, resampling, schedule)
                 continue
-            times = schedule.times(k + 1, MOST)
+            times = schedule.times(k + 1, MAX_BLOCK_SAMPLES)
             if resampling.march.can_march(float(times[-1])):
                 count, _, left = resampling.march.go(times)
                 recorded.add(times[:count].tolist())

@@ -100,7 +100,7 @@ class NumberErrors:
     def estimate(self, watch: Watch, main: Samples, others: Sequence[Samples]) -> Estimate:
         """The number of the run and its error, `others` being companions in any order."""
         resolved = self._resolved(watch, main)
-        units = {c.name: c.unit for found in self.channels.values() for c in found}
+        units = {c.name: c.unit for channels in self.channels.values() for c in channels}
         main, *rest = (replace(samples, units=units) for samples in (main, *others))
         return replace(self._estimate(resolved, main, rest), watch=watch)
 
@@ -110,7 +110,7 @@ class NumberErrors:
         Raises ValueError for samples from which it cannot be computed.
         """
         resolved = self._resolved(watch, runs[0])
-        units = {c.name: c.unit for found in self.channels.values() for c in found}
+        units = {c.name: c.unit for channels in self.channels.values() for c in channels}
         times = runs[0].time
         for run in runs[1:]:
             times = times[are_among(times, run.time)]
@@ -148,22 +148,22 @@ class NumberErrors:
             return Estimate(watch, value, unit, None, size, how, is_wanted=False)
         try:
             sampling_error = _sampling_error(watch, series, main)
-            found = self._of_steps(watch, main, others)
+            steps = self._of_steps(watch, main, others)
         except ValueError as problem:
             # such as a filter that needs all samples
             how = f"not estimated: with fewer samples {problem}"
             return Estimate(watch, value, unit, None, size, how)
-        if found is None:
+        if steps is None:
             how = "not estimated: no further run took different steps"
             return Estimate(watch, value, unit, None, size, how)
-        error, how = _sum(found, sampling_error) + DIGITS * abs(value), found.how
+        error, how = _sum(steps, sampling_error) + DIGITS * abs(value), steps.how
         if abs(sampling_error) > 0.1 * error:
             how += f"; gaps between samples {abs(sampling_error):.2g} {unit}".rstrip()
         if watch.statistic in EXTREMES:
             other = self._ambiguity_of_time(watch, series, main, others)
             if other > error:
                 error, how = other, "another peak is as large within its error"
-        return Estimate(watch, value, unit, error, size, how, found.size, abs(sampling_error))
+        return Estimate(watch, value, unit, error, size, how, steps.size, abs(sampling_error))
 
     def _ambiguity_of_time(
         self, watch: Watch, series: Series, main: Samples, others: Sequence[Samples]
@@ -210,27 +210,27 @@ class NumberErrors:
         return self._of_three(steps, values)
 
     def _of_three(self, steps: Sequence[float], values: Sequence[np.ndarray]) -> _Steps:
-        found = analyse(steps, values, self.order)
+        convergence = analyse(steps, values, self.order)
         # an order near zero gives an error of any size: at most the largest difference of the runs
         differences = [distance(a, b) for a, b in pairwise(values)]
-        size, how = min(found.error, max(differences)), _reported(found, self.order)
-        signed = float((values[-1] - found.value)[0]) if len(values[-1]) == 1 else None
-        if found.stalls is None and self.order:
+        size, how = min(convergence.error, max(differences)), _reported(convergence, self.order)
+        signed = float((values[-1] - convergence.value)[0]) if len(values[-1]) == 1 else None
+        if convergence.stalls is None and self.order:
             a, b, c = (step**self.order for step in steps)
-            least = _margin(found, self.order) * differences[0] * c / (a - b)
+            least = _margin(convergence, self.order) * differences[0] * c / (a - b)
             if least > size:
                 size, signed = least, None
-        return _Steps(size, signed if found.is_extrapolated else None, how)
+        return _Steps(size, signed if convergence.is_extrapolated else None, how)
 
 
-def _margin(found: Convergence, order: float) -> float:
+def _margin(convergence: Convergence, order: float) -> float:
     """Factor [1] on the error by the difference before the last, below which no error is given."""
-    if found.order <= order + NEAR:
+    if convergence.order <= order + NEAR:
         return CHANCE_MARGIN
     # where the last difference is round-off, the one before is no evidence of chance
-    if found.has_floor or not np.isfinite(found.order):
+    if convergence.has_floor or not np.isfinite(convergence.order):
         return 1.0
-    return float(min(2.0 ** (found.order - order), IMPOSSIBLE))
+    return float(min(2.0 ** (convergence.order - order), IMPOSSIBLE))
 
 
 def _of_largest(steps: Sequence[float], values: Sequence[np.ndarray]) -> _Steps:
@@ -266,25 +266,25 @@ def _sampling_error(watch: Watch, series: Series, main: Samples) -> float:
     missed = unresolved(series, watch.statistic)
     if missed:
         return missed
-    found = plain(series, watch.statistic) - refined(series, watch.statistic)
-    return found + _sampling_error_inside(watch, main)
+    difference = plain(series, watch.statistic) - refined(series, watch.statistic)
+    return difference + _sampling_error_inside(watch, main)
 
 
-def _sum(found: _Steps, sampling_error: float) -> float:
+def _sum(steps: _Steps, sampling_error: float) -> float:
     """Both errors together: where the signs are known they may take from each other."""
-    if found.signed is None:
-        return found.size + abs(sampling_error)
-    return abs(found.signed + sampling_error) + REST * (abs(found.signed) + abs(sampling_error))
+    if steps.signed is None:
+        return steps.size + abs(sampling_error)
+    return abs(steps.signed + sampling_error) + REST * (abs(steps.signed) + abs(sampling_error))
 
 
-def _reported(found: Convergence, order: float | None) -> str:
+def _reported(convergence: Convergence, order: float | None) -> str:
     """Method of the error estimate, in words."""
-    if found.stalls is not None:
+    if convergence.stalls is not None:
         return "2 coarser runs: differences do not shrink, the larger one is taken"
-    if found.is_extrapolated:
-        return f"2 coarser runs, order {found.order:.2f}"
-    if np.isfinite(found.order):
-        return f"2 coarser runs, order {found.order:.2f} where the method has {order:g}"
+    if convergence.is_extrapolated:
+        return f"2 coarser runs, order {convergence.order:.2f}"
+    if np.isfinite(convergence.order):
+        return f"2 coarser runs, order {convergence.order:.2f} where the method has {order:g}"
     return "2 coarser runs, differences are round-off"
 
 

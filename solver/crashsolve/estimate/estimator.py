@@ -69,7 +69,7 @@ class Estimator:
     @property
     def all_channels(self) -> list[Channel]:
         """Every channel that is needed, once."""
-        named = [channel for found in self.channels.values() for channel in found]
+        named = [channel for channels in self.channels.values() for channel in channels]
         followed = [channel.followed for channel in named]
         return list({c.name: c for c in (*named, *followed) if c is not None}.values())
 
@@ -156,12 +156,14 @@ class Estimator:
         main, *rest = (self._with_steps(samples) for samples in (main, *others, *meshes))
         others, meshes = rest[: len(others)], rest[len(others) :]
         errors = NumberErrors(self.channels, self.order)
-        found = [errors.estimate(watch, main, others) for watch in self.watches]
-        found = [with_formulas(estimate, self.deck) for estimate in found]
+        numbers = [errors.estimate(watch, main, others) for watch in self.watches]
+        numbers = [with_formulas(estimate, self.deck) for estimate in numbers]
         is_meshed, laws = has_mesh(self.deck), left_out(self.deck)
         if is_meshed and meshes:
-            found = [self._with_mesh(errors, e, [main, *meshes]) for e in found]
-        return [_without(e, [MESH, *laws] if is_meshed and e.mesh is None else laws) for e in found]
+            numbers = [self._with_mesh(errors, e, [main, *meshes]) for e in numbers]
+        return [
+            _without(e, [MESH, *laws] if is_meshed and e.mesh is None else laws) for e in numbers
+        ]
 
     def _with_steps(self, samples: Samples) -> Samples:
         """Samples that know which of them are steps between those of the schedule."""
@@ -170,26 +172,26 @@ class Estimator:
         return replace(samples, step_times=np.array(own))
 
     def _with_mesh(
-        self, errors: NumberErrors, found: Estimate, runs: Sequence[Samples]
+        self, errors: NumberErrors, estimate: Estimate, runs: Sequence[Samples]
     ) -> Estimate:
         """An estimate with the error by the mesh, where the samples serve to tell it."""
         try:
-            return with_mesh(found, errors.numbers(found.watch, runs), self.deck)
+            return with_mesh(estimate, errors.numbers(estimate.watch, runs), self.deck)
         except ValueError:
-            return found
+            return estimate
 
 
-def with_formulas(found: Estimate, deck: Deck) -> Estimate:
+def with_formulas(estimate: Estimate, deck: Deck) -> Estimate:
     """An estimate that is no smaller than what the cubics of formulas miss, which no run shows."""
     curves = deck.entries["curves"].items()
     formulas = {name: entry.card for name, entry in curves if entry.type == "formula"}
-    if not formulas or not found.error:
-        return found
+    if not formulas or not estimate.error:
+        return estimate
     # a run without formulas does not import them
     formula = import_module(type(next(iter(formulas.values()))).__module__)
     joints = [entry.card for entry in deck.entries["joints"].values()]
     motions = {getattr(card, field, None) for card in joints for field in DRIVING}
-    is_second = any(word in found.watch.channels[0] for word in SECOND)
+    is_second = any(word in estimate.watch.channels[0] for word in SECOND)
     # the cubics of the run (model/build.py), which are at hand
     displacements = {getattr(card, "curve", None) for card in joints}
     kept = {
@@ -200,10 +202,10 @@ def with_formulas(found: Estimate, deck: Deck) -> Estimate:
     driving = [tolerance for name, tolerance in kept.items() if name in motions]
     if is_second and driving:
         share, what = formula.motion_tolerance(max(driving)), "accelerations"
-    if found.error >= share * found.scale:
-        return found
-    how = f"{found.how}; formulas within {share:.0e} of their {what}"
-    return replace(found, error=share * found.scale, how=how)
+    if estimate.error >= share * estimate.scale:
+        return estimate
+    how = f"{estimate.how}; formulas within {share:.0e} of their {what}"
+    return replace(estimate, error=share * estimate.scale, how=how)
 
 
 def left_out(deck: Deck) -> list[str]:
@@ -211,15 +213,15 @@ def left_out(deck: Deck) -> list[str]:
     cards = [contact.card for contact in deck.entries["contacts"].values()]
     laws = [getattr(card, word, None) for card in cards for word in ("normal", "friction")]
     modules = [import_module(type(law).__module__) for law in laws if law is not None]
-    found = [getattr(module, "LEFT_OUT", "") for module in modules]
-    return sorted({words for words in found if words})
+    omissions = [getattr(module, "LEFT_OUT", "") for module in modules]
+    return sorted({words for words in omissions if words})
 
 
-def _without(found: Estimate, words: Sequence[str]) -> Estimate:
+def _without(estimate: Estimate, words: Sequence[str]) -> Estimate:
     """An estimate that names the errors it does not contain."""
-    if not words or not found.error:
-        return found
-    return replace(found, how=f"{found.how}; without {' and '.join(words)}")
+    if not words or not estimate.error:
+        return estimate
+    return replace(estimate, how=f"{estimate.how}; without {' and '.join(words)}")
 
 
 def estimate_in_memory(deck: Deck) -> tuple[Samples, list[Estimate], float]:

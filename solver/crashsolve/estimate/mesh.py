@@ -44,20 +44,20 @@ class Meshes:
 
 
 def coarse_runs(
-    deck: Deck, made: Callable[[Deck], Companions], coarseness: float, budget: float = inf
+    deck: Deck, start: Callable[[Deck], Companions], coarseness: float, budget: float = inf
 ) -> Meshes:
     """Runs of a deck on coarser meshes for at most `budget` [s] of CPU. Raises Abandoned.
 
     `made` are the companions of another deck: its channels are columns of its own.
     """
-    found = Meshes([])
+    meshes = Meshes([])
     if not has_mesh(deck):
-        return found
+        return meshes
     for factor in FACTORS:
         try:
-            companions = made(_coarse(deck, factor))
+            companions = start(_coarse(deck, factor))
             companions.budget = budget
-            found.runs.append(companions.run(coarseness))
+            meshes.runs.append(companions.run(coarseness))
             budget = companions.budget
         except BudgetExceeded:
             problem = OVER_BUDGET
@@ -73,20 +73,20 @@ def coarse_runs(
             )
         else:
             continue
-        if not found.runs:
-            found.problem = problem
+        if not meshes.runs:
+            meshes.problem = problem
         break
-    return found
+    return meshes
 
 
 def _coarse(deck: Deck, factor: int) -> Deck:
     """The deck on a coarser mesh, with the control and output that it has by now."""
     given = deck.given | coarser(deck, factor)
-    made = read_deck(deck.path, given, refuses_ineffective=False)
-    if made.written != deck.written:
+    coarse = read_deck(deck.path, given, refuses_ineffective=False)
+    if coarse.written != deck.written:
         raise ValueError("the files of the deck have changed since the run began")
     return replace(
-        made,
+        coarse,
         control=deck.control,
         output=deck.output,
         watch=deck.watch,
@@ -107,9 +107,9 @@ def with_mesh(estimate: Estimate, numbers: Sequence[np.ndarray], deck: Deck) -> 
     if size is None:
         is_one = len(numbers[1]) == 1
         other = float(numbers[1][0] if is_one else np.max(np.abs(numbers[1])))
-        there = f"{other:.6g} {estimate.unit}".rstrip()
+        value = f"{other:.6g} {estimate.unit}".rstrip()
         how = (
-            f"no error is stated, as {how}: it is {there} on elements twice as long; the error by "
+            f"no error is stated, as {how}: it is {value} on elements twice as long; the error by "
             f"the steps alone is +- {estimate.error:.2g}"
         )
         return replace(estimate, error=None, how=how, mesh=inf)

@@ -47,15 +47,15 @@ SENSED = re.compile(r"\b(nodout\.|glstat\.model\.energy\.\w+_stored)")
 
 
 def with_missed_contacts(
-    found: Sequence[Estimate], missed: Sequence[Missed], mass: dict[str, float]
+    estimates: Sequence[Estimate], missed: Sequence[Missed], mass: dict[str, float]
 ) -> list[Estimate]:
     """Estimates, with the errors by samples of the contacts `missed`; `mass` [kg] of bodies by
     name.
     """
     return (
-        [_with_missed_contacts(estimate, missed, mass) for estimate in found]
+        [_with_missed_contacts(estimate, missed, mass) for estimate in estimates]
         if missed
-        else list(found)
+        else list(estimates)
     )
 
 

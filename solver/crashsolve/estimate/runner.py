@@ -111,8 +111,8 @@ class Estimating:
                 )
         except Abandoned:
             self.problems.append("asked to stop")
-        found = self.estimator.estimates(main, self._companions, self._meshes(cpu_time))
-        self.estimates = with_missed_contacts(found, missed, mass or {})
+        estimates = self.estimator.estimates(main, self._companions, self._meshes(cpu_time))
+        self.estimates = with_missed_contacts(estimates, missed, mass or {})
         self._companions.append(main)
         self.cpu += clock.process_time() - start_time
         self._report(cpu_time)
@@ -230,7 +230,10 @@ class Estimating:
 
 def _refuse_unmeasured_accuracy(deck: Deck, channels: dict[str, list[Channel]]) -> None:
     """Raises DeckErrors for an accuracy where no watched number has an error of its own."""
-    of_run = [any(channel.is_of_the_run for channel in found) for found in channels.values()]
+    of_run = [
+        any(channel.is_of_the_run for channel in channels_of_watch)
+        for channels_of_watch in channels.values()
+    ]
     if deck.control.accuracy is not None and all(of_run):
         message = "accuracy: every watched channel is itself a measure of the run's errors"
         advice = "watch a quantity of the model, such as rbdout.BODY.position.x"

@@ -24,7 +24,7 @@ NEARLY_HALF = cos(0.5 * FOLDED)
 
 
 # of two bodies of which b rotates about an axis of a
-FULL_TURN = Record("""
+ROTATION_ABOUT_AXIS = Record("""
     node_a  index     first body
     node_b  index     second body
     axis_a  1      3  axis, axes of a
@@ -114,7 +114,7 @@ def times(p, q):
 
 @kernel
 def check_rotation_limit(curves, node, w):
-    """Half a turn is near, of body `node`, where its rotation vector would turn over.
+    """Half a revolution of body `node` is near, where its rotation vector would change its sign.
 
     `w` is the cosine of half the angle. Writes: curves[0].fault and x.
     """

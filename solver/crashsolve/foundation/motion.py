@@ -118,10 +118,10 @@ def line_tangent(row, a, b, line, stiffness, damping):
     """Tangent of a force along the line from a to b. Writes: row."""
     u, length, _, d_a, d_b = line
     v = sub(point_velocity(b, d_b), point_velocity(a, d_a))
-    turning = scale(1.0 / length, sub(v, scale(dot(u, v), u))) if length > 0.0 else (0.0, 0.0, 0.0)
+    u_dot = scale(1.0 / length, sub(v, scale(dot(u, v), u))) if length > 0.0 else (0.0, 0.0, 0.0)
     point_tangent(row, u, d_a, d_b, stiffness, damping)
-    swing(row.G, 0, 1.0, turning, cross(u, vec(a.w)), d_a)
-    swing(row.G, 6, -1.0, turning, cross(u, vec(b.w)), d_b)
+    swing(row.G, 0, 1.0, u_dot, cross(u, vec(a.w)), d_a)
+    swing(row.G, 6, -1.0, u_dot, cross(u, vec(b.w)), d_b)
 
 
 @kernel
@@ -167,11 +167,11 @@ def point_tangent(row, u, d_a, d_b, stiffness, damping):
 
 
 @kernel
-def swing(G, c, sign, turning, carried, d):
-    """Columns c to c + 5 of G: `turning` is du/dt, `carried` is u x w of the body. Writes: G."""
-    rotation = cross(d, add(turning, carried))
+def swing(G, c, sign, u_dot, carried, d):
+    """Columns c to c + 5 of G: `u_dot` is du/dt, `carried` is u x w of the body. Writes: G."""
+    rotation = cross(d, add(u_dot, carried))
     for k in range(3):
-        G[c + k] = sign * turning[k]
+        G[c + k] = sign * u_dot[k]
         G[c + 3 + k] = sign * rotation[k]
 
 

@@ -45,10 +45,10 @@ def products(p: np.ndarray, q: np.ndarray) -> np.ndarray:
 
 def crosses(u: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Cross products of vectors (..., 3); the same digits as numpy's own, which is for any axis."""
-    found = np.empty(np.broadcast_shapes(u.shape, v.shape))
+    products = np.empty(np.broadcast_shapes(u.shape, v.shape))
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        np.subtract(u[..., j] * v[..., k], u[..., k] * v[..., j], out=found[..., i])
-    return found
+        np.subtract(u[..., j] * v[..., k], u[..., k] * v[..., j], out=products[..., i])
+    return products
 
 
 def rotated_by(q: np.ndarray, q_0: np.ndarray) -> np.ndarray:

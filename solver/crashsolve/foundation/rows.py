@@ -58,8 +58,8 @@ class Rows(np.ndarray):
     def __getattr__(self, name: str) -> Any:
         if name not in (self.dtype.names or ()):
             raise AttributeError(f"no column '{name}'")
-        found = self[name]
-        return found if found.dtype.names else found.view(np.ndarray)
+        column = self[name]
+        return column if column.dtype.names else column.view(np.ndarray)
 
     def __setattr__(self, name: str, value: object) -> None:
         if name in (self.dtype.names or ()):

@@ -111,20 +111,20 @@ def slip_left(p: Parameters, v_free, widened, taken):
     if taken * v_free == 0.0:
         return v_free
     low, high = 0.0, v_free
-    miss_low, miss_high = -v_free, taken * coefficient(p, v_free, widened, taken)
+    residual_low, residual_high = -v_free, taken * coefficient(p, v_free, widened, taken)
     v, was_high = v_free, False
     for k in range(ITERATIONS):
-        v = high - miss_high * (high - low) / (miss_high - miss_low)
-        miss = v + taken * coefficient(p, v, widened, taken) - v_free
-        if abs(miss) <= CLOSED * v_free:
+        v = high - residual_high * (high - low) / (residual_high - residual_low)
+        residual = v + taken * coefficient(p, v, widened, taken) - v_free
+        if abs(residual) <= CLOSED * v_free:
             break
-        is_high = miss > 0.0
+        is_high = residual > 0.0
         if is_high:
-            high, miss_high = v, miss
-            miss_low *= 0.5 if k > 0 and was_high else 1.0
+            high, residual_high = v, residual
+            residual_low *= 0.5 if k > 0 and was_high else 1.0
         else:
-            low, miss_low = v, miss
-            miss_high *= 0.5 if k > 0 and not was_high else 1.0
+            low, residual_low = v, residual
+            residual_high *= 0.5 if k > 0 and not was_high else 1.0
         was_high = is_high
     return v
 

@@ -97,30 +97,30 @@ def _plastic(
     return Backbone(k, x, moment, beyond, limit=float(moment[0]))
 
 
-def over_plastic_work(found: Backbone, word: str, scene: Scene) -> Backbone:
+def over_plastic_work(by_angle: Backbone, word: str, scene: Scene) -> Backbone:
     """Squares of the yield moments over plastic work W: dW = y dx, so that y^2 stays straight."""
-    least = float(found.y.min() / found.y.max())
+    least = float(by_angle.y.min() / by_angle.y.max())
     if least < LEAST:
         raise scene.fail(
             f"falls to {100.0 * least:.3g} % of its largest moment; an ellipse needs "
             f"{100.0 * LEAST:g} % of it, or it has no width: set interaction: uncoupled",
             word,
         )
-    work = np.diff(found.x) * 0.5 * (found.y[1:] + found.y[:-1])
+    work = np.diff(by_angle.x) * 0.5 * (by_angle.y[1:] + by_angle.y[:-1])
     x = np.concatenate([[0.0], np.cumsum(work)])
-    return Backbone(found.stiffness, x, found.y**2, found.beyond, limit=found.limit)
+    return Backbone(by_angle.stiffness, x, by_angle.y**2, by_angle.beyond, limit=by_angle.limit)
 
 
-def refuse_kinematic(found: Backbone, word: str, scene: Scene) -> None:
+def refuse_kinematic(by_angle: Backbone, word: str, scene: Scene) -> None:
     """A range that moves needs a width, and a middle that moves along with the deformation."""
-    if found.limit <= 0.0:
+    if by_angle.limit <= 0.0:
         raise scene.fail(
             "yields from 0 on, so that its elastic range, which kinematic hardening moves, has "
             "no width; begin it with a piece of the elastic stiffness, or set cyclic: "
             "isotropic",
             word,
         )
-    if (np.diff(found.y) < 0.0).any():
+    if (np.diff(by_angle.y) < 0.0).any():
         raise scene.fail(
             "falls, and kinematic hardening has no softening; set cyclic: isotropic or "
             "peak_oriented",

@@ -97,10 +97,10 @@ class AxialCurve(Card):
 
 
 def _named_or_made(card: Curve) -> Curve:
-    made = (card.section, card.material, card.length)
+    fields = (card.section, card.material, card.length)
     if (card.name is None) == (card.section is None):
         raise ValueError("give the name of a curve, or section, material and length")
-    if card.section is not None and None in made:
+    if card.section is not None and None in fields:
         raise ValueError("section: needs material and length beside it")
     if card.name is not None and any(word in card.model_fields_set for word in MAKING):
         raise ValueError("name: a curve of the deck needs nothing beside it")
@@ -221,18 +221,18 @@ def backbones(
     motions: tuple[Motion, ...], card: HingeCard, built: Columns, scene: Scene
 ) -> dict[str, Backbone]:
     """Yield moments over plastic angles, by the fields of a card that name curves."""
-    found: dict[str, Backbone] = {}
+    backbone_of: dict[str, Backbone] = {}
     for motion in motions:
         k = getattr(card, motion.stiffness)
         for field in filter(None, (motion.curve, motion.negative)):
             source = getattr(card, field)
             if source is not None:
-                found[field] = backbone(_points(source, field, built, scene), k, field, scene)
+                backbone_of[field] = backbone(_points(source, field, built, scene), k, field, scene)
                 # both directions have the stiffness of the first
-                k = found[field].stiffness
+                k = backbone_of[field].stiffness
                 if card.cyclic == "kinematic":
-                    refuse_kinematic(found[field], field, scene)
-    return found
+                    refuse_kinematic(backbone_of[field], field, scene)
+    return backbone_of
 
 
 def pair_backbones(
@@ -254,8 +254,8 @@ def pair_backbones(
                 motion.negative,
             )
     return {
-        field: over_plastic_work(found, field, scene)
-        for field, found in backbones(motions, card, built, scene).items()
+        field: over_plastic_work(by_angle, field, scene)
+        for field, by_angle in backbones(motions, card, built, scene).items()
     }
 
 
@@ -272,14 +272,17 @@ def _points(source: MomentCurve | AxialCurve, field: str, built: Columns, scene:
 
 def law(card: HingeCard, motions: tuple[Motion, ...], scene: Scene) -> Columns:
     """Columns of LAW."""
-    found = scene.own_backbones()
+    backbone_of = scene.own_backbones()
     # a second direction without a curve has the first one's
-    found = {motion.curve: found[motions[0].curve] for motion in motions} | found
+    backbone_of = {motion.curve: backbone_of[motions[0].curve] for motion in motions} | backbone_of
     stiffness, curves = np.zeros(2), np.zeros(4, np.int64)
     initial, limits, failure = np.zeros(2), np.zeros(2), np.full(2, np.inf)
     initial[: len(motions)] = _initial(card, motions)
     for c, motion in enumerate(motions):
-        both = found[motion.curve], found.get(motion.negative, found[motion.curve])
+        both = (
+            backbone_of[motion.curve],
+            backbone_of.get(motion.negative, backbone_of[motion.curve]),
+        )
         stiffness[c] = both[0].stiffness
         curves[2 * c : 2 * c + 2] = [scene.curve(side.name) for side in both]
         # the moment at the start has the other sign
@@ -306,8 +309,8 @@ def law(card: HingeCard, motions: tuple[Motion, ...], scene: Scene) -> Columns:
 def _initial(card: object, motions: tuple[Motion, ...]) -> tuple[float, ...]:
     """Motions from the start at which there is no moment; two of one field, or one of each."""
     if len({motion.initial for motion in motions}) < len(motions):
-        found: tuple[float, ...] = getattr(card, motions[0].initial)
-        return found
+        angles: tuple[float, ...] = getattr(card, motions[0].initial)
+        return angles
     return tuple(getattr(card, motion.initial) for motion in motions)
 
 

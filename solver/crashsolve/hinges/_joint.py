@@ -27,11 +27,11 @@ def across(card: Framed, field: str, scene: Scene) -> np.ndarray:
 
     Raises DeckErrors where it is not.
     """
-    axis, found = direction(card, scene, "axis"), direction(card, scene, field)
-    cosine = float(axis @ found)
+    axis, other = direction(card, scene, "axis"), direction(card, scene, field)
+    cosine = float(axis @ other)
     if abs(cosine) > SQUARE:
         raise scene.fail(f"must be at right angles to axis; their cosine is {cosine:.3g}", field)
-    return np.asarray(scene.unit(found - cosine * axis, field))
+    return np.asarray(scene.unit(other - cosine * axis, field))
 
 
 def motion_of(scene: Scene, p: np.void) -> tuple[np.ndarray, np.ndarray]:

@@ -166,21 +166,21 @@ def static_loss(p, old, flow, curves):
     """Area under R over the plastic displacement, less its stored part [J]."""
     c, side, displacement, origin = flow
     own = 2 * c if side > 0.0 else 2 * c + 1
-    here = p.backbone[own]
+    curve = p.backbone[own]
     if p.cyclic == ISOTROPIC:
         done = old.flow[c]
-        return curve_area(curves, here, done + displacement) - curve_area(curves, here, done)
+        return curve_area(curves, curve, done + displacement) - curve_area(curves, curve, done)
     if p.cyclic == KINEMATIC:
-        return curves[here].c[0] * displacement
+        return curves[curve].c[0] * displacement
     at, top = side * old.plastic[c], old.reached[own]
     end, loss = at + displacement, 0.0
     if at < top:
-        y = curve_value(curves, here, top)[0]
+        y = curve_value(curves, curve, top)[0]
         slope, start, stop = y / (top - side * origin), at - side * origin, min(end, top)
         stop -= side * origin
         loss = 0.5 * slope * (stop - start) * (stop + start)
     if end > top:
-        loss += curve_area(curves, here, end) - curve_area(curves, here, max(at, top))
+        loss += curve_area(curves, curve, end) - curve_area(curves, curve, max(at, top))
     return loss
 
 
@@ -244,10 +244,10 @@ def to_corner(p, new, c, side, curves):
 
 
 @kernel
-def next_point(curves, here, at):
+def next_point(curves, point, at):
     """Displacement [rad or m] to the end of the segment of a curve; far where there is none."""
-    last = curves[here].last
-    i = segment(curves, here, last, at)
+    last = curves[point].last
+    i = segment(curves, point, last, at)
     return curves[i + 1].x - at if curves[i + 1].x > at else 1e300
 
 

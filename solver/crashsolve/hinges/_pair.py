@@ -146,16 +146,16 @@ def return_work(p, f, g, work, phi, curves):
     done, side = low, 0
     for _ in range(ITERATIONS):
         before, done = done, low + (high - low) * at_low / (at_low - at_high)
-        here = excess(p, f, g, work, done, phi, curves)
-        if here > 0.0:
-            low, at_low = done, here
+        residual = excess(p, f, g, work, done, phi, curves)
+        if residual > 0.0:
+            low, at_low = done, residual
             at_high *= 0.5 if side == 1 else 1.0
             side = 1
         else:
-            high, at_high = done, here
+            high, at_high = done, residual
             at_low *= 0.5 if side == -1 else 1.0
             side = -1
-        if abs(here) <= 1e-15 or abs(done - before) <= 1e-14 * done:
+        if abs(residual) <= 1e-15 or abs(done - before) <= 1e-14 * done:
             break
     curves[0].fault = fault
     return done

@@ -13,9 +13,9 @@ from crashsolve.system.energy import check, check_contacts
 from crashsolve.system.loops.energy import check_laws, energy
 from crashsolve.system.loops.events import need_rebuild
 from crashsolve.system.placeholders import (
+    BOUNDS_NEXT_STEP,
     CONTACTS,
     COUNTS_ROTATIONS,
-    LOOKS_AHEAD,
     NODAL,
     WATCHED,
     WITH_EFFECTIVE_MASS,
@@ -39,7 +39,7 @@ def advance(until, sampling, scene):
         if sampling:
             time = prepare_sample(until, clock, nodes, rows, saddle, scene)
         else:
-            if LOOKS_AHEAD and need_rebuild(clock, nodes, scene):
+            if BOUNDS_NEXT_STEP and need_rebuild(clock, nodes, scene):
                 clock.status = REBUILD
                 return
             time, h = take_step(until, clock, nodes, rows, saddle, scene)

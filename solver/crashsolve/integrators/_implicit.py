@@ -84,7 +84,7 @@ def find_step(h, clock, nodes, rows, saddle, scene):
     Returns the step taken. Writes: nodes, rows, scene.stages, new histories, clock.next_step.
     """
     control = scene.control[0]
-    bracket, trial, found, before = new_bracket(h), h, False, 0.0
+    bracket, trial, is_located, before = new_bracket(h), h, False, 0.0
     if ONSETS:
         before = gap_before(clock, nodes, scene)
     attempts = 0
@@ -111,8 +111,8 @@ def find_step(h, clock, nodes, rows, saddle, scene):
             gap = onset_gap(trial, clock, nodes, scene)
             if bracket[-1] == 0:
                 bracket = first_gap(bracket, before, gap, control, ONSET)
-            bracket, trial, found = narrow_bracket(bracket, h, trial, gap)
-            if not found:
+            bracket, trial, is_located = narrow_bracket(bracket, h, trial, gap)
+            if not is_located:
                 continue
         # beyond the end of a curve during an iteration is no fault
         scene.curves[0].fault = 0

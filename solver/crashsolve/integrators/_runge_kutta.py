@@ -196,7 +196,7 @@ def new_search(h):
 def cut_at_onset(h, search, clock, nodes, rows, saddle, scene):
     """The step to try next, that ends where something begins; h itself when it does so already.
 
-    Where it begins is found from the dense output of a step that went beyond; the shorter that
+    Where it begins is located by the dense output of a step that went beyond; the shorter that
     step, the better. Returns the step and the search. Writes: nodes, scene.*.
     """
     early, late, before, allowed, tries = search
@@ -229,13 +229,13 @@ def locate_event(h, gap, clock, nodes, rows, saddle, scene):
     # the error of an onset passed by x grows with the square of x
     share = min(ONSET, sqrt(control.tolerance))
     bracket = first_gap(new_bracket(h), before, gap, control, share)
-    bracket, trial, found = narrow_bracket(bracket, h, h, gap)
-    while not found:
+    bracket, trial, is_located = narrow_bracket(bracket, h, h, gap)
+    while not is_located:
         set_dense_weights(scene.A, scene.D, TERMS, STAGES - 1, SAMPLE, trial / h)
         advance_to_stage(nodes, scene.stages, scene.A, SAMPLE, h)
         refresh(nodes)
         past = onset_gap(trial, clock, nodes, scene)
-        bracket, trial, found = narrow_bracket(bracket, h, trial, past)
+        bracket, trial, is_located = narrow_bracket(bracket, h, trial, past)
     return trial, before, bracket[4]
 
 

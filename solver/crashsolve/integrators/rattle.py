@@ -104,7 +104,7 @@ def update_positions(h, clock, nodes, rows, saddle, scene):
     What did not touch at the start may touch at the end by no more than `allowed`.
     """
     control = scene.control[0]
-    bracket, trial, found = new_bracket(h), h, False
+    bracket, trial, is_located = new_bracket(h), h, False
     while True:
         set_positions(trial, clock, nodes, rows, saddle, scene)
         if not CONTACTS or clock.status != RUNNING:
@@ -119,8 +119,8 @@ def update_positions(h, clock, nodes, rows, saddle, scene):
             # requires
             share = 1e-3 * control.safety
             bracket = first_gap(bracket, before, gap, control, share)
-        bracket, trial, found = narrow_bracket(bracket, h, trial, gap)
-        if found:
+        bracket, trial, is_located = narrow_bracket(bracket, h, trial, gap)
+        if is_located:
             break
     clock.located += 1 if bracket[-1] > 0 else 0
     return trial

@@ -39,8 +39,9 @@ class DrivenCard(Card):
         None,
     )
     relative: bool = word(
-        "true: only changes of the curve count, so that the motion begins where the model stands; "
-        "false: the curve gives the coordinate itself and must agree with the model at the start",
+        "true: only changes of the curve count, so that the motion begins "
+        "at the initial position; false: the curve gives the coordinate itself and must agree with "
+        "the model at the start",
         default=True,
     )
 

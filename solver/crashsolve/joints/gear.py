@@ -13,7 +13,12 @@ from typing import TYPE_CHECKING
 
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, JointName, quantity, word
-from crashsolve.foundation.angles import FULL_TURN, angle_about, angle_jacobian_rate, counted
+from crashsolve.foundation.angles import (
+    ROTATION_ABOUT_AXIS,
+    angle_about,
+    angle_jacobian_rate,
+    counted,
+)
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.joints._card import named_frame
@@ -27,7 +32,7 @@ CONSTRAINTS = ()
 ROWS = 1
 ANGULAR = (True,)
 FURTHER_NODES = ("node_c", "node_d")
-PARAMETERS = FULL_TURN + Record("""
+PARAMETERS = ROTATION_ABOUT_AXIS + Record("""
     node_c  index     body a of the second joint
     node_d  index     body b of the second joint
     axis_c  1      3  axis of the second joint, axes of its a
@@ -58,7 +63,7 @@ def build(card: Gear, scene: Scene) -> Columns:
         raise scene.fail("must not be 0", "ratio")
     one = named_frame(scene, "first", card.first, "angle")
     two = named_frame(scene, "second", card.second, "angle")
-    columns = FULL_TURN.columns_of(one)
+    columns = ROTATION_ABOUT_AXIS.columns_of(one)
     columns |= {"node_c": two["node_a"], "node_d": two["node_b"], "axis_c": two["axis_a"]}
     return columns | {"side_c": two["side_a"], "side_d": two["side_b"], "ratio": card.ratio}
 

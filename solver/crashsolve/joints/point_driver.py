@@ -48,7 +48,7 @@ class PointDriver(DrivenCard):
         "acceleration": ("s", "m/s^2"),
     }
 
-    body: BodyName = word("body that is moved")
+    body: BodyName = word("body whose point is moved")
     at: Vec3 | None = quantity(
         "m",
         "the point at the start, in `frame`; the origin of the body when absent",
@@ -80,9 +80,9 @@ def build(card: PointDriver, scene: Scene) -> Columns:
 def _point(card: PointDriver, scene: Scene, node: int) -> np.ndarray:
     """Position of the point at the start, world axes [m]."""
     if card.at is None:
-        found: np.ndarray = scene.world_point(node, (0.0, 0.0, 0.0))
+        point: np.ndarray = scene.world_point(node, (0.0, 0.0, 0.0))
     elif card.frame == "world":
-        found = np.asarray(card.at, float)
+        point = np.asarray(card.at, float)
     else:
-        found = scene.world_point(scene.node(card.frame), card.at)
-    return found
+        point = scene.world_point(scene.node(card.frame), card.at)
+    return point

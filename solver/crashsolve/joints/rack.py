@@ -12,7 +12,12 @@ from typing import TYPE_CHECKING
 
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, JointName, quantity, word
-from crashsolve.foundation.angles import FULL_TURN, angle_about, angle_jacobian_rate, counted
+from crashsolve.foundation.angles import (
+    ROTATION_ABOUT_AXIS,
+    angle_about,
+    angle_jacobian_rate,
+    counted,
+)
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.joints._card import named_frame
@@ -32,7 +37,7 @@ CONSTRAINTS = ()
 ROWS = 1
 ANGULAR = (False,)
 FURTHER_NODES = ("node_c", "node_d")
-PARAMETERS = FULL_TURN + Record("""
+PARAMETERS = ROTATION_ABOUT_AXIS + Record("""
     node_c   index     body a of the rack's joint
     node_d   index     body b of the rack's joint
     point_c  m      3  point of the rack's joint from the mass centre of its a, axes of its a
@@ -58,7 +63,7 @@ def build(card: Rack, scene: Scene) -> Columns:
         raise scene.fail("must not be 0", "radius")
     one = named_frame(scene, "pinion", card.pinion, "angle")
     two = named_frame(scene, "rack", card.rack, "travel")
-    columns = FULL_TURN.columns_of(one)
+    columns = ROTATION_ABOUT_AXIS.columns_of(one)
     columns |= {"node_c": two["node_a"], "node_d": two["node_b"], "axis_c": two["axis_a"]}
     columns |= {"point_c": two["point_a"], "point_d": two["point_b"], "radius": card.radius}
     return columns
@@ -85,6 +90,6 @@ def jacobian(p: Parameters, old: History, t, nodes, rows, curves):
 @kernel
 def convective(p: Parameters, old: History, t, nodes, rows, curves):
     """Writes: rows.gamma."""
-    turning = angle_jacobian_rate(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_b)
+    convective = angle_jacobian_rate(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_b)
     sliding = slide_jacobian_rate(nodes[p.node_c], nodes[p.node_d], p.point_c, p.point_d, p.axis_c)
-    rows[p.first_row].gamma = p.radius * turning - sliding
+    rows[p.first_row].gamma = p.radius * convective - sliding

@@ -55,12 +55,12 @@ class RotationDriver(DrivenCard):
 def build(card: RotationDriver, scene: Scene) -> Columns:
     frame = named_frame(scene, "joint", card.joint, "angle")
     columns = frame | motion(
-        card, scene, 0.0, turn_rate(frame, scene), scene.deck.control.constraint_tolerance
+        card, scene, 0.0, rotation_rate(frame, scene), scene.deck.control.constraint_tolerance
     )
     return PARAMETERS.columns_of(columns)
 
 
-def turn_rate(frame: Columns, scene: Scene) -> float:
+def rotation_rate(frame: Columns, scene: Scene) -> float:
     """Rate of the angle at the start [rad/s]."""
     a, b = frame["node_a"], frame["node_b"]
     return float(scene.matrix(a) @ frame["axis_a"] @ (scene.w[b] - scene.w[a]))
@@ -87,5 +87,5 @@ def jacobian(p: Parameters, old: History, t, nodes, rows, curves):
 def convective(p: Parameters, old: History, t, nodes, rows, curves):
     """Writes: rows.gamma."""
     _, _, x_ddot = driven(p, curves, t)
-    turning = angle_jacobian_rate(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_b)
-    rows[p.first_row].gamma = x_ddot - turning
+    convective = angle_jacobian_rate(nodes[p.node_a], nodes[p.node_b], p.axis_a, p.side_b)
+    rows[p.first_row].gamma = x_ddot - convective

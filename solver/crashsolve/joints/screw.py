@@ -73,5 +73,5 @@ def convective(p: Parameters, old: History, t, nodes, rows, curves):
     """Writes: rows.gamma."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     sliding = slide_jacobian_rate(a, b, p.point_a, p.point_b, p.axis_a)
-    turning = angle_jacobian_rate(a, b, p.axis_a, p.side_b)
-    rows[p.first_row + 4].gamma = p.advance * turning - sliding
+    convective = angle_jacobian_rate(a, b, p.axis_a, p.side_b)
+    rows[p.first_row + 4].gamma = p.advance * convective - sliding

@@ -87,5 +87,5 @@ def convective(p: Parameters, old, t, nodes, rows, curves):
     """Writes: rows.gamma."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     _, _, x_ddot = driven(p, curves, t)
-    turning = slide_jacobian_rate(a, b, p.point_a, p.point_b, p.axis_a)
-    rows[p.first_row].gamma = x_ddot - turning
+    convective = slide_jacobian_rate(a, b, p.point_a, p.point_b, p.axis_a)
+    rows[p.first_row].gamma = x_ddot - convective

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 class NodalForce(Card):
-    """Force on a set of nodes of a shell, which may be held in other directions."""
+    """Force on a set of nodes of a shell, which may have supports in other directions."""
 
     curve_axes: ClassVar = {"curve": ("s", "1")}
 

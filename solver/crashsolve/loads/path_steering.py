@@ -181,10 +181,10 @@ def steering_target(p: Parameters, nodes, curves):
     X = p.ahead + p.preview * max(V, 0.0)
     target, e = add_scaled(x, X, forward), 0.0
     for _ in range(ITERATIONS):
-        here = add_scaled(target, e, side)
-        y, slope, _ = curve_value(curves, p.path, dot(here, vec(p.along)))
+        probe = add_scaled(target, e, side)
+        y, slope, _ = curve_value(curves, p.path, dot(probe, vec(p.along)))
         across = dot(side, vec(p.left)) - slope * dot(side, vec(p.along))
-        gap = y - dot(here, vec(p.left))
+        gap = y - dot(probe, vec(p.left))
         if abs(gap) < CLOSE * X:
             break
         if across < LEAST_COSINE:

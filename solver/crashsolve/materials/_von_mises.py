@@ -84,8 +84,8 @@ def build(card: Any, scene: Scene, kinematic: float, rated: bool, heating: float
 
 def plastic_strain(card: Card, layer: np.ndarray) -> np.ndarray:
     """Equivalent plastic strain [1] of layers (..., rows)."""
-    found: np.ndarray = layer[..., LAYER.plastic_strain]
-    return found
+    strains: np.ndarray = layer[..., LAYER.plastic_strain]
+    return strains
 
 
 @inlined

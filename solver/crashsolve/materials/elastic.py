@@ -65,8 +65,8 @@ def initial_layer(card: Elastic, scene: Scene) -> np.ndarray:
 def stored(card: Elastic, layer: np.ndarray) -> np.ndarray:
     x, y, s = np.moveaxis(layer[..., :3], -1, 0)
     E, nu = card.young, card.poisson
-    found: np.ndarray = x * x + y * y - 2.0 * nu * x * y + 2.0 * (1.0 + nu) * s * s
-    return found / (2.0 * E)
+    form: np.ndarray = x * x + y * y - 2.0 * nu * x * y + 2.0 * (1.0 + nu) * s * s
+    return form / (2.0 * E)
 
 
 def plastic_strain(card: Elastic, layer: np.ndarray) -> np.ndarray:

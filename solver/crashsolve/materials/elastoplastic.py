@@ -90,11 +90,11 @@ def layer_rows(card: Elastoplastic) -> int:
 
 
 def initial_layer(card: Elastoplastic, scene: Scene) -> np.ndarray:
-    found = np.zeros(layer_rows(card))
+    rows = np.zeros(layer_rows(card))
     if card.curve is not None:
         points = as_rows(scene.curve_points)
-        found[-LINE_ROWS:] = curve_line(points, scene.curve(card.curve), 0.0)
-    return found
+        rows[-LINE_ROWS:] = curve_line(points, scene.curve(card.curve), 0.0)
+    return rows
 
 
 stored, plastic_strain = elastic.stored, _von_mises.plastic_strain

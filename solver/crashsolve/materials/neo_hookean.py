@@ -71,8 +71,8 @@ def stored(card: NeoHookean, layer: np.ndarray) -> np.ndarray:
     volume = 0.5 * np.log1p(x + y + x * y - s * s) + across
     trace = x + y + np.expm1(2.0 * across) - 2.0 * volume
     shear = card.young / (2.0 + 2.0 * card.poisson)
-    found: np.ndarray = np.exp(-volume) * 0.5 * (shear * trace + card.volumetric * volume**2)
-    return found
+    energy: np.ndarray = np.exp(-volume) * 0.5 * (shear * trace + card.volumetric * volume**2)
+    return energy
 
 
 plastic_strain = elastic.plastic_strain

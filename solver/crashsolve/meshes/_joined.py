@@ -90,10 +90,10 @@ def _of_patch(
 ) -> np.ndarray:
     """The kinds with those of one patch. Raises ValueError where no choice holds all over."""
     for corner in range(4):
-        found = kinds.copy()
-        own = _spread(quads, beside, found, first, corner)
-        if own is not None and _holds(quads[own], found):
-            return found
+        tried = kinds.copy()
+        own = _spread(quads, beside, tried, first, corner)
+        if own is not None and _holds(quads[own], tried):
+            return tried
     raise ValueError(ROWS)
 
 
@@ -105,7 +105,7 @@ def _spread(
     corner: int,
 ) -> list[int] | None:
     """Elements of the patch of `first`; None where kinds contradict each other. Writes: kinds."""
-    left, seen = [(first, corner)], {first}
+    left, visited = [(first, corner)], {first}
     while left:
         element, k = left.pop()
         quad = quads[element].tolist()
@@ -116,10 +116,10 @@ def _spread(
             kinds[node] = kind
         for j in range(4):
             pair = quad[j], quad[(j + 1) % 4]
-            for other in set(beside[frozenset(pair)]) - seen:
-                seen.add(other)
+            for other in set(beside[frozenset(pair)]) - visited:
+                visited.add(other)
                 left.append((other, _corner_of(quads[other].tolist(), kinds, pair)))
-    return sorted(seen)
+    return sorted(visited)
 
 
 def _corner_of(quad: list[int], kinds: np.ndarray, pair: tuple[int, int]) -> int:
@@ -148,10 +148,10 @@ def _around(quads: np.ndarray, kinds: np.ndarray) -> list[int]:
         k = int(np.argmax(kinds[quad] == CORNER))
         before, after = quad[(k + 3) % 4], quad[(k + 1) % 4]
         follows[before], corners[before] = after, quad[k]
-    at, found = next(iter(follows)), []
+    at, ring = next(iter(follows)), []
     for _ in range(4):
         if at not in follows:
             raise ValueError(ROWS)
-        found.append(corners[at])
+        ring.append(corners[at])
         at = follows.pop(at)
-    return found
+    return ring

@@ -43,46 +43,46 @@ class File(Card):
 def build(card: File, scene: Scene) -> Mesh:
     path = Path(card.file)
     try:
-        found = read_mesh_file(path)
+        mesh_file = read_mesh_file(path)
     except ImportError:
         raise scene.fail("needs meshio: pip install 'crashsolve[mesh]'", "mesh.file") from None
     except MeshFileError as error:
         raise scene.fail(str(error), "mesh.file") from None
-    if found.passed_over:
-        words = ", ".join(found.passed_over[:8]) + ", ..." * (len(found.passed_over) > 8)
+    if mesh_file.passed_over:
+        words = ", ".join(mesh_file.passed_over[:8]) + ", ..." * (len(mesh_file.passed_over) > 8)
         scene.warn(f"{path.name}: only nodes, elements and sets are read, not {words}")
-    wanted = _wanted(found, card, scene)
-    corners = found.corners[wanted]
+    wanted = _wanted(mesh_file, card, scene)
+    corners = mesh_file.corners[wanted]
     used, numbers = np.unique(corners, return_inverse=True)
-    index = np.full(len(found.points), -1)
+    index = np.full(len(mesh_file.points), -1)
     index[used] = np.arange(len(used))
     # of a set of nodes, those that belong to these elements
-    sets = {name: index[own][index[own] >= 0] for name, own in found.node_sets.items()}
-    at = np.full(len(found.kinds), -1)
+    sets = {name: index[own][index[own] >= 0] for name, own in mesh_file.node_sets.items()}
+    at = np.full(len(mesh_file.kinds), -1)
     at[wanted] = np.arange(len(wanted))
-    elements = {name: at[own][at[own] >= 0] for name, own in found.element_sets.items()}
-    points = found.points[used] * card.unit
+    elements = {name: at[own][at[own] >= 0] for name, own in mesh_file.element_sets.items()}
+    points = mesh_file.points[used] * card.unit
     mesh = Mesh(points, numbers.reshape(corners.shape), sets, elements)
     return coarsened(mesh, card, scene)
 
 
-def _wanted(found: MeshFile, card: File, scene: Scene) -> np.ndarray:
+def _wanted(mesh: MeshFile, card: File, scene: Scene) -> np.ndarray:
     """Numbers of the elements wanted."""
     if not card.elements:
-        own = np.arange(len(found.kinds))
-        if found.has_outlines:
-            own = own[~np.isin(found.kinds, OUTLINES)]
-    elif card.elements in found.element_sets:
-        own = found.element_sets[card.elements]
+        own = np.arange(len(mesh.kinds))
+        if mesh.has_outlines:
+            own = own[~np.isin(mesh.kinds, OUTLINES)]
+    elif card.elements in mesh.element_sets:
+        own = mesh.element_sets[card.elements]
     else:
-        known = ", ".join(sorted(found.element_sets)) or "none"
+        known = ", ".join(sorted(mesh.element_sets)) or "none"
         message = f"the file has no element set '{card.elements}' (sets: {known})"
         raise scene.fail(message, "mesh.elements")
-    others = own[~np.isin(found.kinds[own], list(SIDES))]
+    others = own[~np.isin(mesh.kinds[own], list(SIDES))]
     if len(others):
-        kind = str(found.kinds[others[0]])
-        count = int((found.kinds[others] == kind).sum())
-        index = f" ({found.firsts[kind]})" if kind in found.firsts else ""
+        kind = str(mesh.kinds[others[0]])
+        count = int((mesh.kinds[others] == kind).sum())
+        index = f" ({mesh.firsts[kind]})" if kind in mesh.firsts else ""
         wanted = "shells are of type quad or triangle"
         raise scene.fail(f"{count} elements are of type {kind}; {wanted}{index}", "mesh.file")
     if not len(own):

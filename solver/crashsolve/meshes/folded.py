@@ -16,7 +16,7 @@ class Folded(Card):
     """Line of straight pieces swept along a vector; sets: u0, u1 at its ends, v0, v1, fold_1 ..."""
 
     line: tuple[Vec3, ...] = quantity("m", "corners of the line; normals are line x along")
-    along: Vec3 = quantity("m", "vector that the line is moved by")
+    along: Vec3 = quantity("m", "vector along which the line is swept")
     elements: tuple[int, ...] = word(
         "number of elements along each piece, then along the vector", ge=1
     )

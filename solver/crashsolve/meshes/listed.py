@@ -14,14 +14,14 @@ from crashsolve.meshes._mesh import Mesh
 
 
 class NodeSet(Card):
-    """Some of the nodes under a name."""
+    """Named set of nodes."""
 
     name: SetName = word("name of the set, or its number")
     nodes: tuple[int, ...] = word("numbers of the nodes, from 1", ge=1)
 
 
 class Listed(Card):
-    """Nodes and elements one by one."""
+    """Mesh given by lists of its nodes and elements."""
 
     nodes: tuple[Vec3, ...] = quantity("m", "positions; numbered from 1")
     quads: tuple[tuple[int, int, int, int], ...] = word(

@@ -18,7 +18,9 @@ class Shared(Card):
     low: Vec3 | None = quantity(
         "m", "or corner of a box with the least coordinates, in place of elements", default=None
     )
-    high: Vec3 | None = quantity("m", "corner with the largest", default=None)
+    high: Vec3 | None = quantity(
+        "m", "corner of the box with the largest coordinates", default=None
+    )
 
     @model_validator(mode="after")
     def _one(self) -> "Shared":

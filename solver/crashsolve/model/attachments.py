@@ -236,10 +236,10 @@ def check_attached(
 ) -> None:
     """The points must begin with the motion of their positions on the body."""
     arm = meshed.mesh.points[points] - scene.r[body]
-    there = scene.v[body] + np.cross(scene.w[body], arm)
-    apart = float(np.linalg.norm(meshed.velocities()[points] - there, axis=1).max(initial=0.0))
+    velocity = scene.v[body] + np.cross(scene.w[body], arm)
+    apart = float(np.linalg.norm(meshed.velocities()[points] - velocity, axis=1).max(initial=0.0))
     spin = float(np.linalg.norm(meshed.spin[points] - scene.w[body], axis=1).max(initial=0.0))
-    speed = float(np.linalg.norm(there, axis=1).max(initial=0.0))
+    speed = float(np.linalg.norm(velocity, axis=1).max(initial=0.0))
     if apart > SAME * (speed + 1.0) or spin > SAME * (1.0 + np.linalg.norm(scene.w[body])):
         message = f"nodes begin {apart:.3g} m/s faster than their positions on the body"
         raise scene.fail(f"{message}; give both the same motion", field)

@@ -222,10 +222,10 @@ def _module(entry: Entry) -> ModuleType:
 
 
 def _by_type(entries: dict[str, Entry]) -> dict[str, list[Entry]]:
-    found: dict[str, list[Entry]] = defaultdict(list)
+    entries_of: dict[str, list[Entry]] = defaultdict(list)
     for entry in entries.values():
-        found[entry.type].append(entry)
-    return found
+        entries_of[entry.type].append(entry)
+    return entries_of
 
 
 def _sections(with_rows: bool) -> list[str]:

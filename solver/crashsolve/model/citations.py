@@ -27,8 +27,8 @@ def citations(modules: Iterable[Any]) -> list[str]:
     """One line per law with references, sorted: `springs/curve: Author (year), ...`."""
     lines = set()
     for module in modules:
-        found = PARAGRAPH.search(module.__doc__ or "")
-        if found:
+        reference = PARAGRAPH.search(module.__doc__ or "")
+        if reference:
             law = module.__name__.partition(".")[2].replace(".", "/")
-            lines.add(f"{law}: {' '.join(found.group(1).split())}")
+            lines.add(f"{law}: {' '.join(reference.group(1).split())}")
     return sorted(lines)

@@ -21,8 +21,8 @@ BENT = 0.01
 
 def corners_in_time(model: Model) -> np.ndarray:
     """Times [s] of the corners of all curves of time, in order."""
-    found = [corners(model.curves, first) for first in sorted(curves_of_time(model))]
-    return np.unique(np.concatenate(found)) if found else np.zeros(0)
+    corners_of_curves = [corners(model.curves, first) for first in sorted(curves_of_time(model))]
+    return np.unique(np.concatenate(corners_of_curves)) if corners_of_curves else np.zeros(0)
 
 
 def curves_of_time(model: Model) -> set[int]:

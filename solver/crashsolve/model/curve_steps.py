@@ -56,23 +56,23 @@ def steps_by_curves(model: Model, parts: float = 0.0) -> tuple[np.ndarray, np.nd
     is_stated = float(control["fixed_step"]) > 0.0
     shortest = NO_TIME * float(control["end"] - control["start"])
     curves, firsts = model.curves, sorted(curves_of_time(model))
-    found = [
+    steps = [
         _of_straight(curves, first, CUTS if is_stated else parts)
         if is_stated or (parts and _is_lone_pulse(curves, first))
         else _steps(curves, first)
         for first in firsts
     ]
-    found = [(x, h) for x, h in found if np.isfinite(h).any()]
-    if not found:
+    steps = [(x, h) for x, h in steps if np.isfinite(h).any()]
+    if not steps:
         return np.zeros(0), np.zeros(0)
-    starts = np.unique(np.concatenate([x for x, _ in found]))
-    each = [np.r_[np.inf, h][np.searchsorted(x, starts, side="right")] for x, h in found]
+    starts = np.unique(np.concatenate([x for x, _ in steps]))
+    each = [np.r_[np.inf, h][np.searchsorted(x, starts, side="right")] for x, h in steps]
     return _merged(starts, np.maximum(np.min(each, axis=0), shortest))
 
 
 def unseen(model: Model) -> dict[str, tuple[float, float]]:
     """Curves that a stated step hardly sees: its share of the step they need, and when [s]."""
-    control, found = model.control[0], {}
+    control, shares_of = model.control[0], {}
     step, names = float(control["fixed_step"]), {k: name for name, k in model.curve_names.items()}
     for first in sorted(curves_of_time(model)) if step > 0.0 else ():
         starts, steps = _steps(model.curves, first, cuts_straight=False)
@@ -80,8 +80,8 @@ def unseen(model: Model) -> dict[str, tuple[float, float]]:
         shares = np.where(overlaps, step / steps, 0.0)
         at = int(shares.argmax())
         if shares[at] > COARSE:
-            found[names[first]] = float(shares[at]), float(max(starts[at], control["start"]))
-    return found
+            shares_of[names[first]] = float(shares[at]), float(max(starts[at], control["start"]))
+    return shares_of
 
 
 def warn_of_unseen(model: Model) -> list[str]:

@@ -85,7 +85,7 @@ def tables_of_elements(groups: list[Group], scene: Scene) -> Elements | None:
 
 def _cuts(groups: list[Group], parts: dict[str, DiscretisedShell]) -> tuple[np.ndarray, np.ndarray]:
     """Elements of all sections, those of a block together, and the sections."""
-    found: list[tuple[object, ...]] = []
+    cut_elements: list[tuple[object, ...]] = []
     count = 0
     for group in (g for g in groups if hasattr(g.module, "KINDS")):
         for i, (name, row) in enumerate(zip(group.names, group.parameters, strict=True)):
@@ -93,10 +93,10 @@ def _cuts(groups: list[Group], parts: dict[str, DiscretisedShell]) -> tuple[np.n
                 for e in np.flatnonzero(front.any(axis=1)):
                     kind, block, corner, lane = parts[name].address(int(e))
                     at = (int(row["first"]) + block, int(row["first_corner"]) + corner)
-                    found.append((i, kind, *at, lane, count, front[e]))
+                    cut_elements.append((i, kind, *at, lane, count, front[e]))
                 count += 1
-    found.sort(key=lambda element_cut: (element_cut[2], element_cut[4]))
-    return np.array(found, CUT_ELEMENT.dtype), np.zeros(count, CUT.dtype)
+    cut_elements.sort(key=lambda element_cut: (element_cut[2], element_cut[4]))
+    return np.array(cut_elements, CUT_ELEMENT.dtype), np.zeros(count, CUT.dtype)
 
 
 def line_up(count: int) -> np.ndarray:

@@ -26,7 +26,7 @@ def plan_of(joints: Sequence[Joint], mass: np.ndarray) -> Saddle:
 
 def hubs_of(joints: Sequence[Joint], mass: np.ndarray) -> tuple[int, ...]:
     """Nodes that are hubs, at most one of a group that joints connect; `mass` (n,) of all nodes."""
-    found = []
+    hubs = []
     for group in _connected(joints):
         nodes = {node for joint in group for node in joint.nodes}
         rows: dict[int, int] = defaultdict(int)
@@ -38,8 +38,8 @@ def hubs_of(joints: Sequence[Joint], mass: np.ndarray) -> tuple[int, ...]:
         hub = max(sorted(nodes), key=lambda node: rows[node])
         others = nodes - {hub}
         if rows[hub] >= LEAST_ROWS and all(mass[hub] >= mass[node] > 0.0 for node in others):
-            found.append(hub)
-    return tuple(found)
+            hubs.append(hub)
+    return tuple(hubs)
 
 
 def set_references(nodes: np.ndarray, joints: Sequence[Joint]) -> None:

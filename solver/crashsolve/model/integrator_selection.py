@@ -143,12 +143,14 @@ def times(model: Model, state: State) -> tuple[float, float]:
         _evaluate(g, state, model, nodes)
     body = nodes[1:]
     acceleration = np.linalg.norm(body.force, axis=1) * body.mass_inv
-    turning = np.linalg.norm(np.einsum("nij,nj->ni", body.W.reshape(-1, 3, 3), body.torque), axis=1)
+    spin_rate = np.linalg.norm(
+        np.einsum("nij,nj->ni", body.W.reshape(-1, 3, 3), body.torque), axis=1
+    )
     size = model.size
     speed = max(
         np.linalg.norm(body.v, axis=1).max(initial=0.0),
         size * np.linalg.norm(body.w, axis=1).max(initial=0.0),
-        np.sqrt(size * max(acceleration.max(initial=0.0), size * turning.max(initial=0.0))),
+        np.sqrt(size * max(acceleration.max(initial=0.0), size * spin_rate.max(initial=0.0))),
     )
     frequency = np.sqrt(2.0 * body.stiffness + body.damping**2) + body.damping
     fastest = frequency.max(initial=0.0)

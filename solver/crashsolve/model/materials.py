@@ -61,13 +61,13 @@ def with_memory(record: Record, laws: list[ModuleType], count: int) -> Record:
 
 def joined(records: list[Record]) -> Record:
     """Columns of several laws; those of one name are one. Raises ValueError where they differ."""
-    found: dict[str, Column] = {}
+    columns: dict[str, Column] = {}
     for column in (column for record in records for column in record.columns):
-        known = found.setdefault(column.name, column)
+        known = columns.setdefault(column.name, column)
         if (known.unit, known.size) != (column.unit, column.size):
             units = f"{known.unit} of one material, {column.unit} of another"
             raise ValueError(f"column '{column.name}' is in {units}")
-    return Record(columns=tuple(found.values()))
+    return Record(columns=tuple(columns.values()))
 
 
 def fill(record: np.void, values: Columns) -> None:

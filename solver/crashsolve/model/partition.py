@@ -90,7 +90,7 @@ def cut(model: Model, state: State, threads: int) -> Pieces:
     table = np.zeros(count + len(originals), POINT.dtype)
     table[:count] = state.points
     state.points = table[:count]
-    by_word = {word: np.array(found) for word, found in rows.items()}
+    by_word = {word: np.array(indices) for word, indices in rows.items()}
     return Pieces(by_word, spans, pieces, table, originals)
 
 
@@ -191,11 +191,11 @@ def _loads(
     rows: np.ndarray, of_part: dict[int, list[tuple[int, int, np.void]]]
 ) -> tuple[list[np.void], np.ndarray]:
     """Loads on parts, each on the pieces of its own; and where these are."""
-    found: list[np.void] = []
+    loads: list[np.void] = []
     spans = np.zeros(len(rows), SPAN.dtype)
     for row, span in zip(rows, spans, strict=True):
         pieces = of_part[int(row["first_corner"])]
-        span["first"], span["count"], span["first_piece"] = len(found), len(pieces), pieces[0][0]
+        span["first"], span["count"], span["first_piece"] = len(loads), len(pieces), pieces[0][0]
         span["first_collector"], span["collector_count"] = pieces[0][0], len(pieces)
         for _, first_block, one in pieces:
             own = row.copy()
@@ -203,8 +203,8 @@ def _loads(
             own["aside"] = one["aside"]
             own["triangles"] = one["triangles"]
             own["quads"] = one["element_count"] - one["triangles"]
-            found.append(own)
-    return found, spans
+            loads.append(own)
+    return loads, spans
 
 
 def _blocks(elements: int) -> int:

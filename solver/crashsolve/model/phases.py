@@ -20,7 +20,7 @@ class Phase:
 def build_phases(deck: DeckOfScene, scene: Scene) -> list[Phase]:
     """Phases in the order of the deck; none where the run is one. Writes: scene.errors."""
     control, entries = deck.control, list(deck.entries["phases"].values())
-    found, begun = [], control.start_time
+    phases, begun = [], control.start_time
     for number, entry in enumerate(entries, start=1):
         is_last, given = number == len(entries), entry.card.end_time
         with scene.building(entry):
@@ -40,6 +40,6 @@ def build_phases(deck: DeckOfScene, scene: Scene) -> list[Phase]:
                     f"must lie {bounds}, where the run ends", None if is_last else "end_time"
                 )
             module = import_module(entry.module_name)
-            found.append(Phase(entry.name, module, module.build(entry.card, scene), end))
+            phases.append(Phase(entry.name, module, module.build(entry.card, scene), end))
             begun = end
-    return found
+    return phases

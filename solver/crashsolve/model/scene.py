@@ -25,13 +25,13 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from crashsolve.deck.building import (
+        AboutAxis,
         Attached,
         Jointed,
         JointOfScene,
         Meshed,
         PartOfScene,
         SurfaceOfScene,
-        Turning,
     )
     from crashsolve.elements.shells.cards import Weld
     from crashsolve.elements.shells.layout import DiscretisedShell
@@ -253,7 +253,7 @@ class Scene:
         return next(entries[name] for entries in known if name in entries)
 
     def refuse_joint(self, name: str, motions: tuple[str, ...], field: str) -> None:
-        """A named joint without any of some motions: an `angle`, a `travel`, turns of a `ball`.
+        """A named joint without any of some motions: an `angle`, a `travel`, rotations of a `ball`.
 
         FREE of the file of a joint lists the free motions.
         """
@@ -402,7 +402,7 @@ class Scene:
         x_b = self.r[b] + self.matrix(b) @ ends["point_b"]
         return float(np.linalg.norm(x_b - x_a))
 
-    def turning(self, card: Turning) -> Columns:
+    def rotation_about_axis(self, card: AboutAxis) -> Columns:
         """Rotation of b about `axis` of a, with sides that meet at the start."""
         if card.a == card.b:
             raise self.fail(f"joins '{card.a}' with itself; a and b must differ", "b")

@@ -32,7 +32,7 @@ LISTED = 3
 
 def shared_meshes(scene: Scene) -> dict[str, Mesh]:
     """Shares of the meshes under `meshes`, by the name of the part."""
-    found: dict[str, Mesh] = {}
+    meshes: dict[str, Mesh] = {}
     for name, entry in scene.deck.entries["meshes"].items():
         parts = parts_of(name, scene)
         with scene.building(entry):
@@ -42,8 +42,8 @@ def shared_meshes(scene: Scene) -> dict[str, Mesh]:
                 scene.warn(f"mesh '{name}' is named by no part and left out")
                 continue
             whole = _whole(entry, scene)
-            found |= _shares(name, whole, parts, scene)
-    return found
+            meshes |= _shares(name, whole, parts, scene)
+    return meshes
 
 
 def _whole(entry: EntryOfScene, scene: Scene) -> Mesh:
@@ -132,13 +132,13 @@ def _numbered(whole: Mesh, owner: np.ndarray, parts: list[EntryOfScene]) -> dict
     number = np.full(len(whole.points), -1)
     number[order] = np.arange(len(order))
     ends = np.cumsum([0, *(int((first == k).sum()) for k in range(len(parts)))])
-    found, origin = {}, whole.points[0].copy()
+    numbered, origin = {}, whole.points[0].copy()
     for k, part in enumerate(parts):
         quads = number[whole.quads[owner == k]]
         own = np.zeros(len(order), bool)
         own[quads] = True
         sets = {name: number[some][number[some] >= 0] for name, some in whole.sets.items()}
-        found[part.name] = replace(
+        numbered[part.name] = replace(
             whole,
             points=whole.points[order],
             quads=quads,
@@ -148,7 +148,7 @@ def _numbered(whole: Mesh, owner: np.ndarray, parts: list[EntryOfScene]) -> dict
             own=slice(int(ends[k]), int(ends[k + 1])),
             origin=origin,
         )
-    return found
+    return numbered
 
 
 def join(scene: Scene) -> None:

@@ -13,11 +13,11 @@ class Grouped(Protocol):
 
 def present_tables(group: Grouped) -> dict[str, np.ndarray]:
     """Arrays of a group by the names of its TABLES; a tuple of arrays is counted from 0."""
-    found: dict[str, np.ndarray] = {}
+    tables: dict[str, np.ndarray] = {}
     for name in group.TABLES:
         value = getattr(group, name)
         if isinstance(value, tuple):
-            found |= {f"{name}_{k}": array for k, array in enumerate(value)}
+            tables |= {f"{name}_{k}": array for k, array in enumerate(value)}
         elif value is not None:
-            found[name] = value
-    return found
+            tables[name] = value
+    return tables

@@ -32,12 +32,12 @@ def tie_nodes(scene: Scene) -> np.ndarray:
             _check_motion(own, entry.card, scene)
             _transfer_mass(own, entry.card, scene)
             table.append(own)
-    found = np.concatenate(table)
-    tied = set(found["point"].tolist())
+    ties = np.concatenate(table)
+    tied = set(ties["point"].tolist())
     for entry, own in zip(entries, table[1:], strict=False):
         with scene.building(entry):
             _refuse_chain(own, tied, entry.card, scene)
-    return found
+    return ties
 
 
 class Tie(Protocol):
@@ -51,20 +51,20 @@ class Tie(Protocol):
 
 def _sides(card: Tie, scene: Scene) -> tuple[PartOfScene, PartOfScene]:
     tied, _, _ = scene.skin(card.part, "part")
-    bearing, _, _ = scene.skin(card.to, "to")
-    return tied, bearing
+    faces, _, _ = scene.skin(card.to, "to")
+    return tied, faces
 
 
 def _check_motion(rows: np.ndarray, card: Tie, scene: Scene) -> None:
     """Nodes begin with the motion of their positions on the faces."""
-    tied, bearing = _sides(card, scene)
+    tied, faces = _sides(card, scene)
     for row in rows:
-        corners, node = row["corner"] - bearing.first, int(row["point"]) - tied.first
-        N, v = row["weight"], bearing.velocity[corners]
-        there = N @ v + row["height"] * normal_rate(bearing.mesh.points[corners], v)
-        apart = float(np.linalg.norm(tied.velocity[node] - there))
-        spin = float(np.linalg.norm(tied.spin[node] - N @ bearing.spin[corners]))
-        fast = 1.0 + float(np.linalg.norm(there)) + float(np.linalg.norm(tied.spin[node]))
+        corners, node = row["corner"] - faces.first, int(row["point"]) - tied.first
+        N, v = row["weight"], faces.velocity[corners]
+        velocity = N @ v + row["height"] * normal_rate(faces.mesh.points[corners], v)
+        apart = float(np.linalg.norm(tied.velocity[node] - velocity))
+        spin = float(np.linalg.norm(tied.spin[node] - N @ faces.spin[corners]))
+        fast = 1.0 + float(np.linalg.norm(velocity)) + float(np.linalg.norm(tied.spin[node]))
         if apart > SAME * fast or spin > SAME * fast:
             message = f"nodes begin {apart:.3g} m/s and {spin:.3g} rad/s faster than their faces"
             raise scene.fail(f"{message}; give both parts the same motion", "nodes")
@@ -72,17 +72,17 @@ def _check_motion(rows: np.ndarray, card: Tie, scene: Scene) -> None:
 
 def _transfer_mass(rows: np.ndarray, card: Tie, scene: Scene) -> None:
     """Mass, inertia and momenta of impulses go to the corners. Writes: both parts in place."""
-    tied, bearing = _sides(card, scene)
+    tied, faces = _sides(card, scene)
     for row in rows:
-        corners, node = row["corner"] - bearing.first, int(row["point"]) - tied.first
+        corners, node = row["corner"] - faces.first, int(row["point"]) - tied.first
         for corner, N in zip(corners, row["weight"], strict=True):
-            bearing.mass[corner] += N * tied.mass[node]
-            bearing.J[corner] += N * tied.J[node]
+            faces.mass[corner] += N * tied.mass[node]
+            faces.J[corner] += N * tied.J[node]
         if np.any(tied.momentum):
             share = row["weight"][:, None] * tied.momentum[node]
-            whole = np.array(np.broadcast_to(bearing.momentum, bearing.mesh.points.shape))
+            whole = np.array(np.broadcast_to(faces.momentum, faces.mesh.points.shape))
             np.add.at(whole, corners, share)
-            for part in scene.on_mesh_of(bearing):
+            for part in scene.on_mesh_of(faces):
                 part.momentum = whole
         tied.fixed[node] = ATTACHED
         scene.tied_mass += float(tied.mass[node])

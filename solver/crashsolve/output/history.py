@@ -24,8 +24,8 @@ from crashsolve.output.peaks import Extremes
 FIRST_CAPACITY = 1024
 # reserved at most for the expected samples: a run may have an endless end time, and be stopped;
 # times are written in advance
-MOST_RESERVED_BYTES, MOST_RESERVED_ROWS = 1 << 28, 1 << 20
-MOST_BUFFERED_ROWS = 1024
+MAX_RESERVED_BYTES, MAX_RESERVED_ROWS = 1 << 28, 1 << 20
+MAX_BUFFERED_ROWS = 1024
 
 
 class HistoryWriter:
@@ -61,15 +61,15 @@ class HistoryWriter:
         self._last_time = -np.inf
         self._flushed_at = clock.monotonic()
         doubles = sum(len(family.ids) * len(family.columns) for family in self.families)
-        most = min(max(1, buffer_bytes // (8 * doubles)), MOST_BUFFERED_ROWS)
+        most = min(max(1, buffer_bytes // (8 * doubles)), MAX_BUFFERED_ROWS)
         # rows in waiting: their number, times, and values (n_column, k, n_id) of every family
         self._count, self._times = 0, np.empty(most)
         self._values = [np.empty((len(f.columns), most, len(f.ids))) for f in self.families]
         if resume_time is not None:
             self._read_kept_rows(resume_time)
         self._expected_rows = expected_rows
-        most_rows = min(MOST_RESERVED_BYTES // (8 * doubles + 8), MOST_RESERVED_ROWS)
-        expected = min(expected_rows or FIRST_CAPACITY, most_rows)
+        max_rows = min(MAX_RESERVED_BYTES // (8 * doubles + 8), MAX_RESERVED_ROWS)
+        expected = min(expected_rows or FIRST_CAPACITY, max_rows)
         self._rebuild(max(expected, 2 * self._rows))
 
     def append(self, times: np.ndarray, values: dict[str, np.ndarray]) -> None:
@@ -81,10 +81,10 @@ class HistoryWriter:
         for family, block in zip(self.families, blocks, strict=True):
             if block.shape != (len(times), len(family.ids), len(family.columns)):
                 raise ValueError(f"family '{family.name}': values of shape {block.shape}")
-        sound, error = self._judge(times, blocks)
+        valid, error = self._check_rows(times, blocks)
         taken = 0
-        while taken < sound:
-            taken += self._take(times[taken:sound], [block[taken:sound] for block in blocks])
+        while taken < valid:
+            taken += self._take(times[taken:valid], [block[taken:valid] for block in blocks])
             if self._count == len(self._times):
                 self.flush()
         if error is not None:
@@ -145,23 +145,25 @@ class HistoryWriter:
         self._count, self._last_time = last, float(times[count - 1])
         return count
 
-    def _judge(self, times: np.ndarray, blocks: list[np.ndarray]) -> tuple[int, OutputError | None]:
-        """Number of sound rows, and the error of the next: its time, or a number."""
+    def _check_rows(
+        self, times: np.ndarray, blocks: list[np.ndarray]
+    ) -> tuple[int, OutputError | None]:
+        """Number of valid rows, and the error of the next: its time, or a number."""
         before = np.concatenate([[self._last_time], times[:-1]])
         wrong = np.flatnonzero(~((before < times) & (times < np.inf)))
-        sound, error = len(times), None
+        valid, error = len(times), None
         if len(wrong):
-            sound = int(wrong[0])
-            message = f"row at t = {times[sound]:.17g} s follows t = {before[sound]:.17g} s"
+            valid = int(wrong[0])
+            message = f"row at t = {times[valid]:.17g} s follows t = {before[valid]:.17g} s"
             error = OutputError(self.path, message)
         for family, block in zip(self.families, blocks, strict=True):
-            if not np.isfinite(block[:sound]).all():
-                row, entity, column = np.argwhere(~np.isfinite(block[:sound]))[0]
-                name, sound = family.channel(entity, column), int(row)
+            if not np.isfinite(block[:valid]).all():
+                row, entity, column = np.argwhere(~np.isfinite(block[:valid]))[0]
+                name, valid = family.channel(entity, column), int(row)
                 message = f"{name} is {block[row, entity, column]} at t = {times[row]:.9g} s"
                 advice = "look for numbers of the deck that are far too large or too small"
                 error = OutputError(self.path, f"{message}; {advice}")
-        return sound, error
+        return valid, error
 
     def _read_kept_rows(self, resume_time: float) -> None:
         """Count the rows to keep and recall their extremes."""

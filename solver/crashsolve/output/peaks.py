@@ -32,19 +32,19 @@ class Extremes:
             # few channels have new ones in any block
             column, entity = np.nonzero(better(_extreme(two, values), bound))
             histories = values[column, :, entity]
-            found = where(histories, axis=1)
-            bound[column, entity] = histories[np.arange(len(found)), found]
-            bound_time[column, entity] = times[found]
+            at = where(histories, axis=1)
+            bound[column, entity] = histories[np.arange(len(at)), at]
+            bound_time[column, entity] = times[at]
 
 
 def _extreme(two: np.ufunc, values: np.ndarray) -> np.ndarray:
     """Extreme (n_column, n_id) over rows of values (n_column, k, n_id); `two`: of two numbers."""
-    found = values[:, :ROWS].copy()
+    values_of_rows = values[:, :ROWS].copy()
     for first in range(ROWS, values.shape[1], ROWS):
         more = values[:, first : first + ROWS]
-        own = found[:, : more.shape[1]]
+        own = values_of_rows[:, : more.shape[1]]
         two(own, more, out=own)
-    extreme: np.ndarray = two.reduce(found, axis=1)
+    extreme: np.ndarray = two.reduce(values_of_rows, axis=1)
     return extreme
 
 

@@ -80,14 +80,14 @@ def _revolved(
     rings = radii[:, None, None] * circle + heights[:, None, None] * np.array([0.0, 0.0, 1.0])
     poles = np.array([[0.0, 0.0, bottom], [0.0, 0.0, top]])
     points = np.concatenate([rings.reshape(-1, 3), poles]) * np.array(scale)
-    here = np.arange(SEGMENTS)
-    after = np.roll(here, -1)
+    base = np.arange(SEGMENTS)
+    after = np.roll(base, -1)
     last = (len(radii) - 1) * SEGMENTS
     south, north = len(points) - 2, len(points) - 1
-    triangles = [np.stack([np.full(SEGMENTS, south), after, here], axis=1)]
+    triangles = [np.stack([np.full(SEGMENTS, south), after, base], axis=1)]
     for start in range(0, last, SEGMENTS):
-        low, low_after = start + here, start + after
+        low, low_after = start + base, start + after
         triangles.append(np.stack([low, low_after, low_after + SEGMENTS], axis=1))
         triangles.append(np.stack([low, low_after + SEGMENTS, low + SEGMENTS], axis=1))
-    triangles.append(np.stack([np.full(SEGMENTS, north), last + here, last + after], axis=1))
+    triangles.append(np.stack([np.full(SEGMENTS, north), last + base, last + after], axis=1))
     return points, np.concatenate(triangles)

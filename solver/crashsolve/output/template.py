@@ -18,7 +18,9 @@ from crashsolve.output.layout import reserve
 # stands for the time in the layout, where its bytes must be found once
 MARK = 2.9979245812345678e-211
 SIZE_OF_TIME = 8  # [bytes]
-Place = tuple[int, int, tuple[Block, FieldSpec] | None]  # offset and size in bytes; None: the time
+FieldSlot = tuple[
+    int, int, tuple[Block, FieldSpec] | None
+]  # offset and size in bytes; None: the time
 
 
 class Template:
@@ -46,11 +48,11 @@ def _bytes(block: Block, field: FieldSpec, values: dict[str, dict[str, np.ndarra
     return np.ascontiguousarray(array, field.dtype).data.cast("B")
 
 
-def _laid_out(blocks: tuple[Block, ...]) -> tuple[bytes, list[Place]]:
+def _laid_out(blocks: tuple[Block, ...]) -> tuple[bytes, list[FieldSlot]]:
     """A file with room for everything, made in memory, and where its numbers are, in order."""
     import h5py
 
-    positions: list[Place] = []
+    positions: list[FieldSlot] = []
     with h5py.File("state", "w", driver="core", backing_store=False, **HDF5_OPTIONS) as file:
         file.attrs["time"] = MARK
         for block in blocks:

@@ -146,15 +146,15 @@ def _mesh(card: Frame) -> tuple[np.ndarray, list[tuple[int, int]]]:
 
 def _check(card: Frame, scene: Scene) -> None:
     """Refuses bars to points that do not exist, without length, twice; points without a bar."""
-    count, seen = len(card.points), set()
+    count, pairs = len(card.points), set()
     for k, bar in enumerate(card.bars, start=1):
         if not all(1 <= end <= count for end in bar):
             raise scene.fail(f"bar {k} joins {list(bar)}, but points are 1 to {count}", "bars")
         if not np.linalg.norm(releases.along(card, k)) > 0.0:
             raise scene.fail(f"bar {k} begins and ends in one point", "bars")
-        if frozenset(bar) in seen:
+        if frozenset(bar) in pairs:
             raise scene.fail(f"bar {k} is given twice", "bars")
-        seen.add(frozenset(bar))
+        pairs.add(frozenset(bar))
     wrong = releases.fault(card)
     if wrong:
         raise scene.fail(wrong, "ends")

@@ -7,5 +7,7 @@ class PhaseCard(Card):
     """A stretch of the run's time."""
 
     end_time: float | None = quantity(
-        "s", "time at which it ends; of the last phase that of the run, and left out", default=None
+        "s",
+        "time at which it ends; absent in the last phase, which ends with the run",
+        default=None,
     )

@@ -15,7 +15,7 @@ from crashsolve.phases._card import PhaseCard
 
 
 class Transient(PhaseCard):
-    """Motion, from the velocities of the deck if it is the first of its kind."""
+    """Transient motion; the first such phase begins with the velocities of the deck."""
 
 
 def build(card: Transient, scene: Scene) -> Columns:

@@ -104,8 +104,8 @@ def rotation_vector(A: Array) -> Array:
     q = -q if q[0] < 0.0 else q
     sine = float(np.linalg.norm(q[1:]))
     angle = 2.0 * np.arctan2(sine, q[0])
-    found: Array = q[1:] * (angle / sine if sine > 0.0 else 2.0)
-    return found
+    vector: Array = q[1:] * (angle / sine if sine > 0.0 else 2.0)
+    return vector
 
 
 def fit(chain: Chain, frame: Frame, landmark_error: float, before: Array | None) -> Fit:
@@ -127,7 +127,7 @@ def fit(chain: Chain, frame: Frame, landmark_error: float, before: Array | None)
     starts = _starts(chain, names, measured) if before is None else [before]
     freedom = count + int(np.count_nonzero(weights)) - unknowns
     q, J = _best(residuals, starts, _bounds(chain), freedom)
-    to_rotations = _turns(chain, q)
+    to_rotations = _rotation_jacobian(chain, q)
     covariance = to_rotations @ _covariance(chain, J, names) @ to_rotations.T
     e = (measured - chain.points(q, names).ravel()).reshape(-1, 3)
     squares = float(residuals(q) @ residuals(q))
@@ -150,19 +150,19 @@ def _best(
     from scipy.optimize import least_squares
 
     lower, upper = bounds
-    found = []
+    fits = []
     for start in starts:
         # just within the stops, where the search must begin
         inner = np.clip(start, lower + 1e-6, upper - 1e-6)
-        found.append(
+        fits.append(
             least_squares(
                 residuals, inner, "3-point", bounds, x_scale="jac", xtol=1e-12, ftol=1e-12
             )
         )
         # chi-squared of this freedom, four standard deviations over its mean
-        if 2.0 * found[-1].cost <= freedom + 4.0 * np.sqrt(2.0 * freedom):
+        if 2.0 * fits[-1].cost <= freedom + 4.0 * np.sqrt(2.0 * freedom):
             break
-    best = min(found, key=lambda one: one.cost)
+    best = min(fits, key=lambda one: one.cost)
     if not best.success or not np.all(np.isfinite(best.x)):
         raise FitError("the search for the posture does not converge")
     return best.x, best.jac
@@ -182,23 +182,23 @@ def _starts(chain: Chain, names: Sequence[str], measured: Array) -> list[Array]:
     n = sum(chain.widths())
     lower, upper = (side[6:] for side in _bounds(chain))
     others = [rng.uniform(np.maximum(lower, -1.2), np.minimum(upper, 1.2)) for _ in range(7)]
-    found = []
+    starts = []
     for angles in [np.zeros(n), *others]:
         q = np.concatenate([chain.zero.x, rotation_vector(chain.zero.A), angles])
         x, y = chain.points(q, names), measured.reshape(-1, 3)
         R = _nearest_rotation(x - x.mean(axis=0), y - y.mean(axis=0))
         origin = y.mean(axis=0) + R @ (q[:3] - x.mean(axis=0))
         turned = rotation_vector(R @ rotation(q[3:6]))
-        found.append(np.concatenate([origin, turned, angles]))
-    return found
+        starts.append(np.concatenate([origin, turned, angles]))
+    return starts
 
 
 def _nearest_rotation(x: Array, y: Array) -> Array:
     """R (3, 3) for which R x (n, 3) is nearest to y: Kabsch (1976), Acta Cryst. A32, 922-923."""
     U, _, V = np.linalg.svd(x.T @ y)
     sign = np.sign(np.linalg.det(U @ V))
-    found: Array = (V.T * [1.0, 1.0, sign]) @ U.T
-    return found
+    rotation: Array = (V.T * [1.0, 1.0, sign]) @ U.T
+    return rotation
 
 
 def _covariance(chain: Chain, J: Array, names: Sequence[str]) -> Array:
@@ -217,22 +217,22 @@ def _covariance(chain: Chain, J: Array, names: Sequence[str]) -> Array:
             f"at {', '.join(joints)}",
             f"give {' or '.join(filter(None, (advice, more)))}",
         )
-    found: Array = (V.T / s**2) @ V
-    return found
+    covariance: Array = (V.T / s**2) @ V
+    return covariance
 
 
-def _turns(chain: Chain, q: Array) -> Array:
+def _rotation_jacobian(chain: Chain, q: Array) -> Array:
     """Matrices from changes of q to small rotations: about axes of a, of the root about the
     world's.
     """
-    found = np.eye(len(q))
-    found[3:6, 3:6] = _left_jacobian(q[3:6])
+    matrix = np.eye(len(q))
+    matrix[3:6, 3:6] = _left_jacobian(q[3:6])
     first = 6
     for one, own in zip(chain.links, chain.split(q), strict=True):
         if one.axis is None:
-            found[first : first + 3, first : first + 3] = _left_jacobian(own)
+            matrix[first : first + 3, first : first + 3] = _left_jacobian(own)
         first += len(own)
-    return found
+    return matrix
 
 
 def _left_jacobian(vector: Array) -> Array:

@@ -49,22 +49,22 @@ def posture(path: Path, folder: Path) -> list[str]:
 
     requested = read_request(path)
     chain, scene = chain_of(requested)
-    seen = measured(requested)
-    fits = fitted(requested, chain, seen)
-    at = _start(requested, seen)
+    measurements = measured(requested)
+    fits = fitted(requested, chain, measurements)
+    at = _start(requested, measurements)
     moving = rates(chain, fits, at, requested.card.window)
     files = {
         "posture.yaml": report.card(requested, chain, scene.offset[chain.root], fits[at], moving),
-        "points.csv": report.points_table(seen),
+        "points.csv": report.points_table(measurements),
         "joints.csv": report.joints_table(chain, fits),
     }
-    lines = report.summary(requested, chain, seen, fits, moving).splitlines()
+    lines = report.summary(requested, chain, measurements, fits, moving).splitlines()
     return [*lines, "", *(str(written) for written in report.write(folder, files))]
 
 
-def _start(requested: Requested, seen: Measured) -> int:
+def _start(requested: Requested, frames: Measured) -> int:
     """The frame at the start. Raises DeckErrors."""
-    times = [frame.time for frame in seen.frames]
+    times = [frame.time for frame in frames.frames]
     if requested.card.start is None:
         return 0
     if requested.card.start not in times:

@@ -48,8 +48,8 @@ def image_of(L: Array, x: Array) -> Array:
 
 def depth_factor(L: Array, x: Array) -> Array:
     """w (...) of points (..., 3): of one sign before the camera."""
-    found: Array = x @ L[8:] + 1.0
-    return found
+    factors: Array = x @ L[8:] + 1.0
+    return factors
 
 
 def flatness(x: Array) -> float:
@@ -105,11 +105,11 @@ def _factors(L: Array, x: Array) -> Array:
 def _by_cameras(x: Array, u: Array) -> Array:
     """Derivatives of the equations of a point by the L of its cameras (2k, 11k)."""
     k = len(u)
-    found = np.zeros((2 * k, UNKNOWNS * k))
+    matrix = np.zeros((2 * k, UNKNOWNS * k))
     for i in range(k):
         rows = _rows(x[None], u[i : i + 1])[:, :UNKNOWNS]
-        found[2 * i : 2 * i + 2, UNKNOWNS * i : UNKNOWNS * (i + 1)] = rows
-    return found
+        matrix[2 * i : 2 * i + 2, UNKNOWNS * i : UNKNOWNS * (i + 1)] = rows
+    return matrix
 
 
 def _chi_squared(B: Array, misclosure: Array, S: Array) -> float:
@@ -139,8 +139,8 @@ def _normalised(x: Array, u: Array) -> Array:
     null = np.linalg.svd(_rows(_moved(T_x, x), _moved(T_u, u)))[2][-1]
     H = np.linalg.inv(T_u) @ null.reshape(3, 4) @ T_x
     with np.errstate(divide="ignore", invalid="ignore"):
-        found: Array = (H / H[2, 3]).ravel()[:UNKNOWNS]
-    return found
+        normalised: Array = (H / H[2, 3]).ravel()[:UNKNOWNS]
+    return normalised
 
 
 def _normalisation(points: Array) -> Array:
@@ -154,8 +154,8 @@ def _normalisation(points: Array) -> Array:
 
 def _moved(T: Array, points: Array) -> Array:
     d = points.shape[1]
-    found: Array = points @ T[:d, :d].T + T[:d, d]
-    return found
+    moved: Array = points @ T[:d, :d].T + T[:d, d]
+    return moved
 
 
 def _equations(L: Array, u: Array) -> tuple[Array, Array]:
@@ -168,11 +168,11 @@ def _equations(L: Array, u: Array) -> tuple[Array, Array]:
 def _pseudo_inverse(B: Array) -> Array:
     """B^+, with columns of one length: units differ by powers of ten."""
     scale = np.linalg.norm(B, axis=0)
-    found: Array = np.linalg.pinv(B / scale) / scale[:, None]
-    return found
+    inverse: Array = np.linalg.pinv(B / scale) / scale[:, None]
+    return inverse
 
 
 def _least_squares(B: Array, c: Array) -> Array:
     scale = np.linalg.norm(B, axis=0)
-    found: Array = np.linalg.lstsq(B / scale, c, rcond=None)[0] / scale
-    return found
+    solution: Array = np.linalg.lstsq(B / scale, c, rcond=None)[0] / scale
+    return solution

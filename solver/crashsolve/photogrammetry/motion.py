@@ -46,10 +46,10 @@ def rates(chain: Chain, fits: list[Fit], at: int, window: int) -> Rates:
 
 def _change(chain: Chain, q_0: Array, q: Array) -> Array:
     """Difference of unknowns, of rotations as rotation vectors."""
-    found = [q[:3] - q_0[:3], rotation_vector(rotation(q[3:6]) @ rotation(q_0[3:6]).T)]
+    changes = [q[:3] - q_0[:3], rotation_vector(rotation(q[3:6]) @ rotation(q_0[3:6]).T)]
     for one, new, old in zip(chain.links, chain.split(q), chain.split(q_0), strict=True):
         if one.axis is None:
-            found.append(rotation_vector(rotation(new) @ rotation(old).T))
+            changes.append(rotation_vector(rotation(new) @ rotation(old).T))
         else:
-            found.append(new - old)
-    return np.concatenate(found)
+            changes.append(new - old)
+    return np.concatenate(changes)

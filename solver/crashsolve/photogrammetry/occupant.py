@@ -50,15 +50,15 @@ def chain_of(requested: Requested) -> tuple[Chain, Scene]:
 
 def _links(requested: Requested, deck: Deck, scene: Scene, root: int) -> list[Link]:
     """Joints that hang on the root, without those of the ground."""
-    found, entries = [], {}
+    links, entries = [], {}
     for keyword, family in families().items():
         for name, entry in deck.entries[keyword].items() if family.has_rows else ():
             card = entry.card
             if not hasattr(card, "at") or "ground" in (card.a, card.b):
                 continue
-            found.append(link(scene, name, card))
+            links.append(link(scene, name, card))
             entries[name] = entry
-    order, rest = in_order(root, found)
+    order, rest = in_order(root, links)
     known = {root} | {node for one in order for node in (one.a, one.b)}
     errors = []
     for one in order:
@@ -78,7 +78,7 @@ def _links(requested: Requested, deck: Deck, scene: Scene, root: int) -> list[Li
 def _landmarks(
     requested: Requested, scene: Scene, reached: set[int]
 ) -> dict[str, tuple[int, np.ndarray]]:
-    path, found, errors = requested.card.landmarks, {}, []
+    path, landmarks, errors = requested.card.landmarks, {}, []
     for row in read_table(path, LANDMARKS):
         name = row.names["body"].replace(OCCUPANT, requested.card.occupant)
         problem = ""
@@ -91,24 +91,24 @@ def _landmarks(
             continue
         node = scene.names.index(name)
         at = [row.numbers[axis] for axis in "xyz"]
-        found[row.names["point"]] = node, scene.from_mass_centre(node, at)
+        landmarks[row.names["point"]] = node, scene.from_mass_centre(node, at)
     if errors:
         raise DeckErrors(errors)
-    return found
+    return landmarks
 
 
 def _stops(deck: Deck, links: list[Link]) -> dict[str, tuple[float, float]]:
     """Ranges of joints with an axis."""
-    found = {}
+    stops = {}
     joints = {one.joint for one in links if one.axis is not None}
     for entry in deck.entries["springs"].values():
         if entry.type == "rotation_stop" and entry.card.joint in joints:
             low, high = entry.card.lower, entry.card.upper
-            found[str(entry.card.joint)] = (
+            stops[str(entry.card.joint)] = (
                 -np.inf if low is None else low,
                 np.inf if high is None else high,
             )
-    return found
+    return stops
 
 
 def _check_spread(requested: Requested, links: list[Link]) -> None:

@@ -53,8 +53,8 @@ class Frame:
 
     def deviations(self) -> Array:
         """Standard deviations (n, 3)."""
-        found: Array = np.sqrt(np.diag(self.covariance)).reshape(-1, 3)
-        return found
+        sigma: Array = np.sqrt(np.diag(self.covariance)).reshape(-1, 3)
+        return sigma
 
 
 @dataclass(frozen=True)
@@ -75,11 +75,11 @@ def measured(requested: Requested) -> Measured:
     for row in _rows_of_frames(requested, cameras):
         times[row.numbers["time"]][row.names["point"]].append(row)
     volume = _extent(read_table(requested.card.targets, TARGETS))
-    found = {
+    points_of = {
         time: [_point(requested, name, rows, cameras, spread) for name, rows in points.items()]
         for time, points in sorted(times.items())
     }
-    closures += [(p.closure, p.freedom) for points in found.values() for p in points]
+    closures += [(p.closure, p.freedom) for points in points_of.values() for p in points]
     freedom = sum(count for _, count in closures)
     error = requested.card.image_error
     if error is None:
@@ -87,7 +87,7 @@ def measured(requested: Requested) -> Measured:
         if error < EXACT:
             message = "images without errors do not say how large their errors are"
             raise DeckErrors([requested.error((), message, "give image_error")])
-    frames = tuple(_frame(t, tuple(points), spread, error) for t, points in found.items())
+    frames = tuple(_frame(t, tuple(points), spread, error) for t, points in points_of.items())
     _check(requested, frames, error, volume)
     return Measured(cameras, frames, error, freedom)
 
@@ -96,17 +96,17 @@ def _cameras(requested: Requested) -> tuple[dict[str, dlt.Camera], list[tuple[fl
     """Calibrated cameras, and for each the chi-squared of its targets and their freedom."""
     path = requested.card.calibration
     targets = {row.names["target"]: row for row in read_table(requested.card.targets, TARGETS)}
-    seen: dict[str, list[Row]] = defaultdict(list)
+    rows_of: dict[str, list[Row]] = defaultdict(list)
     errors: list[DeckError] = []
     for row in read_table(path, CALIBRATION):
         if row.names["target"] not in targets:
             message = f"there is no target '{row.names['target']}' in {requested.card.targets}"
             errors.append(DeckError(path, row.line, None, row.names["camera"], message))
-        seen[row.names["camera"]].append(row)
+        rows_of[row.names["camera"]].append(row)
     if errors:
         raise DeckErrors(errors)
     cameras, closures = {}, []
-    for name, rows in seen.items():
+    for name, rows in rows_of.items():
         x = np.array([_numbers(targets[row.names["target"]], "xyz") for row in rows])
         u = np.array([_numbers(row, "uv") for row in rows])
         try:
@@ -136,15 +136,15 @@ def _rows_of_frames(requested: Requested, cameras: dict[str, dlt.Camera]) -> lis
     """Rows of the digitised points. Raises DeckErrors for unknown cameras and lonely points."""
     path = requested.card.frames
     rows = read_table(path, FRAMES)
-    seen: dict[tuple[float, str], list[Row]] = defaultdict(list)
+    rows_of: dict[tuple[float, str], list[Row]] = defaultdict(list)
     errors = []
     for row in rows:
-        seen[row.numbers["time"], row.names["point"]].append(row)
+        rows_of[row.numbers["time"], row.names["point"]].append(row)
         if row.names["camera"] not in cameras:
             message = f"camera '{row.names['camera']}' is not calibrated"
             advice = f"there are {', '.join(cameras)}"
             errors.append(DeckError(path, row.line, None, row.names["point"], message, advice))
-    for (time, name), own in seen.items():
+    for (time, name), own in rows_of.items():
         if len(own) < 2:
             message = f"is seen by one camera, '{own[0].names['camera']}', at {time:.6g} s; "
             message += "2 are needed"
@@ -163,14 +163,14 @@ def _point(
     L = np.array([cameras[order[i]].L for i in at])
     u = np.array([_numbers(row, "uv") for row in rows])
     x = dlt.reconstruct(L, u)
-    seen = np.array([dlt.image_of(one, x) for one in L])
+    images = np.array([dlt.image_of(one, x) for one in L])
     by_images, by_own = dlt.sensitivities(L, x)
     by_cameras = np.zeros((3, dlt.UNKNOWNS * len(order)))
     columns = np.concatenate([dlt.UNKNOWNS * i + np.arange(dlt.UNKNOWNS) for i in at])
     by_cameras[:, columns] = by_own
     closure = dlt.closure_of_point(L, u, x, spread[np.ix_(columns, columns)])
     noise = by_images @ by_images.T
-    return Point(name, x, noise, by_cameras, u - seen, closure, tuple(rows))
+    return Point(name, x, noise, by_cameras, u - images, closure, tuple(rows))
 
 
 def _frame(time: float, points: tuple[Point, ...], spread: Array, error: float) -> Frame:
@@ -213,10 +213,10 @@ def _check(requested: Requested, frames: tuple[Frame, ...], error: float, volume
 def _all_spreads(cameras: dict[str, dlt.Camera]) -> Array:
     """Covariance (11 n, 11 n) of the L of all cameras."""
     n = dlt.UNKNOWNS
-    found = np.zeros((n * len(cameras),) * 2)
+    spreads = np.zeros((n * len(cameras),) * 2)
     for i, camera in enumerate(cameras.values()):
-        found[n * i : n * i + n, n * i : n * i + n] = camera.spread
-    return found
+        spreads[n * i : n * i + n, n * i : n * i + n] = camera.spread
+    return spreads
 
 
 def _extent(rows: list[Row]) -> float:

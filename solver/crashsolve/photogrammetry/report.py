@@ -34,8 +34,8 @@ def card(requested: Requested, chain: Chain, offset: Array, fitted: Fit, moving:
     ]
     deviations = np.sqrt(np.diag(fitted.covariance))
     own = chain.split(np.append(fitted.q[:6], fitted.q[6:]))
-    turning, spread = chain.split(moving.values), chain.split(deviations)
-    for one, q, rate, s in zip(chain.links, own, turning, spread, strict=True):
+    rates, spread = chain.split(moving.values), chain.split(deviations)
+    for one, q, rate, s in zip(chain.links, own, rates, spread, strict=True):
         words = (
             f"rotation: {_rotation(q)}, angular_velocity: {_vector(rate)}"
             if one.axis is None

@@ -64,15 +64,15 @@ class Request(Card):
     def _angles(cls, given: object) -> object:
         if not isinstance(given, dict):
             refuse(f"must be a table of joints, not {shown(given)}")
-        found = {}
+        angles = {}
         for name, value in given.items():
             try:
-                found[name] = number(value, "rad", SI)
+                angles[name] = number(value, "rad", SI)
             except (ValueError, TypeError):
                 refuse(f"must be an angle, not {shown(value)}", within=(name,))
-            if not found[name] > 0.0:
+            if not angles[name] > 0.0:
                 refuse("must be greater than 0", within=(name,))
-        return found
+        return angles
 
 
 @dataclass(frozen=True)
@@ -95,13 +95,13 @@ def read_request(path: Path) -> Requested:
     table = read_yaml(path, errors)
     if table is None:
         raise DeckErrors(errors)
-    found: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     try:
         card = Request.model_validate(table, context=Context(folder=path.parent))
     except ValidationError as error:
-        found += diagnostics_of(Request, error)
+        diagnostics += diagnostics_of(Request, error)
     start = Position(str(path), 1, 1)
-    for one in found:
+    for one in diagnostics:
         words = " ".join(str(step) for step in (one.path[:-1] if one.key else one.path))
         where = locate(start, table, one.path, one.key)
         errors.append(DeckError(*where, words, one.message, one.advice))

@@ -13,11 +13,11 @@ from crashsolve.photogrammetry.points import IMPROBABLE, Frame, Measured
 from crashsolve.photogrammetry.request import Requested, World
 
 
-def fitted(requested: Requested, chain: Chain, seen: Measured) -> list[Fit]:
+def fitted(requested: Requested, chain: Chain, measurements: Measured) -> list[Fit]:
     """One fit for each frame. Raises DeckErrors."""
     path = requested.card.frames
     fits: list[Fit] = []
-    for frame in seen.frames:
+    for frame in measurements.frames:
         for point in frame.points:
             if point.name not in chain.landmarks:
                 message = f"point '{point.name}' has no landmark in {requested.card.landmarks}"

@@ -22,19 +22,21 @@ from crashsolve.postures._chain import Link, Motion, in_order, link, next_body
 TYPED = 1e-5
 
 
-class Turned(Card):
+class JointAngle(Card):
     """A joint of the chain, its rotation from the zero posture, and the rate of that."""
 
     joint: JointName = word("joint between two bodies of the chain, with `frame` a body")
     angle: float | None = quantity(
         "rad", "angle of b about the joint's axis, right-handed", default=None
     )
-    rotation: Rotation | None = word("of b against a, in axes of a", default=None)
+    rotation: Rotation | None = word("rotation of b against a, in axes of a", default=None)
     rate: float | None = quantity("rad/s", "rate of the angle", default=None)
-    angular_velocity: Vec3 | None = quantity("rad/s", "of b against a, in axes of a", default=None)
+    angular_velocity: Vec3 | None = quantity(
+        "rad/s", "angular velocity of b against a, in axes of a", default=None
+    )
 
     @model_validator(mode="after")
-    def _one_of_each(self) -> "Turned":
+    def _one_of_each(self) -> "JointAngle":
         if self.angle is not None and self.rotation is not None:
             raise ValueError("give one of: angle, rotation")
         if self.rate is not None and self.angular_velocity is not None:
@@ -54,7 +56,9 @@ class Angles(Card):
         "angular velocity of the root, and of all joints without a rate",
         default=(0.0, 0.0, 0.0),
     )
-    joints: tuple[Turned, ...] = word("every joint of the chain; one without an angle is at zero")
+    joints: tuple[JointAngle, ...] = word(
+        "every joint of the chain; one without an angle is at zero"
+    )
 
 
 def build(card: Angles, scene: Scene) -> None:
@@ -91,7 +95,7 @@ def build(card: Angles, scene: Scene) -> None:
         scene.posed[node] = card.root
 
 
-def _card(turned: Turned, i: int, scene: Scene) -> Jointed:
+def _card(turned: JointAngle, i: int, scene: Scene) -> Jointed:
     """The card of a joint, which must move with its bodies."""
     card: Jointed = scene.joint_entry(turned.joint).card
     if getattr(card, "frame", "world") == "world":
@@ -103,7 +107,7 @@ def _card(turned: Turned, i: int, scene: Scene) -> Jointed:
     return card
 
 
-def _rotation(turned: Turned, one: Link, i: int, scene: Scene) -> tuple[np.ndarray, np.ndarray]:
+def _rotation(turned: JointAngle, one: Link, i: int, scene: Scene) -> tuple[np.ndarray, np.ndarray]:
     """Q (3, 3) and its angular velocity (3,) in axes of a.
 
     Writes: the angle that the joint has at the start.
@@ -133,7 +137,7 @@ def _rotation(turned: Turned, one: Link, i: int, scene: Scene) -> tuple[np.ndarr
 
 
 def _check_freedom(
-    turned: Turned, one: Link, Q: np.ndarray, w_Q: np.ndarray, where: str, scene: Scene
+    turned: JointAngle, one: Link, Q: np.ndarray, w_Q: np.ndarray, where: str, scene: Scene
 ) -> None:
     """Refuse what the joint does not allow: it would be mounted anew, turned, on one body."""
     joint = import_module(scene.joint_entry(turned.joint).module_name)

@@ -7,7 +7,7 @@ from crashsolve.model.contact.pairs import take_pairs
 from crashsolve.system.engine import Engine
 
 # [bytes] of a snapshot
-MOST_BYTES = 1 << 26
+MAX_BYTES = 1 << 26
 
 
 def changing(engine: Engine) -> dict[str, np.ndarray]:
@@ -28,10 +28,10 @@ def restore(engine: Engine, arrays: dict[str, np.ndarray]) -> None:
     Raises KeyError, ValueError, TypeError or IndexError for arrays of another model.
     """
     for name, array in _constant_arrays(engine).items():
-        found = _columns(arrays[name], array.dtype)
-        if found.shape != array.shape:
-            raise ValueError(f"{name} has the shape {found.shape}, not {array.shape}")
-        array[...] = found
+        columns = _columns(arrays[name], array.dtype)
+        if columns.shape != array.shape:
+            raise ValueError(f"{name} has the shape {columns.shape}, not {array.shape}")
+        array[...] = columns
     for group in _lists(engine):
         rows = _columns(arrays[f"pairs/{group.word}"], group.parameters.dtype).copy()
         history = _columns(arrays[f"history/{group.word}"], group.history.dtype).copy()
@@ -50,8 +50,8 @@ def _constant_arrays(engine: Engine) -> dict[str, np.ndarray]:
     arrays |= {f"history/{g.word}": g.history for g in model.groups}
     arrays |= {f"history/{c.word}": c.history for c in model.contact_groups if c.search is None}
     for c in _lists(engine):
-        seen = c.search.arrays() if c.search else {}
-        arrays |= {f"{name}/{c.word}": array for name, array in seen.items()}
+        tables = c.search.arrays() if c.search else {}
+        arrays |= {f"{name}/{c.word}": array for name, array in tables.items()}
     for c in model.contact_groups:
         if c.body_pairs is not None:
             arrays[f"body_pairs/{c.word}"] = c.body_pairs
@@ -158,4 +158,4 @@ def _bytes(array: np.ndarray) -> np.ndarray:
 
 def is_cheap(engine: Engine) -> bool:
     """Whether a model is small enough for a snapshot at every sample."""
-    return sum(array.nbytes for array in changing(engine).values()) < MOST_BYTES
+    return sum(array.nbytes for array in changing(engine).values()) < MAX_BYTES

@@ -78,10 +78,10 @@ def find_reaction(joint, nodes, rows):
 def reaction_along(joint, k, rows):
     """Component k of D^T lambda, over the rows of a joint."""
     # from 0: nothing is not -0
-    found = 0.0
+    reaction = 0.0
     for i in range(joint.first, joint.first + joint.rows):
-        found += rows[i].D[k] * rows[i].reaction
-    return found
+        reaction += rows[i].D[k] * rows[i].reaction
+    return reaction
 
 
 @kernel

@@ -134,13 +134,13 @@ class Histories:
 
         In memory a column stands in one piece, as in the history; the next sample overwrites it.
         """
-        found = self._kept.values()
-        self._moved = found[len(self._parts) :]
-        for part, values in zip(self._parts, found, strict=False):
+        blocks = self._kept.values()
+        self._moved = blocks[len(self._parts) :]
+        for part, values in zip(self._parts, blocks, strict=False):
             part.finish(values)
         return {
             part.family.name: values.transpose(1, 2, 0)
-            for part, values in zip(self._parts, found, strict=False)
+            for part, values in zip(self._parts, blocks, strict=False)
         }
 
     def _model(self) -> Part:
@@ -166,13 +166,13 @@ class Histories:
     def _columns_of_motion(self) -> list[Columns]:
         """Columns that the momenta of the model are made of."""
         e, elements = self.engine, self.engine.model.elements
-        found = [
+        columns = [
             Columns(1, sources_of(e.sample_clock, OF_CLOCK)),
             Columns(len(e.nodes) - 1, sources_of(e.nodes[1:], OF_NODES)),
         ]
         if elements is not None:
-            found.append(Columns(1, sources_of(elements.motion[:1], OF_ELEMENTS)))
-        return found
+            columns.append(Columns(1, sources_of(elements.motion[:1], OF_ELEMENTS)))
+        return columns
 
     def _finish_model(self, values: np.ndarray) -> None:
         """Writes: the columns of values (n_column, samples, 1) that are no copies."""
@@ -321,31 +321,31 @@ class Histories:
 
 def _joints(model: Model) -> np.ndarray:
     """Rows of gather.JOINT: every joint, its force and moment on body b."""
-    found = np.zeros(len(model.joints), gather.JOINT.dtype)
-    for row, joint in zip(found, model.joints, strict=True):
+    joints = np.zeros(len(model.joints), gather.JOINT.dtype)
+    for row, joint in zip(joints, model.joints, strict=True):
         row["node"], row["first"], row["rows"] = joint.node_b, joint.first_row, joint.rows
         row["point"] = joint.frame.get("point_b", 0.0)
-    return found
+    return joints
 
 
 def _origins(model: Model) -> np.ndarray:
     """Rows of gather.ORIGIN: every body, where any has its origin beside its mass centre."""
     count = len(model.bodies)
     arms = model.mass_centres[1:count]
-    found = np.zeros(count - 1 if np.any(arms) else 0, gather.ORIGIN.dtype)
-    if len(found):
-        found["node"], found["arm"] = np.arange(1, count), arms
-    return found
+    origins = np.zeros(count - 1 if np.any(arms) else 0, gather.ORIGIN.dtype)
+    if len(origins):
+        origins["node"], origins["arm"] = np.arange(1, count), arms
+    return origins
 
 
 def _named(columns: Columns, names: Sequence[str], values: np.ndarray) -> dict[str, np.ndarray]:
     """Numbers and vectors at samples, by name, of values (n_column, samples, ...)."""
-    found, at = {}, 0
+    named, at = {}, 0
     for name, source in zip(names, columns.sources, strict=True):
         own = values[at : at + source.width]
-        found[name] = own[0] if source.width == 1 else np.moveaxis(own, 0, -1)
+        named[name] = own[0] if source.width == 1 else np.moveaxis(own, 0, -1)
         at += source.width
-    return found
+    return named
 
 
 def _columns(record: Record) -> list[Column]:

@@ -119,10 +119,10 @@ class Block:
         """Values (n_column, samples, n) taken since the last call; later samples overwrite them."""
         count = self.count
         self._block["count"] = 0
-        found = [values[:, :count] for values in self._values]
-        for own, values in zip(self._every, found, strict=True):
+        blocks = [values[:, :count] for values in self._values]
+        for own, values in zip(self._every, blocks, strict=True):
             _convert(own.sources, values)
-        return found
+        return blocks
 
 
 def sources_of(table: np.ndarray, names: Iterable[str]) -> list[Source | Later]:
@@ -132,7 +132,7 @@ def sources_of(table: np.ndarray, names: Iterable[str]) -> list[Source | Later]:
 
 def _pieces(sources: list[Source | Later], values: np.ndarray) -> list[tuple[int, ...]]:
     """Rows of PIECE that fill values (n_column, capacity, n) from their sources."""
-    found, at = [], 0
+    copies, at = [], 0
     column, advance, _ = values.strides
     for source in sources:
         if isinstance(source, Source) and values.size:
@@ -143,14 +143,14 @@ def _pieces(sources: list[Source | Later], values: np.ndarray) -> list[tuple[int
             to = (column, advance)
             shape = (stride, source.half, source.width)
             if source.rows is None:
-                found.append((target, *to, first, *shape, len(numbers)))
+                copies.append((target, *to, first, *shape, len(numbers)))
             else:
-                found += [
+                copies += [
                     (target + 8 * j, *to, first + row * stride, *shape, 1)
                     for j, row in enumerate(source.rows)
                 ]
         at += source.width
-    return found
+    return copies
 
 
 def _address(array: np.ndarray) -> int:

@@ -19,7 +19,7 @@ from crashsolve.model.clock import REACHED, STOPS_AT_SAMPLE
 from crashsolve.model.contact.body_pairs import BODY_PAIR
 from crashsolve.model.ledger import LARGEST, is_spurious_energy
 from crashsolve.recording.gather import add_sample
-from crashsolve.system.engine import FIRST_JUDGED
+from crashsolve.system.engine import FIRST_CHECKED
 
 SHOWN_SHARE, MISSING_SHARE = 0.9, 0.1
 # why `march` returned: all samples are done; the step returned; the last interval hides a contact;
@@ -51,8 +51,8 @@ WATCH = Record("""
     watches   flag   whether intervals are watched
     time      s      begin of the interval
     cycle     count  steps by then
-    is_asked  flag   whether this interval has been looked at
-    hides     flag   what was found
+    examined  flag   whether this interval has been examined
+    hides     flag   whether its ends show too little of a contact
 """)
 # of every contact card, as the interval began
 MARK = Record("""
@@ -184,10 +184,10 @@ def sample(until, job, clock, scene):
     call_step(job.step, until, True, job.of_sample)
     sampled, ledger = scene.sample_clock[0], scene.sample_ledger
     clock.sampled = sampled.time
-    for trouble in STOPS_AT_SAMPLE:
-        if sampled.status == trouble:
+    for status in STOPS_AT_SAMPLE:
+        if sampled.status == status:
             return False
-    if sampled.cycle >= FIRST_JUDGED and is_spurious_energy(ledger, job.limit):
+    if sampled.cycle >= FIRST_CHECKED and is_spurious_energy(ledger, job.limit):
         return False
     if has_passed(scene.passed, job.passed, clock.current):
         return False
@@ -213,9 +213,9 @@ def has_passed(passed, rows, current):
 def hides_contact(clock, scene):
     """Whether the ends of the interval show too little of any contact. Writes: watch, marks."""
     watch = scene.watch[0]
-    if watch.is_asked or not watch.watches:
+    if watch.examined or not watch.watches:
         return watch.hides
-    watch.is_asked, watch.hides = 1, 0
+    watch.examined, watch.hides = 1, 0
     # of one step both ends are samples
     if clock.cycle - watch.cycle < 2:
         return 0
@@ -225,9 +225,9 @@ def hides_contact(clock, scene):
         size, missing = 0.0, 0.0
         for k in range(3):
             change = history.impulse[k] - mark.impulse[k]
-            seen = half * (mark.force[k] + card.force[k])
+            average = half * (mark.force[k] + card.force[k])
             size += change * change
-            missing += (change - seen) * (change - seen)
+            missing += (change - average) * (change - average)
         known = mark.borne
         mark.borne += sqrt(size)
         shown = max(mark.normal, card.normal)
@@ -242,7 +242,7 @@ def hides_contact(clock, scene):
 def begin_interval(clock, scene):
     """Writes: watch, marks, the snapshot."""
     watch = scene.watch[0]
-    watch.is_asked, watch.hides = 0, 0
+    watch.examined, watch.hides = 0, 0
     if not watch.watches:
         return
     # the pause depends on the speed of the machine, and must not enter a dump

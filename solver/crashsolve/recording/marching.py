@@ -30,8 +30,8 @@ if TYPE_CHECKING:
     from crashsolve.recording.changing import Snapshot
 
 ENTRIES = ("march", "take", "check_interval", "start_interval", "finish_interval")
-# samples of one block at most
-MOST = 256
+# samples of one block
+MAX_BLOCK_SAMPLES = 256
 Pieces = Iterable[tuple[np.ndarray, np.ndarray]]
 
 
@@ -55,7 +55,7 @@ class March:
         self.watch.watches = snapshot is not None
         self.marks = np.zeros(len(state.cards), march.MARK.dtype)
         self.phase = np.zeros(1, march.PHASE.dtype)
-        self._times = np.zeros(MOST)
+        self._times = np.zeros(MAX_BLOCK_SAMPLES)
         self._both = np.zeros(2, BODY_PAIR.dtype)
         self.job.both = self._both.ctypes.data
         # one engine of exactly this kind: others do more between samples
@@ -101,7 +101,7 @@ class March:
         Also the status with which the step returned before a sample, None where it did not. It must
         be handled after the samples that are done are recorded: a dump may follow.
         """
-        begun, count = clock.process_time(), min(len(times), self.kept.room, MOST)
+        begun, count = clock.process_time(), min(len(times), self.kept.room, MAX_BLOCK_SAMPLES)
         self._renew()
         self._times[:count] = times[:count]
         self.job.most, self.job.total = count, 0
@@ -161,8 +161,8 @@ class March:
         if runs_plain():
             self._entries = {name: getattr(march, name) for name in ENTRIES}
             return
-        found = machine_codes(Path(march.__file__), ENTRIES, self._tables)
-        self._entries = dict(zip(ENTRIES, found, strict=True))
+        codes = machine_codes(Path(march.__file__), ENTRIES, self._tables)
+        self._entries = dict(zip(ENTRIES, codes, strict=True))
 
     def _copies_of_snapshot(self) -> tuple[Pieces, np.ndarray]:
         """Copies to make of a snapshot, and rows of SKIPPING for what is copied if it changes."""
@@ -193,15 +193,15 @@ def _skipping(group: ContactGroup, kept: dict[str, np.ndarray]) -> tuple[int, ..
 
 def _table(pieces: Pieces) -> np.ndarray:
     """Rows of COPY, of arrays in one piece."""
-    found = [(target.ctypes.data, source.ctypes.data, source.nbytes) for source, target in pieces]
-    return np.array(found, march.COPY.dtype)
+    copies = [(target.ctypes.data, source.ctypes.data, source.nbytes) for source, target in pieces]
+    return np.array(copies, march.COPY.dtype)
 
 
 def _passed(model: Model) -> np.ndarray:
     """Rows of PASSED: times at which pairs passed, of every group that notes them."""
-    found = []
+    passed = []
     for group in model.contact_groups:
         if "pass_time" in (group.history.dtype.names or ()) and group.history.shape[1]:
             column, (half, stride) = group.history["pass_time"], group.history.strides
-            found.append((column.ctypes.data, stride, group.history.shape[1], half))
-    return np.array(found, march.PASSED.dtype)
+            passed.append((column.ctypes.data, stride, group.history.shape[1], half))
+    return np.array(passed, march.PASSED.dtype)

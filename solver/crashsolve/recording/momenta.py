@@ -58,8 +58,8 @@ def _moments(nodes: Named[np.ndarray]) -> list[np.ndarray]:
 
 def _dot(u: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Products (k,) of rows."""
-    found: np.ndarray = np.matmul(u[:, None, :], v[:, :, None])[:, 0, 0]
-    return found
+    products: np.ndarray = np.matmul(u[:, None, :], v[:, :, None])[:, 0, 0]
+    return products
 
 
 def _lengths(u: np.ndarray) -> np.ndarray:
@@ -68,5 +68,5 @@ def _lengths(u: np.ndarray) -> np.ndarray:
 
 
 def _share(error: np.ndarray, scale: np.ndarray) -> np.ndarray:
-    found = np.zeros(len(scale))
-    return np.divide(np.sqrt(_dot(error, error)), scale, out=found, where=scale > 0.0)
+    shares = np.zeros(len(scale))
+    return np.divide(np.sqrt(_dot(error, error)), scale, out=shares, where=scale > 0.0)

@@ -210,12 +210,12 @@ class PhasedEngine(Engine):
     @contextmanager
     def _external_change(self) -> Iterator[list[float]]:
         """Book a change of velocities as external energy and impulse; yields the energy."""
-        found = [0.0]
+        change = [0.0]
         before = self._energy_and_momenta()
-        yield found
+        yield change
         after = self._energy_and_momenta()
-        found[0] = after[0] - before[0]
-        self.clock.driver_work += found[0]
+        change[0] = after[0] - before[0]
+        self.clock.driver_work += change[0]
         self.clock.impulse[:] += after[1] - before[1]
         self.clock.angular_impulse[:] += after[2] - before[2]
         # forces of dampers change, and stages restart

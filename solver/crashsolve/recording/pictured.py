@@ -31,8 +31,8 @@ def _problems_of(scene: Scene, deck: Deck, model: Model) -> Iterator[tuple[str, 
         yield from _unknown("follow", scene.follow, whole, "bodies and parts", has_globs=False)
     name = scene.close_up.partition(":")[0].strip()
     if name:
-        seen = [*model.contacts, *whole]
-        yield from _unknown("close_up", name, seen, "contacts, bodies and parts", has_globs=False)
+        known = [*model.contacts, *whole]
+        yield from _unknown("close_up", name, known, "contacts, bodies and parts", has_globs=False)
     family, _, card = scene.arrows.partition(".")
     if family == "rcforc" and card:
         yield from _unknown("arrows", card, model.contacts, "contacts")

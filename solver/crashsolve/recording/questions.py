@@ -30,7 +30,7 @@ TRIAL_SAMPLES = 256
 
 def look_up(deck: Deck, families: Sequence[Family]) -> dict[str, list[Channel]]:
     """The channels of every expression of expect and watch. Raises DeckErrors."""
-    found: dict[str, list[Channel]] = {}
+    channels_of: dict[str, list[Channel]] = {}
     diagnostics, interval = [], Schedule.of(deck).interval
     sections: list[tuple[str, Sequence[Expect | Watch], list[Position]]] = [
         ("expect", deck.expect, deck.expect_at),
@@ -38,7 +38,7 @@ def look_up(deck: Deck, families: Sequence[Family]) -> dict[str, list[Channel]]:
     ]
     for keyword, cards, locations in sections:
         for number, (card, location) in enumerate(zip(cards, locations, strict=True), 1):
-            for problem in _problems_of(card, families, found, deck):
+            for problem in _problems_of(card, families, channels_of, deck):
                 diagnostics.append(DeckError(*location, f"{keyword} {number}", problem))
     for where, expression in _of_report(deck):
         try:
@@ -51,7 +51,7 @@ def look_up(deck: Deck, families: Sequence[Family]) -> dict[str, list[Channel]]:
             )
     if diagnostics:
         raise DeckErrors(diagnostics)
-    return found
+    return channels_of
 
 
 def _of_report(deck: Deck) -> Iterator[tuple[str, str]]:
@@ -82,14 +82,16 @@ def _fits_some(pattern: str, families: Sequence[Family]) -> bool:
 def _problems_of(
     card: Expect | Watch,
     families: Sequence[Family],
-    found: dict[str, list[Channel]],
+    channels_of: dict[str, list[Channel]],
     deck: Deck,
 ) -> Iterator[str]:
-    """Errors of a card, by its fields; adds its channels to `found`."""
+    """Errors of a card, by its fields; adds its channels to `channels_of`."""
     start = deck.control.start_time
     try:
-        found[card.channel] = find(card.channel, families)
-        tried = _evaluate_on_trial(card.channel, found[card.channel], Schedule.of(deck).interval)
+        channels_of[card.channel] = find(card.channel, families)
+        tried = _evaluate_on_trial(
+            card.channel, channels_of[card.channel], Schedule.of(deck).interval
+        )
         if tried is not None and isinstance(card, Expect) and card.unit:
             unit = unit_of(card.statistic, tried.unit)
             if not is_convertible(card.unit, unit):

@@ -115,13 +115,13 @@ def find(expression: str, families: Sequence[Family]) -> list[Channel]:
     whole = _channel(expression.strip(), families)
     if whole is not None:
         return [whole]
-    found = []
+    channels = []
     for name in channels_in(expression):
         channel = _channel(name, families)
         if channel is None:
             raise ValueError(_unknown(name, families))
-        found.append(channel)
-    return found
+        channels.append(channel)
+    return channels
 
 
 def gather(

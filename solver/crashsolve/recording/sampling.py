@@ -106,11 +106,11 @@ def _ends_of_phases(deck: Deck) -> set[float]:
 
 def _requested(deck: Deck) -> set[float]:
     """Moments [s] named by the cards expect and watch."""
-    found: set[float] = set()
+    moments: set[float] = set()
     cards: list[Expect | Watch] = [*deck.expect, *deck.watch]
     for card in cards:
         moment = None if card.statistic == PATH else requested_moment(card.statistic)
         if moment is not None:
-            found.add(moment)
-        found |= set(card.during or ())
-    return found
+            moments.add(moment)
+        moments |= set(card.during or ())
+    return moments

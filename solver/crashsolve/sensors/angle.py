@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, word
-from crashsolve.foundation.angles import FULL_TURN, angle_about, angle_rate, counted
+from crashsolve.foundation.angles import ROTATION_ABOUT_AXIS, angle_about, angle_rate, counted
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 
@@ -31,7 +31,7 @@ class Angle(Card):
 
 
 COUNTS_ROTATIONS = True
-PARAMETERS = FULL_TURN
+PARAMETERS = ROTATION_ABOUT_AXIS
 HISTORY = Record("angle  rad  counted rotation")
 OUTPUT = Record("""
     angle  rad    rotation of b from the start
@@ -40,7 +40,7 @@ OUTPUT = Record("""
 
 
 def build(card: Angle, scene: Scene) -> Columns:
-    return dict(scene.turning(card))
+    return dict(scene.rotation_about_axis(card))
 
 
 @kernel

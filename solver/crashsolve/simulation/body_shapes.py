@@ -100,8 +100,8 @@ def outline(entry: Entry) -> np.ndarray:
     """Outer edge (n, 2) of a section; a rectangle of the same radii of gyration without one."""
     law = import_module(entry.module_name)
     if hasattr(law, "outline"):
-        found: np.ndarray = law.outline(entry.card)
-        return found
+        points: np.ndarray = law.outline(entry.card)
+        return points
     # neither depends on Poisson's ratio
     numbers = law.build(entry.card, 0.0)
     I_y, I_z = numbers["second"]
@@ -135,16 +135,16 @@ def _acting_points(group: Group) -> list[tuple[int, np.ndarray]]:
     family = families()[group.keyword]
     if not family.has_rows and family.picture != LINE:
         return []
-    names, found = group.parameters.dtype.names or (), []
+    names, acting_points = group.parameters.dtype.names or (), []
     if group.joins_several and "count" in names:
         for row in group.parameters:
             points = row["point"].reshape(-1, 3)[: row["count"]]
-            found += list(zip(map(int, row["node"]), points, strict=False))
+            acting_points += list(zip(map(int, row["node"]), points, strict=False))
     for side in "ab":
         if {f"node_{side}", f"point_{side}"} <= set(names):
             for row in group.parameters:
-                found.append((int(row[f"node_{side}"]), np.array(row[f"point_{side}"])))
-    return found
+                acting_points.append((int(row[f"node_{side}"]), np.array(row[f"point_{side}"])))
+    return acting_points
 
 
 def planes(model: Model, pieces: list[Piece], nodes: np.ndarray, others: np.ndarray) -> list[Piece]:
@@ -152,7 +152,7 @@ def planes(model: Model, pieces: list[Piece], nodes: np.ndarray, others: np.ndar
 
     `others` are points (n, 3) of all that is drawn besides bodies, `nodes` those at the start.
     """
-    found: list[Piece] = []
+    cut_planes: list[Piece] = []
     for surface in model.surfaces.values():
         if surface.entry.type != "plane":
             continue
@@ -164,8 +164,8 @@ def planes(model: Model, pieces: list[Piece], nodes: np.ndarray, others: np.ndar
             else:
                 r, A = nodes["r"][node], nodes["A"][node].reshape(3, 3)
                 near = (np.concatenate([in_world(pieces, nodes), others]) - r) @ A
-            found.append((node, *_cut_plane(element, near, model.size)))
-    return found
+            cut_planes.append((node, *_cut_plane(element, near, model.size)))
+    return cut_planes
 
 
 def in_world(pieces: list[Piece], nodes: np.ndarray) -> np.ndarray:

@@ -27,7 +27,7 @@ class ContactPoints:
         self._nodal = [(g, min(g.slot_in_use.size, MAX_NODES)) for g in model.nodal_groups]
         self.count = sum(positions for _, positions in [*self._pairs, *self._nodal])
 
-    def found(self) -> Points:
+    def points(self) -> Points:
         """Points at which contacts act in the present sample, with forces on side a and cards."""
         points = [self._of_pairs(g, positions) for g, positions in self._pairs]
         points += [self._of_nodes(g, positions) for g, positions in self._nodal]
@@ -52,8 +52,8 @@ class ContactPoints:
 
     def _homes(self, g: ContactGroup, pairs: np.ndarray) -> np.ndarray:
         """Mass centres (n, 3) of the bodies of side a of some pairs [m]."""
-        found: np.ndarray = self.engine.nodes["r"][g.elements_a["node"][pairs["a"]]]
-        return found
+        homes: np.ndarray = self.engine.nodes["r"][g.elements_a["node"][pairs["a"]]]
+        return homes
 
     def _of_nodes(self, g: NodalGroup, positions: int) -> Points:
         """Points of shell nodes, or of balls on the faces of shells."""
@@ -80,8 +80,8 @@ class ContactPoints:
         """Positions (k, 3) of probes: points of shells, or points of bodies."""
         probes = (g.balls if g.is_round else g.probes)[chosen]
         if not len(probes) or probes["point"][0] >= 0:
-            found: np.ndarray = self.engine.state.points["r"][probes["point"]]
-            return found
+            centres: np.ndarray = self.engine.state.points["r"][probes["point"]]
+            return centres
         body = self.engine.nodes[probes["node"]]
         rotated = np.einsum("nij,nj->ni", body["A"].reshape(-1, 3, 3), probes["at"])
         return np.asarray(body["r"] + rotated)

@@ -136,17 +136,17 @@ class EventStates:
             for name in PLASTIC_OUTPUT
             if name in (group.output.dtype.names or ())
         )
-        found = {YIELD: float(yielded) + float(self.engine.ledger[PLASTIC] > 0.0)}
+        quantities = {YIELD: float(yielded) + float(self.engine.ledger[PLASTIC] > 0.0)}
         if len(self.engine.model.contacts):
             touched = float(np.count_nonzero(cards["onsets"]))
-            found |= {TOUCH: touched, FORCE: float(cards["peak_normal"].max())}
-        return found
+            quantities |= {TOUCH: touched, FORCE: float(cards["peak_normal"].max())}
+        return quantities
 
     def _times(self, history: Path) -> dict[str, float]:
         """The sample [s] of every event: that of its largest value, or the first that has grown."""
         import h5py
 
-        found = {}
+        times = {}
         with h5py.File(history, "r") as file:
             for name, (_, started, end) in self._events.items():
                 time = file["glstat/time"][:]
@@ -154,8 +154,8 @@ class EventStates:
                 values = _history(file, name, rows)
                 at = int(np.argmax(values if name == FORCE else values > values[0]))
                 if at:
-                    found[name] = float(time[rows][at])
-        return found
+                    times[name] = float(time[rows][at])
+        return times
 
 
 def _stop(is_requested: Callable[[], bool]) -> Callable[[], None]:
@@ -176,8 +176,8 @@ def _history(file: h5py.File, name: str, rows: slice) -> np.ndarray:
         largest: np.ndarray = file["rcforc/normal"][rows].max(axis=1)
         return largest
     names = [f"{family}/{path}" for family in file for path in PLASTIC_OUTPUT]
-    found = [file[path] for path in ("glstat/energy/plastic", *names) if path in file]
+    items = [file[path] for path in ("glstat/energy/plastic", *names) if path in file]
     # of a vector, a group of its components
-    sets = [part for one in found for part in (one.values() if hasattr(one, "values") else [one])]
+    sets = [part for one in items for part in (one.values() if hasattr(one, "values") else [one])]
     columns = [part[rows] for part in sets]
     return np.count_nonzero(np.column_stack(columns), axis=1)

@@ -9,7 +9,7 @@ import numpy as np
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.output.states import StateWriter
 from crashsolve.recording.histories import Histories
-from crashsolve.recording.marching import MOST
+from crashsolve.recording.marching import MAX_BLOCK_SAMPLES
 from crashsolve.recording.recorder import Recorder
 from crashsolve.recording.resampling import Resampling
 from crashsolve.recording.sampling import Schedule
@@ -133,7 +133,7 @@ def _after(run: Run, now: float) -> None:
 
 def _times_ahead(run: Run, k: int) -> np.ndarray:
     """Times [s] of the samples after sample k, up to the first at which more is due."""
-    times = run.schedule.times(k + 1, MOST)
+    times = run.schedule.times(k + 1, MAX_BLOCK_SAMPLES)
     started = run.deck.control.start_time
     all_times = np.concatenate([[run.sampled], times]) - started
     is_due = times >= run.schedule.end

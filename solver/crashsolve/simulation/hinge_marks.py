@@ -53,20 +53,20 @@ class HingeMarks:
         if not len(self.start):
             return {}
         moved = np.repeat(self._positions(nodes) - self.start, len(self.ball), axis=0)
-        found = {"displacement": moved}
+        fields_of_marks = {"displacement": moved}
         for name in self.specs:
             values = np.concatenate([_yielded(g, name) for g in self.groups])
-            found[name] = np.repeat(values, len(self.triangles))
-        return {NAME: found}
+            fields_of_marks[name] = np.repeat(values, len(self.triangles))
+        return {NAME: fields_of_marks}
 
     def _positions(self, nodes: np.ndarray) -> np.ndarray:
         """Joint points (n, 3), in the bodies that carry the axes."""
-        found = [np.empty((0, 3))]
+        positions = [np.empty((0, 3))]
         for g in self.groups:
             body = nodes[g.parameters["node_a"]]
             A = body["A"].reshape(-1, 3, 3)
-            found.append(body["r"] + np.einsum("nij,nj->ni", A, g.parameters["point_a"]))
-        return np.concatenate(found)
+            positions.append(body["r"] + np.einsum("nij,nj->ni", A, g.parameters["point_a"]))
+        return np.concatenate(positions)
 
 
 def _ends(group: Group) -> tuple[np.ndarray, np.ndarray]:
@@ -78,5 +78,5 @@ def _yielded(group: Group, name: str) -> np.ndarray:
     if name not in (group.output.dtype.names or ()):
         return np.zeros(len(group.names))
     values = group.output[name]
-    found: np.ndarray = np.linalg.norm(values, axis=1) if values.ndim == 2 else values
-    return found
+    norms: np.ndarray = np.linalg.norm(values, axis=1) if values.ndim == 2 else values
+    return norms

@@ -16,12 +16,12 @@ ONTO = 1e-9
 
 def refuse_inconsistencies(deck: Deck, engine: Engine) -> None:
     """Raises DeckErrors, each at the card of the joint or contact."""
-    found = [
+    errors = [
         deck.error(card, None, text, advice)
         for card, text, advice in _inconsistencies(deck, engine)
     ]
-    if found:
-        raise DeckErrors(found)
+    if errors:
+        raise DeckErrors(errors)
 
 
 def _inconsistencies(deck: Deck, engine: Engine) -> Iterator[tuple[Entry, str, str]]:
@@ -40,7 +40,7 @@ def overlaps(engine: Engine) -> list[tuple[str, str]]:
     Sides are solid: a ball in a hollow one, or on its very middle, is not meant.
     """
     model = engine.model
-    current, found = int(engine.clock["current"]), {}
+    current, messages = int(engine.clock["current"]), {}
     for group in model.contact_groups:
         depth, thick = group.history["depth"][current], group.parameters["thick"]
         # a constraint has no depth: its surfaces begin apart, or touching
@@ -53,12 +53,12 @@ def overlaps(engine: Engine) -> list[tuple[str, str]]:
                 "to the middle of the other"
             )
             card = model.contacts[group.parameters["card"][i]]
-            found[card] = f"begins {depth[i]:.3g} m deep, {why}"
+            messages[card] = f"begins {depth[i]:.3g} m deep, {why}"
     for nodal in model.nodal_groups:
         depth = nodal.arrays["totals"]["depth"][0]
         if nodal.narrow is None and depth > ONTO * model.size:
-            found[nodal.card] = (
+            messages[nodal.card] = (
                 f"begins {depth:.3g} m deep: nodes are nearer to faces than their common "
                 "thickness; move them apart, or set `ring` if they are neighbours in the mesh"
             )
-    return list(found.items())
+    return list(messages.items())

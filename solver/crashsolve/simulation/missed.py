@@ -46,9 +46,9 @@ class Missed:
 
 def missed_contacts(engine: Engine, history: Path) -> list[Missed]:
     """Contacts whose largest normal force no sample shows, by the history of a finished run."""
-    model, found = engine.model, list[Missed]()
+    model, missed = engine.model, list[Missed]()
     if not model.contacts:
-        return found
+        return missed
     import h5py
 
     saved = engine.state.card_history[int(engine.clock["current"])]
@@ -58,28 +58,28 @@ def missed_contacts(engine: Engine, history: Path) -> list[Missed]:
     shown = np.nanmax(shown, axis=0, initial=0.0)
     bodies = _bodies(model)
     for k, name in enumerate(model.contacts):
-        peak, seen = float(saved["peak_normal"][k]), float(shown[names.index(name)])
-        if seen < SHOWN * peak:
-            found.append(
+        peak, sampled = float(saved["peak_normal"][k]), float(shown[names.index(name)])
+        if sampled < SHOWN * peak:
+            missed.append(
                 Missed(
                     name,
                     peak,
-                    seen,
+                    sampled,
                     saved["impulse"][k].copy(),
                     float(saved["duration"][k]),
                     int(saved["touches"][k]),
                     bodies.get(name, frozenset()),
                 )
             )
-    return found
+    return missed
 
 
 def _bodies(model: Model) -> dict[str, frozenset[str]]:
     """Bodies that each contact card may touch."""
-    found: dict[str, set[str]] = {}
+    bodies_of: dict[str, set[str]] = {}
     for group in model.contact_groups:
         p = group.parameters
         for elements, side in ((group.elements_a, p["a"]), (group.elements_b, p["b"])):
             for card, node in zip(p["card"], elements["node"][side], strict=True):
-                found.setdefault(model.contacts[int(card)], set()).add(model.bodies[int(node)])
-    return {name: frozenset(some - {"ground"}) for name, some in found.items()}
+                bodies_of.setdefault(model.contacts[int(card)], set()).add(model.bodies[int(node)])
+    return {name: frozenset(some - {"ground"}) for name, some in bodies_of.items()}

@@ -108,11 +108,11 @@ class Pictures:
             "ground": [piece for piece in shapes if not piece[0]],
             "links": links,
         }
-        return {name: found for name, found in pieces.items() if found}
+        return {name: parts for name, parts in pieces.items() if parts}
 
     def _line_groups(self) -> dict[str, list[Group]]:
         """Groups that are lines from point to point, by the section of their family."""
-        found: dict[str, list[Group]] = {}
+        groups_of: dict[str, list[Group]] = {}
         for g in self.engine.model.groups:
             if (
                 families()[g.keyword].picture == LINE
@@ -122,8 +122,8 @@ class Pictures:
                 and "force" in (g.output.dtype.names or ())
                 and g.output["force"].ndim == 1
             ) or families()[g.keyword].picture == ROUTE:
-                found.setdefault(g.keyword, []).append(g)
-        return found
+                groups_of.setdefault(g.keyword, []).append(g)
+        return groups_of
 
     def _blocks(self) -> tuple[Block, ...]:
         blocks = []
@@ -188,16 +188,16 @@ class Pictures:
             moved = np.empty(block.points.shape, np.float32)
             np.subtract(points["r"], block.points, out=moved, casting="same_kind")
             motion = {"displacement": moved, "velocity": points["v"].astype(np.float32)}
-            found = self._meshed(name).all_fields(self.engine.state.blocks, row)
-            fields[block.name] = motion | _split_values(found)
+            values = self._meshed(name).all_fields(self.engine.state.blocks, row)
+            fields[block.name] = motion | _split_values(values)
             if self._meshed(name).can_fail:
-                fields[block.name][GHOST] = DELETED * (found["thickness"] == 0.0)
+                fields[block.name][GHOST] = DELETED * (values["thickness"] == 0.0)
         if self._contact_points.count:
             fields["contacts"] = self._contact_fields()
         return fields | self._marks.fields(nodes)
 
     def _meshed(self, name: str) -> DiscretisedShell:
-        """A part with points as it was laid."""
+        """A part with points as it was made."""
         assert self.engine.model.elements is not None
         return self.engine.model.elements.parts[name]
 
@@ -206,8 +206,8 @@ class Pictures:
         meshed, points = self._meshed(name), self.engine.state.points
         if meshed.mesh.own is None:
             return points[meshed.first : meshed.first + len(meshed.used)]
-        found: np.ndarray = points[meshed.first + meshed.used]
-        return found
+        positions: np.ndarray = points[meshed.first + meshed.used]
+        return positions
 
     def _block(self, name: str) -> Block:
         return next(block for block in self.blocks if block.name == name)
@@ -279,32 +279,32 @@ class Pictures:
 
     def _contact_fields(self) -> dict[str, np.ndarray]:
         """Contact points with their forces; pairs that are apart are hidden."""
-        points, forces, cards = self._contact_points.found()
+        points, forces, cards = self._contact_points.points()
         hidden = DELETED * ~np.any(forces, axis=1)
         return {"points": points, "force": forces, "contact": cards, GHOST: hidden}
 
 
 def _spans(g: Group, current: int) -> list[np.ndarray]:
     """Both ends of every segment of the routes of a group, and of the parts on surfaces."""
-    found = []
-    for row, laid in zip(g.parameters, g.history[current], strict=True):
+    segments = []
+    for row, route in zip(g.parameters, g.history[current], strict=True):
         n = int(row["segments"])
-        leave, arrive = (laid[name].reshape(-1, 3) for name in ("leave", "arrive"))
-        found.append(np.stack([leave[:n], arrive[1 : n + 1]], axis=1).reshape(-1, 3))
-        found.append(np.stack([arrive[1:n], leave[1:n]], axis=1).reshape(-1, 3))
-    return found
+        leave, arrive = (route[name].reshape(-1, 3) for name in ("leave", "arrive"))
+        segments.append(np.stack([leave[:n], arrive[1 : n + 1]], axis=1).reshape(-1, 3))
+        segments.append(np.stack([arrive[1:n], leave[1:n]], axis=1).reshape(-1, 3))
+    return segments
 
 
 def _through(g: Group, nodes: np.ndarray) -> list[np.ndarray]:
     """Both ends of every span of the lines of a group, from point to point."""
-    found = []
+    segments = []
     for row in g.parameters:
         n = int(row["count"])
         bodies, points = nodes[row["node"][:n]], row["point"].reshape(-1, 3)[:n]
         A = bodies["A"].reshape(-1, 3, 3)
         x = bodies["r"] + np.einsum("nij,nj->ni", A, points)
-        found.append(np.stack([x[:-1], x[1:]], axis=1).reshape(-1, 3))
-    return found
+        segments.append(np.stack([x[:-1], x[1:]], axis=1).reshape(-1, 3))
+    return segments
 
 
 def _tension(g: Group) -> np.ndarray:
@@ -314,11 +314,11 @@ def _tension(g: Group) -> np.ndarray:
         return np.repeat(force, g.parameters["count"] - 1)
     if force.ndim == 1:
         return np.asarray(force)
-    found = []
+    tensions = []
     for row, T in zip(g.parameters, force, strict=True):
         n = int(row["segments"])
-        found += [T[:n], 0.5 * (T[: n - 1] + T[1:n])]
-    return np.concatenate(found)
+        tensions += [T[:n], 0.5 * (T[: n - 1] + T[1:n])]
+    return np.concatenate(tensions)
 
 
 def _specs_of(fields: dict[str, tuple[str, int]]) -> tuple[FieldSpec, ...]:
@@ -335,11 +335,11 @@ def _split(field: str, components: int) -> tuple[str, ...]:
     return (field,) if components == 1 else tuple(f"{field}_{word}" for word in TENSOR)
 
 
-def _split_values(found: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+def _split_values(fields: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Components (m, 3) of the values of a tensor; the values themselves of other fields."""
     return {
         whole: values if values.ndim == 1 else values[:, k]
-        for field, values in found.items()
+        for field, values in fields.items()
         for k, whole in enumerate(_split(field, 1 if values.ndim == 1 else len(TENSOR)))
     }
 

@@ -209,18 +209,18 @@ class Account:
 
     def _results(self) -> Json:
         """Steps, constraints, CPU time and watched channels so far, as status.json has them."""
-        clock, found = self.engine.clock, Json()
+        clock, results = self.engine.clock, Json()
         if self.phases is not None and self.phases.cycles():
-            found |= {
+            results |= {
                 "average_step": self.phases.averages(),
                 "real_time_factor": self.cpu_seconds() / self.phases.simulated(),
             }
         if self.estimating is not None:
             self.cpu["estimates"] = self.estimating.cpu
-            found["watched"] = self.estimating.entries()
+            results["watched"] = self.estimating.entries()
         self.close_stages()
         return (
-            found
+            results
             | self.remarks
             | {
                 "rejected": int(clock["rejected"]),

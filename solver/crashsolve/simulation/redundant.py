@@ -28,12 +28,12 @@ def undetermined(engine: Engine) -> list[str]:
         # a run that has stopped with numbers beyond all bounds
         return []
     null = null_space(D.reshape(len(D), -1).T)
-    found, first = [], 0
+    names, first = [], 0
     for joint in model.joints:
         if np.abs(null[first : first + joint.rows]).max(initial=0.0) > NOTHING:
-            found.append(joint.name)
+            names.append(joint.name)
         first += joint.rows
-    return found
+    return names
 
 
 def arbitrary_reactions(joints: list[str], deck: Deck) -> list[str]:

@@ -113,11 +113,11 @@ def deep_points(engine: Engine) -> list[str]:
 
 def range_warnings(engine: Engine) -> list[str]:
     """Warnings of laws outside their range of validity."""
-    found = (
+    checks = (
         *(read_beyond, deep_round_contacts, hourglass_share, crushed_hinges, compressed, crushed),
         shells_through_themselves,
     )
-    return [text for of in found for text in of(engine)]
+    return [text for of in checks for text in of(engine)]
 
 
 def remarks(engine: Engine, extremes: Extremes, history: Path) -> Json:
@@ -138,7 +138,7 @@ def contacts_below_speed_floor(engine: Engine) -> list[str]:
 
 def read_beyond(engine: Engine) -> list[str]:
     """Curves of displacement or rotation that were read beyond their last point, and how far."""
-    model, found = engine.model, []
+    model, curves_beyond = engine.model, []
     of_time = curves_of_time(model)
     for name, first in model.curve_names.items():
         points, row = model.curves, model.curves[first]
@@ -148,11 +148,11 @@ def read_beyond(engine: Engine) -> list[str]:
             continue
         value = float(curve_value(as_rows(points), first, reached)[0])
         how = "held at its last value" if row["beyond"] == HOLD else "continued with its end slope"
-        found.append(
+        curves_beyond.append(
             f"curve '{name}' was read at {reached:.6g}, beyond its last point {last:.6g} (SI): "
             f"there it was {how} and gave {value:.6g}; give it more points"
         )
-    return found
+    return curves_beyond
 
 
 def hourglass_share(engine: Engine) -> list[str]:
@@ -194,7 +194,7 @@ def crushed_hinges(engine: Engine) -> list[str]:
 
 def compressed(engine: Engine) -> list[str]:
     """Members that bore more along them than as columns, each by its worst hinge or spring."""
-    found, current = dict[str, tuple[float, float]](), int(engine.clock["current"])
+    loads_of, current = dict[str, tuple[float, float]](), int(engine.clock["current"])
     for g in engine.model.groups:
         if "buckling" not in (g.parameters.dtype.names or ()):
             continue
@@ -203,11 +203,13 @@ def compressed(engine: Engine) -> list[str]:
             # NAME_start, NAME_3: hinges and springs of one member
             member, force = name.rpartition("_")[0] or name, float(peak)
             if force > load:
-                found[member] = max(found.get(member, (0.0, 0.0)), (force / float(load), force))
-    if not found:
+                loads_of[member] = max(
+                    loads_of.get(member, (0.0, 0.0)), (force / float(load), force)
+                )
+    if not loads_of:
         return []
-    name, (share, force) = max(found.items(), key=lambda one: one[1])
-    others = f" ({len(found) - 1} other members exceed theirs too)" if len(found) > 1 else ""
+    name, (share, force) = max(loads_of.items(), key=lambda one: one[1])
+    others = f" ({len(loads_of) - 1} other members exceed theirs too)" if len(loads_of) > 1 else ""
     return [
         f"member '{name}' was compressed by {force:.4g} N, {share:.3g} times its Euler load "
         f"with hinged ends{others}: a perfectly straight member does not buckle in a computation; "
@@ -218,7 +220,7 @@ def compressed(engine: Engine) -> list[str]:
 
 def crushed(engine: Engine) -> list[str]:
     """Segments and beams that are shorter at the end than a fully folded tube."""
-    found: list[tuple[float, str]] = []
+    shortened: list[tuple[float, str]] = []
     for g in engine.model.groups:
         names = g.output.dtype.names or () if "length" in (g.parameters.dtype.names or ()) else ()
         if g.keyword == "parts" and "strain" in names and g.output["strain"].ndim == 2:
@@ -227,8 +229,8 @@ def crushed(engine: Engine) -> list[str]:
             stretch = g.output["displacement"][:, 0] / g.parameters["length"]
         else:
             continue
-        found += [(float(-e), name) for e, name in zip(stretch, g.names, strict=False)]
-    over = sorted((one for one in found if one[0] > FOLDED), reverse=True)
+        shortened += [(float(-e), name) for e, name in zip(stretch, g.names, strict=False)]
+    over = sorted((one for one in shortened if one[0] > FOLDED), reverse=True)
     if not over:
         return []
     share, name = over[0]
@@ -255,20 +257,20 @@ def contacts_without_touch(engine: Engine) -> list[str]:
 
 def undeformed(engine: Engine, extremes: Extremes) -> list[str]:
     """Parts that never deformed beyond round-off, at any sample."""
-    least, found = STORED * float(engine.ledger[LARGEST]), []
+    least, names = STORED * float(engine.ledger[LARGEST]), []
     for g in engine.model.groups:
         if g.keyword != "parts" or not g.names:
             continue
         if hasattr(g.module, "KINDS"):
             largest = _largest(extremes, f"matsum-{g.type}", ("strain", "plastic"))
-            found += [name for name in g.names if largest[name] <= least]
+            names += [name for name in g.names if largest[name] <= least]
             continue
         strained: dict[str, float] = {}
         for name, strain in _largest(extremes, f"elout-{g.type}", OF_BEAMS).items():
             part = name.rpartition("_")[0]
             strained[part] = max(strained.get(part, 0.0), strain)
-        found += [part for part, strain in strained.items() if strain < STRAINED]
-    return found
+        names += [part for part, strain in strained.items() if strain < STRAINED]
+    return names
 
 
 def _largest(extremes: Extremes, family: str, columns: tuple[str, ...]) -> dict[str, float]:
@@ -287,7 +289,7 @@ def deleted(engine: Engine, history: Path) -> dict[str, Json]:
         return {}
     import h5py
 
-    found = {}
+    deletions = {}
     with h5py.File(history) as file:
         for g in groups:
             family = file[f"matsum-{g.type}"]
@@ -296,12 +298,12 @@ def deleted(engine: Engine, history: Path) -> dict[str, Json]:
             for name, count in zip(family["ids"].asstr(), counts[rows].T, strict=True):
                 if count.any():
                     first, last = np.argmax(count > 0.0), np.argmax(count == count.max())
-                    found[str(name)] = {
+                    deletions[str(name)] = {
                         "count": int(count.max()),
                         "first": float(time[first]),
                         "last": float(time[last]),
                     }
-    return found
+    return deletions
 
 
 class StepWatch:

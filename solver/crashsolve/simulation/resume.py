@@ -32,8 +32,8 @@ def differing(old: str, new: str) -> list[tuple[str, bool]]:
     if old == new:
         return []
     decks = [yaml.load(text, yaml.CSafeLoader) for text in (old, new)]
-    found = {".".join(path[:3]): _is_bound(path) for path in _paths(*decks)}
-    return list(found.items())
+    settings = {".".join(path[:3]): _is_bound(path) for path in _paths(*decks)}
+    return list(settings.items())
 
 
 def _is_bound(path: tuple[str, ...]) -> bool:

@@ -36,7 +36,7 @@ def shells_through_themselves(engine: Engine) -> list[str]:
         if count
     }
     contacts = _self_contacts(model)
-    found = []
+    warnings = []
     for name, meshed in model.elements.parts.items():
         if name in eroded:
             continue
@@ -45,8 +45,8 @@ def shells_through_themselves(engine: Engine) -> list[str]:
         count, few = int(passed(x, quads).sum()), FEW if contact is None else EDGES * len(quads)
         # a mesh may begin so
         if count > few and (count := count - int(passed(meshed.mesh.points, quads).sum())) > few:
-            found.append(_warning(name, contact, count, len(quads)))
-    return found
+            warnings.append(_warning(name, contact, count, len(quads)))
+    return warnings
 
 
 def _warning(name: str, contact: str | None, count: int, total: int) -> str:

@@ -77,11 +77,11 @@ class Skin:
 
 def _rotated(group: Bodies, rotations: np.ndarray) -> np.ndarray:
     """Points (3, n) from the mass centres of their bodies, world axes."""
-    found, first = np.empty(group.own.shape), 0
+    rotated, first = np.empty(group.own.shape), 0
     for node, last in zip(group.nodes, group.ends, strict=True):
-        np.matmul(rotations[node], group.own[:, first:last], out=found[:, first:last])
+        np.matmul(rotations[node], group.own[:, first:last], out=rotated[:, first:last])
         first = last
-    return found
+    return rotated
 
 
 def _cells(pieces: list[Piece]) -> tuple[tuple[str, np.ndarray], ...]:

@@ -343,12 +343,12 @@ class Run:
         engine = self.engine
         moves = self.deck.control.solution == "transient"
         unbalanced = contact_warnings(engine.model, engine.state, engine.ledger) if moves else []
-        found = missed_contacts(engine, self.folder / "history.h5")
+        missed = missed_contacts(engine, self.folder / "history.h5")
         for text in (
             *self.overlapping,
             *law_warnings(engine.model, engine.state),
             *range_warnings(engine),
-            *(c.words(self.schedule.interval) for c in found),
+            *(c.words(self.schedule.interval) for c in missed),
             *arbitrary_reactions(self.account.remarks["undetermined"], self.deck),
             *unbalanced,
             *engine.step_warnings(),

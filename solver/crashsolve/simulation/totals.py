@@ -63,7 +63,7 @@ def _cost(account: Account) -> dict[str, str]:
 
 def _remarks(account: Account) -> dict[str, str]:
     """Remarks: contacts that never touched, undetermined motions, deleted elements."""
-    found, remarks = {}, account.remarks
+    remarks_of, remarks = {}, account.remarks
     for name, what in (
         ("untouched", "contacts that never touched"),
         ("below_floor", "contacts loaded below their speed_floor, damped as at rest"),
@@ -71,14 +71,14 @@ def _remarks(account: Account) -> dict[str, str]:
         ("undetermined", "joints whose share of a force is arbitrary"),
     ):
         if remarks.get(name):
-            found[what] = ", ".join(remarks[name])
+            remarks_of[what] = ", ".join(remarks[name])
     for part, lost in remarks.get("deleted", {}).items():
         count, first, last = lost["count"], lost["first"], lost["last"]
         when = (
             f"at {first:.6g} s" if count == 1 or first == last else f"{first:.6g} to {last:.6g} s"
         )
-        found[f"elements of {part} deleted"] = f"{count}, {when}"
-    return found
+        remarks_of[f"elements of {part} deleted"] = f"{count}, {when}"
+    return remarks_of
 
 
 def _energies(engine: Engine) -> list[str]:

@@ -40,12 +40,12 @@ def forces_by_motions(p: Table, state: Table, nodes: Table, curves: np.ndarray) 
             resultant[i, YIELDING_AXES] = scaled_back(*args, share)
     K = by_motions(R, q[:, :3], q[:, 3:], resultant[:, :3], resultant[:, 3:], own)
     to = _from_mass_centres(d_a, d_b)
-    found: np.ndarray = to.transpose(0, 2, 1) @ K @ to
+    forces: np.ndarray = to.transpose(0, 2, 1) @ K @ to
     pull = np.einsum("nij,nj->ni", R, resultant[:, :3])
     for at, d, f in ((3, d_a, pull), (9, d_b, -pull)):
         # (w x d) x f
-        found[:, at : at + 3, at : at + 3] += skew(f) @ skew(d)
-    return found
+        forces[:, at : at + 3, at : at + 3] += skew(f) @ skew(d)
+    return forces
 
 
 def predict(

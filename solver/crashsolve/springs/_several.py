@@ -36,7 +36,7 @@ POINTS = Record(f"""
 
 
 class Guide(Card):
-    """A point of a body that the line passes, or ends at."""
+    """A point of a body through which the line runs, or at which it ends."""
 
     body: BodyName = word("body of the point", default="ground")
     at: Vec3 = quantity("m", "point in the frame of the body", default=(0.0, 0.0, 0.0))
@@ -168,10 +168,10 @@ def add_span(row, c, p, j, k, nodes):
     body, d, piece = nodes[p.node[j]], arm_of(p, j, nodes), span(p, j, k, nodes)
     u = piece.u
     per = 1.0 / piece.length if piece.length >= SHORTEST else 0.0
-    turning = scale(per, sub(piece.v, scale(dot(u, piece.v), u)))
-    moment, swung = cross(d, u), cross(d, add(turning, cross(u, vec(body.w))))
+    u_dot = scale(per, sub(piece.v, scale(dot(u, piece.v), u)))
+    moment, swung = cross(d, u), cross(d, add(u_dot, cross(u, vec(body.w))))
     for i in range(3):
         row.D[c + i] += u[i]
         row.D[c + 3 + i] += moment[i]
-        row.G[c + i] += turning[i]
+        row.G[c + i] += u_dot[i]
         row.G[c + 3 + i] += swung[i]

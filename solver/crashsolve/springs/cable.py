@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 class Cable(Card):
-    """Cable from point to point of two to eight bodies, which it passes without friction."""
+    """Cable through points of two to eight bodies, without friction."""
 
     through: tuple[Guide, ...] = word("first end of the cable, its guides in order, its last end")
     stiffness: float = quantity("N/m", "slope of tension over elongation", gt=0)

@@ -2,7 +2,7 @@
 
     M = f(theta - theta_0),   positive rotates b back, with f as in springs._resistance
 
-Consequence to test: with `unloading_stiffness` k a turn theta leaves the set theta - f(theta) / k.
+Consequence to test: with `unloading_stiffness` k a rotation theta leaves theta - f(theta) / k.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import quantity, word
-from crashsolve.foundation.angles import FULL_TURN
+from crashsolve.foundation.angles import ROTATION_ABOUT_AXIS
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import rotation_tangent, twist
 from crashsolve.foundation.record import Record
@@ -47,7 +47,7 @@ class CurveTorsional(AxisSpringCard, ResistanceCard):
 
 
 COUNTS_ROTATIONS = True
-PARAMETERS = FULL_TURN + _resistance.RESISTANCE + Record("angle  rad  theta_0")
+PARAMETERS = ROTATION_ABOUT_AXIS + _resistance.RESISTANCE + Record("angle  rad  theta_0")
 HISTORY = _resistance.SLIDER + Record("angle  rad  counted rotation")
 TANGENTS = 1
 OUTPUT = Record("""
@@ -59,7 +59,11 @@ OUTPUT = Record("""
 
 
 def build(card: CurveTorsional, scene: Scene) -> Columns:
-    return scene.turning(card) | _resistance.resistance(card, scene) | {"angle": card.angle}
+    return (
+        scene.rotation_about_axis(card)
+        | _resistance.resistance(card, scene)
+        | {"angle": card.angle}
+    )
 
 
 @kernel

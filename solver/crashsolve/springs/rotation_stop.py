@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import quantity
-from crashsolve.foundation.angles import FULL_TURN
+from crashsolve.foundation.angles import ROTATION_ABOUT_AXIS
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import rotation_tangent, twist
 from crashsolve.foundation.record import Record
@@ -37,7 +37,9 @@ class RotationStop(_joint.StopCard):
 
 
 COUNTS_ROTATIONS = True
-PARAMETERS = FULL_TURN + _joint.STOPS + Record("start  rad  angle at the start, of a posture")
+PARAMETERS = (
+    ROTATION_ABOUT_AXIS + _joint.STOPS + Record("start  rad  angle at the start, of a posture")
+)
 HISTORY = _joint.STOPPED + Record("angle  rad  theta, over all revolutions")
 TANGENTS = 1
 OUTPUT = Record("""
@@ -50,7 +52,7 @@ OUTPUT = Record("""
 def build(card: RotationStop, scene: Scene) -> Columns:
     frame = _joint.named_joint(scene, card.joint, "angle").frame
     start = scene.angles_at_start.get(card.joint, 0.0)
-    columns = FULL_TURN.columns_of(frame) | _joint.stops(card, scene) | {"start": start}
+    columns = ROTATION_ABOUT_AXIS.columns_of(frame) | _joint.stops(card, scene) | {"start": start}
     past = max(start - columns["upper"], columns["lower"] - start)
     if start != 0.0 and past > 0.0:
         raise scene.fail(

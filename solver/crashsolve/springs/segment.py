@@ -307,11 +307,11 @@ def report(p: Parameters, nodes, deformation):
     at_a, at_b = add(deformation.d_a, gap), sub(deformation.d_b, gap)
     for k in range(3):
         e = (R[k], R[3 + k], R[6 + k])
-        stiffness, turning = p.stiffness[k], growth * p.rotational_stiffness[k]
+        stiffness, rotational = p.stiffness[k], growth * p.rotational_stiffness[k]
         add_stiffness_bound(a, mobility(a, at_a, e), stiffness, p.damping * stiffness)
         add_stiffness_bound(b, mobility(b, at_b, e), stiffness, p.damping * stiffness)
-        add_stiffness_bound(a, spin_mobility(a, e), turning, p.damping * turning)
-        add_stiffness_bound(b, spin_mobility(b, e), turning, p.damping * turning)
+        add_stiffness_bound(a, spin_mobility(a, e), rotational, p.damping * rotational)
+        add_stiffness_bound(b, spin_mobility(b, e), rotational, p.damping * rotational)
 
 
 @kernel

@@ -51,20 +51,20 @@ class Strut(PointSpringCard):
     length: float | None = quantity(
         "m", "l_0, at which the spring is free; that at the start when absent", default=None, ge=0
     )
-    bump_damping: float = quantity("N s/m", "c_b, while it gets shorter", default=0.0, ge=0)
-    rebound_damping: float = quantity("N s/m", "c_r, while it gets longer", default=0.0, ge=0)
+    bump_damping: float = quantity("N s/m", "c_b, in compression", default=0.0, ge=0)
+    rebound_damping: float = quantity("N s/m", "c_r, in extension", default=0.0, ge=0)
     damping_curve: CurveName | None = word(
         "D, force over the rate of length, negative in bump; instead of both dampings", default=None
     )
     bump_length: float | None = quantity(
-        "m", "l_b, length at which the bump stop is met", default=None, gt=0
+        "m", "l_b, length at which the bump stop is reached", default=None, gt=0
     )
     bump_stiffness: float | None = quantity("N/m", "stiffness of the bump stop", default=None, gt=0)
     bump_curve: CurveName | None = word(
         "B, force over the travel beyond it, from 0; instead of bump_stiffness", default=None
     )
     rebound_length: float | None = quantity(
-        "m", "l_r, length at which the rebound stop is met", default=None, gt=0
+        "m", "l_r, length at which the rebound stop is reached", default=None, gt=0
     )
     rebound_stiffness: float | None = quantity(
         "N/m", "stiffness of the rebound stop", default=None, gt=0
@@ -84,7 +84,9 @@ class Strut(PointSpringCard):
                 getattr(self, f"{stop}_{word}") for word in ("length", "stiffness", "curve")
             )
             if length is None and (stiffness is not None or curve is not None):
-                raise ValueError(f"{stop}_length: is missing, the length at which the stop is met")
+                raise ValueError(
+                    f"{stop}_length: is missing, the length at which the stop is reached"
+                )
             if length is not None and (stiffness is None) == (curve is None):
                 raise ValueError(f"needs one of {stop}_stiffness and {stop}_curve")
         bump, rebound = self.bump_length, self.rebound_length

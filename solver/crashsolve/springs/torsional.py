@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import quantity
-from crashsolve.foundation.angles import FULL_TURN
+from crashsolve.foundation.angles import ROTATION_ABOUT_AXIS
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import rotation_tangent, twist
 from crashsolve.foundation.record import Record
@@ -35,7 +35,7 @@ class Torsional(AxisSpringCard):
 
 
 COUNTS_ROTATIONS = True
-PARAMETERS = FULL_TURN + Record("""
+PARAMETERS = ROTATION_ABOUT_AXIS + Record("""
     stiffness  N m/rad    k
     damping    N m s/rad  c
     angle      rad        theta_0
@@ -51,7 +51,7 @@ OUTPUT = Record("""
 
 def build(card: Torsional, scene: Scene) -> Columns:
     constants = {"stiffness": card.stiffness, "damping": card.damping, "angle": card.angle}
-    return scene.turning(card) | constants
+    return scene.rotation_about_axis(card) | constants
 
 
 @kernel

@@ -156,14 +156,14 @@ class Work:
 
     def _forces(self, g: Group, moment: float) -> np.ndarray:
         """Forces and moments (entries, 6 n) of loads on the free nodes: with them less without."""
-        loading, found = self.engine.loading, []
+        loading, residuals = self.engine.loading, []
         for i in range(len(g.names)):
             whole = self._applied(moment)
             loading.silent = (g, i)
-            found.append(whole - self._applied(moment))
+            residuals.append(whole - self._applied(moment))
             loading.silent = None
         loading.set_time(moment)
-        return np.array(found)
+        return np.array(residuals)
 
     def _applied(self, moment: float) -> np.ndarray:
         """All forces and moments (6 n,) on the free nodes but those of joints."""

@@ -72,7 +72,7 @@ class Branches:
                     displacements[own] = eliminate(M[np.ix_(own, own)].copy(), q[own].copy())
                 if (displacements[own] > 0.0).all() and (q - M @ displacements <= nothing).all():
                     self.sets.append((-0.5 * float(q @ displacements), tuple(own), displacements))
-        self.sets.sort(key=lambda found: found[0])
+        self.sets.sort(key=lambda candidates: candidates[0])
 
     def tangent(self) -> tuple[np.ndarray, np.ndarray] | None:
         """K and D with the set of least work yielding; None without any set."""
@@ -106,9 +106,9 @@ def slope_ahead(
 ) -> float | None:
     """Slope y' [N/m or N m/rad] of a law at yield in a direction; None where it does not yield."""
     k = p.stiffness[c]
-    here, origin = side * k * (state.x[c] - state.plastic[c]), line_origin(p, state, c, side)
+    force, origin = side * k * (state.x[c] - state.plastic[c]), line_origin(p, state, c, side)
     R, _ = resistance(p, state, c, side, 0.0, origin, curves)
-    if not (R > 0.0 and abs(here - R) <= NEAR * R):
+    if not (R > 0.0 and abs(force - R) <= NEAR * R):
         return None
     _, slope = resistance(p, state, c, side, NEAR * R / k, origin, curves)
     return float(slope)

@@ -30,7 +30,7 @@ class CurvesOfLaws(Protocol):
     def curves(self) -> list[SimpleNamespace]: ...
 
 
-class Flowing(Protocol):
+class YieldingElements(Protocol):
     """Owner of the groups whose fibres or walls may flow."""
 
     groups: list[Group]
@@ -62,7 +62,7 @@ class Equations(Protocol):
     @property
     def yielding(self) -> CurvesOfLaws: ...
     @property
-    def plastic_flow(self) -> Flowing: ...
+    def plastic_flow(self) -> YieldingElements: ...
 
     # samples
     def forces_at_rest(self, time: float, nodes: np.ndarray) -> np.ndarray: ...

@@ -111,14 +111,14 @@ class StaticEngine(Engine):
 
     def _step(self, until: float, goal: float) -> None:
         """Equilibrium at `until`, through others where necessary. Raises SolverError."""
-        clock, found = self.clock, list[Problem]()
+        clock, problems = self.clock, list[Problem]()
         self.least = (until - float(clock.time)) / 2**self.halvings
         while clock.time < until:
             start_time, saved, tangent = float(clock.time), self.save_state(), self.known_tangent
             # steps towards a limit point double: a long one from nearby may jump over it
             target = equal_part(start_time, until, self.growth * self.width)
             while (problem := self._attempt(target)) is not None:
-                found.append(problem)
+                problems.append(problem)
                 target = 0.5 * (start_time + target)
                 is_last = target - start_time < self.least
                 if is_last and problem.kind == "balance" and start_time < self.loading.start:
@@ -127,11 +127,11 @@ class StaticEngine(Engine):
                 self.restore_state(saved)
                 self.known_tangent = tangent
                 if is_last:
-                    ahead = [problem for problem in found if problem.target > start_time]
+                    ahead = [problem for problem in problems if problem.target > start_time]
                     raise explanation(self, ahead).error(self, start_time)
             is_short = target < until and np.isfinite(self.width)
             # laws that yield continue to do so in the next load steps
-            if is_short or any(p.kind == "jump" or not self.checks_limit_points for p in found):
+            if is_short or any(p.kind == "jump" or not self.checks_limit_points for p in problems):
                 self.width = float(clock.time) - start_time
             self.on_pause()
         if self.checks_limit_points:
@@ -323,9 +323,9 @@ class StaticEngine(Engine):
 
     def change_from(self, start: np.ndarray) -> np.ndarray:
         """Displacements and rotations (n, 6) of the free nodes since a configuration."""
-        here = self.state.nodes[self.free]
-        rotated = rotations(start["q"][self.free], here["q"])
-        return np.hstack([here["r"] - start["r"][self.free], rotated])
+        nodes = self.state.nodes[self.free]
+        rotated = rotations(start["q"][self.free], nodes["q"])
+        return np.hstack([nodes["r"] - start["r"][self.free], rotated])
 
     def size_of(self, change: np.ndarray) -> float:
         """The largest of displacements [model's size] and rotations [rad] (n, 6)."""
@@ -413,10 +413,10 @@ class StaticEngine(Engine):
             p = g.parameters
             state = self.plastic_flow.state(g, int(self.clock.current))
             curves = self.yielding.curves()
-            found = g.module.forces_by_motions(p, state, nodes, curves).reshape(-1, 2, 6, 2, 6)
+            forces = g.module.forces_by_motions(p, state, nodes, curves).reshape(-1, 2, 6, 2, 6)
             ends = location[p["node_a"]], location[p["node_b"]]
             for i, j in np.ndindex(2, 2):
-                np.add.at(columns, (ends[i], ends[j]), found[:, i, :, j])
+                np.add.at(columns, (ends[i], ends[j]), forces[:, i, :, j])
         return columns[:n, :n].transpose(0, 2, 1, 3).reshape(6 * n, 6 * n)
 
     def imbalance(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -14,7 +14,7 @@ from typing import Protocol
 import numpy as np
 
 from crashsolve.model import ledger as energy
-from crashsolve.statics.equations import CurvesOfLaws, Equations, Flowing
+from crashsolve.statics.equations import CurvesOfLaws, Equations, YieldingElements
 
 # over the value by both tangents, beyond which a change of configuration has left the path; and
 # share of the value by the first of them, below which the load step is examined in halves
@@ -57,7 +57,7 @@ class LoadSteps(Protocol):
     @property
     def yielding(self) -> CurvesOfLaws: ...
     @property
-    def plastic_flow(self) -> Flowing: ...
+    def plastic_flow(self) -> YieldingElements: ...
 
 
 def is_at_limit_point(engine: LoadSteps) -> bool:
@@ -105,10 +105,10 @@ def _ends_elsewhere(
     engine: Equations, start: np.ndarray, start_time: float, target: float, change: float
 ) -> bool:
     """Whether the way back from an equilibrium ends far from the nodes where it began."""
-    here, tangent, first = engine.state.nodes.copy(), engine.tangent, engine.first
+    saved, tangent, first = engine.state.nodes.copy(), engine.tangent, engine.first
     is_found = bool(engine.iterate(start_time))
     rest = engine.size_of(engine.change_from(start))
-    engine.state.nodes[:] = here
+    engine.state.nodes[:] = saved
     engine.imbalance(target)
     engine.tangent, engine.first = tangent, first
     return is_found and rest > ELSEWHERE * change + NEGLIGIBLE

@@ -115,7 +115,7 @@ class Loading:
 
 def loads_without_curve(model: Model) -> list[tuple[Group, np.ndarray, np.ndarray]]:
     """Groups of loads, which entries of each have no curve, and the amplitudes of all entries."""
-    found = []
+    loads = []
     for g in model.groups:
         if hasattr(g.module, "AMPLITUDE"):
             p = g.parameters
@@ -123,8 +123,8 @@ def loads_without_curve(model: Model) -> list[tuple[Group, np.ndarray, np.ndarra
             has_none = (
                 p["curve"] == 0 if "curve" in (p.dtype.names or ()) else np.ones(len(p), bool)
             )
-            found.append((g, has_none, p[g.module.AMPLITUDE].copy()))
-    return found
+            loads.append((g, has_none, p[g.module.AMPLITUDE].copy()))
+    return loads
 
 
 def _constant_curve(model: Model) -> int:

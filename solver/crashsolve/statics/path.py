@@ -228,9 +228,9 @@ class PathEngine(StaticEngine):
         down = stiff / max(np.abs(along).max(), 1e-300)
         whole = np.zeros((n + 1, n + 1))
         whole[:n, :n], whole[:n, n], whole[n, :n] = A, -across * rate, down * along
-        found = eliminate(whole, np.append(np.zeros(n) if is_tangent else b, down * right))
-        found[n] *= across
-        return found
+        solution = eliminate(whole, np.append(np.zeros(n) if is_tangent else b, down * right))
+        solution[n] *= across
+        return solution
 
     def _equations(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Newton's matrix (6 n, 6 n) and right side (6 n,), and its change with lambda [1/s]."""
@@ -281,7 +281,7 @@ def special_points(points: list[Point]) -> list[str]:
     times, factors, counts = (np.array(column) for column in zip(*points, strict=True))
     rises = np.diff(factors)
     extremes = [k for k in range(1, len(points) - 1) if rises[k - 1] * rises[k] < 0.0]
-    found = []
+    notes = []
     for k in extremes:
         time, factor = _vertex(times[k - 1 : k + 2], factors[k - 1 : k + 2])
         kind = "maximum" if rises[k] < 0.0 else "minimum"
@@ -289,7 +289,7 @@ def special_points(points: list[Point]) -> list[str]:
         text = (
             f"limit point at t = {time:.5g} s: a {kind} of the load factor, {factor:.6g}; {after}"
         )
-        found.append((time, text))
+        notes.append((time, text))
     for k in map(int, np.flatnonzero(np.diff(counts))):
         if not any(abs(i - k - 0.5) < 2.0 for i in extremes):
             text = (
@@ -297,8 +297,8 @@ def special_points(points: list[Point]) -> list[str]:
                 f"{factors[k]:.6g} to {factors[k + 1]:.6g}, away from limit points: another path "
                 f"branches off (bifurcation); {_stability(int(counts[k + 1]))}"
             )
-            found.append((float(times[k]), text))
-    return [text for _, text in sorted(found)]
+            notes.append((float(times[k]), text))
+    return [text for _, text in sorted(notes)]
 
 
 def _stability(count: int) -> str:

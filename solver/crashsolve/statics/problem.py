@@ -104,13 +104,13 @@ class Problem:
         )
 
 
-def explanation(engine: LoadSteps, found: list[Problem]) -> Problem:
+def explanation(engine: LoadSteps, problems: list[Problem]) -> Problem:
     """The earliest unstable mode, which explains the failures beyond it; else the last problem,
     which is that of a limit point where no equilibrium was found beside one.
     """
-    displacements = [problem for problem in found if problem.kind == "unstable mode"]
+    displacements = [problem for problem in problems if problem.kind == "unstable mode"]
     if displacements:
         return min(displacements, key=lambda problem: problem.target)
-    last = found[-1]
+    last = problems[-1]
     is_limit = last.kind == "lost" and is_at_limit_point(engine)
     return Problem("limit", last.target, last.location) if is_limit else last

@@ -63,14 +63,16 @@ def _of_even(K: np.ndarray, nothing: float) -> np.ndarray | None:
 
 def _of_odd(K: np.ndarray, M: np.ndarray) -> tuple[np.ndarray | None, bool]:
     """The unstable mode (n,) of any K, None without one, and whether vibrations grow."""
-    found, displacements = np.linalg.eig(np.linalg.solve(M, K))
-    size = np.abs(found)
-    is_real = np.abs(found.imag) <= SYMMETRY_TOLERANCE * size
-    leaves = (found.real < -NOTHING * size.max()) & is_real
-    flutters = bool((np.abs(found.imag) > FLUTTER * size).any())
+    eigenvalues, displacements = np.linalg.eig(np.linalg.solve(M, K))
+    size = np.abs(eigenvalues)
+    is_real = np.abs(eigenvalues.imag) <= SYMMETRY_TOLERANCE * size
+    leaves = (eigenvalues.real < -NOTHING * size.max()) & is_real
+    flutters = bool((np.abs(eigenvalues.imag) > FLUTTER * size).any())
     if not leaves.any():
         return None, flutters
-    return displacements[:, int(np.argmin(np.where(leaves, found.real, np.inf)))].real, flutters
+    return displacements[
+        :, int(np.argmin(np.where(leaves, eigenvalues.real, np.inf)))
+    ].real, flutters
 
 
 def unstable_modes(columns: np.ndarray) -> tuple[int, int]:
@@ -114,6 +116,6 @@ def count_unstable(K: np.ndarray, D: np.ndarray) -> int:
     nothing = NOTHING * np.abs(reduced).max()
     if np.abs(reduced - reduced.T).max() <= SYMMETRY_TOLERANCE * np.abs(reduced).max():
         return int((np.linalg.eigvalsh(0.5 * (reduced + reduced.T)) < -nothing).sum())
-    found = np.linalg.eigvals(reduced)
-    is_real = np.abs(found.imag) <= SYMMETRY_TOLERANCE * np.abs(found)
-    return int(((found.real < -nothing) & is_real).sum())
+    eigenvalues = np.linalg.eigvals(reduced)
+    is_real = np.abs(eigenvalues.imag) <= SYMMETRY_TOLERANCE * np.abs(eigenvalues)
+    return int(((eigenvalues.real < -nothing) & is_real).sum())

@@ -70,8 +70,8 @@ class StandingTyres:
         data = tuple(as_rows(part) for part in group.data) or None
         at = group.module.patch_of(as_rows(group.parameters)[row], road, nodes, curves, data)
         # deflections of the sample: within friction, and zero off the road
-        found = group.history[1 - self.current]
-        q = float(found["q_x"][row, road]), float(found["q_y"][row, road])
+        footprint = group.history[1 - self.current]
+        q = float(footprint["q_x"][row, road]), float(footprint["q_y"][row, road])
         hub = self.nodes["r"][group.parameters["node"][row]]
         return Footprint(group, row, road, np.array(at.x), np.array(at.y), hub + at.foot, q)
 

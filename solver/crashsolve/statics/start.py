@@ -254,11 +254,11 @@ class _EquilibriumSearch:
     def _at_rest(self, nodes: np.ndarray) -> "_RestState":
         """The state of rest in a configuration."""
         g, engine = self._forces(nodes), self.engine
-        found = engine.nodes[self.free]
+        free_nodes = engine.nodes[self.free]
         D = jacobian(self.model.joints, engine.rows, len(nodes))[:, self.free]
         phi = engine.rows["phi"][whole_rows(self.model.joints)].copy()
         # rotations count by the model's size
-        rates = np.hstack([found["v_dot"], found["w_dot"] * self.model.size])
+        rates = np.hstack([free_nodes["v_dot"], free_nodes["w_dot"] * self.model.size])
         return _RestState(g, D.reshape(len(D), g.size), phi, rates)
 
     def _mass(self) -> np.ndarray:
@@ -302,15 +302,15 @@ class _EquilibriumSearch:
             inverse = _constrained_inverse(matrix, Z.T @ mass @ Z, tau)
         else:
             inverse = np.linalg.pinv(matrix, rcond=1e-15)
-        found = _Correction(state, Z, G, inverse, np.zeros((0, 6)), 0.0, unstable)
-        change = found.for_state(state)
-        found.size = largest_motion(change, self.model.size)
+        correction = _Correction(state, Z, G, inverse, np.zeros((0, 6)), 0.0, unstable)
+        change = correction.for_state(state)
+        correction.size = largest_motion(change, self.model.size)
         displacement = np.abs(change[:, :3]).max(initial=0.0) / (
             LARGEST_DISPLACEMENT * self.model.size
         )
         angle = np.abs(change[:, 3:]).max(initial=0.0) / LARGEST_ROTATION
-        found.change = change / max(1.0, displacement, angle)
-        return found
+        correction.change = change / max(1.0, displacement, angle)
+        return correction
 
     def _shift(self, nodes: np.ndarray, change: np.ndarray) -> None:
         moved = nodes[self.free]
@@ -382,13 +382,13 @@ class _EquilibriumSearch:
         moved = np.linalg.norm(self.nodes["r"] - first["r"], axis=1)
         node = int(moved.argmax())
         displacement = f"by up to {moved[node]:.4g} m ({self._name(node)})"
-        found = (
+        message = (
             f"equilibrium found in {iterations} iterations: mass centres were moved {displacement}"
         )
         if not self.drifts:
-            return found
+            return message
         node, rate = self._fastest(state)
-        return f"{found}; nothing supports {self._name(node)}, which accelerates by {rate}"
+        return f"{message}; nothing supports {self._name(node)}, which accelerates by {rate}"
 
     def _fastest(self, state: "_RestState") -> tuple[int, str]:
         """The node with the largest acceleration, and that in words."""

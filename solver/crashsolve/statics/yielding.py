@@ -79,11 +79,11 @@ class Yielding:
     def stiffness(self, current: int, nodes: np.ndarray) -> np.ndarray:
         """sum k d^T d (n, 6, n, 6) of the hinges, n all nodes."""
         K = np.zeros((len(nodes), 6, len(nodes), 6))
-        for g, p, state, here in self._entries(current, nodes, self.straight):
+        for g, p, state, position in self._entries(current, nodes, self.straight):
             if state.fails:
                 continue
             rows = [plain(row) for row in np.zeros(g.module.TANGENTS, COMPLIANT.dtype)]
-            g.module.tangent(p, state, here, self.curves(), rows, 0)
+            g.module.tangent(p, state, position, self.curves(), rows, 0)
             for row in rows:
                 d = np.array(row.D).reshape(2, 6)
                 for (i, a), (j, b) in product(enumerate((p.node_a, p.node_b)), repeat=2):
@@ -123,16 +123,20 @@ class Yielding:
 
         Raises SolverError at a bifurcation, where one of several may.
         """
-        found = Branches(engine, self.at_yield(engine), time)
-        if bifurcation := found.bifurcation():
+        branches = Branches(engine, self.at_yield(engine), time)
+        if bifurcation := branches.bifurcation():
             raise Problem("bifurcation", time, " and ".join(bifurcation)).error(
                 engine, float(engine.clock.time)
             )
-        return found.tangent()
+        return branches.tangent()
 
     def at_yield(self, engine: Equations) -> list[Candidate]:
         """The motions of hinges that stand at yield."""
-        current, nodes, found = int(engine.clock.current), engine.state.nodes, list[Candidate]()
+        current, nodes, candidates = (
+            int(engine.clock.current),
+            engine.state.nodes,
+            list[Candidate](),
+        )
         index = np.full(len(nodes), -1)
         index[engine.free] = np.arange(len(engine.free))
         ahead = [
@@ -145,9 +149,9 @@ class Yielding:
         names = [f"hinge '{name}'" for g in self.straight for name in g.names]
         with self.elastic_hinges(current):
             each = self._entries(current, nodes, self.straight)
-            for name, motions, (g, p, state, here) in zip(names, ahead, each, strict=True):
+            for name, motions, (g, p, state, position) in zip(names, ahead, each, strict=True):
                 rows = [plain(row) for row in np.zeros(g.module.TANGENTS, COMPLIANT.dtype)]
-                g.module.tangent(p, state, here, self.curves(), rows, 0)
+                g.module.tangent(p, state, position, self.curves(), rows, 0)
                 for row, slopes in zip(rows, motions, strict=True):
                     d = np.zeros((len(engine.free), 6))
                     for node, part in zip(
@@ -158,8 +162,10 @@ class Yielding:
                             d[index[node]] -= part
                     for side, slope in slopes.items():
                         if slope is not None and row.stiffness > 0.0:
-                            found.append(Candidate(name, d.ravel(), row.stiffness, side, slope))
-        return found
+                            candidates.append(
+                                Candidate(name, d.ravel(), row.stiffness, side, slope)
+                            )
+        return candidates
 
     def _crossing(self, engine: Equations, change: np.ndarray, tolerance: float = 0.1) -> float:
         """Fraction [1] of a motion (n, 6) of the free nodes at the first corner; 1 without one.
@@ -197,7 +203,7 @@ class Yielding:
         # a little behind the corner, so that the next load step begins on the new branch
         goal = 0.5 * CLOSE * (end - at_low)
         low, high, at_low, at_high = 0.0, 1.0, at_low - goal, end - goal
-        found, side = (engine.save_state(), engine.tangent), 0
+        bracketed, side = (engine.save_state(), engine.tangent), 0
         for k in range(MAX_ITERATIONS):
             if at_high <= goal:
                 break
@@ -210,14 +216,14 @@ class Yielding:
                 return time, 0
             count, past = count + more, self._beyond_branch(current, nodes).max() - goal
             if past >= -goal:
-                high, at_high, found = fraction, past, (engine.save_state(), engine.tangent)
+                high, at_high, bracketed = fraction, past, (engine.save_state(), engine.tangent)
                 at_low *= 0.5 if side == 1 else 1.0
                 side = 1
             else:
                 low, at_low = fraction, past
                 at_high *= 0.5 if side == -1 else 1.0
                 side = -1
-        saved, engine.tangent = found
+        saved, engine.tangent = bracketed
         engine.restore_state(saved)
         if self._fails(current) and high > BEFORE:
             # a failed hinge does no work: it is removed in a step of almost no length
@@ -238,8 +244,8 @@ class Yielding:
         """Deformation of each hinge beyond the branch on which the load step began [rad or m]."""
         return np.array(
             [
-                g.module.event(p, state, 0.0, here, self.curves())
-                for g, p, state, here in self._entries(current, nodes, self.groups)
+                g.module.event(p, state, 0.0, position, self.curves())
+                for g, p, state, position in self._entries(current, nodes, self.groups)
             ]
         )
 

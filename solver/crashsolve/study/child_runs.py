@@ -45,10 +45,10 @@ def status_of(folder: Path) -> Json:
 def table_in(path: Path) -> Json:
     """The table in a JSON file; empty when there is none."""
     try:
-        found = json.loads(path.read_text("utf-8"))
+        content = json.loads(path.read_text("utf-8"))
     except (OSError, ValueError):
         return {}
-    return found if isinstance(found, dict) else {}
+    return content if isinstance(content, dict) else {}
 
 
 def reason(code: int, message: str, errors: str) -> str:

@@ -50,11 +50,11 @@ class Refinement:
     @property
     def limit(self) -> Convergence:
         """The limit of finer meshes and shorter steps together."""
-        found = self.convergence
-        error = found.error + self.curves[-1].convergence.error
+        convergence = self.convergence
+        error = convergence.error + self.curves[-1].convergence.error
         return Convergence(
-            *(found.value, error, found.orders, found.stalls),
-            *(found.is_extrapolated, found.has_floor, found.grows),
+            *(convergence.value, error, convergence.orders, convergence.stalls),
+            *(convergence.is_extrapolated, convergence.has_floor, convergence.grows),
         )
 
 
@@ -75,8 +75,8 @@ class Source:
     @property
     def is_steady(self) -> bool:
         """Whether its estimated error can be relied on; of meshes three that shrink are enough."""
-        found = self.convergence
-        return found.is_steady or (self.mesh_error > 0.0 and isfinite(found.order))
+        convergence = self.convergence
+        return convergence.is_steady or (self.mesh_error > 0.0 and isfinite(convergence.order))
 
 
 def curves_of(at: int, trials: Sequence[Trial]) -> list[Curve]:
@@ -123,13 +123,13 @@ def refinements_of(curves: Sequence[Curve], order: float | None) -> list[Refinem
 
 def sources(curves: Sequence[Curve], refinements: Sequence[Refinement]) -> list[Source]:
     """The values to which the runs converge: a refinement stands for its curves."""
-    found = [
+    refined = [
         Source(
             refinement.name, refinement.limit, refinement.curves[-1], refinement.convergence.error
         )
         for refinement in refinements
     ]
-    return found + [
+    return refined + [
         Source(curve.series.name, curve.convergence, curve)
         for curve in curves
         if refinement_of(curve, refinements) is None

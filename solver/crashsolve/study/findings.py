@@ -51,8 +51,8 @@ class Finding:
     """One watched channel: its reference, and the error and observed order of each trial.
 
     `errors`, `orders` and `mesh_orders` are by the folder of the setting; `notes` are for people.
-    `estimate` is the least estimated error of a method that converges steadily; `doubts` are the
-    differences that stay between the runs of a series that does not converge.
+    `estimate` is the least estimated error of a method that converges steadily; `uncertainties`
+    are the differences that stay between the runs of a series that does not converge.
     """
 
     watch: Watch
@@ -66,20 +66,24 @@ class Finding:
     notes: list[str] = field(default_factory=list)
     diverges: bool = False
     estimate: float = inf
-    doubts: dict[Series, float] = field(default_factory=dict)
+    uncertainties: dict[Series, float] = field(default_factory=dict)
 
     def error(self, trial: Trial) -> float:
-        """Error of a trial over the scale of its channel [1], or as it is where that is judged.
+        """Error of a trial over the scale of its channel [1], or as it is where the scale is zero.
 
-        NaN when it has none; no less than what its series leaves in doubt.
+        NaN when it has none; no less than the uncertainty of its series.
         """
         error = self.errors.get(trial.setting.folder, nan)
-        return error if error != error else max(error, self.doubts.get(trial.setting.series, 0.0))
+        return (
+            error
+            if error != error
+            else max(error, self.uncertainties.get(trial.setting.series, 0.0))
+        )
 
     def is_uncertain(self, target: float) -> bool:
         """Whether the uncertainty of every series is larger than a wanted error."""
-        judged = not self.is_absolute and self.diverges
-        return judged and all(doubt > target for doubt in self.doubts.values())
+        diverging = not self.is_absolute and self.diverges
+        return diverging and all(x > target for x in self.uncertainties.values())
 
     def order(self, trial: Trial) -> float:
         """Observed order that ends with a trial, NaN when it has none."""
@@ -111,13 +115,13 @@ def find(
         return finding
     finding.unit = str(curves[0].trials[-1].answers[at]["unit"])
     refinements = refinements_of(curves, mesh_order)
-    found = sources(curves, refinements)
-    best = _set_reference(finding, curves, found, known)
+    known_sources = sources(curves, refinements)
+    best = _set_reference(finding, curves, known_sources, known)
     size, around = float(np.max(np.abs(finding.reference))), _size_around(at, curves)
     finding.is_absolute = size <= ROUND_OFF * around
     scale = 1.0 if finding.is_absolute else size
     for curve in curves:
-        _judge(finding, curve, refinement_of(curve, refinements), best, scale)
+        _set_findings(finding, curve, refinement_of(curve, refinements), best, scale)
     for refinement in refinements:
         _set_mesh_orders(finding, refinement)
     if refinements:
@@ -126,13 +130,13 @@ def find(
             key=lambda refinement: sort_key(Source("", refinement.limit, refinement.curves[-1])),
         )
         finding.notes.append(_mesh_reported(finding, limit, scale, mesh_order))
-    judged = [curve.convergence.diverges for curve in curves if len(curve.values) > 2]
+    diverging = [curve.convergence.diverges for curve in curves if len(curve.values) > 2]
     if finding.is_absolute and around > 0.0:
         finding.notes = [f"zero to the round-off of its vector, {around:.3g} {finding.unit}"]
         return finding
     # one method may do so by its round-off, or another not by luck
-    finding.diverges |= 2 * sum(judged) >= len(judged) > 0
-    for source in found:
+    finding.diverges |= 2 * sum(diverging) >= len(diverging) > 0
+    for source in known_sources:
         if source.is_steady:
             finding.estimate = min(finding.estimate, source.convergence.error / scale)
     return finding
@@ -144,14 +148,14 @@ def _size_around(at: int, curves: Sequence[Curve]) -> float:
     return max((float(answer.get("size", 0.0)) for answer in answers), default=0.0)
 
 
-def _judge(
+def _set_findings(
     finding: Finding, curve: Curve, refinement: Refinement | None, best: Source | None, scale: float
 ) -> None:
     """Errors, orders and notes of one curve. Writes: finding."""
     is_own = best is not None and best.finest is curve
     error_left = curve.convergence.error
     if curve.convergence.diverges and isfinite(error_left):
-        finding.doubts[curve.series] = error_left / scale
+        finding.uncertainties[curve.series] = error_left / scale
     _set_errors(finding, curve, scale, best)
     # the error of a mesh would hide the order of its steps
     by_differences = is_own or refinement is not None
@@ -165,25 +169,29 @@ def _set_mesh_orders(finding: Finding, refinement: Refinement) -> None:
         finding.mesh_orders[curve.trials[-1].setting.folder] = order
 
 
-def _order_of_meshes(found: Convergence, declared: float | None) -> str:
+def _order_of_meshes(convergence: Convergence, declared: float | None) -> str:
     """The last order, with its largest difference from other orders and from the elements'."""
-    others = [p for p in found.orders[:-1] if isfinite(p)] + ([declared] if declared else [])
-    difference = max((abs(p - found.order) for p in others), default=None)
-    return f"{found.order:.2f}" if difference is None else f"{found.order:.2f} +- {difference:.2f}"
+    others = [p for p in convergence.orders[:-1] if isfinite(p)] + ([declared] if declared else [])
+    difference = max((abs(p - convergence.order) for p in others), default=None)
+    return (
+        f"{convergence.order:.2f}"
+        if difference is None
+        else f"{convergence.order:.2f} +- {difference:.2f}"
+    )
 
 
 def _mesh_reported(
     finding: Finding, refinement: Refinement, scale: float, order: float | None
 ) -> str:
     """The error by the mesh in words, by the method that has the least of it."""
-    found, error_left = refinement.convergence, refinement.limit.error / scale
+    convergence, error_left = refinement.convergence, refinement.limit.error / scale
     errors = [distance(c.convergence.value, finding.reference) / scale for c in refinement.curves]
     errors_in_words = ", ".join(_size(error, finding) for error in errors)
     words = [f"{refinement.name}: {errors_in_words} away"]
-    if found.diverges:
+    if convergence.diverges:
         words.append("finer meshes do not converge")
-    elif isfinite(found.order):
-        words.append(f"order {_order_of_meshes(found, order)} in the length of elements")
+    elif isfinite(convergence.order):
+        words.append(f"order {_order_of_meshes(convergence, order)} in the length of elements")
     if isfinite(error_left):
         words.append(f"estimated error of the finest mesh {_size(error_left, finding)}")
     if "elout." in finding.watch.name:
@@ -192,10 +200,10 @@ def _mesh_reported(
 
 
 def _set_reference(
-    finding: Finding, curves: list[Curve], found: list[Source], known: Json | None
+    finding: Finding, curves: list[Curve], known_sources: list[Source], known: Json | None
 ) -> Source | None:
     """Choose the reference; returns the source it comes from, None when it comes from elsewhere."""
-    watch, best = finding.watch, min(found, key=sort_key)
+    watch, best = finding.watch, min(known_sources, key=sort_key)
     if watch.value is not None:
         difference = _distance_from_published(watch, best.convergence)
         if difference is None:
@@ -212,7 +220,7 @@ def _set_reference(
             return None
         reason = known.get("problem", "its samples are at other times")
         finding.notes.append(f"the reference folder cannot be used: {reason}")
-    _compare_methods(finding, best, found)
+    _compare_methods(finding, best, known_sources)
     finding.reference = best.convergence.value
     finding.kind = "extrapolated" if best.convergence.is_extrapolated else "finest run"
     if best.convergence.grows:
@@ -222,14 +230,14 @@ def _set_reference(
     return best
 
 
-def _compare_methods(finding: Finding, best: Source, found: Sequence[Source]) -> None:
+def _compare_methods(finding: Finding, best: Source, known_sources: Sequence[Source]) -> None:
     """Take as error the distance of another method's limit, where both errors do not explain it.
 
     Writes: best, finding.
     """
     own, difference, since = best.convergence, 0.0, inf
     size = float(np.max(np.abs(own.value)))
-    for other in found:
+    for other in known_sources:
         gap = np.abs(own.value - other.convergence.value)
         limit = EXPLAINED * (own.error + other.convergence.error) + ROUND_OFF * size
         if other.is_steady and np.max(gap) > limit:
@@ -246,16 +254,16 @@ def _compare_methods(finding: Finding, best: Source, found: Sequence[Source]) ->
         )
 
 
-def _distance_from_published(watch: Watch, found: Convergence) -> float | None:
+def _distance_from_published(watch: Watch, convergence: Convergence) -> float | None:
     """Relative distance of a published value from the limit of the runs; None within their error.
 
     An exact value is the reference in any case.
     """
-    if watch.because == "exact" or not watch.value or not found.is_steady:
+    if watch.because == "exact" or not watch.value or not convergence.is_steady:
         return None
-    difference = distance(found.value, np.array([watch.value]))
+    difference = distance(convergence.value, np.array([watch.value]))
     # the estimate can be zero by round-off alone
-    is_elsewhere = difference > 10.0 * max(found.error, ROUND_OFF * abs(watch.value))
+    is_elsewhere = difference > 10.0 * max(convergence.error, ROUND_OFF * abs(watch.value))
     return difference / abs(watch.value) if is_elsewhere else None
 
 
@@ -309,15 +317,15 @@ def _set_orders(finding: Finding, curve: Curve, is_own: bool) -> None:
 
 def _reported(finding: Finding, curve: Curve, scale: float, is_own: bool) -> str:
     """One method's convergence in words."""
-    found = curve.convergence
-    if found.diverges:
+    convergence = curve.convergence
+    if convergence.diverges:
         return f"{curve.series.name}: {_divergence_reported(finding, curve, scale)}"
     error_left, words = (
-        found.error / scale,
+        convergence.error / scale,
         [f"{curve.series.name}: {_order_reported(curve, finding)}"],
     )
-    if found.stalls is not None:
-        step = curve.trials[found.stalls].step
+    if convergence.stalls is not None:
+        step = curve.trials[convergence.stalls].step
         words.append(
             f"its runs differ by {_size(error_left, finding)} from step {step:.3g} s on, a floor"
         )
@@ -338,15 +346,15 @@ def _reported(finding: Finding, curve: Curve, scale: float, is_own: bool) -> str
 
 def _divergence_reported(finding: Finding, curve: Curve, scale: float) -> str:
     """From which step and, of a history, from which time on there is no convergence."""
-    found, diverged_at = curve.convergence, None
-    first = curve.trials[found.stalls or 0]
+    convergence, diverged_at = curve.convergence, None
+    first = curve.trials[convergence.stalls or 0]
     if finding.watch.statistic == PATH:
         diverged_at = divergence_time(curve.times, curve.values)
     since = "" if diverged_at is None else f", after t = {diverged_at:.6g} s"
-    if found.grows:
+    if convergence.grows:
         return (
             f"its errors grow as the steps shrink, from step {first.step:.3g} s on{since}: shorter "
-            f"ones change it by {_size(found.error / scale, finding)}; no run can be trusted "
+            f"ones change it by {_size(convergence.error / scale, finding)}; no run can be trusted "
             "before the cause is found"
         )
     difference = distance(*curve.values[-2:]) / scale
@@ -359,20 +367,20 @@ def _divergence_reported(finding: Finding, curve: Curve, scale: float) -> str:
 def _order_reported(curve: Curve, finding: Finding) -> str:
     if len(curve.trials) < 3:
         return "an order needs three runs or more"
-    seen = [(trial, finding.order(trial)) for trial in curve.trials]
-    seen = [(trial, order) for trial, order in seen if isfinite(order)]
+    orders = [(trial, finding.order(trial)) for trial in curve.trials]
+    orders = [(trial, order) for trial, order in orders if isfinite(order)]
     declared = order_of(curve.series.method)
-    if not seen:
+    if not orders:
         return "no order visible: the runs differ by round-off, or their steps too little"
     if declared is None:
-        return f"order {seen[-1][1]:.2f}"
-    near = [(trial, order) for trial, order in seen if abs(order - declared) <= NEAR]
-    if near and near[-1] == seen[-1]:
-        return f"order {seen[-1][1]:.2f}"
-    if near and abs(near[-1][1] - seen[-1][1]) > NEAR:
+        return f"order {orders[-1][1]:.2f}"
+    near = [(trial, order) for trial, order in orders if abs(order - declared) <= NEAR]
+    if near and near[-1] == orders[-1]:
+        return f"order {orders[-1][1]:.2f}"
+    if near and abs(near[-1][1] - orders[-1][1]) > NEAR:
         step = f"{near[-1][0].step:.3g}"
-        return f"order {near[-1][1]:.2f} down to a step of {step} s, then {seen[-1][1]:.2f}"
-    return f"order {seen[-1][1]:.2f}, where the method has {declared:g}"
+        return f"order {near[-1][1]:.2f} down to a step of {step} s, then {orders[-1][1]:.2f}"
+    return f"order {orders[-1][1]:.2f}, where the method has {declared:g}"
 
 
 def _size(error: float, finding: Finding) -> str:

@@ -55,22 +55,22 @@ class Divisible:
 def divisible(deck: Deck) -> list[Divisible]:
     """Every field that divides elements of a part or structure."""
     own = [part for part in deck.entries["parts"].values() if not part.item.owner]
-    found = [d for part in own for d in _of_part(deck, part)]
-    return found + [d for entry in deck.written_out for d in _of_structure(deck, entry)]
+    fields = [d for part in own for d in _of_part(deck, part)]
+    return fields + [d for entry in deck.written_out for d in _of_structure(deck, entry)]
 
 
 def finer(deck: Deck, factor: int) -> dict[str, str]:
     """Overrides that divide all elements into `factor`. Raises ValueError for why it cannot be."""
-    found: dict[str, str] = {}
+    changes: dict[str, str] = {}
     for field in divisible(deck) if factor > 1 else ():
         _check_names(deck, field)
-        found |= field.overrides(tuple(n * factor for n in field.numbers))
-    return found
+        changes |= field.overrides(tuple(n * factor for n in field.numbers))
+    return changes
 
 
 def coarser(deck: Deck, factor: int) -> dict[str, str]:
     """Overrides that make all elements `factor` times as long. Raises ValueError likewise."""
-    found = _joined(deck, factor)
+    changes = _joined(deck, factor)
     for field in divisible(deck):
         own = field
         if field.coarser and any(n % factor for n in field.numbers):
@@ -80,21 +80,21 @@ def coarser(deck: Deck, factor: int) -> dict[str, str]:
                 f"{own.path} has {wrong[0]}, which cannot be divided by {factor} and stay above 1"
             )
         _check_names(deck, own)
-        found |= own.overrides(tuple(n // factor for n in own.numbers))
-    return found
+        changes |= own.overrides(tuple(n // factor for n in own.numbers))
+    return changes
 
 
 def _joined(deck: Deck, factor: int) -> dict[str, str]:
     """Overrides that join elements of listed meshes and of files. Raises ValueError likewise."""
-    found = {}
+    changes = {}
     for name in undivided(deck):
         path, mesh = _mesh_of(deck, deck.entries["parts"][name])
         if not hasattr(mesh, "joined"):
             raise ValueError(f"{name} has a mesh that cannot be made coarser")
         if mesh.joined * factor > MAX_JOINED:
             raise ValueError(f"elements of {name} are joined by {mesh.joined} already")
-        found[f"{path}.joined"] = str(mesh.joined * factor)
-    return found
+        changes[f"{path}.joined"] = str(mesh.joined * factor)
+    return changes
 
 
 def undivided(deck: Deck) -> list[str]:
@@ -176,14 +176,18 @@ def _inner_names(deck: Deck, entry: Entry) -> frozenset[str]:
     points = {f"{entry.name}_{point.name}" for point in entry.card.points}
     names = set()
     for keyword in ("bodies", "springs", "parts"):
-        for made in deck.entries[keyword].values():
-            if made.item.owner != entry.item.title:
+        for entry_of_structure in deck.entries[keyword].values():
+            if entry_of_structure.item.owner != entry.item.title:
                 continue
             if keyword == "parts":
                 for word in ("node_names", "element_names"):
-                    names |= set(getattr(made.card, word, lambda _: ())(made.name))
+                    names |= set(
+                        getattr(entry_of_structure.card, word, lambda _: ())(
+                            entry_of_structure.name
+                        )
+                    )
             else:
-                names.add(made.name)
+                names.add(entry_of_structure.name)
     return frozenset(names - points)
 
 

@@ -135,8 +135,10 @@ def _refuse_ineffective(request: Request, grid: Sequence[Setting]) -> None:
             continue
         if not requested & {*(several.ineffective or ())}:
             return
-    if found := [error for name, error in (several.ineffective or {}).items() if name in requested]:
-        raise DeckErrors(found)
+    if errors := [
+        error for name, error in (several.ineffective or {}).items() if name in requested
+    ]:
+        raise DeckErrors(errors)
 
 
 def _steps(request: Request, deck: Deck) -> str | None:
@@ -248,9 +250,9 @@ def _verdict(findings: list[Finding], trials: list[Trial], target: float) -> str
 def _advice(findings: list[Finding], trials: list[Trial], target: float, left_out: str) -> str:
     """The nearest setting where none meets the wanted error, and the one that would be needed."""
     text = f"target {target:g}: none of these settings meets it{left_out}"
-    doubtful = [f.watch.name for f in findings if f.is_uncertain(target)]
-    if doubtful:
-        return f"{text}; not to be trusted: {', '.join(doubtful)}"
+    uncertain = [f.watch.name for f in findings if f.is_uncertain(target)]
+    if uncertain:
+        return f"{text}; not to be trusted: {', '.join(uncertain)}"
     usable = [trial for trial in trials if isfinite(worst(findings, trial))]
     single = ""
     if len({trial.setting.label for trial in trials}) == 1:

@@ -83,7 +83,7 @@ def settings(
     vary: str | None = None,
 ) -> list[Setting]:
     """All settings, of each series from the longest step on. Raises DeckError for a wrong word."""
-    found = []
+    all_settings = []
     field, values = varied(deck, vary) if vary else ("", [""])
     for method, value in product(methods or [deck.control.integrator], values):
         for mesh, description in product(_meshes(deck, meshes), descriptions(deck) or [""]):
@@ -92,11 +92,11 @@ def settings(
             series = Series(method, mesh, ", ".join(filter(None, (chosen, value))))
             given = {"control.integrator": method} | _of_parts(deck, mesh, chosen)
             given |= {field: value} if value else {}
-            found += [
+            all_settings += [
                 Setting(series, label, ALONE | given | overrides, factor)
                 for label, overrides, factor in _of_method(deck, method, steps, tolerances)
             ]
-    return found
+    return all_settings
 
 
 def varied(deck: Deck, text: str) -> tuple[str, list[str]]:
@@ -171,11 +171,11 @@ def _part_modules(deck: Deck) -> list[ModuleType]:
 
 def _of_parts(deck: Deck, mesh: int, description: str) -> dict[str, str]:
     """Overrides of the deck for a mesh and a description."""
-    found = mesh_fields.finer(deck, mesh)
+    changes = mesh_fields.finer(deck, mesh)
     if description:
         own = [name for name, part in deck.entries["parts"].items() if not part.item.owner]
-        found |= {f"parts.{name}.description": description for name in own}
-    return found
+        changes |= {f"parts.{name}.description": description for name in own}
+    return changes
 
 
 def suited(deck: Deck) -> tuple[list[str], list[str]]:

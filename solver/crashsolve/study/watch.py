@@ -67,10 +67,10 @@ def watched(deck: Deck, words: Sequence[str]) -> list[Watch]:
     if not words:
         return expected or overall(deck)
     known = {(w.channels[0], w.statistic): w for w in reversed(expected) if not w.during}
-    found = [_from_word(word) for word in words]
-    for watch, word in zip(found, words, strict=True):
+    watches = [_from_word(word) for word in words]
+    for watch, word in zip(watches, words, strict=True):
         _refuse_unsampled(deck, watch, word)
-    return [known.get((w.channels[0], w.statistic), w) for w in found]
+    return [known.get((w.channels[0], w.statistic), w) for w in watches]
 
 
 def _refuse_unsampled(deck: Deck, watch: Watch, word: str) -> None:
@@ -136,11 +136,11 @@ def ask(folder: Path, watches: Sequence[Watch]) -> list[Json]:
 
 def _answer(watch: Watch, answers: Iterator[Json]) -> Json:
     """The answer for one watch, with the size of the vector around its channel, if any."""
-    found = _largest([next(answers) for _ in watch.channels])
+    reply = _largest([next(answers) for _ in watch.channels])
     if watch.vector:
         size = next(answers)
-        found |= {"size": size["value"]} if "value" in size else {}
-    return found
+        reply |= {"size": size["value"]} if "value" in size else {}
+    return reply
 
 
 def _largest(answers: list[Json]) -> Json:

@@ -163,16 +163,16 @@ def read_plan(path: Path) -> Plan:
     if table is None:
         raise DeckErrors(errors)
     context, card = Context(folder=path.parent), None
-    found: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     try:
         card = PlanCard.model_validate(table, context=context)
     except ValidationError as error:
-        found += diagnostics_of(PlanCard, error)
-    axes = _axes(table.get("vary"), context, found)
+        diagnostics += diagnostics_of(PlanCard, error)
+    axes = _axes(table.get("vary"), context, diagnostics)
     if card is not None and len(axes) == len(card.vary):
-        found += _contradictions(card, axes)
-    if found or errors or card is None:
-        raise DeckErrors(_in_order([*errors, *(_placed(path, table, m) for m in found)]))
+        diagnostics += _contradictions(card, axes)
+    if diagnostics or errors or card is None:
+        raise DeckErrors(_in_order([*errors, *(_placed(path, table, m) for m in diagnostics)]))
     locations = {
         name: locate(_start(path), table, (keyword, name), True)
         for keyword, names in (("set", card.set), ("vary", axes))
@@ -181,8 +181,8 @@ def read_plan(path: Path) -> Plan:
     return Plan(path, card, axes, locations)
 
 
-def _axes(given: object, context: Context, found: list[Diagnostic]) -> dict[str, Axis]:
-    """The varied parameters; their errors go to `found`."""
+def _axes(given: object, context: Context, diagnostics: list[Diagnostic]) -> dict[str, Axis]:
+    """The varied parameters; their errors go to `diagnostics`."""
     axes = {}
     for name, value in given.items() if isinstance(given, Mapping) else ():
         if value is BROKEN:
@@ -190,7 +190,9 @@ def _axes(given: object, context: Context, found: list[Diagnostic]) -> dict[str,
         fields = {"values": value} if isinstance(value, list) else value
         if not isinstance(fields, Mapping):
             message = f"must be a list of values or a range, not {shown(value)}"
-            found.append(Diagnostic(("vary", name), message, "write [1, 2] or {from: 1, to: 2}"))
+            diagnostics.append(
+                Diagnostic(("vary", name), message, "write [1, 2] or {from: 1, to: 2}")
+            )
             continue
         try:
             axes[name] = Axis.model_validate(fields, context=context)
@@ -198,59 +200,69 @@ def _axes(given: object, context: Context, found: list[Diagnostic]) -> dict[str,
             for diagnostic in diagnostics_of(Axis, error):
                 # a bare list has no word `values`
                 within = diagnostic.path[1:] if isinstance(value, list) else diagnostic.path
-                found.append(diagnostic._replace(path=("vary", name, *within)))
+                diagnostics.append(diagnostic._replace(path=("vary", name, *within)))
     return axes
 
 
 def _contradictions(card: PlanCard, axes: Mapping[str, Axis]) -> list[Diagnostic]:
     """Contradictions between the fields of a plan."""
-    found, known = [], dict[str, str]()
+    diagnostics, known = [], dict[str, str]()
     for keyword, name in (*(("vary", n) for n in axes), *(("set", n) for n in card.set)):
         own = name.removeprefix(PARAMETERS)
         if own in known:
             message = f"'{name}' is given already, under {known[own]}"
-            found.append(Diagnostic((keyword, name), message, "leave one of them out", True))
+            diagnostics.append(Diagnostic((keyword, name), message, "leave one of them out", True))
         known[own] = keyword
     titles = {*axes, *COLUMNS}
     for name in axes:
         if name in COLUMNS:
             message = f"'{name}' is a column of the table already"
-            found.append(Diagnostic(("vary", name), message, f"write parameters.{name}", True))
+            diagnostics.append(
+                Diagnostic(("vary", name), message, f"write parameters.{name}", True)
+            )
     for i, measure in enumerate(card.measure):
         if measure.title in titles:
             message = f"'{measure.title}' is a heading already"
-            found.append(Diagnostic(("measure", i), message, "give it another name"))
+            diagnostics.append(Diagnostic(("measure", i), message, "give it another name"))
         titles.add(measure.title)
     kind = card.design.type
     for name, axis in axes.items():
-        found += [m._replace(path=("vary", name, *m.path)) for m in _unfit(kind, axis)]
+        diagnostics += [m._replace(path=("vary", name, *m.path)) for m in _unfit(kind, axis)]
     lengths = {name: len(axis.values) for name, axis in axes.items() if axis.values is not None}
     if kind == "list" and len(set(lengths.values())) > 1:
         message = ", ".join(f"{name} has {length}" for name, length in lengths.items())
-        found.append(
+        diagnostics.append(
             Diagnostic(("vary",), f"the lists must be of one length: {message} values", "")
         )
-    return found
+    return diagnostics
 
 
 def _unfit(kind: str, axis: Axis) -> list[Diagnostic]:
     """Reason why the values of a parameter do not fit the design."""
-    found = []
+    diagnostics = []
     if kind == "list" and axis.values is None:
-        found.append(Diagnostic((), "a range does not go with design: list", "write its values"))
+        diagnostics.append(
+            Diagnostic((), "a range does not go with design: list", "write its values")
+        )
     if kind == "grid" and axis.values is None and axis.count is None:
-        found.append(Diagnostic((), "the range needs a number of values", "write count: 5"))
+        diagnostics.append(Diagnostic((), "the range needs a number of values", "write count: 5"))
     if kind == "grid" and axis.distribution not in ("uniform", "log_uniform"):
         message = f"{axis.distribution} values are random, and a grid has none"
-        found.append(Diagnostic(("distribution",), message, "take design: {type: sobol, runs: 64}"))
+        diagnostics.append(
+            Diagnostic(("distribution",), message, "take design: {type: sobol, runs: 64}")
+        )
     if kind in DRAWN and axis.count is not None:
-        found.append(Diagnostic(("count",), f"belongs to a grid, and the design is {kind}", ""))
+        diagnostics.append(
+            Diagnostic(("count",), f"belongs to a grid, and the design is {kind}", "")
+        )
     if kind in ("grid", *DRAWN) and axis.values is not None:
         texts = axis.texts()
         twice = next((text for text in texts if texts.count(text) > 1), None)
         if twice is not None:
-            found.append(Diagnostic((), f"has the value {twice} twice", "leave one of them out"))
-    return found
+            diagnostics.append(
+                Diagnostic((), f"has the value {twice} twice", "leave one of them out")
+            )
+    return diagnostics
 
 
 def _start(path: Path) -> Position:

@@ -118,13 +118,13 @@ class RunPool:
                 self._held_by_others.add(run.number)
                 continue
             waiting.remove(run)
-            found = run_status(self.folder, run)
-            if run.number in self._held_by_others and found.state in ("finished", "failed"):
+            status = run_status(self.folder, run)
+            if run.number in self._held_by_others and status.state in ("finished", "failed"):
                 # who held it has ended it
-                code = ExitCode.NORMAL if found.state == "finished" else ExitCode.SOLVER
-                self._report(run, found, code)
+                code = ExitCode.NORMAL if status.state == "finished" else ExitCode.SOLVER
+                self._report(run, status, code)
                 continue
-            workers.append(self._start(run, found.state in ("stopped", "killed")))
+            workers.append(self._start(run, status.state in ("stopped", "killed")))
 
     def _start(self, run: Run, continues: bool) -> Worker:
         folder = run.folder(self.folder)
@@ -158,11 +158,11 @@ class RunPool:
             self.after_first()
             self.after_first = None
 
-    def _report(self, run: Run, found: RunStatus, code: int) -> None:
-        self.states[run.number], self.codes[run.number] = found, code
+    def _report(self, run: Run, status: RunStatus, code: int) -> None:
+        self.states[run.number], self.codes[run.number] = status, code
         self._ended += 1
-        why = f", exit code {code}: {found.message}" if found.message else ""
-        self._print(f"  {run.name} {found.state}{why}")
+        why = f", exit code {code}: {status.message}" if status.message else ""
+        self._print(f"  {run.name} {status.state}{why}")
 
     def _monitor(self, workers: Sequence[Worker], waiting: int) -> None:
         """Once a second: progress of all runs, and those that are out of time."""
@@ -195,7 +195,7 @@ class RunPool:
 
     def _progress(self, workers: Sequence[Worker], waiting: int) -> str:
         """One line about all runs."""
-        counts = Counter(found.state for found in self.states.values())
+        counts = Counter(status.state for status in self.states.values())
         ended = ", ".join(f"{n} {state}" for state, n in sorted(counts.items()))
         some = [f"{w.run.name} {100.0 * w.progress:.0f} %" for w in workers[:SHOWN]]
         running = ", ".join(some) + (", ..." if len(workers) > SHOWN else "")

@@ -146,7 +146,7 @@ def _refused(plan: Plan, wrong: list[tuple[int, Point, DeckErrors]], count: int)
     them.
     """
     number, point, errors = wrong[0]
-    found = []
+    refusals = []
     values = ", ".join(f"{name} = {text}" for name, text in point.items())
     given = {name: as_text(value) for name, value in plan.card.set.items()} | point
     for error in errors.errors:
@@ -154,15 +154,15 @@ def _refused(plan: Plan, wrong: list[tuple[int, Point, DeckErrors]], count: int)
         card = ": ".join(filter(None, (f"run {number}", error.card)))
         if error.file.startswith("--set ") and name in plan.locations:
             text = f"{name} = {given[name]}: {error.message}"
-            found.append(DeckError(*plan.locations[name], card, text, error.advice))
+            refusals.append(DeckError(*plan.locations[name], card, text, error.advice))
         else:
             advice = "; ".join(filter(None, (error.advice, f"with {values}")))
             location = error.file, error.line, error.column
-            found.append(DeckError(*location, card, error.message, advice))
+            refusals.append(DeckError(*location, card, error.message, advice))
     if len(wrong) > 1:
         message = f"{len(wrong)} of the {count} runs have a wrong deck; this was the first"
-        found.append(DeckError(str(plan.path), None, None, "", message))
-    return DeckErrors(found)
+        refusals.append(DeckError(str(plan.path), None, None, "", message))
+    return DeckErrors(refusals)
 
 
 def _refuse_stale(request: Request, runs: Sequence[Run], statuses: dict[int, RunStatus]) -> None:
@@ -186,10 +186,10 @@ def _remove_old(folder: Path, due: Sequence[Run]) -> None:
             (folder / name).unlink(missing_ok=True)
 
 
-def _is_due(found: RunStatus, again: Sequence[str]) -> bool:
-    if found.state in ("failed", "stale"):
-        return found.state in again
-    return found.state != "finished"
+def _is_due(status: RunStatus, again: Sequence[str]) -> bool:
+    if status.state in ("failed", "stale"):
+        return status.state in again
+    return status.state != "finished"
 
 
 def _report_plan(request: Request, runs: Sequence[Run], statuses: dict[int, RunStatus]) -> None:

@@ -84,13 +84,13 @@ def write_script(folder: Path, numbers: Sequence[int], queue: Queue) -> Path:
 
 def _ranges(numbers: Sequence[int]) -> str:
     """Numbers as Slurm lists them: 1-3,7."""
-    found: list[list[int]] = []
+    ranges: list[list[int]] = []
     for number in numbers:
-        if found and number == found[-1][1] + 1:
-            found[-1][1] = number
+        if ranges and number == ranges[-1][1] + 1:
+            ranges[-1][1] = number
         else:
-            found.append([number, number])
-    return ",".join(str(a) if a == b else f"{a}-{b}" for a, b in found)
+            ranges.append([number, number])
+    return ",".join(str(a) if a == b else f"{a}-{b}" for a, b in ranges)
 
 
 def submit(path: Path) -> str:

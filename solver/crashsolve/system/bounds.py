@@ -49,7 +49,7 @@ class StepBound:
     def __init__(self, interval: float, longest: float | None) -> None:
         """`interval` [s] of samples, `longest` [s] the deck's own bound."""
         self._interval, self._longest = interval, longest
-        self._culprit, self._at, self._found = "", 0, -np.inf
+        self._actor, self._at, self._renewed = "", 0, -np.inf
 
     def report(self, engine: Engine) -> str:
         """The entity that limits the present step, and why."""
@@ -103,16 +103,16 @@ class StepBound:
 
     def _stiffest(self, engine: Engine, at: int) -> str:
         now = monotonic()
-        if at != self._at or now > self._found + RENEWAL_INTERVAL:
-            self._culprit, self._at, self._found = stiffest(engine, at), at, now
-        return self._culprit
+        if at != self._at or now > self._renewed + RENEWAL_INTERVAL:
+            self._actor, self._at, self._renewed = stiffest(engine, at), at, now
+        return self._actor
 
 
 def _speeds(nodes: np.ndarray) -> np.ndarray:
     """Bound of the frequency [rad/s] of every node by the laws that act on it."""
     damping = nodes["damping"]
-    found: np.ndarray = np.sqrt(2.0 * nodes["stiffness"] + damping**2) + damping
-    return found
+    speeds: np.ndarray = np.sqrt(2.0 * nodes["stiffness"] + damping**2) + damping
+    return speeds
 
 
 def stiffest(engine: Engine, at: int) -> str:
@@ -135,10 +135,10 @@ def stiffest(engine: Engine, at: int) -> str:
         engine.probe(tables, changed | actor.arrays)
         return _bound(changed["nodes"], at)
 
-    found = [(*alone(actor), actor) for actor in _actors(engine, at)]
-    if not found:
+    limits = [(*alone(actor), actor) for actor in _actors(engine, at)]
+    if not limits:
         return f"body '{name}'"
-    speed, is_damped, actor = max(found, key=lambda one: one[0])
+    speed, is_damped, actor = max(limits, key=lambda one: one[0])
     kind = "damping" if is_damped else "stiffness"
     text = f"body '{model.bodies[at]}', {kind} of {actor.name}"
     without_rotation, _ = alone(actor, rotations=False)
@@ -160,7 +160,7 @@ def _copies(engine: Engine) -> dict[str, np.ndarray]:
 
 def _actors(engine: Engine, at: int) -> list[Actor]:
     """Springs, elements of beams and contacts that act on a body."""
-    model, found = engine.model, list[Actor]()
+    model, actors = engine.model, list[Actor]()
     current = int(engine.clock["current"])
     for g in model.force_groups():
         ends = [name for name in g.parameters.dtype.names or () if name.startswith("node")]
@@ -171,7 +171,7 @@ def _actors(engine: Engine, at: int) -> list[Actor]:
         for rows in _split(np.flatnonzero(acts)):
             names = ", ".join(f"'{g.names[i]}'" for i in rows[:3])
             more = f" and {len(rows) - 3} more" if len(rows) > 3 else ""
-            found.append(Actor(f"{word} {names}{more}", _only(g, rows)))
+            actors.append(Actor(f"{word} {names}{more}", _only(g, rows)))
     for c in model.contact_groups:
         if c.is_unilateral:
             continue
@@ -182,8 +182,8 @@ def _actors(engine: Engine, at: int) -> list[Actor]:
             others = {int(side[i]) for side in sides for i in rows} - {at}
             names = ", ".join(sorted(f"'{model.bodies[i]}'" for i in others)[:3])
             card = model.contacts[int(p["card"][rows[0]])]
-            found.append(Actor(f"contact '{card}' with {names}", _only(c, rows)))
-    return found
+            actors.append(Actor(f"contact '{card}' with {names}", _only(c, rows)))
+    return actors
 
 
 def _split(rows: np.ndarray) -> list[np.ndarray]:

@@ -50,38 +50,38 @@ def diagnose(model: Model, state: State, clock: np.void, ledger: np.ndarray) -> 
     if status == NOT_FINITE:
         at = int(clock["index"])
         name = f"body '{model.bodies[at]}'" if at < len(model.bodies) else model.part_at(at)
-        found = (
+        causes = (
             name,
             "its motion has diverged: positions or velocities are not finite",
             closer(model, state),
         )
     elif status == POSITION:
-        found = open_joints(model, state, clock)
+        causes = open_joints(model, state, clock)
     elif status == VELOCITY:
-        found = broken_velocities(model, state)
+        causes = broken_velocities(model, state)
     elif status == UNSOLVED:
         cause = f"the equations of a step have no solution (the next step would be {step:.3g} s)"
-        found = "the model", cause, advice_on_step(model, state)
+        causes = "the model", cause, advice_on_step(model, state)
     elif status == UNHELD:
         lack = f"{float(clock['value']):.3g} m"
         cause = f"nodes of unilateral constraints leave their surface by {lack}"
-        found = "a unilateral contact", cause, closer(model, state)
+        causes = "a unilateral contact", cause, closer(model, state)
     elif status == ROTATED:
-        found = rotated_far(model, state, clock)
+        causes = rotated_far(model, state, clock)
     elif status == STEP_TOO_SMALL:
-        found = collapsed_step(model, state, int(clock["limit_node"]), step)
+        causes = collapsed_step(model, state, int(clock["limit_node"]), step)
     elif status == CONTACT_GAIN:
-        found = find_contact_gain(model, state, clock)
+        causes = find_contact_gain(model, state, clock)
     elif status == LAW_GAIN:
-        found = find_law_gain(model, state)
+        causes = find_law_gain(model, state)
     elif status == CURVE_END:
-        found = curve_end(model, clock)
+        causes = curve_end(model, clock)
     else:
         share = 100.0 * ledger[energy.IMBALANCE] / ledger[energy.LARGEST]
         cause = f"the energy balance is off by {share:.3g} % of the largest energy"
         advice = f"{closer(model, state)}; control.energy_limit sets the bound"
-        found = "the model", cause, advice
-    return SolverError(float(clock["time"]), int(clock["cycle"]), *found)
+        causes = "the model", cause, advice
+    return SolverError(float(clock["time"]), int(clock["cycle"]), *causes)
 
 
 class _Passed(NamedTuple):
@@ -97,10 +97,10 @@ class _Passed(NamedTuple):
 
 def passed_through(model: Model, state: State) -> SolverError | None:
     """The error for the first pair of bodies of which one has passed the middle of the other."""
-    found = _passed_pairs(model, state) + _passed_nodes(model)
-    if not found:
+    passages = _passed_pairs(model, state) + _passed_nodes(model)
+    if not passages:
         return None
-    first = min(found, key=lambda one: one.time)
+    first = min(passages, key=lambda one: one.time)
     advice = f"{first.advice}; or {closer(model, state)}" if first.helps_step else first.advice
     cause, cycle = f"{first.what}: {first.cause}", int(state.clock[0]["cycle"])
     return SolverError(first.time, cycle, first.location, cause, advice)
@@ -108,7 +108,7 @@ def passed_through(model: Model, state: State) -> SolverError | None:
 
 def _passed_pairs(model: Model, state: State) -> list[_Passed]:
     """Pairs of elements on bodies."""
-    current, found = int(state.clock[0]["current"]), []
+    current, passages = int(state.clock[0]["current"]), []
     for group in model.contact_groups:
         if "pass_time" not in (group.history.dtype.names or ()):
             continue
@@ -124,16 +124,18 @@ def _passed_pairs(model: Model, state: State) -> list[_Passed]:
             is_open = "thickness" in (b.dtype.names or ()) and isfinite(b["thickness"])
             if time < 0.0 and is_open:
                 what = f"{names[0]} has come from behind the open mesh on {names[1]}"
-                found.append(_Passed(-time, card, what, FROM_BEHIND, OTHER_SIDE, helps_step=False))
+                passages.append(
+                    _Passed(-time, card, what, FROM_BEHIND, OTHER_SIDE, helps_step=False)
+                )
             else:
                 what = f"{names[0]} has passed the middle of what it strikes on {names[1]}"
-                found.append(_Passed(abs(time), card, what))
-    return found
+                passages.append(_Passed(abs(time), card, what))
+    return passages
 
 
 def _passed_nodes(model: Model) -> list[_Passed]:
     """Nodes of shells on rigid shapes, and nodes and balls on faces."""
-    found = []
+    passages = []
     for group in model.nodal_groups:
         location = f"contact '{group.card}'"
         if group.narrow is None:
@@ -145,8 +147,8 @@ def _passed_nodes(model: Model) -> list[_Passed]:
         else:
             continue
         if times.any():
-            found.append(_Passed(float(np.abs(times[times != 0.0]).min()), location, what))
-    return found
+            passages.append(_Passed(float(np.abs(times[times != 0.0]).min()), location, what))
+    return passages
 
 
 def closer(model: Model, state: State) -> str:

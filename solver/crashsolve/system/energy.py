@@ -28,8 +28,8 @@ from crashsolve.model.ledger import (
 from crashsolve.system.contact.touches import card_with_energy_gain, card_with_friction_gain
 from crashsolve.system.kinetics import bad_node
 
-# over so much of the model's size, or turn in rad, the work of a force is round-off; equilibria
-# (static/equilibrium.py) are judged by the same
+# over so much of the model's size, or rotation in rad, the work of a force is round-off; equilibria
+# (statics/equilibrium.py) are checked by the same
 NOTHING = 1e-12
 # round-off of a displacement in a step, over the distance from the origin
 EPSILON = 4e-16
@@ -59,7 +59,7 @@ def clear_ledger(ledger):
 def least_energy(control, nodes, unseen):
     """Energy beyond which `control.energy_limit` of it is no work over an unseen motion [J].
 
-    Of the largest applied force or torque, over `unseen`: a share of the model's size, or a turn.
+    Of the largest applied force or torque over `unseen`, a share of the model's size or a rotation.
     """
     largest = 0.0
     for i in range(1, nodes.shape[0]):
@@ -127,7 +127,7 @@ def check_contacts(clock, control, nodes, scene):
     if clock.status == RUNNING and control.energy_limit > 0.0:
         unseen, limit = unseen_distance(clock, control, nodes), control.energy_limit
         card = card_with_energy_gain(clock.current, limit, unseen, scene.card_history)
-        rubbing = card_with_friction_gain(clock.current, limit, unseen, scene.card_history)
-        if card >= 0 or rubbing >= 0:
-            clock.status, clock.index = CONTACT_GAIN, card if card >= 0 else rubbing
+        with_friction = card_with_friction_gain(clock.current, limit, unseen, scene.card_history)
+        if card >= 0 or with_friction >= 0:
+            clock.status, clock.index = CONTACT_GAIN, card if card >= 0 else with_friction
             clock.value = 0.0 if card >= 0 else 1.0

@@ -48,7 +48,7 @@ MANY_ITERATIONS = 4.0
 # longer for an answer to a signal
 FIRST_CALL, LONGEST_CALL = 16, 0.2
 # steps after which work from outside, of a force that grows from nothing, can be compared with
-FIRST_JUDGED = 5
+FIRST_CHECKED = 5
 # a corner of a curve is met within this share of a step, or of the time: its square is the error
 STAGNATION_RATIO, ROUND_OFF = 1e-6, 1e-14
 # the record of a balance above its limit, and the negligible part: a share of that limit,
@@ -78,9 +78,9 @@ class Engine:
         # of motion: an equilibrium has none
         self.has_stages = len(state.stages) > 0
         # stages lie within the step, and its error is judged
-        self._stages_see = WITHIN if self.has_stages else 1.0
+        self._stage_fraction = WITHIN if self.has_stages else 1.0
         method = import_module(f"crashsolve.integrators.{model.integrator}")
-        parts = LINE * self._stages_see if method.ORDER == 2 else 0.0
+        parts = LINE * self._stage_fraction if method.ORDER == 2 else 0.0
         self._curve_starts, self._curve_steps = steps_by_curves(model, parts)
         self.is_dense = samples_within_steps(model)
         self.tableau = self._tableau()
@@ -287,7 +287,7 @@ class Engine:
         if self._is_free_of_curves():
             return inf
         now = float(clock["time"])
-        steps = self._curve_steps * (float(control["curve_share"]) * self._stages_see)
+        steps = self._curve_steps * (float(control["curve_share"]) * self._stage_fraction)
         at = max(int(np.searchsorted(starts, now, side="right")) - 1, 0)
         if control["fixed_step"] > 0.0:
             # the remaining time, but for round-off, is one step
@@ -352,8 +352,8 @@ class Engine:
         self.state.clock[0]["sampled"] = clock["time"]
         self._check_pass_through()
         is_stopped = clock["status"] in STOPS_AT_SAMPLE
-        is_judged = clock["cycle"] >= FIRST_JUDGED
-        if is_stopped or (is_judged and energy.is_spurious_energy(self.ledger, self._limit)):
+        is_checked = clock["cycle"] >= FIRST_CHECKED
+        if is_stopped or (is_checked and energy.is_spurious_energy(self.ledger, self._limit)):
             raise diagnose(self.model, self.state, clock, self.ledger)
         self.state.ledger[energy.LARGEST] = self.ledger[energy.LARGEST]
         for name in MISSING:
@@ -394,14 +394,14 @@ class Engine:
 
     def step_warnings(self) -> list[str]:
         """Signs that the step is too long for the forces of joints, which have no stiffness."""
-        found = self._balance_warnings() + swing_warnings(self.clock, self.model.bodies)
-        found += joint_warnings(self.model, self.state)
+        warnings = self._balance_warnings() + swing_warnings(self.clock, self.model.bodies)
+        warnings += joint_warnings(self.model, self.state)
         cycles = int(self.clock["cycle"])
         iterations = int(self.clock["iterations"]) / max(cycles, 1)
         if self.model.integrator != "rattle" or iterations <= MANY_ITERATIONS:
-            return found
+            return warnings
         return [
-            *found,
+            *warnings,
             f"the joints took {iterations:.1f} iterations per step: the step may be too long for "
             "their forces; halve control.step or control.step_max, and compare the results",
         ]
@@ -420,7 +420,7 @@ class Engine:
 
     def assembly_errors(self) -> list[tuple[str, str]]:
         """Joints that the initial configuration or velocity violates: (joint, cause)."""
-        rows, found = self.state.rows, []
+        rows, errors = self.state.rows, []
         gap = np.abs(rows["phi"]) / rows["scale"]
         speed = velocity_error(self.model, self.state)
         nodes = self.state.nodes
@@ -431,14 +431,14 @@ class Engine:
             part = slice(joint.first_row, joint.first_row + joint.rows)
             if gap[part].max() > ASSEMBLY:
                 worst = np.abs(rows["phi"][part]).max()
-                found.append(
+                errors.append(
                     (joint.name, f"is violated by the initial positions: {worst:.3g} (SI)")
                 )
             elif (speed[part] / rows["scale"][part]).max() > ASSEMBLY * scale / self.model.size:
-                found.append(
+                errors.append(
                     (
                         joint.name,
                         f"is violated by the initial velocities: {speed[part].max():.3g} (SI)",
                     )
                 )
-        return found
+        return errors

@@ -25,26 +25,26 @@ def contact_flags(model: Model, state: State, table: str) -> set[tuple[int, str]
     """Contact cards whose normal law has raised flags of a table, with the words of the flag."""
     current = int(state.clock[0]["current"])
     left = state.card_history["left_warnings"][current]
-    found: set[tuple[int, str]] = set()
+    flags: set[tuple[int, str]] = set()
     for group in model.contact_groups:
-        found |= _of_pairs(group, table, current, left)
+        flags |= _of_pairs(group, table, current, left)
     for nodal in model.nodal_groups:
-        found |= _of_probes(nodal, table)
-    return found
+        flags |= _of_probes(nodal, table)
+    return flags
 
 
 def _of_pairs(
     group: ContactGroup, table: str, current: int, left: np.ndarray
 ) -> set[tuple[int, str]]:
-    found, bits = set(), flags_of(group.normal)
+    flags, bits = set(), flags_of(group.normal)
     for name, text in getattr(group.normal, table, {}).items():
         raised = group.history[name][current] != 0
         cards = {int(card) for card in group.parameters["card"][raised]}
         # of pairs that have left the list of near ones, the card remembers
         is_set = left >> bits.index(name) & 1
         cards |= {card for card in (group.search.cards() if group.search else ()) if is_set[card]}
-        found |= {(card, text) for card in cards}
-    return found
+        flags |= {(card, text) for card in cards}
+    return flags
 
 
 def _of_probes(nodal: NodalGroup, table: str) -> set[tuple[int, str]]:

@@ -50,12 +50,12 @@ def created_by_joints(model: Model, state: State) -> Iterator[Created]:
 def gaining_joints(model: Model, state: State) -> Created | None:
     """The mechanism that has created or lost most, where that is more than the energy limit."""
     limit = float(model.control[0]["energy_limit"])
-    found = [
+    gains = [
         one
         for one in created_by_joints(model, state)
         if abs(one.work) > max(limit * max(one.exchange, one.kinetic), one.unseen) and limit > 0.0
     ]
-    return max(found, key=lambda one: abs(one.work), default=None)
+    return max(gains, key=lambda one: abs(one.work), default=None)
 
 
 def joint_warnings(model: Model, state: State) -> list[str]:

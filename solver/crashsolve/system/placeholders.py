@@ -59,7 +59,7 @@ THREADS = True  # several share the elements, and many contact pairs
 DENSE = True  # a sample may lie within a step
 ONSETS = True  # something may begin within a step
 EVENTS = True  # there are laws with an event function
-LOOKS_AHEAD = True  # contacts cut the next step: a list to renew, or sides with an end
+BOUNDS_NEXT_STEP = True  # contacts cut the next step: a list to renew, or sides with an end
 COUNTS_ROTATIONS = True  # laws follow angles from step to step, and steps may be long
 
 
@@ -100,7 +100,7 @@ def placeholders(model: Model) -> dict[str, Any]:
         "DENSE": samples_within_steps(model),
         "ONSETS": bool(contacts or model.branching_groups()),
         "EVENTS": bool(model.branching_groups() or model.groups_with_friction()),
-        "LOOKS_AHEAD": bool(nodal or any(c.looks_ahead for c in contacts)),
+        "BOUNDS_NEXT_STEP": bool(nodal or any(c.bounds_next_step for c in contacts)),
         "COUNTS_ROTATIONS": counts_rotations(model),
     }
 

@@ -23,14 +23,14 @@ def swing_warnings(clock: np.void, bodies: Sequence[str]) -> list[str]:
     limit = 2.0 / (hypot(omega, 0.5 * damping) + 0.5 * damping)
     step, name = 0.5 * swing * limit, bodies[node]
     if damping > 2.0 * omega:
-        found = (
+        message = (
             f"body '{name}': dampers, friction or contacts stop it within {1.0 / damping:.2g} "
             f"s, unless joints hold it; steps of {step:.4g} s reverse its velocity instead"
         )
     else:
-        found = (
+        message = (
             f"body '{name}': springs and contacts let it vibrate at {omega:.4g} rad/s, unless "
             f"joints hold it; steps of {step:.4g} s amplify this, and from {limit:.4g} s on it "
             "grows without bound"
         )
-    return [f"{found}: take control.step below {0.5 * limit:.2g} s"]
+    return [f"{message}: take control.step below {0.5 * limit:.2g} s"]

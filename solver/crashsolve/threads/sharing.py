@@ -49,15 +49,15 @@ def arrays_of_threads(model: Model) -> list[dict[str, np.ndarray]]:
     Number, clock, work space for a block of elements and for the area of contact of a pair.
     """
     flat_groups = [g for g in model.contact_groups if g.in_pieces and g.is_flat]
-    found = []
+    tables = []
     for thread_number in range(1, model.threads):
         own = {"thread_number": np.array([thread_number]), "clock": np.zeros(1, CLOCK.dtype)}
         if model.elements:
             own["work"] = line_up(len(model.elements.work))
         for g in flat_groups:
             own |= {f"{g.word}_data_{k}": data.copy() for k, data in enumerate(g.data)}
-        found.append(own)
-    return found
+        tables.append(own)
+    return tables
 
 
 def together(first: Callable[..., None], other: Callable[..., None]) -> Callable[..., None]:

@@ -35,8 +35,8 @@ def nearest_face(x: np.ndarray, points: np.ndarray, quads: np.ndarray) -> OnFace
     away = np.linalg.norm(middle - x, axis=1)
     # no face farther than the nearest of the middles can be is nearer
     able = np.flatnonzero(away - radius <= (away + radius).min())
-    found = [one for k in able if (one := _on_face(int(k), x, corners[k], quads[k])) is not None]
-    return min(found, key=lambda one: one.distance, default=None)
+    faces = [one for k in able if (one := _on_face(int(k), x, corners[k], quads[k])) is not None]
+    return min(faces, key=lambda one: one.distance, default=None)
 
 
 def _on_face(face: int, x: np.ndarray, corners: np.ndarray, quad: np.ndarray) -> OnFace | None:

@@ -36,25 +36,25 @@ class NodeToFace(Card):
 
 def build(card: NodeToFace, scene: Scene) -> list[Columns]:
     _refuse_method(scene)
-    (tied, _, first), (bearing, _, base) = (
+    (tied, _, first), (target, _, base) = (
         scene.skin(card.part, "part"),
         scene.skin(card.to, "to"),
     )
-    if bearing.can_fail:
+    if target.can_fail:
         message = f"elements of '{card.to}' may be deleted, and would leave their nodes without a"
         raise scene.fail(f"{message} face; tie the nodes of '{card.to}' to '{card.part}'", "to")
     limit = card.within
     if limit is None:
-        limit = 0.5 * (tied.card.thickness + bearing.card.thickness)
+        limit = 0.5 * (tied.card.thickness + target.card.thickness)
     rows = []
     for node in tied.set_of(card.nodes, "nodes", scene):
         _refuse_fixed(int(node), tied, scene)
         x = tied.mesh.points[node]
-        found = nearest_face(x, bearing.mesh.points, bearing.mesh.quads)
-        if found is None or not found.distance <= limit:
-            raise scene.fail(_too_far(found, x, card, limit), "nodes")
-        corners = base + bearing.mesh.quads[found.face]
-        own = {"corner": corners, "weight": found.weights, "height": found.height}
+        face = nearest_face(x, target.mesh.points, target.mesh.quads)
+        if face is None or not face.distance <= limit:
+            raise scene.fail(_too_far(face, x, card, limit), "nodes")
+        corners = base + target.mesh.quads[face.face]
+        own = {"corner": corners, "weight": face.weights, "height": face.height}
         rows.append({"point": first + int(node)} | own)
     return rows
 
@@ -79,12 +79,12 @@ def _refuse_fixed(node: int, tied: PartOfScene, scene: Scene) -> None:
         raise scene.fail(f"{message} already; leave it out of the set", "nodes")
 
 
-def _too_far(found: OnFace | None, x: np.ndarray, card: NodeToFace, limit: float) -> str:
-    if found is None:
+def _too_far(face: OnFace | None, x: np.ndarray, card: NodeToFace, limit: float) -> str:
+    if face is None:
         message = f"the node at {_shown(x)} lies beside all faces of '{card.to}'"
         return f"{message}; leave it out of the set, or move one of the parts"
     reason = "half of both thicknesses" if card.within is None else "within"
-    message = f"the node at {_shown(x)} is {found.distance:.3g} m from the nearest face of"
+    message = f"the node at {_shown(x)} is {face.distance:.3g} m from the nearest face of"
     message += f" '{card.to}', more than {limit:.3g} m ({reason})"
     return f"{message}; move one of the parts, or allow the distance by within"
 

@@ -245,10 +245,10 @@ def nearest_on_piece(c, s, end, y, start):
 @kernel
 def mesh_distance(root, thickness, y, data):
     """Distance of y from a mesh and the normal, in the axes of the mesh."""
-    foot, found, at = nearest(data[0], data[1], root, y)
+    foot, index, at = nearest(data[0], data[1], root, y)
     displacement = sub(y, foot)
     distance = norm(displacement)
-    m, is_open = outward(data[1][found], at)
+    m, is_open = outward(data[1][index], at)
     inside = not is_open and dot(displacement, m) < 0.0
     if inside and distance > thickness:
         # beneath the solid: not on this road

@@ -55,7 +55,7 @@ class TyreCard(Card):
     wheel: BodyName = word("body of the wheel")
     axis: Vec3 = word("axis of the wheel, to the left of forward, in its frame", (0.0, 1.0, 0.0))
     at: Vec3 = quantity("m", "centre of the wheel, in its frame", (0.0, 0.0, 0.0))
-    road: tuple[SurfaceName, ...] = word("surfaces it may roll on: planes, boxes, meshes", ())
+    road: tuple[SurfaceName, ...] = word("surfaces on which it may roll: planes, boxes, meshes", ())
     profile: Profile | None = word("height of a road over the distance along it", None)
     radius: float = quantity("m", "R, without load", gt=0)
     stiffness: float | None = quantity("N/m", "k, of the depth", None, gt=0)
@@ -63,7 +63,7 @@ class TyreCard(Card):
     damping: float = quantity("N s/m", "c, of the depth", 0.0, ge=0)
     damping_depth: float = quantity("m", "depth over which damping grows to c", 5e-3, gt=0)
     rim_radius: float | None = quantity("m", "radius at which it meets the rim", None, gt=0)
-    rim_stiffness: float = quantity("N/m", "k_rim, added to k once the rim is met", 0.0, ge=0)
+    rim_stiffness: float = quantity("N/m", "k_rim, added to k once the rim is reached", 0.0, ge=0)
     slip_stiffness: float = quantity("N", "C_x, longitudinal force over slip at zero", gt=0)
     cornering_stiffness: float = quantity("N/rad", "C_y, lateral force over slip at zero", gt=0)
     camber_stiffness: float = quantity(
@@ -235,8 +235,8 @@ def patch_of(p, i, nodes, curves, data):
     depth = -1.0 if lies else p.radius * upright - d
     tilt = (0.0, 0.0, 0.0)
     if depth > 0.0 and p.kind[i] != PLANE:
-        turning = normal_gradient(p, i, nodes, centre, u, n, curves, data)
-        tilt = scale(-p.radius * camber / cosine, turning)
+        gradient = normal_gradient(p, i, nodes, centre, u, n, curves, data)
+        tilt = scale(-p.radius * camber / cosine, gradient)
     return Patch(
         depth,
         n,
@@ -262,10 +262,10 @@ def normal_gradient(p, i, nodes, centre, u, n, curves, data):
     """
     step = NEAR * p.radius
     _, beside = road_distance(p, i, nodes, add_scaled(centre, step, u), curves, data)
-    turning = scale(1.0 / step, sub(beside, n))
+    gradient = scale(1.0 / step, sub(beside, n))
     # the normal jumps where two parts of a road are equally near
-    is_jump = dot(turning, turning) * (0.1 * p.radius) ** 2 > 1.0
-    return (0.0, 0.0, 0.0) if is_jump else turning
+    is_jump = dot(gradient, gradient) * (0.1 * p.radius) ** 2 > 1.0
+    return (0.0, 0.0, 0.0) if is_jump else gradient
 
 
 @kernel
@@ -402,8 +402,8 @@ def apply_patch_forces(p, i, old, new, out, h, nodes, at, grip, F, M_z, store):
     moment = add(add(scale(M_z, at.n), scale(M_y, at.y)), scale(M_x, at.x))
     apply_torque(wheel, moment)
     apply_torque(road, scale(-1.0, moment))
-    turning = sub(vec(wheel.w), vec(road.w))
-    out.power += -F[0] * at.slip_x - F[1] * at.slip_y - dot(moment, turning)
+    spin = sub(vec(wheel.w), vec(road.w))
+    out.power += -F[0] * at.slip_x - F[1] * at.slip_y - dot(moment, spin)
     out.loss += old.store[i] - store if h > 0.0 else 0.0
     new.store[i] = store
     out.stored += store

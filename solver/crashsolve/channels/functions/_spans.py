@@ -20,10 +20,10 @@ class Spans:
 
         Minus infinity of an empty one, where `last` is before `first`.
         """
-        found = np.full(len(first), -np.inf)
+        maxima = np.full(len(first), -np.inf)
         width = last - first + 1
         for level, values in enumerate(self.levels):
             on_level = (width >= 2**level) & (width < 2 ** (level + 1))
             right = last[on_level] - 2**level + 1
-            found[on_level] = np.maximum(values[first[on_level]], values[right])
-        return found
+            maxima[on_level] = np.maximum(values[first[on_level]], values[right])
+        return maxima

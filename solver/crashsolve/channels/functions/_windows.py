@@ -44,13 +44,13 @@ def criterion(time: np.ndarray, a: Term, window: Term | None, function: str) -> 
         raise ChannelError(f"{function}() of {len(time)} samples has too many windows: {advice}")
     integral = cumulative(time, size)
     zero, first = np.zeros(len(time)), np.full(len(time), time[0])
-    found = Criterion(zero, first, first.copy())
+    best = Criterion(zero, first, first.copy())
     for lag in range(1, len(time)):
         last = np.flatnonzero(time[lag:] - time[:-lag] <= length * (1.0 + SAME)) + lag
         if not len(last):
             break
         _keep_larger(
-            found, last, time[last - lag], time[last], integral[last] - integral[last - lag]
+            best, last, time[last - lag], time[last], integral[last] - integral[last - lag]
         )
     if np.isfinite(length):
         for begin in _full_windows(time, length):
@@ -61,17 +61,17 @@ def criterion(time: np.ndarray, a: Term, window: Term | None, function: str) -> 
             # of several that end before one sample the largest comes last
             order = np.argsort(integrals, kind="stable")
             last = np.minimum(np.searchsorted(time, end - SAME * length), len(time) - 1)
-            _keep_larger(found, last[order], begin[order], end[order], integrals[order])
-    return _running_maximum(found)
+            _keep_larger(best, last[order], begin[order], end[order], integrals[order])
+    return _running_maximum(best)
 
 
 def _keep_larger(
-    found: Criterion, last: np.ndarray, begin: np.ndarray, end: np.ndarray, integral: np.ndarray
+    criterion: Criterion, last: np.ndarray, begin: np.ndarray, end: np.ndarray, integral: np.ndarray
 ) -> None:
-    """Enter windows that end by the samples `last`, where they are larger. Writes: found."""
+    """Enter windows that end by the samples `last`, where they are larger. Writes: criterion."""
     value = (end - begin) * (integral / (end - begin)) ** EXPONENT
-    is_larger = value > found.value[last]
-    for column, new in zip(found, (value, begin, end), strict=True):
+    is_larger = value > criterion.value[last]
+    for column, new in zip(criterion, (value, begin, end), strict=True):
         column[last[is_larger]] = new[is_larger]
 
 
@@ -87,13 +87,13 @@ def _integral(
     before = np.clip(np.searchsorted(time, moments, side="right") - 1, 0, len(time) - 2)
     past, step = moments - time[before], time[before + 1] - time[before]
     slope = (size[before + 1] - size[before]) / step
-    found: np.ndarray = integral[before] + past * (size[before] + 0.5 * slope * past)
-    return found
+    areas: np.ndarray = integral[before] + past * (size[before] + 0.5 * slope * past)
+    return areas
 
 
-def _running_maximum(found: Criterion) -> Criterion:
+def _running_maximum(windows: Criterion) -> Criterion:
     """The largest of all windows that end until each sample, and the first of equal ones."""
-    largest = np.maximum.accumulate(found.value)
+    largest = np.maximum.accumulate(windows.value)
     is_new = np.concatenate(([True], largest[1:] > largest[:-1]))
     first = np.maximum.accumulate(np.where(is_new, np.arange(len(largest)), 0))
-    return Criterion(largest, found.start[first], found.end[first])
+    return Criterion(largest, windows.start[first], windows.end[first])

@@ -99,5 +99,5 @@ def _filtered(values: np.ndarray, cfc: int, interval: float) -> np.ndarray:
     corner = CORNER * cfc
     b, a = signal.butter(2, corner, fs=1.0 / interval)
     beyond = min(math.ceil(2.0 / (corner * interval)), len(values) - 1)
-    found: np.ndarray = signal.filtfilt(b, a, values, padtype="odd", padlen=beyond)
-    return found
+    smoothed: np.ndarray = signal.filtfilt(b, a, values, padtype="odd", padlen=beyond)
+    return smoothed

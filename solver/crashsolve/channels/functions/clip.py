@@ -34,7 +34,7 @@ def apply(time: np.ndarray, x: Term, length: Term) -> Term:
         return -inner.greatest(first, np.searchsorted(time, end, side="right") - 1)
 
     left, right = np.interp(starts, time, values), np.interp(ends, time, values)
-    found = [(ends, np.minimum(np.minimum(left, right), inside(starts, ends)))]
+    levels_at_ends = [(ends, np.minimum(np.minimum(left, right), inside(starts, ends)))]
     # between two starts both ends run along straight lines, and are equal at most once
     apart = left - right
     crosses = np.flatnonzero(apart[:-1] * apart[1:] < 0.0)
@@ -42,15 +42,15 @@ def apply(time: np.ndarray, x: Term, length: Term) -> Term:
         share = apart[crosses] / (apart[crosses] - apart[crosses + 1])
         begin = starts[crosses] + share * (starts[crosses + 1] - starts[crosses])
         level = left[crosses] + share * (left[crosses + 1] - left[crosses])
-        found.append((begin + span, np.minimum(level, inside(begin, begin + span))))
-    return Term(_running_maximum(time, values, found), x.unit)
+        levels_at_ends.append((begin + span, np.minimum(level, inside(begin, begin + span))))
+    return Term(_running_maximum(time, values, levels_at_ends), x.unit)
 
 
 def _running_maximum(
-    time: np.ndarray, values: np.ndarray, found: list[tuple[np.ndarray, np.ndarray]]
+    time: np.ndarray, values: np.ndarray, levels_at_ends: list[tuple[np.ndarray, np.ndarray]]
 ) -> np.ndarray:
     """The greatest level of spans that have ended until each sample; before, the least value."""
-    ends, levels = (np.concatenate(column) for column in zip(*found, strict=True))
+    ends, levels = (np.concatenate(column) for column in zip(*levels_at_ends, strict=True))
     order = np.argsort(ends)
     greatest = np.maximum.accumulate(levels[order])
     # the last span ends with the run, in spite of round-off

@@ -20,7 +20,7 @@ def apply(time: np.ndarray, x: Term, length: Term) -> Term:
     begin, end = np.maximum(time - half, time[0]), np.minimum(time + half, time[-1])
     first = np.searchsorted(time, begin)
     last = np.searchsorted(time, end, side="right") - 1
-    found = Spans(values).greatest(first, last)
+    upper = Spans(values).greatest(first, last)
     for moments in (begin, end):
-        found = np.maximum(found, np.interp(moments, time, values))
-    return Term(found, x.unit)
+        upper = np.maximum(upper, np.interp(moments, time, values))
+    return Term(upper, x.unit)

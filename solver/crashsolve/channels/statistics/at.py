@@ -34,11 +34,11 @@ def refined(series: Series, moment: float) -> float:
     first = min(max(after - 2, 0), max(len(time) - 4, 0))
     x, y = time[first : first + 4], values[first : first + 4]
     weights = [
-        np.prod([(moment - other) / (here - other) for other in x if other != here]) for here in x
+        np.prod([(moment - other) / (own - other) for other in x if other != own]) for own in x
     ]
-    found = float(np.dot(weights, y))
+    interpolated = float(np.dot(weights, y))
     # some of the four may have no value
-    return found if np.isfinite(found) else value(series, moment)
+    return interpolated if np.isfinite(interpolated) else value(series, moment)
 
 
 def remark(series: Series, moment: float) -> str:

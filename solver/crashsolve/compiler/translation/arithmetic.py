@@ -86,12 +86,12 @@ def _convert_number(text: Text, value: Value, kind: Number) -> Value:
 
 def _whole_of(text: Text, word: str) -> str:
     """The integer of a floating point number: 0 of NaN, the nearest one beyond 64 bits."""
-    found = text.value(f"call i64 @llvm.fptosi.sat.i64.f64(double {word})")
+    whole = text.value(f"call i64 @llvm.fptosi.sat.i64.f64(double {word})")
     if text.site is not None:
         size = text.value(f"call double @llvm.fabs.f64(double {word})")
         held = text.value(f"fcmp olt double {size}, {float_word(2.0**63)}")
-        text.test(held, found, str(2**63 - 1))
-    return found
+        text.test(held, whole, str(2**63 - 1))
+    return whole
 
 
 def truth(text: Text, value: Value) -> Value:
@@ -146,7 +146,7 @@ def operate(text: Text, how: ast.operator, one: Value, other: Value) -> Value:
         return Value(FLOAT, (text.value(f"{FLOATS[type(how)]} {text.flags} double {words}"),))
     if a.kind == INT and type(how) in INTEGERS:
         return Value(INT, (text.value(f"{INTEGERS[type(how)]} i64 {words}"),))
-    raise Untranslatable(f"no kernel does {type(how).__name__} to such numbers")
+    raise Untranslatable(f"kernels have no {type(how).__name__} of such numbers")
 
 
 def _shift(text: Text, how: ast.operator, a: Value, b: Value) -> Value:
@@ -160,10 +160,10 @@ def _shift(text: Text, how: ast.operator, a: Value, b: Value) -> Value:
     fits = text.value(f"icmp ult i64 {count}, 64")
     text.test(fits, count, "64")
     few = text.value(f"select i1 {fits}, i64 {count}, i64 63")
-    found = text.value(f"{word} i64 {a.words[0]}, {few}")
+    shifted = text.value(f"{word} i64 {a.words[0]}, {few}")
     if isinstance(how, ast.RShift):
-        return Value(INT, (found,))
-    return Value(INT, (text.value(f"select i1 {fits}, i64 {found}, i64 0"),))
+        return Value(INT, (shifted,))
+    return Value(INT, (text.value(f"select i1 {fits}, i64 {shifted}, i64 0"),))
 
 
 def _divide(text: Text, how: ast.operator, a: Value, b: Value) -> Value:

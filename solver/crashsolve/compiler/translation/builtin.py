@@ -4,7 +4,7 @@ import math
 
 from crashsolve.compiler.translation import arithmetic
 from crashsolve.compiler.translation.expressions import BUILTINS, Builtin, Expressions
-from crashsolve.compiler.translation.kinds import FLOAT, INT, Untranslatable, Value
+from crashsolve.compiler.translation.kinds import FLOAT, INT, Tuple, Untranslatable, Value
 
 # LLVM's own, and those of the library of C
 OWN = {
@@ -54,7 +54,8 @@ def declarations() -> list[str]:
 def _call(symbol: str, count: int) -> Builtin:
     def translate(of: Expressions, given: list[Value]) -> Value:
         if len(given) != count:
-            raise Untranslatable(f"{symbol} takes {count} arguments")
+            name = symbol.removeprefix("llvm.").removesuffix(".f64")
+            raise Untranslatable(f"{name} takes {count} argument{'s' * (count > 1)}")
         words = [arithmetic.convert(of.text, value, FLOAT).words[0] for value in given]
         listed = ", ".join(f"double {word}" for word in words)
         return Value(FLOAT, (of.text.value(f"call {of.text.flags} double @{symbol}({listed})"),))
@@ -90,18 +91,19 @@ def _extreme(how: str) -> Builtin:
     """The first of the largest or smallest, as Python finds it."""
 
     def translate(of: Expressions, given: list[Value]) -> Value:
-        values = given[0].items if len(given) == 1 else given
-        if not values:
+        is_tuple = len(given) == 1 and isinstance(given[0].kind, Tuple)
+        values = given[0].items if is_tuple else given
+        if len(values) < (1 if is_tuple else 2):
             raise Untranslatable("max and min take numbers, or a tuple of some")
-        found = values[0]
+        extreme = values[0]
         for value in values[1:]:
-            a, b = arithmetic.common(of.text, found, value, INT)
+            a, b = arithmetic.common(of.text, extreme, value, INT)
             x, y, word = a.words[0], b.words[0], a.kind.words[0]
             order = f"fcmp {of.text.flags} o{how}" if a.kind == FLOAT else f"icmp s{how}"
             which = of.text.value(f"{order} {word} {y}, {x}")
             line = f"select i1 {which}, {word} {y}, {word} {x}"
-            found = Value(a.kind, (of.text.value(line),))
-        return found
+            extreme = Value(a.kind, (of.text.value(line),))
+        return extreme
 
     return translate
 

@@ -3,7 +3,8 @@
 import ast
 import builtins
 import operator
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from types import ModuleType
 from typing import Any
 
@@ -68,23 +69,23 @@ class Expressions:
         translate = getattr(self, f"_value_{type(node).__name__}", None)
         if translate is None:
             raise Untranslatable(f"kernels have no {type(node).__name__}")
-        found: Value = translate(node)
-        return found
+        translated: Value = translate(node)
+        return translated
 
     def number(self, node: ast.expr) -> Value:
         """An index or a count."""
-        found = self.value(node)
-        if found.kind not in (INT, BOOL):
+        whole = self.value(node)
+        if whole.kind not in (INT, BOOL):
             raise Untranslatable("an index must be an integer")
-        return arithmetic.convert(self.text, found, INT)
+        return arithmetic.convert(self.text, whole, INT)
 
     def _value_Constant(self, node: ast.Constant) -> Value:
         return known(node.value)
 
     def _value_Name(self, node: ast.Name) -> Value:
-        found = self.variable(node.id)
-        if found is not None:
-            return found
+        variable = self.variable(node.id)
+        if variable is not None:
+            return variable
         if node.id in self.names:
             return known(self.names[node.id])
         if hasattr(builtins, node.id):
@@ -95,13 +96,13 @@ class Expressions:
         return tuple_of(self._listed(node.elts))
 
     def _listed(self, nodes: list[ast.expr]) -> list[Value]:
-        found: list[Value] = []
+        values: list[Value] = []
         for node in nodes:
             if isinstance(node, ast.Starred):
-                found += self.value(node.value).items
+                values += self.value(node.value).items
             else:
-                found.append(self.value(node))
-        return found
+                values.append(self.value(node))
+        return values
 
     def _value_Attribute(self, node: ast.Attribute) -> Value:
         owner = self.value(node.value)
@@ -185,6 +186,13 @@ class Expressions:
             slot = self.module.keep(f"{room} [{listed}]")
         return text.load(word, text.at(word, slot, at))
 
+    @contextmanager
+    def named(self, node: ast.expr) -> Iterator[None]:
+        """Failures of checked mode within this block name the expression `node`."""
+        before, self.indexed = self.indexed, node
+        yield
+        self.indexed = before
+
     def _value_BinOp(self, node: ast.BinOp) -> Value:
         one, other = self.value(node.left), self.value(node.right)
         a, b = one.constant, other.constant
@@ -192,7 +200,8 @@ class Expressions:
             folded = _folded(node.op, a, b)
             if folded is not None:
                 return known(folded)
-        return arithmetic.operate(self.text, node.op, one, other)
+        with self.named(node):
+            return arithmetic.operate(self.text, node.op, one, other)
 
     def _value_UnaryOp(self, node: ast.UnaryOp) -> Value:
         if isinstance(node.op, ast.Not):
@@ -207,12 +216,12 @@ class Expressions:
         end, one = self.text.new_label(), self.value(node.left)
         for k, (how, part) in enumerate(zip(node.ops, node.comparators, strict=True)):
             other = self.value(part)
-            found = self._compared(how, one, other)
+            truth = self._compared(how, one, other)
             if k + 1 == len(node.ops):
-                return self._joined(found, end, edges)
+                return self._joined(truth, end, edges)
             one, more = other, self.text.new_label()
             edges.append(("false", self.text.label))
-            self.text.choose(found.words[0], more, end)
+            self.text.choose(truth.words[0], more, end)
             self.text.begin(more)
         raise AssertionError
 
@@ -302,11 +311,12 @@ class Expressions:
             return self.condition(node.args[0])
         given = self._listed(node.args)
         if function in BUILTINS:
-            return BUILTINS[function](self, given)
+            with self.named(node):
+                return BUILTINS[function](self, given)
         if isinstance(function, type) and hasattr(function, "_fields"):
             return tuple_of(given, function._fields)
-        found: Value = self.module.call(self.text, function, given)
-        return found
+        result: Value = self.module.call(self.text, function, given)
+        return result
 
 
 def _folded(how: ast.operator, a: int, b: int) -> int | None:

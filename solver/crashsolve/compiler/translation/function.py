@@ -94,10 +94,10 @@ class Function(Expressions):
     def site(self) -> str:
         code = self.function.__code__
         what = "" if self.indexed is None else f": `{ast.unparse(self.indexed)}`"
-        said = f"{code.co_filename}:{self.where}: {self.tree.name}{what}".encode()
-        listed = "".join(f"\\{byte:02X}" for byte in said + b"\0")
-        found: str = self.module.keep(f'[{len(said) + 1} x i8] c"{listed}"')
-        return found
+        text = f"{code.co_filename}:{self.where}: {self.tree.name}{what}".encode()
+        listed = "".join(f"\\{byte:02X}" for byte in text + b"\0")
+        address: str = self.module.keep(f'[{len(text) + 1} x i8] c"{listed}"')
+        return address
 
     def arguments(self, k: int) -> tuple[str, ...]:
         """Names of the words of an argument."""
@@ -106,20 +106,20 @@ class Function(Expressions):
     # variables
 
     def variable(self, name: str) -> Value | None:
-        found = self.bound.get(name)
-        if found is None and name in self.stored:
+        slots = self.bound.get(name)
+        if slots is None and name in self.stored:
             raise Untranslatable(f"`{name}` has no value yet")
-        if found is None or isinstance(found, Value):
-            return found
-        return self._read(found, name)
+        if slots is None or isinstance(slots, Value):
+            return slots
+        return self._read(slots, name)
 
-    def _read(self, found: Slots, name: str) -> Value:
-        if found.kind == UNSET:
+    def _read(self, slots: Slots, name: str) -> Value:
+        if slots.kind == UNSET:
             raise Untranslatable(f"`{name}` may have no value here: not every branch sets it")
-        if found.kind == LOST:
+        if slots.kind == LOST:
             raise Untranslatable(f"`{name}` is not of one kind here")
-        pairs = zip(found.kind.words, found.names, strict=True)
-        return Value(found.kind, tuple(self.text.load(word, slot) for word, slot in pairs))
+        pairs = zip(slots.kind.words, slots.names, strict=True)
+        return Value(slots.kind, tuple(self.text.load(word, slot) for word, slot in pairs))
 
     def assign_name(self, name: str, value: Value) -> None:
         """name = value."""
@@ -165,17 +165,17 @@ class Function(Expressions):
 
     def _merged(self, edges: list[Bound]) -> dict[str, Kind]:
         """Kinds of the variables where control comes together."""
-        found: dict[str, Kind] = {}
+        merged: dict[str, Kind] = {}
         for name in dict.fromkeys(name for edge in edges for name in edge):
             kinds = [edge[name].kind for edge in edges if name in edge]
             if len(kinds) < len(edges):
-                found[name] = UNSET
+                merged[name] = UNSET
                 continue
             widest = kinds[0]
             for kind in kinds[1:]:
                 widest = wider(widest, kind)
-            found[name] = widest
-        return found
+            merged[name] = widest
+        return merged
 
     def _convert_variable(self, name: str, kind: Kind) -> None:
         """Convert a variable to the kind that it has on every branch."""
@@ -236,7 +236,9 @@ class Function(Expressions):
         elif isinstance(target, (ast.Tuple, ast.List)):
             self._assign_items(target.elts, value.items)
         else:
-            memory.write_number(self.text, *self.slot_of(target), value)
+            slot, dtype = self.slot_of(target)
+            with self.named(target):
+                memory.write_number(self.text, slot, dtype, value)
 
     def _assign_items(self, targets: list[ast.expr], items: list[Value]) -> None:
         stars = [k for k, target in enumerate(targets) if isinstance(target, ast.Starred)]
@@ -326,7 +328,8 @@ class Function(Expressions):
             raise Untranslatable("a range has no step of 0")
         if step.constant is None and self.text.site is not None:
             by = step.words[0]
-            self.text.test(self.text.value(f"icmp ne i64 {by}, 0"), by, "0")
+            with self.named(node.iter):
+                self.text.test(self.text.value(f"icmp ne i64 {by}, 0"), by, "0")
         text, count = self.text, self.text.slot("i64")
         text.store("i64", first.words[0], count)
         loop = self._open(node)
@@ -402,8 +405,8 @@ class Function(Expressions):
             gained = {name: p for name, p in self.bound.items() if name not in loop.started}
             self.text.go(loop.start)
         for edge in out:
-            for name, found in gained.items():
-                edge.bound.setdefault(name, found if is_entered else Slots(UNSET, ()))
+            for name, slots in gained.items():
+                edge.bound.setdefault(name, slots if is_entered else Slots(UNSET, ()))
         self.join(out + loop.broken)
 
     def _do_Break(self, node: ast.Break) -> None:

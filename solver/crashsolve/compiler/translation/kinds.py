@@ -148,13 +148,13 @@ class Value:
         """The values in a tuple. Raises Untranslatable."""
         if not isinstance(self.kind, Tuple):
             raise Untranslatable("this is no tuple")
-        found, at = [], 0
+        parts, at = [], 0
         constants = self.constant or [None] * len(self.kind.items)
         for kind, constant in zip(self.kind.items, constants, strict=True):
             count = len(kind.words)
-            found.append(Value(kind, self.words[at : at + count], constant))
+            parts.append(Value(kind, self.words[at : at + count], constant))
             at += count
-        return found
+        return parts
 
 
 def tuple_of(values: list[Value], names: tuple[str, ...] = ()) -> Value:

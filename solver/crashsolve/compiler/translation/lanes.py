@@ -51,14 +51,14 @@ class Slots:
         for bit in (1, 2, 4):
             stay = [j if not j & bit else EIGHT + j - bit for j in range(EIGHT)]
             move = [j + bit if not j & bit else EIGHT + j for j in range(EIGHT)]
-            found = list(rows)
+            shuffled = list(rows)
             for i in (i for i in range(EIGHT) if not i & bit):
                 for slot, mask in ((i, stay), (i + bit, move)):
                     listed = ", ".join(f"i32 {j}" for j in mask)
                     pair = f"{VECTOR} {rows[i]}, {VECTOR} {rows[i + bit]}"
                     line = f"shufflevector {pair}, <{EIGHT} x i32> <{listed}>"
-                    found[slot] = self.text.value(line)
-            rows = found
+                    shuffled[slot] = self.text.value(line)
+            rows = shuffled
         return rows
 
 

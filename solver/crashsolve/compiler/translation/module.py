@@ -115,17 +115,17 @@ class Module:
 
     def _unit(self, first: str) -> tuple[str, str]:
         """Name and text of the unit that begins with a function."""
-        found, left = {first: self.parts[first].text(True)}, [first]
+        texts, left = {first: self.parts[first].text(True)}, [first]
         constants = list[str]()
         while left:
             for symbol in self.parts[left.pop()].references:
                 part = self.parts.get(symbol)
                 if part is None:
                     constants.append(symbol)
-                elif symbol not in found:
-                    found[symbol] = part.declaration if part.is_first else part.text(False)
+                elif symbol not in texts:
+                    texts[symbol] = part.declaration if part.is_first else part.text(False)
                     left += [] if part.is_first else [symbol]
-        text = self._joined(list(found.values()), constants)
+        text = self._joined(list(texts.values()), constants)
         return _named(first, text), text
 
     def _joined(self, parts: list[str], constants: Iterable[str]) -> str:
@@ -223,7 +223,7 @@ def _head(one: Function, how: str) -> tuple[str, str]:
 @cache
 def _trees(path: Path) -> dict[int, ast.FunctionDef]:
     """Functions of a file by the line in which they, or their decorators, begin."""
-    found: dict[int, ast.FunctionDef] = {}
+    definitions: dict[int, ast.FunctionDef] = {}
     left: list[ast.AST] = [ast.parse(path.read_text("utf-8"), str(path))]
     while left:
         # statements alone: functions stand in no expression
@@ -231,8 +231,8 @@ def _trees(path: Path) -> dict[int, ast.FunctionDef]:
         left += [*getattr(node, "body", ()), *getattr(node, "orelse", ())]
         if isinstance(node, ast.FunctionDef):
             first = node.decorator_list[0].lineno if node.decorator_list else node.lineno
-            found[first] = node
-    return found
+            definitions[first] = node
+    return definitions
 
 
 assert lanes

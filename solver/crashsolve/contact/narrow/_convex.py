@@ -64,12 +64,12 @@ def expand_sharp(elements: Sequence[Columns], shape: ModuleType) -> list[Columns
     The roundness of the ellipsoid is enough for a unique contact: the edges of the other shape are
     only as round as Newton's method needs with sixteen digits.
     """
-    found = []
+    sums = []
     for element in elements:
         most = THINNEST * shape.half_thickness(element)
         edge = min(most, SHARP * shape.bounding(element)[1])
-        found.append(_as_sum(element, shape.rounds(element | {"edge": edge})))
-    return found
+        sums.append(_as_sum(element, shape.rounds(element | {"edge": edge})))
+    return sums
 
 
 def _as_sum(element: Columns, rounds: np.ndarray) -> Columns:

@@ -121,15 +121,15 @@ def cut(spots, count, i, j):
     before = spots[count - 1]
     side = du * (before.v - v) - dv * (before.u - u)
     for k in range(count):
-        here, last = spots[k], spots[k - 1 if k > 0 else count - 1]
-        side_here = du * (here.v - v) - dv * (here.u - u)
+        corner, last = spots[k], spots[k - 1 if k > 0 else count - 1]
+        side_here = du * (corner.v - v) - dv * (corner.u - u)
         if side * side_here < 0.0:
             part = side / (side - side_here)
-            spots[room + kept].u = last.u + part * (here.u - last.u)
-            spots[room + kept].v = last.v + part * (here.v - last.v)
+            spots[room + kept].u = last.u + part * (corner.u - last.u)
+            spots[room + kept].v = last.v + part * (corner.v - last.v)
             kept += 1
         if side_here >= 0.0:
-            spots[room + kept].u, spots[room + kept].v = here.u, here.v
+            spots[room + kept].u, spots[room + kept].v = corner.u, corner.v
             kept += 1
         side = side_here
     for k in range(kept):
@@ -147,14 +147,14 @@ def set_shares(spots, count):
     for k in range(count):
         spots[k].share = 0.0
     for k in range(count):
-        here, following = spots[k], spots[k + 1 if k + 1 < count else 0]
-        du, dv = following.u - here.u, following.v - here.v
+        corner, following = spots[k], spots[k + 1 if k + 1 < count else 0]
+        du, dv = following.u - corner.u, following.v - corner.v
         length = sqrt(du * du + dv * dv)
         # twice the area of the triangle from the middle to this side, and its mean distance
-        double = here.u * following.v - here.v * following.u
+        double = corner.u * following.v - corner.v * following.u
         area += double
-        moment += double * distance_of_side(here, following, du, dv, length, double)
-        here.share += length
+        moment += double * distance_of_side(corner, following, du, dv, length, double)
+        corner.share += length
         following.share += length
         around += length
     for k in range(count):
@@ -163,12 +163,15 @@ def set_shares(spots, count):
 
 
 @kernel
-def distance_of_side(here, following, du, dv, length, double):
+def distance_of_side(corner, following, du, dv, length, double):
     """Mean distance of the points of a side from the middle [m]."""
     if length * length <= double * 1e-15:
-        return sqrt(here.u * here.u + here.v * here.v)
+        return sqrt(corner.u * corner.u + corner.v * corner.v)
     h = double / length
-    at, to = (here.u * du + here.v * dv) / length, (following.u * du + following.v * dv) / length
+    at, to = (
+        (corner.u * du + corner.v * dv) / length,
+        (following.u * du + following.v * dv) / length,
+    )
     d_at, d_to = sqrt(h * h + at * at), sqrt(h * h + to * to)
     bow = h * h * log((to + d_to) / (at + d_at)) if at + d_at > 0.0 else 0.0
     return 0.5 * (to * d_to - at * d_at + bow) / length

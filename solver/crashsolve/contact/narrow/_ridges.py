@@ -88,12 +88,12 @@ def _joined(points: np.ndarray, pairs: np.ndarray) -> np.ndarray:
     for p, q in pairs.tolist():
         edges.setdefault(p, []).append((p, q))
         edges.setdefault(q, []).append((p, q))
-    for p, here in sorted(edges.items()):
-        if len(here) == 2:
-            q, r = (sum(e) - p for e in here)
+    for p, triangles in sorted(edges.items()):
+        if len(triangles) == 2:
+            q, r = (sum(e) - p for e in triangles)
             u, v = points[q] - points[p], points[p] - points[r]
             if u @ v >= IN_LINE * np.linalg.norm(u) * np.linalg.norm(v):
-                for old, far in zip(list(here), (q, r), strict=True):
+                for old, far in zip(list(triangles), (q, r), strict=True):
                     edges[far][edges[far].index(old)] = (q, r)
                 edges[p] = []
     return np.array(sorted({e for some in edges.values() for e in some})).reshape(-1, 2)

@@ -103,8 +103,8 @@ def bound(a, b, nodes, data):
     solid = b.thickness if b.thickness < inf else 0.0
     apart = sqrt(beyond(data[0][b.root], y)) - ball - solid
     if apart <= 0.0 and a.feature != POINT:
-        foot, found, at = nearest(data[0], data[1], b.root, y)
-        out, is_open = outward(data[1][found], at)
+        foot, index, at = nearest(data[0], data[1], b.root, y)
+        out, is_open = outward(data[1][index], at)
         offset = sub(y, foot)
         if not is_open and dot(offset, out) > 0.0:
             apart = norm(offset) - ball
@@ -189,8 +189,8 @@ def rotated(u, v):
 @kernel
 def face_under(tree, triangles, root, y):
     """Normal of the triangle nearest to y."""
-    _, found, _ = nearest(tree, triangles, root, y)
-    return vec(triangles[found].n)
+    _, index, _ = nearest(tree, triangles, root, y)
+    return vec(triangles[index].n)
 
 
 @kernel
@@ -200,11 +200,11 @@ def at_position(tree, triangles, b, y, z, below, N):
     z is `below` y along N. Beside a face of that normal it is a point, which counts within the
     solid alone: else the depth is -1e300.
     """
-    foot, found, at = nearest(tree, triangles, b.root, z)
-    face = vec(triangles[found].n)
-    if is_over(triangles[found], at, N):
+    foot, index, at = nearest(tree, triangles, b.root, z)
+    face = vec(triangles[index].n)
+    if is_over(triangles[index], at, N):
         return below - dot(sub(y, foot), N), N, face
-    out, is_open = outward(triangles[found], at)
+    out, is_open = outward(triangles[index], at)
     offset = sub(z, foot)
     distance = norm(offset)
     if not is_open and dot(offset, out) < 0.0 and distance > 0.0:
@@ -224,8 +224,8 @@ def is_over(triangle, at, N):
 @kernel
 def off(tree, triangles, b, y):
     """A gap as wide as y is far from the mesh, which it never closes."""
-    foot, found, _ = nearest(tree, triangles, b.root, y)
+    foot, index, _ = nearest(tree, triangles, b.root, y)
     offset = sub(y, foot)
     distance = norm(offset)
-    N = scale(1.0 / distance, offset) if distance > 0.0 else vec(triangles[found].n)
+    N = scale(1.0 / distance, offset) if distance > 0.0 else vec(triangles[index].n)
     return -distance, N, y

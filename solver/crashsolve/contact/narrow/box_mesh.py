@@ -12,8 +12,8 @@ gap = _solid_mesh.gap
 
 def expand_a(elements):
     """The corners of each box, and the whole of it."""
-    found = []
+    parts = []
     for e in elements:
-        found += [part(e, e["half"], POINT, c["point"], 0.0, 0.25) for c in box.corners(e)]
-        found.append(part(e, e["half"], RIDGES, e["point"], 0.0, 0.25))
-    return found
+        parts += [part(e, e["half"], POINT, c["point"], 0.0, 0.25) for c in box.corners(e)]
+        parts.append(part(e, e["half"], RIDGES, e["point"], 0.0, 0.25))
+    return parts

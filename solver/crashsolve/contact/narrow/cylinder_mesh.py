@@ -15,12 +15,12 @@ FEATURES = {1.0: LOWEST, 0.0: POINT, -1.0: HIGHEST}
 
 def expand_a(elements):
     """The seven positions of each cylinder, and the whole of it."""
-    found = []
+    parts = []
     for e in elements:
         r, half_length, axis = e["radius"], e["half_length"], e["axes"].reshape(3, 3)[:, 2]
         half = (r, r, half_length)
         for along, rho in POSITIONS:
             point = e["point"] + along * half_length * axis
-            found.append(part(e, half, FEATURES[rho], point, rho * r, 1.0 / 3.0))
-        found.append(part(e, half, RIDGES, e["point"], 0.0, 1.0 / 3.0))
-    return found
+            parts.append(part(e, half, FEATURES[rho], point, rho * r, 1.0 / 3.0))
+        parts.append(part(e, half, RIDGES, e["point"], 0.0, 1.0 / 3.0))
+    return parts

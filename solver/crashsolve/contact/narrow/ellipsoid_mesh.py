@@ -41,16 +41,16 @@ def gap(a, b, nodes, data):
     body = nodes[b.node]
     centre = world_position(nodes[a.node], vec(a.point))
     y, axes = local_position(b, body, centre), axes_of_a(a, b, nodes)
-    found, at, d, m = least_distance(data[0], data[1], b.root, vec(a.semi), y, axes)
-    out, is_open = outward(data[1][found], at)
+    index, at, d, m = least_distance(data[0], data[1], b.root, vec(a.semi), y, axes)
+    out, is_open = outward(data[1][index], at)
     inside = not is_open and dot(out, m) > 0.0
-    face = vec(data[1][found].n)
+    face = vec(data[1][index].n)
     on_face = at == FACE or (not is_open and dot(out, face) >= FLAT * norm(out))
     N = face if on_face else (m if inside else scale(-1.0, m))
     lever = levered(a.semi, axes, N)
     reach = sqrt(dot(lever, N))
     # of the centre over the surface, along the normal
-    height = dot(sub(y, vec(data[1][found].i)), N) if on_face else reach + d
+    height = dot(sub(y, vec(data[1][index].i)), N) if on_face else reach + d
     if inside and not on_face:
         height = -height
     n = to_world_axes(b, body, N)
@@ -75,14 +75,14 @@ def least_distance(tree, triangles, root, s, y, axes):
     """
     leaf = nearest_leaf(tree, root, y)
     none = (tree[leaf].first, FACE, 1e300, (0.0, 0.0, 1.0))
-    found = nearer(tree, triangles, leaf, leaf + 1, s, y, axes, none)
-    return nearer(tree, triangles, root, tree[root].skip, s, y, axes, found)
+    nearest_yet = nearer(tree, triangles, leaf, leaf + 1, s, y, axes, none)
+    return nearer(tree, triangles, root, tree[root].skip, s, y, axes, nearest_yet)
 
 
 @kernel
 def nearer(tree, triangles, first, last, s, y, axes, before):
     """The same among the boxes from first to last, or `before` where none is nearer."""
-    found, at, best, m = before
+    index, at, best, m = before
     longest = max(s[0], s[1], s[2])
     i = first
     while i < last:
@@ -97,9 +97,9 @@ def nearer(tree, triangles, first, last, s, y, axes, before):
             r = into_axes(axes, sub(vec(triangles[k].l), y))
             _, position, d, m_k = nearest_by_newton(s, best, p, q, r, r)
             if d < best:
-                best, found, at, m = d, k, feature(position), out_of_axes(axes, m_k)
+                best, index, at, m = d, k, feature(position), out_of_axes(axes, m_k)
         i += 1
-    return found, at, best, m
+    return index, at, best, m
 
 
 @kernel

@@ -18,7 +18,7 @@ from crashsolve.foundation.vec3 import dot, norm, scale, sub
 # the gap is a distance: see system/contact/resting.py
 IS_DISTANCE = True
 # a coordinate of 0 is moved by this share of its semi-axis: the nearest point is then unique
-NUDGE = 1e-14
+PERTURBATION = 1e-14
 ITERATIONS = 60  # six do in most places
 
 
@@ -33,9 +33,9 @@ def gap(a, b, nodes, data):
 def from_ellipsoid(s, position_seen):
     """Signed distance of a point from an ellipsoid about the origin, and the unit normal there."""
     y = (
-        nudged(position_seen[0], s[0]),
-        nudged(position_seen[1], s[1]),
-        nudged(position_seen[2], s[2]),
+        perturbed(position_seen[0], s[0]),
+        perturbed(position_seen[1], s[1]),
+        perturbed(position_seen[2], s[2]),
     )
     low = min(s[0], s[1], s[2])
     t = root(s, low, y)
@@ -46,9 +46,9 @@ def from_ellipsoid(s, position_seen):
 
 
 @kernel
-def nudged(y, s):
+def perturbed(y, s):
     """Coordinate y, but not 0."""
-    return copysign(max(abs(y), NUDGE * s), y)
+    return copysign(max(abs(y), PERTURBATION * s), y)
 
 
 @kernel

@@ -39,10 +39,10 @@ def gap(a, b, nodes, data):
     body = nodes[b.node]
     centre = world_position(nodes[a.node], vec(a.point))
     y = local_position(b, body, centre)
-    foot, found, at = nearest(data[0], data[1], b.root, y)
+    foot, index, at = nearest(data[0], data[1], b.root, y)
     offset = sub(y, foot)
     distance = norm(offset)
-    m, is_open = outward(data[1][found], at)
+    m, is_open = outward(data[1][index], at)
     inside = not is_open and dot(offset, m) < 0.0
     if distance > 0.0:
         m = scale(-1.0 / distance if inside else 1.0 / distance, offset)
@@ -110,8 +110,8 @@ def nearest(tree, triangles, root, y):
         left = leaf + 1
         right = tree[left].skip
         leaf = left if beyond(tree[left], y) <= beyond(tree[right], y) else right
-    found = tree[leaf].first
-    foot, at = foot_on(triangles[found], y)
+    index = tree[leaf].first
+    foot, at = foot_on(triangles[index], y)
     best = square(sub(y, foot))
     i = root
     while i < tree[root].skip:
@@ -123,9 +123,9 @@ def nearest(tree, triangles, root, y):
             candidate, position_k = foot_on(triangles[k], y)
             far = square(sub(y, candidate))
             if far < best:
-                best, foot, found, at = far, candidate, k, position_k
+                best, foot, index, at = far, candidate, k, position_k
         i += 1
-    return foot, found, at
+    return foot, index, at
 
 
 @kernel

@@ -11,7 +11,7 @@ from crashsolve.foundation.record import Record
 class PlacedCard(Card):
     """Body, centre and orientation of a shape."""
 
-    body: BodyName = word("body the shape is fixed in", "ground")
+    body: BodyName = word("body the shape is fixed to", "ground")
     at: Vec3 = quantity("m", "centre, body axes", (0.0, 0.0, 0.0))
     rotation: Rotation | None = word("orientation of the shape in the body", None)
 

@@ -23,7 +23,7 @@ ROUNDING = 1e-3
 class Cylinder(Card):
     """Cylinder with flat caps, fixed in a body."""
 
-    body: BodyName = word("body the shape is fixed in", "ground")
+    body: BodyName = word("body the shape is fixed to", "ground")
     at: Vec3 = quantity("m", "centre, body axes", (0.0, 0.0, 0.0))
     axis: Vec3 = quantity("1", "direction, body axes; any length", (0.0, 0.0, 1.0))
     radius: float = quantity("m", "radius", gt=0)

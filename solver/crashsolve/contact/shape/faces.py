@@ -12,7 +12,7 @@ GAP_AS = "faces"
 
 
 class Faces(Card):
-    """All faces of a shell part, touched from both sides."""
+    """All faces of a shell part, in contact on both sides."""
 
     part: PartName = word("shell part whose faces they are")
     thickness: float | None = quantity("m", "t; that of the part if absent", None, gt=0)

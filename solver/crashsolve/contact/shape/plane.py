@@ -8,7 +8,7 @@ from crashsolve.foundation.record import Record
 class Plane(Card):
     """Infinite plane fixed in a body."""
 
-    body: BodyName = word("body the plane is fixed in", "ground")
+    body: BodyName = word("body the plane is fixed to", "ground")
     at: Vec3 = quantity("m", "a point of the plane, body axes", default=(0.0, 0.0, 0.0))
     normal: Vec3 = quantity("1", "outward direction, body axes; any length", (0.0, 0.0, 1.0))
 

@@ -12,7 +12,7 @@ half_thickness, half_width = sphere.half_thickness, sphere.half_width
 class PointSet(Card):
     """Points fixed in a body."""
 
-    body: BodyName = word("body the points are fixed in", "ground")
+    body: BodyName = word("body the points are fixed to", "ground")
     points: tuple[Vec3, ...] = quantity("m", "points, body axes")
 
 

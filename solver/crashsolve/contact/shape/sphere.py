@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 class Sphere(Card):
     """Sphere fixed in a body."""
 
-    body: BodyName = word("body the sphere is fixed in", "ground")
+    body: BodyName = word("body the sphere is fixed to", "ground")
     at: Vec3 = quantity("m", "centre, body axes", default=(0.0, 0.0, 0.0))
     radius: float = quantity("m", "radius", gt=0)
 

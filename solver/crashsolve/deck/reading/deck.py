@@ -13,7 +13,7 @@ from crashsolve.channels.units import SI
 from crashsolve.deck.card import Card, Name, Reference, law_class, reference_of
 from crashsolve.deck.diagnostics import Diagnostic, diagnostics_of, shown
 from crashsolve.deck.dump import as_data, as_text
-from crashsolve.deck.expansion import MADE, expand, stands_for_many
+from crashsolve.deck.expansion import MADE, expand, represents_many
 from crashsolve.deck.fields import deck_words, declared
 from crashsolve.deck.keywords import SECTIONS, answering
 from crashsolve.deck.laws import UnknownType, types_in
@@ -229,7 +229,7 @@ class _Reader:
     def expand(self) -> None:
         """Expand cards that represent many. Writes: items, contexts."""
         self.contexts[MADE] = Context()
-        several = [item for item in self.items["parts"].values() if stands_for_many(item)]
+        several = [item for item in self.items["parts"].values() if represents_many(item)]
         laws = {word: self.section(word) for word in ("sections", "materials") if several}
         control = self.substituted(self.items["control"][""]) if self.items["control"] else None
         for item in several:
@@ -367,12 +367,12 @@ class _Reader:
 
     def axes_of_curves(self, entries: Mapping[str, dict[str, Entry]]) -> dict[str, Axes | None]:
         """Units of x and y of every curve that is used; None where its uses differ in them."""
-        found: dict[str, set[tuple[str, str]]] = {}
+        axes_of: dict[str, set[tuple[str, str]]] = {}
         for group in entries.values():
             for entry in group.values():
                 for name, axes in _curves_of(entry.card):
-                    found.setdefault(name, set()).add(axes)
-        return {name: some.pop() if len(some) == 1 else None for name, some in found.items()}
+                    axes_of.setdefault(name, set()).add(axes)
+        return {name: some.pop() if len(some) == 1 else None for name, some in axes_of.items()}
 
     def substituted(self, item: Item) -> object:
         """The value of an item with its expressions worked out; a missing one is an empty table."""

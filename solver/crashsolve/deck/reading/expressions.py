@@ -18,7 +18,17 @@ MAX_LENGTH = 500
 MAX_ROOT = 12
 # functions whose value is an angle in radians, in any units of the file
 ANGLES = ("asin", "acos", "atan", "atan2")
+# functions whose value has the unit that all their arguments share
+OF_ONE_UNIT = ("abs", "min", "max", "within")
 U = TypeVar("U")
+
+
+def within(value: float, low: float, high: float) -> float:
+    """The value itself. Raises ValueError unless low <= value <= high."""
+    if not low <= value <= high:
+        raise ValueError(f"{value:g} is not within {low:g} and {high:g}")
+    return value
+
 
 FUNCTIONS: dict[str, Callable[..., float]] = {
     "sin": math.sin,
@@ -34,6 +44,7 @@ FUNCTIONS: dict[str, Callable[..., float]] = {
     "abs": abs,
     "min": min,
     "max": max,
+    "within": within,
     "deg": math.degrees,
     "rad": math.radians,
 }
@@ -148,16 +159,16 @@ class Expression:
                 return SI["angle"]
             case ast.BinOp(left=left, right=right):
                 return self._common([left, right], units)
-            case ast.Call(func=ast.Name(id="abs" | "min" | "max"), args=parts):
+            case ast.Call(func=ast.Name(id=name), args=parts) if name in OF_ONE_UNIT:
                 return self._common(parts, units)
         return PURE
 
     def _common(self, parts: list[ast.expr], units: Mapping[str, Unit]) -> Unit:
         """The unit of all terms. Raises _NoUnit where they differ."""
-        found = [self._derived(part, units) for part in parts]
-        if any(unit.exponents != found[0].exponents for unit in found):
+        derived = [self._derived(part, units) for part in parts]
+        if any(unit.exponents != derived[0].exponents for unit in derived):
             raise _NoUnit
-        return found[0]
+        return derived[0]
 
     def _unit(self, node: ast.AST, units: Mapping[str, U | None]) -> U | None:
         match node:
@@ -167,13 +178,17 @@ class Expression:
                 return self._unit(operand, units)
             case ast.BinOp(op=ast.Add() | ast.Sub(), left=left, right=right):
                 parts = [left, right]
-            case ast.Call(func=ast.Name(id="abs" | "min" | "max"), args=parts):
+            case ast.Call(func=ast.Name(id=name), args=parts) if name in OF_ONE_UNIT:
                 pass
             case _:
                 return None
-        found = [unit for part in parts if (unit := self._unit(part, units)) is not None]
+        units_of_parts = [unit for part in parts if (unit := self._unit(part, units)) is not None]
         # the same for all of them
-        return found[0] if found and all(unit == found[0] for unit in found) else None
+        return (
+            units_of_parts[0]
+            if units_of_parts and all(unit == units_of_parts[0] for unit in units_of_parts)
+            else None
+        )
 
     def _evaluate(self, node: ast.AST, names: Mapping[str, float]) -> float:
         match node:

@@ -121,13 +121,13 @@ class Files:
         """Files that a file includes; an error for each entry that cannot be read."""
         names = table.get("include")
         if isinstance(names, Rows):
-            found = [(name, names.location(i)) for i, name in enumerate(names)]
+            included = [(name, names.location(i)) for i, name in enumerate(names)]
         elif names is None or names is BROKEN:
             return []
         else:
-            found = [(names, table.value_location("include"))]
+            included = [(names, table.value_location("include"))]
         files = []
-        for name, location in found:
+        for name, location in included:
             file = name.get("file") if isinstance(name, Table) else name
             if isinstance(file, str):
                 words = self._words(name, location) if isinstance(name, Table) else {}
@@ -217,7 +217,7 @@ class _Filling:
                     DeckError(*location, "include", f"the word <{word}> is not given", advice)
                 )
             self.used.add(word)
-        filled = _WORD.sub(lambda found: self.words.get(found[1], found[0]), text)
+        filled = _WORD.sub(lambda match: self.words.get(match[1], match[0]), text)
         if len(filled) <= LONGEST or filled == text:
             return filled
         message = f"with its words put in the text has {len(filled)} letters, more than {LONGEST}"

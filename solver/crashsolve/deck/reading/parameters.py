@@ -98,12 +98,12 @@ class Parameters:
             for name, readers in self.readers.items()
             if any(reader not in but and reader[0] != "title" for reader in readers)
         ]
-        found = set(waiting)
+        needed = set(waiting)
         while waiting:
-            more = set(self._needs(waiting.pop())) - found
-            found |= more
+            more = set(self._needs(waiting.pop())) - needed
+            needed |= more
             waiting += more
-        return found
+        return needed
 
     @property
     def derived(self) -> list[str]:
@@ -257,13 +257,13 @@ def _has_known_unit(value: SiFloat, written: object) -> bool:
 def _factors(units: object) -> list[float]:
     """SI units in the unit of each of BASES; one where the card is wrong, and reported."""
     card = units if isinstance(units, Mapping) else {}
-    found = []
+    factors = []
     for base, symbol in zip(BASES, SI_SYMBOLS, strict=True):
         try:
-            found.append(parse_unit(str(card.get(base, symbol))).factor)
+            factors.append(parse_unit(str(card.get(base, symbol))).factor)
         except UnitError:
-            found.append(1.0)
-    return found
+            factors.append(1.0)
+    return factors
 
 
 def _derived_unit(expression: Expression, names: Mapping[str, object]) -> Unit | None:
@@ -312,12 +312,12 @@ def _inconsistency(value: object, replaced: object) -> tuple[str, str]:
     if unit is None:
         return "must be a number, alone or with a unit", ""
     if before is not None and unit.exponents != before.exponents:
-        found = f"the deck has {shown(replaced)} here"
+        message = f"the deck has {shown(replaced)} here"
         if before.exponents == PURE.exponents:
-            return found, "give a number without unit"
+            return message, "give a number without unit"
         # most likely its own number with the unit of the deck is meant
         digits, own = split_quantity(str(value))[0], split_quantity(str(replaced))[1]
         has = f"in {describe(unit)}" if unit.exponents != PURE.exponents else "without unit"
         meant = f"give a number with a unit, such as '{digits:g} {own}'"
-        return f"{found}, and this is a number {has}", meant
+        return f"{message}, and this is a number {has}", meant
     return "", ""

@@ -28,7 +28,7 @@ def joints_of_parts(
     entries: Mapping[str, dict[str, Entry]], diagnostics: list[DeckError]
 ) -> dict[str, Entry]:
     """Joints that parts bring; one whose name a joint of the deck has goes to `errors`."""
-    found: dict[str, Entry] = {}
+    joints: dict[str, Entry] = {}
     for part in entries["parts"].values():
         own = part.card.joints(part.name) if hasattr(part.card, "joints") else {}
         for name, (word, fields) in own.items():
@@ -37,5 +37,5 @@ def joints_of_parts(
                 diagnostics.append(placed(part.item, Diagnostic((), message, "rename one of them")))
             kind = law_class("joints", word)
             card = kind.model_validate(fields)
-            found[name] = Entry(name, word, kind.__module__, card, part.where, part.item)
-    return found
+            joints[name] = Entry(name, word, kind.__module__, card, part.where, part.item)
+    return joints

@@ -51,10 +51,10 @@ class SurfaceGroups:
             )
             self.refuse(contact, Diagnostic(("b",), message, "see self_contact on its card"))
             return
-        made = [self._side(contact, k, sides) for k in (0, 1)]
-        for side, names in zip("ab", made, strict=True):
+        substitutes = [self._side(contact, k, sides) for k in (0, 1)]
+        for side, names in zip("ab", substitutes, strict=True):
             value[side] = names
-        added = ([name for name in names if self._is_added(name)] for names in made)
+        added = ([name for name in names if self._is_added(name)] for names in substitutes)
         if all("nodes" in map(self._type, names) for names in added):
             message = "both of its structures have shells, and nodes cannot press on nodes"
             advice = "name the nodes of one and the faces of the other, as separate surfaces"
@@ -70,13 +70,13 @@ class SurfaceGroups:
     def _side(self, contact: Item, k: int, sides: list[Rows]) -> Rows:
         """The names of a side with those of surfaces in place of entries."""
         names, others = sides[k], sides[1 - k]
-        found = Rows(names.file)
+        rows = Rows(names.file)
         for i, name in enumerate(names):
             path = ("ab"[k], i)
             one = self._surfaces(contact, path, name, others) if self._is_group(name) else [name]
-            found.extend(one)
-            found.values_at.extend([names.values_at[i]] * len(one))
-        return found
+            rows.extend(one)
+            rows.values_at.extend([names.values_at[i]] * len(one))
+        return rows
 
     def _surfaces(self, contact: Item, path: tuple[str, int], name: str, others: Rows) -> list[str]:
         """Names of the surfaces of an entry that others face. Writes: items."""
@@ -94,10 +94,15 @@ class SurfaceGroups:
             self.refuse(
                 contact, Diagnostic(path, message, "define a separate contact for the balls")
             )
-        made = at_faces if types <= BALLS else at_nodes
-        add(entry, [card for card in made if card.name not in self._added], self.items, self.refuse)
-        self._added |= {card.name for card in made}
-        return [card.name for card in made]
+        substitutes = at_faces if types <= BALLS else at_nodes
+        add(
+            entry,
+            [card for card in substitutes if card.name not in self._added],
+            self.items,
+            self.refuse,
+        )
+        self._added |= {card.name for card in substitutes}
+        return [card.name for card in substitutes]
 
     def _of(self, entry: Entry, faces_balls: bool) -> list[Made]:
         """The cards that replace an entry, made once. Raises Problem."""

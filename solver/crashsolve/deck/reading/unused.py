@@ -69,11 +69,11 @@ def ineffective(
         for name, text in overrides.items()
         for word in (name.removeprefix(PARAMETERS), name)
     }
-    found = {}
+    refusals = {}
     for spot in spots:
         for path, given in spot.item.given.items():
             if spot.holds(path):
-                found[words[given]] = _refusal(given, spot.item.title, spot.reason, ADVICE)
+                refusals[words[given]] = _refusal(given, spot.item.title, spot.reason, ADVICE)
     unread = {reader: spot for spot in spots for reader in spot.readers()}
     read = parameters.read(unread)
     for name, given in parameters.given.items():
@@ -81,8 +81,8 @@ def ineffective(
             reason = _why_unread(items["parameters"][name], parameters, unread)
             known = ", ".join(other for other in items["parameters"] if other in read)
             advice = f"{ADVICE} (parameters that are read: {known or 'none'})"
-            found[words[given]] = _refusal(given, "", reason, advice)
-    return found
+            refusals[words[given]] = _refusal(given, "", reason, advice)
+    return refusals
 
 
 def unread(parameters: Parameters, spots: Collection[Unused], main: Path) -> list[str]:

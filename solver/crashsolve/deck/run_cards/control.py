@@ -184,25 +184,25 @@ class Control(Card):
 
     def unused(self, has_interval: bool) -> dict[str, str]:
         """Words without use beside the others, and why; `has_interval` of samples of the deck."""
-        found = {}
+        reasons = {}
         is_static = self.solution == "quasi_static"
         if is_static:
-            found["step"] = "solution quasi_static has load steps, see `steps`"
+            reasons["step"] = "solution quasi_static has load steps, see `steps`"
         elif self.integrator == "rattle":
-            found["tolerance"] = "steps of rattle are chosen by safety, not by their error"
+            reasons["tolerance"] = "steps of rattle are chosen by safety, not by their error"
         if is_static:
-            found["start"] = "solution quasi_static begins in equilibrium"
+            reasons["start"] = "solution quasi_static begins in equilibrium"
         if is_static or self.integrator not in ("generalized_alpha", "auto"):
-            found["spectral_radius"] = "it belongs to integrator generalized_alpha"
+            reasons["spectral_radius"] = "it belongs to integrator generalized_alpha"
         if self.resolve and not self.integrator.startswith("dormand_prince"):
-            found["resolve"] = "it belongs to the dormand_prince methods"
+            reasons["resolve"] = "it belongs to the dormand_prince methods"
         if not is_static:
-            found["steps"] = "it belongs to solution quasi_static"
+            reasons["steps"] = "it belongs to solution quasi_static"
         elif has_interval:
-            found["steps"] = "output.history.interval takes precedence"
+            reasons["steps"] = "output.history.interval takes precedence"
         if not self.follows_path:
-            found["path_length"] = "it belongs to path arc_length"
-        return found
+            reasons["path_length"] = "it belongs to path arc_length"
+        return reasons
 
     def _check_accuracy(self) -> None:
         """Raises ValueError for fields that `accuracy` chooses itself, or needs."""

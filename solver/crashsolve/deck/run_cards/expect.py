@@ -21,7 +21,7 @@ PERCENT = parse_unit("%")
 
 
 class Expect(Card):
-    """A statistic of a channel, the value it must have, and why it must.
+    """Expected value of a statistic of a channel, with its tolerance and source.
 
     After reading, a value with a unit is in SI and `unit` names its SI unit, the tolerance with it;
     without a unit both are in the channel's own. A relative tolerance is a fraction of the value.

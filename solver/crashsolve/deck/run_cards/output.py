@@ -172,7 +172,9 @@ class Scene(Card):
         "width of the window; none when empty",
         "",
     )
-    cut: str = word("a sectional view: drawn is only where y<0, or x > 100 mm; all when empty", "")
+    cut: str = word(
+        "half space that is drawn, such as y<0 or x > 100 mm; everything when empty", ""
+    )
     magnify: float = quantity(
         "1",
         "factor on displacements, for small ones; the picture is labelled with it",
@@ -183,8 +185,8 @@ class Scene(Card):
     @field_validator("cut")
     @classmethod
     def _known_side(cls, given: str) -> str:
-        found = re.fullmatch(r"\s*[xyz]\s*[<>]\s*([-+.\deE]+\s*[a-z]*)\s*", given)
-        if given and not (found and _is_length(found[1])):
+        match = re.fullmatch(r"\s*[xyz]\s*[<>]\s*([-+.\deE]+\s*[a-z]*)\s*", given)
+        if given and not (match and _is_length(match[1])):
             raise ValueError("write what is drawn, such as 'y<0' or 'x > 100 mm'")
         return given
 

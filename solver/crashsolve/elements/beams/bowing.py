@@ -27,9 +27,9 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import add, add_scaled, dot, scale, sub
 
 
-def coefficient(shear: float, turning: float, length: float) -> float:
+def coefficient(shear: float, rotational: float, length: float) -> float:
     """c of the stiffness against shear [N/m] and bending [N m/rad] in one plane."""
-    a = shear * length**2 / (12.0 * turning)
+    a = shear * length**2 / (12.0 * rotational)
     return a - 0.4 * a * a - 0.5
 
 

@@ -30,9 +30,9 @@ def element_forces(p, out, a, b, R, v, w):
     f, energy, power = damped_force(p.stiffness, p.damping, u, u_dot)
     viscosity = p.viscosity - p.quadratic_viscosity * min(u_dot[0], 0.0)
     f, power = (f[0] + viscosity * u_dot[0], f[1], f[2]), power + viscosity * u_dot[0] * u_dot[0]
-    m, bending, turning = damped_force(p.rotational_stiffness, p.damping, theta, theta_dot)
+    m, bending, moment_power = damped_force(p.rotational_stiffness, p.damping, theta, theta_dot)
     out.stored = energy + bending
-    out.power = power + turning
+    out.power = power + moment_power
     out.loss = 0.0
     apply_load(p, out, a, b, (R, v, w), deformed, (f, m, viscosity))
 

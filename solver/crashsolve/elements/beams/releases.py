@@ -26,7 +26,7 @@ class End(Card):
     """An end of a bar with a separate node, P_barK_start or P_barK_end for bar K of part P."""
 
     bar: int = word("number of the bar, from 1", ge=1)
-    point: int = word("number of the point at this end", ge=1)
+    point: int = word("number of the point at this end of the bar", ge=1)
     free: tuple[OneAxis, ...] = word(
         "rotations about the bar's axes without a moment; x along the bar", default=()
     )
@@ -55,12 +55,12 @@ def is_first(card: Bars, end: End) -> bool:
 
 def names(card: Bars, part: str) -> list[str]:
     """Names of the nodes of released ends."""
-    found = []
+    names_of_joints = []
     for end in card.ends:
         known = end.bar <= len(card.bars)
         side = "start" if known and is_first(card, end) else "end"
-        found.append(f"{part}_bar{end.bar}_{side}")
-    return found
+        names_of_joints.append(f"{part}_bar{end.bar}_{side}")
+    return names_of_joints
 
 
 def position(card: Bars, end: End) -> np.ndarray:
@@ -86,19 +86,19 @@ def along(card: Bars, bar: int) -> np.ndarray:
 
 def fault(card: Bars) -> str:
     """Message on the first error in the ends; empty without one."""
-    seen = set()
+    pairs = set()
     count = len(card.points)
     if not all(1 <= point <= count for bar in card.bars for point in bar):
         return f"bars join points that do not exist: points are 1 to {count}"
     for end in card.ends:
         if end.bar > len(card.bars) or end.point not in card.bars[end.bar - 1]:
             return f"bar {end.bar} does not end in point {end.point}"
-        if (end.bar, end.point) in seen:
+        if (end.bar, end.point) in pairs:
             return f"bar {end.bar} at point {end.point} is given twice"
-        seen.add((end.bar, end.point))
+        pairs.add((end.bar, end.point))
     for point in range(1, len(card.points) + 1):
         bars = [k for k, bar in enumerate(card.bars, start=1) if point in bar]
-        if bars and all((k, point) in seen for k in bars):
+        if bars and all((k, point) in pairs for k in bars):
             advice = "leave one bar without an entry: the others rotate relative to it"
             return f"every bar at point {point} has an end of its own; {advice}"
     return ""
@@ -106,10 +106,10 @@ def fault(card: Bars) -> str:
 
 def joints(card: Bars, part: str) -> dict[str, tuple[str, Columns]]:
     """Joints between the ends and their points: type and words by name."""
-    found: dict[str, tuple[str, Columns]] = {}
+    columns_of: dict[str, tuple[str, Columns]] = {}
     if fault(card):
         # refused where the part is built
-        return found
+        return columns_of
     for end, name in zip(card.ends, names(card, part), strict=True):
         axes = {
             f"rotation_{k}": axis.tolist() for k, axis in zip("xyz", _axes(card, end), strict=True)
@@ -120,8 +120,8 @@ def joints(card: Bars, part: str) -> dict[str, tuple[str, Columns]]:
             words["axis"] = axes[free[0]]
         elif len(free) == 2:
             words["axis"], words["second_axis"] = (axes[rotation] for rotation in free)
-        found[name] = (JOINTS[len(free)], words)
-    return found
+        columns_of[name] = (JOINTS[len(free)], words)
+    return columns_of
 
 
 def _axes(card: Bars, end: End) -> np.ndarray:

@@ -177,9 +177,9 @@ def rotation_factors(theta):
         return ZERO, 0.0, 0.0, 0.125, 0.125
     half, quarter = 0.5 * angle, tan(0.25 * angle)
     sine = sin(half)
-    turning = 0.5 * (sine - half * cos(half)) / (sine * sine), (1.0 - half / sine) / angle
+    angular = 0.5 * (sine - half * cos(half)) / (sine * sine), (1.0 - half / sine) / angle
     swing = 0.125 * (1.0 + quarter * quarter), 0.5 * quarter / angle
-    return scale(1.0 / angle, theta), turning[0], turning[1], swing[0], swing[1]
+    return scale(1.0 / angle, theta), angular[0], angular[1], swing[0], swing[1]
 
 
 @kernel
@@ -220,9 +220,9 @@ def put_column(blocks, slot, R, k, by_a, by_b):
 
 
 @kernel
-def put_half(blocks, slot, R, k, side, found):
+def put_half(blocks, slot, R, k, side, rows):
     """Column k of one end, in the blocks of both. Writes: blocks."""
-    f, on_a, on_b = matvec(R, found[0]), matvec(R, found[1]), matvec(R, found[2])
+    f, on_a, on_b = matvec(R, rows[0]), matvec(R, rows[1]), matvec(R, rows[2])
     back = scale(-1.0, f)
     if side == 1:
         subtract_own(blocks[slot.b], k, back, on_b)

@@ -47,7 +47,7 @@ class SectionCut(Card):
 
 
 class Support(Card):
-    """Motions that the nodes of a set do not make."""
+    """Suppressed motions of the nodes of a set."""
 
     nodes: SetName = word("set of nodes of the mesh")
     motions: tuple[Motion, ...] = word("suppressed, along and about world axes", default=MOTIONS)
@@ -60,7 +60,7 @@ class Weld(Card):
     """
 
     nodes: SetName = word("set of nodes of the mesh")
-    to: BodyName | None = word("body, or node of a beam, that they are part of", default=None)
+    to: BodyName | None = word("body, or node of a beam, of which they become part", default=None)
     part: PartName | None = word(
         "or a part of beams or shells: each is part of the nearest of its nodes that are bodies",
         default=None,
@@ -92,8 +92,8 @@ class Impulse(Card):
     """Impulse along the normals, at the start, on the elements whose middles lie in a box."""
 
     low: Vec3 = quantity("m", "corner of the box with the least coordinates")
-    high: Vec3 = quantity("m", "corner with the largest")
-    speed: float = quantity("m/s", "impulse over mass; a node has its share of the elements there")
+    high: Vec3 = quantity("m", "corner of the box with the largest coordinates")
+    speed: float = quantity("m/s", "impulse over the mass of the elements in the box")
 
 
 class ShellCard(Damped):
@@ -112,9 +112,9 @@ class ShellCard(Damped):
         "positions of these points; lobatto: at the surfaces too", "gauss"
     )
     thinning: bool = word("the thickness follows the strain", default=False)
-    nodes: tuple[NamedNode, ...] = word("nodes that are bodies of the deck", default=())
+    nodes: tuple[NamedNode, ...] = word("nodes that are also bodies of the deck", default=())
     supports: tuple[Support, ...] = word("sets of nodes whose motions are suppressed", default=())
-    welded: tuple[Weld, ...] = word("nodes that move with a body", default=())
+    welded: tuple[Weld, ...] = word("nodes that are part of a body", default=())
     traces: tuple[Trace, ...] = word("nodes with a history: nodout.P_name", default=())
     gauges: tuple[Trace, ...] = word("elements with a history: elout.P_name", default=())
     section_cuts: tuple[SectionCut, ...] = word(

@@ -117,8 +117,8 @@ class DiscretisedShell:
     def _refuse_bad(self, x: np.ndarray, normal: np.ndarray, scene: Scene) -> None:
         """Refuse elements that are not convex: all corners must have one sense of rotation."""
         for k in range(4):
-            here = np.cross(x[:, (k + 1) % 4] - x[:, k], x[:, (k + 3) % 4] - x[:, k])
-            is_flipped = (here * normal).sum(1) > 1e-6 * (normal**2).sum(1)
+            area = np.cross(x[:, (k + 1) % 4] - x[:, k], x[:, (k + 3) % 4] - x[:, k])
+            is_flipped = (area * normal).sum(1) > 1e-6 * (normal**2).sum(1)
             # the third side of a triangle has no length
             is_flipped[self.quad_count :] |= k > 1
             bad = np.flatnonzero(~is_flipped)
@@ -308,8 +308,8 @@ class DiscretisedShell:
 
     def gauge_values(self, blocks: np.ndarray, row: np.void) -> np.ndarray:
         """Values of FIELDS of the gauged elements, side by side (gauges, columns)."""
-        found = outputs.values_of(self, blocks, row, np.array(self.gauged))
-        return np.column_stack([found[name] for name in outputs.FIELDS])
+        values = outputs.values_of(self, blocks, row, np.array(self.gauged))
+        return np.column_stack([values[name] for name in outputs.FIELDS])
 
     def all_fields(self, blocks: np.ndarray, row: np.void) -> dict[str, np.ndarray]:
         """Values of FIELDS of all elements, in single precision."""
@@ -317,9 +317,9 @@ class DiscretisedShell:
 
     def _shape(self) -> np.ndarray:
         """Inverse of the diagonals in axes between them, by rows (m, 4)."""
-        found = np.empty((len(self.area), 4))
+        shape = np.empty((len(self.area), 4))
         # blocks exist already: additional arrays determine the peak of memory
-        for start in range(0, len(found), PIECE):
+        for start in range(0, len(shape), PIECE):
             x = self.mesh.points[self.mesh.quads[start : start + PIECE]]
-            found[start : start + PIECE] = np.linalg.inv(diagonals(x)).reshape(-1, 4)
-        return found
+            shape[start : start + PIECE] = np.linalg.inv(diagonals(x)).reshape(-1, 4)
+        return shape

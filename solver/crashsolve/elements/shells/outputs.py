@@ -61,16 +61,16 @@ def values_of(
     """Values of FIELDS of some elements (n, ...), in their units, from the blocks of all parts."""
     start = int(row["first"])
     shapes = {name: (len(wanted), n)[: 1 + (n > 1)] for name, (_, n) in FIELDS.items()}
-    found = {name: np.zeros(shape, kind) for name, shape in shapes.items()}
+    values_of_fields = {name: np.zeros(shape, kind) for name, shape in shapes.items()}
     for own, points in part.sections():
         count, stride = blocks_of(own), part.stride_of(points)
         table = blocks[start : start + count * stride].reshape(count, stride // LANES, LANES)
         inside = np.flatnonzero((wanted >= own.start) & (wanted < own.stop))
         for some in (inside[k : k + PIECE] for k in range(0, len(inside), PIECE)):
             for name, values in fields(part, _rows(table, wanted[some] - own.start)).items():
-                found[name][some] = values
+                values_of_fields[name][some] = values
         start += count * stride
-    return found
+    return values_of_fields
 
 
 def _rows(table: np.ndarray, positions: np.ndarray) -> np.ndarray:
@@ -117,5 +117,5 @@ def fields(part: Part, rows: np.ndarray) -> dict[str, np.ndarray]:
 
 def _mean(points: np.ndarray) -> np.ndarray:
     """Mean over the points of the plane, of (m, points, ...)."""
-    found: np.ndarray = points[:, 0] if points.shape[1] == 1 else points.mean(axis=1)
-    return found
+    mean: np.ndarray = points[:, 0] if points.shape[1] == 1 else points.mean(axis=1)
+    return mean

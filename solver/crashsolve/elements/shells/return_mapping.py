@@ -18,7 +18,7 @@ from crashsolve.foundation.kernels import blockwise, inlined, kernel
 from crashsolve.foundation.point import LANES
 from crashsolve.materials._von_mises import LAYER, NEAR_BENT, resistance
 
-PASSES = 50
+ITERATIONS = 50
 # of the yield stress: some units of round-off
 CLOSE = 1e-14
 # allowed residual where it falls no further, by round-off of large slopes
@@ -213,7 +213,7 @@ def return_to_tangents(blocks, at, slots, to, h, m, curves, material):
     """
     before = 1e300
     begin(blocks, at, slots, to, h, m, material)
-    for _ in range(PASSES):
+    for _ in range(ITERATIONS):
         evaluate_tangents(blocks, at, slots, to, h, m, curves, material)
         largest = largest_residual(slots, to)
         if has_converged(largest, before):
@@ -268,7 +268,7 @@ def return_to_lines(blocks, at, slots, to, m, curves, material):
     """g of a layer with a curve from that of the line it had. Writes: slots, blocks."""
     before = 1e300
     # one more for each of its lines
-    for _ in range(PASSES + curves[m.curve].last - m.curve):
+    for _ in range(ITERATIONS + curves[m.curve].last - m.curve):
         if not has_passed(blocks, at, slots, to, m):
             return
         largest = next_lines(blocks, at, slots, to, m, curves, material)
@@ -304,7 +304,7 @@ def first_iteration(slots, count, m):
 def iterate(slots, first, count, m):
     """Find g of layers in successive slots, with linear yield stresses. Writes: slots."""
     c1, c2 = softening(m)
-    for _ in range(PASSES):
+    for _ in range(ITERATIONS):
         unconverged = 0.0
         for slot in range(count):
             to = first + LANES * SLOT.SIZE * slot

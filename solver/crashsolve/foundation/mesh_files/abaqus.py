@@ -344,9 +344,9 @@ class _Reader:
             text.append(", ".join(map(str, (number, *nodes))))
             before = kind
         lines.text = "\n".join(text) + "\n"
-        for family, found in (("NSET", lines.node_sets), ("ELSET", lines.element_sets)):
+        for family, sets in (("NSET", lines.node_sets), ("ELSET", lines.element_sets)):
             for key, own in self.sets[family].items():
-                found[self.written[family, key]] = own
+                sets[self.written[family, key]] = own
         return lines
 
 

@@ -178,13 +178,13 @@ def _case_sets(rows: list[tuple[int, str]]) -> dict[str, tuple[int, str]]:
 def _add_sets(sets: dict[str, tuple[int, str]], lines: Lines) -> None:
     """Sets of nodes where all numbers are nodes', of elements where all are elements'."""
     for label, (_, text) in sets.items():
-        for known, found in (
+        for known, sets_of_kind in (
             (lines.nodes, lines.node_sets),
             (lines.elements, lines.element_sets),
         ):
             own = _members(text, known)
             if own and all(number in known for number in own):
-                found[label] = own
+                sets_of_kind[label] = own
 
 
 def _members(text: str, known: Iterable[int]) -> dict[int, None] | None:

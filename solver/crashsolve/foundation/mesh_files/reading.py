@@ -113,11 +113,11 @@ def read_mesh_file(path: Path) -> MeshFile:
         raise MeshFileError(f"meshio cannot read {path.name}: {error}") from None
 
 
-def _of_lines(lines: Lines, found: meshio.Mesh) -> MeshFile:
+def _of_lines(lines: Lines, mesh: meshio.Mesh) -> MeshFile:
     """The mesh read by meshio, with the identifiers and sets of the lines."""
     shells = [number for number, (kind, _) in lines.elements.items() if kind in SIDES]
-    corners, kinds = _elements(found)
-    points = _points(found)
+    corners, kinds = _elements(mesh)
+    points = _points(mesh)
     position = {number: i for i, number in enumerate(lines.nodes)}
     wanted = [[position[n] for n in lines.elements[number][1]] for number in shells]
     own = np.array([(*row, row[-1])[:4] for row in wanted], int).reshape(-1, 4)
@@ -143,9 +143,9 @@ def _numbers(position: dict[int, int], some: Iterable[int]) -> np.ndarray:
     return np.unique(np.array([position[number] for number in some], int))
 
 
-def _points(found: meshio.Mesh) -> np.ndarray:
+def _points(mesh: meshio.Mesh) -> np.ndarray:
     """Points (n, 3); those of a plane lie at z = 0."""
-    points = np.asarray(found.points, float)
+    points = np.asarray(mesh.points, float)
     if points.ndim != 2 or points.shape[1] not in (2, 3):
         raise MeshFileError(f"its points have the shape {points.shape}, not (n, 3)")
     if points.shape[1] == 2:
@@ -156,12 +156,12 @@ def _points(found: meshio.Mesh) -> np.ndarray:
     return points
 
 
-def _elements(found: meshio.Mesh) -> tuple[np.ndarray, np.ndarray]:
+def _elements(mesh: meshio.Mesh) -> tuple[np.ndarray, np.ndarray]:
     """Corners (m, 4), rows of -1 for cells with neither four nor three corners, and kinds of all
     blocks.
     """
     corners, kinds = [np.zeros((0, 4), int)], [np.zeros(0, object)]
-    for block in found.cells:
+    for block in mesh.cells:
         cells = np.asarray(block.data)
         rows = np.full((len(cells), 4), -1)
         if len(cells) and block.type in SIDES:
@@ -171,10 +171,10 @@ def _elements(found: meshio.Mesh) -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate(corners), np.concatenate(kinds)
 
 
-def _of_meshio(found: meshio.Mesh, path: Path) -> MeshFile:
+def _of_meshio(mesh: meshio.Mesh, path: Path) -> MeshFile:
     """A file of which meshio loses nothing, but for groups of gmsh that have no name."""
-    corners, kinds = _elements(found)
-    points = _points(found)
+    corners, kinds = _elements(mesh)
+    points = _points(mesh)
     is_shell = np.isin(kinds, list(SIDES))
     bad = np.flatnonzero(is_shell & ((corners < 0) | (corners >= len(points))).any(axis=1))
     if len(bad):
@@ -182,29 +182,29 @@ def _of_meshio(found: meshio.Mesh, path: Path) -> MeshFile:
         message = f"element {bad[0]} names point {wrong}; there are points 0 to {len(points) - 1}"
         raise MeshFileError(f"{path.name}: {message}")
     sets = {
-        name: _of_blocks(found, own)
-        for name, own in found.cell_sets.items()
+        name: _of_blocks(mesh, own)
+        for name, own in mesh.cell_sets.items()
         if not name.startswith("gmsh:")
     }
-    nodes = {name: np.unique(np.asarray(own, int)) for name, own in found.point_sets.items()}
+    nodes = {name: np.unique(np.asarray(own, int)) for name, own in mesh.point_sets.items()}
     for name, own in nodes.items():
         if len(own) and not (own[0] >= 0 and own[-1] < len(points)):
             raise MeshFileError(f"{path.name}: set '{name}' names a point that is not there")
-    groups = _groups(found, path)
+    groups = _groups(mesh, path)
     # of a group that has a name in the file, meshio reads all elements
     groups = {name: own for name, own in groups.items() if name not in sets} | sets
     for name, own in groups.items():
-        nodes.setdefault(name, _nodes_of(found, own))
+        nodes.setdefault(name, _nodes_of(mesh, own))
     of_areas = {name: own[~np.isin(kinds[own], OUTLINES)] for name, own in groups.items()}
     element_sets = {name: own for name, own in of_areas.items() if len(own)}
-    outlines = GROUPS in found.cell_data
+    outlines = GROUPS in mesh.cell_data
     return MeshFile(points, corners, kinds, element_sets, nodes, has_outlines=outlines)
 
 
-def _of_blocks(found: meshio.Mesh, own: Iterable[ArrayLike | None]) -> np.ndarray:
+def _of_blocks(mesh: meshio.Mesh, own: Iterable[ArrayLike | None]) -> np.ndarray:
     """Elements of a set, counted over all blocks, from their numbers in each; None is none."""
     some, start = [np.zeros(0, int)], 0
-    for block, numbers in zip(found.cells, own, strict=True):
+    for block, numbers in zip(mesh.cells, own, strict=True):
         inner = np.asarray([] if numbers is None else numbers, int).ravel()
         if len(inner) and not (inner.min() >= 0 and inner.max() < len(block.data)):
             raise MeshFileError("a set names an element that is not there")
@@ -214,27 +214,27 @@ def _of_blocks(found: meshio.Mesh, own: Iterable[ArrayLike | None]) -> np.ndarra
     return np.unique(np.concatenate(some))
 
 
-def _nodes_of(found: meshio.Mesh, elements: np.ndarray) -> np.ndarray:
+def _nodes_of(mesh: meshio.Mesh, elements: np.ndarray) -> np.ndarray:
     """Points of these elements, of any kind."""
     some, start = [np.zeros(0, int)], 0
-    for block in found.cells:
+    for block in mesh.cells:
         own = elements[(elements >= start) & (elements < start + len(block.data))] - start
         some.append(np.asarray(block.data, int)[own].ravel())
         start += len(block.data)
     return np.unique(np.concatenate(some))
 
 
-def _groups(found: meshio.Mesh, path: Path) -> dict[str, np.ndarray]:
+def _groups(mesh: meshio.Mesh, path: Path) -> dict[str, np.ndarray]:
     """Elements of the physical groups of gmsh, by name, or by number where they have none.
 
     Numbers count in each dimension for themselves: one used for lines and for areas is left out.
     """
-    if GROUPS not in found.cell_data:
+    if GROUPS not in mesh.cell_data:
         return {}
-    number = np.concatenate([np.asarray(own, int) for own in found.cell_data[GROUPS]])
-    dimension = np.concatenate([np.full(len(block.data), block.dim) for block in found.cells])
+    number = np.concatenate([np.asarray(own, int) for own in mesh.cell_data[GROUPS]])
+    dimension = np.concatenate([np.full(len(block.data), block.dim) for block in mesh.cells])
     groups = {}
-    for name, (tag, dim) in found.field_data.items():
+    for name, (tag, dim) in mesh.field_data.items():
         groups[name] = np.flatnonzero((number == tag) & (dimension == dim))
     if _lists_all_groups(path):
         for tag in np.unique(number[number > 0]):

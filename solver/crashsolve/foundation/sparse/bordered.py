@@ -95,9 +95,9 @@ def plan(
     blocks = np.zeros(len(address), BLOCK.dtype)
     blocks["column"] = [q for q, _ in address]
     names = [nodes[key] if key < len(nodes) else len(nodes) - 1 - key for key in order]
-    found = {(names[q], names[p]): block for (q, p), block in address.items()}
-    slots = np.array(_positions(ends, joints, found), SLOT.dtype)
-    return Bordered(columns, blocks, np.array(updates, UPDATE.dtype), slots), found
+    block_of = {(names[q], names[p]): block for (q, p), block in address.items()}
+    slots = np.array(_positions(ends, joints, block_of), SLOT.dtype)
+    return Bordered(columns, blocks, np.array(updates, UPDATE.dtype), slots), block_of
 
 
 def _graph(
@@ -163,17 +163,19 @@ def _updates_of(
 def _positions(
     ends: list[tuple[int, int]],
     joints: list[tuple[int, tuple[int, ...]]],
-    found: dict[tuple[int, int], int],
+    addresses: dict[tuple[int, int], int],
 ) -> list[tuple[int, int, int, bool]]:
     """Blocks of every row: of joints, of which number k is called -1 - k, and of compliant ones."""
     slots = []
     for k, (rows, own) in enumerate(joints):
         for part in range(0, len(own), 2):
-            a, b = (found.get((-1 - k, node), -1) for node in own[part : part + 2])
+            a, b = (addresses.get((-1 - k, node), -1) for node in own[part : part + 2])
             slots += [(a, b, -1, False)] * rows
     for a, b in ends[len(slots) :]:
-        across = found.get((a, b), found.get((b, a), -1)) if a != b else -1
-        slots.append((found.get((a, a), -1), found.get((b, b), -1), across, (b, a) in found))
+        across = addresses.get((a, b), addresses.get((b, a), -1)) if a != b else -1
+        slots.append(
+            (addresses.get((a, a), -1), addresses.get((b, b), -1), across, (b, a) in addresses)
+        )
     return slots
 
 

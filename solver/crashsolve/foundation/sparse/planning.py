@@ -148,15 +148,15 @@ def elimination(
             columns[p]["line"] = len(lines)
             below = lines_of(columns, p, reached[p], address)
             lines += below
-            found = targets_of(columns, reached[p], address)
+            target_blocks = targets_of(columns, reached[p], address)
             for i in range(0, len(below), 2):
                 last = min(i + 1, len(below) - 1)
                 one, other, first = below[i][0], below[last][0], below[0][0]
                 updates.append((one, other, first, last + 1, len(targets)))
                 both = np.full((last + 1, 2), unread)
-                both[: i + 1, 0] = found[i, : i + 1]
+                both[: i + 1, 0] = target_blocks[i, : i + 1]
                 if last > i:
-                    both[:, 1] = found[last, : last + 1]
+                    both[:, 1] = target_blocks[last, : last + 1]
                 targets += both.ravel().tolist()
         levels.append((kind[2], kind[1], own[0], own[-1] + 1, starts[0], len(lines)))
         levels[-1] += (starts[1], len(updates))
@@ -214,7 +214,7 @@ def _pairs(
         return [(entries[k] + side // 2 * rows[k], side % 2, rows[k]) for side in ends]
 
     touching = _joints_by_node(nodes)
-    found: list[tuple[int, ...]] = [
+    pairs: list[tuple[int, ...]] = [
         (*a, *b, address[position[k], position[j]], int(k == j))
         for node, joints in sorted(touching.items())
         if node not in hubs
@@ -227,5 +227,5 @@ def _pairs(
     for number, hub in enumerate(hubs, start=len(rows)):
         for k in touching[hub]:
             block = address[position[number], position[k]]
-            found += [(0, 0, 6, *side, block, 2) for side in sides(k, hub)]
-    return sorted(found, key=lambda pair: (pair[-1], pair[2], pair[5]))
+            pairs += [(0, 0, 6, *side, block, 2) for side in sides(k, hub)]
+    return sorted(pairs, key=lambda pair: (pair[-1], pair[2], pair[5]))

@@ -36,24 +36,24 @@ BEYOND_NUMBERS = (ArithmeticError, np.linalg.LinAlgError)
 
 def refuse_beyond(deck: Deck, model: Model, state: State) -> None:
     """Raise DeckErrors naming the cards whose numbers came out as none."""
-    found = [*_too_large(deck), *_too_fast(deck)]
+    errors = [*_too_large(deck), *_too_fast(deck)]
     for group in model.groups:
         entries = deck.entries[group.keyword]
         for i in _rows_without_numbers(group.parameters):
             # an element has the name of its part
             owner = next((e for n, e in entries.items() if _is_of(group.names[i], n)), None)
-            found.append(deck.error(owner, None, *BEYOND) if owner else of_model(deck))
+            errors.append(deck.error(owner, None, *BEYOND) if owner else of_model(deck))
     for i in _rows_without_numbers(state.nodes, np.isfinite):
         name = model.bodies[i]
         entry = deck.entries["bodies"].get(name)
-        found.append(deck.error(entry, None, *BEYOND) if entry else of_model(deck, f"'{name}'"))
+        errors.append(deck.error(entry, None, *BEYOND) if entry else of_model(deck, f"'{name}'"))
     is_wrong = (
         len(_rows_without_numbers(state.points, np.isfinite)) or not np.isfinite(state.blocks).all()
     )
-    if not found and is_wrong:
-        found.append(of_model(deck, "the shells"))
-    if found:
-        raise DeckErrors({str(error): error for error in found}.values())
+    if not errors and is_wrong:
+        errors.append(of_model(deck, "the shells"))
+    if errors:
+        raise DeckErrors({str(error): error for error in errors}.values())
 
 
 def _sizes(value: object) -> Iterator[float]:

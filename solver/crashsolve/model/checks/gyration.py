@@ -27,13 +27,13 @@ Points = list[tuple[np.ndarray, float]]
 def gyration_warnings(scene: Scene, groups: list[Group], joints: list[Joint]) -> list[str]:
     """One warning for every rigid body whose inertia is far too small or too large."""
     fixed, shapes = attached(groups, joints), outlines(scene)
-    found = []
+    warnings = []
     for i, (name, entry) in enumerate(scene.deck.entries["bodies"].items(), start=1):
         if entry.type == "rigid" and entry.card.inertia is not None:
             own, J = shapes.get(i, []), scene.J[i].reshape(3, 3)
             text = inconsistency(float(scene.mass[i]), J, own, [*fixed.get(i, []), *own])
-            found += [f"body '{name}': {text}"] if text else []
-    return found
+            warnings += [f"body '{name}': {text}"] if text else []
+    return warnings
 
 
 def inconsistency(mass: float, J: np.ndarray, surface: Points, points: Points) -> str:
@@ -77,10 +77,10 @@ def _reported(gyration: float, word: str, reach: float, moment: float) -> str:
 
 def attached(groups: list[Group], joints: list[Joint]) -> dict[int, Points]:
     """Points of joints and springs from the mass centre of each body, body axes [m]."""
-    found: dict[int, Points] = {}
+    points_of: dict[int, Points] = {}
 
     def add(node: int, point: object) -> None:
-        found.setdefault(int(node), []).append((np.asarray(point, float), 0.0))
+        points_of.setdefault(int(node), []).append((np.asarray(point, float), 0.0))
 
     for joint in joints:
         for side, node in (("a", joint.node_a), ("b", joint.node_b)):
@@ -93,17 +93,17 @@ def attached(groups: list[Group], joints: list[Joint]) -> dict[int, Points]:
                 if {f"node_{side}", f"point_{side}"} <= set(columns):
                     for p in g.parameters:
                         add(p[f"node_{side}"], p[f"point_{side}"])
-    return found
+    return points_of
 
 
 def outlines(scene: Scene) -> dict[int, Points]:
     """Points of the surfaces of each body, from its mass centre, each with a radius [m]."""
-    found: dict[int, Points] = {}
+    points_of: dict[int, Points] = {}
     for surface in scene.surfaces.values():
         if hasattr(surface.module, "bounding"):
             for element in surface.elements:
-                found.setdefault(int(element["node"]), []).extend(outline(element))
-    return found
+                points_of.setdefault(int(element["node"]), []).extend(outline(element))
+    return points_of
 
 
 def outline(element: Columns) -> Points:

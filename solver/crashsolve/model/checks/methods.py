@@ -63,7 +63,7 @@ def refuse_several(model: Model, deck: Deck) -> None:
         for g in model.groups
         if g.joins_several and hasattr(g.module, "tangent")
     }
-    found = [
+    errors = [
         deck.error(
             entry,
             None,
@@ -74,8 +74,8 @@ def refuse_several(model: Model, deck: Deck) -> None:
         for entry in deck.entries[keyword].values()
         if entry.type == kind
     ]
-    if found:
-        raise DeckErrors(found)
+    if errors:
+        raise DeckErrors(errors)
 
 
 # attributes of the file of a method, by stepper

@@ -28,16 +28,16 @@ def refuse_motion(deck: Deck, groups: list[Group]) -> None:
     """Raises DeckErrors for the cards whose laws need the course of time."""
     if deck.control.solution != "quasi_static":
         return
-    found = [
+    errors = [
         deck.error(entry, None, f"{reason}; set solution: transient")
         for entry, reason in _inconsistencies(deck, groups)
     ]
     if deck.control.follows_path:
-        found += [
+        errors += [
             deck.error(entry, None, text) for entry, text in _refused_by_arc_length(deck, groups)
         ]
-    if found:
-        raise DeckErrors(found)
+    if errors:
+        raise DeckErrors(errors)
 
 
 def _refused_by_arc_length(deck: Deck, groups: list[Group]) -> Iterator[tuple[Entry, str]]:

@@ -49,11 +49,11 @@ def body_pairs_of(group: ContactGroup, pairs: np.ndarray) -> np.ndarray:
     ends = [group.elements_a["node"][pairs["a"]], group.elements_b["node"][pairs["b"]]]
     keys = np.stack([pairs["card"], *ends])
     first = np.flatnonzero(np.diff(keys, axis=1, prepend=-1).any(axis=0))
-    found = np.zeros(len(first), BODY_PAIR.dtype)
-    found["first"], found["end"] = first, np.append(first, len(pairs))[1:]
-    found["card"], found["node_a"], found["node_b"] = keys[:, first]
+    body_pairs = np.zeros(len(first), BODY_PAIR.dtype)
+    body_pairs["first"], body_pairs["end"] = first, np.append(first, len(pairs))[1:]
+    body_pairs["card"], body_pairs["node_a"], body_pairs["node_b"] = keys[:, first]
     if len(first):
         for name in ("reach_a", "reach_b"):
-            found[name] = np.maximum.reduceat(pairs[name], first)
-        found["thick"] = np.minimum.reduceat(pairs["thick"], first)
-    return found
+            body_pairs[name] = np.maximum.reduceat(pairs[name], first)
+        body_pairs["thick"] = np.minimum.reduceat(pairs["thick"], first)
+    return body_pairs

@@ -179,11 +179,11 @@ def _laws(card: Any) -> list[Card]:
 
 def _by_shape(names: Iterable[str], surfaces: dict[str, Surface]) -> dict[str, list[Surface]]:
     """Surfaces of one side of a card by shape; one that is missing has been reported already."""
-    found: dict[str, list[Surface]] = defaultdict(list)
+    surfaces_of: dict[str, list[Surface]] = defaultdict(list)
     for name in dict.fromkeys(names):
         if name in surfaces:
-            found[surfaces[name].shape].append(surfaces[name])
-    return found
+            surfaces_of[surfaces[name].shape].append(surfaces[name])
+    return surfaces_of
 
 
 def _leaf(module_name: str) -> str:

@@ -163,7 +163,7 @@ class ContactGroup(Touching):
         return "remaining_lead" in (self.history.dtype.names or ())
 
     @property
-    def looks_ahead(self) -> bool:
+    def bounds_next_step(self) -> bool:
         """Whether the next step must be cut: a list to renew, or sides with an end."""
         return self.search is not None or bool(np.isfinite(self.parameters["thick"]).any())
 

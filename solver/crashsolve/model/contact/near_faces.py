@@ -37,10 +37,10 @@ def faces_at_start(corners: np.ndarray) -> np.ndarray:
     """Rows of FACE_AT_START of faces with corners (n, 4, 3) [m]; a triangle has the third twice."""
     first, second, third, fourth = np.moveaxis(corners, 1, 0)
     normals = crosses(third - first, fourth - second)
-    found = np.zeros(len(corners), FACE_AT_START.dtype)
-    found["normal"] = normals / np.linalg.norm(normals, axis=1)[:, None]
-    found["middle"] = corners.mean(axis=1)
-    return found
+    faces = np.zeros(len(corners), FACE_AT_START.dtype)
+    faces["normal"] = normals / np.linalg.norm(normals, axis=1)[:, None]
+    faces["middle"] = corners.mean(axis=1)
+    return faces
 
 
 def adjacent_faces(quads: np.ndarray) -> np.ndarray:
@@ -106,7 +106,7 @@ def points_along(
     starts = np.repeat(np.arange(count), np.diff(first))
     lengths = np.linalg.norm(points[others] - points[starts], axis=1)
     at_once = max(TABLE // count, 1)
-    shortest, found = np.full(at_once * count, np.inf), []
+    shortest, reached_pairs = np.full(at_once * count, np.inf), []
     for begin in range(0, count, at_once):
         owners = np.arange(begin, min(begin + at_once, count))
         # pairs as one number each, by rows of the table of distances
@@ -114,8 +114,8 @@ def points_along(
             (owners - begin) * count + owners, (first, others, lengths), shortest, reach
         )
         shortest[pairs] = np.inf
-        found.append(pairs + begin * count)
-    owners, reached = np.divmod(np.concatenate(found), count)
+        reached_pairs.append(pairs + begin * count)
+    owners, reached = np.divmod(np.concatenate(reached_pairs), count)
     return owners, reached
 
 

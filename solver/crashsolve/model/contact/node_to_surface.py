@@ -284,8 +284,8 @@ class NodalBuilder:
 
     def _on_shape(self, probes: Probes, a: Surface, b: Surface, routine: GapRoutines) -> Sided:
         """Points against a rigid shape: its own gap routine, with copies of its bodies."""
-        stand_in = SurfaceOfProbes("sphere", a.entry)
-        narrow, swapped = routine(stand_in, b, self.scene)
+        substitute = SurfaceOfProbes("sphere", a.entry)
+        narrow, swapped = routine(substitute, b, self.scene)
         if swapped or hasattr(narrow, "expand_a"):
             message = f"nodes of shells cannot press on a {b.entry.type}; give it another shape"
             raise self.scene.fail(message, "b")
@@ -381,8 +381,8 @@ class NodalBuilder:
         quads, points = np.concatenate([meshed.mesh.quads, *others]), meshed.mesh.points
         around = faces_around(quads, len(points))
         near = excluded_faces(quads, around, ring)
-        found = merged(near, faces_within_reach(points, quads, around, reach))
-        return found if not others else chosen(*found, nodes, len(meshed.mesh.quads))
+        excluded = merged(near, faces_within_reach(points, quads, around, reach))
+        return excluded if not others else chosen(*excluded, nodes, len(meshed.mesh.quads))
 
     def _refuse_too_thick(self, gap: float, meshed: DiscretisedShell, part: str) -> None:
         """Refuse a surface that could touch itself only far from where a shell describes it."""

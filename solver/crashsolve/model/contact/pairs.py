@@ -91,22 +91,22 @@ class Pairing:
 
     def everything(self) -> np.ndarray:
         """Parameters of all possible pairs."""
-        found = []
+        allowed = []
         for block in self.blocks:
             a, b = (np.flatnonzero(member) for member in block.member)
-            found.append(self._allowed(block, np.repeat(a, len(b)), np.tile(b, len(a))))
-        return np.concatenate(found)
+            allowed.append(self._allowed(block, np.repeat(a, len(b)), np.tile(b, len(a))))
+        return np.concatenate(allowed)
 
     def chosen(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
         """Parameters of the allowed ones among the given pairs, sorted by card, a, b."""
-        found = []
+        allowed = []
         for block in self.blocks:
             keep = block.member[0][a] & block.member[1][b]
-            found.append(self._allowed(block, a[keep], b[keep]))
-        if len(found) == 1:
+            allowed.append(self._allowed(block, a[keep], b[keep]))
+        if len(allowed) == 1:
             # they are in this order
-            return found[0]
-        rows = np.concatenate(found)
+            return allowed[0]
+        rows = np.concatenate(allowed)
         return rows[np.lexsort((rows["b"], rows["a"], rows["card"]))]
 
     def _allowed(self, block: Block, a: np.ndarray, b: np.ndarray) -> np.ndarray:

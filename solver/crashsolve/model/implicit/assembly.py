@@ -77,7 +77,7 @@ def assembled(
     pairs = shared_by_shells(model.elements, state) if model.elements else []
     given = sum(joint.rows * joint.parts for joint in model.joints)
     near = set(pairs) | set(ends[given:])
-    matrix, found = plan(list(range(1, len(state.nodes))), near, joints, ends)
+    matrix, block_of = plan(list(range(1, len(state.nodes))), near, joints, ends)
     rows = np.zeros(len(ends), COMPLIANT.dtype)
     rows["node_a"], rows["node_b"] = np.array(ends, int).reshape(-1, 2).T
     tables = {"compliant_updates": matrix.updates, "compliant_slots": matrix.slots}
@@ -85,7 +85,7 @@ def assembled(
         tables |= {f"columns_{k}": matrix.columns.copy(), f"blocks_{k}": matrix.blocks.copy()}
         tables[f"compliant_{k}"] = rows.copy()
     return tables | (
-        tables_of_shell_tangents(model.elements, state, pairs, found) if model.elements else {}
+        tables_of_shell_tangents(model.elements, state, pairs, block_of) if model.elements else {}
     )
 
 
@@ -100,14 +100,14 @@ def tables_of_shell_tangents(
     elements: Elements,
     state: State,
     pairs: list[tuple[int, int]],
-    found: dict[tuple[int, int], int],
+    block_of: dict[tuple[int, int], int],
 ) -> dict[str, np.ndarray]:
     """Tables of the tangents of shells, and the addresses of their blocks."""
     counts, attached_points = np.zeros(1, COUNTS.dtype), elements.attached_points
     counts["numbers"] = len(state.blocks)
     counts["arms"] = (attached_points["spot"].any(axis=1) & (attached_points["node"] > 0)).sum()
     return {
-        "block_addresses": np.array([address(pair, found) for pair in pairs]),
+        "block_addresses": np.array([address(pair, block_of) for pair in pairs]),
         "base": np.zeros(BASE.SIZE * LANES),
         "change": np.zeros(CHANGE.SIZE * LANES),
         "counts": counts,
@@ -122,12 +122,12 @@ def pairs_of(own: np.ndarray) -> list[tuple[int, int]]:
     return list(zip(rows.ravel().tolist(), columns.ravel().tolist(), strict=True))
 
 
-def address(pair: tuple[int, int], found: dict[tuple[int, int], int]) -> int:
+def address(pair: tuple[int, int], block_of: dict[tuple[int, int], int]) -> int:
     """Address of K of two bodies: twice the number of their block, plus 1 for its other side.
 
     Rows are those of the first; -1 where one of them does not move.
     """
-    if pair in found:
-        return 2 * found[pair]
+    if pair in block_of:
+        return 2 * block_of[pair]
     # no block has the number -1, and so 2 (-1) + 1
-    return 2 * found.get(pair[::-1], -1) + 1
+    return 2 * block_of.get(pair[::-1], -1) + 1

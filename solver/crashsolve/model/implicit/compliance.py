@@ -81,9 +81,9 @@ def _spring_ends(group: Group) -> tuple[int, list[tuple[int, ...]]]:
 
 
 def _contacts(model: Model) -> list[tuple[int, list[tuple[int, ...]]]]:
-    found: list[tuple[int, list[tuple[int, ...]]]] = []
+    pairs_of_contacts: list[tuple[int, list[tuple[int, ...]]]] = []
     for c in tangent_contacts(model):
         a = c.elements_a["node"][c.parameters["a"]]
         b = c.elements_b["node"][c.parameters["b"]]
-        found.append((c.tangent_rows, list(zip(a.tolist(), b.tolist(), strict=True))))
-    return found
+        pairs_of_contacts.append((c.tangent_rows, list(zip(a.tolist(), b.tolist(), strict=True))))
+    return pairs_of_contacts

@@ -29,22 +29,22 @@ def expand(name: str, card: object, laws: dict[str, dict[str, Law]], control: Fi
     whole = plan(name, card, laws)
     is_explicit = control.get("solution") != "quasi_static"
     is_explicit &= control.get("integrator", "default") in EXPLICIT
-    made = list(_members(whole))
+    cards = list(_members(whole))
     bodies = [_body(whole, k, point) for k, point in enumerate(whole.points)]
     if is_explicit:
-        made = _part_of_bodies(made, bodies)
+        cards = _part_of_bodies(cards, bodies)
     mounts = list(_mounts(whole, bodies, is_explicit))
-    return bodies + made + mounts + list(_clusters(whole))
+    return bodies + cards + mounts + list(_clusters(whole))
 
 
 def _members(whole: Plan) -> Iterator[Made]:
     """Cards of all members; a card that several need once."""
-    seen = set()
+    cards = set()
     for member in whole.members:
         for card in description(member).cards(member, whole):
-            if (card.keyword, card.name) not in seen:
+            if (card.keyword, card.name) not in cards:
                 yield card
-            seen.add((card.keyword, card.name))
+            cards.add((card.keyword, card.name))
 
 
 def description(member: Member) -> ModuleType:
@@ -62,14 +62,14 @@ def unused(card: Any) -> dict[Steps, str]:
     reason = f"its members are {' and '.join(dict.fromkeys(chosen))}"
     followed = {word for name in chosen for word in _description(name).WORDS}
     words = {word for name in DESCRIPTIONS for word in _description(name).WORDS}
-    found: dict[Steps, str] = {(word,): reason for word in sorted(words - followed)}
+    reasons: dict[Steps, str] = {(word,): reason for word in sorted(words - followed)}
     for word in ("deformation", "divisions", "material", "section", "side"):
         if all(getattr(member, word) is not None for member in card.members):
-            found.setdefault((word,), "all members have their own")
+            reasons.setdefault((word,), "all members have their own")
     for k, name in enumerate(chosen):
         if "divisions" not in _description(name).WORDS:
-            found["members", k, "divisions"] = f"the member is {name}"
-    return found
+            reasons["members", k, "divisions"] = f"the member is {name}"
+    return reasons
 
 
 def _body(whole: Plan, k: int, point: str) -> Made:
@@ -148,13 +148,13 @@ def weld(name: str, a: str, b: str, position: np.ndarray, member: Member) -> Mad
     return Made("joints", name, fields, member.path)
 
 
-def _part_of_bodies(made: list[Made], bodies: list[Made]) -> list[Made]:
+def _part_of_bodies(cards: list[Made], bodies: list[Made]) -> list[Made]:
     """Ends of beams are part of the bodies in place of being welded to them. Writes: bodies."""
     by_name = {body.name: body for body in bodies}
-    for card in made:
+    for card in cards:
         if card.keyword == "joints":
             by_name[card.fields["a"]].fields.setdefault("welded", []).append(card.fields["b"])
-    return [card for card in made if card.keyword != "joints"]
+    return [card for card in cards if card.keyword != "joints"]
 
 
 def _mounts(whole: Plan, bodies: list[Made], is_explicit: bool) -> Iterator[Made]:

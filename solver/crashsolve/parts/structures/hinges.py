@@ -109,12 +109,12 @@ def hinge(
     a: str,
     b: str,
     x: float,
-    stands_for: list[float],
+    equivalent_lengths: list[float],
 ) -> Made:
     """The hinge between a and b at a length from where the member begins to deform."""
     curves = [
         curve(member, whole, material, about, length)
-        for about, length in zip("yz", stands_for, strict=True)
+        for about, length in zip("yz", equivalent_lengths, strict=True)
     ]
     fields: Fields = {
         "type": "biaxial",
@@ -134,7 +134,7 @@ def hinge(
 
 def curve(member: Member, whole: Plan, material: str, about: str, length: float) -> Fields:
     """Moment [N m] over angle [rad] of a hinge about an axis of the section."""
-    made = {
+    fields = {
         "section": member.section.name,
         "material": material,
         "about": about,
@@ -142,4 +142,4 @@ def curve(member: Member, whole: Plan, material: str, about: str, length: float)
         "length": length,
     }
     given = whole.card.collapse_curve
-    return made if given is None else made | {"plastic_curve": given}
+    return fields if given is None else fields | {"plastic_curve": given}

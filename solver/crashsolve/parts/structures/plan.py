@@ -148,13 +148,15 @@ def _member(
     along = positions[1] - positions[0]
     if not np.linalg.norm(along) > 0.0:
         raise Problem(path, "begins and ends in one position", "a member needs a length")
-    found = {}
+    laws_of = {}
     for keyword, word in (("sections", "section"), ("materials", "material")):
         given = getattr(own, word) or getattr(card, word)
         if given is None:
             raise Problem(path, f"has no {word}", f"give it one, or the structure a {word}")
-        found[word] = laws[keyword][given]
-    constants = found["section"].module.build(found["section"].card, found["material"].card.poisson)
+        laws_of[word] = laws[keyword][given]
+    constants = laws_of["section"].module.build(
+        laws_of["section"].card, laws_of["material"].card.poisson
+    )
     side = own.side if own.side is not None else card.side
     T = _axes(along / np.linalg.norm(along), side, constants, path)
     title = f"{name}_{own.name or f'member_{k + 1}'}"
@@ -162,7 +164,7 @@ def _member(
     deformation = own.deformation or card.deformation
     ends = (own.from_, own.to)
     return Member(
-        k, title, ends, positions, T, found["section"], found["material"], constants, divisions,
+        k, title, ends, positions, T, laws_of["section"], laws_of["material"], constants, divisions,
         deformation,
     )  # fmt: skip
 
@@ -187,12 +189,12 @@ def _axes(along: np.ndarray, side: ArrayLike, constants: Columns, path: Steps) -
 
 def _refuse_twice(members: list[Member]) -> None:
     """Raises Problem for a member or a name given twice."""
-    seen: dict[str | frozenset[str], int] = {}
+    number_of: dict[str | frozenset[str], int] = {}
     for member in members:
         for key in (member.name, frozenset(member.ends)):
-            if key in seen:
-                raise Problem(member.path, f"repeats member {seen[key] + 1}")
-            seen[key] = member.number
+            if key in number_of:
+                raise Problem(member.path, f"repeats member {number_of[key] + 1}")
+            number_of[key] = member.number
 
 
 def _refuse_touching(points: dict[str, np.ndarray], members: list[Member]) -> None:
@@ -272,5 +274,5 @@ def outline_of(member: Member, lacks: str, advice: str) -> np.ndarray:
     law = member.section
     if not hasattr(law.module, "outline"):
         raise Problem(member.path, f"section '{law.name}' {lacks}", advice)
-    found: np.ndarray = law.module.outline(law.card)
-    return found
+    points: np.ndarray = law.module.outline(law.card)
+    return points

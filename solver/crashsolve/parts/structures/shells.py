@@ -47,7 +47,7 @@ def _own_contact(member: Member) -> list[Made]:
     """
     name, thickness = member.name, member.section.card.thickness
     nodes = {"type": "nodes", "part": name, "radius": 0.5 * thickness}
-    made = {
+    fields_of = {
         ("surfaces", f"{name}_nodes"): nodes,
         ("surfaces", f"{name}_walls"): {"type": "faces", "part": name},
         ("contacts", f"{name}_folds"): {
@@ -56,7 +56,7 @@ def _own_contact(member: Member) -> list[Made]:
             "normal": {"type": "penalty"},
         },
     }
-    return [Made(*key, fields, member.path) for key, fields in made.items()]
+    return [Made(*key, fields, member.path) for key, fields in fields_of.items()]
 
 
 def mesh(member: Member, whole: Plan) -> Fields:

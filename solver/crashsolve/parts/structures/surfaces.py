@@ -41,16 +41,16 @@ def surfaces(
     Raises Problem.
     """
     whole = plan(name, card, laws)
-    made = expand(name, card, laws, control)
-    rigid = [_outline(length) for length in (*_of_bodies(whole, made), *_of_beams(whole))]
+    cards = expand(name, card, laws, control)
+    rigid = [_outline(length) for length in (*_of_bodies(whole, cards), *_of_beams(whole))]
     tubes = [member for member in whole.members if member.deformation == "shells"]
     return rigid + [_walls(member, faces_balls) for member in tubes]
 
 
-def _of_bodies(whole: Plan, made: list[Made]) -> Iterator[Length]:
+def _of_bodies(whole: Plan, cards: list[Made]) -> Iterator[Length]:
     """The lengths that rigid bodies are drawn by."""
     with_section = {member.section.name: member for member in whole.members}
-    for card in made:
+    for card in cards:
         for k, bar in enumerate(card.fields.get("drawn", []), 1):
             start, end, side = (np.asarray(bar[word]) for word in ("from", "to", "side"))
             member, name = with_section[bar["section"]], f"{card.name}_outline_{k}"

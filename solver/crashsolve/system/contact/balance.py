@@ -21,7 +21,7 @@ FRICTION = "friction"
 
 def contact_warnings(model: Model, state: State, ledger: np.ndarray) -> list[str]:
     """Warnings of contacts whose forces did other work than they have stored and dissipated."""
-    current, found = int(state.clock["current"][0]), []
+    current, warnings = int(state.clock["current"][0]), []
     least = NEGLIGIBLE * float(ledger[LARGEST])
     unknown = _of_unknown_friction(model)
     for card in sorted(_measured(model)):
@@ -30,8 +30,8 @@ def contact_warnings(model: Model, state: State, ledger: np.ndarray) -> list[str
         ):
             is_known = what != FRICTION or card not in unknown
             if is_known and abs(missing) > max(UNBALANCED * largest_energy, least):
-                found.append(_warning(model, card, what, missing, largest_energy))
-    return found
+                warnings.append(_warning(model, card, what, missing, largest_energy))
+    return warnings
 
 
 def missing_energies(now: np.void, out: np.void) -> list[tuple[str, float, float]]:

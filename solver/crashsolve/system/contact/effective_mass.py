@@ -93,13 +93,13 @@ class EffectiveMasses:
         wanted = {tuple(row) for pairs, rows in zip(new, sides, strict=True) for row in rows[pairs]}
         if not wanted:
             return False
-        found: dict[tuple[int, int], list[Touch]] = defaultdict(list)
+        touches_of: dict[tuple[int, int], list[Touch]] = defaultdict(list)
         for group, rows in zip(self.groups, sides, strict=True):
             chosen = [i for i, row in enumerate(rows.tolist()) if tuple(row) in wanted]
             for touch in initial_touches(group, as_rows(state.nodes), chosen):
-                found[tuple(rows[touch.pair].tolist())].append(touch)
-        for key, touches in found.items():
-            self._weigh(key, touches, current, state)
+                touches_of[tuple(rows[touch.pair].tolist())].append(touch)
+        for key, touches in touches_of.items():
+            self._set_ratios(key, touches, current, state)
         for group, pairs in zip(self.groups, new, strict=True):
             # one that has separated again counts as a single contact
             ratio = group.history["mass_ratio"]
@@ -114,7 +114,7 @@ class EffectiveMasses:
         ]
         return np.sort(np.column_stack(ends), axis=1)
 
-    def _weigh(
+    def _set_ratios(
         self, key: tuple[int, int], touches: list[Touch], current: int, state: State
     ) -> None:
         """Set the masses of all contacts between two clusters, if one has begun.
@@ -219,7 +219,7 @@ def _mobility(
 
 def _jacobian(first: dict[int, int], model: Model, state: State) -> np.ndarray:
     """D of the joints of some nodes, whose columns begin at `first`."""
-    found = []
+    blocks = []
     for column in model.saddle.columns:
         parts = state.rows[int(column["entry"]) : int(column["end"])]
         if not any(int(part[name]) in first for part in parts for name in ("node_a", "node_b")):
@@ -231,5 +231,5 @@ def _jacobian(first: dict[int, int], model: Model, state: State) -> np.ndarray:
                 at = first.get(int(part[name]))
                 if at is not None:
                     D[k % size, at : at + 6] += part["D"][half]
-        found.append(D)
-    return np.concatenate(found) if found else np.zeros((0, 0))
+        blocks.append(D)
+    return np.concatenate(blocks) if blocks else np.zeros((0, 0))

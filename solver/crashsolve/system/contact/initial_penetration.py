@@ -63,15 +63,15 @@ def find_impact_speeds(model: Model, state: State) -> bool:
 
     Writes: their histories.
     """
-    found: dict[tuple[int, int], list[Touch]] = defaultdict(list)
+    touches_of: dict[tuple[int, int], list[Touch]] = defaultdict(list)
     for group in model.contact_groups:
         if "damping_speed" in (group.history.dtype.names or ()):
             for touch in initial_touches(group, as_rows(state.nodes)):
-                found[touch.bodies].append(touch)
-    for (a, b), touches in found.items():
+                touches_of[touch.bodies].append(touch)
+    for (a, b), touches in touches_of.items():
         for touch, mass in zip(touches, _masses(state.nodes[[a, b]], touches), strict=True):
             touch.set_mass(mass)
-    return bool(found)
+    return bool(touches_of)
 
 
 def initial_touches(

@@ -144,11 +144,11 @@ def fastest_of(first, count, points):
 
 
 @kernel
-def touches_faces(found, probe_states, slot_in_use, i):
+def touches_faces(hits, probe_states, slot_in_use, i):
     """Whether a probe touches a face on either side, or has touched one."""
     for s in range(2):
         j = 2 * i + s
-        if found[s].depth > 0.0 or probe_states[slot_in_use[j], j].active == 1:
+        if hits[s].depth > 0.0 or probe_states[slot_in_use[j], j].active == 1:
             return True
     return False
 
@@ -159,11 +159,11 @@ def speed_of(probe, h, p, nodes, points):
     if probe.point >= 0:
         return norm(vec(points[probe.point].v))
     body = nodes[probe.node]
-    turning = p.over * norm(vec(body.w))
+    by_spin = p.over * norm(vec(body.w))
     if h == 0.0:
-        return turning + norm(point_velocity(body, arm(body, vec(probe.at))))
+        return by_spin + norm(point_velocity(body, arm(body, vec(probe.at))))
     before = add(vec(body.start_r), matvec(body.start_A, vec(probe.at)))
-    return turning + norm(sub(world_position(body, vec(probe.at)), before)) / h
+    return by_spin + norm(sub(world_position(body, vec(probe.at)), before)) / h
 
 
 @kernel

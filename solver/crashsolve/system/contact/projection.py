@@ -163,7 +163,7 @@ def reset_found(i, p, sides):
 
 @kernel
 def report_depth(p, hits):
-    """Depths of the faces found, from their distances. Writes: found."""
+    """Depths of the faces found, from their distances. Writes: hits."""
     for s in range(2):
         if hits[s].face >= 0:
             hits[s].depth = p.gap - (-1.0 if hits[s].crossed == 1 else 1.0) * hits[s].distance
@@ -214,9 +214,9 @@ def side_of(i, p, f, spot, to, probe_states, slot_in_use, mesh):
     up = adjacent_touch(2 * i, p, f, probe_states, slot_in_use, mesh)
     down = adjacent_touch(2 * i + 1, p, f, probe_states, slot_in_use, mesh)
     is_up, is_down = up >= 0, down >= 0
-    there = 0 if dot(to, surface_normal(p, f, spot, mesh)) <= 0.0 else 1
+    side = 0 if dot(to, surface_normal(p, f, spot, mesh)) <= 0.0 else 1
     if is_up == is_down:
-        return there, 0
+        return side, 0
     s = 0 if is_up else 1
     kept = probe_states[slot_in_use[2 * i + s], up if is_up else down]
     if dot(to, vec(kept.normal)) <= 0.0:
@@ -224,9 +224,9 @@ def side_of(i, p, f, spot, to, probe_states, slot_in_use, mesh):
     # the other wall of a fold is on the same side, or too far to be crossed in a step; the way
     # around a free border is no crossing
     is_deep = kept.depth > p.gap - CROSSED * p.reach
-    if there != s and is_deep and not on_border(p, f, spot, mesh):
+    if side != s and is_deep and not on_border(p, f, spot, mesh):
         return s, 1
-    return there, 0
+    return side, 0
 
 
 @kernel

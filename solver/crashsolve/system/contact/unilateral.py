@@ -52,9 +52,9 @@ def velocity(is_half, b, d):
 
 
 @kernel
-def relative_velocity(is_half, here, m, w):
+def relative_velocity(is_half, contact, m, w):
     """Velocity of side a over side b in their point of contact [m/s]."""
-    return sub(velocity(is_half, m, vec(here.arm_a)), velocity(is_half, w, vec(here.arm_b)))
+    return sub(velocity(is_half, m, vec(contact.arm_a)), velocity(is_half, w, vec(contact.arm_b)))
 
 
 @kernel
@@ -77,11 +77,11 @@ def sweep(is_half, is_impulse, current, pairs, nodes, change, most):
         p, old, new = params[i], history[current, i], history[1 - current, i]
         if (old.active == 0 and not is_impulse) or (new.active == 0 and not is_half):
             continue
-        here = old if is_half else new
+        contact = old if is_half else new
         P = new.opening if is_half else (new.impulse if is_impulse else new.closing)
         m, w = nodes[elements[0][p.a].node], nodes[elements[1][p.b].node]
-        d_a, d_b, n = vec(here.arm_a), vec(here.arm_b), vec(here.normal)
-        u = relative_velocity(is_half, here, m, w)
+        d_a, d_b, n = vec(contact.arm_a), vec(contact.arm_b), vec(contact.normal)
+        u = relative_velocity(is_half, contact, m, w)
         slip = unit_slip(ZERO, add_scaled(u, -dot(u, n), n), n)
         wanted = unilateral_impulse(
             p,

@@ -99,39 +99,31 @@ def some_pairs(group, piece, first, end, approached, clock, h, nodes, curves, sc
     At a sample, the bodies have approached each other by `approached` since depths were stored [m].
     Writes: totals, outputs, new histories.
     """
-    params, history, output = group.parameters, group.history, group.output
-    evaluated = 0
+    history, output, evaluated = group.history, group.output, 0
     for i in range(first, end):
-        p, out = params[i], output[i]
+        p, out = group.parameters[i], output[i]
         old, new = history[clock.current, i], history[1 - clock.current, i]
         a, b = group.elements_a[p.a], group.elements_b[p.b]
         m, w = nodes[a.node], nodes[b.node]
-        totals = sums_of(group, piece, i, clock, p, m, w, scene)
-        card, count, displacement = totals.card, totals.count, 0.0
+        pair, totals = (
+            Pair(p, old, new, out, a, b, m, w),
+            sums_of(group, piece, i, clock, p, m, w, scene),
+        )
+        displacement = 0.0
         if KICK_DRIFT_KICK and (group.skips or group.follows_exit) and h > 0.0:
             displacement = resting.largest_approach(p, m, w)
-        if KICK_DRIFT_KICK and group.skips and h > 0.0 and resting.can_skip(old, new, displacement):
-            new.depth = old.depth + displacement
-            touches.add_losses(card, new)
-            continue
-        at_sample = KICK_DRIFT_KICK and group.skips and resting.is_at_end_of_step(h, clock)
-        if at_sample and resting.is_below(old, new, out, approached, card.depth):
-            new.depth = old.depth  # a step may begin anew here
-            touches.add_losses(card, old)
+        if can_skip(group, clock, h, pair, displacement, approached, totals.card):
             continue
         evaluated += 1
-        depth, n, x = gap(group, h, card, Ends(p, old, new, a, b), displacement, nodes, scene)
+        depth, n, x = gap(
+            group, h, totals.card, Ends(p, old, new, a, b), displacement, nodes, scene
+        )
         if KICK_DRIFT_KICK and group.skips and approached > 0.0:
             out.bound = body_pairs.known_depth(depth, approached)
-        retained, stored = False, out.stored
-        if group.keeps_faces:
-            depth, n, x, retained = retained_face(
-                group, clock, h, Ends(p, old, new, a, b), depth, n, x, nodes, scene
-            )
-        elif group.has_ends:
-            pass_through.record_round_pair(clock, h, p, old, new, depth, n, x, m, w)
+        depth, n, x, retained = face_of(group, clock, h, pair, depth, n, x, nodes, scene)
+        stored = out.stored
         motion = work.motion_over(h, old, depth, m, w, b.node) if KICK_DRIFT_KICK else None
-        friction_loss = end_first_half(group, h, old, motion, m, count)
+        friction_loss = end_first_half(group, h, old, motion, m, totals.count)
         if group.in_pieces and THREADS:
             touches.mark_applied(group.applied, group.load_rows, i, 1 if depth > 0.0 else 0)
         if depth <= 0.0:
@@ -140,17 +132,48 @@ def some_pairs(group, piece, first, end, approached, clock, h, nodes, curves, sc
             if group.keeps_faces:
                 released = pass_through.released_energy(clock, h, old, n, stored)
             end_contact(group, p, old, new, released, friction_loss)
-            touches.add_separated(card, new, n)
+            touches.add_separated(totals.card, new, n)
             continue
-        pair, meeting = Pair(p, old, new, out, a, b, m, w), ContactPoint(depth, n, x, motion)
+        meeting = ContactPoint(depth, n, x, motion)
         apply_forces(group, clock, h, pair, totals, meeting, nodes, curves, scene)
         if group.keeps_faces and old.retains_face == 1 and not retained:
             # it leaves its own face sideways, deep within
-            new.dissipated += max(
-                pass_through.released_energy(clock, h, old, n, stored) - out.stored, 0.0
-            )
-        touches.add_losses(card, new)
+            released = pass_through.released_energy(clock, h, old, n, stored)
+            new.dissipated += max(released - out.stored, 0.0)
+        touches.add_losses(totals.card, new)
     return evaluated
+
+
+@stage
+def can_skip(group, clock, h, pair, displacement, approached, card):
+    """Whether the gap of a pair need not be evaluated. Writes: new, card.
+
+    Its bodies have approached each other by no more than `displacement` in the step; at a sample,
+    by `approached` since its depth was stored [m].
+    """
+    _, old, new, out, _, _, _, _ = pair
+    if KICK_DRIFT_KICK and group.skips and h > 0.0 and resting.can_skip(old, new, displacement):
+        new.depth = old.depth + displacement
+        touches.add_losses(card, new)
+        return True
+    at_sample = KICK_DRIFT_KICK and group.skips and resting.is_at_end_of_step(h, clock)
+    if at_sample and resting.is_below(old, new, out, approached, card.depth):
+        new.depth = old.depth  # a step may begin anew here
+        touches.add_losses(card, old)
+        return True
+    return False
+
+
+@stage
+def face_of(group, clock, h, pair, depth, n, x, nodes, scene):
+    """Depth, normal and position by the face that a pair keeps; whether it does. Writes: new."""
+    p, old, new, _, a, b, m, w = pair
+    if group.keeps_faces:
+        ends = Ends(p, old, new, a, b)
+        return retained_face(group, clock, h, ends, depth, n, x, nodes, scene)
+    if group.has_ends:
+        pass_through.record_round_pair(clock, h, p, old, new, depth, n, x, m, w)
+    return depth, n, x, False
 
 
 @stage
@@ -237,7 +260,7 @@ def end_contact(group, p, old, new, released, friction_loss):
 
 @stage
 def apply_forces(group, clock, h, pair, totals, meeting, nodes, curves, scene):
-    """Forces of one pair in touch, also of many. Writes: as press_pair, nodes."""
+    """Forces of one pair in contact, also of many. Writes: totals, output, new history, nodes."""
     if group.in_pieces:
         touches.clear_load(totals.on_a)
         touches.clear_load(totals.on_b)
@@ -249,7 +272,7 @@ def apply_forces(group, clock, h, pair, totals, meeting, nodes, curves, scene):
 
 @stage
 def apply_pair_forces(group, clock, h, pair, totals, meeting, nodes, curves, scene):
-    """Forces of one pair in touch. Writes: totals, output, new history."""
+    """Forces of one pair in contact. Writes: totals, output, new history."""
     p, old, new, out, _, _, m, w = pair
     card, count = totals.card, totals.count
     depth, n, x, motion = meeting

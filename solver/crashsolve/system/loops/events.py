@@ -87,7 +87,7 @@ def need_rebuild(clock, nodes, scene):
             stale |= touches.needs_new_list(
                 clock, group.elements_b, nodes, group.reference_b, group.slack[0]
             )
-        elif group.looks_ahead:
+        elif group.bounds_next_step:
             limit_closing(group, clock, nodes, scene)
     return stale
 

@@ -143,19 +143,19 @@ def column_of(g, stress, q, by, d, dq, m):
 
 
 @inlined
-def add_column(base, at, column, n, t, z, found):
+def add_column(base, at, column, n, t, z, changes):
     """Share n of a layer at the height z in a column of P. Writes: base."""
     at += LANES * column
     for k in range(3):
         row = at + LANES * SIDE * k
-        base[row] += n * t * found[k]
-        base[row + LANES * SIDE * BENDING] += n * t * z * found[k]
+        base[row] += n * t * changes[k]
+        base[row + LANES * SIDE * BENDING] += n * t * z * changes[k]
     for k in range(2):
         row = at + LANES * SIDE * (MODES_IN + k)
-        base[row] += n * found[3 + k]
-        base[row + LANES * SIDE * 2] += n * z * found[3 + k]
-    base[at + LANES * SIDE * TAKEN_OUT] += n * found[5]
-    base[at + LANES * SIDE * ACROSS_OUT] += n * found[6]
+        base[row] += n * changes[3 + k]
+        base[row + LANES * SIDE * 2] += n * z * changes[3 + k]
+    base[at + LANES * SIDE * TAKEN_OUT] += n * changes[5]
+    base[at + LANES * SIDE * ACROSS_OUT] += n * changes[6]
 
 
 @inlined
@@ -176,16 +176,16 @@ def add_plastic(work, base, at, layer, m):
         g, stress, by, by_q, by_tau = flow_of(work, e, q, zeta, m)
         for k in range(3):
             direction = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
-            found = column_of(g, stress, q, by[k], direction, no, m)
-            add_column(base, at + e, k, n, t, z, found)
-            add_column(base, at + e, BENDING + k, n * z, t, z, found)
+            changes = column_of(g, stress, q, by[k], direction, no, m)
+            add_column(base, at + e, k, n, t, z, changes)
+            add_column(base, at + e, BENDING + k, n * z, t, z, changes)
         for k in range(2):
             one = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0)
-            found = column_of(g, stress, q, by_q[k], still, one, m)
-            add_column(base, at + e, MODES_IN + k, n, t, z, found)
-            add_column(base, at + e, MODES_IN + 2 + k, n * z, t, z, found)
-            found = column_of(g, stress, q, by_tau[k], still, no, m)
-            add_column(base, at + e, SHEAR_IN + k, n, t, z, found)
+            changes = column_of(g, stress, q, by_q[k], still, one, m)
+            add_column(base, at + e, MODES_IN + k, n, t, z, changes)
+            add_column(base, at + e, MODES_IN + 2 + k, n * z, t, z, changes)
+            changes = column_of(g, stress, q, by_tau[k], still, no, m)
+            add_column(base, at + e, SHEAR_IN + k, n, t, z, changes)
 
 
 @blockwise
@@ -201,6 +201,6 @@ def add_general(blocks_before, blocks, layer, work, base, to, h, law):
             (x, y, s), across = material.tangent(
                 m, blocks_before, blocks, at + e, d, direction, h, curves
             )
-            found = (x, y, s, 0.0, 0.0, 0.0, across)
-            add_column(base, to + e, k, n, t, z, found)
-            add_column(base, to + e, BENDING + k, n * z, t, z, found)
+            changes = (x, y, s, 0.0, 0.0, 0.0, across)
+            add_column(base, to + e, k, n, t, z, changes)
+            add_column(base, to + e, BENDING + k, n * z, t, z, changes)

@@ -217,9 +217,9 @@ def times3(s, a):
 
 
 @inlined
-def put_strains(change, e, found):
+def put_strains(change, e, changes):
     """Writes: change."""
-    d, b, q, gamma, bent, drill = found
+    d, b, q, gamma, bent, drill = changes
     at = LANES * CHANGE.strain + e
     put_three(change, at, d)
     put_three(change, at + 3 * LANES, b)
@@ -248,8 +248,8 @@ def strain_by_position(base, change, b, k):
         du, dw = both_changed(rotation, u, n, (d, c, g, 1.0)), both_changed(rotation, w, n, NONE)
         a, b = strains(du, dw, geometry), strains_moved(u, w, geometry, moved)
         q = (a[2][0] + b[2][0], a[2][1] + b[2][1], a[2][2] + b[2][2], a[2][3] + b[2][3])
-        found = (plus3(a[0], b[0]), plus3(a[1], b[1]), q, plus(a[3], b[3]), plus(a[4], b[4]))
-        put_strains(change, e, (*found, a[5] + b[5]))
+        changes = (plus3(a[0], b[0]), plus3(a[1], b[1]), q, plus(a[3], b[3]), plus(a[4], b[4]))
+        put_strains(change, e, (*changes, a[5] + b[5]))
         put_four(change, LANES * CHANGE.moved + e, moved[0])
         change[LANES * (CHANGE.moved + 4) + e] = moved[3]
 

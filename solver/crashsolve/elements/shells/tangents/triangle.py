@@ -199,8 +199,8 @@ def strain_by_rotation(base, change, b):
         )
         n = (dot3(axes[0], displacement), dot3(axes[1], displacement), dot3(axes[2], displacement))
         rotation = both_changed(ZERO, (NONE, NONE, NONE), n, s)
-        found = strains((NONE, NONE, NONE), rotation, geometry_at(base, at))
-        put_strains(change, e, found, (ZERO, ZERO, NONE))
+        changes = strains((NONE, NONE, NONE), rotation, geometry_at(base, at))
+        put_strains(change, e, changes, (ZERO, ZERO, NONE))
         put_four(change, LANES * CHANGE.moved + e, NONE)
         change[LANES * (CHANGE.moved + 4) + e] = 0.0
 

@@ -47,7 +47,7 @@ def node_to_surface(group, clock, h, nodes, curves, scene):
 
 
 @kernel
-def apply_face_forces(group, clock, h, i, found, nodes, curves, scene):
+def apply_face_forces(group, clock, h, i, hits, nodes, curves, scene):
     """Forces of one probe on the faces it has found, or left. Writes: as above."""
     probe_states, slot_in_use = group.probe_states, group.slot_in_use
     mesh = (
@@ -60,27 +60,27 @@ def apply_face_forces(group, clock, h, i, found, nodes, curves, scene):
     )
     for s in range(2):
         j = 2 * i + s
-        if found[s].depth > 0.0 or probe_states[slot_in_use[j], j].active == 1:
-            apply_side_forces(group, clock, h, (i, s), found, nodes, curves, mesh, scene)
+        if hits[s].depth > 0.0 or probe_states[slot_in_use[j], j].active == 1:
+            apply_side_forces(group, clock, h, (i, s), hits, nodes, curves, mesh, scene)
             node_contact.mark_for_acceptance(h, slot_in_use, j)
 
 
 @kernel
-def apply_side_forces(group, clock, h, at, found, nodes, curves, mesh, scene):
+def apply_side_forces(group, clock, h, at, hits, nodes, curves, mesh, scene):
     """Forces of a probe on the walls on one side of it. Writes: as above."""
     (i, s), p, states = at, group.p[0], group.probe_states
     j, slot_in_use = 2 * i + s, group.slot_in_use
     done = scene.card_history[1 - clock.current, p.card]
     now, none = slot_in_use[j], WALLS * p.first_other_wall
-    count, before = walls.wall_count(s, found), walls.old_wall_count(states[now, j])
-    taken = walls.match_walls(p, j, s, count, before, found, states, slot_in_use)
+    count, before = walls.wall_count(s, hits), walls.old_wall_count(states[now, j])
+    taken = walls.match_walls(p, j, s, count, before, hits, states, slot_in_use)
     probe, v = group.probes[i], (0.0, 0.0, 0.0)
     if group.is_round:
         probe = group.balls[i]
     else:
         _, v = node_contact.position_and_velocity(probe, h, nodes, scene.points)
     for w in range(count):
-        hit = found[walls.row_of_wall(s, w)]
+        hit = hits[walls.row_of_wall(s, w)]
         # a new touch has no history, except that of a probe that is apart
         row = none if before > 0 or w > 0 else j
         if hit.partner >= 0:
@@ -96,7 +96,7 @@ def apply_side_forces(group, clock, h, at, found, nodes, curves, mesh, scene):
             old = states[now, projection.row_of(p, j, r)]
             new = states[1 - now, j if count == 0 and r == 0 else none]
             old_displacement = displacement_of_last_touch(h, p, probe, old, done, nodes, scene)
-            touch = Touch(j, probe, None, v, old, new, found[s], old_displacement)
+            touch = Touch(j, probe, None, v, old, new, hits[s], old_displacement)
             end_face_contact(group, clock, h, touch, mesh, scene)
     states[1 - now, j].other_walls = max(count - 1, 0)
 

@@ -15,10 +15,13 @@ from crashsolve.system.contact import (
 
 
 @apart
-def search_faces(group, i, found, nodes, scene):
-    """The nearest face on either side of a probe. Writes: found, lists, turns, balls."""
+def search_faces(group, i, hits, nodes, scene):
+    """The nearest face on either side of a probe.
+
+    Writes: hits, near lists, ellipsoids.
+    """
     p, totals, points = group.p[0], group.totals[0], scene.points
-    sides, deleted = projection.Sides(group.probe_states, group.slot_in_use, found), group.deleted
+    sides, deleted = projection.Sides(group.probe_states, group.slot_in_use, hits), group.deleted
     lists = (group.first, group.near, group.wait, group.due)
     mesh = (points, scene.corners, group.adjacent, group.around_first, group.around, deleted)
     excluded = (group.excluded_first, group.excluded)
@@ -27,12 +30,12 @@ def search_faces(group, i, found, nodes, scene):
         ellipsoids.find_nearest_faces(i, p, totals, ellipsoid, nodes, sides, mesh, lists)
         if group.is_smooth:
             x, probe_element = ellipsoids.centre_of(ellipsoid, nodes)
-            normals.apply_field(i, x, probe_element, p, mesh, excluded, found)
+            normals.apply_field(i, x, probe_element, p, mesh, excluded, hits)
     else:
         x, _ = node_contact.position_and_velocity(group.probes[i], 0.0, nodes, points)
         projection.find_nearest_faces(i, x, p, totals, sides, mesh, lists)
         if group.is_smooth:
-            normals.apply_field(i, x, None, p, mesh, excluded, found)
+            normals.apply_field(i, x, None, p, mesh, excluded, hits)
         else:
             walls.find_walls(i, x, p, totals, sides, mesh, lists, group.initial)
 
