@@ -27,8 +27,8 @@ def friction_force(contact: Contact, v: float, compliance: float, is_ahead: bool
     """
     contact.old.friction_force = 0.0
     middle = (v, 0.0, 0.0) if is_ahead else None
-    found = contact.friction_force(N, (v, 0, 0), UP, compliance=compliance, middle=middle)
-    return -float(found.force[0])
+    result = contact.friction_force(N, (v, 0, 0), UP, compliance=compliance, middle=middle)
+    return -float(result.force[0])
 
 
 @pytest.mark.parametrize("is_ahead", [False, True])
