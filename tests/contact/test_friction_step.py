@@ -21,18 +21,23 @@ def contact(request: pytest.FixtureRequest, tmp_path: Path) -> Contact:
     return Contact(tmp_path, friction=f"{{type: {request.param}, {LAWS[request.param]}}}")
 
 
-def friction_force(contact: Contact, v: float, compliance: float) -> float:
-    """Friction against a free slip of v."""
+def friction_force(contact: Contact, v: float, compliance: float, is_ahead: bool = False) -> float:
+    """Friction against a free slip of v; `is_ahead`: as between rigid bodies, whose slip of the
+    middle of the step is known, or as at the nodes of shells.
+    """
     contact.old.friction_force = 0.0
-    return -float(contact.friction_force(N, (v, 0, 0), UP, compliance=compliance).force[0])
+    middle = (v, 0.0, 0.0) if is_ahead else None
+    result = contact.friction_force(N, (v, 0, 0), UP, compliance=compliance, middle=middle)
+    return -float(result.force[0])
 
 
+@pytest.mark.parametrize("is_ahead", [False, True])
 @pytest.mark.parametrize("compliance", 10.0 ** np.arange(-8, 3))
 def test_the_impulse_of_a_step_stops_a_slip_and_never_reverses_it(
-    contact: Contact, compliance: float
+    contact: Contact, compliance: float, is_ahead: bool
 ) -> None:
     for v in 10.0 ** np.arange(-6.0, 2.0, 0.5):
-        friction = friction_force(contact, v, compliance)
+        friction = friction_force(contact, v, compliance, is_ahead)
         # twice what half a step takes; round-off, and the root of stribeck to 1e-13
         assert 0.0 <= 2.0 * compliance * friction <= v * (1 + 1e-12)
 
@@ -53,6 +58,20 @@ def test_friction_of_the_last_step_is_taken_out_of_the_slip(contact: Contact) ->
         contact.old.friction_force = (-friction, 0.0, 0.0)
         again = -contact.friction_force(N, (0.06, 0, 0), UP, compliance=compliance).force[0]
         assert again == pytest.approx(friction, rel=1e-11)
+
+
+@pytest.mark.parametrize("step", [5e-3, 1e-3, 1e-4])
+def test_what_is_pushed_at_rest_creeps_as_the_law_says(step: float, tmp_path: Path) -> None:
+    """With half of the friction, at half of the speed from which it is full, in any step."""
+    scene = sliding(0.4)
+    law = {"type": "coulomb", "friction_coefficient": 0.4, "none_below": 1e-4, "full_above": 1e-3}
+    scene["contacts"]["hit"]["friction"] = law  # type: ignore[index]
+    scene["bodies"]["ball"]["velocity"] = [0, 0, 0]  # type: ignore[index]
+    push = [0.5 * 0.4 * 9.81, 0, -9.81]
+    scene["loads"] = {"weight": {"type": "gravity", "acceleration": push}}
+    result = run(tmp_path, scene, 1.0, step)
+    # by then the torque of friction turns the ball, by 1e-6 m/s at its skin
+    assert last(result, "rbdout.ball.velocity.x") == pytest.approx(5.5e-4, abs=1e-6)
 
 
 def test_with_the_slip_of_a_step_it_loses_its_work_and_is_no_damper(contact: Contact) -> None:

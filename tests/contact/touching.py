@@ -84,8 +84,9 @@ class Contact:
         mass: float = 1.0,
         compliance: float = 0.0,
         direction: Any = None,
+        middle: Any = None,
     ) -> Any:
-        """Friction on side a at a sliding velocity.
+        """Friction on side a at a sliding velocity, `middle` that of the middle of the step.
 
         A law that is stretched by the slip over the step is given that, by the trapezoidal rule.
         """
@@ -100,7 +101,7 @@ class Contact:
             direction = tuple(direction - direction @ np.asarray(n) * np.asarray(n))
         self._slip = np.asarray(u)
         curves = self.bench.curves
-        slide = Slide(normal, u, direction, m, mass, compliance)
+        slide = Slide(normal, u, middle, direction, m, mass, compliance)
         result = kernel(self.p, self.old, self.new, slide, curves)
         names = ("force", "stored", "power", "loss", "stiffness", "damping")
         friction = SimpleNamespace(**dict(zip(names, result, strict=True)))

@@ -152,6 +152,19 @@ class NormalLaw(Protocol):
         """The surfaces are apart. Writes: new."""
 
 
+class ImplicitDamping(Protocol):
+    """A normal law whose damping is by the closing speed to which it leads, in steps of kicks."""
+
+    def rate_slope(self, p, old, new, h, depth, mass):
+        """Rise of the force over small closing speeds [N s/m]."""
+
+    def implicit_rate(self, p, slope, depth, free, compliance):
+        """Closing speed u = free - compliance f(u) [m/s]."""
+
+    def resolved_slopes(self, p, new, rate, mass, stored, stiffness, damping):
+        """Stiffness and damping that bound the step, of those of normal_force [N/m, N s/m]."""
+
+
 class FrictionLaw(Protocol):
     """A law of friction of contact."""
 

@@ -3,12 +3,14 @@
 Near rest such a law is a damper, and a stiff one would reverse the slip within a step. So the
 friction of an explicit step is that at the slip which it leaves,
 
-    f = F(v),   v = v_free - e f,   e F'(v) <= 1
+    f = F(v),   v = v_free - g e f,   g = max(1, 2 - 1 / (2 e F'))
 
-v_free is the slip without it, and e the slip that it takes per newton in half a step [s/kg]: its
-impulse over a step stops a slip and never reverses it. The speeds over which F rises are widened to
-that end, by no more than the speed that friction can take in half a step. Consequence to test:
-friction sets no step, and for a step short enough F is that of the law.
+e is the slip that it takes per newton in half a step [s/kg], v_free the slip without it, g half
+steps after the middle of the step: at its end, or up to the middle of the next where F is steep.
+Its impulse over a step, 2 e f, then stops a slip and never reverses it. At the nodes of shells,
+which vibrate near the stable step, g is 1, and the speeds over which F rises are widened to
+e F' <= 1 instead. Consequence to test: friction sets no step, and what is pushed at rest creeps as
+the law says.
 
 Reference: Kikuuwe, Takesue, Sano, Mochiyama and Fujimoto (2005), Fixed-step friction simulation,
 IEEE/RSJ International Conference on Intelligent Robots and Systems.
@@ -17,7 +19,7 @@ IEEE/RSJ International Conference on Intelligent Robots and Systems.
 from math import sqrt
 
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.vec3 import add, add_scaled, dot, scale
+from crashsolve.foundation.vec3 import add, add_scaled, dot, scale, sub
 
 
 @kernel
@@ -27,14 +29,33 @@ def speed(slip):
 
 
 @kernel
-def without_friction(slide, friction_force):
-    """Slip [m/s] as without friction, where it counts on that of the last step, `friction_force`
-    [N].
+def half_steps_ahead(slide, slope):
+    """Where friction of this slope over the speed [N s/m] acts, in half steps from the middle of
+    the step: 1 at its end, 2 in the middle of the next.
+    """
+    if slide.middle is None or slide.compliance * slope <= 0.5:
+        return 1.0
+    return 2.0 - 0.5 / (slide.compliance * slope)
+
+
+@kernel
+def without_friction(slide, ahead, friction_force):
+    """Slip [m/s] so many half steps ahead as without friction, where it counts on that of the last
+    step, `friction_force` [N].
     """
     if slide.compliance == 0.0:
         return slide.slip
-    free = add_scaled(slide.slip, -slide.compliance, friction_force)
+    slip = slide.slip
+    if slide.middle is not None:
+        slip = add_scaled(slip, ahead - 1.0, sub(slip, slide.middle))
+    free = add_scaled(slip, -ahead * slide.compliance, friction_force)
     return add_scaled(free, -dot(free, slide.n), slide.n)
+
+
+@kernel
+def least_rise(slide, friction):
+    """Least speed over which so much friction rises at the nodes of shells [m/s]."""
+    return slide.compliance * friction if slide.middle is None else 0.0
 
 
 @kernel

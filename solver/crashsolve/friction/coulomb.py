@@ -4,7 +4,7 @@
 
 v is the tangential velocity of a relative to b (the chapter prints the whole velocity of the node).
 v_0 and v_1 are corners: methods that choose their steps by error end them there. In explicit steps
-v_1 - v_0 is not less than the speed that friction takes in half a step (`_regularised.py`).
+v is the slip that friction leaves (`_regularised.py`).
 Nothing rests on a slope. Consequence to test: on a slope below the friction angle a block creeps
 at v_0 + (v_1 - v_0) tan(slope)/mu.
 
@@ -22,7 +22,13 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import vec
 from crashsolve.friction._card import columns
-from crashsolve.friction._regularised import against, speed, without_friction
+from crashsolve.friction._regularised import (
+    against,
+    half_steps_ahead,
+    least_rise,
+    speed,
+    without_friction,
+)
 
 if TYPE_CHECKING:
     from crashsolve.friction._rows.coulomb import History, Parameters
@@ -57,13 +63,15 @@ build = columns
 def friction_force(p: Parameters, old: History, new: History, slide, curves):
     """Force on a [N], stored [J], power [W], loss [J], stiffness, damping. Writes: new."""
     friction_force = vec(old.friction_force)
-    free = without_friction(slide, friction_force)
-    v, full = speed(free), p.friction_coefficient * slide.normal_force
+    full = p.friction_coefficient * slide.normal_force
+    rise = max(p.friction_full_above - p.friction_none_below, least_rise(slide, full))
+    ahead = half_steps_ahead(slide, full / rise)
+    free = without_friction(slide, ahead, friction_force)
+    v = speed(free)
     new.friction_regime = (1 if v >= p.friction_none_below else 0) + (
         1 if v >= p.friction_full_above else 0
     )
-    taken = slide.compliance * full
-    rise = max(p.friction_full_above - p.friction_none_below, taken)
+    taken = ahead * slide.compliance * full
     share = min(max((v - p.friction_none_below) / (rise + taken), 0.0), 1.0)
     return against(free, v, full * share, full / rise, friction_force, slide.displacement)
 

@@ -22,7 +22,13 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import vec
 from crashsolve.friction._card import columns
-from crashsolve.friction._regularised import against, speed, without_friction
+from crashsolve.friction._regularised import (
+    against,
+    half_steps_ahead,
+    least_rise,
+    speed,
+    without_friction,
+)
 
 if TYPE_CHECKING:
     from crashsolve.friction._rows.stribeck import History, Parameters
@@ -64,12 +70,24 @@ build = columns
 def friction_force(p: Parameters, old: History, new: History, slide, curves):
     """Force on a [N], stored [J], power [W], loss [J], stiffness and damping [N s/m]."""
     friction_force = vec(old.friction_force)
-    free, normal_force = without_friction(slide, friction_force), slide.normal_force
-    v, taken = speed(free), slide.compliance * normal_force
-    mu = coefficient(p, slip_left(p, v, taken), taken)
-    return against(
-        free, v, mu * normal_force, steepest(p) * normal_force, friction_force, slide.displacement
-    )
+    normal_force, steep = slide.normal_force, steepest(p) * slide.normal_force
+    widened = max(1.0, least_rise(slide, steep))
+    ahead = half_steps_ahead(slide, steep)
+    if ahead > 1.0:
+        # sliding fast it needs less: the chord to rest is as steep as the law at the slip left
+        v, taken = speed(without_friction(slide, ahead, friction_force)), 2.0 * slide.compliance
+        v = slip_left(p, v, widened, taken * normal_force)
+        ahead = half_steps_ahead(slide, chord(p, v, widened) * normal_force)
+    free = without_friction(slide, ahead, friction_force)
+    v, taken = speed(free), ahead * slide.compliance * normal_force
+    mu = coefficient(p, slip_left(p, v, widened, taken), widened, taken)
+    return against(free, v, mu * normal_force, steep, friction_force, slide.displacement)
+
+
+@kernel
+def chord(p: Parameters, v, widened):
+    """Coefficient at the sliding speed v over that speed [s/m]."""
+    return coefficient(p, v, widened, 0.0) / v if v > 0.0 else steepest(p)
 
 
 @kernel
@@ -79,9 +97,8 @@ def steepest(p: Parameters):
 
 
 @kernel
-def coefficient(p: Parameters, v, taken):
-    """Friction over normal force at sliding speed v [m/s]; its slope is 1 / taken at most."""
-    widened = max(1.0, taken * steepest(p))
+def coefficient(p: Parameters, v, widened, taken):
+    """Friction over normal force at sliding speed v [m/s]; it falls by 1 / taken at most."""
     drop = p.friction_static - p.friction_dynamic
     peak = drop * exp(-((v / max(p.friction_stribeck_speed, taken * drop)) ** 2))
     smooth = tanh(v / (widened * p.friction_smoothing_speed))
@@ -89,16 +106,16 @@ def coefficient(p: Parameters, v, taken):
 
 
 @kernel
-def slip_left(p: Parameters, v_free, taken):
+def slip_left(p: Parameters, v_free, widened, taken):
     """Root v [m/s] of v + taken mu(v) = v_free, by the Illinois rule; both sides of it rise."""
     if taken * v_free == 0.0:
         return v_free
     low, high = 0.0, v_free
-    residual_low, residual_high = -v_free, taken * coefficient(p, v_free, taken)
+    residual_low, residual_high = -v_free, taken * coefficient(p, v_free, widened, taken)
     v, was_high = v_free, False
     for k in range(ITERATIONS):
         v = high - residual_high * (high - low) / (residual_high - residual_low)
-        residual = v + taken * coefficient(p, v, taken) - v_free
+        residual = v + taken * coefficient(p, v, widened, taken) - v_free
         if abs(residual) <= CLOSED * v_free:
             break
         is_high = residual > 0.0

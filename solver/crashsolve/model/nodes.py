@@ -39,6 +39,8 @@ NODE = Record("""
     pressed       m/s^2          sum of normal force times mobility along the slip, where friction
                                  acts
     was_pressed   m/s^2          the same in the last step
+    damped        1/s            sum of c times mobility of contacts whose damping is implicit
+    was_damped    1/s            the same in the last step
     reference     index          body of its mechanism, or the ground, to whose velocity work of
                                  joints is relative
     joint_work    J              work of joints, less that of drivers, in steps of many iterations

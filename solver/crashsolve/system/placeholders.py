@@ -49,6 +49,7 @@ SEARCHES = True  # lists of near pairs, which are renewed
 MANY_PAIRS = True  # contacts whose pairs are done in pieces
 RESTING = True  # contacts whose pairs are skipped until they may touch
 PAIR_DAMPERS = True  # contacts whose friction depends on the sliding speed alone
+IMPLICIT_DAMPING = True  # contacts whose damping is by the closing speed to which it leads
 NODAL_DAMPERS = True  # the same between nodes and faces
 
 # how the scene is stepped
@@ -90,6 +91,8 @@ def placeholders(model: Model) -> dict[str, Any]:
         "RESTING": hasattr(method(model), "KICK_DRIFT_KICK")
         and any(c.skips or c.follows_exit for c in contacts),
         "PAIR_DAMPERS": any(damped) or any(c.friction_damps for c in contacts),
+        "IMPLICIT_DAMPING": hasattr(method(model), "KICK_DRIFT_KICK")
+        and any(c.resolves_damping for c in contacts),
         "NODAL_DAMPERS": any(damped),
         "KICK_DRIFT_KICK": hasattr(method(model), "KICK_DRIFT_KICK"),
         "ASSEMBLED": is_assembled(model),

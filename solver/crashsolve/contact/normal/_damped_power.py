@@ -133,6 +133,45 @@ def normal_force(p: Parameters, old: History, new: History, h, depth, rate, mass
 
 
 @kernel
+def rate_slope(p: Parameters, old: History, new: History, h, depth, mass):
+    """Damping c: rise of the force over a closing speed that does not raise v_0 [N s/m]."""
+    spring = p.stiffness * power(depth, p.exponent)
+    energy = spring * depth / ((p.exponent + 1.0) * mass)
+    return p.chi * spring / damping_speed(p, old, new, h, energy, 0.0)
+
+
+@kernel
+def implicit_rate(p: Parameters, slope, depth, free, compliance):
+    """Closing speed u = free - compliance f(u) [m/s], with the slope of rate_slope."""
+    spring = p.stiffness * power(depth, p.exponent)
+    v = p.chi * spring / slope
+    u = (free - compliance * spring) / (1.0 + compliance * slope)
+    # v_0 grows with speeds beyond those of the touch so far, and the force stays
+    if u > v:
+        u = free - compliance * spring * (1.0 + p.chi)
+    elif u < -p.returned * v:
+        u = free - compliance * spring * (1.0 - p.chi * p.returned)
+    return u
+
+
+@kernel
+def resolved_slopes(p: Parameters, new: History, rate, mass, stored, stiffness, damping):
+    """Stiffness and damping that steps must resolve, of those of normal_force [N/m, N s/m].
+
+    A touch that others press deeper than an elastic free impact of v_0 goes has come to rest there,
+    and creeps on slowly: c counts as at the depth of that impact, times its share of the energy
+    stored, and the stiffness is that of speeds which such a touch has.
+    """
+    v = new.damping_speed
+    free = 0.5 * mass * v * v
+    if stored <= free:
+        return stiffness, damping
+    part = (free / stored) ** (p.exponent / (p.exponent + 1.0))
+    rise = 1.0 + p.chi * max(part, rate / v)
+    return stiffness * rise / (1.0 + p.chi), damping * part * free / stored
+
+
+@kernel
 def power(depth, n):
     """depth^n; that of Hertz, n = 3/2, costs a root alone."""
     return depth * sqrt(depth) if n == 1.5 else depth**n
@@ -188,4 +227,5 @@ def normal_tangent(p: Parameters, state: History, depth, rate, mass, curves):
 
 
 # functions of the file of such a law, beside its card
-LAW = PARAMETERS, HISTORY, WARNINGS, REMARKS, build, normal_force, normal_tangent, release
+ELASTIC = PARAMETERS, HISTORY, WARNINGS, REMARKS, build, normal_force, normal_tangent, release
+LAW = *ELASTIC, rate_slope, implicit_rate, resolved_slopes

@@ -14,7 +14,8 @@ from math import inf
 from crashsolve.contact.normal import _damped_power as shared
 from crashsolve.contact.normal._restitution import damping_factor
 
-PARAMETERS, HISTORY, WARNINGS, REMARKS, build, normal_force, normal_tangent, release = shared.LAW
+PARAMETERS, HISTORY, WARNINGS, REMARKS, build, *KERNELS = shared.LAW
+normal_force, normal_tangent, release, rate_slope, implicit_rate, resolved_slopes = KERNELS
 
 
 class ExactRestitution(shared.DampedPowerCard):

@@ -10,7 +10,9 @@ References: Ambrosio (2003), Eq. 19; Hertz (1881), J. reine angew. Math. 92, 156
 
 from crashsolve.contact.normal import _damped_power as shared
 
-PARAMETERS, HISTORY, WARNINGS, REMARKS, build, normal_force, normal_tangent, release = shared.LAW
+PARAMETERS, HISTORY, WARNINGS, REMARKS, build, normal_force, normal_tangent, release = (
+    shared.ELASTIC
+)
 
 
 class Hertz(shared.PowerCard):

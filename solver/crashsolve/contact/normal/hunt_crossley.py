@@ -10,7 +10,8 @@ References: Hunt and Crossley (1975), J. Appl. Mech. 42, 440-445.
 
 from crashsolve.contact.normal import _damped_power as shared
 
-PARAMETERS, HISTORY, WARNINGS, REMARKS, build, normal_force, normal_tangent, release = shared.LAW
+PARAMETERS, HISTORY, WARNINGS, REMARKS, build, *KERNELS = shared.LAW
+normal_force, normal_tangent, release, rate_slope, implicit_rate, resolved_slopes = KERNELS
 
 
 class HuntCrossley(shared.DampedPowerCard):

@@ -11,7 +11,8 @@ References: Ambrosio (2003), Eq. 17-20; Lankarani and Nikravesh (1990), J. Mech.
 
 from crashsolve.contact.normal import _damped_power as shared
 
-PARAMETERS, HISTORY, WARNINGS, REMARKS, build, normal_force, normal_tangent, release = shared.LAW
+PARAMETERS, HISTORY, WARNINGS, REMARKS, build, *KERNELS = shared.LAW
+normal_force, normal_tangent, release, rate_slope, implicit_rate, resolved_slopes = KERNELS
 
 
 class LankaraniNikravesh(shared.DampedPowerCard):

@@ -10,7 +10,8 @@ References: Lee and Wang (1983), J. Mech. Trans. Autom. Design 105, 534-540.
 
 from crashsolve.contact.normal import _damped_power as shared
 
-PARAMETERS, HISTORY, WARNINGS, REMARKS, build, normal_force, normal_tangent, release = shared.LAW
+PARAMETERS, HISTORY, WARNINGS, REMARKS, build, *KERNELS = shared.LAW
+normal_force, normal_tangent, release, rate_slope, implicit_rate, resolved_slopes = KERNELS
 
 
 class LeeWang(shared.DampedPowerCard):

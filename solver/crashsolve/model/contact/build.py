@@ -371,6 +371,8 @@ class GroupBuilder:
             "torsion_radius" in self.laws[0] or hasattr(self.gap_module, "patch")
         ):
             history = history + records.SPIN_RADIUS
+        if hasattr(self.modules[0], "rate_slope") and hasattr(self.gap_module, "patch"):
+            history = history + records.PRESSURE
         elements = (self.sides[0].elements, self.sides[1].elements)
         # the arrays of all elements come first: they may note in an element where its part starts
         data = getattr(self.gap_module, "data", lambda *_: ())(*elements)

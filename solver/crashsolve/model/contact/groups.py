@@ -133,6 +133,11 @@ class ContactGroup(Touching):
         return hasattr(self.normal, "LOSS_IS_WORK") and not self.is_flat
 
     @property
+    def resolves_damping(self) -> bool:
+        """Whether its normal force can be that of the closing speed to which it leads."""
+        return hasattr(self.normal, "rate_slope")
+
+    @property
     def has_radius(self) -> bool:
         """Whether its cards give a radius with which friction resists a spin."""
         return "torsion_radius" in (self.parameters.dtype.names or ())

@@ -23,6 +23,11 @@ EXIT_LEAD = Record("remaining_lead  m  remaining lead of the exit, after which o
 TORSION = Record("torsion_radius  m  at which friction resists a spin about the normal")
 # of pairs whose friction resists a spin
 SPIN_RADIUS = Record("radius  m  at which it does, at the last step")
+# of pairs that press over an area and whose damping is implicit (system/contact/areas.py)
+PRESSURE = Record("""
+    even_force  N       force of an even pressure
+    gradient    N/m  3  its rise along the surface, over the force of the area
+""")
 HISTORY = Record("""
     active               flag     touching
     depth                m        penetration; negative is a gap
@@ -72,6 +77,7 @@ LOAD = Record("""
     stiffness        1/s^2     sum of k times mobility, for the stable step
     damping          1/s       sum of c times mobility
     pressed          m/s^2     normal force times mobility along the slip, where friction acts
+    damped           1/s       sum of c times mobility, where damping is implicit
 """)
 COUNTS = Record("""
     deferred_force  N      3  part of the force on side a that began during the step

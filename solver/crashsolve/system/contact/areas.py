@@ -1,4 +1,4 @@
-"""Contact over an area: pressure distributed over points, friction that resists a spin.
+"""Contact over an area: friction that resists a spin; loops/contact_pressure.py has the pressure.
 
 Friction sees the slip and r w_n at once, w_n the spin of a over b about the normal and r the radius
 with which friction resists it, as one vector with the spin along the normal:
@@ -15,9 +15,8 @@ References: Howe and Cutkosky (1996), Int. J. Robotics Research 15, 557-572.
 from crashsolve.contact.narrow._ascent import tangents
 from crashsolve.foundation.columns import add_to, matvec
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.motion import add_deferred, apply_force, apply_torque, point_tangent
+from crashsolve.foundation.motion import apply_torque, point_tangent
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, put, scale, sub, vec
-from crashsolve.system.contact.touches import add_pair_stiffness, closing_motion, pair_mobility
 from crashsolve.system.contact.work import add_end_work, displacement_from
 
 # normal passed to laws that project their history onto the plane: its normal part is that of a spin
@@ -102,36 +101,6 @@ def response(body, d, force, moment):
     """Mobility of a body for a unit force at d together with a torque [1/kg]."""
     rotation = add(cross(d, force), moment)
     return dot(force, force) * body.mass_inv + dot(rotation, matvec(body.W, rotation))
-
-
-@kernel
-def distribute_pressure(pair, totals, spots, count, n, x, applied, push):
-    """Normal forces at the points of an area, whose closing speeds differ from that of its middle.
-
-    Laws are linear in the speed where they press. Returns the force [N], the power that the
-    differences dissipate [W] and the point of the line on which all of it acts. Writes: totals.
-    """
-    a, b, on_a, on_b = pair.a, pair.b, totals.on_a, totals.on_b
-    f, rate, damping, largest_stiffness, largest_damping = push
-    total, power, moment = 0.0, -f * rate, NO_ROTATION
-    for k in range(count):
-        y, share = vec(spots[k].point), spots[k].share
-        rate_k, _, d_a, d_b = closing_motion(a, b, y, n)
-        f_k = share * max(0.0, f + damping * (rate_k - rate))
-        own = scale(f_k, n)
-        apply_force(on_a, own, d_a)
-        apply_force(on_b, scale(-1.0, own), d_b)
-        if applied < 1.0:
-            add_deferred(on_a, scale(1.0 - applied, own), d_a)
-            add_deferred(on_b, scale(applied - 1.0, own), d_b)
-        mob_a, mob_b = pair_mobility(a, b, d_a, d_b, n)
-        add_pair_stiffness(
-            on_a, on_b, mob_a, mob_b, share * largest_stiffness, share * largest_damping
-        )
-        total += f_k
-        power += f_k * rate_k
-        moment = add_scaled(moment, f_k, y)
-    return total, power, scale(1.0 / total, moment) if total > 0.0 else x
 
 
 @kernel

@@ -53,6 +53,9 @@ class Slide(NamedTuple):
 
     normal_force: float  # [N]
     slip: Vector  # velocity of a over b [m/s]
+    # the same in the middle of the step; None where that counts for nothing: at nodes of shells,
+    # and where power is summed
+    middle: Vector | None
     displacement: Vector | None  # of a over b in the step [m]; None where power is summed
     n: Vector  # unit normal
     mass: float  # of both sides along n [kg]
@@ -72,13 +75,12 @@ class Sliding(NamedTuple):
 
 
 class NormalResponse(NamedTuple):
-    """A normal force, and its bounds for the step control."""
+    """A normal force, and how it depends on the closing speed."""
 
     f: float  # [N]
     rate: float  # closing speed [m/s]
     damping: float  # slope over that [N s/m]
-    largest_stiffness: float  # bounds for the step control [N/m, N s/m]
-    largest_damping: float
+    weight: float  # of the speed that it leads to; see damping.py
 
 
 class Closing(NamedTuple):
@@ -86,6 +88,7 @@ class Closing(NamedTuple):
 
     rate: float  # closing speed [m/s]
     mass: float  # of both sides along n [kg]
+    mobility: tuple[float, float]  # of each side [1/kg]
     applied: float  # share of the force that counts in the step
     corners: int  # of the area of contact; 0 in a point
 

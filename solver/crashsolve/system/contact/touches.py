@@ -49,7 +49,7 @@ def clear_load(load):
     for k in range(3):
         load.force[k] = load.torque[k] = 0.0
         load.deferred_force[k] = load.deferred_torque[k] = 0.0
-    load.stiffness = load.damping = load.pressed = 0.0
+    load.stiffness = load.damping = load.pressed = load.damped = 0.0
 
 
 @kernel
@@ -82,6 +82,7 @@ def add_load(body, load):
     body.stiffness += load.stiffness
     body.damping += load.damping
     body.pressed += load.pressed
+    body.damped += load.damped
 
 
 @kernel

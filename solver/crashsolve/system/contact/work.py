@@ -26,6 +26,12 @@ def along_plane(u, n):
 
 
 @kernel
+def mean_velocity(h, u, slip):
+    """Velocity over a step of h with displacement u [m/s]; without a step the present slip."""
+    return scale(1.0 / h, u) if h > 0.0 else slip
+
+
+@kernel
 def motion_of(body):
     """Displacement of the mass centre over the step [m], and the rotation of the body [rad].
 

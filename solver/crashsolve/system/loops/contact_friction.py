@@ -1,7 +1,7 @@
 """Friction of one contact pair: of its slip, or of its slip and its spin together.
 
 In steps of kicks, friction that damps near rest stops a slip at most, and does not limit the
-length of the step; any other friction does.
+length of the step (friction/_regularised.py); any other friction does.
 """
 
 from crashsolve.foundation.kernels import stage
@@ -21,7 +21,8 @@ def friction_in_point(group, clock, h, pair, totals, sliding, curves):
         mob_t, mob_u = touches.pair_mobility(m, w, d_a, d_b, u)
         compliance = touches.friction_compliance(clock, h, pair, totals, mob_t, mob_u, f)
     slid = work.along_plane(displacement, n) if KICK_DRIFT_KICK else None
-    slide = Slide(f, slip, slid, n, mass, compliance)
+    middle = work.mean_velocity(h, slid, slip) if KICK_DRIFT_KICK else None
+    slide = Slide(f, slip, middle, slid, n, mass, compliance)
     t, out.friction_stored, power, loss, t_k, t_c = group.friction.friction_force(
         p, old, new, slide, curves
     )
@@ -49,7 +50,8 @@ def friction_in_area(group, clock, h, pair, totals, sliding, motion, radius, cur
         u = touches.predicted_direction(old, slip, n)
         mob_t, mob_u = areas.friction_mobility(m, w, d_a, d_b, u, n, radius)
         compliance = touches.friction_compliance(clock, h, pair, totals, mob_t, mob_u, f)
-    slide = Slide(f, slip, sliding_displacement, areas.NO_ROTATION, mass, compliance)
+    middle = work.mean_velocity(h, sliding_displacement, slip) if KICK_DRIFT_KICK else None
+    slide = Slide(f, slip, middle, sliding_displacement, areas.NO_ROTATION, mass, compliance)
     friction_force, out.friction_stored, power, loss, t_k, t_c = group.friction.friction_force(
         p, old, new, slide, curves
     )

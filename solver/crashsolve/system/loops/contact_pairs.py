@@ -11,6 +11,7 @@ from crashsolve.foundation.kernels import apart, kernel, stage
 from crashsolve.system.contact import (
     areas,
     body_pairs,
+    damping,
     exits,
     pass_through,
     resting,
@@ -29,6 +30,7 @@ from crashsolve.system.contact.pair import (
 )
 from crashsolve.system.loops.approach import ends_of
 from crashsolve.system.loops.contact_friction import friction_in_area, friction_in_point
+from crashsolve.system.loops.contact_pressure import distribute_pressure, mean_mobility
 from crashsolve.system.placeholders import KICK_DRIFT_KICK, THREADS
 
 
@@ -278,13 +280,12 @@ def apply_pair_forces(group, clock, h, pair, totals, meeting, nodes, curves, sce
     touches.latch(p, old, new, depth, rate, count)
     if group.has_ends and not group.keeps_faces:
         count.peak_share = max(count.peak_share, depth / p.thick)
-    mob_a, mob_b = touches.pair_mobility(m, w, d_a, d_b, n)
-    mass = 1.0 / (mob_a + mob_b)
+    mobility = touches.pair_mobility(m, w, d_a, d_b, n)
+    mass = 1.0 / (mobility[0] + mobility[1])
     corners, radius = patch_of(group, pair, meeting, nodes, scene)
     applied = fraction_of_step(clock, h, old, depth, rate)
-    f, power, loss, k, c, x = normal_force_of(
-        group, h, pair, totals, meeting, Closing(rate, mass, applied, corners), curves, scene
-    )
+    closing = Closing(rate, mass, mobility, applied, corners)
+    f, power, loss, x = normal_force_of(group, h, pair, totals, meeting, closing, curves, scene)
     closing_rate = rate
     if group.is_flat:
         closing_rate, slip, d_a, d_b = touches.closing_motion(m, w, x, n)
@@ -298,7 +299,6 @@ def apply_pair_forces(group, clock, h, pair, totals, meeting, nodes, curves, sce
         areas.add_pressure(f, n, out)
     else:
         touches.apply_contact_force(pair, totals, sliding, applied, f, friction.t, x)
-        touches.add_pair_stiffness(totals.on_a, totals.on_b, mob_a, mob_b, k, c)
     if group.resists_spin:
         areas.twist(totals.on_a, totals.on_b, friction.force, n, radius, applied)
     touches.add_dissipation(clock, old, new, applied, power, loss, friction.power, friction.loss)
@@ -311,27 +311,56 @@ def apply_pair_forces(group, clock, h, pair, totals, meeting, nodes, curves, sce
 
 @stage
 def normal_force_of(group, h, pair, totals, meeting, closing, curves, scene):
-    """Normal force [N], its power [W] and loss [J], bounds for the step control, and position.
+    """Normal force [N], its power [W] and loss [J], and position.
 
-    Writes: out.stored, new; of a flat pair totals.
+    Writes: out.stored, new, totals.
     """
     depth, n, x, _ = meeting
-    rate, mass, applied, corners = closing
-    out = pair.out
+    rate, mass, mobility, applied, corners = closing
+    out, weight = pair.out, 0.0
+    if group.is_flat:
+        mobility = mean_mobility(pair, group.data[0], corners, n)
+    if KICK_DRIFT_KICK and group.resolves_damping:
+        rate, weight = implicit_rate(group, h, pair, totals, meeting, closing, mobility)
     f, out.stored, power, loss, k, c = group.normal.normal_force(
         pair.p, pair.old, pair.new, h, depth, rate, mass, curves
     )
-    if group.is_flat:
-        _, c_now = group.normal.normal_tangent(pair.p, pair.new, depth, rate, mass, curves)
-        spots, push = group.data[0], NormalResponse(f, rate, c_now, k, c)
-        f, more, x = areas.distribute_pressure(pair, totals, spots, corners, n, x, applied, push)
-        power += more
-    elif group.has_shares:
+    if KICK_DRIFT_KICK and group.resolves_damping:
+        k, c = group.normal.resolved_slopes(pair.p, pair.new, rate, mass, out.stored, k, c)
+    if group.has_shares:
         # the law returns the force of the full surface, of which this is one element
         share = pair.first.share
         f, out.stored, power = share * f, share * out.stored, share * power
         loss, k, c = share * loss, share * k, share * c
-    return f, power, loss, k, c, x
+    touches.add_pair_stiffness(totals.on_a, totals.on_b, mobility[0], mobility[1], k, c)
+    if group.is_flat:
+        _, c_now = group.normal.normal_tangent(pair.p, pair.new, depth, rate, mass, curves)
+        push = NormalResponse(f, rate, c_now, weight)
+        f, more, x = distribute_pressure(group, pair, totals, corners, n, x, applied, push, scene)
+        power += more
+    return f, power, loss, x
+
+
+@stage
+def implicit_rate(group, h, pair, totals, meeting, closing, mobility):
+    """Closing speed of the normal force [m/s], and the weight of the speed that it leads to.
+
+    Writes: totals, new.
+    """
+    p, old, new, depth = pair.p, pair.old, pair.new, meeting.depth
+    c = group.normal.rate_slope(p, old, new, h, depth, closing.mass)
+    if c <= 0.0:
+        return closing.rate, 0.0
+    share = pair.first.share if group.has_shares else 1.0
+    weight = damping.add_dampers(h, pair, totals, share * c * mobility[0], share * c * mobility[1])
+    if weight == 0.0:
+        return closing.rate, 0.0
+    if group.is_flat:
+        before = old.even_force if old.active == 1 else 0.0
+    else:
+        before = damping.force_before(old, meeting.n) / share
+    free = closing.rate + weight / c * before
+    return group.normal.implicit_rate(p, c, depth, free, weight / c), weight
 
 
 @stage

@@ -5,7 +5,14 @@ The order is fixed: elements and nodes of shells come before the stages that nee
 
 from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.system import attachments
-from crashsolve.system.contact import node_contact, resting, surface_friction, times, touches
+from crashsolve.system.contact import (
+    damping,
+    node_contact,
+    resting,
+    surface_friction,
+    times,
+    touches,
+)
 from crashsolve.system.contact.work import load_work
 from crashsolve.system.energy import add_dissipation
 from crashsolve.system.gain import (
@@ -28,6 +35,7 @@ from crashsolve.system.placeholders import (
     ELEMENTS,
     FOLLOWERS,
     FORCES,
+    IMPLICIT_DAMPING,
     KICK_DRIFT_KICK,
     NODAL,
     NODAL_DAMPERS,
@@ -129,6 +137,8 @@ def apply_contacts(clock, time, h, nodes, curves, scene):
     touches.copy_onsets(clock.current, scene.card_history)
     if KICK_DRIFT_KICK and PAIR_DAMPERS:
         touches.clear_friction_stiffness(nodes)
+    if IMPLICIT_DAMPING:
+        damping.clear_dampers(nodes)
     for group in CONTACTS:
         if group.is_unilateral:
             find_touching(group, clock, h, nodes, scene)

@@ -63,7 +63,7 @@ def friction_force(group, clock, h, touch, pressing, sliding, nodes, scene):
     _, probe, _, _, old, new, _, old_displacement = touch
     (f, mass, displacement), (slip, n, compliance, d) = pressing, sliding
     card, count = scene.cards[p.card], scene.card_history[1 - clock.current][p.card]
-    slide = Slide(f, slip, work.along_plane(displacement, n), n, mass, compliance)
+    slide = Slide(f, slip, None, work.along_plane(displacement, n), n, mass, compliance)
     laws = group.friction.friction_force(p, old, new, slide, scene.curves)
     t, t_stored, _, t_loss, t_k, t_c = laws
     ahead = touches.unit_slip(t, slip, n)

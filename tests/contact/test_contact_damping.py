@@ -1,0 +1,97 @@
+"""Damped contacts in steps of kicks are stable, whatever presses them."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.random import Generator, default_rng
+from small_runs import last, run
+from touching import Contact
+
+LAWS = ("exact_restitution", "lankarani_nikravesh", "flores")
+
+
+def contacts_of_bodies(rng: Generator) -> tuple[np.ndarray, np.ndarray]:
+    """Mobilities W of random contacts among bodies that joints hold, and those of each contact by
+    each of its bodies (contacts, bodies), as the step knows them: of free bodies.
+    """
+    bodies, count = int(rng.integers(1, 5)), int(rng.integers(1, 9))
+    inverse = np.exp(rng.normal(0.0, 2.0, 6 * bodies))
+    J, own = np.zeros((count, 6 * bodies)), np.zeros((count, bodies))
+    for row, mobilities in zip(J, own, strict=True):
+        # one of two is the ground for some
+        for body in rng.choice(bodies, size=min(bodies, 1 + int(rng.integers(2))), replace=False):
+            part = slice(6 * body, 6 * body + 6)
+            row[part] = rng.normal(size=6)
+            mobilities[body] = row[part] @ (inverse[part] * row[part])
+    D = rng.normal(size=(int(rng.integers(0, 3)), 6 * bodies))
+    W = J @ (inverse[:, None] * J.T)
+    if len(D):
+        held = J @ (inverse[:, None] * D.T)
+        W = W - held @ np.linalg.solve(D @ (inverse[:, None] * D.T), held.T)
+    return W, own
+
+
+# 1/2: as where half of the contacts have just begun
+@pytest.mark.parametrize("known", [1.0, 0.5])
+def test_a_step_is_stable_for_dampers_of_any_size(known: float) -> None:
+    rng = default_rng(3)
+    for _ in range(300):
+        W, own = contacts_of_bodies(rng)
+        c = 10.0 ** rng.uniform(-4.0, 6.0, len(W))
+        damped = known * ((c[:, None] * own).sum(axis=0) * (own > 0.0)).sum(axis=1)
+        H, B_inv = np.diag(np.maximum(0.0, damped - 0.5) / c), np.diag(1.0 / c)
+        # of speeds u and forces f in a step of 1 s, by forces in N s
+        M = np.linalg.inv(B_inv + H)
+        from_u, from_f = M, M @ (H - W)
+        one = np.eye(len(W))
+        step = np.block([[one - 0.5 * W @ from_u, -0.5 * W @ (one + from_f)], [from_u, from_f]])
+        assert np.abs(np.linalg.eigvals(step)).max() < 1.0 + 1e-7
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_the_closing_speed_is_that_to_which_its_force_leads(law: str, tmp_path: Path) -> None:
+    contact = Contact(tmp_path, normal=f"{{type: {law}, stiffness: 1e6, restitution: 0.3}}")
+    normal, depth, mass = contact.group.normal, 0.01, 2.0
+    contact.press(1e-9, 1.0)
+    contact.accept()
+    slope = normal.rate_slope(contact.p, contact.old, contact.new, 1e-4, depth, mass)
+    for compliance in (1e-9, 1e-5, 1e-2):
+        # closing faster than ever, slower, opening, and faster than any rebound
+        for free in (9.0, 1.4, 0.2, -0.1, -8.0):
+            u = normal.implicit_rate(contact.p, slope, depth, free, compliance)
+            force = contact.press(depth, u, 1e-4, mass).force
+            assert u + compliance * force == pytest.approx(free, rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize("shape", ["sphere", "box"])
+def test_a_body_that_is_pressed_settles_in_few_steps(shape: str, tmp_path: Path) -> None:
+    """A light body on a floor under ten times its weight creeps into it, damped as at rest."""
+    size = {"sphere": {"radius": 0.1}, "box": {"size": [0.2, 0.2, 0.2]}}[shape]
+    normal = {"type": "exact_restitution", "stiffness": 1e6, "restitution": 0.05}
+    scene = {
+        "title": "A body is pressed",
+        "output": {"history": {"interval": 0.01}, "states": {"interval": 0.5}},
+        "bodies": {
+            "body": {"mass": 0.1, "inertia": [1e-3] * 3, "position": [0, 0, 0.1]},
+            "table": {"mass": 1.0, "inertia": [1e3] * 3, "position": [0, 0, -1]},
+        },
+        "joints": {"hold": {"type": "weld", "b": "table", "at": [0, 0, 0]}},
+        "surfaces": {
+            "floor": {"type": "box", "body": "table", "at": [0, 0, 0.5], "size": [2, 2, 1]},
+            "skin": {"type": shape, "body": "body", **size},
+        },
+        "contacts": {
+            "press": {"a": ["skin"], "b": ["floor"], "normal": normal, "speed_floor": 0.1}
+        },
+        "loads": {
+            "force": {"type": "force", "body": "body", "at": [0, 0, 0], "force": [0, 0, -10]}
+        },
+    }
+    result = run(tmp_path, scene, 0.5)
+    # 94,000 and 156,000 where the damping of the pressed contact bounds the step
+    assert result.status["cycle"] < 30_000
+    assert last(result, "rcforc.press.force.z") == pytest.approx(10.0, rel=1e-6)
+    assert last(result, "rcforc.press.depth") == pytest.approx(1e-5 ** (2 / 3), rel=1e-3)
+    # the rest of the way by the law: c u = F - K d^1.5, within 1 % of the speed in steps as short
+    assert last(result, "rbdout.body.velocity.z") == pytest.approx(-7.2169e-7, rel=1e-2)
