@@ -23,6 +23,7 @@ def body(rng: np.random.Generator, speed: float, spin: float) -> SimpleNamespace
         q=np.roll(end_q.as_quat(), 1),
         rotations=(start_q, end_q),
         moved=np.zeros(3),
+        has_surface=1,
         rotated=np.zeros(3),
     )
 
@@ -68,6 +69,7 @@ def test_what_two_bodies_have_in_common_is_no_approach() -> None:
                 start_q=np.array([1.0, 0.0, 0.0, 0.0]),
                 q=np.roll(rotation.as_quat(), 1),
                 moved=np.zeros(3),
+                has_surface=1,
                 rotated=np.zeros(3),
             )
         )
