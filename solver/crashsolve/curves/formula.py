@@ -253,7 +253,7 @@ def _blur(noise: Array, h: Array, change: Array, of: tuple[float, float], order:
     if order:
         share = noise * (3.0 / h if order == 1 else 12.0 / h**2) / of[1]
         share[change == 0.0] = 0.0
-        blur = np.maximum(found, share / motion_tolerance(1.0))
+        blur = np.maximum(blur, share / motion_tolerance(1.0))
     return blur
 
 
