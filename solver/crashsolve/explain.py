@@ -29,7 +29,7 @@ def explain(deck: Deck, model: Model) -> str:
         message = f"{entry.type} '{entry.name}'"
         lines.append(f"  {entry.item.keyword}: {message}, written out in these (--expanded)")
     for group in model.contact_groups:
-        lines.append(f"  contact loop: {group.word}, {len(group.parameters)} pairs")
+        lines.append(f"  contact loop: {group.word}, pairs {len(group.parameters)}")
     for nodal in model.nodal_groups:
         kind = "a shape" if nodal.narrow is not None else "faces"
         lines.append(f"  contact loop: {nodal.word}, {len(nodal.arrays['probes'])} on {kind}")

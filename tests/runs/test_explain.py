@@ -12,7 +12,7 @@ def test_explain_shows_laws_and_the_composed_step(mechanism: Path) -> None:
     summary, _, step = done.stdout.partition("\ncomposed step\n-------------\n")
     used, _, left = summary.partition("left out")
     assert "joints: revolute, spherical" in used
-    assert "contact loop: sphere_plane_exact_restitution_bristle, 2 pairs" in used
+    assert "contact loop: sphere_plane_exact_restitution_bristle, pairs 2" in used
     assert "prismatic" in left
     functions = {node.name for node in ast.parse(step).body if isinstance(node, ast.FunctionDef)}
     assert {"residual", "force_pass", "energy", "advance"} <= functions

@@ -121,7 +121,7 @@ class Account:
                 "deck": str(self.deck.path),
                 "title": self.deck.title,
                 "host": socket.gethostname(),
-                "model": ", ".join(f"{n} {k}" for k, n in counts.items()) or "empty",
+                "model": ", ".join(f"{k} {n}" for k, n in counts.items()) or "empty",
                 "mass": f"{model.total_mass():.6g} kg",
                 "size": f"{model.size:.4g} m",
                 "integrator": ": ".join(filter(None, (model.integrator, model.choice))),
