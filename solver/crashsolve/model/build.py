@@ -101,7 +101,6 @@ def _build(deck: Deck) -> tuple[Model, State]:
     refuse_motion(deck, groups)
     scene.warnings += gyration_warnings(scene, groups, joints) + step_warnings(deck)
 
-    saddle = plan_of(joints, scene.mass)
     model = Model(
         title=deck.title,
         bodies=scene.names,
@@ -117,7 +116,7 @@ def _build(deck: Deck) -> tuple[Model, State]:
         joints=joints,
         curves=curves,
         curve_names=scene.curves,
-        saddle=saddle,
+        saddle=plan_of(joints, scene.mass),
         control=_control(deck, scene),
         warnings=scene.warnings,
         citations=citations(laws_in_use(groups, [*contact_groups, *nodal_groups])),
@@ -201,10 +200,11 @@ def _build_curves(deck: Deck, scene: Scene) -> np.ndarray:
     motions = derivatives_read(deck)
     for name, entry in deck.entries["curves"].items():
         law = _module(entry)
-        is_motion = name in motions and hasattr(law, "build_motion")
-        make = law.build_motion if is_motion else law.build
         with scene.building(entry):
-            built[name] = make(entry.card, scene, *[motions.get(name)] * is_motion)
+            if name in motions and hasattr(law, "build_motion"):
+                built[name] = law.build_motion(entry.card, scene, motions[name])
+            else:
+                built[name] = law.build(entry.card, scene)
     for name, entry in deck.entries["hinges"].items():
         with scene.building(entry):
             own = _module(entry).curves(entry.card, built, scene)
