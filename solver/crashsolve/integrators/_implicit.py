@@ -25,11 +25,11 @@ from crashsolve.system.implicit.stages import (
     reference_speed,
 )
 from crashsolve.system.kinetics import accelerations, refresh, save
-from crashsolve.system.loops.events import approach_before, event
+from crashsolve.system.loops.events import approach_before, event, may_pass
 from crashsolve.system.loops.joints import residual
 from crashsolve.system.loops.sensors import measure
 from crashsolve.system.onset import first_gap, narrow_bracket, new_bracket
-from crashsolve.system.placeholders import CONTACTS, EVENTS, JOINTS, ONSETS
+from crashsolve.system.placeholders import BOUNDS_NEXT_STEP, CONTACTS, EVENTS, JOINTS, ONSETS
 from crashsolve.system.timestep import fit
 
 MANY_ITERATIONS = 8  # iterations of a step, after which the next is no longer
@@ -106,6 +106,12 @@ def find_step(h, clock, nodes, rows, saddle, scene):
             if h < control.step_min:
                 clock.status = clock.fault
                 break
+            continue
+        is_whole = bracket[-1] == 0 and trial > control.step_min
+        if BOUNDS_NEXT_STEP and is_whole and may_pass(clock, control, trial, nodes, scene):
+            clock.rejected += 1
+            h = trial = clock.next_step = 0.5 * trial
+            bracket = new_bracket(h)
             continue
         if ONSETS:
             gap = onset_gap(trial, clock, nodes, scene)

@@ -50,13 +50,19 @@ from crashsolve.system.kinetics import (
     save,
     second_kick,
 )
-from crashsolve.system.loops.events import approach, approach_before
+from crashsolve.system.loops.events import approach, approach_before, may_pass
 from crashsolve.system.loops.forces import force_pass
 from crashsolve.system.loops.joints import convective, jacobian, residual
 from crashsolve.system.loops.sensors import measure
 from crashsolve.system.loops.unilateral import impulses_of_first_half, impulses_of_second_half
 from crashsolve.system.onset import first_gap, narrow_bracket, new_bracket
-from crashsolve.system.placeholders import CONTACTS, JOINTS, RESTING, UNILATERAL
+from crashsolve.system.placeholders import (
+    BOUNDS_NEXT_STEP,
+    CONTACTS,
+    JOINTS,
+    RESTING,
+    UNILATERAL,
+)
 from crashsolve.system.timestep import fit, wanted_step
 
 POSITION_ITERATIONS = 40
@@ -98,14 +104,20 @@ def finish(time, h, sampling, clock, nodes, rows, saddle, scene):
 def update_positions(h, clock, nodes, rows, saddle, scene):
     """Positions at the end of the step, cut at the first contact onset. Returns the step taken.
 
-    What did not touch at the start may touch at the end by no more than `allowed`.
+    What did not touch at the start may touch at the end by no more than `allowed`, and may not
+    have passed through.
     """
     control = scene.control[0]
-    bracket, trial, is_located = new_bracket(h), h, False
+    longest, bracket, trial, is_located = h, new_bracket(h), h, False
     while True:
         set_positions(trial, clock, nodes, rows, saddle, scene)
         if not CONTACTS or clock.status != RUNNING:
             break
+        is_whole = bracket[-1] == 0 and trial > control.step_min
+        if BOUNDS_NEXT_STEP and is_whole and may_pass(clock, control, trial, nodes, scene):
+            trial *= 0.5
+            longest, bracket = trial, new_bracket(trial)
+            continue
         if RESTING:
             record_motion(nodes)
         # without an onset at the end of the full step, the exact gap is not needed
@@ -116,7 +128,7 @@ def update_positions(h, clock, nodes, rows, saddle, scene):
             # requires
             share = 1e-3 * control.safety
             bracket = first_gap(bracket, before, gap, control, share)
-        bracket, trial, is_located = narrow_bracket(bracket, h, trial, gap)
+        bracket, trial, is_located = narrow_bracket(bracket, longest, trial, gap)
         if is_located:
             break
     clock.located += 1 if bracket[-1] > 0 else 0

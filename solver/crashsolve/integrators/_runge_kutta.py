@@ -53,12 +53,19 @@ from crashsolve.system.kinetics import (
     save,
 )
 from crashsolve.system.loops.energy import sum_powers
-from crashsolve.system.loops.events import approach_before, event
+from crashsolve.system.loops.events import approach_before, event, may_pass
 from crashsolve.system.loops.forces import force_pass
 from crashsolve.system.loops.joints import jacobian, residual
 from crashsolve.system.loops.sensors import measure
 from crashsolve.system.onset import first_gap, narrow_bracket, new_bracket
-from crashsolve.system.placeholders import CONTACTS, DENSE, EVENTS, JOINTS, ONSETS
+from crashsolve.system.placeholders import (
+    BOUNDS_NEXT_STEP,
+    CONTACTS,
+    DENSE,
+    EVENTS,
+    JOINTS,
+    ONSETS,
+)
 from crashsolve.system.timestep import fit, wanted_step
 
 ONSET = 1e-4  # of the displacement in the step: by so much an onset may be passed at most
@@ -164,6 +171,12 @@ def find_step(h, clock, nodes, rows, saddle, scene):
         # beyond the end of a curve in an attempt that was too long is no fault
         scene.curves[0].fault = 0
         closed = evaluate_stages(h, clock, nodes, rows, saddle, scene)
+        is_whole = closed and search[-1] == 0 and h > scene.control[0].step_min
+        if BOUNDS_NEXT_STEP and is_whole and may_pass(clock, scene.control[0], h, nodes, scene):
+            clock.rejected += 1
+            h = clock.next_step = 0.5 * h
+            search = new_search(h)
+            continue
         if closed and ONSETS:
             end, search = cut_at_onset(h, search, clock, nodes, rows, saddle, scene)
             if end != h:

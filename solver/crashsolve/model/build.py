@@ -25,6 +25,7 @@ from crashsolve.model.clock import CLOCK, CONTROL
 from crashsolve.model.contact import records
 from crashsolve.model.contact.body_pairs import find_body_pairs, mark_bodies
 from crashsolve.model.contact.build import build_contacts
+from crashsolve.model.contact.groups import ContactGroup, thinnest_of
 from crashsolve.model.contact.node_to_surface import loads_of_points
 from crashsolve.model.contact.pieces import cut as cut_pairs
 from crashsolve.model.contact.pieces import has_many
@@ -41,7 +42,7 @@ from crashsolve.model.force_columns import (
     ROW_PARAMETERS,
     history_of_force,
 )
-from crashsolve.model.hubs import plan_of, set_references
+from crashsolve.model.hubs import longest_arm, plan_of, set_references
 from crashsolve.model.implicit.assembly import add_nodes_of_points
 from crashsolve.model.integrator_selection import Choice, by_default, choose, resolve
 from crashsolve.model.ledger import ENTRIES
@@ -117,7 +118,7 @@ def _build(deck: Deck) -> tuple[Model, State]:
         curves=curves,
         curve_names=scene.curves,
         saddle=plan_of(joints, scene.mass),
-        control=_control(deck, scene),
+        control=_control(deck, scene, contact_groups),
         warnings=scene.warnings,
         citations=citations(laws_in_use(groups, [*contact_groups, *nodal_groups])),
         surfaces=scene.surfaces,
@@ -273,14 +274,6 @@ def _refuse_doubles(deck: Deck, sections: list[str], scene: Scene) -> None:
                 scene.errors.append(deck.error(entry, None, message))
 
 
-def longest_arm(joints: list[Joint]) -> float:
-    """Largest distance of a joint's point from its body's mass centre, or length of a rod [m]."""
-    ends = [(joint.node_a, joint.frame.get("point_a")) for joint in joints]
-    ends += [(joint.node_b, joint.frame.get("point_b")) for joint in joints]
-    arms = [float(np.linalg.norm(point)) for node, point in ends if node > 0 and point is not None]
-    return max(arms + [float(joint.frame.get("length", 0.0)) for joint in joints], default=0.0)
-
-
 def _build_group(keyword: str, entries: list[Entry], scene: Scene) -> Group:
     module = _module(entries[0])
     parameters = module.PARAMETERS
@@ -359,7 +352,7 @@ def _build_parts(entries: list[Entry], scene: Scene) -> Group:
     return Group("parts", word, module, names, table, rest, result, materials=numbered)
 
 
-def _control(deck: Deck, scene: Scene) -> np.ndarray:
+def _control(deck: Deck, scene: Scene, contacts: list[ContactGroup]) -> np.ndarray:
     card = deck.control
     control = np.zeros(1, CONTROL.dtype)
     c = control[0]
@@ -375,7 +368,7 @@ def _control(deck: Deck, scene: Scene) -> np.ndarray:
     c["onset_tolerance"] = card.onset_tolerance or 0.0
     is_free = card.energy_limit == "off" or card.solution == "quasi_static"
     c["energy_limit"] = 0.0 if is_free else float(card.energy_limit)
-    c["length"] = scene.size
+    c["length"], c["thinnest"] = scene.size, thinnest_of(contacts)
     c["spectral_radius"] = card.spectral_radius
     c["tolerance"] = card.tolerance or card.accuracy or TOLERANCE
     c["start"], c["end"] = card.start_time, card.end_time

@@ -95,6 +95,7 @@ CONTROL = Record("""
     spectral_radius       1      of generalized-alpha at infinite frequency
     tolerance             1      error of a step over the model's size and largest speed
     length                m      the model's size
+    thinnest              m      least half thickness of two sides of contacts
     start                 s      time at which the run begins
     end                   s      time at which it ends
     check_every           count  cycles between guards

@@ -73,3 +73,11 @@ def _connected(
     for joint in joints:
         groups[root(ends(joint)[0])].append(joint)
     return list(groups.values())
+
+
+def longest_arm(joints: list[Joint]) -> float:
+    """Largest distance of a joint's point from its body's mass centre, or length of a rod [m]."""
+    ends = [(joint.node_a, joint.frame.get("point_a")) for joint in joints]
+    ends += [(joint.node_b, joint.frame.get("point_b")) for joint in joints]
+    arms = [float(np.linalg.norm(point)) for node, point in ends if node > 0 and point is not None]
+    return max(arms + [float(joint.frame.get("length", 0.0)) for joint in joints], default=0.0)

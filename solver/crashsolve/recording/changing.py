@@ -109,9 +109,12 @@ class Snapshot:
         Tables may be bound anew within an interval: what its begin has stored stays as it is.
         """
         if self._bound != self.engine.bindings:
-            now = {name: a for name, a in changing(self.engine).items() if a.size}
+            now = changing(self.engine)
+            # a list that is empty now may have pairs when this copy is restored
             self._targets = {name: np.zeros_like(a) for name, a in now.items()}
-            self._pieces = {n: (_bytes(a), _bytes(self._targets[n])) for n, a in now.items()}
+            self._pieces = {
+                n: (_bytes(a), _bytes(self._targets[n])) for n, a in now.items() if a.size
+            }
             self._bound = self.engine.bindings
         return self._pieces
 
@@ -149,8 +152,7 @@ class Snapshot:
             for now, kept in self._pieces.values():
                 now[...] = kept
             return
-        empty = {name: a for name, a in changing(self.engine).items() if not a.size}
-        restore(self.engine, empty | self._arrays)
+        restore(self.engine, self._arrays)
 
 
 def _copy(array: np.ndarray, earlier: np.ndarray | None) -> np.ndarray:

@@ -1,5 +1,6 @@
 """Groups of contacts in the composed step: of pairs of elements, and of nodes on surfaces."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol
 
@@ -265,3 +266,10 @@ class NodalGroup(Touching):
     def changing(self) -> dict[str, np.ndarray]:
         """Arrays that a restart must restore."""
         return {name: self.arrays[name] for name in self.CHANGING if name in self.arrays}
+
+
+def thinnest_of(groups: Iterable[ContactGroup]) -> float:
+    """Least half thickness of two sides of contacts, or slack of a list of pairs [m]; else inf."""
+    thick = [float(group.parameters["thick"].min()) for group in groups if not group.search]
+    slack = [float(group.search.slack[0]) for group in groups if group.search]
+    return min(thick + slack, default=np.inf)

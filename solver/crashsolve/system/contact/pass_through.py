@@ -18,6 +18,9 @@ from crashsolve.foundation.vec3 import add, dot, put, sub, vec
 # cosine between the normals of a touch in two steps: below the first it is another face, below the
 # second the opposite one
 SAME, OPPOSITE = 0.7, -0.5
+# share of the distance to the middle of both that may be round-off: a touch so shallow has no
+# reliable normal
+SHALLOW = 1e-6
 # a contact of round bodies beyond this share of the distance to the middle of both has no right
 # face
 MIDDLE = 0.8
@@ -53,7 +56,8 @@ def record_face(clock, h, p, old, new, retains_face, over, depth, n):
     new.
     """
     new.retains_face = 1 if retains_face else 0
-    has_passed = over > 0.0 or is_opposite(old, n) or has_jumped(p, old, depth, n, SQUARE)
+    is_beyond = over > SHALLOW * p.thick
+    has_passed = is_beyond or is_opposite(p, old, depth, n) or has_jumped(p, old, depth, n, SQUARE)
     record_pass(clock, h, p, old, new, depth, n, has_passed)
     put(new.normal, n)
 
@@ -66,7 +70,7 @@ def record_round(clock, h, p, old, new, depth, n):
     """
     new.retains_face = 0
     is_deep = depth > MIDDLE * p.thick
-    has_passed = is_deep or is_opposite(old, n) or has_jumped(p, old, depth, n, ROTATED)
+    has_passed = is_deep or is_opposite(p, old, depth, n) or has_jumped(p, old, depth, n, ROTATED)
     record_pass(clock, h, p, old, new, depth, n, has_passed)
     put(new.normal, n)
 
@@ -97,9 +101,10 @@ def record_round_probe(clock, h, p, old, new, hit):
 
 
 @kernel
-def is_opposite(old, n):
-    """Whether the normal has reversed."""
-    return dot(n, vec(old.normal)) < OPPOSITE
+def is_opposite(p, old, depth, n):
+    """Whether the normal has reversed, in a touch or through all of what is struck."""
+    is_reliable = max(abs(depth), abs(old.depth)) > SHALLOW * p.thick
+    return is_reliable and dot(n, vec(old.normal)) < OPPOSITE
 
 
 @kernel

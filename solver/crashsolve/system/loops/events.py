@@ -1,7 +1,14 @@
 """What begins within a step: onsets of contact, branches of laws, lists of pairs to renew."""
 
 from crashsolve.foundation.kernels import kernel, stage
-from crashsolve.system.contact import areas, body_pairs, node_contact, projection, touches
+from crashsolve.system.contact import (
+    areas,
+    body_pairs,
+    node_contact,
+    passing,
+    projection,
+    touches,
+)
 from crashsolve.system.loops.approach import depth_before, gaps_of
 from crashsolve.system.loops.many_pairs import before_of_pieces
 from crashsolve.system.loops.pieces import approach_in_pieces
@@ -134,3 +141,55 @@ def limit_some(group, first, end, at_most, clock, nodes, scene):
             distance = touches.LARGEST_CLOSING * p.thick - depth
         if speed * clock.next_step > distance:
             clock.next_step = distance / speed
+
+
+@kernel
+def may_pass(clock, control, h, nodes, scene):
+    """Whether forces of a step of h bring two sides so near that one may have passed the other."""
+    if not passing.is_accelerated(nodes, h, control.length, control.thinnest):
+        return False
+    passes = False
+    for group in CONTACTS:
+        if group.search is not None:
+            passes |= passing.leaves_list(
+                group.elements_a, nodes, group.reference_a, group.slack[0]
+            )
+            passes |= passing.leaves_list(
+                group.elements_b, nodes, group.reference_b, group.slack[0]
+            )
+        elif group.bounds_next_step:
+            passes |= close_too_far(group, clock.current, nodes, scene)
+    return passes
+
+
+@stage
+def close_too_far(group, current, nodes, scene):
+    """Whether two sides of a group approach by more than their gap and a share of both."""
+    passes = False
+    if group.body_pairs is not None:
+        for k in range(group.body_pairs.shape[0]):
+            both = group.body_pairs[k]
+            # of skipped pairs the depth is that before they were
+            approached = both.approached if both.skipped == 1 else 0.0
+            passes |= some_close_too_far(
+                group, both.first, both.end, approached, current, nodes, scene
+            )
+    else:
+        passes |= some_close_too_far(
+            group, 0, group.parameters.shape[0], 0.0, current, nodes, scene
+        )
+    return passes
+
+
+@stage
+def some_close_too_far(group, first, end, approached, current, nodes, scene):
+    """The same for some pairs, which have come nearer by `approached` [m] than is stored."""
+    params, history = group.parameters, group.history
+    for i in range(first, end):
+        p, now = params[i], history[current, i]
+        if now.active == 0:
+            a, b = group.elements_a[p.a], group.elements_b[p.b]
+            nearer = passing.largest_approach(p, a, b, nodes[a.node], nodes[b.node])
+            if nearer > passing.SHARE * p.thick - now.depth - approached:
+                return True
+    return False
