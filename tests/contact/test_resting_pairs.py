@@ -196,7 +196,9 @@ def test_a_snapshot_without_skipped_pairs_is_the_whole_state(tmp_path: Path) -> 
             assert bits_of(engine) == reached
         engine.sample(time)
         resampling.begin_interval()
-        assert {name: a.tobytes() for name, a in snapshot.arrays().items()} == bits_of(engine)
+        assert {name: a.tobytes() for name, a in snapshot.arrays().items() if a.size} == bits_of(
+            engine
+        )
         skipped.append(group.body_pairs["skipped"].tolist())
     assert [0, 1] in skipped and [1, 1] in skipped and [1, 0] in skipped
 
