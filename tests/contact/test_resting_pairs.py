@@ -1,5 +1,6 @@
 """Pairs that are left alone until they may have met: the same results as without, bit for bit."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -62,6 +63,9 @@ def tumbling(folder: Path, seed: int, count: int = 9) -> Path:
     return path
 
 
+NUMBER = re.compile(r"-?\d+\.?\d*(?:e[-+]\d+)?")
+
+
 def outcome(path: Path) -> tuple[dict[str, bytes | str], np.ndarray, np.ndarray, np.ndarray]:
     """What bodies, energies, touches and contact cards come to; depths of all
     pairs [m]; TIMED; LOSSES.
@@ -94,6 +98,27 @@ def outcome(path: Path) -> tuple[dict[str, bytes | str], np.ndarray, np.ndarray,
     return outcome_of_tables, np.concatenate(depths), times, losses
 
 
+def assert_same(one: dict[str, bytes | str], other: dict[str, bytes | str]) -> None:
+    """Equal, but for round-off: code that differs may contract other products (COMPILER.md).
+
+    Some twenty impacts of tumbling bodies multiply 1e-16 by up to 1e5; 2e-12 is seen.
+    """
+    assert one.keys() == other.keys()
+    for name, value in one.items():
+        if name.endswith(".active"):
+            assert value == other[name], name
+        else:
+            a, b = numbers(value), numbers(other[name])
+            np.testing.assert_allclose(a, b, rtol=0.0, atol=1e-11 * np.abs(a).max(), err_msg=name)
+
+
+def numbers(value: bytes | str) -> np.ndarray:
+    """Numbers of a table, of its bytes or as they are written."""
+    if isinstance(value, bytes):
+        return np.frombuffer(value)
+    return np.array([float(word) for word in NUMBER.findall(value)])
+
+
 def moved_since(group: ContactGroup) -> np.ndarray:
     """How far the bodies of each pair have approached each other since its depth was noted [m]."""
     both = group.body_pairs
@@ -111,18 +136,19 @@ def test_pairs_of_two_bodies_rest_together_as_each_would(
     together, bounds, *_ = outcome(path)
     monkeypatch.setattr("crashsolve.model.build.find_body_pairs", lambda groups: None)
     apart, depths, *_ = outcome(path)
-    assert together == apart
+    assert_same(together, apart)
     assert (bounds != depths).any()
 
 
-# code that differs may contract other products (COMPILER.md): with seed 2 the last bits do
 @pytest.mark.long
-def test_pairs_left_alone_change_no_bit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_pairs_left_alone_change_round_off_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     path = tumbling(tmp_path, 1)
     state, bounds, times, losses = outcome(path)
     monkeypatch.setattr(ContactGroup, "skips", property(lambda group: False))
     looked_at, depths, same_times, same_losses = outcome(path)
-    assert state == looked_at
+    assert_same(state, looked_at)
     # nine bodies on a floor and on each other: a sum of some forty pairs in another order
     np.testing.assert_allclose(losses, same_losses, rtol=40 * 2.0**-52)
     # a release is known to a part of a step, of 1e-4 s

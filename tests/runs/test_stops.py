@@ -47,7 +47,7 @@ STOPS = {
         f"t = 0.564 s, cycle 141, body 'wheel': it has rotated by 3.03 rad {FOLDED}"
     ),
     "folded_beam": (
-        f"t = 0.0142105 s, cycle 1132, body 'rod_1, node rod_end': it has rotated by 3 rad {FOLDED}"
+        f"t = 0.0142105 s, cycle 1131, body 'rod_1, node rod_end': it has rotated by 3 rad {FOLDED}"
     ),
 }
 
