@@ -15,7 +15,7 @@ output: {history: {interval: 0.5}}
 bodies: {a: {mass: 1, inertia: [0.1, 0.1, 0.1], position: [0, 0, HEIGHT]}}
 surfaces:
   moves: {body: a, SHAPE}
-  table: {TABLE}
+  table: {type: box, at: [0, 0, -0.05], size: [1, 1, 0.1]}
 contacts: {c: {a: [moves], b: [table], normal: {type: hertz, stiffness: 1e7}}}
 loads: {p: {type: force, body: a, force: [0, 0, -100]PULSE}}
 """
@@ -25,22 +25,30 @@ SHAPES = {
     "cylinder": "type: cylinder, axis: [1, 0, 0], radius: 0.1, length: 0.2",
     "ellipsoid": "type: ellipsoid, semi_axes: [0.1, 0.1, 0.1]",
 }
-TABLE = "type: box, at: [0, 0, -0.05], size: [1, 1, 0.1]"
 # begins within the run, where steps have grown
 LATE = ", curve: late}}\ncurves: {late: {points: [[0, 0], [0.7, 0], [0.7001, 1], [9, 1]]}"
 # 100 N press 1e7 N/m^1.5 by 0.5 mm; dropped from the gaps at 100 m/s^2, by less than 20 mm
 LOWEST = 0.08
 
 
-def lowest(shape: str, table: str, gap: float, pulse: str, method: str, folder: Path) -> float:
-    """Least height of the middle of the body at samples [m]; it stands on the table at 0.1 m."""
-    text = DECK.replace("SHAPE", shape).replace("TABLE", table).replace("METHOD", method)
-    text = text.replace("HEIGHT", f"{0.1 + gap}").replace("PULSE}", pulse or "}")
+def deck(shape: str, gap: float, pulse: str = "", method: str = "rattle") -> str:
+    """A body at a gap over a table, pushed down; it stands on the table at 0.1 m."""
+    text = DECK.replace("SHAPE", SHAPES[shape]).replace("METHOD", method)
+    return text.replace("HEIGHT", f"{0.1 + gap}").replace("PULSE}", pulse or "}")
+
+
+def run(text: str, folder: Path) -> Result:
+    """Result of a deck that ends normally."""
     path = folder / "deck.yaml"
     path.write_text(text, "utf-8")
     done = crashsolve(path, "-o", folder / "out")
     assert done.returncode == 0, done.stdout + done.stderr
-    return float(Result(folder / "out").series("rbdout.a.position.z").values.min())
+    return Result(folder / "out")
+
+
+def lowest(result: Result) -> float:
+    """Least height of the body at samples [m]."""
+    return float(result.series("rbdout.a.position.z").values.min())
 
 
 @pytest.mark.parametrize("pulse", ["", LATE], ids=["at once", "late"])
@@ -49,7 +57,7 @@ def lowest(shape: str, table: str, gap: float, pulse: str, method: str, folder: 
 def test_what_is_pushed_from_rest_stays_above_a_table(
     shape: str, gap: float, pulse: str, tmp_path: Path
 ) -> None:
-    assert lowest(SHAPES[shape], TABLE, gap, pulse, "rattle", tmp_path) > LOWEST
+    assert lowest(run(deck(shape, gap, pulse), tmp_path)) > LOWEST
 
 
 @pytest.mark.parametrize("gap", [1e-7, 0.05, 0.07])
@@ -57,26 +65,23 @@ def test_what_is_pushed_from_rest_stays_above_a_table(
 def test_so_do_methods_that_choose_their_steps_by_error(
     method: str, gap: float, tmp_path: Path
 ) -> None:
-    assert lowest(SHAPES["sphere"], TABLE, gap, LATE, method, tmp_path) > LOWEST
+    assert lowest(run(deck("sphere", gap, LATE, method), tmp_path)) > LOWEST
 
 
 @pytest.mark.parametrize("gap", [1e-7, 0.05])
 def test_so_do_bodies_whose_near_pairs_are_listed(gap: float, tmp_path: Path) -> None:
     """A ball on a table of 900."""
-    path = tmp_path / "deck.yaml"
     middles = {f"t{i}_{j}": (0.02 * i - 0.3, 0.02 * j - 0.3) for i in range(30) for j in range(30)}
     balls = "".join(
         f"  {name}: {{type: sphere, at: [{x}, {y}, -0.03], radius: 0.03}}\n"
         for name, (x, y) in middles.items()
     )
-    text = DECK.replace("SHAPE", SHAPES["sphere"]).replace("  table: {TABLE}\n", balls)
-    text = text.replace("[table]", f"[{', '.join(middles)}]").replace("METHOD", "rattle")
-    path.write_text(text.replace("HEIGHT", f"{0.1 + gap}").replace("PULSE", ""), "utf-8")
-    (group,) = build(read_deck(path))[0].contact_groups
+    head, _, tail = deck("sphere", gap).partition("  table: ")
+    tail = tail.partition("\n")[2].replace("[table]", f"[{', '.join(middles)}]")
+    result = run(f"{head}{balls}{tail}", tmp_path)
+    (group,) = build(read_deck(tmp_path / "deck.yaml"))[0].contact_groups
     assert group.search is not None
-    done = crashsolve(path, "-o", tmp_path / "out")
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert Result(tmp_path / "out").series("rbdout.a.position.z").values.min() > LOWEST
+    assert lowest(result) > LOWEST
 
 
 def test_what_a_moment_swings_from_rest_meets_what_is_in_its_path(tmp_path: Path) -> None:
@@ -92,8 +97,4 @@ surfaces:
 contacts: {c: {a: [arm], b: [peg], normal: {type: hertz, stiffness: 1e7}}}
 loads: {p: {type: torque, body: a, torque: [0, 40, 0]}}
 """
-    path = tmp_path / "deck.yaml"
-    path.write_text(text, "utf-8")
-    done = crashsolve(path, "-o", tmp_path / "out")
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert Result(tmp_path / "out").series("rcforc.c.peak_normal").values.max() > 40.0 / 0.9
+    assert run(text, tmp_path).series("rcforc.c.peak_normal").values.max() > 40.0 / 0.9

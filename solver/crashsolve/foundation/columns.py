@@ -1,6 +1,6 @@
 """Columns of tables that hold vectors and matrices: sums and products."""
 
-from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.kernels import inlined, kernel
 
 
 @kernel
@@ -28,4 +28,14 @@ def matvec_t(m, x):
         m[0] * x[0] + m[3] * x[1] + m[6] * x[2],
         m[1] * x[0] + m[4] * x[1] + m[7] * x[2],
         m[2] * x[0] + m[5] * x[1] + m[8] * x[2],
+    )
+
+
+@inlined
+def symmetric_matvec(C, x):
+    """Product of a symmetric 3 x 3 matrix, by the rows of its upper half (6), with x."""
+    return (
+        C[0] * x[0] + C[1] * x[1] + C[2] * x[2],
+        C[1] * x[0] + C[3] * x[1] + C[4] * x[2],
+        C[2] * x[0] + C[4] * x[1] + C[5] * x[2],
     )

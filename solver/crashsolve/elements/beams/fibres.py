@@ -23,6 +23,7 @@ Reference: Simo and Hughes (1998), Computational Inelasticity, 1.4 to 1.6.
 import numpy as np
 
 from crashsolve.deck.building import Columns
+from crashsolve.foundation.columns import symmetric_matvec
 from crashsolve.foundation.kernels import inlined, kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, add_scaled, dot, put, sub, vec
@@ -104,7 +105,7 @@ def elastic_section(p, old, new, strain, change, material):
     if new.version != old.version:
         copy_fibres(p, old, new, material)
     put(new.strain, strain)
-    more, load = symmetric(p.elastic, change), vec(old.reference_load)
+    more, load = symmetric_matvec(p.elastic, change), vec(old.reference_load)
     stored = old.reference_energy + dot(load, change) + 0.5 * dot(more, change)
     return add(load, more), stored
 
@@ -244,16 +245,6 @@ def add_square(C, weight, arm):
         C[3] + weight * y * y,
         C[4] + weight * y * z,
         C[5] + weight * z * z,
-    )
-
-
-@inlined
-def symmetric(C, x):
-    """A symmetric matrix, by the rows of its upper half, times a vector."""
-    return (
-        C[0] * x[0] + C[1] * x[1] + C[2] * x[2],
-        C[1] * x[0] + C[3] * x[1] + C[4] * x[2],
-        C[2] * x[0] + C[4] * x[1] + C[5] * x[2],
     )
 
 

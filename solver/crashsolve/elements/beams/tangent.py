@@ -19,7 +19,7 @@ from math import cos, sin, sqrt, tan
 
 from crashsolve.elements.beams.bowing import change_of_slopes
 from crashsolve.elements.beams.corotational import half_angle_over_sine, rotated_rate
-from crashsolve.foundation.columns import matvec, matvec_t
+from crashsolve.foundation.columns import matvec, matvec_t, symmetric_matvec
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.sparse.bordered import subtract_coupling, subtract_own
 from crashsolve.foundation.vec3 import ZERO, add, add_scaled, cross, dot, scale, sub, vec
@@ -102,8 +102,8 @@ def changes(p, section, deformed, state, stress, dr, s, w_0):
         df_lag, dm_lag = damping_changes(p, deformed, du_dot, d_theta_dot)
         if section is not None:
             flow = add(
-                symmetric(section[1], (du[0], d_theta[1], d_theta[2])),
-                symmetric(section[2], (du_dot[0], d_theta_dot[1], d_theta_dot[2])),
+                symmetric_matvec(section[1], (du[0], d_theta[1], d_theta[2])),
+                symmetric_matvec(section[2], (du_dot[0], d_theta_dot[1], d_theta_dot[2])),
             )
             df_lag, dm_lag = with_fibres(df_lag, dm_lag, flow)
         df, dm = add(df, df_lag), add(dm, dm_lag)
@@ -151,16 +151,6 @@ def slope_of_viscosity(p, u_dot):
 def with_fibres(f, m, flow):
     """A force and moments, plus tension and moments about y and z of the fibres."""
     return (f[0] + flow[0], f[1], f[2]), (m[0], m[1] + flow[1], m[2] + flow[2])
-
-
-@kernel
-def symmetric(C, x):
-    """C x of a symmetric C, by the rows of its upper half (6)."""
-    return (
-        C[0] * x[0] + C[1] * x[1] + C[2] * x[2],
-        C[1] * x[0] + C[3] * x[1] + C[4] * x[2],
-        C[2] * x[0] + C[4] * x[1] + C[5] * x[2],
-    )
 
 
 @kernel

@@ -14,6 +14,7 @@ from math import sqrt
 
 from crashsolve.foundation.columns import matvec
 from crashsolve.foundation.kernels import inlined, kernel
+from crashsolve.foundation.motion import world_position
 from crashsolve.foundation.vec3 import add, norm, scale, sub, vec
 
 # of the half thickness of both sides: the middle of neither is reached
@@ -39,7 +40,7 @@ def is_accelerated(nodes, h, length, thinnest):
 
 
 @kernel
-def largest_approach(p, element_a, element_b, a, b):
+def closing_distance_bound(p, element_a, element_b, a, b):
     """Largest decrease of the gap of two elements on bodies a and b in the step [m]."""
     d_a, d_b = displacement(a, vec(element_a.point)), displacement(b, vec(element_b.point))
     return norm(sub(d_a, d_b)) + chord(a) * p.spread_a + chord(b) * p.spread_b
@@ -48,8 +49,7 @@ def largest_approach(p, element_a, element_b, a, b):
 @inlined
 def displacement(b, point):
     """Displacement [m] of a point of a body, given in its axes, since the start of the step."""
-    now, before = add(vec(b.r), matvec(b.A, point)), add(vec(b.start_r), matvec(b.start_A, point))
-    return sub(now, before)
+    return sub(world_position(b, point), add(vec(b.start_r), matvec(b.start_A, point)))
 
 
 @kernel
@@ -66,8 +66,7 @@ def leaves_list(elements, nodes, references, slack):
     """Whether an element has moved farther than the list of near pairs allows [m]."""
     for i in range(elements.shape[0]):
         e = elements[i]
-        b = nodes[e.node]
-        at = add(vec(b.r), matvec(b.A, vec(e.point)))
+        at = world_position(nodes[e.node], vec(e.point))
         if norm(sub(at, vec(references[i].r))) > slack:
             return True
     return False

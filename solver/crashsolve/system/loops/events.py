@@ -189,7 +189,7 @@ def some_close_too_far(group, first, end, approached, current, nodes, scene):
         p, now = params[i], history[current, i]
         if now.active == 0:
             a, b = group.elements_a[p.a], group.elements_b[p.b]
-            nearer = passing.largest_approach(p, a, b, nodes[a.node], nodes[b.node])
+            nearer = passing.closing_distance_bound(p, a, b, nodes[a.node], nodes[b.node])
             if nearer > passing.SHARE * p.thick - now.depth - approached:
                 return True
     return False
