@@ -87,6 +87,7 @@ def measured(requested: Requested) -> Measured:
         if error < EXACT:
             message = "images without errors do not say how large their errors are"
             raise DeckErrors([requested.error((), message, "give image_error")])
+    _check_cameras(requested, cameras, closures)
     frames = tuple(_frame(t, tuple(points), spread, error) for t, points in points_of.items())
     _check(requested, frames, error, volume)
     return Measured(cameras, frames, error, freedom)
@@ -179,6 +180,53 @@ def _frame(time: float, points: tuple[Point, ...], spread: Array, error: float) 
     for i, point in enumerate(points):
         covariance[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] += point.noise
     return Frame(time, points, error**2 * covariance)
+
+
+def _check_cameras(
+    requested: Requested, cameras: dict[str, dlt.Camera], closures: list[tuple[float, int]]
+) -> None:
+    """Refuse cameras whose targets contradict each other. Raises DeckErrors.
+
+    `closures` begins with those of the cameras.
+    """
+    path, errors = requested.card.calibration, []
+    rows = read_table(path, CALIBRATION)
+    for i, (name, camera) in enumerate(cameras.items()):
+        error, chance = _by_chance(closures, i, requested.card.image_error)
+        if chance >= IMPROBABLE:
+            continue
+        sizes = np.linalg.norm(camera.residuals, axis=1)
+        worst = int(np.argmax(sizes))
+        row = [row for row in rows if row.names["camera"] == name][worst]
+        problem = (
+            f"its targets contradict each other: '{row.names['target']}' is {sizes[worst]:.3g} "
+            f"from where it would be seen, and the error of images is {error:.3g}"
+        )
+        advice = (
+            "look for targets taken for others and wrong coordinates; images of a finer camera "
+            "need a unit in which the errors of all are alike"
+        )
+        errors.append(DeckError(path, row.line, None, f"camera '{name}'", problem, advice))
+    if errors:
+        raise DeckErrors(errors)
+
+
+def _by_chance(
+    closures: list[tuple[float, int]], i: int, given: float | None
+) -> tuple[float, float]:
+    """Error of images [image units], and the chance that the i-th closure is as large or larger.
+
+    By chi-squared where the error is given, else by Fisher's F against all other equations.
+    """
+    from scipy.stats import chi2, f
+
+    chi, freedom = closures[i]
+    if given is not None:
+        return given, float(chi2.sf(chi / given**2, freedom))
+    others = sum(one for one, _ in closures) - chi
+    left = sum(count for _, count in closures) - freedom
+    error = max(float(np.sqrt(others / left)), EXACT)
+    return error, float(f.sf(chi / freedom / error**2, freedom, left))
 
 
 def _check(requested: Requested, frames: tuple[Frame, ...], error: float, volume: float) -> None:
