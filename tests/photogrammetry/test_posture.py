@@ -189,6 +189,17 @@ def test_a_wrong_target_is_refused_by_its_name(example: Path, given: str) -> Non
     assert "its targets contradict each other: 't8' is" in refusal(example)
 
 
+def test_one_camera_given_twice_is_refused(example: Path) -> None:
+    for name, column in (("calibration.csv", 0), ("frames.csv", 1)):
+        path = example.parent / name
+        head, *rows = path.read_text("utf-8").splitlines()[1:]
+        own = [row for row in rows if row.split(",")[column] == "0"]
+        copies = [",".join("9" if i == column else cell for i, cell in enumerate(row.split(",")))
+                  for row in own]  # fmt: skip
+        path.write_text("\n".join([head, *own, *copies]) + "\n", "utf-8")
+    assert "two cameras must see it from different directions" in refusal(example)
+
+
 def test_targets_in_another_unit_are_refused_at_once(example: Path) -> None:
     path = example.parent / "targets.csv"
     path.write_text(path.read_text("utf-8").replace("[m]", "[mm]"), "utf-8")

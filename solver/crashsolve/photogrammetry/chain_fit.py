@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from math import ceil
+from typing import Any
 
 import numpy as np
 
@@ -25,6 +26,8 @@ from crashsolve.postures._chain import Link, Motion, next_body
 Array = np.ndarray
 # evaluations of one search; those that converge take some ten
 MAX_EVALUATIONS = 300
+# changes of the sum of squares and of q, over both, that end a search, and that of its minimum
+SEARCHED, CONVERGED = 1e-6, 1e-12
 # distances of points on one body over those of its landmarks: people and noise differ by less,
 # units of length by ten and more
 SAME_UNIT = 4.0
@@ -172,26 +175,28 @@ def _best(
     from scipy.optimize import least_squares
 
     lower, upper = bounds
+
+    def search(start: Array, tolerance: float) -> Any:
+        # just within the stops, where a search must begin
+        inner = np.clip(start, lower + 1e-6, upper - 1e-6)
+        return least_squares(
+            residuals,
+            inner,
+            "3-point",
+            bounds,
+            x_scale="jac",
+            xtol=tolerance,
+            ftol=tolerance,
+            max_nfev=MAX_EVALUATIONS,
+        )
+
     fits = []
     for start in starts:
-        # just within the stops, where the search must begin
-        inner = np.clip(start, lower + 1e-6, upper - 1e-6)
-        fits.append(
-            least_squares(
-                residuals,
-                inner,
-                "3-point",
-                bounds,
-                x_scale="jac",
-                xtol=1e-12,
-                ftol=1e-12,
-                max_nfev=MAX_EVALUATIONS,
-            )
-        )
+        fits.append(search(start, SEARCHED))
         # chi-squared of this freedom, four standard deviations over its mean
         if 2.0 * fits[-1].cost <= freedom + 4.0 * np.sqrt(2.0 * freedom):
             break
-    best = min(fits, key=lambda one: one.cost)
+    best = search(min(fits, key=lambda one: one.cost).x, CONVERGED)
     if not best.success or not np.all(np.isfinite(best.x)):
         raise FitError("the search for the posture does not converge")
     return best.x, best.jac

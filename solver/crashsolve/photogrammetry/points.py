@@ -21,6 +21,7 @@ Array = np.ndarray
 FLAT = 1e-3
 # [image units] less than any reading of a picture
 EXACT = 1e-9
+DIRECTIONS = "two cameras must see it from different directions"
 # images that belong together do so but once in a million times
 IMPROBABLE = 1e-6
 
@@ -163,7 +164,12 @@ def _point(
     at = [order.index(row.names["camera"]) for row in rows]
     L = np.array([cameras[order[i]].L for i in at])
     u = np.array([_numbers(row, "uv") for row in rows])
-    x = dlt.reconstruct(L, u)
+    try:
+        x = dlt.reconstruct(L, u)
+    except np.linalg.LinAlgError as error:
+        what = f"point '{name}' at {rows[0].numbers['time']:.6g} s"
+        path, line = requested.card.frames, rows[0].line
+        raise DeckErrors([DeckError(path, line, None, what, str(error), DIRECTIONS)]) from None
     images = np.array([dlt.image_of(one, x) for one in L])
     by_images, by_own = dlt.sensitivities(L, x)
     by_cameras = np.zeros((3, dlt.UNKNOWNS * len(order)))
@@ -248,7 +254,7 @@ def _check(requested: Requested, frames: tuple[Frame, ...], error: float, volume
             elif not deviation.max() < volume:
                 problem = f"its position is uncertain by {deviation.max():.3g} m, more than the "
                 problem += f"targets extend, {volume:.3g} m"
-                advice = "two cameras must see it from different directions"
+                advice = DIRECTIONS
             if problem:
                 what = f"point '{point.name}' at {frame.time:.6g} s"
                 errors.append(
