@@ -148,6 +148,18 @@ def test_too_few_targets_are_refused_with_the_count_needed(example: Path) -> Non
     assert "sees 5 targets; 6 that are not in one plane are needed" in refusal(example)
 
 
+def test_targets_at_one_place_count_once(example: Path) -> None:
+    for k in range(6, 18):
+        without(example.parent / "calibration.csv", f",3,t{k},")
+    path = example.parent / "targets.csv"
+    lines = path.read_text("utf-8").splitlines()
+    at = {line.split(",")[0]: line.partition(",")[2] for line in lines}
+    path.write_text(
+        "\n".join(f"t4,{at['t5']}" if line.startswith("t4,") else line for line in lines), "utf-8"
+    )
+    assert "sees 5 targets; 6 that are not in one plane are needed" in refusal(example)
+
+
 def test_too_few_points_are_refused_with_the_count_needed(example: Path) -> None:
     for side in ("left", "right"):
         for name in ("wrist", "hand", "ankle", "toe", "elbow", "knee", "ear"):

@@ -122,8 +122,9 @@ def _cameras(requested: Requested) -> tuple[dict[str, dlt.Camera], list[tuple[fl
 
 
 def _calibrated(x: Array, u: Array, requested: Requested) -> dlt.Camera:
-    if len(x) < dlt.FEWEST:
-        message = f"sees {len(x)} targets; {dlt.FEWEST} that are not in one plane are needed"
+    count = len(np.unique(x, axis=0))
+    if count < dlt.FEWEST:
+        message = f"sees {count} targets; {dlt.FEWEST} that are not in one plane are needed"
         raise np.linalg.LinAlgError(message)
     if dlt.flatness(x) < FLAT:
         message = (
