@@ -3,7 +3,8 @@
     role              measures
     neck              Nij, tension and compression
     chest_deflection  D, and VC = 1.3 D_dot D / 0.229 m
-    femur_*           compression, and the level that it exceeds for 10 ms
+    femur_*           compression, the level that it exceeds for 10 ms, and the largest ratio of
+                      what it exceeds for any time up to 10 ms to the limit of that time
     head              BrIC = sqrt(sum (max |w_i| / w_i,c)^2), from its angular velocity
 
     Nij = F_z / F_c + M_y / M_c,   F_c 6806 N tension, 6160 N compression,
@@ -14,7 +15,8 @@ moment about the occipital condyles: that of the section and those of the spring
 resist the rotation of its joint. Signs are those of SAE J211: F_z positive in tension, M_y in
 flexion; the sensor's axes are x forward, y left, z up. Filters: CFC 600 for the neck and the femur,
 180 for the chest, 60 for BrIC; where the samples do not serve a filter nothing is judged. Limits:
-UN R94 for VC and femur (9.07 kN at once, 7.58 kN for 10 ms), UN R137 for 42 mm; 1 for Nij.
+UN R94 for VC and femur (9.07 kN at once, 7.58 kN for 10 ms, a straight line between), UN R137 for
+42 mm; 1 for Nij.
 Intercepts of Nij and its filter are from memory and were not read in the regulation.
 
 Measures for which a deck has no sensor are named.
@@ -35,6 +37,8 @@ from crashpost.values.words import capital
 
 Row = list[str]
 
+# limits of the femur [N], of no time and of FEMUR_TIME [s] and longer
+FEMUR_AT_ONCE, FEMUR_HELD, FEMUR_TIME = 9070.0, 7580.0, 10e-3
 TENSION, COMPRESSION, FLEXION, EXTENSION = 6806.0, 6160.0, 310.0, 135.0
 CHEST_DEPTH, VC_FACTOR = 0.229, 1.3
 # [rad/s] about the head's axes x, y and z
@@ -88,10 +92,27 @@ def nij(force: np.ndarray, moment: np.ndarray) -> np.ndarray:
 
 
 def viscous(time: np.ndarray, deflection: np.ndarray) -> np.ndarray:
-    """VC over time [m/s], of the deflection of the chest [m]."""
+    """VC over time [m/s], of the deflection of the chest [m]; 0 where the chest is expanded."""
     rate = np.gradient(deflection, time)
-    criterion: np.ndarray = VC_FACTOR * rate * deflection / CHEST_DEPTH
+    criterion: np.ndarray = VC_FACTOR * rate * np.maximum(deflection, 0.0) / CHEST_DEPTH
     return criterion
+
+
+def femur_share(time: np.ndarray, force: np.ndarray) -> float:
+    """Largest ratio of a compression [N] to the limit of the time for which it is exceeded.
+
+    In one span each: of a force that is exceeded for 5 ms the limit is 8.325 kN.
+    """
+    held, largest = force, 0.0
+    for lag in range(len(time)):
+        # least of every lag + 1 samples in a row
+        held = force if lag == 0 else np.minimum(held[:-1], force[lag:])
+        lasting = time[lag:] - time[: len(time) - lag]
+        limit = np.interp(lasting, [0.0, FEMUR_TIME], [FEMUR_AT_ONCE, FEMUR_HELD])
+        largest = max(largest, float((held / limit).max()))
+        if lasting.min() >= FEMUR_TIME:
+            break
+    return largest
 
 
 def bric(spins: list[np.ndarray]) -> float:
@@ -145,11 +166,13 @@ def _chest(result: Result, name: str, card: Json) -> list[Row]:
 def _femur(result: Result, name: str, card: Json) -> list[Row]:
     force = _history(result, f"-{plain(f'secforc.{name}.force.z')}", 600)
     message, at = force.plain_because, int(force.values.argmax())
-    held = 1e-3 * _exceeded_for(result.time, force.values, 10e-3)
+    held = 1e-3 * _exceeded_for(result.time, force.values, FEMUR_TIME)
+    share = femur_share(result.time, force.values)
     top = 1e-3 * max(float(force.values[at]), 0.0)
     return [
         _row_with_limit(name, "compression", top, "kN", 9.07, _when(result, at), message),
         _row_with_limit(name, "compression for 10 ms", held, "kN", 7.58, "in one span", message),
+        _row_with_limit(name, "share of the limit of its time", share, "", 1.0, "", message),
     ]
 
 
