@@ -100,20 +100,21 @@ def energy_gain(now, stored):
 
 
 @kernel
-def overstates(now, stored, limit, unseen):
+def overstates(now, stored, limit, unseen, least):
     """Whether the stated loss and energy of a law are ten times the energy it received.
 
     So does a damper that turns a velocity round in every step, with a force that has a bound.
     """
     stated = stored + now.dissipated
     missing = now.work_done + stated - now.initially_stored
-    least = max(limit * now.exchanged, unseen * now.peak_force)
-    return missing > max(OVERSTATED * stated, least)
+    bound = max(limit * now.exchanged, unseen * now.peak_force, least)
+    return missing > max(OVERSTATED * stated, bound)
 
 
 @kernel
-def has_gain(now, stored, limit, unseen):
+def has_gain(now, stored, limit, unseen, least):
     """Whether that is more than `limit` of all taken and given, and than the largest force does
-    over `unseen`, the round-off of positions [m].
+    over `unseen`, the round-off of positions [m], and than `least`, the round-off of energies [J].
     """
-    return energy_gain(now, stored) > max(limit * now.exchanged, unseen * now.peak_force)
+    bound = max(limit * now.exchanged, unseen * now.peak_force, least)
+    return energy_gain(now, stored) > bound

@@ -25,6 +25,7 @@ from crashsolve.system.energy import (
     close_ledger,
     least_energy,
     unseen_distance,
+    unseen_energy,
 )
 from crashsolve.system.gain import has_gain, overstates
 from crashsolve.system.kinetics import kinetic_energy
@@ -159,12 +160,13 @@ def check_laws(clock, control, nodes, scene):
     """Stop at a law between two bodies that gives them more than it took. Writes: clock."""
     if clock.status == RUNNING and control.energy_limit > 0.0:
         unseen = unseen_distance(clock, control, nodes)
+        least = unseen_energy(clock, scene.ledger)
         for group in WATCHED:
             for i in range(group.output.shape[0]):
                 now, stored = group.history[clock.current, i], group.output[i].stored
                 limit = control.energy_limit
-                creates = has_gain(now, stored, limit, unseen)
-                if creates or overstates(now, stored, limit, unseen):
+                creates = has_gain(now, stored, limit, unseen, least)
+                if creates or overstates(now, stored, limit, unseen, least):
                     clock.status = LAW_GAIN
 
 
