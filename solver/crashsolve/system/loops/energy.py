@@ -27,7 +27,13 @@ from crashsolve.system.energy import (
     unseen_distance,
     unseen_energy,
 )
-from crashsolve.system.gain import has_gain, overstates
+from crashsolve.system.gain import (
+    NEGLIGIBLE,
+    has_gain,
+    overstates,
+    relative_energy,
+    relative_energy_of_several,
+)
 from crashsolve.system.kinetics import kinetic_energy
 from crashsolve.system.placeholders import (
     ASSEMBLED,
@@ -167,7 +173,16 @@ def check_laws(clock, control, nodes, scene):
                 limit = control.energy_limit
                 creates = has_gain(now, stored, limit, unseen, least)
                 if creates or overstates(now, stored, limit, unseen, least):
-                    clock.status = LAW_GAIN
+                    if group.joins_several:
+                        moving = relative_energy_of_several(
+                            group.parameters[i], group.max_nodes, nodes
+                        )
+                    else:
+                        moving = relative_energy(group.parameters[i], nodes)
+                    bound = max(least, NEGLIGIBLE * moving)
+                    creates = has_gain(now, stored, limit, unseen, bound)
+                    if creates or overstates(now, stored, limit, unseen, bound):
+                        clock.status = LAW_GAIN
 
 
 @kernel
