@@ -57,3 +57,18 @@ def test_samples_of_a_blow_survive_a_restart(tmp_path: Path) -> None:
     # the end of the first part is a sample of its own, and begins an interval
     assert len(parts.time) == pytest.approx(len(whole.time), abs=25)
     assert parts.value(SEVERITY, "final") == pytest.approx(whole.value(SEVERITY, "final"), rel=5e-3)
+
+
+def test_an_index_that_samples_do_not_give_is_reported(tmp_path: Path) -> None:
+    # steps of half of the pulse are all that could be samples
+    result = run(tmp_path / "out", 1e-3, 5e-4, "control.step=0.5 ms", "control.energy_limit=10")
+    assert "sensor 'gauge': its Severity Index is" in result.log
+    (words,) = result.status["severity"]
+    assert words.startswith("gauge ") and "+-" in words
+    assert result.status["unfiltered"] == ["CFC 1000 needs 0.1 ms: gauge"]
+    fine = run(tmp_path / "fine", 1e-3, 1e-4)
+    assert "warning" not in fine.log and fine.status["unfiltered"] == []
+    value, error = map(float, fine.status["severity"][0].removeprefix("gauge ").split(" +- "))
+    exact = HALF_SINE * 1e5 * 1e-3
+    # a pulse of ten intervals at its corners: an eighth of them squared, and a third of that is true
+    assert value == pytest.approx(exact, rel=0.01) and error < 0.04 * exact

@@ -9,10 +9,9 @@ the interval; of a pulse within an interval it is of the size of the measure.
 from collections.abc import Callable
 from typing import NamedTuple
 
-import numpy as np
-
 from crashpost.results.result import Result
 from crashpost.results.table import number
+from crashsolve.channels.coarse import every_second
 from crashsolve.channels.series import Series
 
 HEADER = ("", "measure", "value", "error of samples", "limit", "source", "", "when")
@@ -42,13 +41,12 @@ class EverySecond(Result):
 
     def __init__(self, result: Result, first: int) -> None:
         self.__dict__.update(result.__dict__)
-        last = len(result.time) - 1
-        self._kept = np.union1d(np.arange(first, last + 1, 2), [0, last])
+        self._first = first
 
     def _channel(self, name: str) -> Series:
         time, values, unit = super()._channel(name)
         if name != "time":
-            values = np.interp(time, time[self._kept], values[self._kept])
+            values = every_second(time, values, self._first)
         return Series(time, values, unit)
 
 

@@ -203,6 +203,11 @@ def _table(pieces: Pieces) -> np.ndarray:
     return np.array(copies, march.COPY.dtype)
 
 
+def has_probes(model: Model) -> bool:
+    """Whether a sensor has a role in measures of injury."""
+    return len(_probes(model)) > 0
+
+
 def _probes(model: Model) -> np.ndarray:
     """Rows of PROBE, of all sensors that have a role in measures of injury."""
     rows = [

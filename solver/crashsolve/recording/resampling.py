@@ -17,7 +17,7 @@ import numpy as np
 from crashsolve.foundation.errors import SolverError
 from crashsolve.recording.changing import Snapshot, is_cheap
 from crashsolve.recording.kept import Block
-from crashsolve.recording.marching import March
+from crashsolve.recording.marching import March, has_probes
 from crashsolve.system.engine import Engine
 
 # rows of one interval at most
@@ -38,7 +38,8 @@ class Resampling:
     ) -> None:
         self.engine, self._take = engine, take
         self.repeated = np.zeros(1)
-        watches = moves and len(engine.model.contacts) > 0 and is_cheap(engine)
+        has_forces = bool(engine.model.contacts) or has_probes(engine.model)
+        watches = moves and has_forces and is_cheap(engine)
         self._begin, self._end = (Snapshot(engine) if watches else None for _ in range(2))
         self.march = March(engine, kept, self._begin)
         # whether an interval has begun
