@@ -70,5 +70,5 @@ def test_an_index_that_samples_do_not_give_is_reported(tmp_path: Path) -> None:
     assert "warning" not in fine.log and fine.status["unfiltered"] == []
     value, error = map(float, fine.status["severity"][0].removeprefix("gauge ").split(" +- "))
     exact = HALF_SINE * 1e5 * 1e-3
-    # a pulse of ten intervals at its corners: an eighth of them squared, and a third of that is true
+    # ten intervals in the pulse, as coarse as its corners are sampled, and three times the error
     assert value == pytest.approx(exact, rel=0.01) and error < 0.04 * exact
