@@ -120,7 +120,8 @@ parts:
 surfaces:
   moves: {{type: nodes, part: plate}}
   table: {{type: {table}}}
-contacts: {{c: {{a: [moves], b: [table], normal: {{type: kelvin_voigt, stiffness: 1e7, damping: 2e3}}}}}}
+contacts:
+  c: {{a: [moves], b: [table], normal: {{type: kelvin_voigt, stiffness: 1e7, damping: 2e3}}}}
 loads: {{p: {{type: force, body: a, force: [0, 0, -100], curve: late}}}}
 curves: {{late: {{points: [[0, 0], [0.3, 0], [0.3001, 1], [9, 1]]}}}}
 """

@@ -17,7 +17,7 @@ from crashsolve.integrators._collocation import (
     open_step,
     solve_stages,
 )
-from crashsolve.integrators._positions import accept, begin, evaluate, onset_gap
+from crashsolve.integrators._positions import accept, begin, begin_at_event, evaluate, onset_gap
 from crashsolve.integrators.radau_iia_5 import ESTIMATE, STAGES
 from crashsolve.model.clock import (
     RUNNING,
@@ -136,8 +136,8 @@ def find_step(h, clock, nodes, rows, saddle, scene):
             break
     # something began at the end, searched for or met by chance
     clock.kinked = 1 if bracket[-1] > 0 or bracket[3] > 0.0 else 0
-    clock.located += clock.kinked
     if clock.kinked == 1:
+        begin_at_event(clock, control, nodes)
         clock.factored = 0.0
     return trial
 

@@ -149,6 +149,19 @@ def close_positions(time, tolerance, clock, nodes, rows, saddle, scene):
 
 
 @kernel
+def begin_at_event(clock, control, nodes):
+    """Cut the step that begins where something does to what resolves the present stiffnesses.
+
+    A contact that has just begun states that of its greatest depth to come. A much longer step
+    moves stages through what is struck to where no force acts, and its error may be small by
+    chance. Writes: clock.
+    """
+    clock.located += 1
+    clock.next_step = min(clock.next_step, wanted_step(clock, control, nodes))
+    clock.limit_node = 0
+
+
+@kernel
 def evaluate(time, h, clock, nodes, rows, saddle, scene):
     """Forces and reactions at the present position and velocity, without contacts that begin there.
 

@@ -18,6 +18,7 @@ from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.integrators._positions import (
     accept,
     begin,
+    begin_at_event,
     begin_contacts,
     closing_tolerance,
     evaluate,
@@ -197,7 +198,8 @@ def find_step(h, clock, nodes, rows, saddle, scene):
         if h < scene.control[0].step_min:
             clock.status = STEP_TOO_SMALL if closed else clock.fault
             break
-    clock.located += 1 if search[-1] > 0 else 0
+    if search[-1] > 0:
+        begin_at_event(clock, scene.control[0], nodes)
     return h
 
 
