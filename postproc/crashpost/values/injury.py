@@ -8,8 +8,8 @@
 
 Filter classes are those of SAE J211-1. Limits: 49 CFR 571.208 for HIC of 15 ms and the chest,
 UN R94 for HIC of 36 ms and 80 g; both for a 50th percentile man. No sections are cited: their
-numbers were not checked against the texts. `table` has these measures and those of
-`occupant_injury.py`, each with its error by the interval of the samples.
+numbers were not checked against the texts. `injury_table.py` has these measures and
+those of `occupant_injury.py`, each with its error by the interval of the samples.
 Accelerations are filtered axis by axis; where the samples do not serve the filter, they are taken
 as they are, and the measure states it.
 """
@@ -24,7 +24,7 @@ from crashpost.results.result import Result
 from crashpost.results.status import Json
 from crashpost.results.table import number
 from crashpost.values.figure import Curve, Figure, Reference
-from crashpost.values.injury_measure import Measure, rows
+from crashpost.values.injury_measure import Measure
 from crashpost.values.pulse import pulse_measures
 from crashpost.values.words import capital
 from crashsolve.channels.errors import TooShort
@@ -78,27 +78,16 @@ def positions(result: Result) -> list[SensorPosition]:
     ]
 
 
-def table(result: Result) -> list[list[str]]:
-    """All measures of injury of a result as text, under injury_measure.HEADER; none without a role
-    or before there are samples.
-    """
-    from crashpost.values import occupant_injury
-
-    if len(result.time) < 2:
-        return []
-    return rows(result, lambda one: measures(one) + occupant_injury.measures(one))
-
-
 def measures(result: Result) -> list[Measure]:
     """The measures of each position, after its filter and what it does with gravity."""
-    found = []
+    measured = []
     for position in positions(result):
         message = position.plain_because or "axis by axis"
-        found.append(Measure(position.name, position.filter or "not filtered", when=message))
+        measured.append(Measure(position.name, position.filter or "not filtered", when=message))
         held = "as instruments show it" if position.has_gravity else "left out"
-        found.append(Measure(position.name, "gravity", when=held))
-        found += [_with_limit(position, *one) for one in _measures(result, position)]
-    return found
+        measured.append(Measure(position.name, "gravity", when=held))
+        measured += [_with_limit(position, *one) for one in _measures(result, position)]
+    return measured
 
 
 def injury_figures(result: Result) -> list[Figure]:
@@ -120,13 +109,13 @@ def _measures(result: Result, position: SensorPosition) -> list[Number]:
     """Measure, value, unit and when."""
     message = partial(_reported, result)
     clip = f"clip({position.channel}, '{CLIP}')"
-    found = [_peak(result, position.channel), ("3 ms clip", *message(clip, "max", "g"))]
+    measured = [_peak(result, position.channel), ("3 ms clip", *message(clip, "max", "g"))]
     if position.role == "head":
-        found += [_hic(result, position.channel, window) for window in HIC]
-        found.append(("Severity Index", *message(f"si({position.channel})", "final")))
+        measured += [_hic(result, position.channel, window) for window in HIC]
+        measured.append(("Severity Index", *message(f"si({position.channel})", "final")))
     if position.role == "vehicle":
-        found += pulse_measures(result, position.sensor)
-    return found
+        measured += pulse_measures(result, position.sensor)
+    return measured
 
 
 def _with_limit(
