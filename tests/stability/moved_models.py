@@ -166,7 +166,6 @@ class Thrown(Drawn):
             for i, name in enumerate(self.names)
         }
         self.stiffness = {name: self.number(3e5, 3e6) for name in self.names}
-        self.rotation = random_rotation(self.rng)
 
     names = ("ball", "brick", "can", "egg", "gem")
 
