@@ -212,6 +212,18 @@ def test_one_camera_given_twice_is_refused(example: Path) -> None:
     assert "two cameras must see it from different directions" in refusal(example)
 
 
+def test_a_camera_with_a_reversed_axis_is_refused(example: Path) -> None:
+    """Its targets agree with each other: only its pictures of points do not fit the others."""
+    path = example.parent / "calibration.csv"
+    lines = [line.split(",") for line in path.read_text("utf-8").splitlines()]
+    for row in lines:
+        if row[0] == "1":
+            row[3] = f"{1080 - float(row[3])}"
+    path.write_text("\n".join(map(",".join, lines)) + "\n", "utf-8")
+    message = refusal(example)
+    assert "images of points contradict each other by" in message and "reversed axis" in message
+
+
 def test_targets_in_another_unit_are_refused_at_once(example: Path) -> None:
     path = example.parent / "targets.csv"
     path.write_text(path.read_text("utf-8").replace("[m]", "[mm]"), "utf-8")
