@@ -126,8 +126,8 @@ def test_frames_on_no_parabola_have_no_velocity(example: Path) -> None:
             for one in t
         ]
 
-    found = rates(chain, moved(0.0), 2, 5)
-    assert abs(found.values[-1] - 1.0) < 4.0 * found.deviations[-1]
+    fitted_rates = rates(chain, moved(0.0), 2, 5)
+    assert abs(fitted_rates.values[-1] - 1.0) < 4.0 * fitted_rates.deviations[-1]
     with pytest.raises(FitError, match="no parabola within its errors"):
         rates(chain, moved(3e3), 2, 5)
 
