@@ -389,7 +389,7 @@ def _gain_of(now: np.void, stored: float, limit: float) -> tuple[float, str]:
         float(now["initially_stored"]),
     )
     gain = float(energy_gain(now, stored))
-    if overstates(now, stored, limit, 0.0) and not has_gain(now, stored, limit, 0.0):
+    if overstates(now, stored, limit, 0.0, 0.0) and not has_gain(now, stored, limit, 0.0, 0.0):
         stated = stored + float(now["dissipated"])
         return 1.0 / (1.0 - OVERSTATED), (
             f"its force reverses a velocity in every step: it reports as dissipated and stored "
