@@ -2,6 +2,7 @@
 
 import importlib.util
 import shutil
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,13 @@ import pytest
 
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.foundation.orientation import matrix
-from crashsolve.photogrammetry.chain_fit import Fit, rotation, rotation_vector
+from crashsolve.photogrammetry.chain_fit import (
+    Fit,
+    FitError,
+    _rotation_jacobian,
+    rotation,
+    rotation_vector,
+)
 from crashsolve.photogrammetry.command import posture
 from crashsolve.photogrammetry.motion import rates
 from crashsolve.photogrammetry.occupant import chain_of
@@ -95,6 +102,34 @@ def test_with_noise_errors_have_the_covariance_stated(example: Path) -> None:
     # chi-squared of 25 rotations; frames share errors of cameras: at worst their mean is as one
     # draw: 25 with a standard deviation of sqrt(50), of which three
     assert abs(np.mean(squares) - 25) < 3 * np.sqrt(50)
+
+
+def test_frames_on_no_parabola_have_no_velocity(example: Path) -> None:
+    """Five frames through which joints jerk: a velocity of them all would be that of no moment."""
+    chain, fits = posture_of(example)
+    rng = np.random.default_rng(2)
+    # errors of q whose small rotations have the covariance stated
+    to_q = np.linalg.inv(_rotation_jacobian(chain, fits[1].q))
+    root = to_q @ np.linalg.cholesky(fits[1].covariance)
+
+    def moved(jerk: float) -> list[Fit]:
+        """At -2, ... 2 frames of 0.02 s; only a knee moves."""
+        q, t = fits[1].q, 0.02 * np.arange(-2, 3)
+        rate = np.zeros(len(q))
+        rate[-1] = 1.0
+        return [
+            replace(
+                fits[1],
+                time=one,
+                q=q + rate * (one + jerk * one**3) + root @ rng.normal(size=len(q)),
+            )
+            for one in t
+        ]
+
+    fitted_rates = rates(chain, moved(0.0), 2, 5)
+    assert abs(fitted_rates.values[-1] - 1.0) < 4.0 * fitted_rates.deviations[-1]
+    with pytest.raises(FitError, match="no parabola within its errors"):
+        rates(chain, moved(3e3), 2, 5)
 
 
 def test_the_card_that_is_written_can_be_included(example: Path) -> None:
@@ -210,6 +245,18 @@ def test_one_camera_given_twice_is_refused(example: Path) -> None:
                   for row in own]  # fmt: skip
         path.write_text("\n".join([head, *own, *copies]) + "\n", "utf-8")
     assert "two cameras must see it from different directions" in refusal(example)
+
+
+def test_a_camera_with_a_reversed_axis_is_refused(example: Path) -> None:
+    """Its targets agree with each other: only its pictures of points do not fit the others."""
+    path = example.parent / "calibration.csv"
+    lines = [line.split(",") for line in path.read_text("utf-8").splitlines()]
+    for row in lines:
+        if row[0] == "1":
+            row[3] = f"{1080 - float(row[3])}"
+    path.write_text("\n".join(map(",".join, lines)) + "\n", "utf-8")
+    message = refusal(example)
+    assert "images of points contradict each other by" in message and "reversed axis" in message
 
 
 def test_targets_in_another_unit_are_refused_at_once(example: Path) -> None:

@@ -41,6 +41,7 @@ def _act(options: argparse.Namespace) -> int:
 def posture(path: Path, folder: Path) -> list[str]:
     """Fit a posture and write its files; returns its report. Raises DeckErrors."""
     from crashsolve.photogrammetry import report
+    from crashsolve.photogrammetry.chain_fit import FitError
     from crashsolve.photogrammetry.motion import rates
     from crashsolve.photogrammetry.occupant import chain_of
     from crashsolve.photogrammetry.points import measured
@@ -52,7 +53,10 @@ def posture(path: Path, folder: Path) -> list[str]:
     measurements = measured(requested)
     fits = fitted(requested, chain, measurements)
     at = _start(requested, measurements)
-    moving = rates(chain, fits, at, requested.card.window)
+    try:
+        moving = rates(chain, fits, at, requested.card.window)
+    except FitError as error:
+        raise DeckErrors([requested.error(("window",), str(error), error.advice)]) from None
     files = {
         "posture.yaml": report.card(requested, chain, scene.offset[chain.root], fits[at], moving),
         "points.csv": report.points_table(measurements),

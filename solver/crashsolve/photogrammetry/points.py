@@ -22,6 +22,8 @@ FLAT = 1e-3
 # [image units] less than any reading of a picture
 EXACT = 1e-9
 DIRECTIONS = "two cameras must see it from different directions"
+# points of a body are read less exactly than targets, by several times and not by this
+COARSER = 10.0
 # images that belong together do so but once in a million times
 IMPROBABLE = 1e-6
 
@@ -89,6 +91,7 @@ def measured(requested: Requested) -> Measured:
             message = "images without errors do not say how large their errors are"
             raise DeckErrors([requested.error((), message, "give image_error")])
     _check_cameras(requested, cameras, closures)
+    _check_pictures(requested, closures[: len(cameras)], closures[len(cameras) :])
     frames = tuple(_frame(t, tuple(points), spread, error) for t, points in points_of.items())
     _check(requested, frames, error, volume)
     return Measured(cameras, frames, error, freedom)
@@ -216,6 +219,23 @@ def _check_cameras(
         errors.append(DeckError(path, row.line, None, f"camera '{name}'", problem, advice))
     if errors:
         raise DeckErrors(errors)
+
+
+def _check_pictures(
+    requested: Requested, of_targets: list[tuple[float, int]], of_points: list[tuple[float, int]]
+) -> None:
+    """Refuse cameras that agree on their own targets and not on points. Raises DeckErrors."""
+    if requested.card.image_error is not None:
+        return
+    own, left = sum(one for one, _ in of_targets), sum(count for _, count in of_targets)
+    chi, freedom = sum(one for one, _ in of_points), sum(count for _, count in of_points)
+    targets, points = float(np.sqrt(own / left)), float(np.sqrt(chi / freedom))
+    chance = _by_chance([(chi, freedom), (own, left)], 0, None)[1]
+    if points > COARSER * targets and chance < IMPROBABLE:
+        problem = f"images of points contradict each other by {points:.3g}, those of targets by "
+        advice = "look for exchanged cameras, a reversed axis of images, pictures of another size"
+        path = requested.card.frames
+        raise DeckErrors([DeckError(path, None, None, "", f"{problem}{targets:.3g}", advice)])
 
 
 def _by_chance(
