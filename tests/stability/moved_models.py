@@ -284,7 +284,7 @@ class Linked(Drawn):
             "loads": loads,
             "curves": {
                 "turn": {"points": points, "interpolation": "smooth"},
-                "yielding": {"points": [[0, 0], [0.02, 2], [3, 5]]},
+                "yielding": {"points": [[0, 0], [0.02, 2], [3, 5]], "extrapolate": "linear"},
             },
         }
 
