@@ -166,7 +166,7 @@ class Thrown(Drawn):
             for i, name in enumerate(self.names)
         }
         self.stiffness = {name: self.number(3e5, 3e6) for name in self.names}
-        self.turn = random_rotation(self.rng)
+        self.rotation = random_rotation(self.rng)
 
     names = ("ball", "brick", "can", "egg", "gem")
 
@@ -242,7 +242,7 @@ class Linked(Drawn):
         self.bodies["free"] = self.body(1.0, 0.2, np.array([2.5, 1.0, 0.0]), zero, self.vector(3.0))
         self.arm = [self.vector(0.1) for _ in range(6)]
         self.k = [self.number(100.0, 1000.0) for _ in range(6)]
-        self.force, self.turn = self.vector(20.0), float(self.rng.uniform(-2.0, 2.0))
+        self.force, self.largest_angle = self.vector(20.0), float(self.rng.uniform(-2.0, 2.0))
 
     def deck(self, frame: Frame) -> Table:
         at, axis, k, arm = self.at, self.axis, self.k, self.arm
@@ -256,7 +256,7 @@ class Linked(Drawn):
         joints["hook"]["second_axis"] = frame.axial(self.second[1])
         for i, name in enumerate(list(joints)):
             joints[name]["at"] = frame.point(at[i])
-        joints["motor"] = {"type": "rotation_driver", "joint": "driven", "curve": "turn"}
+        joints["motor"] = {"type": "rotation_driver", "joint": "driven", "curve": "angle"}
         springs: Table = {
             "coil": {"type": "linear", "a": "b3", "b": "b4", "stiffness": k[0], "damping": 5.0},
             "rod": {"type": "linear", "b": "free", "at_a": frame.point(at[5]), "stiffness": k[1]},
@@ -275,7 +275,7 @@ class Linked(Drawn):
         }
         loads["push"]["force"] = frame.polar(self.force)
         # as the bodies, it begins at rest
-        points = [[0, 0], [0.1 * self.end, 0], [0.5 * self.end, self.turn], [self.end, 0]]
+        points = [[0, 0], [0.1 * self.end, 0], [0.5 * self.end, self.largest_angle], [self.end, 0]]
         return self.control() | {
             "bodies": {name: rigid(frame, b) for name, b in self.bodies.items()},
             "joints": joints,
@@ -283,7 +283,7 @@ class Linked(Drawn):
             "hinges": {"bend": bend},
             "loads": loads,
             "curves": {
-                "turn": {"points": points, "interpolation": "smooth"},
+                "angle": {"points": points, "interpolation": "smooth"},
                 "yielding": {"points": [[0, 0], [0.02, 2], [3, 5]], "extrapolate": "linear"},
             },
         }
