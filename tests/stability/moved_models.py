@@ -283,7 +283,7 @@ class Linked(Drawn):
             "loads": loads,
             "curves": {
                 "angle": {"points": points, "interpolation": "smooth"},
-                "yielding": {"points": [[0, 0], [0.02, 2], [3, 5]]},
+                "yielding": {"points": [[0, 0], [0.02, 2], [3, 5]], "extrapolate": "linear"},
             },
         }
 
