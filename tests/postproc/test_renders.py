@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -16,6 +17,7 @@ from crashpost.renders.beams import rotated
 from crashpost.renders.colour_scale import ColourScale
 from crashpost.renders.drawing import Scene
 from crashpost.renders.painting import clock
+from crashpost.renders.shapes import GREY, Surface
 from crashpost.renders.sheet import Key
 from crashpost.renders.tasks import film_task, strip_task
 from crashpost.results.moments import moment, split
@@ -407,3 +409,15 @@ def test_the_packed_file_says_what_the_states_say(run: Path, crashpost: Command)
         assert ghost.tolist() == [0, 32 if k == 3 else 0]
         force = grid.point_data["force"]
         assert np.nansum(force[:, 0]) == (-1000.0 if k == 2 else 0.0)
+
+
+def test_a_plane_seen_from_behind_hides_nothing() -> None:
+    square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    corners = np.array([[0, 1, 2], [0, 2, 3]])
+    rows = np.arange(2)
+    wall = Surface(square, corners, [GREY], 0 * rows, rows, one_sided=np.array([True, True]))
+    # from outside, along its edge and from inside; a box is drawn from everywhere
+    for towards, count in (([0.0, 0.6, 0.8], 2), ([1.0, 0.0, 0.0], 2), ([0.0, 0.6, -0.8], 0)):
+        assert len(wall.seen_from(np.array(towards)).corners) == count
+        wall_of_box = replace(wall, one_sided=None)
+        assert len(wall_of_box.seen_from(np.array(towards)).corners) == 2

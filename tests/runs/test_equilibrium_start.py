@@ -85,6 +85,46 @@ springs:
         assert np.abs(force - force[0]).max() < 1e-6 * 300
 
 
+def test_belts_a_train_and_a_frame_begin_at_rest(tmp_path: Path) -> None:
+    text = """
+bodies:
+  hung: {mass: 5, inertia: [1, 1, 1], position: [0, 0, -0.98]}
+  first: {mass: 100, inertia: [1, 1, 1], position: [5, 0, 0]}
+  second: {mass: 200, inertia: [1, 1, 1], position: [7, 0, 0]}
+joints:
+  rail_1: {type: prismatic, b: first, at: [5, 0, 0], axis: [1, 0, 0]}
+  rail_2: {type: prismatic, b: second, at: [7, 0, 0], axis: [1, 0, 0]}
+  foot: {type: weld, b: arm_start, at: [0, 5, 0]}
+springs:
+  hook: {type: linear, b: first, at_a: [4, 0, 0], stiffness: 1e4, length: 1}
+  coupling: {type: linear, a: first, b: second, stiffness: 2e4, length: 2}
+belts:
+  strap:
+    type: belt
+    webbing: {stiffness: 4e4}
+    route: [{anchor: {at: [0, 0, 0]}}, {anchor: {body: hung}}]
+materials: {steel: {type: elastic, young: 2e11, poisson: 0.3, density: 7800}}
+sections: {bar: {type: rectangle, width: 0.02, height: 0.02}}
+parts:
+  arm:
+    {type: beam, mesh: {shape: line, from: [0, 5, 0], to: [0, 6, 0], elements: 8}, section: bar,
+     material: steel, side: [1, 0, 0]}
+"""
+    leaning = WEIGHT.replace("[0, 0, -10]", "[1, 0, -10]")
+    result = solved(tmp_path, text, leaning)
+    x, z = (result.series(f"rbdout.hung.position.{axis}").values[0] for axis in "xz")
+    # along the load, and longer by T/k
+    assert -x / z == pytest.approx(0.1, abs=1e-9)
+    assert np.hypot(x, z) == pytest.approx(0.98 * (1.0 + 5 * np.sqrt(101) / 4e4), abs=1e-9)
+    # the load of both wagons on the hook, of one in the coupling
+    start, far = swing(result, "rbdout.second.position.x")
+    assert start == pytest.approx(7.0 + 300 / 1e4 + 200 / 2e4, abs=1e-9) and far < 1e-8
+    # an eighth of the weight times L^3/(E I); lumped masses and shear change it by a share of 8^-2
+    sag, far = swing(result, "rbdout.arm_end.position.z")
+    weight, bending = 7800 * 0.02**2 * 10, 2e11 * 0.02**4 / 12
+    assert sag == pytest.approx(-weight / (8 * bending), rel=0.02) and far < 1e-8
+
+
 def cart(speed: float) -> str:
     """A cart on four free wheels, set 10 mm too high on them: it would fall and pitch first."""
     text = f"""

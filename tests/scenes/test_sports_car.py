@@ -250,6 +250,40 @@ def test_the_crash_box_has_186_free_coordinates(crash: Callable[[str], Result]) 
     assert 6 * len(box - tied) == 186
 
 
+def test_the_car_with_its_crash_box_stands_at_rest(tmp_path: Path) -> None:
+    """Its wheels may roll, light nodes of the box are on stiff tubes: no false refusal."""
+    stands = run("sports_car.yaml", tmp_path / "out", speed=0, end=0.01)
+    loads = sum(
+        stands.series(f"tyrout.tyre_{end}_{side}.normal").values
+        for end in ("front", "rear")
+        for side in ("left", "right")
+    )
+    # the tubes add 2.3 kg to what the chassis has less: their nodes within members
+    assert loads == pytest.approx(np.full(len(loads), MASS * GRAVITY), rel=5e-3)
+    assert np.abs(loads - loads[0]).max() < 1e-6 * loads[0]
+    assert stands.series("glstat.model.energy.kinetic").values.max() < 1e-9
+
+
+def test_walls_to_both_sides_are_mirror_images_and_may_overlap(tmp_path: Path) -> None:
+    turned, force = [], []
+    for angle in ("20 deg", "-20 deg"):
+        crash = run("sports_car.yaml", tmp_path / angle[:3], angle=angle, end=0.012)
+        turned.append(crash.series("rbdout.chassis.angular_velocity.z").values)
+        force.append(crash.series("rcforc.box_on_wall.normal").values)
+    assert force[0][0] == 0.0 and force[0].max() > 1e5
+    # round-off of contacts of 2e7 N/m^1.5 that begin in different order
+    assert force[1] == pytest.approx(force[0], abs=1e-5 * force[0].max())
+    assert turned[1] == pytest.approx(-turned[0], abs=1e-5 * np.abs(turned[0]).max())
+    # a wall within the pads pushes the car back before the start
+    overlap, free = (
+        run("sports_car.yaml", tmp_path / str(gap), gap=gap, end=2e-4, speed=1)
+        .series("rbdout.chassis.position.x")
+        .values[0]
+        for gap in (-0.001, 0.0)
+    )
+    assert overlap - free == pytest.approx(-0.001, abs=1e-5)
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("height", [0.5, 1.0])
 def test_a_steep_ramp_keeps_the_balance(tmp_path: Path, height: float) -> None:

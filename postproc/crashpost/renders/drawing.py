@@ -370,6 +370,9 @@ class Scene:
                         own,
                         edges=is_fine,
                         is_flat=name == "ground",
+                        one_sided=np.isin(corners[selected][:, 0], self.planes[:, 0])
+                        if name == "ground"
+                        else None,
                     )
                 )
 

@@ -71,6 +71,7 @@ class Painter:
         """Nothing is kept open."""
 
     def _polygons(self, surface: Surface, camera: Camera, colour_scale: ColourScale) -> Polygons:
+        surface = surface.seen_from(camera.towards)
         flat = camera.flat(surface.points)[surface.corners]
         palette = np.array([rgb(colour) for colour in surface.colours])
         colours = palette[surface.which]

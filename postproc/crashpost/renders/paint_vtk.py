@@ -78,7 +78,8 @@ class Painter:
     def _fill(
         self, renderer: vtkRenderer, drawing: Drawing, camera: Camera, colour_scale: ColourScale
     ) -> None:
-        for surface in (s for s in drawing.surfaces if len(s.corners)):
+        surfaces = [surface.seen_from(camera.towards) for surface in drawing.surfaces]
+        for surface in (s for s in surfaces if len(s.corners)):
             self._surface(renderer, surface, colour_scale)
         for lines in drawing.lines:
             colours = None if lines.values is None else colour_scale.colours(lines.values)

@@ -82,12 +82,14 @@ def begin_at_rest(engine: Engine, report: Callable[[str], None]) -> str:
 
 @dataclass
 class _Signs:
-    """Successive iterations that show that a search leads nowhere, and its last acceleration."""
+    """Successive iterations that show that a search leads nowhere, and its last correction over the
+    square of its time step [size or rad, 1/s^2].
+    """
 
     slides: int = 0
     lifts: int = 0
     stalls: int = 0
-    acceleration: float = np.inf
+    rate: float = np.inf
 
 
 class _EquilibriumSearch:
@@ -137,9 +139,11 @@ class _EquilibriumSearch:
         while True:
             count = f"{iterations} of at most {MAX_ITERATIONS} iterations"
             report(f"searching the equilibrium, after {count}")
-            self._note_stall(state, tau)
             corrections = corrections.changed(tau, self.drifts)
             change = corrections.of(state)
+            if self._begins_to_drift(change, tau):
+                corrections = corrections.changed(tau, self.drifts)
+                change = corrections.of(state)
             size = largest_motion(change, self.model.size)
             is_fresh = corrections.matrices.state is state
             if self._is_equilibrium(state, size, tau):
@@ -148,7 +152,7 @@ class _EquilibriumSearch:
                     self._shift(self.nodes, change)
                     return self._at_rest(self.nodes), iterations
                 # by the matrices of this very state it may not be one
-                self.signs.acceleration = np.inf
+                self.signs.rate = np.inf
                 corrections = self._renewed(state, tau)
                 continue
             self._refuse_hopeless(state, iterations)
@@ -184,13 +188,21 @@ class _EquilibriumSearch:
         self._forces(self.nodes)
         return Corrections(matrices, tau, self.drifts, self.model.size)
 
-    def _note_stall(self, state: RestState, tau: float) -> None:
-        """Writes: drifts, signs."""
-        rate = state.largest_acceleration
-        has_stalled = tau >= STALLED and rate > 0.5 * self.signs.acceleration
+    def _begins_to_drift(self, change: np.ndarray, tau: float) -> bool:
+        """Whether nothing is left of a search but a slow motion that nothing holds, which moves on
+        by as much in every iteration. Writes: drifts, signs.
+
+        `change` (n, 6) is the correction; of light bodies on stiff springs accelerations are
+        large by the square of that motion, and corrections are not.
+        """
+        rate = largest_motion(change, self.model.size) / tau**2
+        has_stalled = tau >= STALLED and rate > 0.5 * self.signs.rate
         self.signs.stalls = self.signs.stalls + 1 if has_stalled else 0
-        self.signs.acceleration = rate
-        self.drifts = self._is_allowed(state) and (self.drifts or self.signs.stalls >= STALLS)
+        self.signs.rate = rate
+        if self.drifts or self.signs.stalls < STALLS or not self._is_slow(rate, DRIFT):
+            return False
+        self.drifts = True
+        return True
 
     def _is_equilibrium(self, state: RestState, size: float, tau: float) -> bool:
         """Whether corrections of this size are none."""
@@ -224,12 +236,12 @@ class _EquilibriumSearch:
         angle = np.abs(change[:, 3:]).max(initial=0.0) / LARGEST_ROTATION
         return np.asarray(change / max(1.0, displacement, angle))
 
-    def _is_allowed(self, state: RestState, share: float = DRIFT) -> bool:
-        """Whether accelerations are below a share of those of the loads."""
+    def _is_slow(self, rate: float, share: float) -> bool:
+        """Whether an acceleration [size or rad, 1/s^2] is below a share of that of the loads."""
         nodes = self.engine.nodes
         load = float(np.linalg.norm(nodes["external"][0, :3]))
         mass = float((1.0 / nodes["mass_inv"][self.free]).sum())
-        return state.largest_acceleration * mass <= share * load
+        return rate * self.model.size * mass <= share * load
 
     def _forces(self, nodes: np.ndarray) -> np.ndarray:
         """g (6 n,) of a configuration without velocities; the engine keeps its sample."""
@@ -367,21 +379,25 @@ class _EquilibriumSearch:
         message = (
             f"equilibrium found in {iterations} iterations: mass centres were moved {displacement}"
         )
-        # where a motion is neutral, and nothing drives it, round-off is left
-        if not self.drifts or self._is_allowed(state, ROUND_OFF):
+        if not self.drifts:
             return message
-        node, rate = self._fastest(state)
+        # what moves freely: accelerations of stiff ones are round-off
+        whole = Corrections(self.matrices, LONGEST, False, self.model.size)
+        rates = whole.of(state) / LONGEST**2 * ([1.0] * 3 + [self.model.size] * 3)
+        if self._is_slow(float(np.abs(rates).max()) / self.model.size, ROUND_OFF):
+            return message
+        node, rate = self._fastest(rates)
         return f"{message}; nothing supports {self._name(node)}, which accelerates by {rate}"
 
-    def _fastest(self, state: RestState) -> tuple[int, str]:
-        """The node with the largest acceleration, and that in words."""
-        k, axis = divmod(int(np.abs(state.rates).argmax()), 6)
-        rate = abs(state.rates[k, axis]) / (self.model.size if axis > 2 else 1.0)
+    def _fastest(self, rates: np.ndarray) -> tuple[int, str]:
+        """The node with the largest of accelerations (n, 6), and that in words."""
+        k, axis = divmod(int(np.abs(rates).argmax()), 6)
+        rate = abs(rates[k, axis]) / (self.model.size if axis > 2 else 1.0)
         unit = "rad/s^2 about" if axis > 2 else "m/s^2 along"
         return int(self.free[k]), f"{rate:.4g} {unit} {'xyz'[axis % 3]}"
 
     def _no_equilibrium(self, state: RestState, iterations: int) -> SolverError:
-        node, rate = self._fastest(state)
+        node, rate = self._fastest(state.rates)
         sliding = self.standing_tyres.sliding()
         slides = f"; these tyres slide and carry no more force: {sliding}" if sliding else ""
         return self._refusal(

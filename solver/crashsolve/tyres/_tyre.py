@@ -18,14 +18,13 @@ References: Gim and Nikravesh (1990), International Journal of Vehicle Design 11
 (2012), Tire and Vehicle Dynamics, chapters 7 and 8 (relaxation, standing still).
 """
 
-from math import atan2, cos, exp, pi, sqrt
+from math import atan2, sqrt
 from typing import ClassVar, NamedTuple
 
 from pydantic import model_validator
 
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, CurveName, SurfaceName, Vec3, quantity, word
-from crashsolve.foundation.curve import curve_area, curve_value
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import (
     add_stiffness_bound,
@@ -278,84 +277,6 @@ def relative_velocity(wheel, d, road):
 
 
 @kernel
-def vertical_force(p, at, curves):
-    """F_z [N], stored energy [J], power lost [W], stiffness [N/m], damping [N s/m]."""
-    delta = at.depth
-    if p.curve > 0:
-        elastic, slope, _ = curve_value(curves, p.curve, delta)
-        stored = curve_area(curves, p.curve, delta)
-    else:
-        elastic, slope, stored = p.stiffness * delta, p.stiffness, 0.5 * p.stiffness * delta * delta
-    over = delta - p.rim_depth
-    if over > 0.0:
-        elastic += p.rim_stiffness * over
-        stored += 0.5 * p.rim_stiffness * over * over
-    share = min(delta / p.damping_depth, 1.0)
-    c = p.damping * share * share * (3.0 - 2.0 * share)
-    total = max(elastic + c * at.closing, 0.0)
-    # the rim counts before it is met: nothing else shortens the step by then
-    return total, stored, (total - elastic) * at.closing, max(slope, p.largest_slope), c
-
-
-class Grip(NamedTuple):
-    """Vertical force on a patch, deflection of the carcass, and forces of the brush model."""
-
-    F_z: float  # [N], 0 off the road
-    slope: float  # of F_z over the depth [N/m]
-    damping: float  # of F_z over its rate [N s/m]
-    q_x: float  # deflections [m]
-    q_y: float
-    s_x: float  # slips [1]
-    s_y: float
-    mu: float  # friction at the present slip
-
-
-@kernel
-def grip_of(p, i, old, new, out, at, h, curves):
-    """The Grip on road i after a step h. Writes: new, out."""
-    # also within a step, in which it may pass a thin road and come out behind it
-    if old.bottomed == 1 or at.depth + h * abs(at.closing) >= p.radius:
-        new.bottomed = 1
-    if old.roads_overlap == 1:
-        new.roads_overlap = 1
-    if at.depth <= 0.0:
-        # off the road the carcass has no force
-        out.loss += old.store[i] if h > 0.0 else 0.0
-        out.depth = max(out.depth, at.depth)
-        return Grip(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, p.friction_max)
-    F_z, stored, lost, slope, c = vertical_force(p, at, curves)
-    out.stored += stored
-    out.power += lost
-    V = max(abs(at.V_x), abs(at.V_x - at.slip_x))
-    q_x = relaxed(old.q_x[i], at.slip_x, V, p.sigma_x, h)
-    q_y = relaxed(old.q_y[i], at.slip_y, V, p.sigma_y, h)
-    # from 1 at rest to -1 at V_low
-    slow = cos(pi * (V / p.low_speed)) if p.low_speed > V else -1.0
-    k_V = 0.5 * p.standstill_damping * (1.0 + slow)
-    s_x = (q_x - k_V / p.C_x * at.slip_x) / p.sigma_x
-    s_y = (q_y - k_V / p.C_y * at.slip_y) / p.sigma_y
-    now = sqrt(at.slip_x**2 + at.slip_y**2) / max(V, p.low_speed)
-    mu = p.friction_max - (p.friction_max - p.friction_min) * min(now, 1.0)
-    # the carcass of a patch that slides all over is not deflected further
-    carcass_force = sqrt((p.K_x * q_x) ** 2 + (p.K_y * q_y) ** 2)
-    share = 3.0 * mu * F_z / carcass_force if carcass_force > 3.0 * mu * F_z else 1.0
-    new.q_x[i], new.q_y[i] = share * q_x, share * q_y
-    # a wheel that leans to the right is pushed to the right
-    s_y -= p.C_gamma / p.C_y * at.camber * 0.5 * (1.0 - slow)
-    return Grip(F_z, slope, c, new.q_x[i], new.q_y[i], s_x, s_y, mu)
-
-
-@kernel
-def relaxed(q, slip, V, sigma, h):
-    """q after h at constant slip and speed [m]."""
-    a = V / sigma
-    if a * h < 1e-6:
-        return q - slip * h * (1.0 - 0.5 * a * h) - q * a * h
-    decay = exp(-a * h)
-    return q * decay - slip / a * (1.0 - decay)
-
-
-@kernel
 def direction(p, at):
     """1 where the wheel rolls forward, -1 in reverse, between them below V_low.
 
@@ -400,7 +321,8 @@ def apply_patch_forces(p, i, old, new, out, h, nodes, at, grip, F, M_z, store):
     apply_force(wheel, pull, at.foot)
     apply_force(road, scale(-1.0, pull), add(to_road, at.foot))
     M_y = -p.resistance * grip.F_z * p.radius * direction(p, at)
-    M_x = -grip.F_z * F[1] / p.side_stiffness
+    # the patch is deflected to the side to which the road pulls it, and the load with it
+    M_x = grip.F_z * F[1] / p.side_stiffness
     moment = add(add(scale(M_z, at.n), scale(M_y, at.y)), scale(M_x, at.x))
     apply_torque(wheel, moment)
     apply_torque(road, scale(-1.0, moment))
@@ -445,6 +367,6 @@ def show(out, at, grip, F, M_z, sliding):
     """Channels of the road pressed deepest. Writes: out."""
     if at.depth > out.depth:
         out.depth, out.longitudinal, out.lateral, out.aligning = at.depth, F[0], F[1], M_z
-        out.slip, out.side_slip = grip.s_x, grip.s_y
+        out.slip, out.side_slip = grip.share * grip.s_x, grip.share * grip.s_y
         out.camber = atan2(at.camber, sqrt(max(1.0 - at.camber * at.camber, 0.0)))
         out.sliding = sliding

@@ -1,23 +1,26 @@
-"""Tyre of Fiala: slips along and across the wheel apart, and their force cut to mu F_z.
+"""Tyre of Fiala: curves of its own along and across the wheel, of the size s of the whole slip.
 
-    |F_y| = mu F_z (1 - H^3),   H = 1 - C_y |s_y| / (3 mu F_z), not below 0
-    |F_x| = C_x |s_x| up to mu F_z / 2,   mu F_z - (mu F_z)^2 / (4 C_x |s_x|) beyond
-    M_z   = -mu F_z l (1 - H) H^3 / 2, of the sign of s_y
+    F_y = mu F_z (1 - H^3) s_y / s,   H = 1 - C_y s / (3 mu F_z), not below 0
+    F_x = C_x s_x up to C_x s = mu F_z / 2,   mu F_z (1 - mu F_z / (4 C_x s)) s_x / s beyond
+    M_z = -mu F_z l (1 - H) H^3 / 2 s_y / s
 
-A second opinion on `gim`: across the wheel alone both are the same brush. Where both slips act, the
-force is shortened to mu F_z and keeps its direction; uncut it could reach sqrt(2) mu F_z.
-Consequence to test: the pure lateral force and moment of `gim`, to round-off.
+A second opinion on `gim`: across the wheel alone both are the same brush. Each direction has the
+part of its curve that the slip has in it, so that the force is within mu F_z and a patch that
+slides is braked against its motion; with a curve of its own slip for each it could reach
+sqrt(2) mu F_z. Consequence to test: the pure lateral force and moment of `gim`, to round-off.
 
 References: Fiala (1954), VDI-Zeitschrift 96, 973-979; Gim and Nikravesh (1990), International
-Journal of Vehicle Design 11, 589-618.
+Journal of Vehicle Design 11, 589-618; Pacejka (2012), Tire and Vehicle Dynamics, section 4.2
+(similarity).
 """
 
 from __future__ import annotations
 
-from math import copysign, sqrt
+from math import sqrt
 from typing import TYPE_CHECKING
 
 from crashsolve.foundation.kernels import kernel
+from crashsolve.tyres._carcass import grip_of
 from crashsolve.tyres._road import mesh_tables, record_double
 from crashsolve.tyres._tyre import (
     CARCASS,
@@ -28,7 +31,6 @@ from crashsolve.tyres._tyre import (
     apply_patch_forces,
     bound_step,
     direction,
-    grip_of,
     patch_length,
     patch_of,
     reset,
@@ -43,7 +45,7 @@ STEPWISE = True
 
 
 class Fiala(TyreCard):
-    """Tyre whose forces along and across the wheel follow from their own slips."""
+    """Tyre whose forces along and across the wheel have curves of their own."""
 
 
 PARAMETERS, HISTORY, OUTPUT = TYRE, CARCASS, FORCES_OF_TYRE
@@ -53,23 +55,26 @@ build, shared_tables = tyre_columns, mesh_tables
 
 @kernel
 def forces(C_x, C_y, s_x, s_y, mu, F_z, length):
-    """F_x, F_y [N], M_z [N m] and the share of the patch that slides across."""
+    """F_x, F_y [N], M_z [N m] and the share of the patch that slides."""
+    s = sqrt(s_x * s_x + s_y * s_y)
+    if s == 0.0:
+        return 0.0, 0.0, 0.0, 0.0
     most = mu * F_z
-    H = max(1.0 - C_y * abs(s_y) / (3.0 * most), 0.0)
-    F_x = abs(C_x * s_x)
+    H = max(1.0 - C_y * s / (3.0 * most), 0.0)
+    F_x = C_x * s
     if F_x > 0.5 * most:
         F_x = most - most * most / (4.0 * F_x)
     F_y = most * (1.0 - H**3)
-    M_z = 0.5 * most * length * (1.0 - H) * H**3
-    both = sqrt(F_x * F_x + F_y * F_y)
-    share = most / both if both > most else 1.0
-    return copysign(share * F_x, s_x), copysign(share * F_y, s_y), copysign(M_z, -s_y), 1.0 - H
+    M_z = -0.5 * most * length * (1.0 - H) * H**3
+    sliding = min(sqrt((C_x * s_x) ** 2 + (C_y * s_y) ** 2) / (3.0 * most), 1.0)
+    return F_x * s_x / s, F_y * s_y / s, M_z * s_y / s, sliding
 
 
 @kernel
 def carcass_energy(p: Parameters, grip):
     """Energy of the deflected carcass, whose force is that of the tyre [J]."""
-    F_x, F_y, _, _ = forces(p.K_x, p.K_y, grip.q_x, grip.q_y, grip.mu, grip.F_z, 1.0)
+    s_x, s_y = grip.q_x / p.sigma_x, grip.q_y / p.sigma_y
+    F_x, F_y, _, _ = forces(p.C_x, p.C_y, s_x, s_y, grip.mu, grip.F_z, 1.0)
     return 0.5 * (F_x * F_x / p.K_x + F_y * F_y / p.K_y)
 
 
@@ -86,7 +91,13 @@ def roll(p: Parameters, old: History, new: History, out: Output, h, nodes, curve
             before = at.n
             length = patch_length(p, at)
             F_x, F_y, M_z, sliding = forces(
-                p.C_x, p.C_y, grip.s_x, grip.s_y, grip.mu, grip.F_z, length
+                p.C_x,
+                p.C_y,
+                grip.share * grip.s_x,
+                grip.share * grip.s_y,
+                grip.mu,
+                grip.F_z,
+                length,
             )
             M_z *= direction(p, at)
             store = carcass_energy(p, grip)

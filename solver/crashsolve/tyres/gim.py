@@ -18,6 +18,7 @@ from math import sqrt
 from typing import TYPE_CHECKING
 
 from crashsolve.foundation.kernels import kernel
+from crashsolve.tyres._carcass import grip_of
 from crashsolve.tyres._road import mesh_tables, record_double
 from crashsolve.tyres._tyre import (
     CARCASS,
@@ -28,7 +29,6 @@ from crashsolve.tyres._tyre import (
     apply_patch_forces,
     bound_step,
     direction,
-    grip_of,
     patch_length,
     patch_of,
     reset,
