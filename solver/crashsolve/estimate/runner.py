@@ -36,6 +36,8 @@ STRIDE = 8.0
 SHORT = 5.0
 # and so much at most [s of CPU], for a companion may get stuck
 MAX_FOR_SHORT = 2.0 * SHORT
+# what makes errors by time smaller
+SHORTER = "shorter steps or a smaller control.tolerance"
 # digits of a printed number, and those that state a double exactly
 DIGITS, EXACT_DIGITS = 9, 17
 # an error below this share of the scale is none to warn of, however near to zero the value is
@@ -219,9 +221,11 @@ class Estimating:
             if not e.error or e.value is None or is_missed:
                 continue
             if e.error > max(abs(e.value), SMALL * e.scale):
+                by_mesh = e.mesh is not None and e.mesh > 0.5 * e.error
+                advice = "smaller elements" if by_mesh else SHORTER
                 self.log.warning(
                     f"{e.watch.name}: the estimated error, {e.error:.2g}, is larger than the "
-                    f"value, {e.value:.2g}: take shorter steps or a smaller control.tolerance"
+                    f"value, {e.value:.2g}: take {advice}"
                 )
         for problem in self.problems:
             self.log.line(f"  {problem}")
