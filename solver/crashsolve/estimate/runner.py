@@ -19,7 +19,11 @@ from crashsolve.deck.reading.deck import Deck
 from crashsolve.estimate.companion import Abandoned, coarsen
 from crashsolve.estimate.error import Estimate
 from crashsolve.estimate.estimator import COARSER, Estimator
-from crashsolve.estimate.missed_contacts import Missed, with_missed_contacts
+from crashsolve.estimate.missed_contacts import (
+    Missed,
+    with_missed_contacts,
+    with_missed_curves,
+)
 from crashsolve.foundation.errors import DeckError, DeckErrors, RunStopped, SolverError
 from crashsolve.output.channels import Family
 from crashsolve.output.files import Json
@@ -96,11 +100,13 @@ class Estimating:
         cpu_time: float,
         missed: Sequence[Missed] = (),
         mass: dict[str, float] | None = None,
+        curves: Sequence[str] = (),
     ) -> bool:
         """Estimate the errors of a finished run; whether it must be run again with other steps.
 
         `cycles` are its steps and `cpu_time` [s] its CPU time; `missed` the contacts whose peaks no
-        sample shows (simulation/missed.py) and `mass` [kg] those of the bodies.
+        sample shows (simulation/missed.py), `mass` [kg] those of the bodies, `curves` the loads and
+        motions whose range no sample shows.
         """
         start_time = clock.process_time()
         main = read(history, self.estimator.all_channels)
@@ -119,7 +125,8 @@ class Estimating:
             self.problems.append("asked to stop")
         meshes = self._meshes(cpu_time) if compares else []
         estimates = self.estimator.estimates(main, self._companions, meshes)
-        self.estimates = with_missed_contacts(estimates, missed, mass or {})
+        estimates = with_missed_contacts(estimates, missed, mass or {})
+        self.estimates = with_missed_curves(estimates, curves)
         self._companions.append(main)
         self.cpu += clock.process_time() - start_time
         self._report(cpu_time)

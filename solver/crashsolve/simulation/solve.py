@@ -47,7 +47,7 @@ from crashsolve.simulation.expected_size import expected_size
 from crashsolve.simulation.forward import march
 from crashsolve.simulation.heartbeat import Heartbeat
 from crashsolve.simulation.inconsistencies import refuse_inconsistencies
-from crashsolve.simulation.missed import missed_contacts
+from crashsolve.simulation.missed import missed_contacts, missed_curves, missed_peaks
 from crashsolve.simulation.pictures import Pictures
 from crashsolve.simulation.progress import Account, cpu_time, preparing, provenance
 from crashsolve.simulation.redundant import arbitrary_reactions, undetermined
@@ -307,7 +307,9 @@ class Run:
         history, model = self.folder / "history.h5", self.engine.model
         mass = dict(zip(model.bodies, model.mass.tolist(), strict=False))
         missed = missed_contacts(self.engine, history)
-        return estimating.estimate(history, cycles, self.account.cpu_seconds(), missed, mass)
+        curves = [curve.name for curve in missed_curves(self.engine, history)]
+        cpu = self.account.cpu_seconds()
+        return estimating.estimate(history, cycles, cpu, missed, mass, curves)
 
     def _start_anew(self) -> None:
         """Run the deck again from its start, with the steps that the estimates ask for."""
@@ -350,7 +352,7 @@ class Run:
         engine = self.engine
         moves = self.deck.control.solution == "transient"
         unbalanced = contact_warnings(engine.model, engine.state, engine.ledger) if moves else []
-        missed = missed_contacts(engine, self.folder / "history.h5")
+        missed = missed_peaks(engine, self.folder / "history.h5")
         for text in (
             *self.overlapping,
             *law_warnings(engine.model, engine.state),
