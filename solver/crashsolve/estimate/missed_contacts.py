@@ -39,6 +39,13 @@ class Missed(Protocol):
         """Part of the peak that the samples do not show [N]."""
 
 
+class MissedCurve(Protocol):
+    """A curve of a load or a motion of which the samples miss the range."""
+
+    @property
+    def name(self) -> str: ...
+
+
 OF_SAMPLES = ("max", "min", "abs_max", "argmax", "argmin", "integral", "mean", "rms")
 # functions whose value at any time is made of samples before it
 RUNNING_FUNCTIONS = re.compile(r"\b(hic|si|clip|cfc|integral|bric)\(")
@@ -51,9 +58,11 @@ SENSED = re.compile(r"\b(nodout\.|glstat\.model\.energy\.\w+_stored)")
 LOADED = re.compile(r"(force|moment|torque|normal|velocity|acceleration|energy)\b|\bnodout\.")
 
 
-def with_missed_curves(estimates: Sequence[Estimate], curves: Sequence[str]) -> list[Estimate]:
+def with_missed_curves(
+    estimates: Sequence[Estimate], curves: Sequence[MissedCurve]
+) -> list[Estimate]:
     """Estimates, without errors of what is made of samples where `curves` peak between them."""
-    return [_with_missed_curves(e, curves[0]) if curves else e for e in estimates]
+    return [_with_missed_curves(e, curves[0].name) if curves else e for e in estimates]
 
 
 def _with_missed_curves(estimate: Estimate, curve: str) -> Estimate:

@@ -21,6 +21,7 @@ from crashsolve.estimate.error import Estimate
 from crashsolve.estimate.estimator import COARSER, Estimator
 from crashsolve.estimate.missed_contacts import (
     Missed,
+    MissedCurve,
     with_missed_contacts,
     with_missed_curves,
 )
@@ -100,7 +101,7 @@ class Estimating:
         cpu_time: float,
         missed: Sequence[Missed] = (),
         mass: dict[str, float] | None = None,
-        curves: Sequence[str] = (),
+        curves: Sequence[MissedCurve] = (),
     ) -> bool:
         """Estimate the errors of a finished run; whether it must be run again with other steps.
 

@@ -54,7 +54,8 @@ CLOCK = Record("""
     kinked           flag      whether the last step ended where a contact begins or ends, or 2: at
                                a CORNER
     last_iterations  count     iterations of the last drift, or of the last implicit stage
-    factored         s         step of the factors of an implicit method; 0: out of date
+    factored         s         step of the factors of an implicit method, or at the end of which
+                               an explicit one has factored the constraints; 0: out of date
     rejected         count     attempts at a step that were too long
     fastest          m/s       largest speed so far, to which the error of a step is compared
     error            1         estimated error of the last step over size and speed

@@ -47,6 +47,7 @@ from crashsolve.simulation.expected_size import expected_size
 from crashsolve.simulation.forward import march
 from crashsolve.simulation.heartbeat import Heartbeat
 from crashsolve.simulation.inconsistencies import refuse_inconsistencies
+from crashsolve.simulation.injury_samples import InjurySamples
 from crashsolve.simulation.missed import missed_contacts, missed_curves, missed_peaks
 from crashsolve.simulation.pictures import Pictures
 from crashsolve.simulation.progress import Account, cpu_time, preparing, provenance
@@ -303,12 +304,10 @@ class Run:
         self.account.status("running", None, "estimating errors")
         self.heartbeat.does("estimating errors")
         estimating = self.estimating or self._begin_estimates()
-        cycles = int(self.engine.clock["cycle"])
+        cycles, cpu = int(self.engine.clock["cycle"]), self.account.cpu_seconds()
         history, model = self.folder / "history.h5", self.engine.model
         mass = dict(zip(model.bodies, model.mass.tolist(), strict=False))
-        missed = missed_contacts(self.engine, history)
-        curves = [curve.name for curve in missed_curves(self.engine, history)]
-        cpu = self.account.cpu_seconds()
+        missed, curves = missed_contacts(self.engine, history), missed_curves(self.engine, history)
         return estimating.estimate(history, cycles, cpu, missed, mass, curves)
 
     def _start_anew(self) -> None:
@@ -347,10 +346,10 @@ class Run:
         self.account.remarks = {
             **remarks(self.engine, self.history.extremes, self.folder / "history.h5"),
             "undetermined": undetermined(self.engine),
+            **(injury := InjurySamples(self.deck, self.folder, self.schedule.interval)).remarks(),
         }
         self.account.status(state, code, message)
-        engine = self.engine
-        moves = self.deck.control.solution == "transient"
+        engine, moves = self.engine, self.deck.control.solution == "transient"
         unbalanced = contact_warnings(engine.model, engine.state, engine.ledger) if moves else []
         missed = missed_peaks(engine, self.folder / "history.h5")
         for text in (
@@ -358,6 +357,7 @@ class Run:
             *law_warnings(engine.model, engine.state),
             *range_warnings(engine),
             *(c.words(self.schedule.interval) for c in missed),
+            *injury.warnings(),
             *arbitrary_reactions(self.account.remarks["undetermined"], self.deck),
             *unbalanced,
             *engine.step_warnings(),

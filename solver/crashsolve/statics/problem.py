@@ -19,7 +19,7 @@ class Problem:
         """The error for the user, whose results end with the equilibrium at a moment."""
         time, cycle = engine.loading.time(moment), int(engine.clock.cycle)
         if self.kind == "end of curve":
-            return SolverError(time, cycle, *curve_end(engine.model, engine.clock))
+            return SolverError(time, cycle, *curve_end(engine.model, engine.state, engine.clock))
         texts = {"lost": self._lost, "balance": self._unbalanced, "unstable mode": self._unstable}
         texts |= {
             "total": self._unbalanced_run,

@@ -25,8 +25,15 @@ from crashsolve.system.energy import (
     close_ledger,
     least_energy,
     unseen_distance,
+    unseen_energy,
 )
-from crashsolve.system.gain import has_gain, overstates
+from crashsolve.system.gain import (
+    NEGLIGIBLE,
+    has_gain,
+    overstates,
+    relative_energy,
+    relative_energy_of_several,
+)
 from crashsolve.system.kinetics import kinetic_energy
 from crashsolve.system.placeholders import (
     ASSEMBLED,
@@ -173,13 +180,23 @@ def check_laws(clock, control, nodes, scene):
     """Stop at a law between two bodies that gives them more than it took. Writes: clock."""
     if clock.status == RUNNING and control.energy_limit > 0.0:
         unseen = unseen_distance(clock, control, nodes)
+        least = unseen_energy(clock, scene.ledger)
         for group in WATCHED:
             for i in range(group.output.shape[0]):
                 now, stored = group.history[clock.current, i], group.output[i].stored
                 limit = control.energy_limit
-                creates = has_gain(now, stored, limit, unseen)
-                if creates or overstates(now, stored, limit, unseen):
-                    clock.status = LAW_GAIN
+                creates = has_gain(now, stored, limit, unseen, least)
+                if creates or overstates(now, stored, limit, unseen, least):
+                    if group.joins_several:
+                        moving = relative_energy_of_several(
+                            group.parameters[i], group.max_nodes, nodes
+                        )
+                    else:
+                        moving = relative_energy(group.parameters[i], nodes)
+                    bound = max(least, NEGLIGIBLE * moving)
+                    creates = has_gain(now, stored, limit, unseen, bound)
+                    if creates or overstates(now, stored, limit, unseen, bound):
+                        clock.status = LAW_GAIN
 
 
 @kernel
