@@ -65,3 +65,34 @@ def test_samples_that_show_the_touch_are_not_warned_of(tmp_path: Path) -> None:
     assert "peaked at" not in log
     assert watched["rcforc.c.normal max"]["value"] == pytest.approx(PEAK, rel=0.01)
     assert watched["hic max"]["error"] is not None
+
+
+PULSE = """
+control: {end_time: 0.5}
+output: {history: {interval: INTERVAL}}
+bodies: {a: {mass: 1, inertia: [1, 1, 1]}}
+curves: {p: {type: formula, expression: "exp(-((x-0.1234)/1e-4)**2)", from: 0, to: 1}}
+loads: {f: {type: force, body: a, force: [1000, 0, 0], curve: p}}
+watch:
+  - {channel: rbdout.a.velocity.x, statistic: final}
+  - {channel: rbdout.a.acceleration.x, statistic: abs_max}
+"""
+
+
+@pytest.mark.parametrize(("interval", "is_missed"), [("0.05", True), ("2e-5", False)])
+def test_a_load_that_peaks_between_samples_is_reported(
+    tmp_path: Path, interval: str, is_missed: bool
+) -> None:
+    deck = tmp_path / "deck.yaml"
+    deck.write_text(PULSE.replace("INTERVAL", interval), "utf-8")
+    done = crashsolve(deck, "-o", tmp_path / "r")
+    assert done.returncode == 0, done.stdout
+    velocity, acceleration = Result(tmp_path / "r").status["watched"]
+    # sqrt(pi) w F / m
+    assert velocity["value"] == pytest.approx(0.1772454, rel=1e-5)
+    assert velocity["error"] is not None
+    assert ("curve 'p' ranges over 1 (SI)" in done.stdout) == is_missed
+    # 1000 m/s^2, of which no sample shows anything
+    assert (acceleration["error"] is None) == is_missed
+    if not is_missed:
+        assert acceleration["value"] == pytest.approx(1000.0, rel=0.01)

@@ -3,6 +3,7 @@
 import json
 import signal
 import time
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -198,6 +199,11 @@ def test_an_error_larger_than_the_value_is_a_warning() -> None:
     estimating._report(1.0)
     (text,) = texts
     assert "lost: the estimated error, 16, is larger than the value, 5" in text
+    assert text.endswith("take shorter steps or a smaller control.tolerance")
+    lost = estimating.estimates[0]
+    estimating.estimates = [replace(lost, mesh=15.0)]
+    estimating._report(1.0)
+    assert texts[-1].endswith("take smaller elements")
 
 
 @pytest.mark.parametrize("error", [2.4e-3, 36.0, 1e-6, 1e5])

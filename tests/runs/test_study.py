@@ -59,6 +59,27 @@ def pendulum(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Path, s
     yield folder, study(folder, "--target", "1e-4")
 
 
+def test_the_run_that_others_are_compared_with_is_not_recommended(tmp_path: Path) -> None:
+    deck = tmp_path / "spring.yaml"
+    deck.write_text(
+        "control: {end_time: 1, step: 1e-2}\n"
+        "bodies: {m: {mass: 1, inertia: [1, 1, 1], velocity: [1, 0, 0]}}\n"
+        "springs: {s: {type: linear, b: m, stiffness: 1, at_a: [-1, 0, 0]}}\n"
+        "watch: [{channel: rbdout.m.position.x, statistic: final}]\n"
+    )
+    done = crashsolve(
+        *("study", deck, "-o", tmp_path / "study", "--vary", "springs.s.stiffness=1,9"),
+        *("--jobs", "1"),
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    # 0.84 m and 0.05 m: neither serves for the other
+    (name,) = re.findall(r"errors are differences from (.*), the most expensive run", done.stdout)
+    assert "none of these settings meets it" in done.stdout
+    assert f"target 0.05: {name}" not in done.stdout
+    errors = column(tmp_path / "study", "rbdout.m.position.x final: error against most expensive")
+    assert sum(np.isnan(errors)) == 1 and 0.0 not in errors
+
+
 def test_errors_are_those_against_the_exact_value(pendulum: tuple[Path, str]) -> None:
     folder, printed = pendulum
     for name, exact in EXACT.items():

@@ -5,7 +5,8 @@
     acceleration of a body that it strikes:                        + (peak - shown) / m
 
 A force in a joint, spring or section may miss as much as the contact does. Of HIC, filters and the
-like of such a body, of sensors and of stored energies nothing can be said. Consequence to test: no
+like of such a body, of sensors and of stored energies nothing can be said, nor of forces and
+velocities where a load or a prescribed motion has its peak between samples. Consequence to test: no
 extreme or integral across a touch that lies between two samples has an error below its own size.
 """
 
@@ -38,12 +39,39 @@ class Missed(Protocol):
         """Part of the peak that the samples do not show [N]."""
 
 
+class MissedCurve(Protocol):
+    """A curve of a load or a motion of which the samples miss the range."""
+
+    @property
+    def name(self) -> str: ...
+
+
 OF_SAMPLES = ("max", "min", "abs_max", "argmax", "argmin", "integral", "mean", "rms")
 # functions whose value at any time is made of samples before it
 RUNNING_FUNCTIONS = re.compile(r"\b(hic|si|clip|cfc|integral|bric)\(")
 FORCES = re.compile(r"\b(jntforc|deforc|secforc)\.[\w-]+\.(force|axial|shear)\b")
 MOVED = re.compile(r"\brbdout\.([\w-]+)\.acceleration\b")
 SENSED = re.compile(r"\b(nodout\.|glstat\.model\.energy\.\w+_stored)")
+
+
+# what a load or a motion between samples changes there; contacts have peaks of all steps
+LOADED = re.compile(r"(force|moment|torque|normal|velocity|acceleration|energy)\b|\bnodout\.")
+
+
+def with_missed_curves(
+    estimates: Sequence[Estimate], curves: Sequence[MissedCurve]
+) -> list[Estimate]:
+    """Estimates, without errors of what is made of samples where `curves` peak between them."""
+    return [_with_missed_curves(e, curves[0].name) if curves else e for e in estimates]
+
+
+def _with_missed_curves(estimate: Estimate, curve: str) -> Estimate:
+    text = " ".join(estimate.watch.channels)
+    is_of_samples = estimate.watch.statistic in OF_SAMPLES or RUNNING_FUNCTIONS.search(text)
+    if estimate.error is None or not is_of_samples or not LOADED.search(text):
+        return estimate
+    how = f"not estimated: curve '{curve}' has its peak between samples"
+    return replace(estimate, error=None, how=how)
 
 
 def with_missed_contacts(

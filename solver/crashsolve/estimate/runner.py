@@ -19,7 +19,12 @@ from crashsolve.deck.reading.deck import Deck
 from crashsolve.estimate.companion import Abandoned, coarsen
 from crashsolve.estimate.error import Estimate
 from crashsolve.estimate.estimator import COARSER, Estimator
-from crashsolve.estimate.missed_contacts import Missed, with_missed_contacts
+from crashsolve.estimate.missed_contacts import (
+    Missed,
+    MissedCurve,
+    with_missed_contacts,
+    with_missed_curves,
+)
 from crashsolve.foundation.errors import DeckError, DeckErrors, RunStopped, SolverError
 from crashsolve.output.channels import Family
 from crashsolve.output.files import Json
@@ -36,6 +41,8 @@ STRIDE = 8.0
 SHORT = 5.0
 # and so much at most [s of CPU], for a companion may get stuck
 MAX_FOR_SHORT = 2.0 * SHORT
+# what makes errors by time smaller
+SHORTER = "shorter steps or a smaller control.tolerance"
 # digits of a printed number, and those that state a double exactly
 DIGITS, EXACT_DIGITS = 9, 17
 # an error below this share of the scale is none to warn of, however near to zero the value is
@@ -94,11 +101,13 @@ class Estimating:
         cpu_time: float,
         missed: Sequence[Missed] = (),
         mass: dict[str, float] | None = None,
+        curves: Sequence[MissedCurve] = (),
     ) -> bool:
         """Estimate the errors of a finished run; whether it must be run again with other steps.
 
         `cycles` are its steps and `cpu_time` [s] its CPU time; `missed` the contacts whose peaks no
-        sample shows (simulation/missed.py) and `mass` [kg] those of the bodies.
+        sample shows (simulation/missed.py), `mass` [kg] those of the bodies, `curves` the loads and
+        motions whose range no sample shows.
         """
         start_time = clock.process_time()
         main = read(history, self.estimator.all_channels)
@@ -117,7 +126,8 @@ class Estimating:
             self.problems.append("asked to stop")
         meshes = self._meshes(cpu_time) if compares else []
         estimates = self.estimator.estimates(main, self._companions, meshes)
-        self.estimates = with_missed_contacts(estimates, missed, mass or {})
+        estimates = with_missed_contacts(estimates, missed, mass or {})
+        self.estimates = with_missed_curves(estimates, curves)
         self._companions.append(main)
         self.cpu += clock.process_time() - start_time
         self._report(cpu_time)
@@ -219,9 +229,11 @@ class Estimating:
             if not e.error or e.value is None or is_missed:
                 continue
             if e.error > max(abs(e.value), SMALL * e.scale):
+                by_mesh = e.mesh is not None and e.mesh > 0.5 * e.error
+                advice = "smaller elements" if by_mesh else SHORTER
                 self.log.warning(
                     f"{e.watch.name}: the estimated error, {e.error:.2g}, is larger than the "
-                    f"value, {e.value:.2g}: take shorter steps or a smaller control.tolerance"
+                    f"value, {e.value:.2g}: take {advice}"
                 )
         for problem in self.problems:
             self.log.line(f"  {problem}")

@@ -1,4 +1,7 @@
-"""Contacts whose peak lies between two samples, by the peaks of all steps."""
+"""Contacts, and curves of loads and motions, whose peak lies between two samples.
+
+The peak of a contact is that of all steps, the peak of a curve that of its cubics.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from crashsolve.model.corners import curves_of_time
 from crashsolve.model.model import Model
 
 if TYPE_CHECKING:
@@ -42,6 +46,67 @@ class Missed:
             f"apart, which show {self.shown:.4g} N: largest values and integrals of forces and "
             f"accelerations, HIC and filters miss it; give output.history.interval: {needed:.1g}"
         )
+
+
+@dataclass(frozen=True)
+class MissedCurve:
+    """A curve of time of which the samples miss more than half of the range."""
+
+    name: str
+    range: float  # over the run, in SI
+    shown: float  # at samples
+    width: float  # time for which it is half as far beyond what is shown as at its peak [s]
+
+    def words(self, interval: float) -> str:
+        """The warning of it, for samples `interval` [s] apart."""
+        return (
+            f"curve '{self.name}' ranges over {self.range:.4g} (SI) between samples {interval:.3g} "
+            f"s apart, which show {self.shown:.4g}: largest values and integrals of forces, "
+            "accelerations and velocities, HIC and filters miss it; give output.history.interval: "
+            f"{self.width / 20.0:.1g}"
+        )
+
+
+def missed_peaks(engine: Engine, history: Path) -> list[Missed | MissedCurve]:
+    """All that the samples of a finished run miss."""
+    return [*missed_contacts(engine, history), *missed_curves(engine, history)]
+
+
+def missed_curves(engine: Engine, history: Path) -> list[MissedCurve]:
+    """Curves of loads and motions of which no sample of a finished run shows the range."""
+    model, missed = engine.model, list[MissedCurve]()
+    firsts = sorted(curves_of_time(model))
+    if not firsts:
+        return missed
+    import h5py
+
+    with h5py.File(history) as file:
+        times = file["glstat"]["time"][:]
+    # rows that are reserved and were not written
+    times = times[np.isfinite(times)]
+    names = {k: name for name, k in model.curve_names.items()}
+    for first in firsts:
+        points = model.curves[first : model.curves[first]["last"] + 1]
+        x = np.clip(points["x"], times[0], times[-1])
+        t = np.unique(np.concatenate([x, 0.5 * (x[:-1] + x[1:])]))
+        true, shown = _values(points, t), _values(points, times)
+        if np.ptp(shown) < SHOWN * np.ptp(true):
+            beyond = np.maximum(true - shown.max(), shown.min() - true)
+            width = float((np.gradient(t) * (beyond > 0.5 * beyond.max())).sum())
+            missed.append(
+                MissedCurve(names[first], float(np.ptp(true)), float(np.ptp(shown)), width)
+            )
+    return missed
+
+
+def _values(points: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """Values of a curve (n,) at times (n,), at its ends for those outside."""
+    x, c = points["x"], points["c"]
+    at = np.clip(times, x[0], x[-1])
+    k = np.clip(np.searchsorted(x, at, side="right") - 1, 0, len(x) - 2)
+    s = at - x[k]
+    value: np.ndarray = c[k, 0] + s * (c[k, 1] + s * (c[k, 2] + s * c[k, 3]))
+    return value
 
 
 def missed_contacts(engine: Engine, history: Path) -> list[Missed]:

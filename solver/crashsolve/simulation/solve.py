@@ -48,7 +48,7 @@ from crashsolve.simulation.forward import march
 from crashsolve.simulation.heartbeat import Heartbeat
 from crashsolve.simulation.inconsistencies import refuse_inconsistencies
 from crashsolve.simulation.injury_samples import InjurySamples
-from crashsolve.simulation.missed import missed_contacts
+from crashsolve.simulation.missed import missed_contacts, missed_curves, missed_peaks
 from crashsolve.simulation.pictures import Pictures
 from crashsolve.simulation.progress import Account, cpu_time, preparing, provenance
 from crashsolve.simulation.redundant import arbitrary_reactions, undetermined
@@ -304,11 +304,11 @@ class Run:
         self.account.status("running", None, "estimating errors")
         self.heartbeat.does("estimating errors")
         estimating = self.estimating or self._begin_estimates()
-        cycles = int(self.engine.clock["cycle"])
+        cycles, cpu = int(self.engine.clock["cycle"]), self.account.cpu_seconds()
         history, model = self.folder / "history.h5", self.engine.model
         mass = dict(zip(model.bodies, model.mass.tolist(), strict=False))
-        missed = missed_contacts(self.engine, history)
-        return estimating.estimate(history, cycles, self.account.cpu_seconds(), missed, mass)
+        missed, curves = missed_contacts(self.engine, history), missed_curves(self.engine, history)
+        return estimating.estimate(history, cycles, cpu, missed, mass, curves)
 
     def _start_anew(self) -> None:
         """Run the deck again from its start, with the steps that the estimates ask for."""
@@ -351,7 +351,7 @@ class Run:
         self.account.status(state, code, message)
         engine, moves = self.engine, self.deck.control.solution == "transient"
         unbalanced = contact_warnings(engine.model, engine.state, engine.ledger) if moves else []
-        missed = missed_contacts(engine, self.folder / "history.h5")
+        missed = missed_peaks(engine, self.folder / "history.h5")
         for text in (
             *self.overlapping,
             *law_warnings(engine.model, engine.state),

@@ -100,8 +100,9 @@ def find(
     trials: Sequence[Trial],
     known: Json | None,
     mesh_order: float | None = None,
+    kind: str = "file",
 ) -> Finding:
-    """Judge the answers number `at` of the trials; `known` is that of a reference folder.
+    """Judge the answers number `at` of the trials; `known` is that of a reference, of this `kind`.
 
     `mesh_order` is the declared order of the elements.
     """
@@ -116,7 +117,7 @@ def find(
     finding.unit = str(curves[0].trials[-1].answers[at]["unit"])
     refinements = refinements_of(curves, mesh_order)
     known_sources = sources(curves, refinements)
-    best = _set_reference(finding, curves, known_sources, known)
+    best = _set_reference(finding, curves, known_sources, known, kind)
     size, around = float(np.max(np.abs(finding.reference))), _size_around(at, curves)
     finding.is_absolute = size <= ROUND_OFF * around
     scale = 1.0 if finding.is_absolute else size
@@ -200,7 +201,11 @@ def _mesh_reported(
 
 
 def _set_reference(
-    finding: Finding, curves: list[Curve], known_sources: list[Source], known: Json | None
+    finding: Finding,
+    curves: list[Curve],
+    known_sources: list[Source],
+    known: Json | None,
+    kind: str,
 ) -> Source | None:
     """Choose the reference; returns the source it comes from, None when it comes from elsewhere."""
     watch, best = finding.watch, min(known_sources, key=sort_key)
@@ -216,7 +221,7 @@ def _set_reference(
     elif known is not None:
         given = _at_times(known, curves[0].times)
         if given is not None and len(given) == len(curves[0].values[-1]):
-            finding.kind, finding.reference = "file", given
+            finding.kind, finding.reference = kind, given
             return None
         reason = known.get("problem", "its samples are at other times")
         finding.notes.append(f"the reference folder cannot be used: {reason}")

@@ -32,6 +32,8 @@ from crashsolve.study.table import csv_text, legend, text_table
 from crashsolve.study.trials import Trial, run_all
 from crashsolve.study.watch import Watch, ask, overall, watched
 
+# what answers that are given for a reference are those of
+GIVEN, EXPENSIVE = "file", "most expensive run"
 # relative error of the last sentence without a target
 USUAL = 0.05
 # an overall number whose estimated error is below this is worth naming
@@ -84,11 +86,16 @@ def study(request: Request) -> int:
         finished = [trial for trial in trials if trial.has_finished]
         _measure(finished, [*watches, *more], deck, jobs)
         order = None if request.vary else order_of_mesh(deck)
-        known = known or _most_expensive(request, finished)
+        best = None if known else _most_expensive(request, finished)
+        known, kind = (best.answers, EXPENSIVE) if best else (known, GIVEN)
         findings = [
-            find(watch, at, trials, known[at] if known else None, order)
+            find(watch, at, trials, known[at] if known else None, order, kind)
             for at, watch in enumerate(watches)
         ]
+        # of that run itself no error is known
+        for finding in findings:
+            if best is not None and finding.kind == EXPENSIVE:
+                del finding.errors[best.setting.folder]
         extra = [find(watch, len(watches) + i, trials, None, order) for i, watch in enumerate(more)]
         _report(request, deck, trials, findings, extra)
         return ExitCode.NORMAL if finished else max(trial.code for trial in trials)
@@ -148,8 +155,8 @@ def _steps(request: Request, deck: Deck) -> str | None:
     return AUTO if deck.control.step == AUTO else repr(float(deck.control.step))
 
 
-def _most_expensive(request: Request, finished: list[Trial]) -> list[dict[str, object]] | None:
-    """Answers of the most expensive run, with which others are compared where a field is varied.
+def _most_expensive(request: Request, finished: list[Trial]) -> Trial | None:
+    """The most expensive run, with which others are compared where a field is varied.
 
     Different models do not tend to each other, so that nothing can be extrapolated.
     """
@@ -159,7 +166,7 @@ def _most_expensive(request: Request, finished: list[Trial]) -> list[dict[str, o
     print_line(
         f"errors are differences from {best.setting.name}, the most expensive run; see --reference"
     )
-    return best.answers
+    return best
 
 
 def _axes(deck: Deck, methods: Sequence[str], meshes: str) -> list[str]:
