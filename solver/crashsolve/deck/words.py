@@ -84,6 +84,8 @@ def nearest_field(word: object, known: Iterable[str]) -> str:
 def choices(word: object, known: Iterable[str], what: str) -> str:
     """Advice on a wrong word: the right one most like it, and the list of all."""
     names = list(known)
+    if what == "bodies" and str(word).lower() in FIXED:
+        return "what never moves is called 'ground'"
     question = nearest_field(word, names) if what == "fields" else nearest(word, names)
     return f"{question} ({what}: {listed(names)})".lstrip()
 

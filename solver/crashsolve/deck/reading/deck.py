@@ -34,7 +34,7 @@ from crashsolve.deck.run_cards.output import Output
 from crashsolve.deck.run_cards.units import Units
 from crashsolve.deck.run_cards.watch import Watch
 from crashsolve.deck.source import BROKEN, Position, Table
-from crashsolve.deck.words import FIXED, choices
+from crashsolve.deck.words import choices
 from crashsolve.foundation.errors import DeckError, DeckErrors
 
 AnyCard = TypeVar("AnyCard", bound=Card)
@@ -396,8 +396,6 @@ class _Reader:
             if name not in known:
                 singular = SECTIONS[name.keyword].singular
                 advice = choices(name, known, name.keyword)
-                if name.keyword == "bodies" and name.lower() in FIXED:
-                    advice = "what never moves is called 'ground'"
                 self.refuse(item, Diagnostic(path, f"unknown {singular} '{name}'", advice))
 
     def may_be_a_node(self, name: str) -> bool:
