@@ -26,6 +26,7 @@ from crashsolve.foundation.errors import (
     CrashsolveError,
     DeckError,
     ExitCode,
+    cannot_load,
     out_of_memory,
 )
 from crashsolve.foundation.streams import (
@@ -80,6 +81,10 @@ def main(arguments: list[str] | None = None) -> int:
         # errors of files are handled where they are opened: this one is of standard output
         if error.filename is not None:
             raise
+        if error.errno is None:
+            # that of a library, not of a stream
+            report_error(cannot_load(error))
+            return int(ExitCode.OUTPUT)
         discard_output(sys.stdout)
         report_error(f"standard output: {error.strerror}")
         return int(ExitCode.OUTPUT)

@@ -50,6 +50,7 @@ def test_surfaces_of_one_card_may_differ_in_radius(tmp_path: Path) -> None:
     assert pairs.stiffness[0] / pairs.stiffness[1] == pytest.approx(sqrt(0.2 / 0.3), rel=1e-12)
 
 
+FLOOR = "  floor: {type: plane}\n"
 POINTS = SPHERES + "  tip: {type: point_set, body: a, points: [[0, 0, 0]]}\n"
 REFUSED = {
     "normal: needs a stiffness: give stiffness, or young_a or young_b with their Poisson ratios": (
@@ -110,6 +111,10 @@ REFUSED = {
         "type: padding, curve: stiff, unloading_curve: short, unloading_stiffness: 2e5",
         "a: [one], b: [other]",
     ),
+    "b: all its surfaces are on the ground; give one of them a body": (
+        "type: hertz, stiffness: 1e9",
+        "a: [floor], b: [floor]",
+    ),
     "b: all its surfaces are on one body; a body cannot touch itself": (
         "type: hertz, stiffness: 1e9",
         "a: [one], b: [tip]",
@@ -122,7 +127,7 @@ def test_a_contact_that_cannot_be_built_is_refused(
     tmp_path: Path, message: str, law: str, sides: str
 ) -> None:
     with pytest.raises(DeckErrors) as refused:
-        Contact(tmp_path, f"{{{law}}}", surfaces=POINTS, sides=sides)
+        Contact(tmp_path, f"{{{law}}}", surfaces=POINTS + FLOOR, sides=sides)
     assert f"contact 'hit': {message}" in str(refused.value)
     assert str(refused.value).count("error:") == 1
 

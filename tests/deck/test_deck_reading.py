@@ -158,6 +158,9 @@ def test_an_override_replaces_a_parameter(tmp_path: Path) -> None:
     assert deck.control.end_time == 0.5
 
 
+KIND = "must be a number, alone or with a unit"
+
+
 @pytest.mark.parametrize(
     ("word", "reported"),
     [
@@ -176,8 +179,9 @@ def test_an_override_replaces_a_parameter(tmp_path: Path) -> None:
             "unit, such as '30 km/h'",
         ),
         ("count=3 m", "the deck has 3 here; give a number without unit"),
-        ("count=", "must be a number, alone or with a unit"),
-        ("count=many", "must be a number, alone or with a unit"),
+        ("count=", f"{KIND}; this is empty"),
+        ("count=many", f"{KIND}; 'many' is not a number with a unit"),
+        ("count=30kmh", f"{KIND}; unknown unit 'kmh'; did you mean 'km/h'?"),
         ("count=010", "'010' begins with a zero; write 10, or put it in quotes"),
     ],
 )

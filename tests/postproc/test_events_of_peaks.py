@@ -1,4 +1,4 @@
-"""Claim: the largest contact force that is reported is that of all steps, not of the samples."""
+"""Claim: the largest contact force reported is that of all steps, and no other event hides it."""
 
 from pathlib import Path
 
@@ -6,7 +6,7 @@ import numpy as np
 from small_results import write_result, write_status
 
 from crashpost.results.result import Result
-from crashpost.values.events import events
+from crashpost.values.events import MAX_EVENTS, events
 
 
 def reported(folder: Path, shown: list[float], of_steps: list[float]) -> list[str]:
@@ -30,3 +30,25 @@ def test_a_peak_between_samples_is_that_of_the_steps(tmp_path: Path) -> None:
 def test_a_peak_that_a_sample_shows_has_its_time(tmp_path: Path) -> None:
     (text,) = reported(tmp_path / "shown", [0.0, 2e3, 5e3, 0.0], [0.0, 2e3, 5e3, 5e3])
     assert "5 kN" in text and "interval" not in text
+
+
+def test_many_that_begin_to_yield_hide_no_contact(tmp_path: Path) -> None:
+    """60 hinges yield before the force is largest: those of one sample are one event."""
+    time = np.arange(100.0)
+    names = [f"hinge_{k}" for k in range(60)]
+    # ten together, then one by one, all before the peak
+    begin = np.array([1] * 10 + list(range(2, 52)))
+    plastic = (time[:, None] >= begin).astype(float)
+    force = np.where(time == 80.0, 5e3, 0.0)[:, None]
+    families = {
+        "rcforc": (["wall"], {"normal": ("N", "", force), "peak_normal": ("N", "", force)}),
+        "hinge": (names, {"plastic_angle": ("rad", "", plastic)}),
+    }
+    write_result(tmp_path, families, time)
+    write_status(tmp_path)
+    reported = events(Result(tmp_path))
+    assert len(reported) == MAX_EVENTS
+    assert reported[0].text == "Hinge 0 and 9 others begin to yield"
+    assert reported[-2].text == "Wall: largest contact force, 5 kN"
+    # 52 events, of which 39 have a line
+    assert reported[-1].text == "13 more events are not listed here"

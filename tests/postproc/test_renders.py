@@ -415,9 +415,9 @@ def test_a_plane_seen_from_behind_hides_nothing() -> None:
     square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
     corners = np.array([[0, 1, 2], [0, 2, 3]])
     rows = np.arange(2)
-    wall = Surface(square, corners, [GREY], 0 * rows, rows, one_sided=np.array([True, True]))
+    wall = Surface(square, corners, [GREY], 0 * rows, rows, one_sided=True)
     # from outside, along its edge and from inside; a box is drawn from everywhere
     for towards, count in (([0.0, 0.6, 0.8], 2), ([1.0, 0.0, 0.0], 2), ([0.0, 0.6, -0.8], 0)):
         assert len(wall.seen_from(np.array(towards)).corners) == count
-        wall_of_box = replace(wall, one_sided=None)
+        wall_of_box = replace(wall, one_sided=False)
         assert len(wall_of_box.seen_from(np.array(towards)).corners) == 2

@@ -12,6 +12,7 @@ from command import arguments, crashsolve, environment
 from quick import first_quick
 
 from crashpost.results.result import Result
+from crashsolve.foundation import errors
 
 HERE = Path(__file__).parent
 OSCILLATOR = HERE / "oscillator.yaml"
@@ -191,3 +192,12 @@ def test_a_full_disk_ends_with_code_5_and_whole_files(size: int, tmp_path: Path)
     for path in tmp_path.rglob("*.h5"):
         h5py.File(path).close()
     assert not list(tmp_path.rglob("*.partial"))
+
+
+def test_a_library_that_cannot_be_loaded_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The loader's errors have no number, as those of streams have; so is a limit of memory."""
+    error = OSError("no libm.so. This could mean much else")
+    monkeypatch.setattr(errors, "getrlimit", lambda which: (errors.RLIM_INFINITY,) * 2)
+    assert errors.cannot_load(error) == "a library cannot be loaded: no libm.so"
+    monkeypatch.setattr(errors, "getrlimit", lambda which: (200_000_000,) * 2)
+    assert "no libm.so; out of memory: it is limited to 0.2 GB" in errors.cannot_load(error)

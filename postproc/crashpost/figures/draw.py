@@ -36,12 +36,13 @@ from crashpost.figures.style import (
 )
 from crashpost.results.result import Result
 from crashpost.values.figure import Curve, Figure, Pair, Reference, axis_unit
+from crashpost.values.summary import MOMENTS
 from crashsolve.channels.display import factor
 from crashsolve.channels.series import Series
 
 MAX_POINTS = 3000
-# times of contacts, before the run where there was none (FILE_FORMAT.md)
-MOMENTS = ("first_touch", "last_release")
+# of the largest ordinate: an axis that begins below it begins at zero
+NEAR_ZERO = 0.25
 MINUS = "\N{MINUS SIGN}"
 # dashes of levels and of curves known from elsewhere
 LEVEL, MEASURED = (4.0, 2.0), (1.0, 1.2)
@@ -250,12 +251,12 @@ def _finish_axes(axes: Axes, figure: Figure, scaled: _Scaled) -> None:
         _fit_y(axes, figure.x_range, scaled.lines)
     x_words = figure.x_label or _axis_words([curve.x or figure.x for curve in figure.y])
     y_words = figure.y_label or _axis_words([curve.channel for curve in figure.y])
-    axes.set_xlabel(_with_unit(x_words, scaled.x_unit), loc="right", fontsize=9)
+    axes.set_xlabel(_with_unit(fitted_words(x_words), scaled.x_unit), loc="right", fontsize=9)
     # the ordinate's title lies flat above its axis, where it is read without turning the head
     axes.text(
         0,
         1.03,
-        _with_unit(y_words, scaled.y_unit),
+        _with_unit(fitted_words(y_words), scaled.y_unit),
         transform=axes.transAxes,
         ha="left",
         va="bottom",
@@ -274,6 +275,8 @@ def _fit_y(axes: Axes, x_range: Pair, lines: Sequence[_Line]) -> None:
         low, high = x_range
         raise PostError(f"no sample lies from {low:g} to {high:g} on the abscissa")
     low, high = float(values.min()), float(values.max())
+    # what begins beside the abscissa, as a force between two samples, is seen to come from zero
+    low = 0.0 if 0.0 < low < NEAR_ZERO * high else low
     margin = 0.05 * (high - low) or 0.5 * abs(high) or 1.0
     axes.set_ylim(low - margin, high + margin)
 
@@ -340,6 +343,11 @@ def _axis_words(channels: Sequence[str]) -> str:
         return "time"
     shared = words.quantity_of_all(distinct)
     return shared if shared or len(distinct) > 1 else words.title(distinct)
+
+
+def fitted_words(text: str) -> str:
+    """The title of an axis, cut where it is longer than a panel is wide."""
+    return text if len(text) <= HALF_LINE else f"{text[: HALF_LINE - 1]}\N{HORIZONTAL ELLIPSIS}"
 
 
 def _with_unit(text: str, unit: str) -> str:

@@ -18,7 +18,7 @@ from crashpost.renders.cutting import clamped, half_space
 from crashpost.renders.cutting import cut as cut_off
 from crashpost.renders.forces import contacts_with_arrows, forces_of
 from crashpost.renders.groups import groups, is_node, labels
-from crashpost.renders.planes import cut, footprints, planes
+from crashpost.renders.planes import by_light, cut, footprints, planes
 from crashpost.renders.section_lines import lines as section_lines
 from crashpost.renders.section_lines import weights
 from crashpost.renders.shapes import (
@@ -357,22 +357,22 @@ class Scene:
         for rows, corners in block.cells:
             selected = shown[rows]
             # as many surfaces at each state, also where one has lost all of its elements
-            if requested[rows].any() and corners.shape[1] in (3, 4):
-                own = None if values is None else values[rows][selected]
-                is_fine = name.startswith("part_")
+            if not requested[rows].any() or corners.shape[1] not in (3, 4):
+                continue
+            for own, is_plane in by_light(
+                corners, selected, self.planes if name == "ground" else None
+            ):
                 drawing.surfaces.append(
                     Surface(
                         points,
-                        corners[selected],
+                        corners[own],
                         palette,
-                        which[rows][selected],
-                        rows[selected],
-                        own,
-                        edges=is_fine,
-                        is_flat=name == "ground",
-                        one_sided=np.isin(corners[selected][:, 0], self.planes[:, 0])
-                        if name == "ground"
-                        else None,
+                        which[rows][own],
+                        rows[own],
+                        None if values is None else values[rows][own],
+                        edges=name.startswith("part_"),
+                        is_flat=is_plane,
+                        one_sided=is_plane,
                     )
                 )
 

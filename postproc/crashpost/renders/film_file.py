@@ -33,7 +33,13 @@ def can_write_mp4() -> bool:
 
 
 def _write_mp4(path: Path, frames: Iterator[np.ndarray], fps: float, size: tuple[int, int]) -> None:
-    import imageio_ffmpeg
+    try:
+        import imageio_ffmpeg
+
+        imageio_ffmpeg.get_ffmpeg_exe()
+    except (ImportError, RuntimeError) as error:
+        advice = "install imageio-ffmpeg anew, or write a .gif"
+        raise PostError(f"an mp4 needs an encoder that works: {error}; {advice}") from None
 
     # yuv420p plays in every browser; 0 (best) to 51: 26 is a quarter of a megabyte for 4 s
     writer = imageio_ffmpeg.write_frames(

@@ -331,9 +331,9 @@ def _reason(code: int, words: list[str]) -> str:
     )
 
 
-def clock(time: float, span: float) -> str:
-    """A time in the unit that suits a run: `t = 48.0 ms`."""
-    unit = readable("s", span)
+def clock(time: float, span: float, unit: str = "") -> str:
+    """A time in a unit, or the one that suits a run: `t = 48.0 ms`."""
+    unit = unit or readable("s", span)
     value, whole = time * factor("s", unit), span * factor("s", unit)
     digits = max(0, 3 - int(np.floor(np.log10(whole or 1.0))) - 1)
     return f"t = {value:.{digits}f} {unit}"

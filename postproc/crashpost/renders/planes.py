@@ -51,3 +51,17 @@ def footprints(rectangles: list[np.ndarray], near: np.ndarray) -> np.ndarray:
         if abs(height).min() < CLOSE * size:
             points.append((near - height[:, None] * normal)[[np.argmin(abs(height))]])
     return np.concatenate(points)
+
+
+def by_light(
+    corners: np.ndarray, selected: np.ndarray, planes: np.ndarray | None
+) -> list[tuple[np.ndarray, bool]]:
+    """Masks of polygons (m,), and whether they are those of infinite planes.
+
+    `planes` are the points of planes, None where polygons are those of no ground.
+    """
+    if planes is None:
+        return [(selected, False)]
+    on_plane = np.isin(corners[:, 0], planes)
+    halves = [(selected & on_plane, True), (selected & ~on_plane, False)]
+    return [(mask, is_plane) for mask, is_plane in halves if mask.any()]

@@ -31,25 +31,23 @@ class Surface:
     values: np.ndarray | None = None
     edges: bool = False
     is_flat: bool = False  # of one colour in any light
-    # polygons that are seen from their outer side alone, as infinite planes
-    one_sided: np.ndarray | None = None
+    one_sided: bool = False  # seen from the outer side alone, as infinite planes
 
     def seen_from(self, towards: np.ndarray) -> "Surface":
         """Without planes between the eye and what is before them; `towards` (3,) the eye."""
-        if self.one_sided is None or not self.one_sided.any():
+        if not self.one_sided:
             return self
         a, b, c = (self.points[self.corners[:, k]] for k in range(3))
         outside = np.cross(b - a, c - a)
         # one seen from its edge is no wall
         size = np.maximum(np.linalg.norm(outside, axis=1), 1e-300)
-        shown = np.logical_not(self.one_sided & (outside @ towards < -1e-9 * size))
+        shown = outside @ towards >= -1e-9 * size
         return replace(
             self,
             corners=self.corners[shown],
             which=self.which[shown],
             rows=self.rows[shown],
             values=None if self.values is None else self.values[shown],
-            one_sided=None,
         )
 
 

@@ -38,6 +38,8 @@ PAD, ARROWS_ROOM = 0.07, 1.65
 WIDE, HALF_WIDE = 3.2, 2.2
 MAX_COLUMNS, MAX_NAMES = 4, 24
 # of names: letters, lines of names that a footer has room for, height of each further line
+# of a line below the time that states why a moment is shown [inches]
+REASON = 0.14
 LETTERS_PER_INCH, NAME_LINES, NAME_LINE = 13.0, 2, 0.2
 # of the arrow in the legend [inches]; of a bar of colours at least
 LONGEST_ARROW, LEAST_BAR = 1.0, 0.4
@@ -94,7 +96,7 @@ class Key:
         """The largest force or speed that one arrow shows; a contact may have several."""
         unit = readable(self.arrow_unit, self.arrow_size)
         size = self.arrow_size * (factor(self.arrow_unit, unit) if unit != self.arrow_unit else 1)
-        return f"largest arrow {size:.3g} {unit}"
+        return f"largest arrow {float(f'{size:.3g}'):g} {unit}"
 
     def footer(self, width: float, panel: float) -> float:
         """Height of the legend below pictures on a sheet of this width [inches]."""
@@ -171,7 +173,7 @@ def layout(captions: Sequence[str], aspect: float, title: str, width: float = WI
     sheet = max(columns * panel + GAP * (columns - 1) + 2.0 * PAD, LEAST_WIDTH)
     lines = len(wrapped(title, sheet))
     head = TITLE + LINE * (lines - 1) if lines else 0.06
-    caption = CAPTION + 0.14 * any("\n" in caption for caption in captions)
+    caption = CAPTION + REASON * max((caption.count("\n") for caption in captions), default=0)
     return Layout(columns, rows, sheet, (panel, panel / aspect), head, caption)
 
 
@@ -305,14 +307,14 @@ def panel(
     axes.grid(False)
     for spine in axes.spines.values():
         spine.set(visible=True, color="#d5d9dd", linewidth=0.6)
-    time, _, reason = caption.partition("\n")
+    time, *reasons = caption.split("\n")
     low = (bottom + h + 0.035) / height
     # the reason of a moment is written below its time, in the words of the command
     most = max(int(w * 17), 10)
-    shown = reason if len(reason) <= most else reason[: most - 1] + "\N{HORIZONTAL ELLIPSIS}"
-    figure.text(left / width, low, shown, fontsize=7, va="bottom", color=MUTED)
-    raised = low + (0.14 / height if is_tall and reason else 0.0)
-    figure.text(left / width, raised, time, fontsize=8.5, va="bottom")
+    for reason in reversed(reasons if is_tall else ()):
+        figure.text(left / width, low, fitted(reason, most), fontsize=7, va="bottom", color=MUTED)
+        low += REASON / height
+    figure.text(left / width, low, time, fontsize=8.5, va="bottom")
     return axes
 
 

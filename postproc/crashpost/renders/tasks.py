@@ -19,9 +19,18 @@ MAX_FRAMES = 20_000
 
 
 def strip_task(
-    result: "Result", output: Path, at: list[str], title: str, **appearance: Any
+    result: "Result",
+    output: Path,
+    at: list[str],
+    title: str,
+    *,
+    time_unit: str = "",
+    **appearance: Any,
 ) -> "Task":
-    """Pictures at moments in words, each of the nearest state; raises PostError."""
+    """Pictures at moments in words, each of the nearest state; raises PostError.
+
+    Times are in `time_unit`, or in one that suits the run.
+    """
     from crashpost.renders.painting import Task, clock
     from crashpost.renders.section_lines import sections
     from crashpost.results.moments import moment
@@ -34,12 +43,22 @@ def strip_task(
     for word in words:
         wanted = moment(result, word, last)
         number = _state_near(states, wanted.time, word)
-        caption = clock(float(states.times[number]), last)
-        # the state that shows a peak may lie beside it
-        is_beside = caption != clock(wanted.time, last)
-        reason = f"nearest to {wanted.reason}" if is_beside else wanted.reason
-        frames.append((float(number), f"{caption}\n{reason}" if wanted.reason else caption))
+        caption = clock(float(states.times[number]), last, time_unit)
+        if wanted.reason:
+            caption += f"\n{wanted.reason}"
+            caption += _beside(float(states.times[number]) - wanted.time, last, time_unit)
+        frames.append((float(number), caption))
     return Task(str(output), title, tuple(frames), sections=sections(result), **appearance)
+
+
+def _beside(lead: float, span: float, time_unit: str) -> str:
+    """How far a state lies from the moment that it shows, as a line; "" where that is unseen."""
+    from crashpost.renders.painting import clock
+
+    if clock(lead, span, time_unit) == clock(0.0, span, time_unit):
+        return ""
+    distance = clock(abs(lead), span, time_unit).removeprefix("t = ")
+    return f"\nis {distance} {'earlier' if lead > 0 else 'later'}"
 
 
 def film_task(
@@ -51,6 +70,7 @@ def film_task(
     slow: float | None = None,
     span: tuple[str, str] = ("start", "end"),
     size: tuple[int, int] = (960, 0),
+    time_unit: str = "",
     **appearance: Any,
 ) -> "Task":
     """Frames over a span in words; raises PostError."""
@@ -84,11 +104,38 @@ def film_task(
     frames = []
     for k in range(count):
         time = min(first + k / (fps * slow), end)
-        frames.append((_number(states, time), clock(time, last)))
+        frames.append((_number(states, time), clock(time, last, time_unit)))
+    if str(appearance.get("arrows", "")).startswith("rcforc"):
+        _show_peak(result, states, frames, (first, fps * slow), time_unit)
     pace = f"{slow:g} times slower" if slow > 1 else f"{1 / slow:g} times faster"
     speed = "as fast as it was" if slow == 1 else f"{pace} than it was"
     film: dict[str, Any] = {"is_film": True, "fps": fps, "speed": speed, "size": size}
     return Task(str(output), title, tuple(frames), sections=sections(result), **film, **appearance)
+
+
+def _show_peak(
+    result: "Result",
+    states: "States",
+    frames: list[tuple[float, str]],
+    pace: tuple[float, float],
+    time_unit: str,
+) -> None:
+    """Let the frame nearest to the largest contact force be its state, not one beside it.
+
+    `pace` has the time of the first frame [s] and their number for each second of the run.
+    """
+    from crashpost.renders.painting import clock
+    from crashpost.results.moments import moment, strongest_contact
+
+    contact = strongest_contact(result)
+    if not contact:
+        return
+    last = float(states.times[-1])
+    number = states.nearest(moment(result, f"max:{contact}", last).time)
+    time = float(states.times[number])
+    nearest = round((time - pace[0]) * pace[1])
+    if 0 <= nearest < len(frames):
+        frames[nearest] = float(number), clock(time, last, time_unit)
 
 
 def _state_near(states: "States", time: float, word: str) -> int:

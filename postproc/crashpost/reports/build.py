@@ -25,14 +25,14 @@ from crashpost.reports.views import views
 from crashpost.results import ledger, logbook
 from crashpost.results.result import Result
 from crashpost.results.table import number
-from crashpost.values import injury_table
+from crashpost.values import injury_table, words
 from crashpost.values.accuracy import HEADER as ERRORS
 from crashpost.values.accuracy import accuracy_rows, cost_rows, worst_error
 from crashpost.values.events import events
 from crashpost.values.expectation import Verdict, check_expectations
 from crashpost.values.figure import Figure, figures_of
 from crashpost.values.injury_measure import HEADER, NUMERIC
-from crashpost.values.summary import Peak, peaks, status_line
+from crashpost.values.summary import BASIS, Peak, peaks, status_line
 from crashpost.values.units import PageUnits, Units, on_page, page_time_unit
 from crashsolve.channels.display import factor, readable
 
@@ -91,7 +91,7 @@ class _Report:
     def views(self) -> str:
         """Pictures and films of the run."""
         try:
-            return views(self.result, self.described, self.pictures)
+            return views(self.result, self.described, self.pictures, self.time_unit)
         except PostError as error:
             self.problems.append(f"pictures: {error}")
             return f'<p class="problem">{escape(str(error))}</p>'
@@ -248,13 +248,15 @@ def _peaks(result: Result, page_units: PageUnits) -> str:
     time_unit = page_units.unit("s")
     header = ("channel", "unit", "least", f"at, {time_unit}", "greatest", f"at, {time_unit}")
     classes = ("name", "", "num", "num", "num", "num")
+    note = f"<p class=note>{escape(words.capital(BASIS))}.</p>"
+    note *= any(".peak_" in row[0] for row in rows)
     if len(rows) <= OPEN_PEAKS:
-        return table(header, rows, classes)
+        return table(header, rows, classes) + note
     more = len(rows) > MAX_PEAKS
     title = (
         f"The first {MAX_PEAKS} channels; peaks.txt has all" if more else f"{len(rows)} channels"
     )
-    return details(title, table(header, rows[:MAX_PEAKS], classes))
+    return details(title, table(header, rows[:MAX_PEAKS], classes) + note)
 
 
 def _peak_row(peak: Peak, page_units: PageUnits) -> list[str]:

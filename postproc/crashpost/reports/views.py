@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from crashpost.errors import PostError, unknown
 from crashpost.figures.page import details, escape
+from crashpost.results.moments import moment, strongest_contact
 from crashpost.results.result import Result
 from crashpost.results.states import States
 from crashpost.results.status import Json
@@ -32,8 +33,11 @@ SIZE = (720, 0)
 MAX_POINTS = 1_000_000
 
 
-def views(result: Result, described: object, choice: str = "all") -> str:
-    """The HTML of all pictures, "" for a run without states; raises PostError."""
+def views(result: Result, described: object, choice: str = "all", time_unit: str = "") -> str:
+    """The HTML of all pictures, times in this unit; "" for a run without states.
+
+    Raises PostError.
+    """
     if choice == "none" or not any((result.folder / "states").glob("[0-9]*.h5")):
         return ""
     states = States(result.folder)
@@ -41,7 +45,8 @@ def views(result: Result, described: object, choice: str = "all") -> str:
         raise unknown("choice of pictures", choice, CHOICES)
     scenes = scenes_of(described) or [default_scene(result, states)]
     with TemporaryDirectory() as folder:
-        tasks = _tasks(result, Path(folder), scenes, with_film=choice == "all" and _moves(states))
+        with_film = choice == "all" and _moves(states)
+        tasks = _tasks(result, Path(folder), scenes, time_unit, with_film=with_film)
         from crashpost.renders.painting import make
 
         make(result.folder, tasks, lambda done, total: None, _report)
@@ -77,7 +82,7 @@ def default_scene(result: Result, states: States) -> Json:
     defaults: Json = {"title": "The run", "at": at}
     if "contacts" in states.blocks:
         defaults["arrows"] = "rcforc"
-        strongest = _strongest(result)
+        strongest = strongest_contact(result)
         if strongest:
             at[1] = f"max:{strongest}"
             # moments in order, without two of one state
@@ -88,30 +93,15 @@ def default_scene(result: Result, states: States) -> Json:
     return defaults
 
 
-def _strongest(result: Result) -> str:
-    """The channel of the contact with the largest force of all steps; none where nothing touches.
-
-    Of samples alone where a result has no peaks of steps.
-    """
-    largest: dict[str, float] = {}
-    for family in (f for f in result.families.values() if f.word == "rcforc"):
-        for column in (c for c in family.columns if c.name in ("normal", "peak_normal")):
-            peaks = result.extremes(family, column).greatest if len(result.time) else ()
-            for entity, peak in zip(family.ids, peaks, strict=bool(len(peaks))):
-                largest[str(entity)] = max(largest.get(str(entity), 0.0), float(peak))
-    name = max(largest, key=lambda n: largest[n], default="")
-    return f"rcforc.{name}.normal" if name and largest[name] > 0 else ""
-
-
 def _in_order(result: Result, states: States, at: Sequence[object]) -> list[object]:
-    from crashpost.results.moments import moment
-
     last = float(states.times[-1])
     numbers = {states.nearest(moment(result, str(word), last).time): word for word in at[::-1]}
     return [numbers[number] for number in sorted(numbers)]
 
 
-def _tasks(result: Result, folder: Path, scenes: Sequence[Json], *, with_film: bool) -> list[Task]:
+def _tasks(
+    result: Result, folder: Path, scenes: Sequence[Json], time_unit: str, *, with_film: bool
+) -> list[Task]:
     from crashpost.renders.film_file import can_write_mp4
     from crashpost.renders.tasks import film_task, strip_task
 
@@ -119,13 +109,16 @@ def _tasks(result: Result, folder: Path, scenes: Sequence[Json], *, with_film: b
     for k, scene in enumerate(scenes):
         at = [str(word) for word in scene.get("at", [])]
         title = scene.get("title", "")
-        tasks.append(strip_task(result, folder / f"{k}.png", at, title, **appearance(scene)))
+        words = appearance(scene) | {"time_unit": time_unit}
+        tasks.append(strip_task(result, folder / f"{k}.png", at, title, **words))
     if with_film:
         name = "film.mp4" if can_write_mp4() else "film.gif"
         fitted_camera = {
             word: value for word, value in appearance(scenes[0]).items() if word != "close_up"
         }
-        tasks.append(film_task(result, folder / name, "", size=SIZE, **fitted_camera))
+        tasks.append(
+            film_task(result, folder / name, "", size=SIZE, time_unit=time_unit, **fitted_camera)
+        )
     return tasks
 
 

@@ -21,6 +21,21 @@ class Moment(NamedTuple):
     reason: str
 
 
+def strongest_contact(result: Result) -> str:
+    """The channel of the contact with the largest force of all steps; none where nothing touches.
+
+    Of samples alone where a result has no peaks of steps.
+    """
+    largest: dict[str, float] = {}
+    for family in (f for f in result.families.values() if f.word == "rcforc"):
+        for column in (c for c in family.columns if c.name in ("normal", "peak_normal")):
+            peaks = result.extremes(family, column).greatest if len(result.time) else ()
+            for entity, peak in zip(family.ids, peaks, strict=bool(len(peaks))):
+                largest[str(entity)] = max(largest.get(str(entity), 0.0), float(peak))
+    name = max(largest, key=lambda n: largest[n], default="")
+    return f"rcforc.{name}.normal" if name and largest[name] > 0 else ""
+
+
 def split(text: str) -> list[str]:
     """The moments of a list with commas; a comma within brackets or quotes divides nothing."""
     parts, depth, quote = [""], 0, ""

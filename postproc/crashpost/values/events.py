@@ -13,12 +13,14 @@ from crashsolve.channels.display import factor, readable
 MAX_EVENTS = 40
 # quantities of which the first sample that is not zero is an event, and how it is reported
 STARTS = {
-    "plastic": "begins to yield",
-    "plastic_angle": "begins to yield",
-    "plastic_strain": "begins to yield",
-    "failed": "fails",
-    "deleted": "loses its first element",
+    "plastic": ("begins to yield", "begin to yield"),
+    "plastic_angle": ("begins to yield", "begin to yield"),
+    "plastic_strain": ("begins to yield", "begin to yield"),
+    "failed": ("fails", "fail"),
+    "deleted": ("loses its first element", "lose their first elements"),
 }
+# of a kind in one sample: more of them are one event
+MAX_ALIKE = 2
 # share of the largest force of all steps that a sample must show to be called its time
 SHOWN = 0.999
 # [of the largest value] less is round-off
@@ -35,27 +37,39 @@ class Event(NamedTuple):
 
 
 def events(result: Result, units: Mapping[str, str] | None = None) -> list[Event]:
-    """All of them by time; of contacts and starts at most MAX_EVENTS.
+    """At most MAX_EVENTS by time, those of contacts first; the last one counts what is left out.
 
     `units` are those to show SI units in, such as {"N": "kN"}; fitting ones where it has none.
     """
     units = units or {}
     if not len(result.time):
         return []
-    collected: list[Event] = []
+    collected, started = list[Event](), list[Event]()
     for family in result.families.values():
         if family.word == "rcforc":
             collected += _of_contacts(result, family, units)
         for column in family.columns:
             if column.name in STARTS:
-                collected += _starts(result, family, column)
+                started += _starts(result, family, column)
     deleted = result.status.get("deleted") or {}
     for part, entry in deleted.items() if isinstance(deleted, dict) else ():
         if isinstance(entry, dict) and isinstance(entry.get("last"), int | float):
             collected.append(
                 Event(entry["last"], f"{_name(part)} has lost {entry.get('count')} elements")
             )
-    return sorted(collected)[:MAX_EVENTS]
+    return _listed(sorted(collected), sorted(started))
+
+
+def _listed(collected: list[Event], started: list[Event]) -> list[Event]:
+    """Events by time, where there are too many with the first starts alone."""
+    surplus = len(collected) + len(started) - MAX_EVENTS
+    if surplus <= 0:
+        return sorted(collected + started)
+    # a line for the count
+    fitting = max(len(started) - surplus - 1, 0)
+    kept = sorted(collected + started[:fitting])[: MAX_EVENTS - 1]
+    left_out = len(collected) + len(started) - len(kept)
+    return [*kept, Event(kept[-1].time, f"{left_out} more events are not listed here")]
 
 
 def _of_contacts(result: Result, family: Family, units: Mapping[str, str]) -> Iterator[Event]:
@@ -136,10 +150,15 @@ def _starts(result: Result, family: Family, column: Column) -> Iterator[Event]:
         moved = np.abs(values) > LEAST * largest
         new = (started < 0) & moved.any(axis=0)
         started[new] = first + moved.argmax(axis=0)[new]
-    for entity, row in zip(family.ids, started, strict=True):
-        # a condition that holds from the start is no event
-        if row > 0:
-            yield Event(float(result.time[row]), f"{_name(entity)} {STARTS[column.name]}")
+    one, several = STARTS[column.name]
+    # a condition that holds from the start is no event
+    for row in np.unique(started[started > 0]):
+        names = [_name(family.ids[k]) for k in np.flatnonzero(started == row)]
+        time = float(result.time[row])
+        if len(names) <= MAX_ALIKE:
+            yield from (Event(time, f"{name} {one}") for name in names)
+        else:
+            yield Event(time, f"{names[0]} and {len(names) - 1} others {several}")
 
 
 def _name(entity: str) -> str:

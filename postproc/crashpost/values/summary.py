@@ -10,6 +10,9 @@ from crashpost.results.table import number, text_table
 from crashpost.values.accuracy import accuracy_table
 
 MAX_PEAKS = 40
+# times of contacts, and what extremes are of
+MOMENTS = ("first_touch", "last_release")
+BASIS = "extremes of the samples; those named peak_ are of all steps"
 
 
 def summary(result: Result) -> str:
@@ -54,7 +57,8 @@ def peaks(result: Result) -> Iterator[Peak]:
         columns = [(column, result.extremes(family, column)) for column in family.columns]
         for at, entity in enumerate(family.ids):
             for column, own in columns:
-                if own.least[at] != own.greatest[at]:
+                # moments before the run stand for what has not been; events have the others
+                if column.name not in MOMENTS and own.least[at] != own.greatest[at]:
                     name = f"{family.word}.{entity}.{column.name}"
                     least, greatest = float(own.least[at]), float(own.greatest[at])
                     times = result.time[own.least_row[at]], result.time[own.greatest_row[at]]
@@ -106,6 +110,7 @@ def _peaks(result: Result) -> str:
     if not rows:
         return ""
     table = text_table(("channel", "unit", "min", "at s", "max", "at s"), rows[:MAX_PEAKS])
+    table += f"\n{BASIS}" if any(".peak_" in row[0] for row in rows) else ""
     return table + ("\n... and more; see peaks.txt" if len(rows) > MAX_PEAKS else "")
 
 

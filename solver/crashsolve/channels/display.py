@@ -117,7 +117,9 @@ def is_convertible(source: str, wanted: str) -> bool:
 def readable(unit: str, largest: float) -> str:
     """The prefixed form of a unit in which `largest` lies between 1 and 1000."""
     steps = {"m": ("mm", "m", "km"), "s": ("ms", "s")}
-    steps |= {u: (u, "k" + u, "M" + u) for u in ("N", "J", "W", "Pa", "N s", "N m", "N m s")}
+    steps |= {
+        u: (u, "k" + u, "M" + u, "G" + u) for u in ("N", "J", "W", "Pa", "N s", "N m", "N m s")
+    }
     if unit not in steps or not largest > 0 or not math.isfinite(largest):
         return unit
     fitting = [u for u in steps[unit] if largest * factor(unit, u) >= 1]

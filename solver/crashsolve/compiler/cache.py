@@ -106,7 +106,10 @@ def refuse_foreign(folder: Path) -> None:
             continue
         # in a namespace of users, root may have another number
         if info.st_uid not in (0, os.geteuid(), os.stat("/").st_uid):
-            raise CacheError(f"compiled code cannot be in {folder}: {path} belongs to another user")
+            raise CacheError(
+                f"compiled code cannot be in {folder}: {path} belongs to another user; "
+                f"set {CHOSEN} to a folder of your own"
+            )
         if not stat.S_ISLNK(info.st_mode) and _others_write(info):
             advice = f"chmod go-w {path}, or set {CHOSEN} to a folder of your own"
             raise CacheError(f"compiled code cannot be in {folder}: others write {path}; {advice}")

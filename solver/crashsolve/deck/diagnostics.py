@@ -13,7 +13,7 @@ from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
 
 from crashsolve.deck.fields import Declared, deck_words, declared, in_unit
 from crashsolve.deck.source import BROKEN
-from crashsolve.deck.words import choices, meant_field, nearest
+from crashsolve.deck.words import choices, listed, meant_field, nearest
 
 Path = tuple[str | int, ...]
 
@@ -147,8 +147,17 @@ def _in_words(card: type[BaseModel], field: Declared | None, line: ErrorDetails)
         case "literal_error":
             advice = nearest(value, field.words) if field else ""
             return Diagnostic(path, f"must be {notes['expected']}, not {shown(value)}", advice)
-    advice = f"write [{value}]" if line["type"] == "tuple_type" and _is_entry(field, value) else ""
-    return Diagnostic(path, f"must be {_expected(field, line)}, not {shown(value)}", advice)
+    return Diagnostic(
+        path, f"must be {_expected(field, line)}, not {shown(value)}", _hint(card, field, line)
+    )
+
+
+def _hint(card: type[BaseModel], field: Declared | None, line: ErrorDetails) -> str:
+    """How a value of the wrong kind may be written."""
+    if line["type"] == "tuple_type" and _is_entry(field, line["input"]):
+        return f"write [{line['input']}]"
+    is_card = line["type"] == "model_type" and field is None
+    return f"(fields: {listed(deck_words(card))})" if is_card else ""
 
 
 def _is_entry(field: Declared | None, value: object) -> bool:

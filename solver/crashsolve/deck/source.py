@@ -185,6 +185,8 @@ def _syntax_error(name: str, text: str, error: yaml.MarkedYAMLError) -> DeckErro
         glued = [k for k in (line - 1, line) if k >= 0 and _GLUED.match(rows[k])]
         if glued:
             advice = f"put a space after the ':' in line {glued[0] + 1}"
+    elif "could not find expected ':'" in problem and error.context_mark:
+        problem = f"a ':' is missing after the word in line {error.context_mark.line + 1}"
     elif "did not find expected" in problem and error.context_mark:
         problem, advice = _unfinished(problem, error.context_mark)
     return DeckError(name, line + 1, column + 1, "", f"not valid YAML: {problem}", advice)

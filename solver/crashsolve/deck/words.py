@@ -7,6 +7,8 @@ from crashsolve.deck.renamed import RENAMED
 
 # letters of a word that a message quotes
 LONGEST = 80
+# names that other codes have for the ground
+FIXED = ("world", "fixed", "earth", "inertial", "reference", "base", "0")
 # fields by the symbols and words that other codes and textbooks have for them
 SYMBOLS = {
     "E": ("young", "young_a"),
@@ -82,9 +84,16 @@ def nearest_field(word: object, known: Iterable[str]) -> str:
 def choices(word: object, known: Iterable[str], what: str) -> str:
     """Advice on a wrong word: the right one most like it, and the list of all."""
     names = list(known)
-    listed = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
+    if what == "bodies" and str(word).lower() in FIXED:
+        return "what never moves is called 'ground'"
     question = nearest_field(word, names) if what == "fields" else nearest(word, names)
-    return f"{question} ({what}: {listed or 'none'})".lstrip()
+    return f"{question} ({what}: {listed(names)})".lstrip()
+
+
+def listed(known: Iterable[str]) -> str:
+    """The first of the names that there are."""
+    names = list(known)
+    return ", ".join(names[:12]) + (", ..." if len(names) > 12 else "") or "none"
 
 
 def shortened(word: str) -> str:

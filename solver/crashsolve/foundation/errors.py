@@ -109,6 +109,13 @@ class RunStopped(CrashsolveError):
     exit_code = ExitCode.STOPPED
 
 
+def cannot_load(error: OSError) -> str:
+    """The message that a library cannot be loaded, with the limit of memory if there is one."""
+    first = str(error).split(". ")[0]
+    is_limited = getrlimit(RLIMIT_AS)[0] != RLIM_INFINITY
+    return f"a library cannot be loaded: {first}" + f"; {out_of_memory()}" * is_limited
+
+
 def out_of_memory() -> str:
     """The message that memory was refused, with the limit that refused it."""
     limit, _ = getrlimit(RLIMIT_AS)

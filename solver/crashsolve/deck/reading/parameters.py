@@ -313,13 +313,22 @@ def _unit(value: object) -> Unit | None:
     return PURE if isinstance(value, int | float) and not isinstance(value, bool) else None
 
 
+def _unreadable(value: object) -> str:
+    """What of a value that is no number cannot be read."""
+    try:
+        _number(value)
+    except UnitError as error:
+        return str(error)
+    return ""
+
+
 def _inconsistency(value: object, replaced: object) -> tuple[str, str]:
     """Message of a wrong value given on the command line, and advice; empty when it fits."""
     if isinstance(value, str) and "${" in value:
         return "", ""
     unit, before = _unit(value), _unit(replaced)
     if unit is None:
-        return "must be a number, alone or with a unit", ""
+        return "must be a number, alone or with a unit", _unreadable(value)
     if before is not None and unit.exponents != before.exponents:
         message = f"the deck has {shown(replaced)} here"
         if before.exponents == PURE.exponents:

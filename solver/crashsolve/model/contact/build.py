@@ -127,6 +127,8 @@ def _add_card(
     is_meshed = any(MESHED & set(side) for side in sides)
     is_whole = all(name in surfaces for name in (*card.a, *card.b))
     if is_whole and not is_meshed and len(bodies[0] | bodies[1]) == 1:
+        if bodies[0] == {0}:
+            raise scene.fail("all its surfaces are on the ground; give one of them a body", "b")
         raise scene.fail("all its surfaces are on one body; a body cannot touch itself", "b")
     law = import_module(type(laws[0]).__module__)
     if hasattr(law, "check"):

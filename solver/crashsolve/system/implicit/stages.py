@@ -238,6 +238,9 @@ def add_external(clock, stages, A, i, h):
     first = stages.shape[0] * i
     for j in range(stages.shape[0]):
         a, external_row = h * A[first + j], stages[j, 0]
+        # what a rejected step left in a stage that this sum does not have may be no number
+        if a == 0.0:
+            continue
         add_to(clock.impulse, scale(a, vec(external_row.rate_v)))
         add_to(clock.angular_impulse, scale(a, vec(external_row.rate_L)))
         clock.driver_work += a * external_row.rate_r[0]
