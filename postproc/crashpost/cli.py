@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 # exit code of a request that cannot be met
 REFUSED = 2
 # commands whose output does not show that a run has not finished
-REPORTING = {"value", "values", "plot", "compare", "export", "render", "film"}
+REPORTING = {"value", "values", "injury", "plot", "compare", "export", "render", "film"}
 CHANNELS = "name, pattern such as 'rcforc.*.force.x', or arithmetic such as '-a.b.c / 2'"
 STATISTIC = "as under expect in a deck: max, mean, at:T with T in seconds, ..."
 
@@ -106,6 +106,7 @@ def _parser() -> argparse.ArgumentParser:
         type=Path,
         help="JSON list of {channel, statistic, during, unit}; statistic: as of value, or path",
     )
+    add("injury", _injury, "print measures of injury with their limits and errors of samples")
     sub = add("expect", _expect, "evaluate the deck's expectations")
     sub.add_argument("--partial", action="store_true", help="also of a run that did not finish")
     curves.add_commands(add)
@@ -140,6 +141,18 @@ def _summary(options: argparse.Namespace) -> int:
     from crashpost.values.summary import summary
 
     _say(summary(_open(options)))
+    return 0
+
+
+def _injury(options: argparse.Namespace) -> int:
+    from crashpost.results.table import text_table
+    from crashpost.values.injury_measure import HEADER
+    from crashpost.values.injury_table import table
+
+    rows = table(_open(options))
+    if not rows:
+        raise PostError(f"{options.result}: no sensor has a role, or there are no samples yet")
+    _say(text_table(HEADER, rows))
     return 0
 
 

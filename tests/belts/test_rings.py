@@ -6,8 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bench import Bench, Law, assert_balanced, exponential, product, refusal, written
+from command import crashsolve
 from numpy.typing import ArrayLike
 
+from crashpost.results.result import Result
 from crashsolve.belts import _flow
 from crashsolve.belts import belt as belt_law
 from crashsolve.foundation.orientation import matrix
@@ -379,3 +381,60 @@ WRONG_WEBBING = {
 def test_webbing_that_makes_no_sense_is_refused(tmp_path: Path, webbing: str) -> None:
     text = f"belts:\n  s:\n    webbing: {webbing}\n    route: {ROUTE}\n"
     assert WRONG_WEBBING[webbing] in refusal(tmp_path, BODIES + text)
+
+
+# slack of 1 m that a spool draws in, through rings without and with much friction
+SPOOLED = """
+title: Slack drawn in through rings
+control: {end_time: 0.15, step: 1e-5, estimate: "off"}
+output: {history: {interval: 1e-3}}
+bodies:
+  a:
+    mass: 1.54
+    inertia: [0.158, 0.135, 0.147]
+    position: [1.5, 0, 0]
+    velocity: [2.0412, 1.0973, 3.1637]
+    angular_velocity: [0.0888, 0.0586, 0.0449]
+  b:
+    mass: 7.66
+    inertia: [0.308, 0.431, 0.355]
+    position: [0.6, 0.3, 0.5]
+    velocity: [-0.4578, 0.0244, -0.1009]
+    angular_velocity: [0.0439, 0.1562, -0.1056]
+curves: {strap: {points: [[0, 0], [0.01, 710], [0.03, 3494], [0.06, 7452], [0.12, 12082]]}}
+surfaces:
+  roll:
+    type: cylinder
+    body: a
+    at: [-0.0403, 0.0372, -0.0273]
+    axis: [0.1567, 0.0166, 0.626]
+    radius: 0.118
+    length: 1
+belts:
+  s:
+    webbing: {curve: strap, unloading_stiffness: 1.34e6}
+    slack: 1
+    route:
+      - {retractor: {at: [0.1255, -0.209, 0.8893], pull: 50, lock_acceleration: 5}}
+      - {ring: {body: b, at: [-0.3456, 0.1449, 0.5961]}}
+      - {ring: {body: b, at: [-0.6787, -0.4616, 0.178], friction_coefficient: 5}}
+      - {wrap: {surface: roll}}
+      - {ring: {body: b, at: [0.3953, -0.0901, 0.5859]}}
+      - {anchor: {body: a, at: [0.0431, 0.1597, 0.0435]}}
+loads: {weight: {type: gravity}}
+"""
+
+
+def test_flows_that_stick_leave_webbing_in_every_segment(tmp_path: Path) -> None:
+    # a flow that would turn back sticks, and took webbing from its neighbour that it did not have
+    deck = tmp_path / "deck.yaml"
+    deck.write_text(SPOOLED, "utf-8")
+    done = crashsolve(deck, "-o", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    result = Result(tmp_path / "out")
+    webbing = [result.series(f"beltout.s.webbing.{i}").values for i in range(1, 6)]
+    assert min(one.min() for one in webbing) > 0.0
+    drawn = sum(webbing) - result.series("beltout.s.pay_out").values
+    assert np.ptp(drawn) < 1e-12 * drawn[0]
+    # required: 0.5 %
+    assert np.abs(result.series("glstat.model.balance").values).max() < 0.1

@@ -238,3 +238,43 @@ def test_a_ball_that_rolls_along_under_its_belt_has_not_slipped(tmp_path: Path) 
         law.accept()
     # the belt is not quite in the plane of the rotation: some slip, and not the six radians
     assert abs(law.new.lateral[1]) < 0.6 and law.new.crossed == 0
+
+
+@pytest.mark.parametrize("surface", ["ball", "egg", "roll"])
+@pytest.mark.parametrize("beyond", [-1.0, 0.7])
+def test_a_belt_that_passes_a_surface_behind_its_end_is_a_straight_belt(
+    tmp_path: Path, surface: str, beyond: float
+) -> None:
+    # the nearest point of the line to the surface is an end of it: no segment has no length
+    law = belt(tmp_path, surface, 0.3, slack=-0.2)
+    law.bench.move(2, r=[0.0, beyond, 0.0])
+    law.force(1e-3)
+    straight = np.linalg.norm([0.1, -1.2, 0.05])
+    assert law.out.length[0] + law.out.length[1] == pytest.approx(straight, rel=1e-12)
+    assert min(law.out.length[0], law.out.length[1]) > 0.05
+    tension = 1e5 * (straight / law.p.total - 1.0)
+    np.testing.assert_allclose(law.out.force[:2], tension, rtol=1e-9)
+    assert law.new.short == 0
+
+
+@pytest.mark.parametrize("surface", ["ball", "egg", "roll"])
+def test_a_belt_that_comes_out_of_a_body_is_straight_until_it_is_clear_of_it(
+    tmp_path: Path, surface: str
+) -> None:
+    law = belt(tmp_path, surface, 0.3, slack=0.0, at=(0.5, 0.6, 0))
+    # an anchor goes through the body to its far side, and back around it
+    path = [[0.1, -0.6, 0.05], [-0.06, 0.0, 0.0], [-0.5, -0.3, 0.0], [0.3, -0.7, 0.0]]
+    touches = []
+    for start, end in zip(path[:-1], path[1:], strict=True):
+        for share in np.linspace(0.02, 1.0, 50):
+            law.bench.move(1, r=np.add(start, share * np.subtract(end, start)))
+            law.force(1e-3)
+            touches.append(int(law.new.touches[1]))
+            straight = np.linalg.norm(np.subtract(law.bench.nodes[1].r, [0.5, 0.6, 0.0]))
+            if touches[-1] < 0:
+                both = law.out.length[0] + law.out.length[1]
+                assert both == pytest.approx(straight, rel=1e-12)
+            law.accept()
+    assert law.new.inside == 1 and min(touches) == -1 and touches[-1] >= 0
+    # it does not lie on it at once, with all of an arc
+    assert (-1, 1) not in zip(touches[:-1], touches[1:], strict=True)

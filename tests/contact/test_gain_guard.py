@@ -146,6 +146,25 @@ def test_a_line_that_makes_energy_is_named_whatever_else_moves(entry: str, tmp_p
     assert abs(now["work_done"] + stored) < 0.004 * 50.0
 
 
+def test_a_line_that_is_slack_after_one_step_does_not_stop_the_run(tmp_path: Path) -> None:
+    # half of 30 N act over the first step, of 1 mm, where the stretch is 20 um: 15 mJ for 0.3 mJ,
+    # beside 50 J of motion
+    path = tmp_path / "deck.yaml"
+    text = (LINE + LINES["belt"]).replace("velocity: [10,", "velocity: [-10,")
+    text = text.replace("slack: 0.5", "slack: -2e-5").replace("2.5e-3", "1e-4")
+    path.write_text(text, "utf-8")
+    deck = read_deck(path)
+    engine = engine_of(deck, *build(deck))
+    engine.start()
+    for k in range(1, 21):
+        engine.reach(1e-3 * k)
+        engine.sample(1e-3 * k)
+    (group,) = [g for g in engine.model.force_groups() if g.is_watched]
+    now = group.history[int(engine.clock["current"]), 0]
+    # it gave more than it had
+    assert now["work_done"] > 1.05 * now["initially_stored"] > 0.0
+
+
 def draw_tight(entry: str, folder: Path, step: float) -> tuple[np.void, float]:
     """What the line has given and taken after its first pull, and what it stores [J]."""
     path = folder / "deck.yaml"

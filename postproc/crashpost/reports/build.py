@@ -25,12 +25,13 @@ from crashpost.reports.views import views
 from crashpost.results import ledger, logbook
 from crashpost.results.result import Result
 from crashpost.results.table import number
-from crashpost.values import injury, occupant_injury
+from crashpost.values import injury_table
 from crashpost.values.accuracy import HEADER as ERRORS
 from crashpost.values.accuracy import accuracy_rows, cost_rows, worst_error
 from crashpost.values.events import events
 from crashpost.values.expectation import Verdict, check_expectations
 from crashpost.values.figure import Figure, figures_of
+from crashpost.values.injury_measure import HEADER, NUMERIC
 from crashpost.values.summary import Peak, peaks, status_line
 from crashpost.values.units import PageUnits, Units, on_page, page_time_unit
 from crashsolve.channels.display import factor, readable
@@ -234,11 +235,12 @@ def _events(result: Result, page_units: PageUnits) -> str:
 
 
 def _injury(result: Result) -> str:
-    rows = injury.measures(result) if len(result.time) > 1 else []
-    rows += occupant_injury.rows(result) if len(result.time) > 1 else []
-    note = "<p class=note>Limits are those for a 50th percentile man (49 CFR 571.208, UN R94).</p>"
-    has_limits = any(row[3] for row in rows)
-    return table(injury.HEADER, rows, ("", "", "num", "num", "", "")) + note * has_limits
+    rows, limit = injury_table.table(result), HEADER.index("limit")
+    notes = ["The error is that of the interval of samples: the measure of every second one."]
+    if any(row[limit] for row in rows):
+        notes.append("Limits are those for a 50th percentile man.")
+    note = f"<p class=note>{' '.join(notes)}</p>" if rows else ""
+    return table(HEADER, rows, tuple("num" if head in NUMERIC else "" for head in HEADER)) + note
 
 
 def _peaks(result: Result, page_units: PageUnits) -> str:

@@ -8,7 +8,8 @@
 
 Filter classes are those of SAE J211-1. Limits: 49 CFR 571.208 for HIC of 15 ms and the chest,
 UN R94 for HIC of 36 ms and 80 g; both for a 50th percentile man. No sections are cited: their
-numbers were not checked against the texts.
+numbers were not checked against the texts. `injury_table.py` has these measures and
+those of `occupant_injury.py`, each with its error by the interval of the samples.
 Accelerations are filtered axis by axis; where the samples do not serve the filter, they are taken
 as they are, and the measure states it.
 """
@@ -23,20 +24,25 @@ from crashpost.results.result import Result
 from crashpost.results.status import Json
 from crashpost.results.table import number
 from crashpost.values.figure import Curve, Figure, Reference
-from crashpost.values.pulse import pulse_rows
+from crashpost.values.injury_measure import Measure
+from crashpost.values.pulse import pulse_measures
 from crashpost.values.words import capital
 from crashsolve.channels.errors import TooShort
+from crashsolve.channels.roles import CLASSES
 
 HIC = ("15 ms", "36 ms")
 CLIP = "3 ms"
-# channel frequency classes, SAE J211-1
-CLASSES = {"head": 1000, "chest": 180, "pelvis": 1000, "vehicle": 60}
-# greatest values allowed, of HIC and in g
+# greatest values allowed, of HIC and in g, and where
 LIMITS = {
-    "head": {"HIC, 15 ms": 700.0, "HIC, 36 ms": 1000.0, "3 ms clip": 80.0},
-    "chest": {"3 ms clip": 60.0},
+    "head": {
+        "HIC, 15 ms": (700.0, "49 CFR 571.208"),
+        "HIC, 36 ms": (1000.0, "UN R94"),
+        "3 ms clip": (80.0, "UN R94"),
+    },
+    "chest": {"3 ms clip": (60.0, "49 CFR 571.208")},
 }
-HEADER = ("", "measure", "value", "limit", "", "when")
+# measure, value, unit and when
+Number = tuple[str, float | None, str, str]
 
 
 @dataclass(frozen=True)
@@ -72,16 +78,16 @@ def positions(result: Result) -> list[SensorPosition]:
     ]
 
 
-def measures(result: Result) -> list[list[str]]:
-    """A row for each measure of each position: name, measure, value, limit, verdict, when."""
-    rows = []
+def measures(result: Result) -> list[Measure]:
+    """The measures of each position, after its filter and what it does with gravity."""
+    measured = []
     for position in positions(result):
         message = position.plain_because or "axis by axis"
-        rows.append([position.name, position.filter or "not filtered", "", "", "", message])
+        measured.append(Measure(position.name, position.filter or "not filtered", when=message))
         held = "as instruments show it" if position.has_gravity else "left out"
-        rows.append([position.name, "gravity", "", "", "", held])
-        rows += [_row_with_limit(position, *row) for row in _measures(result, position)]
-    return rows
+        measured.append(Measure(position.name, "gravity", when=held))
+        measured += [_with_limit(position, *one) for one in _measures(result, position)]
+    return measured
 
 
 def injury_figures(result: Result) -> list[Figure]:
@@ -99,29 +105,25 @@ def injury_figures(result: Result) -> list[Figure]:
     return figures
 
 
-def _measures(result: Result, position: SensorPosition) -> list[tuple[str, str, str]]:
-    """Measure, value and when."""
+def _measures(result: Result, position: SensorPosition) -> list[Number]:
+    """Measure, value, unit and when."""
     message = partial(_reported, result)
-    rows = [("largest acceleration", *_peak(result, position.channel))]
-    rows.append(("3 ms clip", *message(f"clip({position.channel}, '{CLIP}')", "max", "g")))
+    clip = f"clip({position.channel}, '{CLIP}')"
+    measured = [_peak(result, position.channel), ("3 ms clip", *message(clip, "max", "g"))]
     if position.role == "head":
-        rows += [(f"HIC, {window}", *_hic(result, position.channel, window)) for window in HIC]
-        rows.append(("Severity Index", *message(f"si({position.channel})", "final")))
+        measured += [_hic(result, position.channel, window) for window in HIC]
+        measured.append(("Severity Index", *message(f"si({position.channel})", "final")))
     if position.role == "vehicle":
-        rows += pulse_rows(result, position.sensor)
-    return rows
+        measured += pulse_measures(result, position.sensor)
+    return measured
 
 
-def _row_with_limit(position: SensorPosition, measure: str, value: str, when: str) -> list[str]:
-    """The row of a measure with its limit; a signal that was not filtered is not judged."""
-    limit = LIMITS.get(position.role, {}).get(measure)
-    if limit is None or value == "-":
-        return [position.name, measure, value, "", "", when]
-    unit = " g" if value.endswith(" g") else ""
-    verdict = "within" if float(value.removesuffix(" g")) <= limit else "beyond"
-    if position.plain_because:
-        verdict = "not assessed: not filtered"
-    return [position.name, measure, value, f"{limit:g}{unit}", verdict, when]
+def _with_limit(
+    position: SensorPosition, measure: str, value: float | None, unit: str, when: str
+) -> Measure:
+    limit, source = LIMITS.get(position.role, {}).get(measure, (None, ""))
+    is_filtered = not position.plain_because
+    return Measure(position.name, measure, value, unit, when, limit, source, is_filtered)
 
 
 def _marks(result: Result, position: SensorPosition, peak: float) -> tuple[Reference, ...]:
@@ -142,30 +144,31 @@ def _marks(result: Result, position: SensorPosition, peak: float) -> tuple[Refer
     return tuple(marks)
 
 
-def _peak(result: Result, channel: str) -> tuple[str, str]:
+def _peak(result: Result, channel: str) -> Number:
     when = result.value(channel, "argmax")
-    return f"{number(result.value(channel, 'max', unit='g0'))} g", f"at {1e3 * when:.5g} ms"
+    peak = result.value(channel, "max", unit="g0")
+    return "largest acceleration", peak, "g", f"at {1e3 * when:.5g} ms"
 
 
-def _hic(result: Result, channel: str, window: str) -> tuple[str, str]:
-    value, _ = _reported(result, f"hic({channel}, '{window}')", "final")
-    try:
-        start, end = (
-            1e3 * result.value(f"hic_{edge}({channel}, '{window}')", "final")
-            for edge in ("start", "end")
-        )
-    except PostError:
-        return value, ""
-    return value, f"{start:.5g} to {end:.5g} ms"
+def _hic(result: Result, channel: str, window: str) -> Number:
+    value, _, message = _reported(result, f"hic({channel}, '{window}')", "final")
+    if value is None:
+        return f"HIC, {window}", None, "", message
+    start, end = (
+        1e3 * result.value(f"hic_{edge}({channel}, '{window}')", "final")
+        for edge in ("start", "end")
+    )
+    return f"HIC, {window}", value, "", f"{start:.5g} to {end:.5g} ms"
 
 
-def _reported(result: Result, channel: str, statistic: str, unit: str = "") -> tuple[str, str]:
+def _reported(
+    result: Result, channel: str, statistic: str, unit: str = ""
+) -> tuple[float | None, str, str]:
     """The number with its unit, or why there is none."""
     try:
-        reply = answer(result, channel, statistic, None, unit.replace("g", "g0"))
+        return answer(result, channel, statistic, None, unit.replace("g", "g0")).value, unit, ""
     except TooShort as error:
-        return "-", str(error)
-    return f"{number(reply.value)} {unit}".rstrip(), ""
+        return None, unit, str(error)
 
 
 def _position(result: Result, sensor: str, role: str, *, has_gravity: bool) -> SensorPosition:

@@ -3,8 +3,11 @@
     role              measures
     neck              Nij, tension and compression
     chest_deflection  D, and VC = 1.3 D_dot D / 0.229 m
-    femur_*           compression, and the level that it exceeds for 10 ms
+    femur_*           compression, the level that it exceeds for 10 ms, and the largest ratio of
+                      what it exceeds for any time up to 10 ms to the limit of that time
     head              BrIC = sqrt(sum (max |w_i| / w_i,c)^2), from its angular velocity
+    seat              largest distance from the seat, and when it is 0.5 m and 1 m
+    every belt        largest force of any segment, and webbing drawn from the retractor
 
     Nij = F_z / F_c + M_y / M_c,   F_c 6806 N tension, 6160 N compression,
                                    M_c 310 N m flexion, 135 N m extension
@@ -14,10 +17,12 @@ moment about the occipital condyles: that of the section and those of the spring
 resist the rotation of its joint. Signs are those of SAE J211: F_z positive in tension, M_y in
 flexion; the sensor's axes are x forward, y left, z up. Filters: CFC 600 for the neck and the femur,
 180 for the chest, 60 for BrIC; where the samples do not serve a filter nothing is judged. Limits:
-UN R94 for VC and femur (9.07 kN at once, 7.58 kN for 10 ms), UN R137 for 42 mm; 1 for Nij.
+UN R94 for VC and femur (9.07 kN at once, 7.58 kN for 10 ms, a straight line between), UN R137 for
+42 mm; 1 for Nij.
 Intercepts of Nij and its filter are from memory and were not read in the regulation.
 
-Measures for which a deck has no sensor are named.
+Measures for which a deck has no sensor are named. A distance of 1 m from the seat, more than half
+of the width of a vehicle, is called ejection.
 """
 
 from collections.abc import Callable
@@ -29,14 +34,18 @@ from crashpost.errors import PostError
 from crashpost.results.choice import plain
 from crashpost.results.result import Result
 from crashpost.results.status import Json
-from crashpost.results.table import number
 from crashpost.values.injury import sensor_cards
+from crashpost.values.injury_measure import Measure
 from crashpost.values.words import capital
+from crashsolve.channels.roles import CLASSES
 
-Row = list[str]
-
+# limits of the femur [N], of no time and of FEMUR_TIME [s] and longer
+FEMUR_AT_ONCE, FEMUR_HELD, FEMUR_TIME = 9070.0, 7580.0, 10e-3
 TENSION, COMPRESSION, FLEXION, EXTENSION = 6806.0, 6160.0, 310.0, 135.0
 CHEST_DEPTH, VC_FACTOR = 0.229, 1.3
+# [m] from the seat
+LEFT_SEAT, EJECTED = 0.5, 1.0
+BRAIN_CLASS = 60
 # [rad/s] about the head's axes x, y and z
 CRITICAL_SPINS = (66.25, 56.45, 42.87)
 # sensors of a whole occupant, and the measure that each serves
@@ -57,28 +66,30 @@ class Filtered(NamedTuple):
 
     values: np.ndarray
     plain_because: str
+    cfc: int
 
 
-def rows(result: Result) -> list[Row]:
-    """A row for each measure: name, measure, value, limit, verdict, time; and the missing
-    channels.
-    """
+def measures(result: Result) -> list[Measure]:
+    """Measures of all sensors and belts, and the missing channels."""
     cards = sensor_cards(result)
-    measures: dict[str, Callable[[Result, str, Json], list[Row]]] = {
+    of_role: dict[str, Callable[[Result, str, Json], list[Measure]]] = {
         "neck": _neck,
         "chest_deflection": _chest,
         "femur_left": _femur,
         "femur_right": _femur,
         "head": _head_rotation,
+        "seat": _seat,
     }
-    measures_of_all = []
+    measured = []
     for name, card in cards.items():
-        if card.get("role") in measures:
+        if card.get("role") in of_role:
             try:
-                measures_of_all += measures[card["role"]](result, name, card)
+                measured += of_role[card["role"]](result, name, card)
             except PostError as reason:
-                measures_of_all.append([_title(name), "not stated", "-", "", "", str(reason)])
-    return measures_of_all + _missing(cards)
+                measured.append(Measure(_title(name), "not stated", when=str(reason)))
+    if any(card.get("role") in ROLES for card in cards.values()):
+        measured += _belts(result)
+    return measured + _missing(cards)
 
 
 def nij(force: np.ndarray, moment: np.ndarray) -> np.ndarray:
@@ -88,10 +99,27 @@ def nij(force: np.ndarray, moment: np.ndarray) -> np.ndarray:
 
 
 def viscous(time: np.ndarray, deflection: np.ndarray) -> np.ndarray:
-    """VC over time [m/s], of the deflection of the chest [m]."""
+    """VC over time [m/s], of the deflection of the chest [m]; 0 where the chest is expanded."""
     rate = np.gradient(deflection, time)
-    criterion: np.ndarray = VC_FACTOR * rate * deflection / CHEST_DEPTH
+    criterion: np.ndarray = VC_FACTOR * rate * np.maximum(deflection, 0.0) / CHEST_DEPTH
     return criterion
+
+
+def femur_share(time: np.ndarray, force: np.ndarray) -> float:
+    """Largest ratio of a compression [N] to the limit of the time for which it is exceeded.
+
+    In one span each: of a force that is exceeded for 5 ms the limit is 8.325 kN.
+    """
+    held, largest = force, 0.0
+    for lag in range(len(time)):
+        # least of every lag + 1 samples in a row
+        held = force if lag == 0 else np.minimum(held[:-1], force[lag:])
+        lasting = time[lag:] - time[: len(time) - lag]
+        limit = np.interp(lasting, [0.0, FEMUR_TIME], [FEMUR_AT_ONCE, FEMUR_HELD])
+        largest = max(largest, float((held / limit).max()))
+        if lasting.min() >= FEMUR_TIME:
+            break
+    return largest
 
 
 def bric(spins: list[np.ndarray]) -> float:
@@ -100,21 +128,29 @@ def bric(spins: list[np.ndarray]) -> float:
     return float(np.sqrt(np.sum(np.square(parts))))
 
 
-def _neck(result: Result, name: str, card: Json) -> list[Row]:
-    force = _history(result, f"-{plain(f'secforc.{name}.force.z')}", 600)
+def _neck(result: Result, name: str, card: Json) -> list[Measure]:
+    force = _history(result, f"-{plain(f'secforc.{name}.force.z')}", CLASSES["neck"])
     parts = [f"secforc.{name}.moment.y", *_moments(result, card.get("joint"))]
-    moment = _history(result, "-(" + " + ".join(plain(p) for p in parts) + ")", 600)
-    load = nij(force.values, moment.values)
+    moment = "-(" + " + ".join(plain(p) for p in parts) + ")"
+    load = nij(force.values, _history(result, moment, CLASSES["neck"]).values)
     at = int(load.argmax())
     case = "tension" if force.values[at] > 0 else "compression"
-    case += " and flexion" if moment.values[at] > 0 else " and extension"
-    where = _when(result, at)
-    message = force.plain_because or moment.plain_because
+    case += f" and {_bending(result, moment, at)}"
+    least, most = int(force.values.argmin()), int(force.values.argmax())
+    pull, push = 1e-3 * max(force.values[most], 0.0), -1e-3 * min(force.values[least], 0.0)
+    own, title = not force.plain_because, _title(name)
+    when, source = _when(result, at), "FMVSS 208"
     return [
-        _row_with_limit(name, f"Nij, {case}", load[at], "", 1.0, where, message),
-        _row(name, "neck tension", 1e-3 * force.values.max(initial=0.0), "kN", message),
-        _row(name, "neck compression", -1e-3 * force.values.min(initial=0.0), "kN", message),
+        _filter(name, force),
+        Measure(title, f"Nij, {case}", float(load[at]), "", when, 1.0, source, own),
+        Measure(title, "neck tension", float(pull), "kN", _when(result, most)),
+        Measure(title, "neck compression", float(push), "kN", _when(result, least)),
     ]
+
+
+def _bending(result: Result, moment: str, at: int) -> str:
+    values = _history(result, moment, CLASSES["neck"]).values
+    return "flexion" if values[at] > 0 else "extension"
 
 
 def _moments(result: Result, joint: object) -> list[str]:
@@ -131,32 +167,80 @@ def _moments(result: Result, joint: object) -> list[str]:
     ]
 
 
-def _chest(result: Result, name: str, card: Json) -> list[Row]:
-    deflection = _history(result, f"-{plain(f'disbout.{name}.change')}", 180)
-    load = viscous(result.time, deflection.values)
-    message, at = deflection.plain_because, int(deflection.values.argmax())
-    top, fastest = 1e3 * deflection.values[at], int(load.argmax())
+def _chest(result: Result, name: str, card: Json) -> list[Measure]:
+    channel = f"-{plain(f'disbout.{name}.change')}"
+    deflection = _history(result, channel, CLASSES["chest_deflection"])
+    load, title = viscous(result.time, deflection.values), _title(name)
+    own, at = not deflection.plain_because, int(deflection.values.argmax())
+    top, fastest = 1e3 * float(deflection.values[at]), int(load.argmax())
+    speed, when = float(load[fastest]), _when(result, fastest)
     return [
-        _row_with_limit(name, "deflection", top, "mm", 42.0, _when(result, at), message),
-        _row_with_limit(name, "VC", load[fastest], "m/s", 1.0, _when(result, fastest), message),
+        _filter(name, deflection),
+        Measure(title, "deflection", top, "mm", _when(result, at), 42.0, "UN R137", own),
+        Measure(title, "VC", speed, "m/s", when, 1.0, "UN R94", own),
     ]
 
 
-def _femur(result: Result, name: str, card: Json) -> list[Row]:
-    force = _history(result, f"-{plain(f'secforc.{name}.force.z')}", 600)
-    message, at = force.plain_because, int(force.values.argmax())
-    held = 1e-3 * _exceeded_for(result.time, force.values, 10e-3)
-    top = 1e-3 * max(float(force.values[at]), 0.0)
+def _femur(result: Result, name: str, card: Json) -> list[Measure]:
+    force = _history(result, f"-{plain(f'secforc.{name}.force.z')}", CLASSES["femur_left"])
+    own, at, title = not force.plain_because, int(force.values.argmax()), _title(name)
+    held = 1e-3 * _exceeded_for(result.time, force.values, FEMUR_TIME)
+    top, when = 1e-3 * max(float(force.values[at]), 0.0), _when(result, at)
+    span, ratio = "compression for 10 ms", "share of the limit of its time"
+    share = femur_share(result.time, force.values)
     return [
-        _row_with_limit(name, "compression", top, "kN", 9.07, _when(result, at), message),
-        _row_with_limit(name, "compression for 10 ms", held, "kN", 7.58, "in one span", message),
+        _filter(name, force),
+        Measure(title, "compression", top, "kN", when, 9.07, "UN R94", own),
+        Measure(title, span, held, "kN", "in one span", 7.58, "UN R94", own),
+        Measure(title, ratio, share, "", "", 1.0, "UN R94", own),
     ]
 
 
-def _head_rotation(result: Result, name: str, card: Json) -> list[Row]:
-    spins = [_history(result, plain(f"nodout.{name}.angular_velocity.{a}"), 60) for a in "xyz"]
+def _head_rotation(result: Result, name: str, card: Json) -> list[Measure]:
+    channels = [plain(f"nodout.{name}.angular_velocity.{a}") for a in "xyz"]
+    spins = [_history(result, channel, BRAIN_CLASS) for channel in channels]
     message = next((w.plain_because for w in spins if w.plain_because), "")
-    return [_row(name, "BrIC", bric([w.values for w in spins]), "", message)]
+    value = bric([w.values for w in spins])
+    return [Measure(_title(name), "BrIC", value, when=message, is_filtered=not message)]
+
+
+def _seat(result: Result, name: str, card: Json) -> list[Measure]:
+    distance = result.series(plain(f"disbout.{name}.distance")).values
+    at, title = int(distance.argmax()), _title(name)
+    measured = [Measure(title, "largest distance", float(distance[at]), "m", _when(result, at))]
+    for level, words in ((LEFT_SEAT, "leaves the seat"), (EJECTED, "is ejected")):
+        beyond = np.flatnonzero(distance > level)
+        when = f"at {level:g} m" if len(beyond) else f"is never {level:g} m away"
+        moment = _passing(result.time, distance, int(beyond[0]), level) if len(beyond) else None
+        measured.append(Measure(title, words, moment, "s", when))
+    return measured
+
+
+def _passing(time: np.ndarray, values: np.ndarray, at: int, level: float) -> float:
+    """Time at which values pass a level before the sample `at`, by the chord."""
+    if at == 0:
+        return float(time[0])
+    share = (level - values[at - 1]) / (values[at] - values[at - 1])
+    return float(time[at - 1] + share * (time[at] - time[at - 1]))
+
+
+def _belts(result: Result) -> list[Measure]:
+    """The largest force in each belt, and the webbing that has left its retractor."""
+    belts: dict[str, list[str]] = {}
+    for channel in result.channels("beltout.*.force.*"):
+        belts.setdefault(channel.name.split(".")[1], []).append(channel.name)
+    measured = []
+    for name, channels in belts.items():
+        forces = np.array([result.series(plain(channel)).values for channel in channels])
+        segment, at = np.unravel_index(forces.argmax(), forces.shape)
+        when, top = _when(result, int(at)), 1e-3 * float(forces[segment, at])
+        where = f"{when}, segment {int(segment) + 1}"
+        measured.append(Measure(_title(name), "largest force", top, "kN", where))
+        drawn = result.series(plain(f"beltout.{name}.pay_out")).values
+        if np.any(drawn):
+            at, most = int(drawn.argmax()), float(drawn.max())
+            measured.append(Measure(_title(name), "largest pay-out", most, "m", _when(result, at)))
+    return measured
 
 
 def _exceeded_for(time: np.ndarray, values: np.ndarray, span: float) -> float:
@@ -170,24 +254,16 @@ def _history(result: Result, expression: str, cfc: int) -> Filtered:
     """A channel filtered, or as it is and why. Raises PostError where it does not exist."""
     plain_values = result.series(expression).values
     try:
-        return Filtered(result.series(f"cfc({expression}, {cfc})").values, "")
+        return Filtered(result.series(f"cfc({expression}, {cfc})").values, "", cfc)
     except PostError as reason:
-        return Filtered(plain_values, str(reason))
+        # without the expression that the message ends with
+        return Filtered(plain_values, str(reason).partition(" in '")[0], cfc)
 
 
-def _row_with_limit(
-    name: str, measure: str, value: float, unit: str, limit: float, when: str, message: str
-) -> Row:
-    """A row with its limit; a signal that was not filtered is not judged."""
-    shown = f"{limit:g} {unit}".rstrip()
-    verdict = "within" if value <= limit else "beyond"
-    if message:
-        return [*_row(name, measure, value, unit)[:3], shown, "not assessed: not filtered", message]
-    return [*_row(name, measure, value, unit)[:3], shown, verdict, when]
-
-
-def _row(name: str, measure: str, value: float, unit: str, message: str = "") -> Row:
-    return [_title(name), measure, f"{number(float(value))} {unit}".rstrip(), "", "", message]
+def _filter(name: str, history: Filtered) -> Measure:
+    """The remark about the filter of a sensor."""
+    measure = "not filtered" if history.plain_because else f"CFC {history.cfc}"
+    return Measure(_title(name), measure, when=history.plain_because)
 
 
 def _when(result: Result, row: int) -> str:
@@ -198,13 +274,13 @@ def _title(name: str) -> str:
     return capital(name.replace("_", " "))
 
 
-def _missing(cards: dict[str, Json]) -> list[Row]:
+def _missing(cards: dict[str, Json]) -> list[Measure]:
     """Measures of an occupant for which the deck has no sensors."""
     roles = {card.get("role") for card in cards.values()}
     if not roles & set(OF_OCCUPANTS):
         return []
     return [
-        ["Occupants", ROLES[role], "-", "", "", f"no sensor has the role {role}"]
+        Measure("Occupants", ROLES[role], when=f"no sensor has the role {role}")
         for role in ROLES
         if role not in roles
     ]

@@ -10,15 +10,14 @@ import numpy as np
 from crashpost.errors import PostError
 from crashpost.results.choice import plain
 from crashpost.results.result import Result
-from crashpost.results.table import number
 
 FREE, RESTRAINED = 0.065, 0.235  # [m]
 G0 = 9.80665
-Row = tuple[str, str, str]
+Number = tuple[str, float | None, str, str]
 
 
-def pulse_rows(result: Result, sensor: str) -> list[Row]:
-    """Measure, value and when, of the axis of a sensor with the largest change of velocity."""
+def pulse_measures(result: Result, sensor: str) -> list[Number]:
+    """Measure, value, unit and when, of the axis with the largest change of velocity."""
     time, velocity = None, np.empty(0)
     for axis in "xyz":
         series = result.series(plain(f"nodout.{sensor}.velocity.{axis}"))
@@ -29,22 +28,16 @@ def pulse_rows(result: Result, sensor: str) -> list[Row]:
         return []
     slowing = -velocity * np.sign(velocity[np.abs(velocity).argmax()])
     at = int(np.argmin(slowing))
-    rows = [
-        (
-            f"velocity change along {along}",
-            f"{number(-slowing[at])} m/s",
-            f"at {1e3 * time[at]:.5g} ms",
-        )
+    gap, when = -travel(time, slowing), f"{1e3 * time[at]:.5g} ms"
+    measured: list[Number] = [
+        (f"velocity change along {along}", float(-slowing[at]), "m/s", f"at {when}"),
+        ("stroke of a free occupant", float(gap[at]), "m", f"until {when}"),
     ]
-    gap = -travel(time, slowing)
-    rows.append(
-        ("stroke of a free occupant", f"{number(gap[at])} m", f"until {1e3 * time[at]:.5g} ms")
-    )
     try:
         value, start, end = load_criterion(time, slowing)
     except PostError as reason:
-        return [*rows, ("OLC", "-", str(reason))]
-    return [*rows, ("OLC", f"{number(value / G0)} g", f"{1e3 * start:.5g} to {1e3 * end:.5g} ms")]
+        return [*measured, ("OLC", None, "g", str(reason))]
+    return [*measured, ("OLC", value / G0, "g", f"{1e3 * start:.5g} to {1e3 * end:.5g} ms")]
 
 
 def travel(time: np.ndarray, velocity: np.ndarray) -> np.ndarray:

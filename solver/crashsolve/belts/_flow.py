@@ -31,8 +31,8 @@ NEARLY, MANY = 1e-13, 40
 SETTLED = 1e-10
 # of a segment, that one iteration may take from it
 MAX_WITHDRAWN = 0.8
-# halvings and steps of the flow through one ring
-HALVINGS = 60
+# halvings and steps of the flow through one ring, and of the changes of all
+HALVINGS, FLOW_HALVINGS = 60, 12
 
 
 @kernel
@@ -332,10 +332,34 @@ def correct(p, old, new, out, curves):
         taken = new.change[i + 1] - new.change[i]
         if taken > MAX_WITHDRAWN * new.webbing[i]:
             share = min(share, MAX_WITHDRAWN * new.webbing[i] / taken)
+    # flows that stick in place of turning back leave those beside them alone
+    for _ in range(FLOW_HALVINGS):
+        if leaves_webbing(p, share, old, new):
+            break
+        share *= 0.5
     largest = 0.0
     for j in range(n):
-        now = new.flow[j] + share * new.change[j]
-        # one that would turn back sticks first
-        new.flow[j] = 0.0 if now * new.direction[j] < 0.0 and new.direction[j] < 2 else now
+        new.flow[j] = changed_flow(new, j, share)
         largest = max(largest, abs(share * new.change[j]))
     return largest
+
+
+@kernel
+def changed_flow(new, j, share):
+    """The flow through ring j after a share of its change; one that would turn back sticks."""
+    now = new.flow[j] + share * new.change[j]
+    return 0.0 if now * new.direction[j] < 0.0 and new.direction[j] < 2 else now
+
+
+@kernel
+def leaves_webbing(p, share, old, new):
+    """Whether a share of the changes leaves webbing in every segment, of what it has now."""
+    least = 1.0
+    onwards = changed_flow(new, 0, share)
+    for i in range(p.segments):
+        before, onwards = onwards, 0.0
+        if i < p.segments - 1:
+            onwards = changed_flow(new, i + 1, share)
+        left = old.webbing[i] + before - onwards
+        least = min(least, left / new.webbing[i])
+    return least > 0.5 * (1.0 - MAX_WITHDRAWN)

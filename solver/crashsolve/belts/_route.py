@@ -117,7 +117,8 @@ ROUTE_HISTORY = Record(f"""
     lies      1      {3 * FITTINGS}  direction of the belt there, body axes
     wrapped   rad    {FITTINGS}  angle of a cylinder
     begun     m      {3 * FITTINGS}  where the belt reaches an ellipsoid, its axes
-    touches   flag   {FITTINGS}  1 where the belt lies on a surface, -2 where it has slipped off
+    touches   flag   {FITTINGS}  1 where the belt lies on a surface; until clear of it -1
+                                 where a fitting was within it, -2 where it has slipped off
     slipped   flag           the belt has slipped off a surface
     lateral   rad    {FITTINGS}  by which it slid across its direction, over a ball or an ellipsoid
     crossed   flag           it slid so by more than a right angle
@@ -283,7 +284,9 @@ def arc_on(p, j, old, y_a, y_b):
     if p.surface[j] == SPHERE:
         return over_sphere(semi[0], y_a, y_b)
     if p.surface[j] == CYLINDER:
-        return over_cylinder(semi[0], y_a, y_b, p.sense[j], old.wrapped[j])
+        # a belt that was within the cylinder, or has slipped off it, has not gone round it
+        before = old.wrapped[j] if old.touches[j] >= 0 else 0.0
+        return over_cylinder(semi[0], y_a, y_b, p.sense[j], before)
     return over_ellipsoid(semi, y_a, y_b, triple(old.begun, j), 2.0 * old.half[j])
 
 
@@ -296,10 +299,11 @@ def wrap_surface(p, j, old, new, nodes):
     y_a = matvec_t(axes, matvec_t(body.A, sub(from_a, centre)))
     y_b = matvec_t(axes, matvec_t(body.A, sub(from_b, centre)))
     arc = arc_on(p, j, old, y_a, y_b)
-    if arc.touches == -2 or (arc.touches == 1 and old.touches[j] == -2):
-        # it has slipped off, until it is clear of the surface
-        arc = straight_arc(-2, y_a, y_b, 0.5, 0.0)
+    if arc.touches == -2:
         new.slipped = 1
+    if arc.touches == 1 and old.touches[j] < 0:
+        # straight until it is clear of the surface, as it has slipped off it or was within it
+        arc = straight_arc(old.touches[j], y_a, y_b, 0.5, 0.0)
     put_triple(new.arrive, j, add(centre, matvec(body.A, matvec(axes, arc.first))))
     put_triple(new.leave, j, add(centre, matvec(body.A, matvec(axes, arc.last))))
     middle = add(triple(p.point, j), matvec(axes, arc.middle))

@@ -24,6 +24,9 @@ PIECES, TRIALS = 24, 20
 # of the semi-axes: how close the geodesic comes to its end, how far it may be at worst, and the
 # step of differences
 CLOSE, FAR, STEP = 1e-11, 1e-7, 1e-6
+# of a belt that passes by: a share of it stays on either side of the surface, as a segment of no
+# length has no strain
+PASSING = 0.1
 
 
 class Arc(NamedTuple):
@@ -42,10 +45,12 @@ class Arc(NamedTuple):
 
 @kernel
 def straight_arc(touches, A, B, share, turned):
-    """The Arc of a belt that is straight: its nearest point at a share of the line from A to B."""
+    """The Arc of a belt that is straight: its nearest point at a share of the line from A to B, or
+    one beside it, where that is near an end; it divides webbing that moves without resistance.
+    """
     line = sub(B, A)
     length = norm(line)
-    middle = add_scaled(A, min(max(share, 0.0), 1.0), line)
+    middle = add_scaled(A, min(max(share, PASSING), 1.0 - PASSING), line)
     along = scale(1.0 / length, line) if length > 0.0 else (1.0, 0.0, 0.0)
     return Arc(touches, middle, middle, middle, along, 0.0, 0.0, turned)
 

@@ -222,9 +222,19 @@ def clear_unused(p: Parameters, old: History, new: History, out: Output):
 
 
 @kernel
+def has_left_a_surface(p, old, new):
+    """Whether the belt has left a surface at once, as it slipped off or a fitting came within."""
+    left = False
+    for j in range(1, p.segments):
+        left = left or (old.touches[j] == 1 and new.touches[j] < 0)
+    return left
+
+
+@kernel
 def update_energies(p: Parameters, old: History, new: History, out: Output, h):
     """Update stored and dissipated energies, and outputs. Writes: new, out."""
     out.stored = out.power = friction = drawn = slack = 0.0
+    leaves = has_left_a_surface(p, old, new)
     for i in range(p.segments):
         T_0, T_1 = old.tension[i], out.force[i]
         mean, L = 0.5 * (T_0 + T_1), new.webbing[i]
@@ -236,7 +246,7 @@ def update_energies(p: Parameters, old: History, new: History, out: Output, h):
             before = max(old.webbing[i] + old.residual[i] - old.straight[i], 0.0)
             slack += mean * (before - max(L + new.residual[i] - out.length[i], 0.0))
         out.stored += 0.5 * T_1 * T_1 * L / p.k
-        if new.slipped > old.slipped:
+        if leaves:
             # a length that vanishes at once does no work on the bodies
             friction -= mean * (out.length[i] - old.straight[i])
         new.tension[i], out.webbing[i], new.straight[i] = T_1, L, out.length[i]

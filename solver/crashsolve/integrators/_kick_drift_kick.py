@@ -114,8 +114,7 @@ def update_positions(h, clock, nodes, rows, saddle, scene):
         set_positions(trial, clock, nodes, rows, saddle, scene)
         if not CONTACTS or clock.status != RUNNING:
             break
-        is_whole = bracket[-1] == 0 and trial > control.step_min
-        if BOUNDS_NEXT_STEP and is_whole and may_pass(clock, control, trial, nodes, scene):
+        if BOUNDS_NEXT_STEP and may_pass(bracket[-1], trial, clock, nodes, scene):
             trial *= 0.5
             longest, bracket = trial, new_bracket(trial)
             continue

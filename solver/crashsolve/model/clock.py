@@ -64,6 +64,7 @@ CLOCK = Record("""
     rate_residual    1/s       largest velocity residual over model size so far
     limit_node       index     node that sets the step; below 0: an element
     driver_work      J         work of prescribed motions
+    largest_work     J         largest work from outside after a step so far
     lack             1         imbalance over largest energy at the last check
     missing          J         largest imbalance at a check where it was above the limit
     missing_share    1         the same over the largest energy by then

@@ -47,6 +47,8 @@ class Status:
     below_floor: list[str] = field(default_factory=list)
     undeformed: list[str] = field(default_factory=list)
     undetermined: list[str] = field(default_factory=list)
+    severity: list[str] = field(default_factory=list)
+    unfiltered: list[str] = field(default_factory=list)
     deleted: dict[str, Json] = field(default_factory=dict)
     pid: int = field(default_factory=os.getpid)
     host: str = field(default_factory=socket.gethostname)

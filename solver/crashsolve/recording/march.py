@@ -1,4 +1,4 @@
-"""From sample to sample in compiled code; contacts within an interval that its samples miss.
+"""From sample to sample in compiled code; what happens within an interval and its samples miss.
 
 A sample in Python costs as much as tens of steps of a small scene. `march` calls the compiled step
 and copies tables by their addresses, so that one machine code serves all scenes; it returns where
@@ -8,13 +8,20 @@ An interval hides a contact when its ends show too little of the force in it:
 
     peak:     the largest normal force has grown, and neither end shows SHOWN_SHARE of it
     impulse:  |dI - (F_0 + F_1) dt / 2| is more than MISSING_SHARE of the sum of |dI| so far
+
+It hides an acceleration that injury measures need when that at its start says too little of it:
+
+    |dv - a_0 dt| is more than CHANGE_SHARE of the largest |dv| of an interval so far, and than
+    NO_INJURY dt;  or it was in the last interval, and |dv| itself is so large in this one
 """
 
 from math import sqrt
 
 from crashsolve.foundation.addresses import call_step, copy_bytes, number_at, ticks
 from crashsolve.foundation.kernels import entry, kernel
+from crashsolve.foundation.motion import arm, point_velocity
 from crashsolve.foundation.record import Record
+from crashsolve.foundation.vec3 import add, cross, norm, put, scale, sub, vec
 from crashsolve.model.clock import REACHED, STOPS_AT_SAMPLE
 from crashsolve.model.contact.body_pairs import BODY_PAIR
 from crashsolve.model.ledger import LARGEST, is_spurious_energy
@@ -22,7 +29,11 @@ from crashsolve.recording.gather import add_sample, find_extremes
 from crashsolve.system.engine import FIRST_CHECKED
 
 SHOWN_SHARE, MISSING_SHARE = 0.9, 0.1
-# why `march` returned: all samples are done; the step returned; the last interval hides a contact;
+# half waves of more than 16 intervals change by less; their integrals are within 1 %
+CHANGE_SHARE = 0.1
+# [m/s^2] 1 g adds 1 in a second to the Severity Index, whose limits are 700 and 1000
+NO_INJURY = 9.80665
+# why `march` returned: all samples are done; the step returned; the last interval hides a force;
 # the last sample must be checked by the caller; the next step is longer or shorter than wanted
 DONE, STEPPED, HIDDEN, SUSPECT, OTHER_STEP = range(5)
 # bytes of a row of BODY_PAIR
@@ -40,6 +51,7 @@ JOB = Record("""
     most      count  samples wanted
     count     count  samples done
     cards     count  contact cards
+    probes    count  accelerometers that have a role
     before    count  rows of `before`
     snapshot  count  rows of `snapshot`
     both      index  address of two body pairs
@@ -62,6 +74,15 @@ MARK = Record("""
     normal   N       normal force
     peak     N       largest normal force so far
     borne    N s     sum of |dI| in intervals of several steps
+""")
+# an accelerometer that has a role: its point, and its motion as the interval began
+PROBE = Record("""
+    node          index     body
+    point         m      3  from the mass centre, body axes
+    velocity      m/s    3  of the point, world axes
+    acceleration  m/s^2  3  of the point, world axes
+    largest       m/s       largest change of the velocity in an interval so far
+    changed       flag      whether the last interval hid some of the acceleration
 """)
 # steps and time before, during and after contact
 PHASE = Record("""
@@ -115,7 +136,7 @@ def march(_, flag, scene):
         job.stepping += ticks() - left
         if clock.status != REACHED:
             job.why = STEPPED
-        elif hides_contact(clock, scene):
+        elif hides_anything(clock, scene):
             job.why = HIDDEN
         elif not sample(until, job, clock, scene):
             job.why = SUSPECT
@@ -141,13 +162,13 @@ def bound(_, flag, scene):
 
 @entry
 def check_interval(_, flag, scene):
-    """Whether the interval that ends now hides a contact. Writes: watch, marks."""
-    hides_contact(scene.clock[0], scene)
+    """Whether the interval that ends now hides a force. Writes: watch, marks, probes."""
+    hides_anything(scene.clock[0], scene)
 
 
 @entry
 def start_interval(_, flag, scene):
-    """An interval begins. Writes: watch, marks, the snapshot."""
+    """An interval begins. Writes: watch, marks, probes, the snapshot."""
     begin_interval(scene.clock[0], scene)
 
 
@@ -217,8 +238,10 @@ def has_passed(passed, rows, current):
 
 
 @kernel
-def hides_contact(clock, scene):
-    """Whether the ends of the interval show too little of any contact. Writes: watch, marks."""
+def hides_anything(clock, scene):
+    """Whether the ends of the interval show too little of any contact or acceleration. Writes:
+    watch, marks, probes.
+    """
     watch = scene.watch[0]
     if watch.examined or not watch.watches:
         return watch.hides
@@ -242,12 +265,45 @@ def hides_contact(clock, scene):
             watch.hides = 1
         if known > 0.0 and sqrt(missing) > MISSING_SHARE * mark.borne:
             watch.hides = 1
+    for i in range(scene.job[0].probes):
+        if hides_acceleration(scene.probes[i], scene.present_nodes, 2.0 * half):
+            watch.hides = 1
     return watch.hides
 
 
 @kernel
+def hides_acceleration(probe, nodes, dt):
+    """Whether the acceleration at the start of an interval of dt shows too little of it. Writes:
+    probe.
+    """
+    body = nodes[probe.node]
+    now = point_velocity(body, arm(body, vec(probe.point)))
+    change = sub(now, vec(probe.velocity))
+    missing = norm(sub(change, scale(dt, vec(probe.acceleration))))
+    probe.largest = max(probe.largest, norm(change))
+    least = max(CHANGE_SHARE * probe.largest, NO_INJURY * dt)
+    # a peak may lie within, with a mean like the value at its start
+    hides = missing > least or (probe.changed != 0 and norm(change) > least)
+    probe.changed = 1 if missing > least else 0
+    return hides
+
+
+@kernel
+def mark_probe(probe, present, sampled):
+    """Motion at the start of an interval: at present, and accelerations of the sample. Writes:
+    probe.
+    """
+    body = present[probe.node]
+    put(probe.velocity, point_velocity(body, arm(body, vec(probe.point))))
+    body = sampled[probe.node]
+    d, w = arm(body, vec(probe.point)), vec(body.w)
+    spin = add(cross(vec(body.w_dot), d), cross(w, cross(w, d)))
+    put(probe.acceleration, add(vec(body.v_dot), spin))
+
+
+@kernel
 def begin_interval(clock, scene):
-    """Writes: watch, marks, the snapshot."""
+    """Writes: watch, marks, probes, the snapshot."""
     watch = scene.watch[0]
     watch.examined, watch.hides = 0, 0
     if not watch.watches:
@@ -265,6 +321,8 @@ def begin_interval(clock, scene):
             mark.force[k] = card.force[k]
             mark.impulse[k] = history.impulse[k]
         mark.normal, mark.peak = card.normal, history.peak_normal
+    for i in range(scene.job[0].probes):
+        mark_probe(scene.probes[i], scene.present_nodes, scene.nodes)
 
 
 @kernel

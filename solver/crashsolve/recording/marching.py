@@ -55,6 +55,8 @@ class March:
         self.watch: RowOfTable = as_rows(self.watch_table)[0]
         self.watch.watches = snapshot is not None
         self.marks = np.zeros(len(state.cards), march.MARK.dtype)
+        self.probes = _probes(engine.model)
+        self.job.probes = len(self.probes)
         self.phase = np.zeros(1, march.PHASE.dtype)
         self._times = np.zeros(MAX_BLOCK_SAMPLES)
         self._both = np.zeros(2, BODY_PAIR.dtype)
@@ -67,7 +69,7 @@ class March:
         kept.use(lambda: self._call("take"), bound)
 
     def ask(self) -> bool:
-        """Whether the samples miss a contact in the interval that ends now."""
+        """Whether the samples miss a contact or an acceleration in the interval that ends now."""
         self._call("check_interval")
         return bool(self.watch.hides)
 
@@ -158,6 +160,8 @@ class March:
                 "card_history": state.card_history,
                 "watch": self.watch_table,
                 "marks": self.marks,
+                "probes": self.probes,
+                "present_nodes": state.nodes,
                 "phase": self.phase,
                 "skipping": skipping,
                 "both": self._both,
@@ -202,6 +206,23 @@ def _table(pieces: Pieces) -> np.ndarray:
     """Rows of COPY, of arrays in one piece."""
     copies = [(target.ctypes.data, source.ctypes.data, source.nbytes) for source, target in pieces]
     return np.array(copies, march.COPY.dtype)
+
+
+def has_probes(model: Model) -> bool:
+    """Whether a sensor has a role in measures of injury."""
+    return len(_probes(model)) > 0
+
+
+def _probes(model: Model) -> np.ndarray:
+    """Rows of PROBE, of all sensors that have a role in measures of injury."""
+    rows = [
+        (p["node"], p["point"], np.zeros(3), np.zeros(3), 0.0, 0)
+        for group in model.sensor_groups()
+        if "has_role" in (group.parameters.dtype.names or ())
+        for p in group.parameters
+        if p["has_role"]
+    ]
+    return np.array(rows, march.PROBE.dtype)
 
 
 def _passed(model: Model) -> np.ndarray:

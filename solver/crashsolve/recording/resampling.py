@@ -1,7 +1,8 @@
-"""Samples at the steps of an interval whose ends miss forces of contact.
+"""Samples at the steps of an interval whose ends miss forces of contact, or an acceleration.
 
 A contact that begins and ends between two samples is in none of them. Its peak and its impulse,
-which are of all steps, reveal it (march.py). Then the interval is run again from its start, to
+which are of all steps, reveal it (march.py), and so does the velocity of an accelerometer that has
+a role in measures of injury. Then the interval is run again from its start, to
 the same bits, with a sample at every step, so that extremes, integrals and functions of all
 channels include it. Consequence to test: the peak of the samples is that of the steps,
 whatever their interval, and the run is as without.
@@ -16,7 +17,7 @@ import numpy as np
 from crashsolve.foundation.errors import SolverError
 from crashsolve.recording.changing import Snapshot, is_cheap
 from crashsolve.recording.kept import Block
-from crashsolve.recording.marching import March
+from crashsolve.recording.marching import March, has_probes
 from crashsolve.system.engine import Engine
 
 # rows of one interval at most
@@ -37,7 +38,8 @@ class Resampling:
     ) -> None:
         self.engine, self._take = engine, take
         self.repeated = np.zeros(1)
-        watches = moves and len(engine.model.contacts) > 0 and is_cheap(engine)
+        has_forces = bool(engine.model.contacts) or has_probes(engine.model)
+        watches = moves and has_forces and is_cheap(engine)
         self._begin, self._end = (Snapshot(engine) if watches else None for _ in range(2))
         self.march = March(engine, kept, self._begin)
         # whether an interval has begun
@@ -50,6 +52,7 @@ class Resampling:
         kept: dict[str, np.ndarray] = {"repeated": self.repeated}
         kept |= {"watch": self.march.watch_table.view(np.uint8)}
         kept |= {"marks": self.march.marks.view(np.uint8)}
+        kept |= {"probes": self.march.probes.view(np.uint8)}
         kept |= {f"begin/{name}": array for name, array in self._begin.arrays().items()}
         return {f"between/{name}": array for name, array in kept.items()}
 
@@ -65,6 +68,7 @@ class Resampling:
         self.repeated[...] = own["repeated"]
         self.march.watch_table.view(np.uint8)[...] = own["watch"]
         self.march.marks.view(np.uint8)[...] = own["marks"]
+        self.march.probes.view(np.uint8)[...] = own["probes"]
         self._begin.recall(
             {n.removeprefix("begin/"): a for n, a in own.items() if n.startswith("begin/")}
         )

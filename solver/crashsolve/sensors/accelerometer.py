@@ -60,6 +60,7 @@ PARAMETERS = Record("""
     node       index     body
     point      m      3  from the mass centre, body axes
     free_fall  m/s^2  3  g, world axes; 0 when it is not subtracted
+    has_role   flag      whether measures of injury need it
 """)
 OUTPUT = Record("""
     acceleration      m/s^2  3  of the point, body axes
@@ -83,6 +84,7 @@ def build(card: Accelerometer, scene: Scene) -> Columns:
         "node": node,
         "point": scene.from_mass_centre(node, card.at),
         "free_fall": np.sum(falls, axis=0) if falls else np.zeros(3),
+        "has_role": card.role is not None,
     }
 
 

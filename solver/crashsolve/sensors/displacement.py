@@ -31,8 +31,9 @@ class Displacement(Card):
     at_a: Vec3 = quantity("m", "point in the frame of a", default=(0.0, 0.0, 0.0))
     at_b: Vec3 = quantity("m", "point in the frame of b", default=(0.0, 0.0, 0.0))
     axes: Literal["world", "a"] = word("axes of the components", default="world")
-    role: Literal["chest_deflection"] | None = word(
-        "part of an occupant that it measures, for injury measures: the spine is a, the sternum b",
+    role: Literal["chest_deflection", "seat"] | None = word(
+        "what it measures of an occupant, for injury measures: chest_deflection from the spine a "
+        "to the sternum b, or the distance from the seat a to the pelvis b",
         default=None,
     )
 

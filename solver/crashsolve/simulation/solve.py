@@ -47,6 +47,7 @@ from crashsolve.simulation.expected_size import expected_size
 from crashsolve.simulation.forward import march
 from crashsolve.simulation.heartbeat import Heartbeat
 from crashsolve.simulation.inconsistencies import refuse_inconsistencies
+from crashsolve.simulation.injury_samples import InjurySamples
 from crashsolve.simulation.missed import missed_contacts
 from crashsolve.simulation.pictures import Pictures
 from crashsolve.simulation.progress import Account, cpu_time, preparing, provenance
@@ -345,10 +346,10 @@ class Run:
         self.account.remarks = {
             **remarks(self.engine, self.history.extremes, self.folder / "history.h5"),
             "undetermined": undetermined(self.engine),
+            **(injury := InjurySamples(self.deck, self.folder, self.schedule.interval)).remarks(),
         }
         self.account.status(state, code, message)
-        engine = self.engine
-        moves = self.deck.control.solution == "transient"
+        engine, moves = self.engine, self.deck.control.solution == "transient"
         unbalanced = contact_warnings(engine.model, engine.state, engine.ledger) if moves else []
         missed = missed_contacts(engine, self.folder / "history.h5")
         for text in (
@@ -356,6 +357,7 @@ class Run:
             *law_warnings(engine.model, engine.state),
             *range_warnings(engine),
             *(c.words(self.schedule.interval) for c in missed),
+            *injury.warnings(),
             *arbitrary_reactions(self.account.remarks["undetermined"], self.deck),
             *unbalanced,
             *engine.step_warnings(),

@@ -69,6 +69,8 @@ def _remarks(account: Account) -> dict[str, str]:
         ("below_floor", "contacts loaded below their speed_floor, damped as at rest"),
         ("undeformed", "parts that never deformed"),
         ("undetermined", "joints whose share of a force is arbitrary"),
+        ("severity", "Severity Index, and its error by the samples"),
+        ("unfiltered", "sensors with too few samples for their filter"),
     ):
         if remarks.get(name):
             remarks_of[what] = ", ".join(remarks[name])

@@ -122,6 +122,12 @@ def unseen_distance(clock, control, nodes):
 
 
 @kernel
+def unseen_energy(clock, ledger):
+    """Round-off of the sums of work so far [J]: every step adds numbers of the model's scale."""
+    return EPSILON * clock.cycle * ledger[LARGEST]
+
+
+@kernel
 def check_contacts(clock, control, nodes, scene):
     """Stop at a contact that gives its bodies energy that it never took. Writes: clock."""
     if clock.status == RUNNING and control.energy_limit > 0.0:

@@ -13,6 +13,9 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import add, dot, norm, put, sub, vec
 from crashsolve.system.contact.work import motion_of
 
+# of the energy of the relative motion of its bodies, that a law may create: a step in which a line
+# becomes slack gives more than was left in it
+NEGLIGIBLE = 1e-3
 # share of the stated loss and energy of a law that its bodies never supplied
 OVERSTATED = 0.9
 
@@ -100,20 +103,43 @@ def energy_gain(now, stored):
 
 
 @kernel
-def overstates(now, stored, limit, unseen):
+def overstates(now, stored, limit, unseen, least):
     """Whether the stated loss and energy of a law are ten times the energy it received.
 
     So does a damper that turns a velocity round in every step, with a force that has a bound.
     """
     stated = stored + now.dissipated
     missing = now.work_done + stated - now.initially_stored
-    least = max(limit * now.exchanged, unseen * now.peak_force)
-    return missing > max(OVERSTATED * stated, least)
+    bound = max(limit * now.exchanged, unseen * now.peak_force, least)
+    return missing > max(OVERSTATED * stated, bound)
 
 
 @kernel
-def has_gain(now, stored, limit, unseen):
+def has_gain(now, stored, limit, unseen, least):
     """Whether that is more than `limit` of all taken and given, and than the largest force does
-    over `unseen`, the round-off of positions [m].
+    over `unseen`, the round-off of positions [m], and than `least`, the round-off of energies [J].
     """
-    return energy_gain(now, stored) > max(limit * now.exchanged, unseen * now.peak_force)
+    bound = max(limit * now.exchanged, unseen * now.peak_force, least)
+    return energy_gain(now, stored) > bound
+
+
+@kernel
+def relative_energy(p, nodes):
+    """Kinetic energy [J] of the relative motion of the mass centres of both bodies of a law."""
+    a, b = nodes[p.node_a], nodes[p.node_b]
+    inverse = a.mass_inv + b.mass_inv
+    v = norm(sub(vec(a.v), vec(b.v)))
+    return 0.5 * v * v / inverse if inverse > 0.0 else 0.0
+
+
+@kernel
+def relative_energy_of_several(p, count, nodes):
+    """The same of the first `count` bodies of a law: the most of two of them that follow."""
+    largest = 0.0
+    for j in range(1, count):
+        a, b = nodes[p.node[j - 1]], nodes[p.node[j]]
+        inverse = a.mass_inv + b.mass_inv
+        v = norm(sub(vec(a.v), vec(b.v)))
+        if inverse > 0.0:
+            largest = max(largest, 0.5 * v * v / inverse)
+    return largest

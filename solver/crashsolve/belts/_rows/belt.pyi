@@ -40,7 +40,7 @@ class History(ForceHistory):
     lies: Numbers[float]  # [1] direction of the belt there, body axes
     wrapped: Numbers[float]  # [rad] angle of a cylinder
     begun: Numbers[float]  # [m] where the belt reaches an ellipsoid, its axes
-    touches: Numbers[int]  # [flag] 1 where the belt lies on a surface, -2 where it has slipped off
+    touches: Numbers[int]  # [flag] 1 where the belt lies on a surface; until clear of it -1 where a fitting was within it, -2 where it has slipped off
     slipped: int  # [flag] the belt has slipped off a surface
     lateral: Numbers[float]  # [rad] by which it slid across its direction, over a ball or an ellipsoid
     crossed: int  # [flag] it slid so by more than a right angle

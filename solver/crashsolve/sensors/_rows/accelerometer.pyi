@@ -5,6 +5,7 @@ class Parameters:
     node: int  # [index] body
     point: Numbers[float]  # [m] from the mass centre, body axes
     free_fall: Numbers[float]  # [m/s^2] g, world axes; 0 when it is not subtracted
+    has_role: int  # [flag] whether measures of injury need it
 
 class Output:
     acceleration: Numbers[float]  # [m/s^2] of the point, body axes

@@ -25,8 +25,15 @@ from crashsolve.system.energy import (
     close_ledger,
     least_energy,
     unseen_distance,
+    unseen_energy,
 )
-from crashsolve.system.gain import has_gain, overstates
+from crashsolve.system.gain import (
+    NEGLIGIBLE,
+    has_gain,
+    overstates,
+    relative_energy,
+    relative_energy_of_several,
+)
 from crashsolve.system.kinetics import kinetic_energy
 from crashsolve.system.placeholders import (
     ASSEMBLED,
@@ -59,7 +66,21 @@ def energy(clock, nodes, scene, ledger):
         # so far joints may stand open
         unseen = max(unseen, scene.control[0].constraint_tolerance)
     kicked = half_kicks(clock, nodes, scene) if KICK_DRIFT_KICK and not ELEMENTS else 0.0
-    close_ledger(ledger, least_energy(scene.control[0], nodes, unseen), kicked)
+    least = max(least_energy(scene.control[0], nodes, unseen), clock.largest_work)
+    close_ledger(ledger, least, kicked)
+
+
+@stage
+def record_outside_work(clock, scene):
+    """Record the largest work from outside so far: a body that a pulse moved and another stopped
+    between two checks of the balance has it left as round-off alone. Writes: clock.
+    """
+    total = clock.driver_work
+    for group in FORCES:
+        if group.works_from_outside:
+            for i in range(group.output.shape[0]):
+                total += group.history[clock.current, i].dissipated
+    clock.largest_work = max(clock.largest_work, abs(total))
 
 
 @kernel
@@ -159,13 +180,23 @@ def check_laws(clock, control, nodes, scene):
     """Stop at a law between two bodies that gives them more than it took. Writes: clock."""
     if clock.status == RUNNING and control.energy_limit > 0.0:
         unseen = unseen_distance(clock, control, nodes)
+        least = unseen_energy(clock, scene.ledger)
         for group in WATCHED:
             for i in range(group.output.shape[0]):
                 now, stored = group.history[clock.current, i], group.output[i].stored
                 limit = control.energy_limit
-                creates = has_gain(now, stored, limit, unseen)
-                if creates or overstates(now, stored, limit, unseen):
-                    clock.status = LAW_GAIN
+                creates = has_gain(now, stored, limit, unseen, least)
+                if creates or overstates(now, stored, limit, unseen, least):
+                    if group.joins_several:
+                        moving = relative_energy_of_several(
+                            group.parameters[i], group.max_nodes, nodes
+                        )
+                    else:
+                        moving = relative_energy(group.parameters[i], nodes)
+                    bound = max(least, NEGLIGIBLE * moving)
+                    creates = has_gain(now, stored, limit, unseen, bound)
+                    if creates or overstates(now, stored, limit, unseen, bound):
+                        clock.status = LAW_GAIN
 
 
 @kernel
