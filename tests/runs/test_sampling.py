@@ -103,3 +103,15 @@ def test_samples_asked_for_lie_between_the_others() -> None:
     # an interval that does not end at the end
     odd = Schedule(0.0, 1.0, 0.3).with_times({0.95})
     assert [odd.time(k) for k in range(6)] == pytest.approx([0.0, 0.3, 0.6, 0.9, 0.95, 1.0])
+
+
+def test_the_times_of_samples_are_known_among_others() -> None:
+    # an interval that does not end at the end, and samples that were asked for
+    schedule = Schedule(0.1, 1.0, 0.3).with_times({0.25, 0.95})
+    times = np.array([schedule.time(k) for k in range(6)])
+    assert schedule.have(times).all()
+    # a billionth of an interval is round-off
+    assert schedule.have(times + 2e-10).all()
+    between = np.array([0.1 + 1e-6, 0.24, 0.55, 0.96, 1.0 - 1e-6])
+    assert not schedule.have(between).any()
+    assert [schedule.has(t) for t in (0.25, 0.26)] == [True, False]

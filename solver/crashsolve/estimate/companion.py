@@ -29,6 +29,8 @@ from crashsolve.system.engine import Engine
 
 # where the error of a step is of higher order the step falls by a factor between 1.5 and 2
 HIGHEST_POWER = 5
+# samples that bound the step, of one block: which they are is computed one by one
+SAMPLES_AHEAD = 64
 
 
 class Abandoned(Exception):
@@ -95,9 +97,6 @@ class Companions:
         kept = recorded.histories.kept
         resampling = Resampling(engine, kept, not is_static(self.deck), recorded.take)
         engine.start()
-        if not is_static(self.deck) and coarseness >= 2.0:
-            # where samples bound its steps it leaves some of them out
-            resampling.march.job.longest = _longest(schedule)
         k = self._sample(0, recorded, resampling, schedule)
         while not schedule.is_end(k):
             self._check_limits()
@@ -105,16 +104,26 @@ class Companions:
                 self._take_load_steps(engine, schedule.time(k), schedule.time(k + 1), coarseness)
                 k = self._sample(k + 1, recorded, resampling, schedule)
                 continue
-            times = schedule.times(k + 1, MAX_BLOCK_SAMPLES)
-            if resampling.march.can_march(float(times[-1])):
-                count, _, left = resampling.march.go(times)
+            # where samples bound its steps it leaves some of them out
+            longest = _longest(schedule) if coarseness >= 2.0 else inf
+            is_bound = float(engine.clock["next_step"]) > longest
+            march = resampling.march
+            most = SAMPLES_AHEAD if march.can_march(schedule.time(k)) else 1
+            numbers, times = _ahead(k, most, is_bound, coarseness, schedule)
+            if march.can_march(float(times[-1])):
+                march.job.shortest, march.job.longest = (
+                    (longest, inf) if is_bound else (-inf, longest)
+                )
+                count, _, left = march.go(times)
                 recorded.add(times[:count].tolist())
                 if left is not None:
                     engine.answer(left)
-                k += count
-                if count:
+                k = numbers[count - 1] if count else k
+                # of samples that are left out none may be taken within an interval
+                if march.is_at_sample() or count and not is_bound:
                     continue
-            k = self._next(k, float(engine.clock["next_step"]), coarseness, schedule)
+                numbers = numbers[count:]
+            k = numbers[0]
             engine.reach(schedule.time(k))
             resampling.sample_steps(schedule.time(k))
             self._sample(k, recorded, resampling, schedule)
@@ -146,21 +155,35 @@ class Companions:
         for i in range(1, count + 1):
             engine.reach(end if i == count else start_time + (end - start_time) * i / count)
 
-    def _next(self, k: int, step: float, coarseness: float, schedule: Schedule) -> int:
-        """Number of the next sample: where a step would pass the next one, that of every m-th.
 
-        No sample at a requested time is left out.
-        """
-        stride, plain = 1, schedule.plain_number(k)
-        is_bound = plain is not None and step > _longest(schedule)
-        while is_bound and 2 * stride <= coarseness and (plain or 0) % (2 * stride) == 0:
-            stride *= 2
-        for following in range(k + 1, k + stride):
-            if schedule.plain_number(following) is None:
-                return following
-        while schedule.time(k) == schedule.time(k + stride) or schedule.is_end(k + stride - 1):
-            stride -= 1
-        return k + stride
+def _ahead(
+    k: int, most: int, is_bound: bool, coarseness: float, schedule: Schedule
+) -> tuple[Sequence[int], np.ndarray]:
+    """Numbers and times [s] of the samples after sample k; where they bound the step, `most`."""
+    if not is_bound:
+        times = schedule.times(k + 1, MAX_BLOCK_SAMPLES)
+        return range(k + 1, k + 1 + len(times)), times
+    numbers: list[int] = []
+    while len(numbers) < most and not schedule.is_end(k):
+        k = _next(k, coarseness, schedule)
+        numbers.append(k)
+    return numbers, np.array([schedule.time(i) for i in numbers])
+
+
+def _next(k: int, coarseness: float, schedule: Schedule) -> int:
+    """Number of the next sample where a step would pass the next one: that of every m-th.
+
+    No sample at a requested time is left out.
+    """
+    stride, plain = 1, schedule.plain_number(k)
+    while plain is not None and 2 * stride <= coarseness and plain % (2 * stride) == 0:
+        stride *= 2
+    for following in range(k + 1, k + stride):
+        if schedule.plain_number(following) is None:
+            return following
+    while schedule.time(k) == schedule.time(k + stride) or schedule.is_end(k + stride - 1):
+        stride -= 1
+    return k + stride
 
 
 def _longest(schedule: Schedule) -> float:

@@ -15,8 +15,6 @@ from dataclasses import replace
 from importlib import import_module
 from math import inf, isfinite
 
-import numpy as np
-
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.estimate.companion import HIGHEST_POWER, BudgetExceeded, Companions
 from crashsolve.estimate.error import Estimate, NumberErrors, is_as_fine
@@ -172,9 +170,8 @@ class Estimator:
 
     def _with_steps(self, samples: Samples) -> Samples:
         """Samples that know which of them are steps between those of the schedule."""
-        schedule = Schedule.of(self.deck)
-        own = [t for t in samples.time.tolist() if not schedule.has(t)]
-        return replace(samples, step_times=np.array(own))
+        own = samples.time[~Schedule.of(self.deck).have(samples.time)]
+        return replace(samples, step_times=own)
 
     def _with_mesh(
         self, errors: NumberErrors, estimate: Estimate, runs: Sequence[Samples]

@@ -34,8 +34,8 @@ CHANGE_SHARE = 0.1
 # [m/s^2] 1 g adds 1 in a second to the Severity Index, whose limits are 700 and 1000
 NO_INJURY = 9.80665
 # why `march` returned: all samples are done; the step returned; the last interval hides a force;
-# the last sample must be checked by the caller; the next step is longer than wanted
-DONE, STEPPED, HIDDEN, SUSPECT, LONG = range(5)
+# the last sample must be checked by the caller; the next step is longer or shorter than wanted
+DONE, STEPPED, HIDDEN, SUSPECT, OTHER_STEP = range(5)
 # bytes of a row of BODY_PAIR
 ROW = BODY_PAIR.dtype.itemsize
 
@@ -47,6 +47,7 @@ JOB = Record("""
     end       s      time at which the run ends
     limit     1      control.energy_limit
     longest   s      no sample is taken where the next step is longer
+    shortest  s      nor where it is not longer than this
     most      count  samples wanted
     count     count  samples done
     cards     count  contact cards
@@ -55,7 +56,7 @@ JOB = Record("""
     snapshot  count  rows of `snapshot`
     both      index  address of two body pairs
     passed    count  rows of `passed`
-    why       index  DONE, STEPPED, HIDDEN, SUSPECT or LONG
+    why       index  DONE, STEPPED, HIDDEN, SUSPECT or OTHER_STEP
     stepping  count  ticks of the steps
     total     count  ticks of all
 """)
@@ -125,8 +126,8 @@ def march(_, flag, scene):
     begun = ticks()
     job.why, job.count, job.stepping = DONE, 0, 0
     while job.why == DONE and job.count < job.most:
-        if clock.next_step > job.longest:
-            job.why = LONG
+        if clock.next_step > job.longest or clock.next_step <= job.shortest:
+            job.why = OTHER_STEP
             continue
         until = scene.times[job.count]
         clock.goal = max(until, job.end) if job.is_dense else until

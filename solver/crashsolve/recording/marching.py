@@ -49,6 +49,7 @@ class March:
         self.job: RowOfTable = as_rows(self._job)[0]
         self.job.is_dense, self.job.end = engine.is_dense, control["end"]
         self.job.limit, self.job.longest = control["energy_limit"], inf
+        self.job.shortest = -inf
         self.job.cards = len(engine.model.contacts)
         self.watch_table = np.zeros(1, march.WATCH.dtype)
         self.watch: RowOfTable = as_rows(self.watch_table)[0]
@@ -117,6 +118,10 @@ class March:
             share = float(self.job.stepping) / float(self.job.total)
         left = status if self.job.why == march.STEPPED else None
         return int(self.job.count), spent * share, left
+
+    def is_at_sample(self) -> bool:
+        """Whether the last block has ended at a sample, and not on the way to the next."""
+        return self.job.why in (march.DONE, march.OTHER_STEP)
 
     def _note_snapshot(self) -> None:
         """An interval has begun, with a snapshot."""

@@ -141,14 +141,18 @@ def read(path: Path, channels: Sequence[Channel]) -> Samples:
     import h5py
 
     with h5py.File(path, "r") as file:
-        first = channels[0].family.name
-        rows = np.isfinite(file[first]["time"][:])
-        samples = Samples(file[first]["time"][:][rows], {})
+        times = file[channels[0].family.name]["time"][:]
+        samples = Samples(times[np.isfinite(times)], {})
+        # components of a vector have the same siblings
+        known: dict[tuple[str, int], np.ndarray] = {}
         for channel in channels:
-            group, columns = file[channel.family.name], channel.family.columns
-            block = np.zeros((int(rows.sum()), len(columns)))
+            columns = channel.family.columns
+            block = np.zeros((len(samples.time), len(columns)))
             for i in channel.siblings:
-                block[:, i] = group[columns[i].path][: len(block), channel.entity]
+                key = f"{channel.family.name}/{columns[i].path}", channel.entity
+                if key not in known:
+                    known[key] = file[key[0]][: len(block), channel.entity]
+                block[:, i] = known[key]
             _add(samples, channel, block)
     return samples
 

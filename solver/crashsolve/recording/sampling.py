@@ -66,7 +66,16 @@ class Schedule:
 
     def has(self, time: float) -> bool:
         """Whether there is a sample at a time."""
-        return abs(self.time(self.number(time)) - time) <= SAME * self.interval
+        return bool(self.have(np.array([time]))[0])
+
+    def have(self, times: np.ndarray) -> np.ndarray:
+        """Whether there is a sample at each of many times (n,)."""
+        plain = self.start + np.rint((times - self.start) / self.interval) * self.interval
+        plain[plain > self.end - SAME * self.interval] = self.end
+        others = np.array([*self.requested, self.end])
+        farther = np.abs(times[:, None] - others).min(axis=1)
+        nearest: np.ndarray = np.minimum(np.abs(times - plain), farther)
+        return nearest <= SAME * self.interval
 
     def last_until(self, time: float) -> int:
         """Number of the last sample that is not after a time, be it of another schedule."""

@@ -14,7 +14,7 @@ from crashsolve.output.blocks import GHOST, Block, FieldSpec
 from crashsolve.output.files import Json
 from crashsolve.simulation import body_shapes
 from crashsolve.simulation.body_shapes import Piece, outline
-from crashsolve.simulation.contact_points import ContactPoints
+from crashsolve.simulation.contact_points import ContactPoints, acts
 from crashsolve.simulation.hinge_marks import HingeMarks
 from crashsolve.simulation.skins import Skin
 from crashsolve.system.engine import Engine
@@ -282,7 +282,7 @@ class Pictures:
     def _contact_fields(self) -> dict[str, np.ndarray]:
         """Contact points with their forces; pairs that are apart are hidden."""
         points, forces, cards = self._contact_points.points()
-        hidden = DELETED * ~np.any(forces, axis=1)
+        hidden = DELETED * ~acts(forces)
         return {"points": points, "force": forces, "contact": cards, GHOST: hidden}
 
 
