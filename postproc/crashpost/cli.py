@@ -146,8 +146,8 @@ def _summary(options: argparse.Namespace) -> int:
 
 def _injury(options: argparse.Namespace) -> int:
     from crashpost.results.table import text_table
-    from crashpost.values.injury import table
     from crashpost.values.injury_measure import HEADER
+    from crashpost.values.injury_table import table
 
     rows = table(_open(options))
     if not rows:

@@ -7,8 +7,9 @@ import pytest
 from small_results import write_result, write_status
 
 from crashpost.results.result import Result
-from crashpost.values import injury, occupant_injury
+from crashpost.values import occupant_injury
 from crashpost.values.injury_measure import HEADER, Measure, rows, verdict
+from crashpost.values.injury_table import table as injury_table
 from crashpost.values.occupant_injury import bric, measures, nij, viscous
 
 TIME = np.linspace(0.0, 0.2, 4001)
@@ -126,7 +127,7 @@ def test_the_error_is_that_of_every_second_sample(tmp_path: Path) -> None:
         time,
         deck_text=f"sensors: {{{cards}}}",
     )
-    table = injury.table(Result(tmp_path / "run"))
+    table = injury_table(Result(tmp_path / "run"))
     value, error = (HEADER.index(word) for word in ("value", "error of samples"))
     sharp, smooth = (row_of(table, name, "Severity Index") for name in ("Spike", "Slow"))
     # trapezoids of one sample: a^2.5 dt; without it nothing is left
@@ -164,7 +165,7 @@ sensors:
   condyles: {type: section_force, role: neck}
 """
     write_result(tmp_path / "run", families, time, deck_text=deck)
-    table = injury.table(Result(tmp_path / "run"))
+    table = injury_table(Result(tmp_path / "run"))
     row = row_of(table, "Lap", "largest force")
     assert (row[2], row[-1]) == ("3 kN", "at 50 ms, segment 2")
     assert row_of(table, "Lap", "largest pay-out")[2] == "0.03 m"

@@ -8,8 +8,8 @@
 
 Filter classes are those of SAE J211-1. Limits: 49 CFR 571.208 for HIC of 15 ms and the chest,
 UN R94 for HIC of 36 ms and 80 g; both for a 50th percentile man. No sections are cited: their
-numbers were not checked against the texts. `table` has these measures and those of
-`occupant_injury.py`, each with its error by the interval of the samples.
+numbers were not checked against the texts. `injury_table.py` has these measures
+and those of `occupant_injury.py`, each with its error by the interval of the samples.
 Accelerations are filtered axis by axis; where the samples do not serve the filter, they are taken
 as they are, and the measure states it.
 """
@@ -24,7 +24,7 @@ from crashpost.results.result import Result
 from crashpost.results.status import Json
 from crashpost.results.table import number
 from crashpost.values.figure import Curve, Figure, Reference
-from crashpost.values.injury_measure import Measure, rows
+from crashpost.values.injury_measure import Measure
 from crashpost.values.pulse import pulse_measures
 from crashpost.values.words import capital
 from crashsolve.channels.errors import TooShort
@@ -76,17 +76,6 @@ def positions(result: Result) -> list[SensorPosition]:
         for name, card in sensors(result).items()
         if name in known and card.get("role") in CLASSES
     ]
-
-
-def table(result: Result) -> list[list[str]]:
-    """All measures of injury of a result as text, under injury_measure.HEADER; none without a role
-    or before there are samples.
-    """
-    from crashpost.values import occupant_injury
-
-    if len(result.time) < 2:
-        return []
-    return rows(result, lambda one: measures(one) + occupant_injury.measures(one))
 
 
 def measures(result: Result) -> list[Measure]:
