@@ -80,14 +80,14 @@ def positions(result: Result) -> list[SensorPosition]:
 
 def measures(result: Result) -> list[Measure]:
     """The measures of each position, after its filter and what it does with gravity."""
-    found = []
+    listed = []
     for position in positions(result):
         message = position.plain_because or "axis by axis"
-        found.append(Measure(position.name, position.filter or "not filtered", when=message))
+        listed.append(Measure(position.name, position.filter or "not filtered", when=message))
         held = "as instruments show it" if position.has_gravity else "left out"
-        found.append(Measure(position.name, "gravity", when=held))
-        found += [_with_limit(position, *one) for one in _measures(result, position)]
-    return found
+        listed.append(Measure(position.name, "gravity", when=held))
+        listed += [_with_limit(position, *one) for one in _measures(result, position)]
+    return listed
 
 
 def injury_figures(result: Result) -> list[Figure]:
@@ -109,13 +109,13 @@ def _measures(result: Result, position: SensorPosition) -> list[Number]:
     """Measure, value, unit and when."""
     message = partial(_reported, result)
     clip = f"clip({position.channel}, '{CLIP}')"
-    found = [_peak(result, position.channel), ("3 ms clip", *message(clip, "max", "g"))]
+    listed = [_peak(result, position.channel), ("3 ms clip", *message(clip, "max", "g"))]
     if position.role == "head":
-        found += [_hic(result, position.channel, window) for window in HIC]
-        found.append(("Severity Index", *message(f"si({position.channel})", "final")))
+        listed += [_hic(result, position.channel, window) for window in HIC]
+        listed.append(("Severity Index", *message(f"si({position.channel})", "final")))
     if position.role == "vehicle":
-        found += pulse_measures(result, position.sensor)
-    return found
+        listed += pulse_measures(result, position.sensor)
+    return listed
 
 
 def _with_limit(

@@ -76,16 +76,16 @@ def measures(result: Result) -> list[Measure]:
         "head": _head_rotation,
         "seat": _seat,
     }
-    found = []
+    listed = []
     for name, card in cards.items():
         if card.get("role") in of_role:
             try:
-                found += of_role[card["role"]](result, name, card)
+                listed += of_role[card["role"]](result, name, card)
             except PostError as reason:
-                found.append(Measure(_title(name), "not stated", when=str(reason)))
+                listed.append(Measure(_title(name), "not stated", when=str(reason)))
     if any(card.get("role") in ROLES for card in cards.values()):
-        found += _belts(result)
-    return found + _missing(cards)
+        listed += _belts(result)
+    return listed + _missing(cards)
 
 
 def nij(force: np.ndarray, moment: np.ndarray) -> np.ndarray:
@@ -184,13 +184,13 @@ def _head_rotation(result: Result, name: str, card: Json) -> list[Measure]:
 def _seat(result: Result, name: str, card: Json) -> list[Measure]:
     distance = result.series(plain(f"disbout.{name}.distance")).values
     at, title = int(distance.argmax()), _title(name)
-    found = [Measure(title, "largest distance", float(distance[at]), "m", _when(result, at))]
+    listed = [Measure(title, "largest distance", float(distance[at]), "m", _when(result, at))]
     for level, words in ((LEFT_SEAT, "leaves the seat"), (EJECTED, "is ejected")):
         beyond = np.flatnonzero(distance > level)
         when = f"at {level:g} m" if len(beyond) else f"is never {level:g} m away"
         moment = _passing(result.time, distance, int(beyond[0]), level) if len(beyond) else None
-        found.append(Measure(title, words, moment, "s", when))
-    return found
+        listed.append(Measure(title, words, moment, "s", when))
+    return listed
 
 
 def _passing(time: np.ndarray, values: np.ndarray, at: int, level: float) -> float:
@@ -206,18 +206,18 @@ def _belts(result: Result) -> list[Measure]:
     belts: dict[str, list[str]] = {}
     for channel in result.channels("beltout.*.force.*"):
         belts.setdefault(channel.name.split(".")[1], []).append(channel.name)
-    found = []
+    listed = []
     for name, channels in belts.items():
         forces = np.array([result.series(plain(channel)).values for channel in channels])
         segment, at = np.unravel_index(forces.argmax(), forces.shape)
         when, top = _when(result, int(at)), 1e-3 * float(forces[segment, at])
         where = f"{when}, segment {int(segment) + 1}"
-        found.append(Measure(_title(name), "largest force", top, "kN", where))
+        listed.append(Measure(_title(name), "largest force", top, "kN", where))
         drawn = result.series(plain(f"beltout.{name}.pay_out")).values
         if np.any(drawn):
             at, most = int(drawn.argmax()), float(drawn.max())
-            found.append(Measure(_title(name), "largest pay-out", most, "m", _when(result, at)))
-    return found
+            listed.append(Measure(_title(name), "largest pay-out", most, "m", _when(result, at)))
+    return listed
 
 
 def _exceeded_for(time: np.ndarray, values: np.ndarray, span: float) -> float:
