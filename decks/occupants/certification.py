@@ -174,7 +174,16 @@ def neck(folder: Path) -> list[Measure]:
         Measure("neck flexion", "rotation", angle.max(), 64, 78, "deg", source),
         Measure("", "when", 1e3 * time[angle.argmax()], 57, 64, "ms", source),
         Measure("", "moment about the condyles", moment.max(), 88, 108, "N m", source),
+        Measure("", "when", 1e3 * time[moment.argmax()], 47, 58, "ms", source),
+        Measure("", "moment back at 0", 1e3 * _end(time, moment), 97, 107, "ms", source),
+        Measure("", "rotation back at 0", 1e3 * _end(time, angle), 113, 128, "ms", source),
     ]
+
+
+def _end(time: np.ndarray, values: np.ndarray) -> float:
+    """When values first fall to 0 after their peak [s]."""
+    top = int(values.argmax())
+    return float(time[top + int(np.argmax(values[top:] <= 0.0))])
 
 
 def main(folder: Path) -> None:

@@ -10,6 +10,7 @@ crashsolve schema    crashsolve keywords    crashsolve equations    crashsolve c
 """
 
 import argparse
+import atexit
 import ctypes
 import gc
 import os
@@ -45,8 +46,10 @@ STUDY = "Run a deck with many steps or methods: error, observed order and CPU ti
 
 def main(arguments: list[str] | None = None) -> int:
     """Entry point; returns the exit code."""
-    # imports make many objects that stay: looking for garbage among them is a tenth of a warm start
-    gc.set_threshold(100_000)
+    # imports make many objects that stay: looking for garbage among them is a tenth of a warm
+    # start, and another at exit
+    gc.set_threshold(500_000)
+    atexit.register(gc.freeze)
     # nor are the packages of the system searched for extensions of how decks are read
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     release_memory()

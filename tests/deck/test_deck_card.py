@@ -92,7 +92,7 @@ def test_bare_numbers_are_in_the_units_of_the_file() -> None:
         ({"at": []}, ("at",), "must have 3 values, not 0"),
         ({"at": "1 m"}, ("at",), "must be a list of 3 numbers in m, not 1"),
         ({"points": [[1, 2, 3], [1, 2]]}, ("points", 1), "must have 3 values, not 2"),
-        ({"points": [1]}, ("points", 0), "must be a list, not 1"),
+        ({"points": [1]}, ("points", 0), "must be a list of 3 numbers, not 1"),
         ({"points": [[1, 2, None]]}, ("points", 0, 2), "must be a number in m, not empty"),
         ({"count": 0}, ("count",), "must be at least 1, not 0"),
         ({"count": "some"}, ("count",), "must be a whole number or 'all', not 'some'"),

@@ -189,6 +189,26 @@ def test_a_formula_is_kept_to_its_tolerance(expression: str, segments: int) -> N
     assert (off / scale).max() < 1.25 * formula.TOLERANCE
 
 
+SMALL_VALUES = {
+    "1e5*x**1.5": lambda x: 1e5 * x**1.5,
+    "x**4": lambda x: x**4,
+    "100*exp(30*x)": lambda x: 100 * np.exp(30 * x),
+    "exp(-((x-0.1)/0.02)**2)": lambda x: np.exp(-(((x - 0.1) / 0.02) ** 2)),
+}
+
+
+@pytest.mark.parametrize("expression", SMALL_VALUES)
+def test_small_values_of_a_formula_are_kept_to_its_tolerance_too(expression: str) -> None:
+    card = formula.Formula.model_validate({"expression": expression, "from": 0, "to": 1})
+    x, c, _ = formula.build(card, None)
+    assert len(x) < 5000
+    at = np.concatenate([np.random.default_rng(1).random(20_000), np.geomspace(1e-9, 1, 20_000)])
+    exact = SMALL_VALUES[expression](at)
+    scale = np.maximum(np.abs(exact), formula.LOW_FLOOR * np.abs(exact).max())
+    # of the largest value of a piece, which may be twice that at a position
+    assert (np.abs(values(x, c, at) - exact) / scale).max() < 2.5 * formula.TOLERANCE
+
+
 def test_slopes_of_a_formula_are_its_derivative() -> None:
     card = formula.Formula.model_validate({"expression": "sin(x)**3/(1+x)", "from": 0, "to": 2})
     x, c, _ = formula.build(card, None)

@@ -22,7 +22,11 @@ BALL = """
 title: A ball over a floor
 control: {{end_time: 1e-3}}
 bodies: {{ball: {{mass: 1, primitive: {{shape: sphere, radius: 0.1}}, position: [0, 0, 0.2]}}}}
-surfaces: {{skin: {{type: sphere, body: ball, radius: 0.1}}, floor: {{type: plane}}}}
+surfaces:
+  skin: {{type: sphere, body: ball, radius: 0.1}}
+  floor: {{type: plane}}
+  same: {{type: plane}}
+  lower: {{type: plane, at: [0, 0, -1]}}
 contacts:
   first: {{a: [skin], b: [floor], normal: {{type: hertz, stiffness: 1e6}}}}
 {second}
@@ -51,6 +55,13 @@ def test_one_layer_is_a_membrane(tmp_path: Path, layers: int, is_warned: bool) -
 @pytest.mark.parametrize("is_double", [True, False])
 def test_a_pair_in_two_contacts(tmp_path: Path, is_double: bool) -> None:
     said = said_of(tmp_path, BALL.format(second=SECOND if is_double else "", further=""))
+    assert ("the forces add up" in said) == is_double
+
+
+@pytest.mark.parametrize(("other", "is_double"), [("same", True), ("lower", False)])
+def test_equal_surfaces_are_one(tmp_path: Path, other: str, is_double: bool) -> None:
+    second = SECOND.replace("floor", other)
+    said = said_of(tmp_path, BALL.format(second=second, further=""))
     assert ("the forces add up" in said) == is_double
 
 

@@ -17,7 +17,7 @@ from crashsolve.deck.reading.deck import read_deck
 from crashsolve.estimate.companion import Abandoned, Companions
 from crashsolve.estimate.error import Estimate
 from crashsolve.estimate.estimator import OVER_BUDGET, Estimator
-from crashsolve.estimate.runner import Estimating
+from crashsolve.estimate.runner import Estimating, _line
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.build import build
 from crashsolve.model.ledger import EXTERNAL_WORK, IMBALANCE, LARGEST
@@ -198,6 +198,15 @@ def test_an_error_larger_than_the_value_is_a_warning() -> None:
     estimating._report(1.0)
     (text,) = texts
     assert "lost: the estimated error, 16, is larger than the value, 5" in text
+
+
+@pytest.mark.parametrize("error", [2.4e-3, 36.0, 1e-6, 1e5])
+def test_digits_of_a_number_reach_below_its_error(error: float) -> None:
+    # nine digits of this energy end at 0.1 J
+    value = 19839886.9753086
+    watch = Watch("lost", ("lost",), "final")
+    printed = _line(Estimate(watch, value, "J", error, value, "")).split(" = ")[1].split()[0]
+    assert abs(float(printed) - value) < 0.1 * error
 
 
 def test_a_watched_channel_that_does_not_exist_is_refused(tmp_path: Path) -> None:

@@ -134,6 +134,45 @@ def test_swing_and_twist_agree_with_an_independent_calculation(make: Make, seed:
             assert out.angle == pytest.approx(tau, abs=1e-12)
 
 
+UNLOADING = {
+    "cone, permanent set": f"{{{CONE}, half_angles: [0.6, 0.5, 0.9, 0.55], curve: hard, "
+    "unloading_stiffness: 400}",
+    "cone, between curves": f"{{{CONE}, half_angles: [0.6, 0.5, 0.9, 0.55], curve: hard, "
+    "unloading_stiffness: 400, unloading_curve: low}",
+    "twist, permanent set": f"{{{TWIST}, curve: hard_both, unloading_stiffness: 400}}",
+}
+
+
+@pytest.mark.parametrize("name", UNLOADING)
+def test_unloading_loses_what_it_absorbs_and_does_not_store(make: Make, name: str) -> None:
+    """Strokes out of the range and back, deeper each time: absorbed = stored + lost."""
+    law = make(UNLOADING[name])
+    rng = np.random.default_rng(4)
+    first = law.bench.nodes[2].q.copy()
+    law.bench.move(1, v=np.zeros(3), w=np.zeros(3))
+    law.force(0.0)
+    law.accept()
+    absorbed = lost = 0.0
+    torque, before = np.zeros(3), first
+    for reach in (0.6, 0.9, 1.2, 1.2):
+        direction = reach * unit(rng.normal(size=3))
+        for k in range(1, 301):
+            at = np.sin(np.pi * k / 300) * direction
+            rate = np.pi / 3 * np.cos(np.pi * k / 300) * direction
+            law.bench.move(2, q=product(exponential(at), first), v=np.zeros(3), w=rate)
+            back = product(law.bench.nodes[2].q, before * [1, -1, -1, -1])
+            rotation = Rotation.from_quat([*back[1:], back[0]]).as_rotvec()
+            out = law.force(0.01)
+            now = law.bench.nodes[2].torque.copy()
+            absorbed -= 0.5 * float((torque + now) @ rotation)
+            lost += float(out.loss)
+            torque, before = now, law.bench.nodes[2].q.copy()
+            law.accept()
+    assert lost > 1.0
+    # mean torques over steps of 1e-2 rad with slopes up to 400 N m/rad, order 1 at the corners
+    assert absorbed == pytest.approx(float(out.stored) + lost, abs=5e-4 * lost)
+
+
 def unit(x: object) -> np.ndarray:
     v = np.asarray(x, float)
     return v / np.linalg.norm(v)

@@ -267,3 +267,16 @@ def test_what_cannot_be_meant_is_refused(tmp_path: Path, message: str) -> None:
     with pytest.raises(DeckErrors) as caught:
         Bench(tmp_path, f"{joints}springs:\n  s: {WRONG[message]}\n")
     assert message in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("stop", "size"),
+    [
+        ("rotation_stop, joint: hinge, lower: 0.2", "0.2 rad past the range from 0.2 to inf rad"),
+        ("translation_stop, joint: rail, upper: -0.05", "0.05 m past the range from -inf to -0.05"),
+    ],
+)
+def test_a_stop_that_begins_past_its_range_is_a_warning(make: Make, stop: str, size: str) -> None:
+    law = make(f"{{type: {stop}, stiffness: 9}}")
+    (warning,) = (w for w in law.bench.model.warnings if "past the range" in w)
+    assert f"begins {size}" in warning

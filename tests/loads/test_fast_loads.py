@@ -9,8 +9,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from command import crashsolve
 from quick import first_quick
 
+from crashpost.results.result import Result
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.estimate.estimator import estimate_in_memory
 from crashsolve.model.build import build
@@ -226,3 +228,24 @@ def test_what_the_cubics_of_a_formula_miss_is_in_the_error(field: str, tmp_path:
         assert estimate.value is not None and estimate.error is not None
         # errors of an acceleration add up over its integrals
         assert abs(estimate.value - exact) <= 10.0 * estimate.error
+
+
+@pytest.mark.parametrize("width", [1e-3, 1e-5])
+def test_a_body_that_one_pulse_moves_and_another_stops_keeps_its_balance(
+    width: float, tmp_path: Path
+) -> None:
+    # between two checks of the balance: at each of them there is no energy but round-off
+    path = tmp_path / "deck.yaml"
+    path.write_text(
+        "control: {end_time: 1, estimate: off}\noutput: {history: {interval: 0.01}}\n"
+        "bodies:\n  m: {mass: 1, inertia: [1, 1, 1]}\ncurves:\n"
+        f"  p: {{points: [[0, 0], [0.503, 0], [{0.503 + width}, 1000], "
+        f"[{0.503 + 3 * width}, -1000], [{0.503 + 4 * width}, 0], [2, 0]]}}\n"
+        "loads:\n  f: {type: force, body: m, force: [1, 0, 0], curve: p}\n"
+    )
+    done = crashsolve(path, "-o", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    result = Result(tmp_path / "out")
+    # in %: each straight piece of the curve takes eight steps
+    assert result.value("glstat.model.balance", "abs_max") < 1.0
+    assert abs(result.value("rbdout.m.velocity.x", "final")) < 1e-9 * 1000 * width

@@ -148,6 +148,18 @@ def test_too_few_targets_are_refused_with_the_count_needed(example: Path) -> Non
     assert "sees 5 targets; 6 that are not in one plane are needed" in refusal(example)
 
 
+def test_targets_at_one_place_count_once(example: Path) -> None:
+    for k in range(6, 18):
+        without(example.parent / "calibration.csv", f",3,t{k},")
+    path = example.parent / "targets.csv"
+    lines = path.read_text("utf-8").splitlines()
+    at = {line.split(",")[0]: line.partition(",")[2] for line in lines}
+    path.write_text(
+        "\n".join(f"t4,{at['t5']}" if line.startswith("t4,") else line for line in lines), "utf-8"
+    )
+    assert "sees 5 targets; 6 that are not in one plane are needed" in refusal(example)
+
+
 def test_too_few_points_are_refused_with_the_count_needed(example: Path) -> None:
     for side in ("left", "right"):
         for name in ("wrist", "hand", "ankle", "toe", "elbow", "knee", "ear"):
@@ -161,6 +173,51 @@ def test_an_open_rotation_is_refused_by_its_joint(example: Path) -> None:
     message = refusal(example)
     assert "driver_neck_base" in message or "driver_condyles" in message
     assert "larynx" in message and "frames.csv:" in message
+
+
+def rewritten(path: Path, camera: str, target: str, column: int, change: float) -> None:
+    """A table with one number changed."""
+    lines = [line.split(",") for line in path.read_text("utf-8").splitlines()]
+    (row,) = (row for row in lines if row[:2] == [camera, target] or row[0] == target)
+    row[column] = f"{float(row[column]) + change}"
+    path.write_text("\n".join(map(",".join, lines)) + "\n", "utf-8")
+
+
+@pytest.mark.parametrize("given", ["", "image_error: 0.5\n"])
+def test_a_wrong_picture_of_a_target_is_refused_by_its_name(example: Path, given: str) -> None:
+    example.write_text(example.read_text("utf-8") + given, "utf-8")
+    # ten times the error of 0.5 pixels
+    rewritten(example.parent / "calibration.csv", "2", "t7", 2, 5.0)
+    message = refusal(example)
+    assert "calibration.csv:46:" in message and "camera '2': its targets contradict" in message
+    assert "'t7' is 4." in message
+
+
+@pytest.mark.parametrize("given", ["", "image_error: 0.5\n"])
+def test_a_wrong_target_is_refused_by_its_name(example: Path, given: str) -> None:
+    """All cameras see it, and agree with each other as well as with the points."""
+    example.write_text(example.read_text("utf-8") + given, "utf-8")
+    rewritten(example.parent / "targets.csv", "none", "t8", 1, 0.05)
+    assert "its targets contradict each other: 't8' is" in refusal(example)
+
+
+def test_one_camera_given_twice_is_refused(example: Path) -> None:
+    for name, column in (("calibration.csv", 0), ("frames.csv", 1)):
+        path = example.parent / name
+        head, *rows = path.read_text("utf-8").splitlines()[1:]
+        own = [row for row in rows if row.split(",")[column] == "0"]
+        copies = [",".join("9" if i == column else cell for i, cell in enumerate(row.split(",")))
+                  for row in own]  # fmt: skip
+        path.write_text("\n".join([head, *own, *copies]) + "\n", "utf-8")
+    assert "two cameras must see it from different directions" in refusal(example)
+
+
+def test_targets_in_another_unit_are_refused_at_once(example: Path) -> None:
+    path = example.parent / "targets.csv"
+    path.write_text(path.read_text("utf-8").replace("[m]", "[mm]"), "utf-8")
+    message = refusal(example)
+    assert "0.00" in message and "times as far apart as the landmarks" in message
+    assert "wrong units" in message
 
 
 def test_points_that_were_exchanged_are_refused(example: Path) -> None:

@@ -15,9 +15,8 @@ from crashpost.figures.overlay import names
 from crashpost.figures.panels import PlotRequest, panels, profile
 from crashpost.figures.style import COLOURS, DASHES, MAX_LINES, line_style
 from crashpost.results.result import Result
-from crashpost.values import events, injury, pulse, words
+from crashpost.values import events, injury, injury_table, pulse, words
 from crashpost.values.figure import Curve, Figure, figures_of
-from crashpost.values.injury_table import table as injury_table
 from crashpost.values.measured import read_test
 from crashpost.values.units import Units, on_page
 
@@ -325,7 +324,7 @@ def test_gap_crush_and_injury_come_by_default(tmp_path: Path) -> None:
         assert title in titles
     # the role says what is a head, not its name
     assert [one.name for one in injury.positions(result)] == ["Driver head"]
-    rows = {row[1]: row[2:] for row in injury_table(result)}
+    rows = {row[1]: row[2:] for row in injury_table.table(result)}
     # closed forms of a half sine, as in decks/tutorial/head_form.yaml
     value, _, *rest = rows["largest acceleration"]
     assert [value, *rest] == ["50 g", "", "", "", "at 15 ms"]
@@ -349,7 +348,7 @@ def test_what_is_not_filtered_is_not_called_filtered_nor_judged(tmp_path: Path) 
     deck = "sensors: {dummy: {type: accelerometer, body: b, role: head}}"
     write_result(tmp_path, {"nodout": (["dummy"], axes)}, time, deck_text=deck)
     result = Result(tmp_path)
-    rows = injury_table(result)
+    rows = injury_table.table(result)
     assert rows[0][1] == "not filtered" and "not every 1 ms" in rows[0][-1]
     assert not any("CFC" in row[1] for row in rows)
     assert {row[6] for row in rows} == {"", "not assessed: not filtered"}

@@ -7,10 +7,9 @@ import pytest
 from small_results import write_result, write_status
 
 from crashpost.results.result import Result
-from crashpost.values import occupant_injury
+from crashpost.values import injury_table, occupant_injury
 from crashpost.values.injury_measure import HEADER, Measure, rows, verdict
-from crashpost.values.injury_table import table as injury_table
-from crashpost.values.occupant_injury import bric, measures, nij, viscous
+from crashpost.values.occupant_injury import bric, femur_share, measures, nij, viscous
 
 TIME = np.linspace(0.0, 0.2, 4001)
 DECK = """
@@ -78,6 +77,9 @@ def test_measures_of_half_waves(tmp_path: Path) -> None:
     level = 8.0 * np.cos(np.pi * 5 / 100)
     assert float(held[2].split()[0]) == pytest.approx(level, rel=2e-3)
     assert (peak[6], held[6]) == ("within", "beyond")
+    # the ratio is largest of the whole 10 ms
+    share = row_of(table, "Thigh", "share of the limit of its time")
+    assert float(share[2]) == pytest.approx(level / 7.58, rel=2e-3) and share[6] == "beyond"
     assert float(row_of(table, "Head", "BrIC")[2]) == pytest.approx(3.0**0.5, rel=2e-3)
     # D = 50 mm sin: VC = 1.3 pi D^2 / (2 x 0.1 s x 0.229 m) sin(2 ...)
     expected = 1.3 * np.pi * 0.05**2 / (2 * 0.1 * 0.229)
@@ -94,6 +96,23 @@ def test_a_steady_compression_has_the_viscous_criterion_of_its_rate() -> None:
     time = np.linspace(0.0, 0.01, 101)
     # differences of a straight line are exact
     np.testing.assert_allclose(viscous(time, 4.0 * time)[-1], 1.3 * 4.0 * 0.04 / 0.229, rtol=1e-9)
+
+
+def test_an_expanding_chest_has_no_viscous_criterion() -> None:
+    time = np.linspace(0.0, 0.01, 101)
+    # it expands ever faster, so that rate and deflection have the same sign
+    assert np.all(viscous(time, -40.0 * time**2) == 0.0)
+
+
+def test_the_limit_of_a_femur_falls_with_the_time_of_its_load() -> None:
+    time = np.linspace(0.0, 0.1, 10001)
+    # 8.9 kN for 5 ms, below 9.07 kN and not held for 10 ms: its limit is the middle of both
+    force = np.where((time > 0.02) & (time < 0.025), 8900.0, 1000.0)
+    # a sample at either end
+    assert femur_share(time, force) == pytest.approx(8900.0 / 8325.0, rel=1e-3)
+    for level, limit in ((500.0, 7580.0), (9070.0, 7580.0)):
+        assert femur_share(time, np.full(len(time), level)) == pytest.approx(level / limit)
+    assert femur_share(time, np.where(time == 0.05, 9070.0, 0.0)) == pytest.approx(1.0)
 
 
 def test_brain_takes_the_largest_of_each_axis() -> None:
@@ -127,7 +146,7 @@ def test_the_error_is_that_of_every_second_sample(tmp_path: Path) -> None:
         time,
         deck_text=f"sensors: {{{cards}}}",
     )
-    table = injury_table(Result(tmp_path / "run"))
+    table = injury_table.table(Result(tmp_path / "run"))
     value, error = (HEADER.index(word) for word in ("value", "error of samples"))
     sharp, smooth = (row_of(table, name, "Severity Index") for name in ("Spike", "Slow"))
     # trapezoids of one sample: a^2.5 dt; without it nothing is left
@@ -165,7 +184,7 @@ sensors:
   condyles: {type: section_force, role: neck}
 """
     write_result(tmp_path / "run", families, time, deck_text=deck)
-    table = injury_table(Result(tmp_path / "run"))
+    table = injury_table.table(Result(tmp_path / "run"))
     row = row_of(table, "Lap", "largest force")
     assert (row[2], row[-1]) == ("3 kN", "at 50 ms, segment 2")
     assert row_of(table, "Lap", "largest pay-out")[2] == "0.03 m"

@@ -117,11 +117,68 @@ def test_an_angle_past_the_range_is_refused_with_how_far(tmp_path: Path) -> None
     stop = (
         "\nsprings: {s: {type: rotation_stop, joint: knee, lower: 0, upper: 0.5, stiffness: 9}}\n"
     )
-    posture = "{root: thigh, joints: [{joint: knee, angle: 0.9}]}"
-    turned = "{root: shank, joints: [{joint: knee, rotation: {axis: [0.4, 2, 0], angle: 0.9}}]}"
+    posture = "{root: thigh, joints: [{joint: hip}, {joint: ankle}, {joint: knee, angle: 0.9}]}"
+    turned = posture.replace("thigh", "shank").replace(
+        "angle: 0.9", "rotation: {axis: [0.4, 2, 0], angle: 0.9}"
+    )
     for words in (posture, turned):
         text = CHAIN.replace("POSTURE", words) + stop
         assert "rotates 'knee' to 0.9 rad, 0.4 rad past the range" in refusal(tmp_path, text)
+
+
+LEFT_BEHIND = {
+    # knee and what hangs on it stay where their cards have them, the foot with the shank
+    "{root: trunk, position: [3, 0, 0], joints: [{joint: hip}]}": "'thigh' and 'shank' and not the",
+    # the same place, turned about the common point
+    "{root: shank, position: [0, 0.1, 0.4], rotation: {axis: [0, 0, 1], angle: 1}, joints: "
+    "[{joint: knee}, {joint: hip}]}": "'foot' and 'shank' and not the",
+}
+
+
+@pytest.mark.parametrize("posture", LEFT_BEHIND)
+def test_a_joint_that_a_posture_omits_is_refused_where_it_would_tear(
+    tmp_path: Path, posture: str
+) -> None:
+    text = CHAIN.replace("POSTURE", posture)
+    text = "\n".join(line for line in text.splitlines() if not line.startswith("  far"))
+    message = refusal(tmp_path, text)
+    assert LEFT_BEHIND[posture] in message and "name this joint in the posture" in message
+
+
+def test_bodies_may_be_joined_where_a_posture_has_put_them(tmp_path: Path) -> None:
+    """A point in the world says where; a joint with the ground does; omitted ones may close."""
+    near = "{root: trunk, position: [0.1, 0, 1], joints: [{joint: hip}]}"
+    built(tmp_path, near)
+    head, _, tail = CHAIN.partition("  knee:")
+    tail = tail[tail.index("  far:") :].replace("b: foot, at: [0, 0, 0]", "b: foot, at: [0, 0, 1]")
+    hold = "  hold: {type: spherical, a: trunk, b: foot, at: [0, 0, 0]}\n"
+    text = (head + hold + tail).replace("POSTURE", near.replace("0.1, 0, 1", "9, 0, 1"))
+    path = tmp_path / "joined.yaml"
+    path.write_text(text, "utf-8")
+    engine = Engine(*build(read_deck(path)))
+    engine.start()
+    assert engine.assembly_errors() == []
+
+
+@pytest.mark.parametrize("angle", ["", ", angle: 0"])
+def test_the_zero_posture_past_a_range_is_refused(tmp_path: Path, angle: str) -> None:
+    stop = "{type: rotation_stop, joint: knee, lower: 0.2, upper: 0.5, stiffness: 9}"
+    posture = f"{{root: thigh, joints: [{{joint: hip}}, {{joint: ankle}}, {{joint: knee{angle}}}]}}"
+    text = CHAIN.replace("POSTURE", posture) + f"\nsprings: {{s: {stop}}}\n"
+    assert "rotates 'knee' to 0 rad, 0.2 rad past the range" in refusal(tmp_path, text)
+
+
+def test_an_angle_at_its_limit_but_for_round_off_is_taken(tmp_path: Path) -> None:
+    stop = "{type: rotation_stop, joint: knee, lower: 0, upper: 150 deg, stiffness: 9}"
+    # 150 degrees, 2e-10 rad past them
+    posture = (
+        "{root: thigh, joints: [{joint: hip}, {joint: ankle}, {joint: knee, angle: 2.6179938782}]}"
+    )
+    text = CHAIN.replace("POSTURE", posture) + f"\nsprings: {{s: {stop}}}\n"
+    text = "\n".join(line for line in text.splitlines() if not line.startswith("  far"))
+    path = tmp_path / "deck.yaml"
+    path.write_text(text, "utf-8")
+    assert build(read_deck(path))[0].warnings == []
 
 
 RATES = (

@@ -8,7 +8,11 @@ from quick import first_quick
 
 from crashpost.results.result import Result
 from crashsolve import run
+from crashsolve.deck.reading.deck import read_deck
+from crashsolve.model.build import build
+from crashsolve.recording.engines import engine_of
 from crashsolve.scripting import RunFailed
+from crashsolve.statics import start
 
 CONTROL = "control: {start: equilibrium, end_time: 1, estimate: off}\n"
 WEIGHT = "loads: {weight: {type: gravity, acceleration: [0, 0, -10]}}\n"
@@ -37,6 +41,28 @@ springs: {{s: {{type: linear, b: ball, stiffness: 200, length: 0.9}}}}
     start, far = swing(result, "rbdout.ball.position.z")
     assert start == pytest.approx(-1.0, abs=1e-9)
     assert far < 1e-8
+
+
+def test_matrices_of_other_configurations_leave_the_equilibrium_as_it_is(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """They serve several iterations; the last correction is by those of the equilibrium itself."""
+    deck = read_deck(Path(__file__).parents[2] / "decks/scenes/sports_car/rolling.yaml")
+    tangent, counts, ends = start._EquilibriumSearch._tangent, [0, 0], []
+    for k, contraction in enumerate((0.0, 0.2)):
+
+        def counted(
+            search: start._EquilibriumSearch, g: np.ndarray, step: float = start.STEP, k: int = k
+        ) -> np.ndarray:
+            counts[k] += 1
+            return tangent(search, g, step)
+
+        monkeypatch.setattr(start, "CONTRACTION", contraction)
+        monkeypatch.setattr(start._EquilibriumSearch, "_tangent", counted)
+        ends.append(engine_of(deck, *build(deck)).state.nodes["r"])
+    # heights: nothing holds the car along its road and across; 1e-11 of the size counts as nothing
+    assert np.abs(ends[1] - ends[0])[:, 2].max() < 3e-11
+    assert counts[1] < 0.6 * counts[0]
 
 
 def test_a_plank_divides_its_weight_by_lever_arms(tmp_path: Path) -> None:
@@ -96,6 +122,8 @@ def test_a_cart_rolls_without_a_transient(tmp_path: Path, speed: float) -> None:
     assert front == pytest.approx(np.full(len(front), 2000 * 0.4 + 200), rel=3e-4)
     assert sum(loads) == pytest.approx(np.full(len(front), whole), rel=1e-4)
     assert swing(result, "rbdout.cart.velocity.x")[1] < 1e-3 * max(speed, 1e-3)
+    # it can roll, and nothing pushes it
+    assert "nothing supports" not in (result.folder / "log.txt").read_text("utf-8")
 
 
 @pytest.mark.long

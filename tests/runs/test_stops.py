@@ -46,6 +46,11 @@ STOPS = {
     "folded_bushing": (
         f"t = 0.564 s, cycle 141, body 'wheel': it has rotated by 3.03 rad {FOLDED}"
     ),
+    "swung_joint": (
+        "t = 0.601 s, cycle 601, spring 'twist': its joint has swung by 3 rad, where azimuth and "
+        "twist are not defined; keep its swing below 3 rad: by narrower half angles or a stiffer "
+        "stop, or a cone where there is none"
+    ),
     "folded_beam": (
         f"t = 0.0142105 s, cycle 1131, body 'rod_1, node rod_end': it has rotated by 3 rad {FOLDED}"
     ),

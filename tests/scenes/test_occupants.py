@@ -191,6 +191,42 @@ loads: {{weight: {{type: gravity}}}}
     assert np.isfinite(result.series("rbdout.man_head.position.z").values).all()
 
 
+@pytest.mark.parametrize(
+    ("x", "code", "words"),
+    [
+        (0.0, 2, "more than half of the"),
+        (0.1, 2, "move the bodies apart"),
+        # the chests, 0.24 m deep, meet by 5 mm
+        (0.235, 0, "touches at the start"),
+    ],
+)
+def test_occupants_that_overlap_are_refused_or_reported(
+    x: float, code: int, words: str, tmp_path: Path
+) -> None:
+    """One behind the other, by their trunks and heads."""
+    parts = ("pelvis", "chest", "skull")
+    joints = "\n".join(f"      - {{joint: rear_{joint}}}" for joint in JOINTS)
+    more = f"""
+  other:
+    root: rear_lower_torso
+    position: [{x}, 0, 0]
+    joints:
+{joints}
+contacts:
+  overlap:
+    a: [{", ".join(f"man_{part}" for part in parts)}]
+    b: [{", ".join(f"rear_{part}" for part in parts)}]
+    normal: {{type: exact_restitution, stiffness: 5.0e+5, restitution: 0.2}}
+"""
+    words_of = de_leva("male", 1.75, 75.0, "rigid", "merged")
+    both = f"{words_of}\n  - {words_of.replace('who: man', 'who: rear')}"
+    path = tmp_path / "deck.yaml"
+    path.write_text(deck(both, "{end_time: 1.0e-4}", more), "utf-8")
+    done = crashsolve(path, "-o", tmp_path / "out", "--set", "control.estimate=off")
+    assert done.returncode == code, done.stdout + done.stderr
+    assert words in done.stdout + done.stderr
+
+
 def test_a_sex_that_no_table_has_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "deck.yaml"
     path.write_text(deck(de_leva("child", 1.2, 30.0, "rigid", "merged"), "{end_time: 1}"), "utf-8")

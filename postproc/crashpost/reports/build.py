@@ -25,13 +25,13 @@ from crashpost.reports.views import views
 from crashpost.results import ledger, logbook
 from crashpost.results.result import Result
 from crashpost.results.table import number
+from crashpost.values import injury_table
 from crashpost.values.accuracy import HEADER as ERRORS
 from crashpost.values.accuracy import accuracy_rows, cost_rows, worst_error
 from crashpost.values.events import events
 from crashpost.values.expectation import Verdict, check_expectations
 from crashpost.values.figure import Figure, figures_of
 from crashpost.values.injury_measure import HEADER, NUMERIC
-from crashpost.values.injury_table import table as injury_table
 from crashpost.values.summary import Peak, peaks, status_line
 from crashpost.values.units import PageUnits, Units, on_page, page_time_unit
 from crashsolve.channels.display import factor, readable
@@ -235,7 +235,7 @@ def _events(result: Result, page_units: PageUnits) -> str:
 
 
 def _injury(result: Result) -> str:
-    rows, limit = injury_table(result), HEADER.index("limit")
+    rows, limit = injury_table.table(result), HEADER.index("limit")
     notes = ["The error is that of the interval of samples: the measure of every second one."]
     if any(row[limit] for row in rows):
         notes.append("Limits are those for a 50th percentile man.")

@@ -8,8 +8,8 @@
 
 Filter classes are those of SAE J211-1. Limits: 49 CFR 571.208 for HIC of 15 ms and the chest,
 UN R94 for HIC of 36 ms and 80 g; both for a 50th percentile man. No sections are cited: their
-numbers were not checked against the texts. `injury_table.py` has these measures
-and those of `occupant_injury.py`, each with its error by the interval of the samples.
+numbers were not checked against the texts. `injury_table.py` has these measures and
+those of `occupant_injury.py`, each with its error by the interval of the samples.
 Accelerations are filtered axis by axis; where the samples do not serve the filter, they are taken
 as they are, and the measure states it.
 """
@@ -80,14 +80,14 @@ def positions(result: Result) -> list[SensorPosition]:
 
 def measures(result: Result) -> list[Measure]:
     """The measures of each position, after its filter and what it does with gravity."""
-    listed = []
+    measured = []
     for position in positions(result):
         message = position.plain_because or "axis by axis"
-        listed.append(Measure(position.name, position.filter or "not filtered", when=message))
+        measured.append(Measure(position.name, position.filter or "not filtered", when=message))
         held = "as instruments show it" if position.has_gravity else "left out"
-        listed.append(Measure(position.name, "gravity", when=held))
-        listed += [_with_limit(position, *one) for one in _measures(result, position)]
-    return listed
+        measured.append(Measure(position.name, "gravity", when=held))
+        measured += [_with_limit(position, *one) for one in _measures(result, position)]
+    return measured
 
 
 def injury_figures(result: Result) -> list[Figure]:
@@ -109,13 +109,13 @@ def _measures(result: Result, position: SensorPosition) -> list[Number]:
     """Measure, value, unit and when."""
     message = partial(_reported, result)
     clip = f"clip({position.channel}, '{CLIP}')"
-    listed = [_peak(result, position.channel), ("3 ms clip", *message(clip, "max", "g"))]
+    measured = [_peak(result, position.channel), ("3 ms clip", *message(clip, "max", "g"))]
     if position.role == "head":
-        listed += [_hic(result, position.channel, window) for window in HIC]
-        listed.append(("Severity Index", *message(f"si({position.channel})", "final")))
+        measured += [_hic(result, position.channel, window) for window in HIC]
+        measured.append(("Severity Index", *message(f"si({position.channel})", "final")))
     if position.role == "vehicle":
-        listed += pulse_measures(result, position.sensor)
-    return listed
+        measured += pulse_measures(result, position.sensor)
+    return measured
 
 
 def _with_limit(

@@ -1,4 +1,4 @@
-"""The table of all measures of injury of a result, with their limits and errors."""
+"""All measures of injury of a result in one table, with their errors by the samples."""
 
 from crashpost.results.result import Result
 from crashpost.values import injury, occupant_injury
@@ -6,7 +6,7 @@ from crashpost.values.injury_measure import rows
 
 
 def table(result: Result) -> list[list[str]]:
-    """All measures as text, under injury_measure.HEADER; none without a role, or before there are
+    """The measures as text, under injury_measure.HEADER; none without a role or before there are
     samples.
     """
     if len(result.time) < 2:

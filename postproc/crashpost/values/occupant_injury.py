@@ -3,7 +3,8 @@
     role              measures
     neck              Nij, tension and compression
     chest_deflection  D, and VC = 1.3 D_dot D / 0.229 m
-    femur_*           compression, and the level that it exceeds for 10 ms
+    femur_*           compression, the level that it exceeds for 10 ms, and the largest ratio of
+                      what it exceeds for any time up to 10 ms to the limit of that time
     head              BrIC = sqrt(sum (max |w_i| / w_i,c)^2), from its angular velocity
     seat              largest distance from the seat, and when it is 0.5 m and 1 m
     every belt        largest force of any segment, and webbing drawn from the retractor
@@ -16,7 +17,8 @@ moment about the occipital condyles: that of the section and those of the spring
 resist the rotation of its joint. Signs are those of SAE J211: F_z positive in tension, M_y in
 flexion; the sensor's axes are x forward, y left, z up. Filters: CFC 600 for the neck and the femur,
 180 for the chest, 60 for BrIC; where the samples do not serve a filter nothing is judged. Limits:
-UN R94 for VC and femur (9.07 kN at once, 7.58 kN for 10 ms), UN R137 for 42 mm; 1 for Nij.
+UN R94 for VC and femur (9.07 kN at once, 7.58 kN for 10 ms, a straight line between), UN R137 for
+42 mm; 1 for Nij.
 Intercepts of Nij and its filter are from memory and were not read in the regulation.
 
 Measures for which a deck has no sensor are named. A distance of 1 m from the seat, more than half
@@ -37,6 +39,8 @@ from crashpost.values.injury_measure import Measure
 from crashpost.values.words import capital
 from crashsolve.channels.roles import CLASSES
 
+# limits of the femur [N], of no time and of FEMUR_TIME [s] and longer
+FEMUR_AT_ONCE, FEMUR_HELD, FEMUR_TIME = 9070.0, 7580.0, 10e-3
 TENSION, COMPRESSION, FLEXION, EXTENSION = 6806.0, 6160.0, 310.0, 135.0
 CHEST_DEPTH, VC_FACTOR = 0.229, 1.3
 # [m] from the seat
@@ -76,16 +80,16 @@ def measures(result: Result) -> list[Measure]:
         "head": _head_rotation,
         "seat": _seat,
     }
-    listed = []
+    measured = []
     for name, card in cards.items():
         if card.get("role") in of_role:
             try:
-                listed += of_role[card["role"]](result, name, card)
+                measured += of_role[card["role"]](result, name, card)
             except PostError as reason:
-                listed.append(Measure(_title(name), "not stated", when=str(reason)))
+                measured.append(Measure(_title(name), "not stated", when=str(reason)))
     if any(card.get("role") in ROLES for card in cards.values()):
-        listed += _belts(result)
-    return listed + _missing(cards)
+        measured += _belts(result)
+    return measured + _missing(cards)
 
 
 def nij(force: np.ndarray, moment: np.ndarray) -> np.ndarray:
@@ -95,10 +99,27 @@ def nij(force: np.ndarray, moment: np.ndarray) -> np.ndarray:
 
 
 def viscous(time: np.ndarray, deflection: np.ndarray) -> np.ndarray:
-    """VC over time [m/s], of the deflection of the chest [m]."""
+    """VC over time [m/s], of the deflection of the chest [m]; 0 where the chest is expanded."""
     rate = np.gradient(deflection, time)
-    criterion: np.ndarray = VC_FACTOR * rate * deflection / CHEST_DEPTH
+    criterion: np.ndarray = VC_FACTOR * rate * np.maximum(deflection, 0.0) / CHEST_DEPTH
     return criterion
+
+
+def femur_share(time: np.ndarray, force: np.ndarray) -> float:
+    """Largest ratio of a compression [N] to the limit of the time for which it is exceeded.
+
+    In one span each: of a force that is exceeded for 5 ms the limit is 8.325 kN.
+    """
+    held, largest = force, 0.0
+    for lag in range(len(time)):
+        # least of every lag + 1 samples in a row
+        held = force if lag == 0 else np.minimum(held[:-1], force[lag:])
+        lasting = time[lag:] - time[: len(time) - lag]
+        limit = np.interp(lasting, [0.0, FEMUR_TIME], [FEMUR_AT_ONCE, FEMUR_HELD])
+        largest = max(largest, float((held / limit).max()))
+        if lasting.min() >= FEMUR_TIME:
+            break
+    return largest
 
 
 def bric(spins: list[np.ndarray]) -> float:
@@ -163,13 +184,15 @@ def _chest(result: Result, name: str, card: Json) -> list[Measure]:
 def _femur(result: Result, name: str, card: Json) -> list[Measure]:
     force = _history(result, f"-{plain(f'secforc.{name}.force.z')}", CLASSES["femur_left"])
     own, at, title = not force.plain_because, int(force.values.argmax()), _title(name)
-    held = 1e-3 * _exceeded_for(result.time, force.values, 10e-3)
+    held = 1e-3 * _exceeded_for(result.time, force.values, FEMUR_TIME)
     top, when = 1e-3 * max(float(force.values[at]), 0.0), _when(result, at)
-    span = "compression for 10 ms"
+    span, ratio = "compression for 10 ms", "share of the limit of its time"
+    share = femur_share(result.time, force.values)
     return [
         _filter(name, force),
         Measure(title, "compression", top, "kN", when, 9.07, "UN R94", own),
         Measure(title, span, held, "kN", "in one span", 7.58, "UN R94", own),
+        Measure(title, ratio, share, "", "", 1.0, "UN R94", own),
     ]
 
 
@@ -184,13 +207,13 @@ def _head_rotation(result: Result, name: str, card: Json) -> list[Measure]:
 def _seat(result: Result, name: str, card: Json) -> list[Measure]:
     distance = result.series(plain(f"disbout.{name}.distance")).values
     at, title = int(distance.argmax()), _title(name)
-    listed = [Measure(title, "largest distance", float(distance[at]), "m", _when(result, at))]
+    measured = [Measure(title, "largest distance", float(distance[at]), "m", _when(result, at))]
     for level, words in ((LEFT_SEAT, "leaves the seat"), (EJECTED, "is ejected")):
         beyond = np.flatnonzero(distance > level)
         when = f"at {level:g} m" if len(beyond) else f"is never {level:g} m away"
         moment = _passing(result.time, distance, int(beyond[0]), level) if len(beyond) else None
-        listed.append(Measure(title, words, moment, "s", when))
-    return listed
+        measured.append(Measure(title, words, moment, "s", when))
+    return measured
 
 
 def _passing(time: np.ndarray, values: np.ndarray, at: int, level: float) -> float:
@@ -206,18 +229,18 @@ def _belts(result: Result) -> list[Measure]:
     belts: dict[str, list[str]] = {}
     for channel in result.channels("beltout.*.force.*"):
         belts.setdefault(channel.name.split(".")[1], []).append(channel.name)
-    listed = []
+    measured = []
     for name, channels in belts.items():
         forces = np.array([result.series(plain(channel)).values for channel in channels])
         segment, at = np.unravel_index(forces.argmax(), forces.shape)
         when, top = _when(result, int(at)), 1e-3 * float(forces[segment, at])
         where = f"{when}, segment {int(segment) + 1}"
-        listed.append(Measure(_title(name), "largest force", top, "kN", where))
+        measured.append(Measure(_title(name), "largest force", top, "kN", where))
         drawn = result.series(plain(f"beltout.{name}.pay_out")).values
         if np.any(drawn):
             at, most = int(drawn.argmax()), float(drawn.max())
-            listed.append(Measure(_title(name), "largest pay-out", most, "m", _when(result, at)))
-    return listed
+            measured.append(Measure(_title(name), "largest pay-out", most, "m", _when(result, at)))
+    return measured
 
 
 def _exceeded_for(time: np.ndarray, values: np.ndarray, span: float) -> float:

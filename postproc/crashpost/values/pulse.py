@@ -29,15 +29,15 @@ def pulse_measures(result: Result, sensor: str) -> list[Number]:
     slowing = -velocity * np.sign(velocity[np.abs(velocity).argmax()])
     at = int(np.argmin(slowing))
     gap, when = -travel(time, slowing), f"{1e3 * time[at]:.5g} ms"
-    numbers: list[Number] = [
+    measured: list[Number] = [
         (f"velocity change along {along}", float(-slowing[at]), "m/s", f"at {when}"),
         ("stroke of a free occupant", float(gap[at]), "m", f"until {when}"),
     ]
     try:
         value, start, end = load_criterion(time, slowing)
     except PostError as reason:
-        return [*numbers, ("OLC", None, "g", str(reason))]
-    return [*numbers, ("OLC", value / G0, "g", f"{1e3 * start:.5g} to {1e3 * end:.5g} ms")]
+        return [*measured, ("OLC", None, "g", str(reason))]
+    return [*measured, ("OLC", value / G0, "g", f"{1e3 * start:.5g} to {1e3 * end:.5g} ms")]
 
 
 def travel(time: np.ndarray, velocity: np.ndarray) -> np.ndarray:

@@ -85,8 +85,38 @@ SI: Mapping[str, Unit] = {
     "angle": PREFIXED["rad"],
 }
 
+# units as they are often written, and how they are written here
+SPELLINGS = {
+    **dict.fromkeys(("kmh", "kph", "kmph", "KMH"), "km/h"),
+    **dict.fromkeys(("mps",), "m/s"),
+    **dict.fromkeys(("kilo", "kilos", "kgs", "Kg", "KG", "kilogram", "kilograms"), "kg"),
+    **dict.fromkeys(("gram", "grams", "gr"), "g"),
+    **dict.fromkeys(("ton", "tons", "tonne", "tonnes"), "t"),
+    **dict.fromkeys(("lbs", "pound", "pounds"), "lb"),
+    **dict.fromkeys(("meter", "meters", "metre", "metres"), "m"),
+    **dict.fromkeys(("millimeter", "millimeters", "millimetre", "millimetres", "MM"), "mm"),
+    **dict.fromkeys(("inch", "inches"), "in"),
+    **dict.fromkeys(("foot", "feet"), "ft"),
+    **dict.fromkeys(("sec", "secs", "second", "seconds"), "s"),
+    **dict.fromkeys(("msec", "msecs"), "ms"),
+    **dict.fromkeys(("hr", "hrs", "hour", "hours"), "h"),
+    **dict.fromkeys(("degree", "degrees", "degs", "Deg", "DEG"), "deg"),
+    **dict.fromkeys(("radian", "radians"), "rad"),
+    **dict.fromkeys(("RPM",), "rpm"),
+    **dict.fromkeys(("newton", "newtons"), "N"),
+    **dict.fromkeys(("KN", "Kn"), "kN"),
+    **dict.fromkeys(("Mpa", "mpa"), "MPa"),
+    **dict.fromkeys(("Gpa", "gpa"), "GPa"),
+    **dict.fromkeys(("joule", "joules"), "J"),
+    **dict.fromkeys(("psi", "PSI"), "lbf/in^2"),
+    **dict.fromkeys(("gs", "Gs", "G", "gee"), "g0"),
+    **{f"{prefix}Nm": f"{prefix}N m" for prefix in ("", "k", "M")},
+}
+
 _NUMBER = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?"
 _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*", re.DOTALL)
+_COMMA = re.compile(r",[0-9]")
+COMMAS = "write 0.5 for 0,5 and 1000 for 1,000"
 _TOKEN = re.compile(r"\s*(?:(\*\*|[*/^()·])|(-?[0-9]+(?:\.[0-9]+)?)|([^\W\d][\w]*|%))")
 
 
@@ -189,9 +219,15 @@ def symbol_unit(word: str) -> Unit:
         return unit
     base = PREFIXED.get(word[1:])
     if base is None or word[0] not in PREFIXES:
-        hint = f"; a power is written '{word[:-1]}^{word[-1]}'" if word[-1] in "23" else ""
-        raise UnitError(f"unknown unit '{word}'{hint}")
+        raise UnitError(f"unknown unit '{word}'{_spelling(word)}")
     return _named(PREFIXES[word[0]]) * base
+
+
+def _spelling(word: str) -> str:
+    """How a unit that nobody knows may be meant; "" where that is anybody's guess."""
+    if word[-1] in "23":
+        return f"; a power is written '{word[:-1]}^{word[-1]}'"
+    return f"; did you mean '{SPELLINGS[word]}'?" if word in SPELLINGS else ""
 
 
 def split_quantity(text: str) -> tuple[float, str]:
@@ -202,6 +238,8 @@ def split_quantity(text: str) -> tuple[float, str]:
     value = float(match[1])
     if not math.isfinite(value):
         raise UnitError(f"'{text}' is too large")
+    if _COMMA.match(match[2]):
+        raise UnitError(f"'{text}' has a comma; {COMMAS}")
     return value, match[2]
 
 
@@ -242,5 +280,6 @@ def to_si(text: str, wanted: str, bases: Mapping[str, Unit] = SI) -> float:
     unit = parse_unit(name) if name else Unit(default_factor(target, bases), target.exponents)
     if unit.exponents != target.exponents:
         hint = " (the gram; standard gravity is 'g0')" if name == "g" else ""
-        raise UnitError(f"'{text}' is in {describe(unit)}{hint}")
+        own = describe(unit)
+        raise UnitError(f"'{text}' is {'a pure number' if own == '1' else f'in {own}'}{hint}")
     return value * unit.factor

@@ -1,9 +1,9 @@
 """Curve from a formula of x, in SI, as cubics that keep to it within a stated tolerance.
 
     y(x) = expression, y'(x) its derivative, both exact at breakpoints;
-    between two of them |cubic - expression| <= 1e-9 of the largest |y| there, or 1e-15 of the
-    largest of all, beside the round-off of x; of a motion that drives a joint also
-    |cubic'' - expression''| <= 1e-6 of the largest |y''|, of a velocity that does
+    between two of them |cubic - expression| <= 1e-9 of the largest |y| there, or 1e-21 of the
+    largest of all (1e-15 in a formula of many cubics), beside round-off; of a motion that drives a
+    joint also |cubic'' - expression''| <= 1e-6 of the largest |y''|, of a velocity that does
     |cubic' - expression'| <= 1e-6 of the largest |y'|
 
 Breakpoints halve until that holds, kinks included. `segments` is their initial number; every one
@@ -35,6 +35,9 @@ from crashsolve.deck.reading.expressions import Expression, ExpressionError
 # error of the cubics over the value, or over this share of the largest value; and the largest error
 # of those that need too many
 TOLERANCE, FLOOR, LOOSEST, ROUND_OFF = 1e-9, 1e-6, 2e-4, 1e-15
+# the share of the largest value where so few cubics as these hold the formula: halving near a root
+# of it takes some cubics for each factor of two
+LOW_FLOOR, FEW = 1e-12, 20_000
 # points at which a formula is evaluated, in each piece at least so many; and the most cubics
 EVALUATIONS, LEAST, MAX_CUBICS = 65_536, 5, 450_000
 # [of the range] the shortest cubic, which holds a kink; and least size of a jump, of the largest
@@ -118,7 +121,10 @@ def _sample(
             break
         x = np.union1d(x, hidden)
         samples = _refined(formula, x, evaluations, order)
-    return samples
+    if len(samples[0]) > FEW:
+        return samples
+    finer = _refined(formula, samples[0], LEAST, order, LOW_FLOOR)
+    return finer if finer[3] <= samples[3] else samples
 
 
 def _hidden(formula: Expression, x: Array, y: Array, slopes: Array) -> Array:
@@ -141,9 +147,12 @@ def _hidden(formula: Expression, x: Array, y: Array, slopes: Array) -> Array:
 
 
 def _refined(
-    formula: Expression, x: Array, evaluations: int, order: int
+    formula: Expression, x: Array, evaluations: int, order: int, floor: float = FLOOR
 ) -> tuple[Array, Array, Array, float]:
-    """Breakpoints that begin with x, values and slopes (n,), and the tolerance kept."""
+    """Breakpoints that begin with x, values and slopes (n,), and the tolerance kept.
+
+    `floor` is the share of the largest value below which errors are compared with it.
+    """
     start, end = float(x[0]), float(x[-1])
     largest, fastest, tolerance = 0.0, 0.0, TOLERANCE
     done: list[Array] = []
@@ -161,9 +170,10 @@ def _refined(
         largest = max(largest, float(size.max()))
         error = np.max(np.abs(y - _cubic(right - left, a, b, inside)), axis=1)
         _refuse_jump(left, right, a.y, b.y, least, largest)
-        scale = np.maximum(size, max(FLOOR * largest, TINY))
+        scale = np.maximum(size, max(floor * largest, TINY))
         noise = np.maximum(round_off(formula, left), round_off(formula, right))
-        within = _round_off(largest, np.maximum(np.abs(left), np.abs(right)), a, b) + noise
+        own = largest if floor == FLOOR else size
+        within = _round_off(own, np.maximum(np.abs(left), np.abs(right)), a, b) + noise
         error -= within
         rate_error = np.zeros_like(error)
         if order:
@@ -212,11 +222,11 @@ def _rough(
     return is_rough & (tolerance <= LOOSEST), tolerance
 
 
-def _round_off(largest: float, size: Array, a: Jet, b: Jet) -> Array:
-    """Round-off of values (n,) between a and b, also that of x of this size in a steep formula."""
+def _round_off(values: float | Array, size: Array, a: Jet, b: Jet) -> Array:
+    """Round-off (n,) of `values` from a to b, also that of x of this size in a steep formula."""
     steepest = np.maximum(np.abs(a.slope), np.abs(b.slope))
     with np.errstate(over="ignore"):
-        return np.asarray(ROUND_OFF * (largest + size * steepest))
+        return np.asarray(ROUND_OFF * (values + size * steepest))
 
 
 def _points_within(count: int) -> Array:

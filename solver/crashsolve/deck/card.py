@@ -264,6 +264,8 @@ def _to_si(
     try:
         return number(value, unit, context.units)
     except UnitError as error:
+        if field.length and not at and len(field.parts) == 1:
+            refuse(f"must be {field.list_in(unit)}, not {shown(value)}")
         refuse(f"must be {kinds}", str(error), within=at)
 
 

@@ -13,7 +13,7 @@ from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
 
 from crashsolve.deck.fields import Declared, deck_words, declared, in_unit
 from crashsolve.deck.source import BROKEN
-from crashsolve.deck.words import choices, nearest
+from crashsolve.deck.words import choices, meant_field, nearest
 
 Path = tuple[str | int, ...]
 
@@ -27,6 +27,9 @@ EXPECTED = {
     "model_type": "a table of fields",
     "dict_type": "a table",
 }
+
+
+UNKNOWN = "unknown field"
 
 
 class Diagnostic(NamedTuple):
@@ -74,6 +77,12 @@ def diagnostics_of(card: type[BaseModel], error: ValidationError) -> list[Diagno
     for word, group in groupby(lines, key=lambda line: line["loc"][:1]):
         for diagnostic in _of_field(card, word, list(group)):
             diagnostics[diagnostic.path] = diagnostic
+    # a missing field that stands there misspelt is one mistake
+    unknown = [path for path, one in diagnostics.items() if one.message.startswith(UNKNOWN)]
+    names = deck_words(card)
+    for path in [(*path[:-1], meant_field(path[-1], names)) for path in unknown if len(path) == 1]:
+        if path in diagnostics and diagnostics[path].is_missing:
+            del diagnostics[path]
     return list(diagnostics.values())
 
 
@@ -127,7 +136,7 @@ def _in_words(card: type[BaseModel], field: Declared | None, line: ErrorDetails)
             return _from_rule(path, str(notes["error"]))
         case "extra_forbidden":
             advice = choices(path[-1], deck_words(card), "fields")
-            return Diagnostic(path, f"unknown field '{path[-1]}'", advice, key=True)
+            return Diagnostic(path, f"{UNKNOWN} '{path[-1]}'", advice, key=True)
         case "missing" if isinstance(path[-1], int):
             return Diagnostic(path[:-1], f"must have {path[-1] + 1} values, not {len(value)}")
         case "missing":
@@ -138,7 +147,14 @@ def _in_words(card: type[BaseModel], field: Declared | None, line: ErrorDetails)
         case "literal_error":
             advice = nearest(value, field.words) if field else ""
             return Diagnostic(path, f"must be {notes['expected']}, not {shown(value)}", advice)
-    return Diagnostic(path, f"must be {_expected(field, line)}, not {shown(value)}")
+    advice = f"write [{value}]" if line["type"] == "tuple_type" and _is_entry(field, value) else ""
+    return Diagnostic(path, f"must be {_expected(field, line)}, not {shown(value)}", advice)
+
+
+def _is_entry(field: Declared | None, value: object) -> bool:
+    """Whether a text stands where a list of any length should, and may be one of its entries."""
+    is_short = isinstance(value, str) and len(value) < 40
+    return is_short and field is not None and field.list_in("") == "a list"
 
 
 def _from_rule(path: Path, text: str) -> Diagnostic:
@@ -159,8 +175,9 @@ def _expected(field: Declared | None, line: ErrorDetails) -> str:
     if kind == "literal_error":
         return str(line["ctx"]["expected"])
     unit = in_unit(field.unit) if field else ""
-    if kind == "tuple_type" and field and field.length and len(line["loc"]) == 1:
-        return f"a list of {field.length} numbers{unit}" if field.unit else "a list"
+    if kind == "tuple_type" and field:
+        depth = sum(isinstance(step, int) for step in line["loc"])
+        return field.list_in(field.unit if field.length else "", depth)
     if kind not in EXPECTED:
         return f"valid ({line['msg']})"
     return EXPECTED[kind] + (unit if kind == "float_type" else "")

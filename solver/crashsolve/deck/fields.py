@@ -102,6 +102,17 @@ class Declared:
                 return len(get_args(part))
         return None
 
+    def list_in(self, unit: str, depth: int = 0) -> str:
+        """The list that the field wants, or that one so many lists deep, in words."""
+        inner: object = next((part for part in self.parts if get_origin(part) is tuple), None)
+        for _ in range(depth):
+            inner = get_args(inner)[0] if get_origin(inner) is tuple else None
+        members = get_args(inner) if get_origin(inner) is tuple else ()
+        if not members or Ellipsis in members:
+            return "a list"
+        kind = "numbers" if set(members) <= {int, float} else "values"
+        return f"a list of {len(members)} {kind}{in_unit(unit)}"
+
 
 def _members(annotation: object) -> tuple[object, ...]:
     if get_origin(annotation) in (Union, UnionType):

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple, NoReturn
 
 import yaml
 
+from crashsolve.channels.units import COMMAS
 from crashsolve.foundation.errors import DeckError
 
 MAX_DEPTH = 60
@@ -23,6 +24,9 @@ _CORE_TAG = "tag:yaml.org,2002:"
 _INTEGER = re.compile(r"[-+]?(0|[1-9][0-9]*)")
 _OTHER_BASE = re.compile(r"0x[0-9a-fA-F]+|0o[0-7]+")
 _FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+# a key without the space that its value needs
+_GLUED = re.compile(r"\s*(- )?[\w-]+:[^\s/]")
+_DIGITS = re.compile(r"[0-9]+")
 _LEADING_ZERO = re.compile(r"[-+]?0[0-9]+")
 _NOT_FINITE = re.compile(r"[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
 _WORDS: dict[str, bool | None] = {"": None, "~": None, "null": None, "Null": None, "NULL": None}
@@ -45,6 +49,7 @@ _CONTROL = re.compile("[\x00-\x08\x0b-\x1f\ud800-\udfff]")
 
 # names of entries: parts of channels and of files
 NAME = re.compile(r"[^\W\d][\w-]*")
+KEY_ADVICE = f"put it in quotes; in a number, {COMMAS}"
 NAME_ADVICE = "begin with a letter, continue with letters, digits, _ and -"
 
 
@@ -177,7 +182,28 @@ def _syntax_error(name: str, text: str, error: yaml.MarkedYAMLError) -> DeckErro
     elif "mapping values are not allowed" in problem:
         problem = "a ':' is not expected here"
         advice = "check the indentation, or put the text in quotes"
+        glued = [k for k in (line - 1, line) if k >= 0 and _GLUED.match(rows[k])]
+        if glued:
+            advice = f"put a space after the ':' in line {glued[0] + 1}"
+    elif "did not find expected" in problem and error.context_mark:
+        problem, advice = _unfinished(problem, error.context_mark)
     return DeckError(name, line + 1, column + 1, "", f"not valid YAML: {problem}", advice)
+
+
+def _unfinished(problem: str, begin: yaml.Mark) -> tuple[str, str]:
+    """Message and advice where a table or list that began at a mark does not go on."""
+    where = f"began in line {begin.line + 1}, column {begin.column + 1}"
+    if "flow" in problem:
+        bracket = "{" if "mapping" in problem else "["
+        return (
+            f"the '{bracket}' that {where} is not closed before this",
+            "check brackets, commas and quotes",
+        )
+    kind = "table" if "mapping" in problem else "list"
+    return (
+        f"this does not continue the {kind} that {where}",
+        "indent its entries alike, and check quotes",
+    )
 
 
 class _Abandoned(Exception):
@@ -280,6 +306,10 @@ class _Parser:
 
     def key(self, event: yaml.NodeEvent, depth: int) -> str | None:
         if isinstance(event, yaml.ScalarEvent):
+            if not event.style and _DIGITS.fullmatch(event.value):
+                # the rest of 1,000 within brackets
+                self.refuse(event, f"the key '{event.value}' is not a word", KEY_ADVICE)
+                return None
             word = self.scalar(event)
             if isinstance(word, str) and word:
                 return word

@@ -51,19 +51,32 @@ SYMBOLS = {
 def nearest(word: object, known: Iterable[str]) -> str:
     """Question about a wrong word: the right one most like it, if any is."""
     names = list(known)
-    if RENAMED.get(str(word)) in names:
-        return f"it is called '{RENAMED[str(word)]}' now"
-    near = get_close_matches(str(word), names, n=1)
-    return f"did you mean '{near[0]}'?" if near else ""
+    meant = _meant(str(word), names)
+    if meant and meant == RENAMED.get(str(word)):
+        return f"it is called '{meant}' now"
+    return f"did you mean '{meant}'?" if meant else ""
+
+
+def _meant(word: str, names: list[str]) -> str:
+    """The name most like a word, or its present one; "" where none is."""
+    if RENAMED.get(word) in names:
+        return RENAMED[word]
+    return next(iter(get_close_matches(word, names, n=1)), "")
+
+
+def meant_field(word: object, known: Iterable[str]) -> str:
+    """The field that is most like a wrong one, also by its symbol; "" where none is."""
+    names, text = list(known), str(word)
+    symbols = (*SYMBOLS.get(text, ()), text.lower())
+    return next((name for name in symbols if name in names), "") or _meant(text, names)
 
 
 def nearest_field(word: object, known: Iterable[str]) -> str:
     """Question about a wrong field of a card: the right one most like it, also by its symbol."""
-    names, text = list(known), str(word)
-    for meant in (*SYMBOLS.get(text, ()), text.lower()):
-        if meant in names:
-            return f"did you mean '{meant}'?"
-    return nearest(word, names)
+    names = list(known)
+    meant = meant_field(word, names)
+    is_like = meant and meant != RENAMED.get(str(word))
+    return f"did you mean '{meant}'?" if is_like else nearest(word, names)
 
 
 def choices(word: object, known: Iterable[str], what: str) -> str:

@@ -10,7 +10,7 @@ smaller, at most twice; errors by gaps between samples are only reported, as no 
 
 import time as clock
 from collections.abc import Callable, Sequence
-from math import inf, isfinite
+from math import floor, inf, isfinite, log10
 from pathlib import Path
 
 import numpy as np
@@ -36,6 +36,8 @@ STRIDE = 8.0
 SHORT = 5.0
 # and so much at most [s of CPU], for a companion may get stuck
 MAX_FOR_SHORT = 2.0 * SHORT
+# digits of a printed number, and those that state a double exactly
+DIGITS, EXACT_DIGITS = 9, 17
 # an error below this share of the scale is none to warn of, however near to zero the value is
 SMALL = 1e-6
 
@@ -248,11 +250,20 @@ def _of_steps(estimate: Estimate) -> float:
 def _line(estimate: Estimate) -> str:
     if estimate.value is None:
         return f"{estimate.watch.name}: {estimate.how}"
-    text = f"{estimate.watch.name} = {estimate.value:.9g} {estimate.unit}".rstrip()
+    digits = _digits(estimate.value, estimate.error)
+    text = f"{estimate.watch.name} = {estimate.value:.{digits}g} {estimate.unit}".rstrip()
     if estimate.error is None:
         return f"{text} ({estimate.how})"
     relative = "" if estimate.relative is None else f", {estimate.relative:.1e} of its scale"
     return f"{text} +- {estimate.error:.2g}{relative} ({estimate.how})"
+
+
+def _digits(value: float, error: float | None) -> int:
+    """Digits of a number, nine or as many as put the last one below its error, 17 at most."""
+    if not value or not error:
+        return DIGITS
+    below = floor(log10(abs(value))) - floor(log10(error)) + 2
+    return min(max(DIGITS, below), EXACT_DIGITS)
 
 
 def _unreachable(accuracy: float, message: str) -> SolverError:

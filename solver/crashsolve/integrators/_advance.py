@@ -10,7 +10,7 @@ from crashsolve.integrators._kick_drift_kick import finish, prepare_sample, take
 from crashsolve.model.clock import CURVE_END, PAUSED, REACHED, REBUILD, RUNNING, TOUCHED
 from crashsolve.system.contact.effective_mass import needs_effective_mass
 from crashsolve.system.energy import check, check_contacts
-from crashsolve.system.loops.energy import check_laws, energy
+from crashsolve.system.loops.energy import check_laws, energy, record_outside_work
 from crashsolve.system.loops.events import need_rebuild
 from crashsolve.system.placeholders import (
     BOUNDS_NEXT_STEP,
@@ -46,6 +46,8 @@ def advance(until, sampling, scene):
             if clock.status != RUNNING:
                 return
         finish(time, h, sampling, clock, nodes, rows, saddle, scene)
+        if not sampling:
+            record_outside_work(clock, scene)
         if sampling or clock.cycle % control.check_every == 0:
             energy(clock, nodes, scene, ledger)
             check(clock, control, nodes, ledger)

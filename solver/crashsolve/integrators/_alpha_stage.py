@@ -11,7 +11,12 @@ Reference: Bruels, Cardona and Arnold (2012), Mechanism and Machine Theory 48, 1
 from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.foundation.sparse.bordered import Bordered
 from crashsolve.foundation.sparse.saddle import compliant_saddle
-from crashsolve.integrators._positions import begin_contacts, evaluate, project
+from crashsolve.integrators._positions import (
+    begin_contacts,
+    closing_tolerance,
+    evaluate,
+    project,
+)
 from crashsolve.integrators.generalized_alpha import ESTIMATE, ORDER
 from crashsolve.model.clock import UNSOLVED
 from crashsolve.system.constraints import scatter_trial, velocity_residual
@@ -49,6 +54,7 @@ from crashsolve.system.loops.joints import jacobian, residual
 from crashsolve.system.loops.tangents import assemble_stiffness, tangents, update_tangents
 from crashsolve.system.placeholders import ASSEMBLED, CONTACTS, JOINTS
 
+CAN_CLOSE_STAGES = False  # its only stage, the end of the step, is closed
 MAX_STEP_RATIO = 4.0  # times the last step; a longer one is not extrapolated from it
 # least contraction that the iteration is credited with, where the problem is stiff
 LEAST_CONTRACTION = 0.1
@@ -71,7 +77,7 @@ def is_smooth(clock):
 
 
 @stage
-def solve_stages(h, reuses_factors, clock, nodes, rows, saddle, scene):
+def solve_stages(h, reuses_factors, _closes_stages, clock, nodes, rows, saddle, scene):
     """The end of the step, by iteration. Returns whether that converges and the joints close.
 
     `reuses_factors`: with the factors of an earlier step.
@@ -129,7 +135,7 @@ def solve_stages(h, reuses_factors, clock, nodes, rows, saddle, scene):
         return True
     for k in range(rows.shape[0]):
         rows[k].multiplier = rows[k].trial
-    return project(clock.time + h, clock, nodes, rows, saddle, scene)
+    return project(clock.time + h, closing_tolerance(control), clock, nodes, rows, saddle, scene)
 
 
 @stage

@@ -12,9 +12,15 @@ Reference: Hairer and Wanner (1996), Solving Ordinary Differential Equations II,
 from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.foundation.sparse.bordered import Bordered
 from crashsolve.foundation.sparse.saddle import compliant_saddle
-from crashsolve.integrators._positions import begin_contacts, evaluate, project
+from crashsolve.integrators._positions import (
+    begin_contacts,
+    closing_tolerance,
+    evaluate,
+    project,
+)
 from crashsolve.integrators.radau_iia_5 import ESTIMATE, ORDER, STAGES
 from crashsolve.model.clock import UNSOLVED
+from crashsolve.system.constraints import factor_constraints
 from crashsolve.system.implicit.collocation import (
     correct_stage,
     correction_size,
@@ -34,10 +40,14 @@ from crashsolve.system.implicit.iteration import (
     iteration_tolerance,
 )
 from crashsolve.system.implicit.stages import reference_speed, store_rates
+from crashsolve.system.kinetics import refresh
 from crashsolve.system.loops.elements import save_elements
+from crashsolve.system.loops.joints import jacobian
 from crashsolve.system.loops.tangents import assemble_stiffness, tangents
 from crashsolve.system.placeholders import ASSEMBLED, CONTACTS, JOINTS
 
+# stages may be evaluated where the joints are closed
+CAN_CLOSE_STAGES = True
 # times the last step; a longer one is not extrapolated from it
 MAX_STEP_RATIO = 4.0
 # least contraction that the iteration is credited with, where the problem is stiff
@@ -55,10 +65,11 @@ def open_step(clock, nodes, rows, scene):
 
 
 @stage
-def solve_stages(h, reuses_factors, clock, nodes, rows, saddle, scene):
+def solve_stages(h, reuses_factors, closes_stages, clock, nodes, rows, saddle, scene):
     """All stages, by iteration. Returns whether they converge and the joints can be closed.
 
-    `reuses_factors`: with the factors of an earlier step.
+    `reuses_factors`: with the factors of an earlier step; `closes_stages`: with rates of the
+    nearest configuration in which the joints are closed.
 
     Writes: nodes, rows, scene.stages, new histories.
     """
@@ -72,7 +83,8 @@ def solve_stages(h, reuses_factors, clock, nodes, rows, saddle, scene):
     previous, converged = 1e300, False
     allowed = iteration_tolerance(h, clock, control, ORDER, ESTIMATE)
     for count in range(MAX_ITERATIONS):
-        evaluate_stages(h, count == 0 and not reuses_factors, clock, nodes, rows, saddle, scene)
+        refactor = count == 0 and not reuses_factors
+        evaluate_stages(h, refactor, closes_stages, clock, nodes, rows, saddle, scene)
         worst = correct_stages(h, speed, nodes, rows, scene)
         contraction = count_iteration(clock, count, worst, previous, LEAST_CONTRACTION)
         converged = has_converged(
@@ -90,11 +102,11 @@ def solve_stages(h, reuses_factors, clock, nodes, rows, saddle, scene):
         return False
     if not JOINTS:
         return True
-    return project(clock.time + h, clock, nodes, rows, saddle, scene)
+    return project(clock.time + h, closing_tolerance(control), clock, nodes, rows, saddle, scene)
 
 
 @stage
-def evaluate_stages(h, refactor, clock, nodes, rows, saddle, scene):
+def evaluate_stages(h, refactor, closes_stages, clock, nodes, rows, saddle, scene):
     """Rates of all stages at their present configurations; `refactor`: also their matrices.
 
     Writes: nodes, rows, scene.stages, new histories.
@@ -106,6 +118,8 @@ def evaluate_stages(h, refactor, clock, nodes, rows, saddle, scene):
         move_to_stage(nodes, scene.stages, i)
         set_stage_weights(h, i, clock, scene)
         time = scene.C[i] * h
+        if JOINTS and closes_stages:
+            close_stage(clock.time + time, clock, nodes, rows, saddle, scene)
         evaluate(clock.time + time, time, clock, nodes, rows, saddle, scene)
         store_rates(nodes, rows, scene.stages, i)
         store_spin_rates(nodes, scene.stages, i)
@@ -117,6 +131,20 @@ def evaluate_stages(h, refactor, clock, nodes, rows, saddle, scene):
             clock.factored = h
             linearise(rows, tables[i - 1], nodes, t, t * t)
             factor_compliant(factors[i - 1], tables[i - 1], rows.shape[0], t * t, t)
+
+
+@kernel
+def close_stage(time, clock, nodes, rows, saddle, scene):
+    """Move the bodies to the nearest configuration and velocities that the joints allow.
+
+    On those the rates are the same, and so is the order. Near a singular configuration, reactions
+    magnify the open joints of a stage without bound, and the iteration would diverge.
+    Writes: nodes, rows, saddle.
+    """
+    refresh(nodes)
+    jacobian(clock.current, time, nodes, rows, scene.curves, scene)
+    factor_constraints(rows, saddle, nodes)
+    project(time, 0.0, clock, nodes, rows, saddle, scene)
 
 
 @stage

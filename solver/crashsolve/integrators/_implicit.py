@@ -10,8 +10,14 @@ Reference: Hairer and Wanner (1996), Solving Ordinary Differential Equations II,
 """
 
 from crashsolve.foundation.kernels import kernel, stage
-from crashsolve.integrators._collocation import estimate, evaluate_end, open_step, solve_stages
-from crashsolve.integrators._positions import accept, begin, evaluate, onset_gap
+from crashsolve.integrators._collocation import (
+    CAN_CLOSE_STAGES,
+    estimate,
+    evaluate_end,
+    open_step,
+    solve_stages,
+)
+from crashsolve.integrators._positions import accept, begin, begin_at_event, evaluate, onset_gap
 from crashsolve.integrators.radau_iia_5 import ESTIMATE, STAGES
 from crashsolve.model.clock import (
     RUNNING,
@@ -87,55 +93,51 @@ def find_step(h, clock, nodes, rows, saddle, scene):
     bracket, trial, is_located, before = new_bracket(h), h, False, 0.0
     if ONSETS:
         before = gap_before(clock, nodes, scene)
-    attempts = 0
+    attempts, closes_stages = 0, False
     while True:
         attempts += 1
         if attempts > ATTEMPTS:
             clock.status = STEP_TOO_SMALL
             break
-        reuses_factors = can_reuse_factors(trial, clock)
-        if not solve_stages(trial, reuses_factors, clock, nodes, rows, saddle, scene):
+        reuses, fault = can_reuse_factors(trial, clock), STEP_TOO_SMALL
+        if not solve_stages(trial, reuses, closes_stages, clock, nodes, rows, saddle, scene):
             clock.factored = 0.0
             # the factors may be the cause of the failure
-            if reuses_factors:
+            if reuses:
+                continue
+            # or joints that are open at a stage near a singular configuration
+            if JOINTS and CAN_CLOSE_STAGES and not closes_stages:
+                closes_stages = True
                 continue
             # too long for the iteration or the joints: as if the error were large
-            clock.rejected += 1
-            h = trial = clock.next_step = 0.25 * trial
-            bracket = new_bracket(h)
-            if h < control.step_min:
-                clock.status = clock.fault
+            closes_stages, fault = False, clock.fault
+            proposed = 0.25 * trial
+        elif BOUNDS_NEXT_STEP and may_pass(bracket[-1], trial, clock, nodes, scene):
+            proposed = max(0.5 * trial, control.step_min)
+        else:
+            if ONSETS:
+                gap = onset_gap(trial, clock, nodes, scene)
+                if bracket[-1] == 0:
+                    bracket = first_gap(bracket, before, gap, control, ONSET)
+                bracket, trial, is_located = narrow_bracket(bracket, h, trial, gap)
+                if not is_located:
+                    continue
+            # beyond the end of a curve during an iteration is no fault
+            scene.curves[0].fault = 0
+            evaluate_end(trial, clock, nodes, rows, saddle, scene)
+            proposed = check_error(trial, clock, nodes, scene)
+            if proposed == 0.0:
                 break
-            continue
-        is_whole = bracket[-1] == 0 and trial > control.step_min
-        if BOUNDS_NEXT_STEP and is_whole and may_pass(clock, control, trial, nodes, scene):
-            clock.rejected += 1
-            h = trial = clock.next_step = 0.5 * trial
-            bracket = new_bracket(h)
-            continue
-        if ONSETS:
-            gap = onset_gap(trial, clock, nodes, scene)
-            if bracket[-1] == 0:
-                bracket = first_gap(bracket, before, gap, control, ONSET)
-            bracket, trial, is_located = narrow_bracket(bracket, h, trial, gap)
-            if not is_located:
-                continue
-        # beyond the end of a curve during an iteration is no fault
-        scene.curves[0].fault = 0
-        evaluate_end(trial, clock, nodes, rows, saddle, scene)
-        proposed = check_error(trial, clock, nodes, scene)
-        if proposed == 0.0:
-            break
         clock.rejected += 1
         h = trial = clock.next_step = proposed
         bracket = new_bracket(h)
         if h < control.step_min:
-            clock.status = STEP_TOO_SMALL
+            clock.status = fault
             break
     # something began at the end, searched for or met by chance
     clock.kinked = 1 if bracket[-1] > 0 or bracket[3] > 0.0 else 0
-    clock.located += clock.kinked
     if clock.kinked == 1:
+        begin_at_event(clock, control, nodes)
         clock.factored = 0.0
     return trial
 

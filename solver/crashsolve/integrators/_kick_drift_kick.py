@@ -61,6 +61,7 @@ from crashsolve.system.placeholders import (
     CONTACTS,
     JOINTS,
     RESTING,
+    SEPARATING,
     UNILATERAL,
 )
 from crashsolve.system.timestep import fit, wanted_step
@@ -113,8 +114,7 @@ def update_positions(h, clock, nodes, rows, saddle, scene):
         set_positions(trial, clock, nodes, rows, saddle, scene)
         if not CONTACTS or clock.status != RUNNING:
             break
-        is_whole = bracket[-1] == 0 and trial > control.step_min
-        if BOUNDS_NEXT_STEP and is_whole and may_pass(clock, control, trial, nodes, scene):
+        if BOUNDS_NEXT_STEP and may_pass(bracket[-1], trial, clock, nodes, scene):
             trial *= 0.5
             longest, bracket = trial, new_bracket(trial)
             continue
@@ -208,13 +208,14 @@ def is_closed(worst, previous, control):
 def refactor_at_end(restart, h, clock, nodes, rows, saddle, scene):
     """Factor the constraints with D of the end; `restart`: of the end without forces of joints.
 
-    Writes: nodes, rows, saddle.
+    Writes: clock, nodes, rows, saddle.
     """
     if restart:
         clear_trial(rows, nodes)
         first_kick(nodes, h)
         drift(nodes, h)
     refresh(nodes)
+    clock.factored = 0.0
     jacobian(clock.current, clock.time + h, nodes, rows, scene.curves, scene)
     factor_constraints(rows, saddle, nodes)
 
@@ -241,8 +242,11 @@ def update_velocities(time, h, clock, nodes, rows, saddle, scene):
     if h > 0.0:
         second_kick(nodes, h)
     if JOINTS:
-        jacobian(clock.current, time, nodes, rows, scene.curves, scene)
-        factor_constraints(rows, saddle, nodes)
+        # a sample has those of the step that ends there, unless a joint has separated in it
+        if SEPARATING or h > 0.0 or clock.factored == 0.0:
+            jacobian(clock.current, time, nodes, rows, scene.curves, scene)
+            factor_constraints(rows, saddle, nodes)
+            clock.factored = h
         clear_reaction(rows, nodes)
         if h > 0.0:
             project_velocity(h, clock, scene.control[0], nodes, rows, saddle)

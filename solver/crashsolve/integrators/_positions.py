@@ -8,7 +8,7 @@ Reference: Eich (1993), SIAM J. Numer. Anal. 30, 1467-1482 (coordinate projectio
 
 from math import sqrt
 
-from crashsolve.foundation.kernels import kernel, stage
+from crashsolve.foundation.kernels import inlined, kernel, stage
 from crashsolve.foundation.sparse.saddle import REDUNDANT, solve_rows
 from crashsolve.model.clock import POSITION, VELOCITY
 from crashsolve.system.constraints import (
@@ -69,14 +69,19 @@ def onset_gap(h, clock, nodes, scene):
     return gap
 
 
+@inlined
+def closing_tolerance(control):
+    """To which joints are closed after a step, in the model's size and per second of it."""
+    return min(0.1 * control.constraint_tolerance, 1e-4 * control.tolerance)
+
+
 @kernel
-def project(time, clock, nodes, rows, saddle, scene):
+def project(time, tolerance, clock, nodes, rows, saddle, scene):
     """Positions onto Phi = 0 and velocities onto D v = nu. Returns whether it can be done.
 
     Writes: nodes.r, q, A, v, L, w, W.
     """
     control = scene.control[0]
-    tolerance = min(0.1 * control.constraint_tolerance, 1e-4 * control.tolerance)
     if not close_positions(time, tolerance, clock, nodes, rows, saddle, scene):
         return False
     refresh(nodes)
@@ -141,6 +146,19 @@ def close_positions(time, tolerance, clock, nodes, rows, saddle, scene):
         return False
     clock.residual = max(clock.residual, worst)
     return True
+
+
+@kernel
+def begin_at_event(clock, control, nodes):
+    """Cut the step that begins where something does to what resolves the present stiffnesses.
+
+    A contact that has just begun states that of its greatest depth to come. A much longer step
+    moves stages through what is struck to where no force acts, and its error may be small by
+    chance. Writes: clock.
+    """
+    clock.located += 1
+    clock.next_step = min(clock.next_step, wanted_step(clock, control, nodes))
+    clock.limit_node = 0
 
 
 @kernel

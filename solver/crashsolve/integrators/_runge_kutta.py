@@ -18,7 +18,9 @@ from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.integrators._positions import (
     accept,
     begin,
+    begin_at_event,
     begin_contacts,
+    closing_tolerance,
     evaluate,
     onset_gap,
     project,
@@ -138,7 +140,9 @@ def restore_at(time, clock, nodes, rows, saddle, scene):
         jacobian(clock.current, time, nodes, rows, scene.curves, scene)
         refresh(nodes)
         factor_constraints(rows, saddle, nodes)
-        if not project(time, clock, nodes, rows, saddle, scene):
+        if not project(
+            time, closing_tolerance(scene.control[0]), clock, nodes, rows, saddle, scene
+        ):
             clock.status = clock.fault
         add_kick(clock, 1.0)
     return time - start_time
@@ -171,8 +175,7 @@ def find_step(h, clock, nodes, rows, saddle, scene):
         # beyond the end of a curve in an attempt that was too long is no fault
         scene.curves[0].fault = 0
         closed = evaluate_stages(h, clock, nodes, rows, saddle, scene)
-        is_whole = closed and search[-1] == 0 and h > scene.control[0].step_min
-        if BOUNDS_NEXT_STEP and is_whole and may_pass(clock, scene.control[0], h, nodes, scene):
+        if BOUNDS_NEXT_STEP and closed and may_pass(search[-1], h, clock, nodes, scene):
             clock.rejected += 1
             h = clock.next_step = 0.5 * h
             search = new_search(h)
@@ -195,7 +198,8 @@ def find_step(h, clock, nodes, rows, saddle, scene):
         if h < scene.control[0].step_min:
             clock.status = STEP_TOO_SMALL if closed else clock.fault
             break
-    clock.located += 1 if search[-1] > 0 else 0
+    if search[-1] > 0:
+        begin_at_event(clock, scene.control[0], nodes)
     return h
 
 
@@ -336,7 +340,9 @@ def evaluate_stages(h, clock, nodes, rows, saddle, scene):
             store_rates(nodes, rows, scene.stages, i)
     if not JOINTS:
         return True
-    return project(clock.time + h, clock, nodes, rows, saddle, scene)
+    return project(
+        clock.time + h, closing_tolerance(scene.control[0]), clock, nodes, rows, saddle, scene
+    )
 
 
 @kernel

@@ -54,7 +54,8 @@ CLOCK = Record("""
     kinked           flag      whether the last step ended where a contact begins or ends, or 2: at
                                a CORNER
     last_iterations  count     iterations of the last drift, or of the last implicit stage
-    factored         s         step of the factors of an implicit method; 0: out of date
+    factored         s         step of the factors of an implicit method, or at the end of which
+                               an explicit one has factored the constraints; 0: out of date
     rejected         count     attempts at a step that were too long
     fastest          m/s       largest speed so far, to which the error of a step is compared
     error            1         estimated error of the last step over size and speed
@@ -63,6 +64,7 @@ CLOCK = Record("""
     rate_residual    1/s       largest velocity residual over model size so far
     limit_node       index     node that sets the step; below 0: an element
     driver_work      J         work of prescribed motions
+    largest_work     J         largest work from outside after a step so far
     lack             1         imbalance over largest energy at the last check
     missing          J         largest imbalance at a check where it was above the limit
     missing_share    1         the same over the largest energy by then

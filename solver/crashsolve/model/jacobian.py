@@ -30,8 +30,14 @@ def jacobian(joints: Sequence[Joint], rows: np.ndarray, count: int) -> np.ndarra
 
 def null_space(D: np.ndarray) -> np.ndarray:
     """Orthonormal basis (n, k) of the null space of D (m, n); redundant rows count once."""
+    return null_space_and_inverse(D)[0]
+
+
+def null_space_and_inverse(D: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The null space (n, k) of D (m, n), and its inverse (n, m) of least squares."""
     if not len(D):
-        return np.eye(D.shape[1])
-    _, values, rows = np.linalg.svd(D, full_matrices=True)
+        return np.eye(D.shape[1]), np.zeros((D.shape[1], 0))
+    U, values, rows = np.linalg.svd(D, full_matrices=True)
     rank = int((values > 1e-9 * values.max(initial=0.0)).sum())
-    return rows[rank:].T
+    inverse = (rows[:rank].T / values[:rank]) @ U[:, :rank].T
+    return rows[rank:].T, inverse

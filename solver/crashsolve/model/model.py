@@ -167,6 +167,11 @@ class Group:
         """Entry of the ledger for the losses of its laws; None where nothing can be lost."""
         return ledger.entries_of(self)[1]
 
+    @property
+    def works_from_outside(self) -> bool:
+        """Whether what its laws lose is work from outside, as that of loads."""
+        return self.lost_entry == ledger.EXTERNAL_WORK
+
 
 @dataclass
 class Joint:

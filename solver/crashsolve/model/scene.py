@@ -45,6 +45,7 @@ from crashsolve.model import attachments as welds
 from crashsolve.model import shared_mesh
 from crashsolve.model.checks.finite import BEYOND, BEYOND_NUMBERS
 from crashsolve.model.checks.mesh_check import faults
+from crashsolve.model.checks.postures import torn_joints
 from crashsolve.model.ties import tie_nodes
 
 if TYPE_CHECKING:
@@ -124,9 +125,12 @@ class Scene:
 
     def _pose(self) -> None:
         """Bodies of postures, positioned by their joint angles."""
-        for entry in self.deck.entries["postures"].values() if not self.errors else ():
+        postures, r, A = self.deck.entries["postures"], self.r.copy(), self.A.copy()
+        for entry in postures.values() if not self.errors else ():
             with self.building(entry):
                 import_module(entry.module_name).build(entry.card, self)
+        for word, joint, message in torn_joints(self, r, A) if postures and not self.errors else ():
+            self.errors.append(self.deck.error(self.deck.entries[word][joint], "frame", message))
 
     def _discretise(self) -> None:
         """Put all parts with points in place, on their own meshes and on shared ones."""

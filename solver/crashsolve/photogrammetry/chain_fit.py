@@ -13,7 +13,9 @@ covariance.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from math import ceil
+from typing import Any
 
 import numpy as np
 
@@ -22,6 +24,13 @@ from crashsolve.photogrammetry.points import Frame
 from crashsolve.postures._chain import Link, Motion, next_body
 
 Array = np.ndarray
+# evaluations of one search; those that converge take some ten
+MAX_EVALUATIONS = 300
+# changes of the sum of squares and of q, over both, that end a search, and that of its minimum
+SEARCHED, CONVERGED = 1e-6, 1e-12
+# distances of points on one body over those of its landmarks: people and noise differ by less,
+# units of length by ten and more
+SAME_UNIT = 4.0
 # a rotation that is not known within this is not determined [rad]; of a position in metres as well
 UNDETERMINED = 1.0
 
@@ -118,6 +127,7 @@ def fit(chain: Chain, frame: Frame, landmark_error: float, before: Array | None)
              for s in [chain.spreads.get(one.joint, np.inf)] * n]  # fmt: skip
     weights = np.concatenate([np.zeros(6), 1.0 / np.array(known)])
     _check_count(count, unknowns, int(np.count_nonzero(weights)), len(names))
+    _check_unit(chain, names, measured.reshape(-1, 3))
     whitening = np.linalg.inv(np.linalg.cholesky(S))
 
     def residuals(q: Array) -> Array:
@@ -143,6 +153,21 @@ def _check_count(count: int, unknowns: int, spreads: int, points: int) -> None:
         )
 
 
+def _check_unit(chain: Chain, names: Sequence[str], measured: Array) -> None:
+    """Points of another unit of length would not be met however long the search is."""
+    own = far = 0.0
+    for i, j in combinations(range(len(names)), 2):
+        (body, x), (other, y) = chain.landmarks[names[i]], chain.landmarks[names[j]]
+        if body == other:
+            own += float(np.linalg.norm(x - y))
+            far += float(np.linalg.norm(measured[i] - measured[j]))
+    if own > 0.0 and not own / SAME_UNIT < far < own * SAME_UNIT:
+        raise FitError(
+            f"points are {far / own:.3g} times as far apart as the landmarks of their bodies",
+            "look for wrong units of the targets or the landmarks",
+        )
+
+
 def _best(
     residuals: object, starts: list[Array], bounds: tuple[Array, Array], freedom: int
 ) -> tuple[Array, Array]:
@@ -150,19 +175,28 @@ def _best(
     from scipy.optimize import least_squares
 
     lower, upper = bounds
+
+    def search(start: Array, tolerance: float) -> Any:
+        # just within the stops, where a search must begin
+        inner = np.clip(start, lower + 1e-6, upper - 1e-6)
+        return least_squares(
+            residuals,
+            inner,
+            "3-point",
+            bounds,
+            x_scale="jac",
+            xtol=tolerance,
+            ftol=tolerance,
+            max_nfev=MAX_EVALUATIONS,
+        )
+
     fits = []
     for start in starts:
-        # just within the stops, where the search must begin
-        inner = np.clip(start, lower + 1e-6, upper - 1e-6)
-        fits.append(
-            least_squares(
-                residuals, inner, "3-point", bounds, x_scale="jac", xtol=1e-12, ftol=1e-12
-            )
-        )
+        fits.append(search(start, SEARCHED))
         # chi-squared of this freedom, four standard deviations over its mean
         if 2.0 * fits[-1].cost <= freedom + 4.0 * np.sqrt(2.0 * freedom):
             break
-    best = min(fits, key=lambda one: one.cost)
+    best = search(min(fits, key=lambda one: one.cost).x, CONVERGED)
     if not best.success or not np.all(np.isfinite(best.x)):
         raise FitError("the search for the posture does not converge")
     return best.x, best.jac

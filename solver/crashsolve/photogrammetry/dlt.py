@@ -25,7 +25,7 @@ Method = Literal["normalised", "least_squares"]
 Array = np.ndarray
 UNKNOWNS = 11
 FEWEST = 6
-# condition of equations that do not determine a camera, with columns of one length
+# condition of equations that do not determine a camera or a point, with columns of one length
 SINGULAR = 1e10
 
 
@@ -75,8 +75,14 @@ def calibrate(x: Array, u: Array, method: Method) -> Camera:
 
 
 def reconstruct(L: Array, u: Array) -> Array:
-    """A point (3,) from the transformations (k, 11) of cameras and its images (k, 2)."""
-    return _least_squares(*_equations(L, u))
+    """A point (3,) from the transformations (k, 11) of cameras and its images (k, 2).
+
+    Raises: numpy.linalg.LinAlgError where all see it along one line.
+    """
+    B, c = _equations(L, u)
+    if np.linalg.cond(B / np.linalg.norm(B, axis=0)) > SINGULAR:
+        raise np.linalg.LinAlgError("its cameras see it along one line")
+    return _least_squares(B, c)
 
 
 def sensitivities(L: Array, x: Array) -> tuple[Array, Array]:

@@ -21,6 +21,7 @@ Array = np.ndarray
 FLAT = 1e-3
 # [image units] less than any reading of a picture
 EXACT = 1e-9
+DIRECTIONS = "two cameras must see it from different directions"
 # images that belong together do so but once in a million times
 IMPROBABLE = 1e-6
 
@@ -87,6 +88,7 @@ def measured(requested: Requested) -> Measured:
         if error < EXACT:
             message = "images without errors do not say how large their errors are"
             raise DeckErrors([requested.error((), message, "give image_error")])
+    _check_cameras(requested, cameras, closures)
     frames = tuple(_frame(t, tuple(points), spread, error) for t, points in points_of.items())
     _check(requested, frames, error, volume)
     return Measured(cameras, frames, error, freedom)
@@ -120,8 +122,9 @@ def _cameras(requested: Requested) -> tuple[dict[str, dlt.Camera], list[tuple[fl
 
 
 def _calibrated(x: Array, u: Array, requested: Requested) -> dlt.Camera:
-    if len(x) < dlt.FEWEST:
-        message = f"sees {len(x)} targets; {dlt.FEWEST} that are not in one plane are needed"
+    count = len(np.unique(x, axis=0))
+    if count < dlt.FEWEST:
+        message = f"sees {count} targets; {dlt.FEWEST} that are not in one plane are needed"
         raise np.linalg.LinAlgError(message)
     if dlt.flatness(x) < FLAT:
         message = (
@@ -162,7 +165,12 @@ def _point(
     at = [order.index(row.names["camera"]) for row in rows]
     L = np.array([cameras[order[i]].L for i in at])
     u = np.array([_numbers(row, "uv") for row in rows])
-    x = dlt.reconstruct(L, u)
+    try:
+        x = dlt.reconstruct(L, u)
+    except np.linalg.LinAlgError as error:
+        what = f"point '{name}' at {rows[0].numbers['time']:.6g} s"
+        path, line = requested.card.frames, rows[0].line
+        raise DeckErrors([DeckError(path, line, None, what, str(error), DIRECTIONS)]) from None
     images = np.array([dlt.image_of(one, x) for one in L])
     by_images, by_own = dlt.sensitivities(L, x)
     by_cameras = np.zeros((3, dlt.UNKNOWNS * len(order)))
@@ -179,6 +187,53 @@ def _frame(time: float, points: tuple[Point, ...], spread: Array, error: float) 
     for i, point in enumerate(points):
         covariance[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] += point.noise
     return Frame(time, points, error**2 * covariance)
+
+
+def _check_cameras(
+    requested: Requested, cameras: dict[str, dlt.Camera], closures: list[tuple[float, int]]
+) -> None:
+    """Refuse cameras whose targets contradict each other. Raises DeckErrors.
+
+    `closures` begins with those of the cameras.
+    """
+    path, errors = requested.card.calibration, []
+    rows = read_table(path, CALIBRATION)
+    for i, (name, camera) in enumerate(cameras.items()):
+        error, chance = _by_chance(closures, i, requested.card.image_error)
+        if chance >= IMPROBABLE:
+            continue
+        sizes = np.linalg.norm(camera.residuals, axis=1)
+        worst = int(np.argmax(sizes))
+        row = [row for row in rows if row.names["camera"] == name][worst]
+        problem = (
+            f"its targets contradict each other: '{row.names['target']}' is {sizes[worst]:.3g} "
+            f"from where it would be seen, and the error of images is {error:.3g}"
+        )
+        advice = (
+            "look for targets taken for others and wrong coordinates; images of a finer camera "
+            "need a unit in which the errors of all are alike"
+        )
+        errors.append(DeckError(path, row.line, None, f"camera '{name}'", problem, advice))
+    if errors:
+        raise DeckErrors(errors)
+
+
+def _by_chance(
+    closures: list[tuple[float, int]], i: int, given: float | None
+) -> tuple[float, float]:
+    """Error of images [image units], and the chance that the i-th closure is as large or larger.
+
+    By chi-squared where the error is given, else by Fisher's F against all other equations.
+    """
+    from scipy.stats import chi2, f
+
+    chi, freedom = closures[i]
+    if given is not None:
+        return given, float(chi2.sf(chi / given**2, freedom))
+    others = sum(one for one, _ in closures) - chi
+    left = sum(count for _, count in closures) - freedom
+    error = max(float(np.sqrt(others / left)), EXACT)
+    return error, float(f.sf(chi / freedom / error**2, freedom, left))
 
 
 def _check(requested: Requested, frames: tuple[Frame, ...], error: float, volume: float) -> None:
@@ -200,7 +255,7 @@ def _check(requested: Requested, frames: tuple[Frame, ...], error: float, volume
             elif not deviation.max() < volume:
                 problem = f"its position is uncertain by {deviation.max():.3g} m, more than the "
                 problem += f"targets extend, {volume:.3g} m"
-                advice = "two cameras must see it from different directions"
+                advice = DIRECTIONS
             if problem:
                 what = f"point '{point.name}' at {frame.time:.6g} s"
                 errors.append(

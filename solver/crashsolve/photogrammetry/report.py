@@ -39,7 +39,7 @@ def card(requested: Requested, chain: Chain, offset: Array, fitted: Fit, moving:
         words = (
             f"rotation: {_rotation(q)}, angular_velocity: {_vector(rate)}"
             if one.axis is None
-            else f"angle: {q[0]:.9g}, rate: {rate[0]:.9g}"
+            else f"angle: {q[0]:.12g}, rate: {rate[0]:.9g}"
         )
         lines.append(f"      - {{joint: {one.joint}, {words}}}  # +- {s.max():.2g} rad")
     return "\n".join(lines) + "\n"
@@ -167,7 +167,7 @@ def _rotation(vector: Array) -> str:
     angle = float(np.linalg.norm(vector))
     if angle == 0.0:
         return "{axis: [0, 0, 1], angle: 0}"
-    return f"{{axis: {_vector(vector / angle)}, angle: {angle:.9g}}}"
+    return f"{{axis: {_vector(vector / angle)}, angle: {angle:.12g}}}"
 
 
 def _csv(rows: list[list[object]]) -> str:

@@ -131,8 +131,8 @@ def _rotation(turned: JointAngle, one: Link, i: int, scene: Scene) -> tuple[np.n
         # of the same rotation about the axis, between -pi and pi
         sine = 0.5 * np.array([Q[2, 1] - Q[1, 2], Q[0, 2] - Q[2, 0], Q[1, 0] - Q[0, 1]])
         angle = float(np.arctan2(sine @ one.axis, 0.5 * (np.trace(Q) - 1.0)))
-    if angle is not None:
-        scene.angles_at_start[turned.joint] = angle
+    if one.axis is not None:
+        scene.angles_at_start[turned.joint] = angle or 0.0
     return Q, w_Q
 
 

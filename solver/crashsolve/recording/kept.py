@@ -14,7 +14,7 @@ from crashsolve.compiler.table import Tables
 from crashsolve.recording import gather
 
 # [bytes] of a block, and samples in it: larger ones are no faster
-MAX_BYTES, MAX_SAMPLES = 1 << 22, 256
+MAX_BYTES, MAX_SAMPLES = 1 << 23, 1024
 
 
 @dataclass(frozen=True)

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 ENTRIES = ("march", "take", "bound", "check_interval", "start_interval", "finish_interval")
 # samples of one block
-MAX_BLOCK_SAMPLES = 256
+MAX_BLOCK_SAMPLES = 1024
 Pieces = Iterable[tuple[np.ndarray, np.ndarray]]
 
 

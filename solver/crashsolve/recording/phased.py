@@ -58,7 +58,7 @@ class PhasedEngine(Engine):
         """Prepare the initial state for the first phase."""
         self.phase.module.start(self.phase.p, self)
         # the balance is counted from this state
-        self.clock.driver_work = 0.0
+        self.clock.driver_work = self.clock.largest_work = 0.0
         super().start()
 
     def bind(self) -> None:

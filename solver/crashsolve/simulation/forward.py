@@ -133,7 +133,7 @@ def _after(run: Run, now: float) -> None:
 
 def _times_ahead(run: Run, k: int) -> np.ndarray:
     """Times [s] of the samples after sample k, up to the first at which more is due."""
-    times = run.schedule.times(k + 1, MAX_BLOCK_SAMPLES)
+    times = run.schedule.times(k + 1, min(MAX_BLOCK_SAMPLES, run.histories.kept.room))
     started = run.deck.control.start_time
     all_times = np.concatenate([[run.sampled], times]) - started
     is_due = times >= run.schedule.end

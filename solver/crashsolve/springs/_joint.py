@@ -9,6 +9,7 @@ from crashsolve.deck.card import Card, CurveName, JointName, word
 from crashsolve.foundation.curve import curve_area, curve_value
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
+from crashsolve.springs._range import AT_LIMIT
 from crashsolve.springs._resistance import steepest
 
 STOPS = Record("""
@@ -62,6 +63,23 @@ def stops(card: Any, scene: Scene) -> Columns:
         "damping": card.damping,
         "largest_slope": steepest(scene.curve_points, curve) if curve else card.stiffness,
     }
+
+
+def check_start(
+    card: Any, scene: Scene, p: Columns, start: float, unit: str, *, placed: bool = False
+) -> None:
+    """A joint past its range at the start is moved back at once.
+
+    A posture that has `placed` it there is refused; elsewhere a preload may be meant: a warning.
+    """
+    past = max(start - p["upper"], p["lower"] - start)
+    if past <= AT_LIMIT:
+        return
+    size = f"{past:.3g} {unit} past the range from {p['lower']:.4g} to {p['upper']:.4g} {unit}"
+    if placed:
+        message = f"the posture rotates '{card.joint}' to {start:.4g} {unit}, {size}"
+        raise scene.fail(message, "joint")
+    scene.warn(f"joint '{card.joint}' begins {size}: its stop moves it back from the start")
 
 
 @kernel

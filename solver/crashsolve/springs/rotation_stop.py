@@ -53,13 +53,8 @@ def build(card: RotationStop, scene: Scene) -> Columns:
     frame = _joint.named_joint(scene, card.joint, "angle").frame
     start = scene.angles_at_start.get(card.joint, 0.0)
     columns = ROTATION_ABOUT_AXIS.columns_of(frame) | _joint.stops(card, scene) | {"start": start}
-    past = max(start - columns["upper"], columns["lower"] - start)
-    if start != 0.0 and past > 0.0:
-        raise scene.fail(
-            f"the posture rotates '{card.joint}' to {start:.4g} rad, {past:.3g} rad past the range "
-            f"from {columns['lower']:.4g} to {columns['upper']:.4g} rad",
-            "joint",
-        )
+    placed = card.joint in scene.angles_at_start
+    _joint.check_start(card, scene, columns, start, "rad", placed=placed)
     return columns
 
 

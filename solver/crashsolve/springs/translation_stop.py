@@ -48,7 +48,9 @@ OUTPUT = Record("""
 
 def build(card: TranslationStop, scene: Scene) -> Columns:
     frame = _joint.named_joint(scene, card.joint, "travel").frame
-    return SLIDE.columns_of(frame) | _joint.stops(card, scene)
+    columns = SLIDE.columns_of(frame) | _joint.stops(card, scene)
+    _joint.check_start(card, scene, columns, 0.0, "m")
+    return columns
 
 
 @kernel

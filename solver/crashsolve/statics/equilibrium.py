@@ -162,14 +162,15 @@ class StaticEngine(Engine):
         self.work.count(start, start_time, target)
         clock.time, clock.step, clock.next_step = target, target - start_time, target - start_time
         is_beyond = self.model.curves[0]["fault"] != 0
-        location = self._unstable()
-        if location:
+        if location := self._unstable():
             return Problem("unstable mode", target, location)
-        missing = abs(self._missing_energy() - before)
+        total = self._missing_energy()
+        missing = abs(total - before)
         share = missing / max(exchanged(self.ledger - energies), NOTHING * self.forces.energy())
         if self.checks_limit_points and passes_limit_point(self, start, start_time, target, share):
             return Problem("jump", target)
-        if self._is_out_of_balance(missing):
+        # all steps together miss no more than one of them may
+        if self._is_out_of_balance(max(missing, abs(total) if abs(total) > abs(before) else 0.0)):
             return Problem("balance", target)
         return Problem("end of curve", target) if is_beyond else None
 
@@ -211,7 +212,7 @@ class StaticEngine(Engine):
     def finish(self) -> None:
         """Judge the balance of the whole run. Raises SolverError."""
         if self._is_out_of_balance(abs(float(self.ledger[energy.IMBALANCE]))):
-            raise Problem("balance", float(self.clock.time)).error(self, float(self.clock.time))
+            raise Problem("total", float(self.clock.time)).error(self, float(self.clock.time))
 
     def step_warnings(self) -> list[str]:
         """Warnings of the run; iterations of Newton's method are no sign of long steps."""
@@ -388,8 +389,7 @@ class StaticEngine(Engine):
 
     def _of_free(self, K: np.ndarray) -> np.ndarray:
         """The part (6 n, 6 n) of the free nodes in a matrix of all (N, 6, N, 6)."""
-        size = 6 * len(self.free)
-        return K[self.free][:, :, self.free].reshape(size, size)
+        return K[self.free][:, :, self.free].reshape(2 * [6 * len(self.free)])
 
     def condense(self, columns: np.ndarray, D: np.ndarray) -> np.ndarray:
         """Forces (6 n, k) less the reactions of joints, D^T (D M^-1 D^T)^-1 D M^-1 of them."""

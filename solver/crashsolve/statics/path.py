@@ -152,7 +152,8 @@ class PathEngine(StaticEngine):
             count, self.clock.time = self.iterate(self.end), self.end
             self.is_complete = True
         if self.model.curves[0]["fault"] != 0:
-            raise SolverError(start_time, int(self.clock.cycle), *curve_end(self.model, self.clock))
+            causes = curve_end(self.model, self.state, self.clock)
+            raise SolverError(start_time, int(self.clock.cycle), *causes)
         far = self._length(self.change_from(start)) if count else 0.0
         is_fit = 0.0 < far <= REACHED * step and self._is_smooth(start, start_time)
         if is_fit:

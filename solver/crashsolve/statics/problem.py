@@ -9,7 +9,7 @@ from crashsolve.system.diagnosis import curve_end
 
 class Problem:
     """Reason why there is no next equilibrium: "lost", "balance", "unstable mode", "bifurcation",
-    "jump", "limit", "lost path", "end of curve".
+    "jump", "limit", "lost path", "end of curve"; "total" where a run that ended is out of balance.
     """
 
     def __init__(self, kind: str, target: float, location: str = "the model") -> None:
@@ -19,9 +19,10 @@ class Problem:
         """The error for the user, whose results end with the equilibrium at a moment."""
         time, cycle = engine.loading.time(moment), int(engine.clock.cycle)
         if self.kind == "end of curve":
-            return SolverError(time, cycle, *curve_end(engine.model, engine.clock))
+            return SolverError(time, cycle, *curve_end(engine.model, engine.state, engine.clock))
         texts = {"lost": self._lost, "balance": self._unbalanced, "unstable mode": self._unstable}
         texts |= {
+            "total": self._unbalanced_run,
             "bifurcation": self._bifurcation,
             "jump": self._beyond_limit_point,
             "limit": self._at_limit_point,
@@ -50,6 +51,14 @@ class Problem:
             "take more steps; where a structure collapses, prescribe its motion by a driver, whose "
             "reaction is the load; where it snaps from one equilibrium to another, set "
             "solution: transient with damping; control.energy_limit sets the bound",
+        )
+
+    def _unbalanced_run(self, engine: Equations, moment: float) -> tuple[str, str]:
+        ratio = 100.0 * engine.ledger[energy.IMBALANCE] / (engine.ledger[energy.LARGEST] or 1.0)
+        return (
+            f"the energy balance of the run is off by {ratio:.3g} % of the largest energy",
+            "take more steps: the work of loads and drivers in a load step is that of the mean of "
+            "their forces before and after it; control.energy_limit sets the bound",
         )
 
     def _unstable(self, engine: Equations, moment: float) -> tuple[str, str]:

@@ -25,7 +25,14 @@ import numpy as np
 
 from crashsolve.foundation.errors import SolverError
 from crashsolve.model.contact.pairs import renew
-from crashsolve.model.jacobian import jacobian, null_space, whole_rows
+from crashsolve.model.jacobian import jacobian, whole_rows
+from crashsolve.statics.corrections import (
+    GROWTH,
+    ROUND_OFF,
+    Corrections,
+    Matrices,
+    RestState,
+)
 from crashsolve.statics.lifted_tyres import lifted_tyres
 from crashsolve.statics.motions import largest_motion, move, perturb
 from crashsolve.statics.stability import SYMMETRY_TOLERANCE
@@ -51,8 +58,9 @@ LIFTS = 20
 DRIFT, STALLED, STALLS = 5e-3, 0.5, 2
 # a correction that counts as zero, in the model's size or rad
 SMALLEST = 1e-11
-# growth of a motion away from the equilibrium beyond that of round-off [1/s]
-GROWTH, ROUND_OFF = 0.1, 1e-9
+# matrices serve further iterations up to this contraction factor, and as near to their state as
+# this, in the model's size or rad: geometry changes their entries by as much
+CONTRACTION, NEARBY = 0.2, 0.02
 # coordinates; differences of so many take minutes
 MAX_COORDINATES = 3000
 # [N/m or N m]: squares of larger numbers overflow
@@ -73,80 +81,13 @@ def begin_at_rest(engine: Engine, report: Callable[[str], None]) -> str:
 
 
 @dataclass
-class _RestState:
-    """A configuration at rest: g (6 n,), D (m, 6 n), Phi (m,) and accelerations (n, 6)."""
+class _Signs:
+    """Successive iterations that show that a search leads nowhere, and its last acceleration."""
 
-    g: np.ndarray
-    D: np.ndarray
-    phi: np.ndarray
-    rates: np.ndarray
-
-    @property
-    def largest_acceleration(self) -> float:
-        return float(np.abs(self.rates).max(initial=0.0))
-
-    @property
-    def motions(self) -> np.ndarray:
-        """Z (6 n, k): motions that the joints allow."""
-        return null_space(self.D) if len(self.D) else np.eye(self.g.size)
-
-
-@dataclass
-class _Correction:
-    """A correction (n, 6), its size before it is limited, and the state it is for with matrices.
-
-    `time_of_growth` [s] is half the time in which the fastest motion away from that state grows by
-    e; 0 where none does.
-    """
-
-    state: _RestState
-    Z: np.ndarray
-    G: np.ndarray
-    inverse: np.ndarray
-    change: np.ndarray
-    size: float
-    time_of_growth: float
-
-    def for_state(self, state: "_RestState") -> np.ndarray:
-        """The correction (n, 6) of another configuration by the same matrices."""
-        D, n = self.state.D, state.g.size
-        closing = np.linalg.lstsq(D, -state.phi, rcond=1e-12)[0] if len(D) else np.zeros(n)
-        free = self.Z @ (self.inverse @ (self.Z.T @ (state.g + self.G @ closing)))
-        return np.asarray((closing + free).reshape(-1, 6))
-
-
-def _constrained_inverse(matrix: np.ndarray, M: np.ndarray, tau: float) -> np.ndarray:
-    """Inverse of `matrix` but for motions that nothing holds, which keep their coordinates."""
-    half = np.linalg.inv(np.linalg.cholesky(0.5 * (M + M.T)))
-    U, values, V = np.linalg.svd(half @ matrix @ half.T)
-    kept = values > 1.0 / tau**2 + GROWTH**2
-    inverse = V[kept].T @ ((U[:, kept] / values[kept]).T)
-    return np.asarray(half.T @ inverse @ half)
-
-
-def _time_of_growth(K: np.ndarray, M: np.ndarray) -> float:
-    """Half the time [s] in which the fastest motion away from here grows by e; 0 where none does.
-
-    A longer pseudo time step would lead up to an unstable equilibrium. Loads that follow the motion
-    have no potential, and no such time.
-    """
-    if not K.size or _is_positive(K):
-        return 0.0
-    half = np.linalg.inv(np.linalg.cholesky(0.5 * (M + M.T)))
-    K = half @ K @ half.T
-    values = np.linalg.eigvalsh(0.5 * (K + K.T))
-    limit = max(GROWTH**2, ROUND_OFF * values[-1])
-    if values[0] >= -limit or np.abs(K - K.T).max() > SYMMETRY_TOLERANCE * np.abs(values).max():
-        return 0.0
-    return float(0.5 / np.sqrt(-values[0]))
-
-
-def _is_positive(K: np.ndarray) -> bool:
-    try:
-        np.linalg.cholesky(0.5 * (K + K.T))
-    except np.linalg.LinAlgError:
-        return False
-    return True
+    slides: int = 0
+    lifts: int = 0
+    stalls: int = 0
+    acceleration: float = np.inf
 
 
 class _EquilibriumSearch:
@@ -168,7 +109,9 @@ class _EquilibriumSearch:
             raise self._refusal(1, message, "leave out control.start")
         self.standing_tyres = StandingTyres(self.model, nodes, int(engine.clock["current"]))
         # whether the search is left with a motion that nothing holds
-        self.drifts = False
+        self.drifts, self.signs = False, _Signs()
+        # way from the state of the present matrices
+        self.travel = 0.0
         self.nodes = nodes.copy()
         self.nodes["v"] = self.nodes["w"] = self.nodes["L"] = 0.0
 
@@ -177,81 +120,139 @@ class _EquilibriumSearch:
         first, iterations = self.nodes.copy(), 0
         for _ in range(SEARCHES if self.standing_tyres.patches else 1):
             self.standing_tyres.release(self.nodes)
-            correction, iterations = self._search(iterations, report)
+            state, iterations = self._search(iterations, report)
         report("preparing the first step")
-        self._refuse_unstable(correction)
-        self._accept(correction.state.D)
-        return self._words(first, iterations, correction.state)
+        self._refuse_unstable(state.g)
+        self._accept(state.D)
+        return self._words(first, iterations, state)
 
-    def _search(self, iterations: int, report: Callable[[str], None]) -> tuple["_Correction", int]:
-        """Iterate from the present configuration to an equilibrium; the correction there, which is
-        none, and the number of all iterations.
+    def _search(self, iterations: int, report: Callable[[str], None]) -> tuple[RestState, int]:
+        """Iterate from the present configuration to an equilibrium; returns it, its matrices those
+        of the search, and the number of all iterations.
         """
-        state, tau, slides, stalls, lifts = self._at_rest(self.nodes), FIRST, 0, 0, 0
+        state, tau = self._at_rest(self.nodes), FIRST
         self.standing_tyres.accept(self.nodes)
-        self.drifts, before = False, np.inf
+        self.drifts, self.signs = False, _Signs()
+        corrections = self._renewed(state, tau)
         while True:
             count = f"{iterations} of at most {MAX_ITERATIONS} iterations"
             report(f"searching the equilibrium, after {count}")
-            has_stalled = tau >= STALLED and state.largest_acceleration > 0.5 * before
-            stalls = stalls + 1 if has_stalled else 0
-            self.drifts = self._is_allowed(state) and (self.drifts or stalls >= STALLS)
-            before = state.largest_acceleration
-            correction = self._correction(state, tau)
-            is_small = correction.size <= SMALLEST and (
-                tau == LONGEST or state.largest_acceleration == 0.0
-            )
-            if is_small and np.abs(state.phi).max(initial=0.0) <= self._gap_tolerance():
-                return correction, iterations
-            slides = slides + 1 if self.standing_tyres.sliding() else 0
-            lifted = self._lifted_tyres(state)
-            lifts = lifts + 1 if lifted else 0
-            if lifts == LIFTS:
-                raise self._pulled_off(lifted)
-            if iterations == MAX_ITERATIONS or slides == SLIDES:
-                raise self._no_equilibrium(state, iterations)
+            self._note_stall(state, tau)
+            corrections = corrections.changed(tau, self.drifts)
+            change = corrections.of(state)
+            size = largest_motion(change, self.model.size)
+            is_fresh = corrections.matrices.state is state
+            if self._is_equilibrium(state, size, tau):
+                if is_fresh:
+                    self.matrices = corrections.matrices
+                    self._shift(self.nodes, change)
+                    return self._at_rest(self.nodes), iterations
+                # by the matrices of this very state it may not be one
+                self.signs.acceleration = np.inf
+                corrections = self._renewed(state, tau)
+                continue
+            self._refuse_hopeless(state, iterations)
             iterations += 1
-            trial = self.nodes.copy()
-            self._shift(trial, correction.change)
+            trial, change = self.nodes.copy(), self._limited(change)
+            self._shift(trial, change)
             next_state = self._at_rest(trial)
             # the correction that the same matrix would make there: natural monotonicity
-            next_size = largest_motion(correction.for_state(next_state), self.model.size)
-            growth = next_size / max(correction.size, 1e-300)
-            if not growth <= 2.0 and tau > SHORTEST and correction.size > SMALLEST:
-                tau *= 0.25
+            next_size = largest_motion(corrections.of(next_state), self.model.size)
+            growth = next_size / max(size, 1e-300)
+            if not growth <= 2.0 and size > SMALLEST and (tau > SHORTEST or not is_fresh):
+                if is_fresh:
+                    tau *= 0.25
+                else:
+                    corrections = self._renewed(state, tau)
+                self._forces(self.nodes)
                 continue
+            missed = corrections.contraction(state, change, next_state)
             self.nodes, state = trial, next_state
             self.standing_tyres.accept(self.nodes)
-            if growth <= 1.0 or correction.size <= SMALLEST:
-                tau = min(2.0 * tau / max(growth, 0.1), LONGEST)
-            elif tau < correction.time_of_growth:
-                # forces grow as it leaves an unstable equilibrium
-                tau = min(2.0 * tau, correction.time_of_growth, LONGEST)
+            tau = self._next_tau(tau, growth, size, corrections.matrices)
             self._find_near_pairs()
+            self.travel += largest_motion(change, self.model.size)
+            # Newton's steps begin with their own, as they move neutral directions by any force left
+            is_newton = corrections.tau < tau == LONGEST
+            if is_newton or not missed <= CONTRACTION or self.travel > NEARBY:
+                corrections = self._renewed(state, tau)
 
-    def _is_allowed(self, state: "_RestState") -> bool:
-        """Whether the residual is small enough for the start of a run."""
+    def _renewed(self, state: RestState, tau: float) -> Corrections:
+        """Corrections by the matrices of the present configuration."""
+        self.travel = 0.0
+        matrices = Matrices(state, self._tangent(state.g), self._mass())
+        self._forces(self.nodes)
+        return Corrections(matrices, tau, self.drifts, self.model.size)
+
+    def _note_stall(self, state: RestState, tau: float) -> None:
+        """Writes: drifts, signs."""
+        rate = state.largest_acceleration
+        has_stalled = tau >= STALLED and rate > 0.5 * self.signs.acceleration
+        self.signs.stalls = self.signs.stalls + 1 if has_stalled else 0
+        self.signs.acceleration = rate
+        self.drifts = self._is_allowed(state) and (self.drifts or self.signs.stalls >= STALLS)
+
+    def _is_equilibrium(self, state: RestState, size: float, tau: float) -> bool:
+        """Whether corrections of this size are none."""
+        is_small = size <= SMALLEST and (tau == LONGEST or state.largest_acceleration == 0.0)
+        return is_small and bool(np.abs(state.phi).max(initial=0.0) <= self._gap_tolerance())
+
+    def _refuse_hopeless(self, state: RestState, iterations: int) -> None:
+        """Raises SolverError where iterations lead to no equilibrium. Writes: signs."""
+        signs = self.signs
+        signs.slides = signs.slides + 1 if self.standing_tyres.sliding() else 0
+        lifted = self._lifted_tyres(state)
+        signs.lifts = signs.lifts + 1 if lifted else 0
+        if signs.lifts == LIFTS:
+            raise self._pulled_off(lifted)
+        if iterations == MAX_ITERATIONS or signs.slides == SLIDES:
+            raise self._no_equilibrium(state, iterations)
+
+    def _next_tau(self, tau: float, growth: float, size: float, matrices: Matrices) -> float:
+        """tau [s] after an iteration."""
+        if growth <= 1.0 or size <= SMALLEST:
+            return min(2.0 * tau / max(growth, 0.1), LONGEST)
+        limit = 0.0 if self.drifts else matrices.time_of_growth
+        # forces grow as it leaves an unstable equilibrium
+        return min(2.0 * tau, limit, LONGEST) if tau < limit else tau
+
+    def _limited(self, change: np.ndarray) -> np.ndarray:
+        """A correction (n, 6), not longer than one iteration may move."""
+        displacement = np.abs(change[:, :3]).max(initial=0.0) / (
+            LARGEST_DISPLACEMENT * self.model.size
+        )
+        angle = np.abs(change[:, 3:]).max(initial=0.0) / LARGEST_ROTATION
+        return np.asarray(change / max(1.0, displacement, angle))
+
+    def _is_allowed(self, state: RestState, share: float = DRIFT) -> bool:
+        """Whether accelerations are below a share of those of the loads."""
         nodes = self.engine.nodes
         load = float(np.linalg.norm(nodes["external"][0, :3]))
         mass = float((1.0 / nodes["mass_inv"][self.free]).sum())
-        return state.largest_acceleration * mass <= DRIFT * load
+        return state.largest_acceleration * mass <= share * load
 
     def _forces(self, nodes: np.ndarray) -> np.ndarray:
         """g (6 n,) of a configuration without velocities; the engine keeps its sample."""
+        return self._forces_of(*(part[None] for part in self._rates(nodes)))[0]
+
+    def _rates(self, nodes: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Accelerations (n, 3), angular ones and axes (n, 9) of the same; writes the sample."""
         self.standing_tyres.follow(nodes)
         self.engine.sample_of(nodes)
         # column by column: rows of all columns cost more than the sample
-        v_dot, w_dot, mass_inv, A, J = (
-            self.engine.nodes[name][self.free] for name in ("v_dot", "w_dot", "mass_inv", "A", "J")
-        )
-        g = np.empty((len(self.free), 6))
-        g[:, :3] = v_dot / mass_inv[:, None]
-        A, J = A.reshape(-1, 3, 3), J.reshape(-1, 3, 3)
-        own = np.einsum("nji,nj->ni", A, w_dot)
-        g[:, 3:] = np.einsum("nij,njk,nk->ni", A, J, own)
-        return g.ravel()
+        own = self.engine.nodes
+        return own["v_dot"][self.free], own["w_dot"][self.free], own["A"][self.free]
 
-    def _at_rest(self, nodes: np.ndarray) -> "_RestState":
+    def _forces_of(self, v_dot: np.ndarray, w_dot: np.ndarray, A: np.ndarray) -> np.ndarray:
+        """g (k, 6 n) of the rates (k, n, ...) of k configurations."""
+        mass = 1.0 / self.nodes["mass_inv"][self.free]
+        J = self.nodes["J"][self.free].reshape(-1, 3, 3)
+        A = A.reshape(*A.shape[:-1], 3, 3)
+        own = np.matmul(w_dot[..., None, :], A)
+        turned = np.matmul(A, np.matmul(J, own.swapaxes(-1, -2)))[..., 0]
+        return np.concatenate([mass[:, None] * v_dot, turned], axis=-1).reshape(len(v_dot), -1)
+
+    def _at_rest(self, nodes: np.ndarray) -> RestState:
         """The state of rest in a configuration."""
         g, engine = self._forces(nodes), self.engine
         free_nodes = engine.nodes[self.free]
@@ -259,7 +260,7 @@ class _EquilibriumSearch:
         phi = engine.rows["phi"][whole_rows(self.model.joints)].copy()
         # rotations count by the model's size
         rates = np.hstack([free_nodes["v_dot"], free_nodes["w_dot"] * self.model.size])
-        return _RestState(g, D.reshape(len(D), g.size), phi, rates)
+        return RestState(g, D.reshape(len(D), g.size), phi, rates)
 
     def _mass(self) -> np.ndarray:
         """M (6 n, 6 n) of the present configuration."""
@@ -274,13 +275,16 @@ class _EquilibriumSearch:
 
     def _tangent(self, g: np.ndarray, step: float = STEP) -> np.ndarray:
         """dg/dq (6 n, 6 n) by differences, to one side."""
-        nodes, columns = self.nodes.copy(), np.empty((g.size, g.size))
-        for k in range(g.size):
-            i, size = self.free[k // 6], step * (self.model.size if k % 6 < 3 else 1.0)
-            saved = nodes[i].copy()
+        nodes, rates = self.nodes.copy(), []
+        sizes = step * np.tile([self.model.size] * 3 + [1.0] * 3, len(self.free))
+        for k, size in enumerate(sizes):
+            i = self.free[k // 6]
             perturb(nodes[i], k % 6, size)
-            columns[:, k] = (self._forces(nodes) - g) / size
-            nodes[i] = saved
+            rates.append(self._rates(nodes))
+            for name in ("r", "q", "A"):
+                nodes[name][i] = self.nodes[name][i]
+        changes = self._forces_of(*(np.array(part) for part in zip(*rates, strict=True))) - g
+        columns = (changes / sizes[:, None]).T
         is_sound = (np.abs(columns) < MAX_STIFFNESS).all(axis=0)
         if not is_sound.all():
             raise self._refusal(
@@ -289,28 +293,6 @@ class _EquilibriumSearch:
                 "look for numbers of the deck that are far too large",
             )
         return columns
-
-    def _correction(self, state: "_RestState", tau: float) -> "_Correction":
-        """The correction (n, 6) of one iteration with a pseudo time step `tau` [s]."""
-        Z, G = state.motions, self._tangent(state.g)
-        mass = self._mass()
-        matrix = Z.T @ (mass / tau**2 - G) @ Z
-        unstable = 0.0 if self.drifts else _time_of_growth(-Z.T @ G @ Z, Z.T @ mass @ Z)
-        if 0.0 < unstable < tau:
-            matrix = Z.T @ (mass / unstable**2 - G) @ Z
-        if self.drifts:
-            inverse = _constrained_inverse(matrix, Z.T @ mass @ Z, tau)
-        else:
-            inverse = np.linalg.pinv(matrix, rcond=1e-15)
-        correction = _Correction(state, Z, G, inverse, np.zeros((0, 6)), 0.0, unstable)
-        change = correction.for_state(state)
-        correction.size = largest_motion(change, self.model.size)
-        displacement = np.abs(change[:, :3]).max(initial=0.0) / (
-            LARGEST_DISPLACEMENT * self.model.size
-        )
-        angle = np.abs(change[:, 3:]).max(initial=0.0) / LARGEST_ROTATION
-        correction.change = change / max(1.0, displacement, angle)
-        return correction
 
     def _shift(self, nodes: np.ndarray, change: np.ndarray) -> None:
         moved = nodes[self.free]
@@ -329,15 +311,15 @@ class _EquilibriumSearch:
             renew(self.model.contact_groups, state)
             self.engine.bind()
 
-    def _refuse_unstable(self, correction: "_Correction") -> None:
-        """Raises SolverError for an unstable equilibrium."""
-        Z = correction.Z
+    def _refuse_unstable(self, g: np.ndarray) -> None:
+        """Raises SolverError for an unstable equilibrium, whose matrices are the last ones."""
+        matrices = self.matrices
+        Z, M = matrices.Z, matrices.M
         if not Z.shape[1]:
             return
         # to both sides: a spring that begins to act here has the mean of its stiffnesses, where
         # differences to one side have it for the motion of one end and not for that of the other
-        G = 0.5 * (correction.G + self._tangent(correction.state.g, -STEP))
-        K, M = -Z.T @ G @ Z, Z.T @ self._mass() @ Z
+        K = 0.5 * (matrices.K - Z.T @ self._tangent(g, -STEP) @ Z)
         half = np.linalg.inv(np.linalg.cholesky(0.5 * (M + M.T)))
         K = half @ K @ half.T
         values, modes = np.linalg.eigh(0.5 * (K + K.T))
@@ -377,7 +359,7 @@ class _EquilibriumSearch:
         A, J = (nodes[name][self.free].reshape(-1, 3, 3) for name in ("A", "J"))
         nodes["L"][self.free] = np.einsum("nij,njk,nlk,nl->ni", A, J, A, w)
 
-    def _words(self, first: np.ndarray, iterations: int, state: "_RestState") -> str:
+    def _words(self, first: np.ndarray, iterations: int, state: RestState) -> str:
         """Displacement of the bodies in words, for the log."""
         moved = np.linalg.norm(self.nodes["r"] - first["r"], axis=1)
         node = int(moved.argmax())
@@ -385,19 +367,20 @@ class _EquilibriumSearch:
         message = (
             f"equilibrium found in {iterations} iterations: mass centres were moved {displacement}"
         )
-        if not self.drifts:
+        # where a motion is neutral, and nothing drives it, round-off is left
+        if not self.drifts or self._is_allowed(state, ROUND_OFF):
             return message
         node, rate = self._fastest(state)
         return f"{message}; nothing supports {self._name(node)}, which accelerates by {rate}"
 
-    def _fastest(self, state: "_RestState") -> tuple[int, str]:
+    def _fastest(self, state: RestState) -> tuple[int, str]:
         """The node with the largest acceleration, and that in words."""
         k, axis = divmod(int(np.abs(state.rates).argmax()), 6)
         rate = abs(state.rates[k, axis]) / (self.model.size if axis > 2 else 1.0)
         unit = "rad/s^2 about" if axis > 2 else "m/s^2 along"
         return int(self.free[k]), f"{rate:.4g} {unit} {'xyz'[axis % 3]}"
 
-    def _no_equilibrium(self, state: "_RestState", iterations: int) -> SolverError:
+    def _no_equilibrium(self, state: RestState, iterations: int) -> SolverError:
         node, rate = self._fastest(state)
         sliding = self.standing_tyres.sliding()
         slides = f"; these tyres slide and carry no more force: {sliding}" if sliding else ""
@@ -407,7 +390,7 @@ class _EquilibriumSearch:
             f"{rate}{slides}",
         )
 
-    def _lifted_tyres(self, state: "_RestState") -> list[str]:
+    def _lifted_tyres(self, state: RestState) -> list[str]:
         return lifted_tyres(
             self.model, self.engine.nodes, state.g.reshape(-1, 6)[:, :3].sum(axis=0)
         )

@@ -39,6 +39,8 @@ OTHER_SIDE = (
 )
 # of the distance from a surface to its middle: a point is deep, which is lost beyond the middle
 HALFWAY = 0.5
+# of 2.9 rad: a swing at which the limit of 3 rad is met within a step
+COS_SWING = -0.97
 # location, likely cause, advice
 Diagnosis = tuple[str, str, str]
 
@@ -77,7 +79,7 @@ def diagnose(model: Model, state: State, clock: np.void, ledger: np.ndarray) -> 
     elif status == LAW_GAIN:
         causes = find_law_gain(model, state)
     elif status == CURVE_END:
-        causes = curve_end(model, clock)
+        causes = curve_end(model, state, clock)
     else:
         share = 100.0 * ledger[energy.IMBALANCE] / ledger[energy.LARGEST]
         cause = f"the energy balance is off by {share:.3g} % of the largest energy"
@@ -247,12 +249,12 @@ def limiter(model: Model, limit_node: int) -> str:
     return model.node_with_element(limit_node) if limit_node else ""
 
 
-def curve_end(model: Model, clock: np.void) -> Diagnosis:
+def curve_end(model: Model, state: State, clock: np.void) -> Diagnosis:
     """A curve read beyond its points, be it for a step too long for the elements."""
     curves = model.curves
     first, x = int(curves[0]["fault"]), float(curves[0]["x"])
     if first < 0:
-        return folded(model, -first, x)
+        return folded(model, state, -first, x)
     name = next(n for n, start in model.curve_names.items() if start == first)
     last = curves[int(curves[first]["last"])]["x"]
     cause = f"read at {x:.6g}, outside its range {curves[first]['x']:.6g} to {last:.6g}"
@@ -272,7 +274,7 @@ def curve_end(model: Model, clock: np.void) -> Diagnosis:
     return f"curve '{name}'", cause, advice
 
 
-def folded(model: Model, node: int, angle: float) -> Diagnosis:
+def folded(model: Model, state: State, node: int, angle: float) -> Diagnosis:
     """A bushing, segment or beam element that has rotated by nearly pi, angle [rad].
 
     A negative angle: the link of an anti-roll bar at its dead centre.
@@ -281,6 +283,10 @@ def folded(model: Model, node: int, angle: float) -> Diagnosis:
         cause = "its link to an anti-roll bar is at the dead centre, with no lever arm on the bar"
         advice = "give longer arms or links, or stops that end the travel of the wheel before"
         return f"body '{model.node_with_element(node)}'", cause, advice
+    if (name := _range_left(model, state, node)) is not None:
+        cause = f"its joint has swung by {angle:.3g} rad, where azimuth and twist are not defined"
+        advice = "keep its swing below 3 rad: by narrower half angles or a stiffer stop, or a cone"
+        return f"spring '{name}'", cause, f"{advice} where there is none"
     cause = (
         f"it has rotated by {angle:.3g} rad relative to the body at the other end of a spring or "
         "beam element"
@@ -290,6 +296,21 @@ def folded(model: Model, node: int, angle: float) -> Diagnosis:
         "segments; where parts rotate freely, take a joint with springs of its own"
     )
     return f"body '{model.node_with_element(node)}'", cause, advice
+
+
+def _range_left(model: Model, state: State, node: int) -> str | None:
+    """The cone or twist stop of a joint on body `node` that has swung by nearly half a turn."""
+    for g in model.force_groups():
+        known = g.parameters.dtype.names or ()
+        pointer = next((n for n in ("pointer", "axis_b") if n in known), None)
+        if pointer is None or "margin" not in (g.output.dtype.names or ()):
+            continue
+        for i in np.flatnonzero(g.parameters["node_b"] == node):
+            p = g.parameters[i]
+            A_a, A_b = (state.nodes[p[n]]["A"].reshape(3, 3) for n in ("node_a", "node_b"))
+            if A_a @ p["axis_a"] @ (A_b @ p[pointer]) < COS_SWING:
+                return g.names[int(i)]
+    return None
 
 
 def velocity_error(model: Model, state: State) -> np.ndarray:

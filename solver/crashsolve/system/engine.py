@@ -365,6 +365,7 @@ class Engine:
         copy_rows(self.state.rows, self.rows)
         copy_rows(self.state.ledger, self.ledger)
         copy_rows(self.state.clock, self.sample_clock)
+        self.sample_clock[0]["factored"] = 0.0
         self._advance(self.sample_clock[0]["time"], True, self._sampled)
 
     def probing(self, arrays: dict[str, np.ndarray]) -> Tables:
@@ -375,6 +376,7 @@ class Engine:
         """A sample of tables, some arrays of which, and the clock, are others. Writes: arrays."""
         leader = {"leader": arrays["clock"]} if is_shared(self.model) else {}
         time = float(arrays["clock"][0]["time"])
+        arrays["clock"][0]["factored"] = 0.0
         self._advance(time, True, tables.replaced(arrays | leader))
 
     def finish(self) -> None:

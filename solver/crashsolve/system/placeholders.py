@@ -42,6 +42,7 @@ TANGENT_CONTACTS: tuple[ContactGroup, ...] = ()  # of them, those that keep all 
 NODAL: tuple[NodalGroup, ...] = ()  # nodes on shapes and on the faces of shells
 
 # other content of the scene
+SEPARATING = True  # joints that may fail and release their bodies
 ATTACHMENTS = True  # nodes welded to rigid bodies
 TIES = True  # points that are tied to faces
 CUTS = True  # sensors that cut through elements
@@ -69,6 +70,7 @@ def placeholders(model: Model) -> dict[str, Any]:
     damped = [n.friction_damps for n in nodal]
     return {
         "JOINTS": tuple(model.joint_groups()),
+        "SEPARATING": any(g.can_separate for g in model.joint_groups()),
         "FORCES": tuple(model.force_groups()),
         "WATCHED": tuple(g for g in model.force_groups() if g.is_watched),
         "SENSORS": tuple(model.sensor_groups()),

@@ -103,7 +103,7 @@ def build_contacts(deck: Deck, scene: Scene) -> tuple[list[ContactGroup], list[N
     for name, entry in deck.entries["contacts"].items():
         sides = [[surfaces[word] for word in names] for names in (entry.card.a, entry.card.b)]
         warn_of_holes(name, sides, scene)
-    warn_of_common_pairs(deck.entries["contacts"], scene)
+    warn_of_common_pairs(deck.entries["contacts"], deck.entries["surfaces"], scene)
     nodes = scene.placed_nodes()
     is_implicit = deck.control.integrator in IMPLICIT
     groups = [builder.finish(nodes, is_implicit) for builder in builders.values()]

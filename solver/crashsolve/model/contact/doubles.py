@@ -1,4 +1,7 @@
-"""Two surfaces that two contact cards name: both forces act, and the stiffness is doubled."""
+"""Two surfaces that two contact cards name: both forces act, and the stiffness is doubled.
+
+Surfaces of equal shape in one position on one body are one surface, whatever their names.
+"""
 
 from collections import defaultdict
 from collections.abc import Mapping
@@ -18,15 +21,19 @@ class TwoSided(Protocol):
     def b(self) -> tuple[str, ...]: ...
 
 
-def warn_of_common_pairs(entries: Mapping[str, EntryOfScene], scene: Scene) -> None:
+def warn_of_common_pairs(
+    entries: Mapping[str, EntryOfScene], surfaces: Mapping[str, EntryOfScene], scene: Scene
+) -> None:
     """Warn of every two contact cards that have a pair of surfaces in common."""
+    first_of: dict[tuple[str, object], str] = {}
+    same = {name: first_of.setdefault((s.type, s.card), name) for name, s in surfaces.items()}
     named = defaultdict(list)
     for name, entry in entries.items():
-        for surface in {*entry.card.a, *entry.card.b}:
+        for surface in {same[word] for word in (*entry.card.a, *entry.card.b)}:
             named[surface].append(name)
     together = {two for names in named.values() for two in combinations(names, 2)}
     for first, second in sorted(together):
-        pair = _common(entries[first].card, entries[second].card)
+        pair = _common(entries[first].card, entries[second].card, same)
         if pair is not None:
             scene.warn(
                 f"contacts '{first}' and '{second}' both act between surfaces '{pair[0]}' and "
@@ -34,11 +41,11 @@ def warn_of_common_pairs(entries: Mapping[str, EntryOfScene], scene: Scene) -> N
             )
 
 
-def _common(first: TwoSided, second: TwoSided) -> tuple[str, str] | None:
-    """Two surfaces that face each other in both cards."""
+def _common(first: TwoSided, second: TwoSided, same: Mapping[str, str]) -> tuple[str, str] | None:
+    """Two surfaces of the first card that face each other, or their equals, in both cards."""
     for a, b in ((second.a, second.b), (second.b, second.a)):
-        some_a = [name for name in first.a if name in set(a)]
-        some_b = [name for name in first.b if name in set(b)]
+        some_a = [name for name in first.a if same[name] in {same[word] for word in a}]
+        some_b = [name for name in first.b if same[name] in {same[word] for word in b}]
         for one in some_a:
             for other in some_b:
                 if one != other:

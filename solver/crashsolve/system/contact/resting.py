@@ -12,7 +12,7 @@ is computed, and the history of the pair does not change; at samples no gap is c
 bound keeps below the deepest of the card. Consequence to test: the same results as without.
 """
 
-from crashsolve.foundation.kernels import inlined, kernel
+from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import cross, dot, norm, put, scale, sub, vec
 from crashsolve.system.points import half_rotation
 
@@ -25,24 +25,10 @@ STEPS_AHEAD = 4.0
 def record_motion(nodes):
     """Record displacement and rotation of bodies since the start of the step. Writes: nodes."""
     for i in range(1, nodes.shape[0]):
-        if nodes[i].has_surface == 1:
-            record_motion_of(nodes[i])
-
-
-@kernel
-def record_motion_of_attached(attached_nodes, nodes):
-    """Record those of the nodes that have been moved with their bodies. Writes: nodes."""
-    for i in range(attached_nodes.shape[0]):
-        b = nodes[attached_nodes[i].node]
+        b = nodes[i]
         if b.has_surface == 1:
-            record_motion_of(b)
-
-
-@inlined
-def record_motion_of(b):
-    """Writes: b.moved, rotated."""
-    put(b.moved, sub(vec(b.r), vec(b.start_r)))
-    put(b.rotated, scale(2.0, half_rotation(b.start_q, b.q)))
+            put(b.moved, sub(vec(b.r), vec(b.start_r)))
+            put(b.rotated, scale(2.0, half_rotation(b.start_q, b.q)))
 
 
 @kernel

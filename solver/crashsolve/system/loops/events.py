@@ -144,8 +144,14 @@ def limit_some(group, first, end, at_most, clock, nodes, scene):
 
 
 @kernel
-def may_pass(clock, control, h, nodes, scene):
-    """Whether forces of a step of h bring two sides so near that one may have passed the other."""
+def may_pass(located, h, clock, nodes, scene):
+    """Whether forces of a step of h bring two sides so near that one may have passed the other.
+
+    `located`: trials of a step that ends at an onset. The step that these shorten has been checked.
+    """
+    control = scene.control[0]
+    if located > 0 or h <= control.step_min:
+        return False
     if not passing.is_accelerated(nodes, h, control.length, control.thinnest):
         return False
     passes = False

@@ -8,7 +8,6 @@ from crashsolve.system import attachments
 from crashsolve.system.contact import (
     damping,
     node_contact,
-    resting,
     surface_friction,
     times,
     touches,
@@ -40,7 +39,6 @@ from crashsolve.system.placeholders import (
     NODAL,
     NODAL_DAMPERS,
     PAIR_DAMPERS,
-    RESTING,
     THREADS,
 )
 
@@ -50,8 +48,6 @@ def force_pass(clock, time, h, nodes, rows, curves, scene):
     """Applied forces at the end of a step of length h. Writes: nodes, outputs, new histories."""
     if ATTACHMENTS:
         attachments.move_nodes(scene.attached_nodes, nodes)
-        if RESTING and h > 0.0:
-            resting.record_motion_of_attached(scene.attached_nodes, nodes)
     if ELEMENTS:
         move_elements(clock, h, nodes, scene)
     apply_laws(clock, time, h, nodes, rows, curves, scene)
