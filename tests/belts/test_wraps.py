@@ -207,8 +207,29 @@ def test_a_route_that_begins_within_the_body_is_refused(tmp_path: Path) -> None:
     )
     said = refusal(tmp_path, BODIES + text.replace("AT", "[0, 0, 0.1]").replace("SURFACE", "egg"))
     assert "contains the fitting" in said and "deck.yaml:" in said
+    # a straight line through the middle, over which no line is shorter than another
+    said = refusal(
+        tmp_path, BODIES + text.replace("AT", "[-0.22, 0.6, -0.05]").replace("SURFACE", "ball")
+    )
+    assert "no shortest line over it" in said
     said = refusal(tmp_path, BODIES + text.replace("AT", "[0, 1, 0]").replace("SURFACE", "box"))
     assert "a belt lies on one of sphere, cylinder, ellipsoid" in said
+
+
+def test_a_side_of_a_cylinder_that_is_none_is_refused(tmp_path: Path) -> None:
+    bodies = BODIES.replace(
+        "position: [-0.06, 0, 0]\n    rotation: {axis: [1, 2, 3], angle: 0.4}",
+        "position: [0.1, 0, 0]",
+    )
+    text = (
+        "belts:\n  s:\n    webbing: {stiffness: 1e5}\n    route:\n"
+        "      - {anchor: {at: [0.1, 1, 0]}}\n      - {wrap: {surface: rollOVER}}\n"
+        "      - {anchor: {body: a}}\n"
+    )
+    said = refusal(tmp_path, bodies + text.replace("OVER", ""))
+    assert "opposite each other: give over" in said and "deck.yaml:" in said
+    said = refusal(tmp_path, bodies + text.replace("OVER", ", over: [0, 0, 0.3]"))
+    assert "on the axis of the cylinder" in said and "deck.yaml:" in said
 
 
 @pytest.mark.parametrize("surface", ["ball", "egg", "roll"])

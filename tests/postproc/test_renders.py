@@ -8,6 +8,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from command import crashsolve
 from small_results import Command
 
 from crashpost.errors import PostError
@@ -189,6 +190,18 @@ def test_a_part_that_is_gone_changes_nothing_of_the_others(run: Path, crashpost:
     pytest.importorskip("k3d")
     for words in ([], ["--show", "sheet"], ["--show", "sheet", "--color", "von_mises"]):
         assert crashpost("film", run, *words, "-o", run / "x.html")[0] == 0
+
+
+def test_belts_are_shown_beside_bodies_where_named(tmp_path: Path) -> None:
+    deck = Path(__file__).parents[2] / "decks" / "verification" / "belts" / "belt.yaml"
+    done = crashsolve(deck, "-o", tmp_path / "out", "--set", "control.estimate=off")
+    assert done.returncode == 0, done.stderr
+    states = States(tmp_path / "out")
+    body = states.names["bodies"][1]
+    for show, drawn in (((), True), ((body,), False), ((body, "belts"), True)):
+        assert bool(Scene(states, Appearance(show=show)).at(0).lines) == drawn
+    with pytest.raises(PostError, match="unknown body or part 'springs'"):
+        Scene(states, Appearance(show=("springs",)))
 
 
 def test_states_that_hold_no_numbers_are_refused(run: Path, crashpost: Command) -> None:

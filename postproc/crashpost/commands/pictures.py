@@ -89,7 +89,8 @@ def _add_appearance(sub: argparse.ArgumentParser) -> None:
         default="auto",
         help="side, front, rear, top, bottom, iso, or towards the eye as --view=1,-1,0.5",
     )
-    sub.add_argument("--show", default="", metavar="NAMES", help="bodies and parts, with globs")
+    about = "bodies and parts, with globs; the words springs and belts"
+    sub.add_argument("--show", default="", metavar="NAMES", help=about)
     sub.add_argument("--color", default="", metavar="FIELD", help="of the states: plastic_strain")
     sub.add_argument(
         "--arrows", default="", metavar="WHAT", help="rcforc, rcforc.CONTACT or velocity"

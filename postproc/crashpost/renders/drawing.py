@@ -272,7 +272,7 @@ class Scene:
             # bodies whose names begin with that of another are shown with it
             matching |= {k for k in range(1, len(bodies)) if self.groups[k] in matching}
             own = {name for name in parts if fnmatchcase(name, word)}
-            if not matching and not own:
+            if not matching and not own and word not in self.states.blocks.keys() & THICKNESS:
                 raise unknown("body or part", word, [*bodies[1:], *parts])
             shown |= matching
             selected |= own
@@ -310,7 +310,8 @@ class Scene:
         if name == "beams" and "part" in block.fixed:
             own = [self.states.names["parts"].index(part) for part in self.parts]
             return np.isin(block.fixed["part"].astype(int), own)
-        return everything & (not self.appearance.show or name == "ground")
+        show = self.appearance.show
+        return everything & (not show or name == "ground" or name in THICKNESS.keys() & set(show))
 
     def _body_colour(self, body: int) -> str:
         whole = self.groups[body]
@@ -403,7 +404,7 @@ class Scene:
         return outlines(self.states, int(number), points, shown, self.appearance.magnify)
 
     def _lines(self, drawing: Drawing, number: float, name: str, points: np.ndarray) -> None:
-        if self.appearance.show:
+        if self.appearance.show and name not in self.appearance.show:
             return
         values = self.values(number, name)
         drawing.lines.append(Lines(points.reshape(-1, 2, 3), LINE, THICKNESS[name], values))

@@ -38,6 +38,8 @@ FITTINGS = 10  # fittings of one belt
 SEGMENTS = FITTINGS - 1
 # of the route: a segment shorter than this is taken as this long, where it pulls
 SHORT = 1e-3
+# [rad] from opposite, and of a radius from an axis: it has no side
+SAME_SIDE = 1e-9
 # cosine of the angle between segments beyond which a route doubles back
 BACK = -0.9999
 
@@ -209,8 +211,14 @@ def _set_rotation_about_cylinders(
             radii.append(float(np.hypot(y[0], y[1])))
         onwards = (angles[1] - angles[0]) % (2.0 * pi)
         sense = 1.0 if onwards <= pi else -1.0
+        if wrap.over is None and abs(onwards - pi) < SAME_SIDE:
+            message = "the fittings beside it are opposite each other: give over, a point on the "
+            raise scene.fail(message + "side of the belt", f"route.{i}.wrap.surface")
         if wrap.over is not None:
             y = axes.T @ (scene.from_mass_centre(node, wrap.over) - centre)
+            if np.hypot(y[0], y[1]) <= SAME_SIDE * columns["semi"][i, 0]:
+                message = "is on the axis of the cylinder: give a point on the side of the belt"
+                raise scene.fail(message, f"route.{i}.wrap.over")
             sense = 1.0 if (np.arctan2(y[1], y[0]) - angles[0]) % (2.0 * pi) < onwards else -1.0
         R = columns["semi"][i, 0]
         columns["sense"][i] = sense

@@ -24,6 +24,9 @@ PIECES, TRIALS = 24, 20
 # of the semi-axes: how close the geodesic comes to its end, how far it may be at worst, and the
 # step of differences
 CLOSE, FAR, STEP = 1e-11, 1e-7, 1e-6
+# sine of the angle between points opposite each other, as seen from a ball: no line over it is the
+# shortest
+OPPOSITE = 1e-9
 # of a belt that passes by: a share of it stays on either side of the surface, as a segment of no
 # length has no strain
 PASSING = 0.1
@@ -32,7 +35,8 @@ PASSING = 0.1
 class Arc(NamedTuple):
     """The part of a belt that lies on a body."""
 
-    # 1, or 0 where it passes by; -1 where a point is within the shape, -2 where no geodesic is left
+    # 1, or 0 where it passes by; -1 where a point is within the shape or both are opposite each
+    # other about its middle, -2 where no geodesic is left
     touches: int
     first: Vector  # points where it reaches the body, and leaves
     last: Vector
@@ -74,8 +78,10 @@ def over_sphere(R, A, B):
     between = atan2(norm(across), dot(A, B))
     arc = between - acos(R / a) - acos(R / b)
     size = norm(across)
-    if arc <= 0.0 or size == 0.0:
+    if arc <= 0.0:
         return straight_arc(0, A, B, share, 0.0)
+    if size <= OPPOSITE * a * b:
+        return straight_arc(-1, A, B, share, 0.0)
     n = scale(1.0 / size, across)
     e = scale(1.0 / a, A)
     f = cross(n, e)

@@ -163,7 +163,9 @@ class Scene(Card):
         (),
     )
     view: str = word("side, front, rear, top, bottom, iso, or towards the eye as 1,-1,0.5", "auto")
-    show: tuple[str, ...] = word("names of bodies and parts, with globs; all when absent", ())
+    show: tuple[str, ...] = word(
+        "names of bodies and parts, with globs, and springs or belts; all when absent", ()
+    )
     color: str = word("field of the states such as plastic_strain; by body when empty", "")
     arrows: str = word("rcforc, rcforc.CONTACT or velocity; none when empty", "")
     follow: str = word("body or part that the camera follows", "")
