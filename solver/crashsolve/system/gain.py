@@ -15,7 +15,7 @@ from crashsolve.system.contact.work import motion_of
 
 # of the energy of the relative motion of its bodies, that a law may create: a step in which a line
 # becomes slack gives more than was left in it
-NEGLIGIBLE = 1e-3
+NEGLIGIBLE = 1e-5
 # share of the stated loss and energy of a law that its bodies never supplied
 OVERSTATED = 0.9
 
