@@ -47,23 +47,14 @@ from crashsolve.simulation.expected_size import expected_size
 from crashsolve.simulation.forward import march
 from crashsolve.simulation.heartbeat import Heartbeat
 from crashsolve.simulation.inconsistencies import refuse_inconsistencies
-from crashsolve.simulation.injury_samples import InjurySamples
-from crashsolve.simulation.missed import missed_contacts, missed_curves, missed_peaks
+from crashsolve.simulation.missed import missed_contacts, missed_curves
 from crashsolve.simulation.pictures import Pictures
 from crashsolve.simulation.progress import Account, cpu_time, preparing, provenance
-from crashsolve.simulation.redundant import arbitrary_reactions, undetermined
-from crashsolve.simulation.remarks import (
-    contacts_without_depth,
-    range_warnings,
-    remarks,
-    touching_at_start,
-)
+from crashsolve.simulation.remarks import contacts_without_depth, touching_at_start
 from crashsolve.simulation.requests import Requests, interrupt_as_keyboard
 from crashsolve.simulation.resume import FREE, OF_ERRORS, differing
 from crashsolve.simulation.totals import write_totals
-from crashsolve.system.contact.balance import contact_warnings
 from crashsolve.system.engine import Engine
-from crashsolve.system.flags import law_warnings
 
 if TYPE_CHECKING:
     from crashsolve.estimate.runner import Estimating
@@ -343,25 +334,13 @@ class Run:
     def _end(self, state: RunState, code: ExitCode, message: str) -> None:
         """Close the files, and write status, totals and the last line."""
         self.files.close()
-        self.account.remarks = {
-            **remarks(self.engine, self.history.extremes, self.folder / "history.h5"),
-            "undetermined": undetermined(self.engine),
-            **(injury := InjurySamples(self.deck, self.folder, self.schedule.interval)).remarks(),
-        }
+        # a run imports this at its end, when it needs it
+        from crashsolve.simulation.ending import Ending
+
+        ending = Ending(self.engine, self.deck, self.folder, self.schedule.interval)
+        self.account.remarks = ending.remarks(self.history.extremes)
         self.account.status(state, code, message)
-        engine, moves = self.engine, self.deck.control.solution == "transient"
-        unbalanced = contact_warnings(engine.model, engine.state, engine.ledger) if moves else []
-        missed = missed_peaks(engine, self.folder / "history.h5")
-        for text in (
-            *self.overlapping,
-            *law_warnings(engine.model, engine.state),
-            *range_warnings(engine),
-            *(c.words(self.schedule.interval) for c in missed),
-            *injury.warnings(),
-            *arbitrary_reactions(self.account.remarks["undetermined"], self.deck),
-            *unbalanced,
-            *engine.step_warnings(),
-        ):
+        for text in (*self.overlapping, *ending.warnings()):
             self.log.warning(text)
         write_totals(self.account)
         self.log.finish(NORMAL if code == ExitCode.NORMAL else STOPPED)
