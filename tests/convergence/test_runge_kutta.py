@@ -220,6 +220,19 @@ def test_samples_do_not_change_a_run(method: str, tmp_path: Path) -> None:
     assert often.clock["cycle"] == once.clock["cycle"] < 101
 
 
+@TABLEAUX
+def test_what_rejected_steps_leave_in_stages_changes_nothing(method: str, tmp_path: Path) -> None:
+    control = {"integrator": method, "tolerance": 1e-6}
+    clean, engine = (start(tmp_path, SCENE, 0.1, **control) for _ in range(2))
+    # stages of the dense output alone, of a step that went far into a stiff contact
+    for name in ("rate_r", "rate_v", "rate_L"):
+        engine.state.stages[name][METHODS[method].STAGES :] = np.nan
+    for one in (clean, engine):
+        one.advance(0.1)
+    assert (engine.clock["impulse"] == clean.clock["impulse"]).all()
+    assert engine.clock["driver_work"] == clean.clock["driver_work"]
+
+
 @pytest.mark.long
 def test_a_pendulum_of_hardly_any_inertia_keeps_the_order(tmp_path: Path) -> None:
     engine = solved(BENCHMARKS / "pendulum.yaml", integrator="dormand_prince_8", tolerance=1e-10)
