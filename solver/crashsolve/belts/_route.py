@@ -5,7 +5,7 @@ its directions before and behind it.
 """
 
 from importlib import import_module
-from math import atan2, pi
+from math import acos, atan2, pi
 
 import numpy as np
 from pydantic import model_validator
@@ -32,7 +32,17 @@ from crashsolve.foundation.motion import (
     point_at,
 )
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import add, cross, dot, norm, scale, sub, vec
+from crashsolve.foundation.vec3 import (
+    add,
+    cross,
+    dot,
+    norm,
+    put_triple,
+    scale,
+    sub,
+    triple,
+    vec,
+)
 
 FITTINGS = 10  # fittings of one belt
 SEGMENTS = FITTINGS - 1
@@ -42,6 +52,8 @@ SHORT = 1e-3
 SAME_SIDE = 1e-9
 # cosine of the angle between segments beyond which a route doubles back
 BACK = -0.9999
+# of a cosine: acos multiplies its round-off by 7, 1 over the sine
+ACOS_BELOW = 0.99
 
 
 class Anchor(Card):
@@ -250,15 +262,10 @@ def refuse_route(
 
 
 @kernel
-def triple(column, j):
-    """Vector j of a column of vectors."""
-    return (column[3 * j], column[3 * j + 1], column[3 * j + 2])
-
-
-@kernel
-def put_triple(column, j, x):
-    """Writes: column."""
-    column[3 * j], column[3 * j + 1], column[3 * j + 2] = x[0], x[1], x[2]
+def angle_between(u, v):
+    """Angle between two unit vectors [rad]; acos costs half, and is inexact near 0 and pi."""
+    c = dot(u, v)
+    return acos(c) if abs(c) < ACOS_BELOW else atan2(norm(cross(u, v)), c)
 
 
 @kernel
@@ -368,7 +375,7 @@ def update_route(p, old, new, out, nodes):
         on = new.half[i] + new.split[i] + new.half[i + 1] - new.split[i + 1]
         out.length[i] = straight + on
         if i > 0 and p.surface[i] == 0:
-            out.angle[i] = atan2(norm(cross(before, u)), dot(before, u))
+            out.angle[i] = angle_between(before, u)
         before = u
 
 
@@ -385,12 +392,12 @@ def clear_surface(new, j):
 @kernel
 def pull_segments(p, new, out, nodes):
     """Forces of all segments on the bodies of their fittings. Writes: nodes."""
-    before, u_before, k_before = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0
+    before, u_before = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for j in range(p.segments + 1):
-        behind, u, k = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0
+        behind, u = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         if j < p.segments:
             u = triple(new.along, j)
-            behind, k = scale(out.force[j], u), p.steepest / new.webbing[j]
+            behind = scale(out.force[j], u)
         body = nodes[p.node[j]]
         d = sub(triple(new.arrive, j), vec(body.r))
         if p.surface[j] == 0:
@@ -398,10 +405,12 @@ def pull_segments(p, new, out, nodes):
         else:
             apply_force(body, scale(-1.0, before), d)
         if j > 0 and body.mass_inv > 0.0:
-            add_stiffness_bound(body, mobility(body, d, u_before), k_before, 0.0)
+            k = p.steepest / new.webbing[j - 1]
+            add_stiffness_bound(body, mobility(body, d, u_before), k, 0.0)
         if p.surface[j] != 0:
             d = sub(triple(new.leave, j), vec(body.r))
             apply_force(body, behind, d)
         if j < p.segments and body.mass_inv > 0.0:
+            k = p.steepest / new.webbing[j]
             add_stiffness_bound(body, mobility(body, d, u), k, 0.0)
-        before, u_before, k_before = behind, u, k
+        before, u_before = behind, u

@@ -25,7 +25,6 @@ from crashsolve.belts._route import (
     check_route,
     clear_surface,
     pull_segments,
-    put_triple,
     refuse_route,
     route_columns,
     update_route,
@@ -38,6 +37,7 @@ from crashsolve.foundation.curve import REFUSE
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.rows import as_rows
+from crashsolve.foundation.vec3 import put_triple
 
 if TYPE_CHECKING:
     from crashsolve.belts._rows.belt import History, Output, Parameters
@@ -234,18 +234,18 @@ def has_left_a_surface(p, old, new):
 def update_energies(p: Parameters, old: History, new: History, out: Output, h):
     """Update stored and dissipated energies, and outputs. Writes: new, out."""
     out.stored = out.power = friction = drawn = slack = 0.0
-    leaves = has_left_a_surface(p, old, new)
+    leaves, by_k = has_left_a_surface(p, old, new), 1.0 / p.k
     for i in range(p.segments):
         T_0, T_1 = old.tension[i], out.force[i]
         mean, L = 0.5 * (T_0 + T_1), new.webbing[i]
         dL, dS = L - old.webbing[i], new.residual[i] - old.residual[i]
-        friction += mean * (dL + dS - new.moved[i]) + 0.5 * T_0 * T_1 * dL / p.k
+        friction += mean * (dL + dS - new.moved[i]) + 0.5 * T_0 * T_1 * dL * by_k
         drawn += mean * new.moved[i]
         if new.flow[0] != 0.0:
             # slack that the spool takes from a segment moves at no force
             before = max(old.webbing[i] + old.residual[i] - old.straight[i], 0.0)
             slack += mean * (before - max(L + new.residual[i] - out.length[i], 0.0))
-        out.stored += 0.5 * T_1 * T_1 * L / p.k
+        out.stored += 0.5 * T_1 * T_1 * L * by_k
         if leaves:
             # a length that vanishes at once does no work on the bodies
             friction -= mean * (out.length[i] - old.straight[i])
