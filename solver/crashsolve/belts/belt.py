@@ -21,12 +21,13 @@ from crashsolve.belts._route import (
     ROUTE_HISTORY,
     SEGMENTS,
     SHORT,
+    SURFACES,
     Fitting,
     check_route,
-    clear_surface,
     pull_segments,
     refuse_route,
     route_columns,
+    surface_row,
     update_route,
 )
 from crashsolve.belts._spool import SPOOL, SPOOL_HISTORY, spool_columns, update_spool
@@ -163,7 +164,8 @@ def initial_route(columns: Columns, scene: Scene) -> tuple[np.void, np.ndarray]:
         p[name] = columns[name]
     for name, values in scene.placed_nodes().items():
         nodes[name] = values
-    old["wrapped"] = columns["turned"]
+    for j in np.flatnonzero(columns["surface"]):
+        old["wrapped"][surface_row(j)] = columns["turned"][j]
     update_route(p, old, new, out, nodes)
     return new, np.array(out["length"][: columns["segments"]])
 
@@ -210,7 +212,6 @@ def clear_unused(p: Parameters, old: History, new: History, out: Output):
     for j in range(p.segments, FITTINGS):
         put_triple(new.arrive, j, (0.0, 0.0, 0.0))
         put_triple(new.leave, j, (0.0, 0.0, 0.0))
-        clear_surface(new, j)
         new.slip[j] = new.flow[j] = new.above[j] = new.change[j] = 0.0
         new.grip[j], new.direction[j] = 1.0, 0
         out.slip[j] = out.angle[j] = 0.0
@@ -225,8 +226,8 @@ def clear_unused(p: Parameters, old: History, new: History, out: Output):
 def has_left_a_surface(p, old, new):
     """Whether the belt has left a surface at once, as it slipped off or a fitting came within."""
     left = False
-    for j in range(1, p.segments):
-        left = left or (old.touches[j] == 1 and new.touches[j] < 0)
+    for k in range(SURFACES):
+        left = left or (old.touches[k] == 1 and new.touches[k] < 0)
     return left
 
 
