@@ -2,7 +2,7 @@
 
 make car  (or: python decks/scenes/sports_car.py [FOLDER], with matplotlib and pyvista)
 
-The five scenarios are run as the sweep of decks/queue/sports_car.plan.yaml, which makes the table of
+The scenarios are run as the sweep of decks/queue/sports_car.plan.yaml, which makes the table of
 that page; a sweep that is in FOLDER is not repeated.
 """
 
