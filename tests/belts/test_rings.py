@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from crashpost.results.result import Result
 from crashsolve.belts import _flow
 from crashsolve.belts import belt as belt_law
+from crashsolve.belts._route import ACOS_BELOW, angle_between
 from crashsolve.foundation.orientation import matrix
 
 BODIES = """
@@ -438,3 +439,11 @@ def test_flows_that_stick_leave_webbing_in_every_segment(tmp_path: Path) -> None
     assert np.ptp(drawn) < 1e-12 * drawn[0]
     # required: 0.5 %
     assert np.abs(result.series("glstat.model.balance").values).max() < 0.1
+
+
+def test_the_angle_at_a_ring_is_exact_from_straight_to_back() -> None:
+    edge = np.arccos(ACOS_BELOW)
+    for angle in (0.0, 1e-9, edge - 1e-9, edge + 1e-9, 1.5, np.pi - edge, np.pi - 1e-9, np.pi):
+        u, v = (1.0, 0.0, 0.0), (np.cos(angle), np.sin(angle), 0.0)
+        # round-off of directions, 1e-16, times 7 of acos
+        assert angle_between(u, v) == pytest.approx(angle, abs=2e-15)

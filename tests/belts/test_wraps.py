@@ -12,6 +12,7 @@ from quick import first_quick
 from scipy.optimize import minimize
 
 from crashsolve.belts import _wrap as wrap
+from crashsolve.belts._route import FITTINGS, SURFACES, surface_row
 
 BODIES = """
 title: belt over a body
@@ -133,7 +134,7 @@ def test_length_and_force_are_continuous_across_the_silhouette(
         law.force(1e-3)
         law.accept()
         rows.append([law.out.length[:2].sum(), *law.out.force[:2]])
-        touched.append(law.new.touches[1])
+        touched.append(law.new.touches[0])
     assert touched[0] == 1 and touched[-1] == 0
     lengths, forces = np.array(rows)[:, 0], np.array(rows)[:, 1:]
     # a step is at most as much belt
@@ -181,7 +182,7 @@ def test_energy_closes_as_bodies_turn_under_the_belt(
             lost += float(law.out.loss)
             before = now
             law.accept()
-        assert law.new.touches[1] == 1
+        assert law.new.touches[0] == 1
         # round-off of sums of some 1e3 J
         assert lost >= -1e-9
         errors.append(abs(work + lost + float(law.out.stored) - first))
@@ -258,7 +259,7 @@ def test_a_ball_that_rolls_along_under_its_belt_has_not_slipped(tmp_path: Path) 
         law.force(1e-3)
         law.accept()
     # the belt is not quite in the plane of the rotation: some slip, and not the six radians
-    assert abs(law.new.lateral[1]) < 0.6 and law.new.crossed == 0
+    assert abs(law.new.lateral[0]) < 0.6 and law.new.crossed == 0
 
 
 @pytest.mark.parametrize("surface", ["ball", "egg", "roll"])
@@ -290,7 +291,7 @@ def test_a_belt_that_comes_out_of_a_body_is_straight_until_it_is_clear_of_it(
         for share in np.linspace(0.02, 1.0, 50):
             law.bench.move(1, r=np.add(start, share * np.subtract(end, start)))
             law.force(1e-3)
-            touches.append(int(law.new.touches[1]))
+            touches.append(int(law.new.touches[0]))
             straight = np.linalg.norm(np.subtract(law.bench.nodes[1].r, [0.5, 0.6, 0.0]))
             if touches[-1] < 0:
                 both = law.out.length[0] + law.out.length[1]
@@ -299,3 +300,9 @@ def test_a_belt_that_comes_out_of_a_body_is_straight_until_it_is_clear_of_it(
     assert law.new.inside == 1 and min(touches) == -1 and touches[-1] >= 0
     # it does not lie on it at once, with all of an arc
     assert (-1, 1) not in zip(touches[:-1], touches[1:], strict=True)
+
+
+def test_surfaces_that_are_not_side_by_side_have_rows_of_their_own() -> None:
+    inner = range(1, FITTINGS - 1)
+    assert {surface_row(j) for j in inner} == set(range(SURFACES))
+    assert all(surface_row(i) != surface_row(j) for i in inner for j in inner if j > i + 1)

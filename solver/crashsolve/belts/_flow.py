@@ -70,7 +70,8 @@ def find_flow(p, share, old, new, out, curves):
         for k in range(ITERATIONS):
             if k < FIRST or (k % NEWTON_EVERY == 0 and k < RINGS_ALONE):
                 largest = correct(p, old, new, out, curves)
-                fill(p, old, new, out, curves)
+                if largest != 0.0:
+                    fill(p, old, new, out, curves)
             else:
                 largest = relax_rings(p, old, new, out, curves)
             if largest <= (CLOSE if k < MANY else NEARLY) * p.total:
@@ -121,7 +122,8 @@ def residual_elongation(p, old, j, q):
     if j == 0 or j == p.segments:
         return 0.0
     i = j - 1 if q > 0.0 else j
-    return q * old.residual[i] / old.webbing[i]
+    S = old.residual[i]
+    return q * S / old.webbing[i] if S != 0.0 else 0.0
 
 
 @kernel
@@ -300,11 +302,12 @@ def slack_of_segment(p, new, out, j, direction):
 def correct(p, old, new, out, curves):
     """One iteration over all rings; the largest change of a flow [m]. Writes: new."""
     new.above[0] = new.change[0] = 0.0
-    n = p.segments
+    n, moves = p.segments, False
     if p.spool == 1:
         diagonal, upper, right = spool_row(p, old, new, out, curves)
         if diagonal > 0.0:
             new.above[0], new.change[0] = upper / diagonal, right / diagonal
+            moves = new.change[0] != 0.0
     for j in range(1, n):
         direction, c = direction_of(new, out, j), new.grip[j]
         new.direction[j] = direction
@@ -323,8 +326,15 @@ def correct(p, old, new, out, curves):
         else:
             # a spool draws in slack webbing; friction may hold it
             new.above[j], new.change[j] = 0.0, slack_of_segment(p, new, out, j, direction)
+        moves = moves or new.change[j] != 0.0
     new.above[n] = new.change[n] = 0.0
-    share = 1.0
+    return apply_changes(p, old, new) if moves else 0.0
+
+
+@kernel
+def apply_changes(p, old, new):
+    """Flows after the elimination; the largest change of one [m]. Writes: new."""
+    n, share = p.segments, 1.0
     for back in range(1, n + 1):
         j = n - back
         new.change[j] -= new.above[j] * new.change[j + 1]
@@ -354,12 +364,12 @@ def changed_flow(new, j, share):
 @kernel
 def leaves_webbing(p, share, old, new):
     """Whether a share of the changes leaves webbing in every segment, of what it has now."""
-    least = 1.0
+    least = 0.5 * (1.0 - MAX_WITHDRAWN)
     onwards = changed_flow(new, 0, share)
     for i in range(p.segments):
         before, onwards = onwards, 0.0
         if i < p.segments - 1:
             onwards = changed_flow(new, i + 1, share)
-        left = old.webbing[i] + before - onwards
-        least = min(least, left / new.webbing[i])
-    return least > 0.5 * (1.0 - MAX_WITHDRAWN)
+        if not old.webbing[i] + before - onwards > least * new.webbing[i]:
+            return False
+    return True

@@ -5,7 +5,7 @@ its directions before and behind it.
 """
 
 from importlib import import_module
-from math import atan2, pi
+from math import acos, atan2, pi
 
 import numpy as np
 from pydantic import model_validator
@@ -32,16 +32,29 @@ from crashsolve.foundation.motion import (
     point_at,
 )
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import add, cross, dot, norm, scale, sub, vec
+from crashsolve.foundation.vec3 import (
+    add,
+    cross,
+    dot,
+    norm,
+    put_triple,
+    scale,
+    sub,
+    triple,
+    vec,
+)
 
 FITTINGS = 10  # fittings of one belt
 SEGMENTS = FITTINGS - 1
+SURFACES = SEGMENTS // 2  # of one belt: not at its ends, and no two side by side
 # of the route: a segment shorter than this is taken as this long, where it pulls
 SHORT = 1e-3
 # [rad] from opposite, and of a radius from an axis: it has no side
 SAME_SIDE = 1e-9
 # cosine of the angle between segments beyond which a route doubles back
 BACK = -0.9999
+# of a cosine: acos multiplies its round-off by 7, 1 over the sine
+ACOS_BELOW = 0.99
 
 
 class Anchor(Card):
@@ -113,16 +126,16 @@ ROUTE_HISTORY = Record(f"""
     along     1      {3 * SEGMENTS}  directions of the segments
     arrive    m      {3 * FITTINGS}  where the belt reaches each fitting, world axes
     leave     m      {3 * FITTINGS}  where it leaves
-    half      m      {FITTINGS}  half the arc on each surface
-    split     m      {FITTINGS}  middle of the arc from the point of its body that divides it
-    middle    m      {3 * FITTINGS}  middle of the arc from the mass centre, body axes
-    lies      1      {3 * FITTINGS}  direction of the belt there, body axes
-    wrapped   rad    {FITTINGS}  angle of a cylinder
-    begun     m      {3 * FITTINGS}  where the belt reaches an ellipsoid, its axes
-    touches   flag   {FITTINGS}  1 where the belt lies on a surface; until clear of it -1
+    half      m      {SURFACES}  half the arc on each surface
+    split     m      {SURFACES}  middle of the arc from the point of its body that divides it
+    middle    m      {3 * SURFACES}  middle of the arc from the mass centre, body axes
+    lies      1      {3 * SURFACES}  direction of the belt there, body axes
+    wrapped   rad    {SURFACES}  angle of a cylinder
+    begun     m      {3 * SURFACES}  where the belt reaches an ellipsoid, its axes
+    touches   flag   {SURFACES}  1 where the belt lies on a surface; until clear of it -1
                                  where a fitting was within it, -2 where it has slipped off
     slipped   flag           the belt has slipped off a surface
-    lateral   rad    {FITTINGS}  by which it slid across its direction, over a ball or an ellipsoid
+    lateral   rad    {SURFACES}  by which it slid across its direction, over a ball or an ellipsoid
     crossed   flag           it slid so by more than a right angle
     inside    flag           a fitting was within a surface
     beyond    flag           the belt lay on a cylinder beyond its ends
@@ -232,7 +245,7 @@ def refuse_route(
 ) -> None:
     """Refuse fittings that make no route at the start; `initial` has the columns ROUTE_HISTORY."""
     for i, fitting in enumerate(route):
-        if fitting.wrap and initial["touches"][i] < 0:
+        if fitting.wrap and initial["touches"][surface_row(i)] < 0:
             message = "contains the fitting before or behind it, or there is no shortest line over "
             message += "it from one to the other; move them"
             raise scene.fail(message, f"route.{i}.wrap.surface")
@@ -250,15 +263,10 @@ def refuse_route(
 
 
 @kernel
-def triple(column, j):
-    """Vector j of a column of vectors."""
-    return (column[3 * j], column[3 * j + 1], column[3 * j + 2])
-
-
-@kernel
-def put_triple(column, j, x):
-    """Writes: column."""
-    column[3 * j], column[3 * j + 1], column[3 * j + 2] = x[0], x[1], x[2]
+def angle_between(u, v):
+    """Angle between two unit vectors [rad]; acos costs half, and is inexact near 0 and pi."""
+    c = dot(u, v)
+    return acos(c) if abs(c) < ACOS_BELOW else atan2(norm(cross(u, v)), c)
 
 
 @kernel
@@ -286,22 +294,28 @@ def position_of(p, j, nodes):
 
 
 @kernel
+def surface_row(j):
+    """Row of fitting j in the columns of surfaces, of which two are never side by side."""
+    return (j - 1) // 2
+
+
+@kernel
 def arc_on(p, j, old, y_a, y_b):
     """The Arc on surface j between two points in its axes."""
-    semi = triple(p.semi, j)
+    semi, k = triple(p.semi, j), surface_row(j)
     if p.surface[j] == SPHERE:
         return over_sphere(semi[0], y_a, y_b)
     if p.surface[j] == CYLINDER:
         # a belt that was within the cylinder, or has slipped off it, has not gone round it
-        before = old.wrapped[j] if old.touches[j] >= 0 else 0.0
+        before = old.wrapped[k] if old.touches[k] >= 0 else 0.0
         return over_cylinder(semi[0], y_a, y_b, p.sense[j], before)
-    return over_ellipsoid(semi, y_a, y_b, triple(old.begun, j), 2.0 * old.half[j])
+    return over_ellipsoid(semi, y_a, y_b, triple(old.begun, k), 2.0 * old.half[k])
 
 
 @kernel
 def wrap_surface(p, j, old, new, nodes):
     """The belt on surface j, from the fitting before it to that behind it. Writes: new."""
-    body, axes = nodes[p.node[j]], axes_of(p, j)
+    body, axes, k = nodes[p.node[j]], axes_of(p, j), surface_row(j)
     centre = position_of(p, j, nodes)
     from_a, from_b = triple(new.leave, j - 1), position_of(p, j + 1, nodes)
     y_a = matvec_t(axes, matvec_t(body.A, sub(from_a, centre)))
@@ -309,27 +323,27 @@ def wrap_surface(p, j, old, new, nodes):
     arc = arc_on(p, j, old, y_a, y_b)
     if arc.touches == -2:
         new.slipped = 1
-    if arc.touches == 1 and old.touches[j] < 0:
+    if arc.touches == 1 and old.touches[k] < 0:
         # straight until it is clear of the surface, as it has slipped off it or was within it
-        arc = straight_arc(old.touches[j], y_a, y_b, 0.5, 0.0)
+        arc = straight_arc(old.touches[k], y_a, y_b, 0.5, 0.0)
     put_triple(new.arrive, j, add(centre, matvec(body.A, matvec(axes, arc.first))))
     put_triple(new.leave, j, add(centre, matvec(body.A, matvec(axes, arc.last))))
     middle = add(triple(p.point, j), matvec(axes, arc.middle))
     lies = matvec(axes, arc.along)
-    new.lateral[j] = 0.0
-    if p.surface[j] != CYLINDER and arc.touches == 1 and old.touches[j] == 1:
-        new.lateral[j] = old.lateral[j] + lateral_slip(p, j, old, middle)
-        if abs(new.lateral[j]) > 0.5 * pi:
+    new.lateral[k] = 0.0
+    if p.surface[j] != CYLINDER and arc.touches == 1 and old.touches[k] == 1:
+        new.lateral[k] = old.lateral[k] + lateral_slip(p, j, old, middle)
+        if abs(new.lateral[k]) > 0.5 * pi:
             new.crossed = 1
-    put_triple(new.middle, j, middle)
-    put_triple(new.lies, j, lies)
-    new.half[j], new.wrapped[j] = 0.5 * arc.length, arc.turned
-    put_triple(new.begun, j, arc.first)
-    new.split[j] = 0.0
-    if arc.touches == 1 and old.touches[j] == 1:
-        mean = scale(0.5, add(lies, triple(old.lies, j)))
-        new.split[j] = old.split[j] + dot(sub(middle, triple(old.middle, j)), mean)
-    new.touches[j] = arc.touches
+    put_triple(new.middle, k, middle)
+    put_triple(new.lies, k, lies)
+    new.half[k], new.wrapped[k] = 0.5 * arc.length, arc.turned
+    put_triple(new.begun, k, arc.first)
+    new.split[k] = 0.0
+    if arc.touches == 1 and old.touches[k] == 1:
+        mean = scale(0.5, add(lies, triple(old.lies, k)))
+        new.split[k] = old.split[k] + dot(sub(middle, triple(old.middle, k)), mean)
+    new.touches[k] = arc.touches
     if arc.touches == -1:
         new.inside = 1
     if p.surface[j] == CYLINDER and arc.touches == 1 and abs(arc.middle[2]) > p.semi[3 * j + 2]:
@@ -340,8 +354,9 @@ def wrap_surface(p, j, old, new, nodes):
 @kernel
 def lateral_slip(p, j, old, middle):
     """Angle [rad] by which a belt slid across its direction over a round surface in the step."""
-    before, after = sub(triple(old.middle, j), triple(p.point, j)), sub(middle, triple(p.point, j))
-    across = cross(before, triple(old.lies, j))
+    k = surface_row(j)
+    before, after = sub(triple(old.middle, k), triple(p.point, j)), sub(middle, triple(p.point, j))
+    across = cross(before, triple(old.lies, k))
     return atan2(dot(after, across), dot(after, before))
 
 
@@ -358,39 +373,44 @@ def update_route(p, old, new, out, nodes):
             at = position_of(p, j, nodes)
             put_triple(new.arrive, j, at)
             put_triple(new.leave, j, at)
-            clear_surface(new, j)
+    for k in range(SURFACES):
+        if p.surface[2 * k + 1] == 0 and p.surface[2 * k + 2] == 0:
+            clear_surface(new, k)
     before = (0.0, 0.0, 0.0)
     for i in range(p.segments):
         leg = sub(triple(new.arrive, i + 1), triple(new.leave, i))
         straight = norm(leg)
         u = scale(1.0 / straight, leg) if straight > 1e-12 else (1.0, 0.0, 0.0)
         put_triple(new.along, i, u)
-        on = new.half[i] + new.split[i] + new.half[i + 1] - new.split[i + 1]
-        out.length[i] = straight + on
+        out.length[i] = straight
+        if p.surface[i] > 0:
+            out.length[i] += new.half[surface_row(i)] + new.split[surface_row(i)]
+        if p.surface[i + 1] > 0:
+            out.length[i] += new.half[surface_row(i + 1)] - new.split[surface_row(i + 1)]
         if i > 0 and p.surface[i] == 0:
-            out.angle[i] = atan2(norm(cross(before, u)), dot(before, u))
+            out.angle[i] = angle_between(before, u)
         before = u
 
 
 @kernel
-def clear_surface(new, j):
-    """Columns of surfaces, for a fitting that is none. Writes: new."""
-    new.half[j] = new.split[j] = new.wrapped[j] = new.lateral[j] = 0.0
-    put_triple(new.begun, j, (0.0, 0.0, 0.0))
-    put_triple(new.middle, j, (0.0, 0.0, 0.0))
-    put_triple(new.lies, j, (0.0, 0.0, 0.0))
-    new.touches[j] = 0
+def clear_surface(new, k):
+    """Row k of the columns of surfaces, which has none. Writes: new."""
+    new.half[k] = new.split[k] = new.wrapped[k] = new.lateral[k] = 0.0
+    put_triple(new.begun, k, (0.0, 0.0, 0.0))
+    put_triple(new.middle, k, (0.0, 0.0, 0.0))
+    put_triple(new.lies, k, (0.0, 0.0, 0.0))
+    new.touches[k] = 0
 
 
 @kernel
 def pull_segments(p, new, out, nodes):
     """Forces of all segments on the bodies of their fittings. Writes: nodes."""
-    before, u_before, k_before = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0
+    before, u_before = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for j in range(p.segments + 1):
-        behind, u, k = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0
+        behind, u = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         if j < p.segments:
             u = triple(new.along, j)
-            behind, k = scale(out.force[j], u), p.steepest / new.webbing[j]
+            behind = scale(out.force[j], u)
         body = nodes[p.node[j]]
         d = sub(triple(new.arrive, j), vec(body.r))
         if p.surface[j] == 0:
@@ -398,10 +418,12 @@ def pull_segments(p, new, out, nodes):
         else:
             apply_force(body, scale(-1.0, before), d)
         if j > 0 and body.mass_inv > 0.0:
-            add_stiffness_bound(body, mobility(body, d, u_before), k_before, 0.0)
+            k = p.steepest / new.webbing[j - 1]
+            add_stiffness_bound(body, mobility(body, d, u_before), k, 0.0)
         if p.surface[j] != 0:
             d = sub(triple(new.leave, j), vec(body.r))
             apply_force(body, behind, d)
         if j < p.segments and body.mass_inv > 0.0:
+            k = p.steepest / new.webbing[j]
             add_stiffness_bound(body, mobility(body, d, u), k, 0.0)
-        before, u_before, k_before = behind, u, k
+        before, u_before = behind, u

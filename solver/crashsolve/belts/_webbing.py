@@ -92,10 +92,11 @@ def read_beyond_end(p, strain, curves):
 @kernel
 def segment_force(p, length, L, S, curves):
     """Force [N], its fall over webbing that flows in [N/m], and growth of S [m]."""
-    T = p.k * (length - L - S) / L
-    if T <= 0.0:
+    if length - L - S <= 0.0:
         return 0.0, 0.0, 0.0
-    softens = (p.k * (1.0 + S / L) + T) / L
+    by_L = 1.0 / L
+    T = p.k * (length - L - S) * by_L
+    softens = (p.k * (1.0 + S * by_L) + T) * by_L
     if p.curve > 0:
         strain = length / L - 1.0
         at = min(strain, curves[curves[p.curve].last].x)

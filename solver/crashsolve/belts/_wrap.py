@@ -75,9 +75,8 @@ def over_sphere(R, A, B):
     if a <= R or b <= R:
         return straight_arc(-1, A, B, share, 0.0)
     across = cross(A, B)
-    between = atan2(norm(across), dot(A, B))
-    arc = between - acos(R / a) - acos(R / b)
-    size = norm(across)
+    size, on = norm(across), acos(R / a)
+    arc = atan2(size, dot(A, B)) - on - acos(R / b)
     if arc <= 0.0:
         return straight_arc(0, A, B, share, 0.0)
     if size <= OPPOSITE * a * b:
@@ -85,11 +84,11 @@ def over_sphere(R, A, B):
     n = scale(1.0 / size, across)
     e = scale(1.0 / a, A)
     f = cross(n, e)
-    first = around(R, e, f, acos(R / a))
-    last = around(R, e, f, acos(R / a) + arc)
-    at = acos(R / a) + 0.5 * arc
-    along = add_scaled(scale(-sin(at), e), cos(at), f)
-    return Arc(1, first, last, around(R, e, f, at), along, R * arc, arc, 0.0)
+    first = around(R, e, f, on)
+    last = around(R, e, f, on + arc)
+    c, s = cos(on + 0.5 * arc), sin(on + 0.5 * arc)
+    middle, along = add_scaled(scale(R * c, e), R * s, f), add_scaled(scale(-s, e), c, f)
+    return Arc(1, first, last, middle, along, R * arc, arc, 0.0)
 
 
 @kernel
@@ -122,10 +121,10 @@ def over_cylinder(R, A, B, sense, before):
     first = (R * cos(on), R * sin(on), A[2] + pitch * straight_A)
     off = on + sense * turned
     last = (R * cos(off), R * sin(off), B[2] - pitch * straight_B)
-    mid = on + 0.5 * sense * turned
-    middle = (R * cos(mid), R * sin(mid), 0.5 * (first[2] + last[2]))
+    c, s = cos(on + 0.5 * sense * turned), sin(on + 0.5 * sense * turned)
+    middle = (R * c, R * s, 0.5 * (first[2] + last[2]))
     steep = sqrt(1.0 + pitch * pitch)
-    along = scale(1.0 / steep, (-sense * sin(mid), sense * cos(mid), pitch))
+    along = scale(1.0 / steep, (-sense * s, sense * c, pitch))
     length = R * turned * steep
     return Arc(1, first, last, middle, along, length, turned / steep, turned)
 
@@ -212,35 +211,43 @@ def approximate_length(semi, a, b, e):
 
 
 @kernel
-def gradient(semi, x):
-    """Half the gradient of F = sum (x_i / a_i)^2 - 1."""
-    return (x[0] / semi[0] ** 2, x[1] / semi[1] ** 2, x[2] / semi[2] ** 2)
+def second_derivative(H, x, t):
+    """x'' of the geodesic; H, the diagonal of half the second derivatives of
+    F = sum (x_i / a_i)^2 - 1, times x is half its gradient.
+    """
+    g = products(H, x)
+    return scale(-dot(t, products(H, t)) / dot(g, g), g)
 
 
 @kernel
-def second_derivative(semi, x, t):
-    """x'' of the geodesic."""
-    g = gradient(semi, x)
-    q = t[0] ** 2 / semi[0] ** 2 + t[1] ** 2 / semi[1] ** 2 + t[2] ** 2 / semi[2] ** 2
-    return scale(-q / dot(g, g), g)
+def half_second_derivatives(semi):
+    """H of an ellipsoid [1/m^2]."""
+    return (1.0 / semi[0] ** 2, 1.0 / semi[1] ** 2, 1.0 / semi[2] ** 2)
+
+
+@kernel
+def products(a, b):
+    """Products of components."""
+    return (a[0] * b[0], a[1] * b[1], a[2] * b[2])
 
 
 @kernel
 def travel(semi, x, t, s):
     """The geodesic from x along t: its end after s, direction there, integral of the curvature."""
-    h = s / PIECES
-    bend, before = 0.0, norm(second_derivative(semi, x, t))
+    h, H = s / PIECES, half_second_derivatives(semi)
+    k1 = second_derivative(H, x, t)
+    bend, before = 0.0, norm(k1)
     for _ in range(PIECES):
-        k1 = second_derivative(semi, x, t)
         t2 = add_scaled(t, 0.5 * h, k1)
-        k2 = second_derivative(semi, add_scaled(x, 0.5 * h, t), t2)
+        k2 = second_derivative(H, add_scaled(x, 0.5 * h, t), t2)
         t3 = add_scaled(t, 0.5 * h, k2)
-        k3 = second_derivative(semi, add_scaled(x, 0.5 * h, t2), t3)
+        k3 = second_derivative(H, add_scaled(x, 0.5 * h, t2), t3)
         t4 = add_scaled(t, h, k3)
-        k4 = second_derivative(semi, add_scaled(x, h, t3), t4)
+        k4 = second_derivative(H, add_scaled(x, h, t3), t4)
         x = add_scaled(x, h / 6.0, add(add(t, t4), scale(2.0, add(t2, t3))))
         t = add_scaled(t, h / 6.0, add(add(k1, k4), scale(2.0, add(k2, k3))))
-        now = norm(second_derivative(semi, x, t))
+        k1 = second_derivative(H, x, t)
+        now = norm(k1)
         bend += 0.5 * h * (before + now)
         before = now
     return x, t, bend
@@ -255,11 +262,12 @@ def shoot_geodesic(semi, A, B, a, e, f, psi, s):
     arrival = sub(first, A)
     t = scale(1.0 / norm(arrival), arrival)
     x, t, _ = travel(semi, first, t, s)
-    g = gradient(semi, x)
+    H = half_second_derivatives(semi)
+    g = products(H, x)
     size = norm(g)
     n = scale(1.0 / size, g)
     r, side = sub(B, x), cross(n, t)
-    g_s = gradient(semi, t)
+    g_s = products(H, t)
     n_s = scale(1.0 / size, add_scaled(g_s, -dot(g_s, n), n))
     side_s = cross(n_s, t)
     return (dot(r, n), dot(r, side), dot(r, n_s) - dot(t, n), dot(r, side_s) - dot(t, side)), x

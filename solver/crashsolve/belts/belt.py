@@ -21,13 +21,13 @@ from crashsolve.belts._route import (
     ROUTE_HISTORY,
     SEGMENTS,
     SHORT,
+    SURFACES,
     Fitting,
     check_route,
-    clear_surface,
     pull_segments,
-    put_triple,
     refuse_route,
     route_columns,
+    surface_row,
     update_route,
 )
 from crashsolve.belts._spool import SPOOL, SPOOL_HISTORY, spool_columns, update_spool
@@ -38,6 +38,7 @@ from crashsolve.foundation.curve import REFUSE
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.rows import as_rows
+from crashsolve.foundation.vec3 import put_triple
 
 if TYPE_CHECKING:
     from crashsolve.belts._rows.belt import History, Output, Parameters
@@ -163,7 +164,8 @@ def initial_route(columns: Columns, scene: Scene) -> tuple[np.void, np.ndarray]:
         p[name] = columns[name]
     for name, values in scene.placed_nodes().items():
         nodes[name] = values
-    old["wrapped"] = columns["turned"]
+    for j in np.flatnonzero(columns["surface"]):
+        old["wrapped"][surface_row(j)] = columns["turned"][j]
     update_route(p, old, new, out, nodes)
     return new, np.array(out["length"][: columns["segments"]])
 
@@ -210,7 +212,6 @@ def clear_unused(p: Parameters, old: History, new: History, out: Output):
     for j in range(p.segments, FITTINGS):
         put_triple(new.arrive, j, (0.0, 0.0, 0.0))
         put_triple(new.leave, j, (0.0, 0.0, 0.0))
-        clear_surface(new, j)
         new.slip[j] = new.flow[j] = new.above[j] = new.change[j] = 0.0
         new.grip[j], new.direction[j] = 1.0, 0
         out.slip[j] = out.angle[j] = 0.0
@@ -225,8 +226,8 @@ def clear_unused(p: Parameters, old: History, new: History, out: Output):
 def has_left_a_surface(p, old, new):
     """Whether the belt has left a surface at once, as it slipped off or a fitting came within."""
     left = False
-    for j in range(1, p.segments):
-        left = left or (old.touches[j] == 1 and new.touches[j] < 0)
+    for k in range(SURFACES):
+        left = left or (old.touches[k] == 1 and new.touches[k] < 0)
     return left
 
 
@@ -234,18 +235,18 @@ def has_left_a_surface(p, old, new):
 def update_energies(p: Parameters, old: History, new: History, out: Output, h):
     """Update stored and dissipated energies, and outputs. Writes: new, out."""
     out.stored = out.power = friction = drawn = slack = 0.0
-    leaves = has_left_a_surface(p, old, new)
+    leaves, by_k = has_left_a_surface(p, old, new), 1.0 / p.k
     for i in range(p.segments):
         T_0, T_1 = old.tension[i], out.force[i]
         mean, L = 0.5 * (T_0 + T_1), new.webbing[i]
         dL, dS = L - old.webbing[i], new.residual[i] - old.residual[i]
-        friction += mean * (dL + dS - new.moved[i]) + 0.5 * T_0 * T_1 * dL / p.k
+        friction += mean * (dL + dS - new.moved[i]) + 0.5 * T_0 * T_1 * dL * by_k
         drawn += mean * new.moved[i]
         if new.flow[0] != 0.0:
             # slack that the spool takes from a segment moves at no force
             before = max(old.webbing[i] + old.residual[i] - old.straight[i], 0.0)
             slack += mean * (before - max(L + new.residual[i] - out.length[i], 0.0))
-        out.stored += 0.5 * T_1 * T_1 * L / p.k
+        out.stored += 0.5 * T_1 * T_1 * L * by_k
         if leaves:
             # a length that vanishes at once does no work on the bodies
             friction -= mean * (out.length[i] - old.straight[i])

@@ -29,6 +29,18 @@ def put(a, x):
 
 
 @kernel
+def triple(column, j):
+    """Vector j of a column of vectors."""
+    return (column[3 * j], column[3 * j + 1], column[3 * j + 2])
+
+
+@kernel
+def put_triple(column, j, x):
+    """Writes: column."""
+    column[3 * j], column[3 * j + 1], column[3 * j + 2] = x[0], x[1], x[2]
+
+
+@kernel
 def add(a, b):
     return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
 

@@ -10,7 +10,7 @@ gain of any step is that of the kinetic energy of two free bodies.
 """
 
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.vec3 import add, dot, norm, put, sub, vec
+from crashsolve.foundation.vec3 import ZERO, add, dot, norm, put, put_triple, sub, triple, vec
 from crashsolve.system.contact.work import motion_of
 
 # of the energy of the relative motion of its bodies, that a belt may create: a step in which it
@@ -50,12 +50,12 @@ def record_work(p, old, new, before, h, nodes):
 
 @kernel
 def keep_applied_loads(p, count, new, nodes):
-    """Forces and torques applied so far to the first `count` nodes of a law. Writes: new."""
+    """Forces and torques applied so far to the bodies of a law among several. Writes: new."""
     for j in range(count):
-        body = nodes[p.node[j]]
-        for c in range(3):
-            new.forces[3 * j + c] = body.force[c]
-            new.torques[3 * j + c] = body.torque[c]
+        if p.node[j] != 0:
+            body = nodes[p.node[j]]
+            put_triple(new.forces, j, vec(body.force))
+            put_triple(new.torques, j, vec(body.torque))
 
 
 @kernel
@@ -63,21 +63,29 @@ def record_work_of_several(p, count, old, new, h, nodes):
     """The same of a law among several bodies, after keep_applied_loads. Writes: new."""
     work, largest = 0.0, 0.0
     for j in range(count):
-        body, i = nodes[p.node[j]], 3 * j
-        is_new = p.node[j] != 0
-        for k in range(j):
-            is_new = is_new and p.node[k] != p.node[j]
-        for c in range(3):
-            new.forces[i + c] = body.force[c] - new.forces[i + c] if is_new else 0.0
-            new.torques[i + c] = body.torque[c] - new.torques[i + c] if is_new else 0.0
-        force = (new.forces[i], new.forces[i + 1], new.forces[i + 2])
-        torque = (new.torques[i], new.torques[i + 1], new.torques[i + 2])
-        largest = max(largest, norm(force))
-        if h > 0.0 and is_new:
-            before = (old.forces[i], old.forces[i + 1], old.forces[i + 2])
-            turned = (old.torques[i], old.torques[i + 1], old.torques[i + 2])
-            work += half_work(body, add(force, before), add(torque, turned))
+        force, torque = ZERO, ZERO
+        if is_first(p, j):
+            body = nodes[p.node[j]]
+            force = sub(vec(body.force), triple(new.forces, j))
+            torque = sub(vec(body.torque), triple(new.torques, j))
+            largest = max(largest, norm(force))
+            if h > 0.0:
+                before, turned = triple(old.forces, j), triple(old.torques, j)
+                work += half_work(body, add(force, before), add(torque, turned))
+        put_triple(new.forces, j, force)
+        put_triple(new.torques, j, torque)
     add_work(old, new, work, largest)
+
+
+@kernel
+def is_first(p, j):
+    """Whether node j of a law is a body, and none before it is the same."""
+    if p.node[j] == 0:
+        return False
+    is_new = True
+    for k in range(j):
+        is_new = is_new and p.node[k] != p.node[j]
+    return is_new
 
 
 @kernel
