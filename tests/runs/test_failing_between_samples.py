@@ -14,8 +14,6 @@ def test_samples_before_a_step_that_fails_are_written(tmp_path: Path) -> None:
     words = ("--set", "control.estimate=off", "--set", "half=2.9")
     done = crashsolve(DECK, "-o", tmp_path / "out", *words)
     assert done.returncode == 4, done.stderr
-    assert (
-        "valid for relative rotations below 3 rad" in done.stderr and "Traceback" not in done.stderr
-    )
+    assert "its joint has swung by 3 rad" in done.stderr and "Traceback" not in done.stderr
     swing = Result(tmp_path / "out").series("deforc.cone.swing")
     assert swing.time[-1] > 0.49 and swing.values[-1] > 2.9

@@ -18,7 +18,7 @@ from crashpost.renders.cutting import clamped, half_space
 from crashpost.renders.cutting import cut as cut_off
 from crashpost.renders.forces import contacts_with_arrows, forces_of
 from crashpost.renders.groups import groups, is_node, labels
-from crashpost.renders.planes import by_light, cut, footprints, planes
+from crashpost.renders.planes import FIXED, by_light, cut, footprints, planes
 from crashpost.renders.section_lines import lines as section_lines
 from crashpost.renders.section_lines import weights
 from crashpost.renders.shapes import (
@@ -38,6 +38,7 @@ from crashpost.results.states import States
 # lines from point to point, and how thick they are drawn
 THICKNESS = {"springs": 1.6, "belts": 4.0}
 WHOLE = ("bodies", "links", "mass_centres", "hinges")
+UNCOLOURED = (*FIXED, "links", "mass_centres")
 # a moment this near a state is that state; edges drawn between two states may be this short
 LEAST_SHARE, MAX_SHRUNK = 1e-6, 0.97
 
@@ -120,9 +121,10 @@ class Scene:
         for name in self.drawn:
             points = self.positions(number, name)
             used = self._used_points(name, number)
-            if name == "ground":
-                # the ground may extend beyond the parts that are shown
-                used = used[:0] if self.appearance.show else np.setdiff1d(used, self.planes)
+            if name in FIXED:
+                # the ground may extend beyond the parts that are shown, and roads do
+                is_wider = name == "roads" or self.appearance.show
+                used = used[:0] if is_wider else np.setdiff1d(used, self.planes)
             outermost_points.append(points[used])
             if name == "beams" and len(used):
                 outermost_points += [
@@ -224,9 +226,7 @@ class Scene:
         """Least and greatest value of the colour among the parts drawn at a state."""
         low, high = np.inf, -np.inf
         for name in self.drawn:
-            values = (
-                None if name in ("ground", "links", "mass_centres") else self.values(number, name)
-            )
+            values = None if name in UNCOLOURED else self.values(number, name)
             if values is not None:
                 values = values[self._cells_shown(name) & self.states.visible(int(number), name)]
             if values is not None and len(values):
@@ -280,7 +280,7 @@ class Scene:
 
     def _check_color(self) -> None:
         word = self.appearance.color
-        blocks = [name for name in self.drawn if name not in ("ground", "links", "mass_centres")]
+        blocks = [name for name in self.drawn if name not in UNCOLOURED]
         known = {f for name in blocks for f in self.states.fields(name)}
         known -= {"points", "vtkGhostType", "side", "rotation", "section"}
         if not any(name == word or name.startswith(f"{word}_") for name in known):
@@ -311,7 +311,7 @@ class Scene:
             own = [self.states.names["parts"].index(part) for part in self.parts]
             return np.isin(block.fixed["part"].astype(int), own)
         show = self.appearance.show
-        return everything & (not show or name == "ground" or name in THICKNESS.keys() & set(show))
+        return everything & (not show or name in FIXED or name in THICKNESS.keys() & set(show))
 
     def _body_colour(self, body: int) -> str:
         whole = self.groups[body]
@@ -333,12 +333,12 @@ class Scene:
             points = self._spread(points)
         requested = self._cells_shown(name)
         shown = requested & self.states.visible(int(number), name)
-        values = None if name == "ground" else self.values(number, name)
+        values = None if name in FIXED else self.values(number, name)
         palette, which = [GREY], np.zeros(block.n_cells, int)
-        if name == "ground":
+        if name in FIXED:
             palette = [GROUND]
             # planes seen from their edge are lines
-            if len(self.planes):
+            if name == "ground" and len(self.planes):
                 round_ = points[self.planes]
                 ends = np.stack([round_, np.roll(round_, -1, axis=1)], axis=2).reshape(-1, 2, 3)
                 drawing.lines.append(Lines(ends, GREY, 0.8))
@@ -349,7 +349,7 @@ class Scene:
         elif name.startswith("part_") and not self.appearance.color:
             part = name.removeprefix("part_")
             palette = [self._part_colour(self.states.names["parts"].index(part))]
-        if name.startswith("part_"):
+        if name.startswith("part_") or name == "roads":
             edges, rows = self._borders(name)
             # as many lines at each state: those of deleted elements have no length
             ends = points[np.where(shown[rows][:, None], edges, edges[:, :1])]

@@ -6,6 +6,8 @@ import numpy as np
 
 from crashpost.results.states import States
 
+# blocks of what is fixed to the ground
+FIXED = ("ground", "roads")
 # a plane this near to the model, of its size, is in the picture; how far planes reach beyond it
 CLOSE, PLANE_MARGIN = 0.5, 0.12
 

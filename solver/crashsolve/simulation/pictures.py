@@ -15,6 +15,7 @@ from crashsolve.output.files import Json
 from crashsolve.simulation import body_shapes
 from crashsolve.simulation.body_shapes import Piece, outline
 from crashsolve.simulation.contact_points import ContactPoints, acts
+from crashsolve.simulation.drawn_roads import profiles
 from crashsolve.simulation.hinge_marks import HingeMarks
 from crashsolve.simulation.skins import Skin
 from crashsolve.system.engine import Engine
@@ -107,6 +108,7 @@ class Pictures:
             "bodies": [piece for piece in shapes if piece[0]],
             "ground": [piece for piece in shapes if not piece[0]],
             "links": links,
+            "roads": profiles(model, nodes, self.deck.control.end_time),
         }
         return {name: parts for name, parts in pieces.items() if parts}
 

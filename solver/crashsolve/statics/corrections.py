@@ -74,7 +74,8 @@ class Matrices:
             return np.linalg.pinv(rate * self.M + self.K, rcond=1e-15)
         # such motions keep their coordinates
         U, values, V = np.linalg.svd(self.half @ (rate * self.M + self.K) @ self.half.T)
-        kept = values > rate + GROWTH**2
+        # where U and V are opposite, forces drive the motion on
+        kept = values * (U.T * V).sum(axis=1) > rate + GROWTH**2
         inverse = V[kept].T @ ((U[:, kept] / values[kept]).T)
         return np.asarray(self.half.T @ inverse @ self.half)
 

@@ -285,6 +285,11 @@ class _EquilibriumSearch:
             M[i, 3:, i, 3:] = turned[i]
         return M.reshape(6 * n, 6 * n)
 
+    def _momenta(self) -> np.ndarray:
+        """Momenta and angular momenta (6 n,) at the start, about mass centres."""
+        nodes = self.engine.state.nodes[self.free]
+        return np.hstack([nodes["v"] / nodes["mass_inv"][:, None], nodes["L"]]).ravel()
+
     def _tangent(self, g: np.ndarray, step: float = STEP) -> np.ndarray:
         """dg/dq (6 n, 6 n) by differences, to one side."""
         nodes, rates = self.nodes.copy(), []
@@ -341,6 +346,9 @@ class _EquilibriumSearch:
             # loads that follow the motion: only a real eigenvalue is left without vibration
             values, modes = np.linalg.eig(K)
             values = np.where(np.abs(values.imag) < limit, values.real, np.inf)
+        # the motion with which the bodies begin is no disturbance, as of a car on a wavy road
+        p = half @ Z.T @ self._momenta()
+        values = np.where((modes.T.real @ p) ** 2 > 0.5 * (p @ p), np.inf, values)
         k = values.argmin()
         if values[k] < -limit:
             mode = np.abs((Z @ half.T @ modes[:, k].real).reshape(-1, 6))

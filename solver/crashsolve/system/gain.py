@@ -13,9 +13,9 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import add, dot, norm, put, sub, vec
 from crashsolve.system.contact.work import motion_of
 
-# of the energy of the relative motion of its bodies, that a law may create: a step in which a line
+# of the energy of the relative motion of its bodies, that a belt may create: a step in which it
 # becomes slack gives more than was left in it
-NEGLIGIBLE = 1e-5
+NEGLIGIBLE = 1e-3
 # share of the stated loss and energy of a law that its bodies never supplied
 OVERSTATED = 0.9
 
@@ -124,17 +124,10 @@ def has_gain(now, stored, limit, unseen, least):
 
 
 @kernel
-def relative_energy(p, nodes):
-    """Kinetic energy [J] of the relative motion of the mass centres of both bodies of a law."""
-    a, b = nodes[p.node_a], nodes[p.node_b]
-    inverse = a.mass_inv + b.mass_inv
-    v = norm(sub(vec(a.v), vec(b.v)))
-    return 0.5 * v * v / inverse if inverse > 0.0 else 0.0
-
-
-@kernel
-def relative_energy_of_several(p, count, nodes):
-    """The same of the first `count` bodies of a law: the most of two of them that follow."""
+def relative_energy(p, count, nodes):
+    """Kinetic energy [J] of the relative motion of the mass centres of two bodies of a law that
+    follow each other, the most of its first `count`.
+    """
     largest = 0.0
     for j in range(1, count):
         a, b = nodes[p.node[j - 1]], nodes[p.node[j]]

@@ -32,7 +32,6 @@ from crashsolve.system.gain import (
     has_gain,
     overstates,
     relative_energy,
-    relative_energy_of_several,
 )
 from crashsolve.system.kinetics import kinetic_energy
 from crashsolve.system.placeholders import (
@@ -184,19 +183,13 @@ def check_laws(clock, control, nodes, scene):
         for group in WATCHED:
             for i in range(group.output.shape[0]):
                 now, stored = group.history[clock.current, i], group.output[i].stored
-                limit = control.energy_limit
-                creates = has_gain(now, stored, limit, unseen, least)
-                if creates or overstates(now, stored, limit, unseen, least):
-                    if group.joins_several:
-                        moving = relative_energy_of_several(
-                            group.parameters[i], group.max_nodes, nodes
-                        )
-                    else:
-                        moving = relative_energy(group.parameters[i], nodes)
+                limit, bound = control.energy_limit, least
+                if group.joins_several:
+                    moving = relative_energy(group.parameters[i], group.max_nodes, nodes)
                     bound = max(least, NEGLIGIBLE * moving)
-                    creates = has_gain(now, stored, limit, unseen, bound)
-                    if creates or overstates(now, stored, limit, unseen, bound):
-                        clock.status = LAW_GAIN
+                creates = has_gain(now, stored, limit, unseen, bound)
+                if creates or overstates(now, stored, limit, unseen, bound):
+                    clock.status = LAW_GAIN
 
 
 @kernel
