@@ -19,13 +19,13 @@ NUMBER = r"-?\d+\.?\d*(?:e[+-]?\d+)?"
 
 def marked() -> dict[str, str]:
     """Comments of the parameters that the decks mark as assumed or shaped, by their names."""
-    found = {}
+    comments = {}
     for name in FILES:
         for line in (DECKS / name).read_text().splitlines():
             line_of = re.fullmatch(r"  (\w+): .* # (?:assumed|shaped)\b(.*)", line)
             if line_of:
-                found[line_of[1]] = line_of[2]
-    return found
+                comments[line_of[1]] = line_of[2]
+    return comments
 
 
 @pytest.mark.parametrize("name", marked())
