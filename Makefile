@@ -13,7 +13,7 @@ MEMORY  := $(shell awk '/MemAvailable/ {print ($$2 > 8e6)}' /proc/meminfo)
 SCRATCH ?= $(if $(and $(filter 1,$(MEMORY)),$(wildcard /dev/shm/.)),/dev/shm,$(or $(TMPDIR),/tmp))
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --only-binary :all:
 
-.PHONY: demo test long queue bench stability beam trains structures crush certification sled rollover gallery docs clean
+.PHONY: demo test long queue bench stability beam trains structures crush certification sled car rollover gallery docs clean
 
 demo: $(VENV)/render.installed
 	$(BIN)/crashsolve $(DECK) -o $(RESULTS)
@@ -56,6 +56,9 @@ certification: $(VENV)/plot.installed
 
 sled: $(VENV)/plot.installed $(VENV)/sweep.installed
 	$(BIN)/python decks/occupants/sled.py
+
+car: $(VENV)/render.installed $(VENV)/sweep.installed
+	$(BIN)/python decks/scenes/sports_car.py
 
 rollover: $(VENV)/render.installed
 	$(BIN)/python decks/scenes/rollover.py

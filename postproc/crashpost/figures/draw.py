@@ -346,8 +346,8 @@ def _axis_words(channels: Sequence[str]) -> str:
 
 
 def fitted_words(text: str) -> str:
-    """The title of an axis, cut where it is longer than a panel is wide."""
-    return text if len(text) <= HALF_LINE else f"{text[: HALF_LINE - 1]}\N{HORIZONTAL ELLIPSIS}"
+    """The title of an axis, cut where it is longer than a diagram is wide."""
+    return text if len(text) <= LINE else f"{text[: LINE - 1]}\N{HORIZONTAL ELLIPSIS}"
 
 
 def _with_unit(text: str, unit: str) -> str:

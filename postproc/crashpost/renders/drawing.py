@@ -354,7 +354,7 @@ class Scene:
             # as many lines at each state: those of deleted elements have no length
             ends = points[np.where(shown[rows][:, None], edges, edges[:, :1])]
             if requested[rows].any():
-                drawing.lines.append(Lines(ends, LINE, 1.0))
+                drawing.lines.append(Lines(ends, GREY if name in FIXED else LINE, 1.0))
         for rows, corners in block.cells:
             selected = shown[rows]
             # as many surfaces at each state, also where one has lost all of its elements

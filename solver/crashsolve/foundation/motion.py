@@ -50,6 +50,13 @@ def apply_force(body, f, d):
 
 
 @kernel
+def apply_wrench(body, f, d, t):
+    """Force f at distance d from the mass centre and torque t. Writes: body."""
+    add_to(body.force, f)
+    add_to(body.torque, add(cross(d, f), t))
+
+
+@kernel
 def add_deferred(body, f, d):
     """Part of an applied force that the step now ending did not contain. Writes: body."""
     add_to(body.deferred_force, f)

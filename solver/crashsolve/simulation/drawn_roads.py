@@ -11,8 +11,9 @@ from crashsolve.model.model import Model
 if TYPE_CHECKING:
     from crashsolve.simulation.body_shapes import Piece
 
-# radii of a wheel that a strip reaches beyond it, and parts of its length that curves are drawn by
-BESIDE, PARTS = 1.5, 400
+# radii of a wheel that a strip reaches beyond it, share of the way of all wheels that it reaches to
+# either side, and parts of its length that curves are drawn by
+BESIDE, ASIDE, PARTS = 1.5, 0.5, 400
 
 
 def profiles(model: Model, nodes: np.ndarray, span: float) -> list[Piece]:
@@ -48,6 +49,7 @@ def _strip(
     _, at, axes = wheels[0]
     low = np.min([bounds[0] for bounds, _, _ in wheels], axis=0)
     high = np.max([bounds[1] for bounds, _, _ in wheels], axis=0)
+    aside = ASIDE * (high[0] - low[0])
     # beyond its ends a profile is level, or may not be read
     first, last = np.clip((low[0], high[0]), rows["x"][0], rows["x"][-1])
     first, last = (first, last) if first < last else (rows["x"][0], rows["x"][-1])
@@ -57,7 +59,7 @@ def _strip(
     row = rows[np.clip(np.searchsorted(rows["x"], s, "right") - 1, 0, len(rows) - 1)]
     t, c = s - row["x"], row["c"].T
     z = c[0] + t * (c[1] + t * (c[2] + t * c[3]))
-    sides = [np.column_stack([s, np.full_like(s, y), z]) for y in (low[1], high[1])]
+    sides = [np.column_stack([s, np.full_like(s, y), z]) for y in (low[1] - aside, high[1] + aside)]
     points = at + np.concatenate(sides) @ axes
     k, n = np.arange(len(s) - 1), len(s)
     cells = np.concatenate(

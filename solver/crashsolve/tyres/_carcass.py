@@ -75,9 +75,10 @@ def grip_of(p, i, old, new, out, at, h, curves):
     now = sqrt(at.slip_x**2 + at.slip_y**2) / max(V, p.low_speed)
     mu = p.friction_max - (p.friction_max - p.friction_min) * min(now, 1.0)
     # the carcass of a patch that slides all over is not deflected further
-    q_x, q_y, size = within(p, q_x, q_y, 3.0 * mu * F_z)
+    part_x, part_y, size = within(p, q_x, q_y, 3.0 * mu * F_z)
+    s_x, s_y, share = q_x / p.sigma_x * part_x, q_y / p.sigma_y * part_y, 1.0
+    q_x, q_y = q_x * part_x, q_y * part_y
     new.q_x[i], new.q_y[i] = q_x, q_y
-    s_x, s_y, share = q_x / p.sigma_x, q_y / p.sigma_y, 1.0
     if size > 0.5:
         # where most of the patch slides: from there on the slip of the motion counts more and more
         w = 2.0 * size - 1.0
@@ -101,29 +102,30 @@ def unloaded(p, i, old, out, h):
 
 @kernel
 def within(p, q_x, q_y, limit):
-    """Deflections [m] whose force C |q / sigma| is at most `limit` [N], and its share of that.
+    """Parts of both deflections whose force C |q / sigma| is at most `limit` [N], and its share of
+    that.
 
     What a patch slides is parallel to its friction, and that to the slips q / sigma: q less beta
     q / sigma is left, with beta >= 0 such that the force is the limit.
     """
     x, y = p.K_x * q_x, p.K_y * q_y
-    size = sqrt(x * x + y * y)
-    if size <= limit:
-        return q_x, q_y, size / limit
-    if limit <= 1e-12 * size:
+    square = x * x + y * y
+    if square <= limit * limit:
+        return 1.0, 1.0, sqrt(square) / limit
+    if limit * limit <= 1e-24 * square:
         return 0.0, 0.0, 1.0
     a, b, beta = p.C_x * q_x, p.C_y * q_y, 0.0
     r_x, r_y = 1.0 / p.sigma_x, 1.0 / p.sigma_y
     # Newton's method on 1/size, which is straight where both sigma are the same
     for _ in range(12):
-        beta += (size / limit - 1.0) * size * size / (x * x * r_x + y * y * r_y)
+        beta += (sqrt(square) - limit) * square / (limit * (x * x * r_x + y * y * r_y))
         r_x, r_y = 1.0 / (p.sigma_x + beta), 1.0 / (p.sigma_y + beta)
         x, y = a * r_x, b * r_y
-        size = sqrt(x * x + y * y)
-        # friction lacks the third power of what is left
-        if abs(size - limit) <= 1e-4 * limit:
+        square = x * x + y * y
+        # 1e-4 of the force: friction lacks the third power of what is left
+        if abs(square - limit * limit) <= 2e-4 * limit * limit:
             break
-    return p.sigma_x * r_x * q_x, p.sigma_y * r_y * q_y, 1.0
+    return p.sigma_x * r_x, p.sigma_y * r_y, 1.0
 
 
 @kernel

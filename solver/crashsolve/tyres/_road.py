@@ -144,16 +144,16 @@ def road_distance(p, i, nodes, x, curves, data):
         n = arm(body, (p.road_axes[9 * i + 6], p.road_axes[9 * i + 7], p.road_axes[9 * i + 8]))
         return dot(displacement, n), n, True
     axes = road_axes(p, i)
+    if p.kind[i] == PROFILE:
+        # its axes are rows of the ground
+        y = matvec(axes, displacement)
+        distance, m, is_even = profile_distance(curves, p.road_root[i], p.radius, y)
+        return distance, matvec_t(axes, m), is_even
     y = matvec_t(axes, matvec_t(body.A, displacement))
     if p.kind[i] == BOX:
         distance, m = from_box(
             (p.road_half[3 * i], p.road_half[3 * i + 1], p.road_half[3 * i + 2]), y
         )
-    elif p.kind[i] == PROFILE:
-        # its axes are rows of the ground
-        y = matvec(axes, displacement)
-        distance, m, is_even = profile_distance(curves, p.road_root[i], p.radius, y)
-        return distance, matvec_t(axes, m), is_even
     else:
         distance, m = 1e300, (0.0, 0.0, 1.0)
         if data is not None:
@@ -193,8 +193,18 @@ def profile_distance(curves, curve, radius, y):
     All pieces that may be nearer than the road straight below are searched, so that corners, steps
     and troughs narrower than the wheel have their true distance, which has no jumps.
     """
-    height, slope, _ = curve_value(curves, curve, y[0])
     last = curves[curve].last
+    k = segment(curves, curve, last, y[0])
+    below = curves[k]
+    if is_straight(below.c):
+        slope = below.c[1]
+        over = y[2] - (below.c[0] + slope * (y[0] - below.x))
+        # what may be nearer than the road below, and the points beside it of normal_gradient
+        reach = min(abs(over), radius) + 2.0 * NEAR * radius
+        if below.x + reach <= y[0] and y[0] + reach <= curves[k + 1].x:
+            cosine = 1.0 / sqrt(1.0 + slope * slope)
+            return cosine * over, (-slope * cosine, 0.0, cosine), True
+    height, slope, _ = curve_value(curves, curve, y[0])
     at, z = y[0], height
     if y[0] < curves[curve].x or y[0] > curves[last].x:
         # straight on beyond an end
@@ -205,28 +215,35 @@ def profile_distance(curves, curve, radius, y):
     i = segment(curves, curve, last, max(y[0] - reach, curves[curve].x))
     while i < last and curves[i].x <= y[0] + reach:
         start, end = curves[i].x, curves[i + 1].x
-        is_straight = curves[i].c[2] == 0.0 and curves[i].c[3] == 0.0
+        is_line = is_straight(curves[i].c)
         # a cubic has up to three nearest points: one from each third is found
-        for j in range(1 if is_straight else STARTS):
+        for j in range(1 if is_line else STARTS):
             begin = (j + 0.5) / STARTS * (end - start)
-            if is_straight:
+            if is_line:
                 s = nearest_on_line(curves[i].c, end - start, y, start)
             else:
                 s = nearest_on_piece(curves[i].c, begin, end - start, y, start)
             h = piece_height(curves[i].c, s)
             square = (start + s - y[0]) ** 2 + (h - y[2]) ** 2
             if square <= least:
-                is_even = is_straight and min(s, end - start - s) > 2.0 * NEAR * radius
+                is_even = is_line and min(s, end - start - s) > 2.0 * NEAR * radius
             if square < least:
                 at, z, least = start + s, h, square
         i += 1
-    d, rise = y[0] - at, y[2] - z
     distance = sqrt(least)
     if distance <= 1e-12:
         length = sqrt(1.0 + slope * slope)
         return y[2] - height, (-slope / length, 0.0, 1.0 / length), False
     sign = -1.0 if y[2] < height else 1.0
-    return sign * distance, (sign * d / distance, 0.0, sign * rise / distance), is_even
+    by_distance = sign / distance
+    normal = (by_distance * (y[0] - at), 0.0, by_distance * (y[2] - z))
+    return sign * distance, normal, is_even
+
+
+@kernel
+def is_straight(c):
+    """Whether a piece is a straight line."""
+    return c[2] == 0.0 and c[3] == 0.0
 
 
 @kernel

@@ -18,22 +18,22 @@ References: Gim and Nikravesh (1990), International Journal of Vehicle Design 11
 (2012), Tire and Vehicle Dynamics, chapters 7 and 8 (relaxation, standing still).
 """
 
-from math import atan2, sqrt
+from math import asin, sqrt
 from typing import ClassVar, NamedTuple
 
 from pydantic import model_validator
 
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, CurveName, SurfaceName, Vec3, quantity, word
+from crashsolve.foundation.columns import add_to
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import (
     add_stiffness_bound,
-    apply_force,
-    apply_torque,
+    apply_wrench,
     arm,
     mobility,
+    point_at,
     point_velocity,
-    world_position,
 )
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import Vector, add, add_scaled, cross, dot, scale, sub, vec
@@ -203,6 +203,7 @@ class Patch(NamedTuple):
     n: Vector  # normal of the road
     x: Vector  # forward along the road
     y: Vector  # left along the road
+    hub: Vector  # centre of the wheel, from its mass centre [m]
     bottom: Vector  # lowest point of the circle, from the mass centre of the wheel [m]
     foot: Vector  # point of the road under the centre, from the mass centre of the wheel [m]
     radius: float  # loaded radius r [m]
@@ -212,6 +213,7 @@ class Patch(NamedTuple):
     V_x: float  # speed of the centre along x [m/s]
     slip_x: float  # V_sx [m/s]
     slip_y: float  # V_sy [m/s]
+    sense: float  # 1 where the wheel rolls forward, -1 in reverse, between them below V_low
 
 
 @kernel
@@ -219,39 +221,42 @@ def patch_of(p, i, nodes, curves, data):
     """The Patch on road i; depth below zero where the wheel is off it, or lies on its side."""
     wheel, road = nodes[p.node], nodes[p.road_node[i]]
     u, hub = arm(wheel, vec(p.axis)), arm(wheel, vec(p.centre))
-    centre = world_position(wheel, vec(p.centre))
+    centre = point_at(wheel, hub)
     d, n, is_even = road_distance(p, i, nodes, centre, curves, data)
     camber = dot(u, n)
     upright = sqrt(max(1.0 - camber * camber, 0.0))
     lies = upright < LEAST_COSINE
-    cosine = max(upright, LEAST_COSINE)
-    m = scale(1.0 / cosine, add_scaled(n, -camber, u))
-    x = scale(1.0 / cosine, cross(u, n))
-    radius = max(d / cosine, 0.1 * p.radius)
-    bottom, foot = add_scaled(hub, -p.radius, m), add_scaled(hub, -radius, m)
-    at_bottom = relative_velocity(wheel, bottom, road)
-    at_foot = relative_velocity(wheel, foot, road)
+    by_cosine = 1.0 / max(upright, LEAST_COSINE)
+    m = scale(by_cosine, add_scaled(n, -camber, u))
+    x = scale(by_cosine, cross(u, n))
     y = cross(n, x)
-    V_x = dot(x, relative_velocity(wheel, hub, road))
+    radius = max(d * by_cosine, 0.1 * p.radius)
     depth = -1.0 if lies else p.radius * upright - d
     tilt = (0.0, 0.0, 0.0)
     if depth > 0.0 and not is_even:
         gradient = normal_gradient(p, i, nodes, centre, u, n, curves, data)
-        tilt = scale(-p.radius * camber / cosine, gradient)
+        tilt = scale(-p.radius * camber * by_cosine, gradient)
+    velocity, spin = motion_over(wheel, hub, road)
+    # a point at -r m from the centre moves with the velocity less r times this
+    turning = cross(spin, m)
+    V_x, rolling = dot(x, velocity), radius * dot(x, turning)
     return Patch(
         depth,
         n,
         x,
         y,
-        bottom,
-        foot,
+        hub,
+        add_scaled(hub, -p.radius, m),
+        add_scaled(hub, -radius, m),
         radius,
         camber,
         tilt,
-        dot(tilt, relative_velocity(wheel, hub, road)) - dot(n, at_bottom),
+        dot(sub(tilt, n), velocity) + p.radius * dot(n, turning),
         V_x,
-        dot(x, at_foot),
-        dot(y, at_foot),
+        V_x - rolling,
+        dot(y, velocity) - radius * dot(y, turning),
+        # the tread comes in at the leading edge: in reverse the trail lies on the other side
+        max(min(rolling / p.low_speed, 1.0), -1.0),
     )
 
 
@@ -270,19 +275,13 @@ def normal_gradient(p, i, nodes, centre, u, n, curves, data):
 
 
 @kernel
-def relative_velocity(wheel, d, road):
-    """Velocity of the point d of the wheel over the point of the road there [m/s]."""
-    own = point_velocity(wheel, d)
-    return sub(own, point_velocity(road, sub(add(vec(wheel.r), d), vec(road.r))))
-
-
-@kernel
-def direction(p, at):
-    """1 where the wheel rolls forward, -1 in reverse, between them below V_low.
-
-    The tread comes in at the leading edge: in reverse the trail lies on the other side.
+def motion_over(wheel, d, road):
+    """Velocity of the point d of the wheel over the point of the road there [m/s], and angular
+    velocity over the road [rad/s].
     """
-    return max(min((at.V_x - at.slip_x) / p.low_speed, 1.0), -1.0)
+    there = sub(point_at(wheel, d), vec(road.r))
+    velocity = sub(point_velocity(wheel, d), point_velocity(road, there))
+    return velocity, sub(vec(wheel.w), vec(road.w))
 
 
 @kernel
@@ -309,34 +308,26 @@ def reset(p, new, out):
 def apply_patch_forces(p, i, old, new, out, h, nodes, at, grip, F, M_z, store):
     """Forces F = (F_x, F_y) and M_z of a patch on wheel and road. Writes: nodes, new, out."""
     wheel, road = nodes[p.node], nodes[p.road_node[i]]
-    to_road = sub(vec(wheel.r), vec(road.r))
     press = scale(grip.F_z, at.n)
     pull = add(scale(F[0], at.x), scale(F[1], at.y))
-    # the depth gained by rotation of the normal is taken from the wheel
-    hub, lean = arm(wheel, vec(p.centre)), scale(-grip.F_z, at.tilt)
-    apply_force(wheel, lean, hub)
-    apply_force(road, scale(-1.0, lean), add(to_road, hub))
-    apply_force(wheel, press, at.bottom)
-    apply_force(road, scale(-1.0, press), add(to_road, at.bottom))
-    apply_force(wheel, pull, at.foot)
-    apply_force(road, scale(-1.0, pull), add(to_road, at.foot))
-    M_y = -p.resistance * grip.F_z * p.radius * direction(p, at)
+    M_y = -p.resistance * grip.F_z * p.radius * at.sense
     # the patch is deflected to the side to which the road pulls it, and the load with it
     M_x = grip.F_z * F[1] / p.side_stiffness
     moment = add(add(scale(M_z, at.n), scale(M_y, at.y)), scale(M_x, at.x))
-    apply_torque(wheel, moment)
-    apply_torque(road, scale(-1.0, moment))
+    # the depth gained by rotation of the normal is taken from the wheel, at its centre
+    total = add_scaled(add(press, pull), -grip.F_z, at.tilt)
+    about = add(cross(sub(at.bottom, at.hub), press), cross(sub(at.foot, at.hub), pull))
+    about = add(about, moment)
+    to_road = sub(vec(wheel.r), vec(road.r))
+    apply_wrench(wheel, total, at.hub, about)
+    apply_wrench(road, scale(-1.0, total), add(to_road, at.hub), scale(-1.0, about))
     spin = sub(vec(wheel.w), vec(road.w))
     out.power += -F[0] * at.slip_x - F[1] * at.slip_y - dot(moment, spin)
     out.loss += old.store[i] - store if h > 0.0 else 0.0
     new.store[i] = store
     out.stored += store
-    about = add(cross(sub(at.bottom, hub), press), cross(sub(at.foot, hub), pull))
-    about = add(about, moment)
-    total = add(add(press, pull), lean)
-    for k in range(3):
-        out.force[k] += total[k]
-        out.moment[k] += about[k]
+    add_to(out.force, total)
+    add_to(out.moment, about)
     out.normal += grip.F_z
     load(wheel, at.bottom, at.n, grip.slope, grip.damping)
     if p.road_node[i] > 0:
@@ -368,5 +359,5 @@ def show(out, at, grip, F, M_z, sliding):
     if at.depth > out.depth:
         out.depth, out.longitudinal, out.lateral, out.aligning = at.depth, F[0], F[1], M_z
         out.slip, out.side_slip = grip.share * grip.s_x, grip.share * grip.s_y
-        out.camber = atan2(at.camber, sqrt(max(1.0 - at.camber * at.camber, 0.0)))
+        out.camber = asin(at.camber)
         out.sliding = sliding

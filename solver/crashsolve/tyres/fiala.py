@@ -30,7 +30,6 @@ from crashsolve.tyres._tyre import (
     TyreCard,
     apply_patch_forces,
     bound_step,
-    direction,
     patch_length,
     patch_of,
     reset,
@@ -67,7 +66,8 @@ def forces(C_x, C_y, s_x, s_y, mu, F_z, length):
     F_y = most * (1.0 - H**3)
     M_z = -0.5 * most * length * (1.0 - H) * H**3
     sliding = min(sqrt((C_x * s_x) ** 2 + (C_y * s_y) ** 2) / (3.0 * most), 1.0)
-    return F_x * s_x / s, F_y * s_y / s, M_z * s_y / s, sliding
+    along, across = s_x / s, s_y / s
+    return F_x * along, F_y * across, M_z * across, sliding
 
 
 @kernel
@@ -99,7 +99,7 @@ def roll(p: Parameters, old: History, new: History, out: Output, h, nodes, curve
                 grip.F_z,
                 length,
             )
-            M_z *= direction(p, at)
+            M_z *= at.sense
             store = carcass_energy(p, grip)
             apply_patch_forces(p, i, old, new, out, h, nodes, at, grip, (F_x, F_y), M_z, store)
             show(out, at, grip, (F_x, F_y), M_z, sliding)

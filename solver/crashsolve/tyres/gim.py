@@ -28,7 +28,6 @@ from crashsolve.tyres._tyre import (
     TyreCard,
     apply_patch_forces,
     bound_step,
-    direction,
     patch_length,
     patch_of,
     reset,
@@ -60,9 +59,9 @@ def brush(C_x, C_y, s_x, s_y, mu, F_z, length):
         return 0.0, 0.0, 0.0, 0.0
     S_n = min(sqrt(q_x * q_x + q_y * q_y) / (3.0 * mu * F_z), 1.0)
     l_n = 1.0 - S_n
-    slide = mu * F_z * (1.0 - 3.0 * l_n * l_n + 2.0 * l_n**3) / s
-    stick = l_n * l_n
-    twist = q_y * (2.0 / 3.0 * l_n - 0.5) + 1.5 * mu * F_z * s_y / s * S_n * S_n
+    stick, friction = l_n * l_n, mu * F_z / s
+    slide = friction * (1.0 - stick * (3.0 - 2.0 * l_n))
+    twist = q_y * (2.0 / 3.0 * l_n - 0.5) + 1.5 * friction * s_y * S_n * S_n
     return (
         q_x * stick + slide * s_x,
         q_y * stick + slide * s_y,
@@ -102,7 +101,7 @@ def roll(p: Parameters, old: History, new: History, out: Output, h, nodes, curve
             before = at.n
             length = patch_length(p, at)
             F_x, F_y, M_z, S_n = brush(p.C_x, p.C_y, grip.s_x, grip.s_y, grip.mu, grip.F_z, length)
-            M_z *= direction(p, at)
+            M_z *= at.sense
             store = carcass_energy(p, grip)
             apply_patch_forces(p, i, old, new, out, h, nodes, at, grip, (F_x, F_y), M_z, store)
             show(out, at, grip, (F_x, F_y), M_z, S_n)

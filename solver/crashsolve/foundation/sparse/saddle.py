@@ -175,8 +175,7 @@ def assemble(saddle, rows):
     columns, x, pairs = saddle.columns, saddle.blocks, saddle.pairs
     if columns.shape[0] > 0:
         last = columns[columns.shape[0] - 1]
-        for k in range(last.first + last.rows * (last.rows + last.below)):
-            x[k] = 0.0
+        clear(x, last.first + last.rows * (last.rows + last.below))
     for e in range(pairs.shape[0]):
         pair = pairs[e]
         # read once: the compiler does not know that no write changes these
@@ -189,6 +188,16 @@ def assemble(saddle, rows):
                 add_square(x, target, rows, left, right, m)
             if kind == 0 and width == m:
                 add_product(x, target, rows, left, right, height, m)
+
+
+@inlined
+def clear(x, count):
+    """Zeros in the first numbers; eight at a time are one instruction. Writes: x."""
+    for k in range(0, count - 7, 8):
+        for j in range(8):
+            x[k + j] = 0.0
+    for k in range(count - count % 8, count):
+        x[k] = 0.0
 
 
 @inlined
