@@ -220,7 +220,7 @@ def table(head: str, lines: list[list[str]]) -> str:
 def steps_table(runs: Runs) -> str:
     """Table 1 beside our average steps."""
     methods = {
-        "rattle, safety 0.2": {},
+        "rattle, safety 0.18": {},
         "rattle, safety 0.6": {"control__safety": 0.6, "control__energy_limit": "off"},
         "dormand_prince_8, 1e-4": {
             "control__integrator": "dormand_prince_8",
