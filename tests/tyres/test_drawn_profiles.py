@@ -50,3 +50,14 @@ def test_a_profile_is_drawn_as_far_as_its_wheels_may_get(
     # the picture holds the wheel alone
     assert np.ptp(scene.extent(0)[:, 0]) < 2.5 * RADIUS
     assert any(len(one.corners) and "#d8d3c8" in one.colours for one in scene.at(0).surfaces)
+
+
+def test_the_last_point_of_a_profile_has_its_height(tmp_path: Path) -> None:
+    deck, out = tmp_path / "deck.yaml", tmp_path / "out"
+    text = DECK.replace("[40, 0.2]], INTERPOLATION", "[7.2, 0.3]], extrapolate: hold")
+    deck.write_text(text.replace(f"end_time: {END}", "end_time: 0.2"), "utf-8")
+    done = crashsolve(deck, "-o", out)
+    assert done.returncode == 0, done.stdout + done.stderr
+    x, _, z = States(out).blocks["roads"].points.T
+    assert 5.0 - x.min() == pytest.approx(7.2)
+    np.testing.assert_allclose(z[x == x.min()], 0.3, atol=1e-12)

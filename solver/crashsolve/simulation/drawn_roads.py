@@ -45,6 +45,8 @@ def _strip(
     curves: np.ndarray, root: int, wheels: list[tuple[np.ndarray, np.ndarray, np.ndarray]]
 ) -> Piece:
     """The piece of one profile, whose first point is `root`; ranges, point and axes of wheels."""
+    from crashsolve.springs._resistance import read
+
     rows = curves[root : int(curves["last"][root]) + 1]
     _, at, axes = wheels[0]
     low = np.min([bounds[0] for bounds, _, _ in wheels], axis=0)
@@ -56,9 +58,7 @@ def _strip(
     s = np.linspace(first, last, PARTS + 1) if np.any(rows["c"][:, 2:]) else [first, last]
     inside = rows["x"][(rows["x"] > first) & (rows["x"] < last)]
     s = np.unique(np.concatenate([s, inside]))
-    row = rows[np.clip(np.searchsorted(rows["x"], s, "right") - 1, 0, len(rows) - 1)]
-    t, c = s - row["x"], row["c"].T
-    z = c[0] + t * (c[1] + t * (c[2] + t * c[3]))
+    z = read(curves, root, s)
     sides = [np.column_stack([s, np.full_like(s, y), z]) for y in (low[1] - aside, high[1] + aside)]
     points = at + np.concatenate(sides) @ axes
     k, n = np.arange(len(s) - 1), len(s)
