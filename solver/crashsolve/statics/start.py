@@ -59,8 +59,9 @@ DRIFT, STALLED, STALLS = 5e-3, 0.5, 2
 # a correction that counts as zero, in the model's size or rad
 SMALLEST = 1e-11
 # matrices serve further iterations up to this contraction factor, and as near to their state as
-# this, in the model's size or rad: geometry changes their entries by as much
-CONTRACTION, NEARBY = 0.2, 0.02
+# this, in the model's size or rad: geometry changes their entries by as much. With a factor of 0.2
+# a car on soft tyres, which slide as it sinks, finds no equilibrium
+CONTRACTION, NEARBY = 0.02, 0.02
 # coordinates; differences of so many take minutes
 MAX_COORDINATES = 3000
 # [N/m or N m]: squares of larger numbers overflow
