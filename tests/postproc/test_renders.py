@@ -204,6 +204,22 @@ def test_belts_are_shown_beside_bodies_where_named(tmp_path: Path) -> None:
         Scene(states, Appearance(show=("springs",)))
 
 
+def test_nodes_with_surfaces_have_the_colour_of_their_part(tmp_path: Path) -> None:
+    """A contact that names a structure gives the nodes of its beams outlines to be struck."""
+    deck = Path(__file__).parents[2] / "decks" / "verification" / "parts" / "struck_member.yaml"
+    words = ["parts.frame.deformation=beams", "control.end_time=0.001", "control.estimate=off"]
+    done = crashsolve(deck, "-o", tmp_path / "out", *(w for x in words for w in ("--set", x)))
+    assert done.returncode == 0, done.stderr
+    scene = Scene(States(tmp_path / "out"), Appearance())
+    colours = dict(scene.legend())
+    assert set(colours) == {"bar", "frame_foot", "frame_tip", "frame_arm"}
+    names = scene.states.names["bodies"]
+    nodes = [k for k, name in enumerate(names) if scene.owners[k] is not None]
+    drawn = set(scene.states.blocks["bodies"].fixed["body"].astype(int))
+    assert drawn & set(nodes)
+    assert {scene._body_colour(k) for k in nodes} == {colours["frame_arm"]}
+
+
 def test_states_that_hold_no_numbers_are_refused(run: Path, crashpost: Command) -> None:
     with h5py.File(run / "states" / "000002.h5", "r+") as file:
         file["bodies/displacement"][3, 1] = np.nan
