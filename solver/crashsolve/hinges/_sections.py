@@ -18,6 +18,8 @@ from crashsolve.foundation.curve import HOLD
 from crashsolve.hinges import _collapse
 from crashsolve.sections._plastic import GRID, plastic_modulus
 
+# rad or m: further than any hinge turns or shortens
+ENDLESS = 1e3
 # breakpoints, coefficients, extrapolation
 Points = tuple[np.ndarray, np.ndarray, int]
 
@@ -54,8 +56,11 @@ def squash_load(card: Any, scene: Scene) -> float:
 def plastic_curve(
     start: float, limit: float, until: float | None, field: str, scene: Scene
 ) -> Points:
-    """The points of a curve from 0 to the limit at `start`, and constant beyond."""
-    until = until or 1.0
+    """The points of a curve from 0 to the limit at `start`, and constant beyond.
+
+    It has no end but one that is given, since a constant limit has no range.
+    """
+    until = until or start + ENDLESS
     if not until > start:
         raise scene.fail(f"ends at {until:.4g}, before it yields at {start:.4g}", field)
     x = np.array([0.0, start, until])

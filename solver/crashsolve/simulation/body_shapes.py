@@ -47,7 +47,7 @@ def surfaces(model: Model) -> list[Piece]:
     return [
         (int(element["node"]), *DRAW[surface.entry.type](element))
         for surface in model.surfaces.values()
-        if surface.entry.type in DRAW and not surface.entry.item.owner
+        if surface.entry.type in DRAW and not surface.entry.is_made
         for element in surface.elements
     ]
 
