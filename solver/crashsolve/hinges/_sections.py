@@ -16,7 +16,7 @@ import numpy as np
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.foundation.curve import HOLD
 from crashsolve.hinges import _collapse
-from crashsolve.sections._plastic import GRID, plastic_modulus
+from crashsolve.sections._plastic import plastic_moduli
 
 # rad or m: further than any hinge turns or shortens
 ENDLESS = 1e3
@@ -81,7 +81,7 @@ def bending_curve(card: Any, field: str, built: Columns, scene: Scene) -> Points
     stiffness = young * constants["second"][0 if card.about == "y" else 1] / card.length
     if card.model == "kecman":
         return _collapse.curve(card, section, (young, stress, stiffness), field, scene)
-    limit = stress * plastic_modulus(module.fibres(section, GRID), card.about)
+    limit = stress * plastic_moduli(module, section)["yz".index(card.about)]
     return plastic_curve(limit / stiffness, limit, card.until, field, scene)
 
 
