@@ -104,7 +104,7 @@ def test_units_of_the_deck_can_be_set(tmp_path: Path) -> None:
         ),
         (
             "output.history.interval=0",
-            "output: history.interval: must be greater than 0 s, not 0",
+            "output: history.interval: must be at least 1e-15 s, not 0",
         ),
         ("control.end_time.now=1", "there is no field 'now' here: the deck has 1"),
         (

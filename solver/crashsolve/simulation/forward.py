@@ -139,6 +139,6 @@ def _times_ahead(run: Run, k: int) -> np.ndarray:
     is_due = times >= run.schedule.end
     for step in (run.state_step, run.log_step, run.restart_step):
         if step:
-            number = (all_times / step + 1e-9).astype(np.int64)
+            number = np.floor(all_times / step + 1e-9)
             is_due |= number[1:] > number[:-1]
     return times[: int(np.argmax(is_due)) + 1] if is_due.any() else times

@@ -331,7 +331,7 @@ class Run:
         """Whether a multiple of `step` has come since the last sample."""
         started = now - self.deck.control.start_time
         before = self.sampled - self.deck.control.start_time
-        return int(started / step + 1e-9) > int(before / step + 1e-9)
+        return bool(np.floor(started / step + 1e-9) > np.floor(before / step + 1e-9))
 
     def _end(self, state: RunState, code: ExitCode, message: str) -> None:
         """Close the files, and write status, totals and the last line."""

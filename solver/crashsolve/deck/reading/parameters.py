@@ -8,6 +8,7 @@ reads it, it must be pure.
 """
 
 import re
+import sys
 from collections.abc import Collection, Mapping
 from functools import cache
 from pathlib import Path
@@ -300,6 +301,8 @@ def _number(value: object) -> float:
         return SiFloat(number * unit.factor, unit, unit)
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise UnitError(f"this is {shown(value)}")
+    if abs(value) > sys.float_info.max:
+        raise UnitError(f"{shown(value)} is beyond all numbers that a run can compute with")
     return value
 
 

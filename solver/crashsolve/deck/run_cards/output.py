@@ -14,6 +14,8 @@ from crashsolve.deck.run_cards.statistic import check_window, known_statistic
 
 Pair = tuple[float, float]
 MOMENT = re.compile(r"start|end|(max|min|abs_max):.*\S|[-+]?[\d.]+([eE][-+]?\d+)? *(s|ms|us|µs)")
+# interval [s]: a run of any length counts those that have passed
+SHORTEST = 1e-15
 VIEWS = ("auto", "side", "front", "rear", "top", "bottom", "iso")
 
 
@@ -21,7 +23,7 @@ class History(Card):
     """Time histories of all channels."""
 
     interval: float | None = quantity(
-        "s", "time between samples; a 1000th of the run when absent", None, gt=0
+        "s", "time between samples; a 1000th of the run when absent", None, ge=SHORTEST
     )
 
 
@@ -33,21 +35,21 @@ class States(Card):
         "time between states, without any others; when absent a 50th of the run, with states at "
         "the first touch of another contact, the largest contact force and the first yield too",
         None,
-        gt=0,
+        ge=SHORTEST,
     )
 
 
 class Restart(Card):
     """Dumps from which a run can continue."""
 
-    every: float | None = quantity("s", "time between dumps; none when absent", None, gt=0)
+    every: float | None = quantity("s", "time between dumps; none when absent", None, ge=SHORTEST)
 
 
 class Log(Card):
     """Lines about the progress of the run."""
 
     interval: float | None = quantity(
-        "s", "time between lines; a 20th of the run when absent", None, gt=0
+        "s", "time between lines; a 20th of the run when absent", None, ge=SHORTEST
     )
 
 
