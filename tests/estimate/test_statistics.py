@@ -35,6 +35,23 @@ def test_a_refined_number_is_ten_times_nearer(word: str, truth: float) -> None:
     assert abs(refined(series, word) - truth) < 0.1 * abs(plain(series, word) - truth)
 
 
+@pytest.mark.parametrize("peak", [0.4, 0.413, 0.45, 0.49, 0.5])
+@pytest.mark.parametrize("word", ["max", "abs_max"])
+def test_a_corner_between_samples_is_where_both_sides_meet(word: str, peak: float) -> None:
+    time = np.linspace(0.0, 1.0, 21)
+    series = Series(time, np.where(time < peak, 3.0 * time, 3.0 * peak - 2.0 * (time - peak)))
+    assert refined(series, word) == pytest.approx(3.0 * peak, rel=1e-12)
+    assert refined(series, "argmax") == pytest.approx(peak, rel=1e-12)
+
+
+@pytest.mark.parametrize("samples", [9, 12, 21, 301])
+def test_a_smooth_top_is_no_corner(samples: int) -> None:
+    # eight samples and more of a half wave
+    time = np.linspace(0.0, 1.0, samples)
+    series = Series(time, np.sin(np.pi * time + 0.03))
+    assert refined(series, "max") == pytest.approx(1.0, abs=2e-4)
+
+
 def test_a_peak_that_one_sample_caught_is_not_trusted() -> None:
     time = np.linspace(0.0, 1.0, 11)
     values = np.where(np.arange(11) == 4, 3.0, 0.0)

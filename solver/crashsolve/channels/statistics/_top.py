@@ -1,8 +1,9 @@
 """The greatest value of a history, and its time, seen between the samples.
 
-The top of the parabola through the greatest sample and its two neighbours. Where a history stays at
-its extreme for three samples to the last digit, it has jumped there, as a count does: no parabola,
-and the time is known to one sample.
+The top of the parabola through the greatest sample and its two neighbours. Where the history runs
+straight on both sides, as an acceleration that follows a table, it is the corner at which the two
+lines meet. Where a history stays at its extreme for three samples to the last digit, it has jumped
+there, as a count does: no parabola, and the time is known to one sample.
 """
 
 import numpy as np
@@ -11,6 +12,10 @@ from crashsolve.channels.series import Series
 
 # a sample that stands out by more than this share of the range stands alone
 SINGLE = 0.3
+# of the change of slope at a corner: a smooth top, whose slope changes evenly, has a third on each
+# side
+STRAIGHT = 0.1
+ROUND_OFF = 1e-9
 
 
 def negative(series: Series) -> Series:
@@ -24,11 +29,16 @@ def magnitude(series: Series) -> Series:
 
 
 def top(series: Series) -> tuple[float, float]:
-    """Value and time [s] at the top of the parabola by the greatest sample and its neighbours."""
+    """Value and time [s] at the top: of the parabola by the greatest sample and its neighbours, or
+    of the corner at which two straight sides meet.
+    """
     time, values = series.time, series.values
     at = int(np.argmax(values))
     if not 0 < at < len(values) - 1 or plateau(values, at) > at + 1:
         return float(values[at]), float(time[at])
+    meeting = corner(series, at) or corner(series, at - 1)
+    if meeting is not None:
+        return meeting
     left, right = time[at - 1] - time[at], time[at + 1] - time[at]
     low, high = values[at - 1] - values[at], values[at + 1] - values[at]
     # the parabola b x + c x^2 about the greatest sample
@@ -38,6 +48,25 @@ def top(series: Series) -> tuple[float, float]:
         return float(values[at]), float(time[at])
     x = -b / (2.0 * c)
     return float(values[at] + 0.5 * b * x), float(time[at] + x)
+
+
+def corner(series: Series, at: int) -> tuple[float, float] | None:
+    """Value and time [s] where straight lines, up to sample `at` and from the next one on, meet.
+
+    None where they do not meet between these samples, or where the history is not straight there.
+    """
+    if not 2 <= at <= len(series.time) - 4:
+        return None
+    time, values = series.time[at - 2 : at + 4], series.values[at - 2 : at + 4]
+    before, rise, _, fall, after = np.diff(values) / np.diff(time)
+    change = rise - fall
+    if max(abs(rise - before), abs(after - fall)) > STRAIGHT * change or not rise > 0.0 > fall:
+        return None
+    span = time[3] - time[2]
+    x = (values[3] - values[2] - fall * span) / change
+    # a corner at a sample, to the last digits
+    is_between = -ROUND_OFF * span <= x <= (1.0 + ROUND_OFF) * span
+    return (float(values[2] + rise * x), float(time[2] + x)) if is_between else None
 
 
 def plateau(values: np.ndarray, at: int) -> int:
