@@ -30,7 +30,7 @@ from crashsolve.channels.statistic import (
     unit_of,
     unresolved,
 )
-from crashsolve.channels.statistics._top import plateau
+from crashsolve.channels.statistics._top import greatest, heights, plateau
 from crashsolve.deck.run_cards.statistic import PATH
 from crashsolve.recording.samples import Channel, Samples, are_among
 from crashsolve.study.convergence import NEAR, Convergence, analyse, distance
@@ -172,8 +172,8 @@ class NumberErrors:
         height = replace(watch, statistic=watch.statistic.removeprefix("arg"))
         error = self.estimate(height, main, others).error or 0.0
         signed = series.values if watch.statistic == "argmax" else -series.values
-        at = int(np.argmax(signed))
-        candidates = signed >= signed[at] - error
+        at = greatest(signed)
+        candidates = heights(series._replace(values=signed)) >= signed[at] - error
         # samples beside it that are as large belong to the same extreme
         candidates[at : plateau(signed, at) + 1] = False
         return float(np.max(np.abs(series.time[candidates] - series.time[at]), initial=0.0))
