@@ -63,8 +63,8 @@ def warnings(folder: Path, **changed: str) -> list[str]:
     ],
 )
 def test_a_wrong_unit_is_reported(tmp_path: Path, word: str, value: str, says: str) -> None:
-    found = warnings(tmp_path, **{word: value})
-    assert any(says in text for text in found), found
+    texts = warnings(tmp_path, **{word: value})
+    assert any(says in text for text in texts), texts
 
 
 @pytest.mark.parametrize(

@@ -64,16 +64,16 @@ def heights(series: Series) -> np.ndarray:
     the rise to it more.
     """
     time, values = series.time, series.values
-    found = values.copy()
+    tops = values.copy()
     if len(values) < 3:
-        return found
+        return tops
     left, right = time[:-2] - time[1:-1], time[2:] - time[1:-1]
     low, high = values[:-2] - values[1:-1], values[2:] - values[1:-1]
     c = (high / right - low / left) / (right - left)
     b = low / left - c * left
     is_top = (low <= 0.0) & (high <= 0.0) & (c < 0.0)
-    found[1:-1][is_top] += (1.0 + PARABOLA) * b[is_top] ** 2 / (-4.0 * c[is_top])
-    return found
+    tops[1:-1][is_top] += (1.0 + PARABOLA) * b[is_top] ** 2 / (-4.0 * c[is_top])
+    return tops
 
 
 def corner(series: Series, at: int) -> tuple[float, float] | None:

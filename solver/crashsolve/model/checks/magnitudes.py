@@ -168,9 +168,13 @@ def _volume(kind: str, outline: object) -> float:
     size, radius, length = (getattr(outline, word, None) for word in ("size", "radius", "length"))
     if kind == "box" and size is not None:
         return float(np.prod(size))
-    if kind == "cylinder" and radius and length:
-        return pi * float(radius) ** 2 * float(length)
-    return 4.0 / 3.0 * pi * float(radius) ** 3 if kind == "sphere" and radius else 0.0
+    if radius is None:
+        return 0.0
+    # powers of Python raise OverflowError where products are infinite
+    disc = pi * float(radius) * float(radius)
+    if kind == "cylinder" and length is not None:
+        return disc * float(length)
+    return 4.0 / 3.0 * disc * float(radius) if kind == "sphere" else 0.0
 
 
 def _wave_speeds(entries: Entries) -> Iterator[tuple[float, str, float, float]]:
