@@ -69,6 +69,26 @@ def test_samples_near_tops_of_equal_height_may_all_be_the_greatest() -> None:
     assert all(min(abs(t - top) for top in tops) < 1.0 / 57.0 for t in time[near])
 
 
+def test_of_many_tops_the_highest_counts_though_no_sample_is_near_it() -> None:
+    # tops of 1.01, 1.02 ... 1.06, of which samples miss the last by half an interval
+    time = np.linspace(0.0, 6.0, 6 * 40 + 1)
+    size = 1.0 + 0.01 * np.ceil(time + 1e-9)
+    series = Series(time, size * np.cos(2.0 * np.pi * (1.0 + 0.5 / 240.0) * (time - 0.5)))
+    times = np.linspace(0.0, 6.0, 600001)
+    truth = (1.0 + 0.01 * np.ceil(times + 1e-9)) * np.cos(
+        2.0 * np.pi * (1.0 + 0.5 / 240.0) * (times - 0.5)
+    )
+    assert refined(series, "max") == pytest.approx(truth.max(), rel=1e-4)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_jump_beside_the_top_has_no_parabola(sign: int) -> None:
+    time = np.linspace(0.0, 1.0, 101)
+    values = np.where(time < 0.504, 1400.0 + 40.0 * time, 280.0 + 40.0 * time)[::sign]
+    # the line ends at 1420.16 at most, and no parabola of 1550 is seen
+    assert 1420.0 < refined(Series(time, values), "max") < 1420.4
+
+
 def test_a_jump_to_a_value_that_is_constant_but_for_round_off_has_no_parabola() -> None:
     values = np.where(np.arange(21) < 12, 1.0, 321.2) * (1.0 + 1e-13 * np.sin(np.arange(21.0)))
     series = Series(np.linspace(0.0, 1.0, 21), values)

@@ -32,7 +32,7 @@ from crashsolve.system.engine import FIRST_CHECKED
 
 # half waves of more than three intervals miss less of a peak and of an impulse, and are not stopped
 # to less than cos 60 degrees in one interval
-SHOWN_SHARE, MISSING_SHARE, SPEED_LEFT = 0.85, 0.05, 0.5
+SHOWN_SHARE, MISSING_SHARE, SPEED_LEFT = 0.9, 0.05, 0.5
 # half waves of more than 16 intervals change by less; their integrals are within 1 %
 CHANGE_SHARE = 0.1
 # [m/s^2] 1 g adds 1 in a second to the Severity Index, whose limits are 700 and 1000

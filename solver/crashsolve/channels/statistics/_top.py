@@ -20,6 +20,10 @@ ROUND_OFF = 1e-9
 EQUAL = 1e-11
 # of the rise of a parabola over its largest sample: what it may miss of the top
 PARABOLA = 0.1
+# of the range: the rise over the largest of eight samples and more of a half wave
+RESOLVED = 0.02
+# slopes beside a jump over its own; a smooth top with one neighbour as high has 1 on the other side
+GENTLE = 0.2
 
 
 def negative(series: Series) -> Series:
@@ -33,47 +37,77 @@ def magnitude(series: Series) -> Series:
 
 
 def top(series: Series) -> tuple[float, float]:
-    """Value and time [s] at the top: of the parabola by the greatest sample and its neighbours, or
-    of the corner at which two straight sides meet.
+    """Value and time [s] at the top: of the highest parabola by a sample and its neighbours, of the
+    corner at which two straight sides meet, or of a straight side that ends in a jump.
     """
     time, values = series.time, series.values
     at = greatest(values)
-    plain = float(values[at]), float(time[at])
     if len(values) < 3 or plateau(values, at) > at + 1:
-        return plain
-    meeting = corner(series, at) or corner(series, at - 1)
-    if meeting is not None:
-        return meeting
+        return float(values[at]), float(time[at])
+    b, c, rises = parabolas(series)
+    at = _highest(values, rises, at)
+    plain = float(values[at]), float(time[at])
+    other = jump(series, at) or corner(series, at) or corner(series, at - 1)
+    if other is not None:
+        return other
     # beside the first or last sample it is that through the three next to it
     middle = min(max(at, 1), len(values) - 2)
-    left, right = time[middle - 1] - time[middle], time[middle + 1] - time[middle]
-    low, high = values[middle - 1] - values[middle], values[middle + 1] - values[middle]
-    # the parabola b x + c x^2 about the middle sample
+    if not c[middle - 1] < 0.0:
+        return plain
+    x = -b[middle - 1] / (2.0 * c[middle - 1])
+    if not time[middle - 1] < time[middle] + x < time[middle + 1]:
+        return plain
+    return float(values[middle] + 0.5 * b[middle - 1] * x), float(time[middle] + x)
+
+
+def parabolas(series: Series) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of the parabola b x + c x^2 about each sample but the first and last: b, c (n - 2,), and the
+    rise (n,) from every local maximum to its top, 0 elsewhere.
+    """
+    time, values = series.time, series.values
+    left, right = time[:-2] - time[1:-1], time[2:] - time[1:-1]
+    low, high = values[:-2] - values[1:-1], values[2:] - values[1:-1]
     c = (high / right - low / left) / (right - left)
     b = low / left - c * left
-    if not c < 0.0:
-        return plain
-    x = -b / (2.0 * c)
-    if not left < x < right:
-        return plain
-    return float(values[middle] + 0.5 * b * x), float(time[middle] + x)
+    rises = np.zeros(len(values))
+    is_top = (low <= 0.0) & (high <= 0.0) & (c < 0.0)
+    rises[1:-1][is_top] = b[is_top] ** 2 / (-4.0 * c[is_top])
+    return b, c, rises
+
+
+def _highest(values: np.ndarray, rises: np.ndarray, at: int) -> int:
+    """The sample with the highest top, of `at` and of those whose parabolas rise a little."""
+    is_resolved = rises <= RESOLVED * float(np.ptp(values))
+    tops = np.where(is_resolved, values + rises, values)
+    other = int(np.argmax(tops))
+    return other if tops[other] > tops[at] else at
 
 
 def heights(series: Series) -> np.ndarray:
     """What each sample may be the top of (n,): a local maximum that of its parabola, and a tenth of
     the rise to it more.
     """
-    time, values = series.time, series.values
-    tops = values.copy()
-    if len(values) < 3:
-        return tops
-    left, right = time[:-2] - time[1:-1], time[2:] - time[1:-1]
-    low, high = values[:-2] - values[1:-1], values[2:] - values[1:-1]
-    c = (high / right - low / left) / (right - left)
-    b = low / left - c * left
-    is_top = (low <= 0.0) & (high <= 0.0) & (c < 0.0)
-    tops[1:-1][is_top] += (1.0 + PARABOLA) * b[is_top] ** 2 / (-4.0 * c[is_top])
-    return tops
+    if len(series.values) < 3:
+        return series.values
+    heights: np.ndarray = series.values + (1.0 + PARABOLA) * parabolas(series)[2]
+    return heights
+
+
+def jump(series: Series, at: int) -> tuple[float, float] | None:
+    """Value and time [s] of a jump beside sample `at`, half an interval from it; None without.
+
+    The history has been straight up to there, or is so from there on: a parabola means nothing.
+    """
+    if not 2 <= at <= len(series.time) - 3:
+        return None
+    time, values = series.time[at - 2 : at + 3], series.values[at - 2 : at + 3]
+    spans = np.diff(time)
+    before, rise, fall, after = np.abs(np.diff(values) / spans)
+    if max(before, rise, after) <= GENTLE * fall:
+        return float(values[2] + 0.5 * rise * spans[2]), float(time[2] + 0.5 * spans[2])
+    if max(before, fall, after) <= GENTLE * rise:
+        return float(values[2] + 0.5 * fall * spans[1]), float(time[2] - 0.5 * spans[1])
+    return None
 
 
 def corner(series: Series, at: int) -> tuple[float, float] | None:
