@@ -99,3 +99,14 @@ def test_a_load_that_peaks_between_samples_is_reported(
     assert (acceleration["error"] is None) == is_missed
     if not is_missed:
         assert acceleration["value"] == pytest.approx(1000.0, rel=0.01)
+
+
+def test_a_peak_of_all_steps_is_known_though_one_sample_shows_it(tmp_path: Path) -> None:
+    deck = tmp_path / "deck.yaml"
+    text = BALL.replace("INTERVAL", f"{ALONE:.9g}")
+    deck.write_text(text + "  - {channel: rcforc.c.peak_normal, statistic: max}\n", "utf-8")
+    done = crashsolve(deck, "-o", tmp_path / "r")
+    assert done.returncode == 0, done.stdout
+    peak = Result(tmp_path / "r").status["watched"][-1]
+    # the step's own error, below a hundredth
+    assert 0.1 * abs(peak["value"] - PEAK) < peak["error"] < 0.01 * PEAK

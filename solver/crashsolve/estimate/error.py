@@ -120,7 +120,7 @@ class NumberErrors:
     def _resolved(self, watch: Watch, main: Samples) -> Watch:
         """The watch from which a largest value of any step is refined.
 
-        That is the history where a sample has met the largest value, otherwise the last sample:
+        That is the history where samples have met the largest value, otherwise the last sample:
         a largest value over all steps misses nothing between samples. Other numbers are unchanged.
         """
         (channel, *others) = self.channels[watch.channels[0]]
@@ -132,7 +132,10 @@ class NumberErrors:
         if value > top * (1.0 + SAME_POSITION):
             return replace(watch, statistic="final")
         self.channels.setdefault(followed.name, [followed])
-        return replace(watch, channels=(followed.name,), statistic="max")
+        seen = replace(watch, channels=(followed.name,), statistic="max")
+        # a peak of one sample, as a force that begins with a jump, has no more by its steps
+        is_alone = unresolved(series_of(seen, main), "max") > 0.0
+        return replace(watch, statistic="final") if is_alone else seen
 
     def _estimate(self, watch: Watch, main: Samples, others: Sequence[Samples]) -> Estimate:
         channels = self.channels[watch.channels[0]]
