@@ -31,6 +31,7 @@ from crashsolve.model.build import build
 from crashsolve.model.integrator_selection import with_chosen_method
 from crashsolve.recording.engines import engine_of
 from crashsolve.recording.histories import Histories
+from crashsolve.recording.marching import March
 from crashsolve.recording.samples import Samples
 from crashsolve.system.engine import Engine
 
@@ -81,14 +82,14 @@ class Stopwatch:
 
     def __init__(self) -> None:
         self.spent = 0.0
-        for name in ("reach", "sample"):
-            setattr(Engine, name, self._timed(getattr(Engine, name)))
+        for owner, name in ((Engine, "reach"), (Engine, "sample"), (March, "go")):
+            setattr(owner, name, self._timed(getattr(owner, name)))
 
-    def _timed(self, method: Callable[..., None]) -> Callable[..., None]:
-        def timed(*words: object) -> None:
+    def _timed(self, method: Callable[..., object]) -> Callable[..., object]:
+        def timed(*words: object) -> object:
             begun = time.process_time()
             try:
-                method(*words)
+                return method(*words)
             finally:
                 self.spent += time.process_time() - begun
 

@@ -297,6 +297,7 @@ def _study(options: argparse.Namespace) -> int:
 def _check(options: argparse.Namespace) -> int:
     from crashsolve.deck.reading.deck import read_deck
     from crashsolve.model.build import build
+    from crashsolve.model.checks.magnitudes import magnitude_table
     from crashsolve.recording.histories import families_of
     from crashsolve.recording.pictured import look_up_pictured
     from crashsolve.recording.questions import look_up
@@ -312,6 +313,8 @@ def _check(options: argparse.Namespace) -> int:
     for text in (*deck.unread, *model.warnings):
         print(printable(f"warning: {text}"))
     for text in freedom(model, state, deck.control.start_time):
+        print(printable(text))
+    for text in magnitude_table(deck.entries):
         print(printable(text))
     print(printable(f"output: {size}"))
     print(printable(f"{options.deck}: no errors found"))

@@ -104,6 +104,13 @@ def test_long_words_and_many_errors_are_cut(tmp_path: Path) -> None:
     assert f"'{'9' * 36}... (300 letters) m'" in lines[0]
 
 
+def test_a_long_number_set_from_outside_is_cut(tmp_path: Path) -> None:
+    deck = tmp_path / "deck.yaml"
+    deck.write_text("parameters: {m: 1}\ncontrol: {end_time: 1}\n")
+    with pytest.raises(DeckErrors, match=r"--set m=9{34}\.\.\. \(502 letters\): error: "):
+        read_deck(deck, {"m": "9" * 500})
+
+
 @pytest.mark.parametrize("radius", ["1e300", "2e40", "1e38 km"])
 def test_lengths_whose_powers_no_machine_holds_are_refused(tmp_path: Path, radius: str) -> None:
     deck = tmp_path / "deck.yaml"

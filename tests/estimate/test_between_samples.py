@@ -29,6 +29,9 @@ watch:
 # an elastic ball at v = 1 m/s: K d^2.5 / 2.5 = m v^2 / 2, F = K d^1.5; impulse 2 m v
 DEPTH = (2.5 * 2 / (2 * 1e9)) ** 0.4
 PEAK, IMPULSE = 1e9 * DEPTH**1.5, 4.0
+# v t = 2.943 d, after 4.3 mm and 100 mm at v; a sample in the middle and the next ones outside
+MIDDLE, DURATION = 0.1043 + 0.5 * 2.943 * DEPTH, 2.943 * DEPTH
+ALONE = MIDDLE / round(MIDDLE / (0.7 * DURATION))
 
 
 def run(folder: Path, interval: str) -> tuple[dict[str, dict[str, float]], str]:
@@ -41,7 +44,7 @@ def run(folder: Path, interval: str) -> tuple[dict[str, dict[str, float]], str]:
     return {f"{e['channel'].split('(')[0]} {e['statistic']}": e for e in entries}, done.stdout
 
 
-@pytest.mark.parametrize("interval", ["0.01", "0.0473", "0.1"])
+@pytest.mark.parametrize("interval", ["0.01", "0.0473", "0.1", f"{ALONE:.9g}"])
 def test_numbers_are_right_within_their_errors(tmp_path: Path, interval: str) -> None:
     watched, log = run(tmp_path, interval)
     true = {"rcforc.c.normal max": PEAK, "rcforc.c.normal integral": IMPULSE}
@@ -96,3 +99,14 @@ def test_a_load_that_peaks_between_samples_is_reported(
     assert (acceleration["error"] is None) == is_missed
     if not is_missed:
         assert acceleration["value"] == pytest.approx(1000.0, rel=0.01)
+
+
+def test_a_peak_of_all_steps_is_known_though_one_sample_shows_it(tmp_path: Path) -> None:
+    deck = tmp_path / "deck.yaml"
+    text = BALL.replace("INTERVAL", f"{ALONE:.9g}")
+    deck.write_text(text + "  - {channel: rcforc.c.peak_normal, statistic: max}\n", "utf-8")
+    done = crashsolve(deck, "-o", tmp_path / "r")
+    assert done.returncode == 0, done.stdout
+    peak = Result(tmp_path / "r").status["watched"][-1]
+    # the step's own error, below a hundredth
+    assert 0.1 * abs(peak["value"] - PEAK) < peak["error"] < 0.01 * PEAK

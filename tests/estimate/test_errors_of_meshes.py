@@ -1,6 +1,7 @@
 """Claim: an error has the mesh in it, within a factor of ten, or says that meshes state none."""
 
 import json
+from dataclasses import replace
 from math import inf
 from pathlib import Path
 
@@ -12,11 +13,12 @@ from small_runs import CANTILEVER
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.estimate.error import Estimate
 from crashsolve.estimate.estimator import Estimator, estimate_in_memory, left_out
-from crashsolve.estimate.mesh import mesh_error
+from crashsolve.estimate.mesh import chance_margin, mesh_error, window_about
 from crashsolve.meshes._mesh import net
 from crashsolve.model.build import build
 from crashsolve.model.integrator_selection import with_chosen_method
 from crashsolve.recording.histories import families_of
+from crashsolve.study.watch import Watch
 
 FACTOR = 10.0
 
@@ -40,6 +42,22 @@ def test_two_meshes_state_their_difference() -> None:
 def test_a_lucky_difference_does_not_make_the_error_small() -> None:
     # the coarser ones say 0.12 / 4 / 3
     assert error(2.0, 1.0, 1.0 + 1e-9, 1.12)[0] == pytest.approx(0.01)
+
+
+def test_histories_that_cross_do_not_agree() -> None:
+    # they differ by 0.05, and cross at the end
+    time = np.linspace(0.9, 1.0, 101)
+    paths = [np.sin(40.0 * time), np.sin(40.0 * time) + 0.05 * np.sin(60.0 * (time - 1.0))]
+    assert abs(paths[0][-1] - paths[1][-1]) < 1e-12
+    assert 0.005 < chance_margin(paths) < 0.05
+
+
+def test_the_history_about_a_moment_is_within_the_run() -> None:
+    watch = Watch("x", ("a.b.c",), "at:0.98")
+    about = window_about(watch, 0.0, 1.0)
+    assert about is not None and about.during == pytest.approx((0.93, 1.0))
+    for word in ("max", "path"):
+        assert window_about(replace(watch, statistic=word), 0.0, 1.0) is None
 
 
 @pytest.mark.parametrize(

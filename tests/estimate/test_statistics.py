@@ -6,6 +6,7 @@ import pytest
 from crashsolve.channels.expression import channels_in
 from crashsolve.channels.series import Series
 from crashsolve.channels.statistic import plain, refined, unresolved
+from crashsolve.channels.statistics._top import heights
 
 
 @pytest.mark.parametrize(
@@ -33,6 +34,73 @@ def test_a_refined_number_is_ten_times_nearer(word: str, truth: float) -> None:
     time = np.linspace(0.0, 1.0, 31)
     series = Series(time, np.sin(7.0 * time))
     assert abs(refined(series, word) - truth) < 0.1 * abs(plain(series, word) - truth)
+
+
+@pytest.mark.parametrize("peak", [0.4, 0.413, 0.45, 0.49, 0.5])
+@pytest.mark.parametrize("word", ["max", "abs_max"])
+def test_a_corner_between_samples_is_where_both_sides_meet(word: str, peak: float) -> None:
+    time = np.linspace(0.0, 1.0, 21)
+    series = Series(time, np.where(time < peak, 3.0 * time, 3.0 * peak - 2.0 * (time - peak)))
+    assert refined(series, word) == pytest.approx(3.0 * peak, rel=1e-12)
+    assert refined(series, "argmax") == pytest.approx(peak, rel=1e-12)
+
+
+@pytest.mark.parametrize("peak", [0.02, 0.97])
+def test_a_top_beside_the_first_or_last_sample_is_seen(peak: float) -> None:
+    time = np.linspace(0.0, 1.0, 11)
+    series = Series(time, 1.0 - (time - peak) ** 2)
+    assert refined(series, "max") == pytest.approx(1.0, rel=1e-12)
+    assert refined(series, "argmax") == pytest.approx(peak, rel=1e-9)
+
+
+@pytest.mark.parametrize("peak", [-0.02, 1.03])
+def test_a_history_that_leaves_its_extreme_has_no_other(peak: float) -> None:
+    time = np.linspace(0.0, 1.0, 11)
+    series = Series(time, 1.0 - (time - peak) ** 2)
+    assert refined(series, "max") == plain(series, "max")
+
+
+def test_samples_near_tops_of_equal_height_may_all_be_the_greatest() -> None:
+    time = np.linspace(0.0, 1.0, 58)
+    series = Series(time, np.sin(6.0 * np.pi * time))
+    near = heights(series) >= series.values.max()
+    tops = [(k + 0.25) / 3.0 for k in range(3)]
+    assert all(np.abs(time[near] - top).min() < 1.0 / 57.0 for top in tops)
+    assert all(min(abs(t - top) for top in tops) < 1.0 / 57.0 for t in time[near])
+
+
+def test_of_many_tops_the_highest_counts_though_no_sample_is_near_it() -> None:
+    # tops of 1.01, 1.02 ... 1.06, of which samples miss the last by half an interval
+    time = np.linspace(0.0, 6.0, 6 * 40 + 1)
+    size = 1.0 + 0.01 * np.ceil(time + 1e-9)
+    series = Series(time, size * np.cos(2.0 * np.pi * (1.0 + 0.5 / 240.0) * (time - 0.5)))
+    times = np.linspace(0.0, 6.0, 600001)
+    truth = (1.0 + 0.01 * np.ceil(times + 1e-9)) * np.cos(
+        2.0 * np.pi * (1.0 + 0.5 / 240.0) * (times - 0.5)
+    )
+    assert refined(series, "max") == pytest.approx(truth.max(), rel=1e-4)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_jump_beside_the_top_has_no_parabola(sign: int) -> None:
+    time = np.linspace(0.0, 1.0, 101)
+    values = np.where(time < 0.504, 1400.0 + 40.0 * time, 280.0 + 40.0 * time)[::sign]
+    # the line ends at 1420.16 at most, and no parabola of 1550 is seen
+    assert 1420.0 < refined(Series(time, values), "max") < 1420.4
+
+
+def test_a_jump_to_a_value_that_is_constant_but_for_round_off_has_no_parabola() -> None:
+    values = np.where(np.arange(21) < 12, 1.0, 321.2) * (1.0 + 1e-13 * np.sin(np.arange(21.0)))
+    series = Series(np.linspace(0.0, 1.0, 21), values)
+    assert refined(series, "max") == pytest.approx(321.2, rel=1e-12)
+
+
+@pytest.mark.parametrize("samples", [9, 12, 21, 301])
+def test_a_smooth_top_is_no_corner(samples: int) -> None:
+    # eight samples and more of a half wave
+    time = np.linspace(0.0, 1.0, samples)
+    series = Series(time, np.sin(np.pi * time + 0.03))
+    assert refined(series, "max") == pytest.approx(1.0, abs=2e-4)
 
 
 def test_a_peak_that_one_sample_caught_is_not_trusted() -> None:

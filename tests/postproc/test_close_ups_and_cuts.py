@@ -129,10 +129,12 @@ def test_names_are_shortened_to_what_groups_share() -> None:
         *("chassis", *["wheel"] * 4),
         *["arm_front"] * 2,
     ]
-    # where the first words are one, more of them count; where none help, the names stay
+    # where the first words are one, more of them count; where none help, neighbours share one
     assert set(labels([f"car_{k}_{end}" for k in "12" for end in "ab"], 3)) == {"car_1", "car_2"}
     many = [f"body{k}" for k in range(9)]
-    assert labels(many, 4) == many
+    three = ["body0 to body2", "body3 to body5", "body6 to body8"]
+    assert labels(many, 4) == [three[k // 3] for k in range(9)]
+    assert labels(many[:5], 4) == [*["body0 to body1"] * 2, *["body2 to body3"] * 2, "body4"]
 
 
 def test_long_names_keep_what_distinguishes_them() -> None:

@@ -61,8 +61,12 @@ def test_moments_windows_and_contact_times_are_exact(method: str, tmp_path: Path
     result = solved(tmp_path, method)
     times = result.series("rcforc.hit.depth").time
     assert {T, *WINDOW} <= set(times.tolist())
-    # eleven at intervals, and these three
-    assert len(times) == 14
+    # eleven at intervals and these three; others are steps of the touch, which so few samples miss
+    wanted = np.array([*np.linspace(0.0, 0.1, 11), T, *WINDOW])
+    distance = np.abs(times[:, None] - wanted)
+    assert distance.min(axis=0).max() < 1e-12
+    further = times[distance.min(axis=1) > 1e-12]
+    assert all(FIRST - 0.01 < time < RELEASE + 0.01 for time in further)
     depth, quotient, _ = check_expectations(result)
     # rattle errs by a 600th in its frequency, with omega h = 0.2
     close = {"rattle": 5e-3, "dormand_prince_5": 1e-6}[method]

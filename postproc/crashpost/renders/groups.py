@@ -23,7 +23,8 @@ def groups(names: list[str]) -> list[int]:
 def labels(names: list[str], most: int) -> list[str]:
     """Label of each name where only `most` are possible: the name, or the common words of a group.
 
-    wheel_left and wheel_right become wheel. The names stay where no first words make so few groups.
+    wheel_left and wheel_right become wheel. Where no first words make so few groups, neighbours in
+    the order of the deck share one: body1 to body3.
     """
     if len(set(names)) <= most:
         return list(names)
@@ -35,7 +36,18 @@ def labels(names: list[str], most: int) -> list[str]:
             for head, own in zip(heads, words, strict=True):
                 members.setdefault(head, []).append(own)
             return [_shared(members[head]) for head in heads]
-    return list(names)
+    return _neighbours(list(dict.fromkeys(names)), names, most)
+
+
+def _neighbours(unique: list[str], names: list[str], most: int) -> list[str]:
+    """Label of each name: the first and the last of as many neighbours as share one."""
+    size = -(-len(unique) // most)
+    shared = {}
+    for first in range(0, len(unique), size):
+        own = unique[first : first + size]
+        label = own[0] if len(own) == 1 else f"{own[0]} to {own[-1]}"
+        shared |= dict.fromkeys(own, label)
+    return [shared[name] for name in names]
 
 
 def _shared(words: list[list[str]]) -> str:

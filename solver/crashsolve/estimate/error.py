@@ -30,7 +30,7 @@ from crashsolve.channels.statistic import (
     unit_of,
     unresolved,
 )
-from crashsolve.channels.statistics._top import plateau
+from crashsolve.channels.statistics._top import greatest, heights, plateau
 from crashsolve.deck.run_cards.statistic import PATH
 from crashsolve.recording.samples import Channel, Samples, are_among
 from crashsolve.study.convergence import NEAR, Convergence, analyse, distance
@@ -120,7 +120,7 @@ class NumberErrors:
     def _resolved(self, watch: Watch, main: Samples) -> Watch:
         """The watch from which a largest value of any step is refined.
 
-        That is the history where a sample has met the largest value, otherwise the last sample:
+        That is the history where samples have met the largest value, otherwise the last sample:
         a largest value over all steps misses nothing between samples. Other numbers are unchanged.
         """
         (channel, *others) = self.channels[watch.channels[0]]
@@ -132,7 +132,10 @@ class NumberErrors:
         if value > top * (1.0 + SAME_POSITION):
             return replace(watch, statistic="final")
         self.channels.setdefault(followed.name, [followed])
-        return replace(watch, channels=(followed.name,), statistic="max")
+        seen = replace(watch, channels=(followed.name,), statistic="max")
+        # a peak of one sample, as a force that begins with a jump, has no more by its steps
+        is_alone = unresolved(series_of(seen, main), "max") > 0.0
+        return replace(watch, statistic="final") if is_alone else seen
 
     def _estimate(self, watch: Watch, main: Samples, others: Sequence[Samples]) -> Estimate:
         channels = self.channels[watch.channels[0]]
@@ -172,8 +175,8 @@ class NumberErrors:
         height = replace(watch, statistic=watch.statistic.removeprefix("arg"))
         error = self.estimate(height, main, others).error or 0.0
         signed = series.values if watch.statistic == "argmax" else -series.values
-        at = int(np.argmax(signed))
-        candidates = signed >= signed[at] - error
+        at = greatest(signed)
+        candidates = heights(series._replace(values=signed)) >= signed[at] - error
         # samples beside it that are as large belong to the same extreme
         candidates[at : plateau(signed, at) + 1] = False
         return float(np.max(np.abs(series.time[candidates] - series.time[at]), initial=0.0))

@@ -18,7 +18,15 @@ from math import inf, isfinite
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.estimate.companion import HIGHEST_POWER, BudgetExceeded, Companions
 from crashsolve.estimate.error import Estimate, NumberErrors, is_as_fine
-from crashsolve.estimate.mesh import LEAST, SHARE, Meshes, coarse_runs, with_mesh
+from crashsolve.estimate.mesh import (
+    LEAST,
+    SHARE,
+    Meshes,
+    chance_margin,
+    coarse_runs,
+    window_about,
+    with_mesh,
+)
 from crashsolve.foundation.errors import SolverError
 from crashsolve.model.build import build
 from crashsolve.model.curve_steps import unseen
@@ -177,8 +185,11 @@ class Estimator:
         self, errors: NumberErrors, estimate: Estimate, runs: Sequence[Samples]
     ) -> Estimate:
         """An estimate with the error by the mesh, where the samples serve to tell it."""
+        control = self.deck.control
+        about = window_about(estimate.watch, control.start_time, control.last_time)
         try:
-            return with_mesh(estimate, errors.numbers(estimate.watch, runs), self.deck)
+            least = chance_margin(errors.numbers(about, runs[:2])) if about else 0.0
+            return with_mesh(estimate, errors.numbers(estimate.watch, runs), self.deck, least)
         except ValueError:
             return estimate
 

@@ -4,6 +4,8 @@
     three meshes        error = d1 / (2^p - 1), at least d2 / (2^s (2^s - 1)), s = max(q, 2)
     of opposite signs   error = d1, at least d2 / (2^s (2^s - 1)), where d1 < d2 / 4; else d2
     two meshes          error = d1, that of order 1: contact and yield have no more
+    at a moment         at least a quarter of the root mean square of x1 - x2 about that moment:
+                        histories that cross there agree by chance
 
 No error follows from the meshes where x1 and x2 differ by more than half the scale of the number,
 or where d1 is no smaller than d2, or of the other sign, and more than a twentieth of the scale: the
@@ -17,13 +19,16 @@ from math import inf, log2
 
 import numpy as np
 
+from crashsolve.channels.statistic import requested_moment
 from crashsolve.deck.reading.deck import Deck, read_deck
+from crashsolve.deck.run_cards.statistic import PATH
 from crashsolve.estimate.companion import BudgetExceeded, Companions
 from crashsolve.estimate.error import Estimate
 from crashsolve.foundation.errors import CrashsolveError, SolverError
 from crashsolve.recording.samples import Samples
 from crashsolve.study.convergence import NEAR, SHRINKS, distance
 from crashsolve.study.meshes import coarser, has_mesh
+from crashsolve.study.watch import Watch
 
 FACTORS = (2, 4)
 # order of elements without contact and yield
@@ -32,6 +37,9 @@ SMOOTH = 2.0
 TOO_FAR, NOTABLE = 0.5, 0.05
 # of d2: a smaller d1 of the other sign is that of elements which are small enough
 MUCH_LESS = 0.25
+# histories about a moment, as a share of the run on either side, and the share of their difference
+# that is no chance: below the mean of |sin|, 0.64 of its largest value
+ABOUT, CHANCE_MARGIN = 0.05, 0.25
 # share of the cost of the run, and CPU time [s], that its coarser meshes may cost unasked
 SHARE, LEAST = 0.25, 0.3
 OVER_BUDGET = (
@@ -101,8 +109,29 @@ def _coarse(deck: Deck, factor: int) -> Deck:
     )
 
 
-def with_mesh(estimate: Estimate, numbers: Sequence[np.ndarray], deck: Deck) -> Estimate:
-    """An estimate with the error by the mesh in it; `numbers` of this mesh and coarser ones."""
+def window_about(watch: Watch, start: float, end: float) -> Watch | None:
+    """The history about the moment that a number reads; None where it reads no moment."""
+    if watch.statistic == PATH or watch.during:
+        return None
+    moment = end if watch.statistic == "final" else requested_moment(watch.statistic)
+    if moment is None:
+        return None
+    margin = ABOUT * (end - start)
+    window = (max(start, moment - margin), min(end, moment + margin))
+    return replace(watch, statistic=PATH, during=window)
+
+
+def chance_margin(paths: Sequence[np.ndarray]) -> float:
+    """The least error by the mesh, of histories (n,) about a moment on this mesh and a coarser."""
+    return CHANCE_MARGIN * float(np.sqrt(np.mean((paths[0] - paths[1]) ** 2)))
+
+
+def with_mesh(
+    estimate: Estimate, numbers: Sequence[np.ndarray], deck: Deck, least: float = 0.0
+) -> Estimate:
+    """An estimate with the error by the mesh in it, `least` or more; `numbers` of this mesh and
+    coarser ones.
+    """
     if estimate.error is None:
         return estimate
     # a run without a mesh needs no settings of studies
@@ -118,6 +147,8 @@ def with_mesh(estimate: Estimate, numbers: Sequence[np.ndarray], deck: Deck) -> 
             f"the steps alone is +- {estimate.error:.2g}"
         )
         return replace(estimate, error=None, how=how, mesh=inf)
+    if size < least:
+        size, how = least, f"{how}, which differ more about this moment"
     time, mesh = (f"{part:.2g} {estimate.unit}".rstrip() for part in (estimate.error, size))
     how = f"time {time}: {estimate.how}; mesh {mesh}: {how}"
     return replace(estimate, error=estimate.error + size, how=how, mesh=size)

@@ -58,7 +58,9 @@ class DeckError(CrashsolveError):
         super().__init__(file, line, column, card, message, advice)
 
     def __str__(self) -> str:
-        location = ":".join(str(part) for part in (self.file, self.line, self.column) if part)
+        # a value set from outside stands in the place of a file
+        file = _LONG.sub(_cut, self.file) if self.file.startswith("--set ") else self.file
+        location = ":".join(str(part) for part in (file, self.line, self.column) if part)
         card = f"{self.card}: " if self.card else ""
         advice = f"; {self.advice}" if self.advice else ""
         return printable(f"{location}: error: {card}" + _LONG.sub(_cut, f"{self.message}{advice}"))

@@ -18,6 +18,7 @@ from crashsolve.model import attachments
 from crashsolve.model.checks import methods
 from crashsolve.model.checks.finite import BEYOND_NUMBERS, of_model, refuse_beyond
 from crashsolve.model.checks.gyration import gyration_warnings
+from crashsolve.model.checks.magnitudes import magnitude_warnings
 from crashsolve.model.checks.sampling import step_warnings
 from crashsolve.model.checks.statics import is_incremental, refuse_motion
 from crashsolve.model.citations import citations, laws_in_use
@@ -100,6 +101,7 @@ def _build(deck: Deck) -> tuple[Model, State]:
     phases = build_phases(deck, scene)
     scene.raise_errors()
     refuse_motion(deck, groups)
+    scene.warnings += magnitude_warnings(deck.entries, deck.control.solution != "transient")
     scene.warnings += gyration_warnings(scene, groups, joints) + step_warnings(deck)
 
     model = Model(

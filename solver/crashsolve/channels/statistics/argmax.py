@@ -1,9 +1,7 @@
 """Time of the first largest sample."""
 
-import numpy as np
-
 from crashsolve.channels.series import Series
-from crashsolve.channels.statistics._top import jumped, top
+from crashsolve.channels.statistics._top import greatest, jumped, top
 
 IS_A_TIME = True
 unresolved = jumped
@@ -11,7 +9,7 @@ unresolved = jumped
 
 def value(series: Series) -> float:
     """The time [s] of the largest sample."""
-    return float(series.time[np.argmax(series.values)])
+    return float(series.time[greatest(series.values)])
 
 
 def refined(series: Series) -> float:

@@ -1,16 +1,14 @@
 """Time of the first smallest sample."""
 
-import numpy as np
-
 from crashsolve.channels.series import Series
-from crashsolve.channels.statistics._top import jumped, negative, top
+from crashsolve.channels.statistics._top import greatest, jumped, negative, top
 
 IS_A_TIME = True
 
 
 def value(series: Series) -> float:
     """The time [s] of the smallest sample."""
-    return float(series.time[np.argmin(series.values)])
+    return float(series.time[greatest(-series.values)])
 
 
 def refined(series: Series) -> float:
