@@ -158,6 +158,7 @@ def provided(law: type) -> tuple[str, ...]:
     return tuple(dict.fromkeys(n for n in names if not n.startswith("_")))
 
 
+@cache
 def constants(law: type) -> tuple[str, ...]:
     """Constants that a law must have, by the Protocol of its family."""
     return tuple(dict.fromkeys(n for part in _roles(law) for n in part.__annotations__))
