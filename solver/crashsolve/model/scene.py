@@ -44,7 +44,6 @@ from crashsolve.foundation.orientation import matrix, perpendicular
 from crashsolve.model import attachments as welds
 from crashsolve.model import shared_mesh
 from crashsolve.model.checks.finite import BEYOND, BEYOND_NUMBERS
-from crashsolve.model.checks.mesh_check import faults
 from crashsolve.model.checks.postures import torn_joints
 from crashsolve.model.ties import tie_nodes
 
@@ -304,6 +303,8 @@ class Scene:
 
     def mesh(self, card: Meshed) -> Mesh:
         """The mesh of a part, refused where its elements do not hang together."""
+        from crashsolve.model.checks.mesh_check import faults
+
         mesh: Mesh = self.built(card.mesh)
         # that of a shared mesh has been looked at as a whole
         if mesh.own is None and (wrong := faults(mesh)):
