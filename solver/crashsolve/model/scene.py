@@ -17,6 +17,7 @@ import numpy as np
 
 from crashsolve.compiler.machine import runs_plain
 from crashsolve.deck.building import Columns
+from crashsolve.foundation.distinct import distinct
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -180,7 +181,7 @@ class Scene:
             if weld.part:
                 welds.check_reach(weld, meshed, points, gaps.min(axis=1), f"welded.{k}", self)
             nearest = np.asarray(others)[np.argmin(gaps, axis=1)]
-            for body in np.unique(nearest):
+            for body in distinct(nearest):
                 own = points[nearest == body]
                 welds.check_attached(meshed, own, int(body), f"welded.{k}", self)
                 positions = meshed.mesh.points[own]

@@ -16,6 +16,7 @@ import numpy as np
 
 from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card
+from crashsolve.foundation.distinct import distinct
 from crashsolve.foundation.point import ATTACHED
 
 if TYPE_CHECKING:
@@ -111,7 +112,7 @@ def _elements(card: Shared, whole: Mesh, scene: Scene) -> np.ndarray:
         own = np.arange(len(whole.quads))
     if not len(own):
         raise scene.fail(f"has no element of mesh '{card.mesh}'", "mesh")
-    return np.unique(own)
+    return distinct(own)
 
 
 def _middles(whole: Mesh) -> np.ndarray:
