@@ -41,7 +41,7 @@ from crashsolve.deck.card import law_class
 from crashsolve.deck.family import CHOSEN, families
 from crashsolve.deck.laws import types_in
 from crashsolve.foundation.errors import DeckError, DeckErrors
-from crashsolve.foundation.orientation import matrix, perpendicular
+from crashsolve.foundation.orientation import crosses, matrix, perpendicular
 from crashsolve.model import attachments as welds
 from crashsolve.model import shared_mesh
 from crashsolve.model.checks.finite import BEYOND, BEYOND_NUMBERS
@@ -165,7 +165,7 @@ class Scene:
         arm = matrix(self.q[i]) @ self.offset[i]
         self.w[i] = body["angular_velocity"]
         self.r[i] = np.asarray(body["position"]) + arm
-        self.v[i] = np.asarray(body["velocity"]) + np.cross(self.w[i], arm)
+        self.v[i] = np.asarray(body["velocity"]) + crosses(self.w[i], arm)
 
     def attach_points(self, part: Entry) -> list[tuple[int, int]]:
         """Points of a part that are part of bodies, with these; their masses go to the bodies."""
