@@ -6,14 +6,14 @@
         decks/benchmark/tube_crush.yaml decks/verification/parts/shell_radau.yaml
     python benchmarks/start.py --all
 
-A child process runs the command `crashsolve DECK` and ends where its first step begins; the time it
-has used by then is counted from the start of the process. Cold: an empty cache of compiled code.
-Warm: the median of 5 further starts, with Python's own compiled files in place as in an installed
-package. Memory: the largest of a warm process above that of `python -c "import numpy, h5py"`.
-Budget: cold 8 s by the clock and of CPU time, 1.0 s of CPU time warm, +150 MB. The first run of a
-scene has a child process that compiles: its time counts as cold, its memory stands in the last
-column, without a budget. The second command names small and large scenes, shell_radau.yaml the
-largest of all.
+A child process (first_step.py) runs the command `crashsolve DECK` and ends where its first step
+begins; the time it has used by then is counted from the start of the process. Cold: an empty cache
+of compiled code. Warm: the median of 5 further starts, with Python's own compiled files in place as
+in an installed package. Memory: the largest of a warm process above that of
+`python -c "import numpy, h5py"`. Budget: cold 8 s by the clock and of CPU time, 1.0 s of CPU time
+warm, +150 MB. The first run of a scene has a child process that compiles: its time counts as cold,
+its memory stands in the last column, without a budget. The second command names small and large
+scenes, shell_radau.yaml the largest of all.
 
 `--all` is shorter and reports every deck: CPU time of one cold and one warm start, worst first,
 with the parts of the cold one that read and build (this process) and that compile (its child).
@@ -22,7 +22,6 @@ Decks with beams or shells are marked flexible.
 
 import json
 import os
-import resource
 import subprocess
 import sys
 import tempfile
@@ -32,9 +31,9 @@ from statistics import median
 from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parent.parent
+CHILD = Path(__file__).with_name("first_step.py")
 STARTS = 5
 BUDGET = {"cold wall": 8.0, "cold s": 8.0, "warm s": 1.0, "memory MB": 150.0}
-PROCESSES = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
 BARE = "import resource, numpy, h5py; print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)"
 
 
@@ -43,32 +42,6 @@ def decks() -> list[Path]:
     paths = sorted((ROOT / "decks").rglob("*.yaml"))
     alone = [path for path in paths if path.parent.name != "shared"]
     return [path for path in alone if "\ncontrol:" in path.read_text("utf-8")]
-
-
-def end_before_first_step(deck: str, folder: str) -> None:
-    """Run the command until the first step begins, then report the time and memory used."""
-    from crashsolve.cli import main
-    from crashsolve.deck.family import ELEMENTS, families
-    from crashsolve.system.engine import Engine
-
-    def end(engine: Engine, *_: object) -> None:
-        used = [resource.getrusage(who) for who in PROCESSES]
-        is_flexible = bool(engine.model.elements) or any(
-            families()[g.keyword].picture == ELEMENTS for g in engine.model.force_groups()
-        )
-        times, peaks = [u.ru_utime + u.ru_stime for u in used], [u.ru_maxrss / 1024 for u in used]
-        print(json.dumps([*times, *peaks, is_flexible]), flush=True)
-        os._exit(0)
-
-    def of_equilibria(cls: type[Engine]) -> None:
-        for name in {"_step", "reach"} & set(vars(cls)):
-            setattr(cls, name, end)
-
-    # motion: every call of the compiled loop passes here, with samples and without. Engines of
-    # equilibria are not imported for this
-    Engine.within_pause = end  # type: ignore[method-assign]
-    Engine.__init_subclass__ = classmethod(of_equilibria)  # type: ignore[assignment]
-    sys.exit(main([deck, "-o", folder]))
 
 
 class Start(NamedTuple):
@@ -93,7 +66,7 @@ def start(deck: Path, cache: str) -> Start:
     begun = time.monotonic()
     with tempfile.TemporaryDirectory() as folder:
         child = subprocess.run(
-            [sys.executable, __file__, "--child", str(deck), folder],
+            [sys.executable, CHILD, str(deck), folder],
             env=environment,
             capture_output=True,
             text=True,
@@ -162,6 +135,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    if sys.argv[1:2] == ["--child"]:
-        end_before_first_step(*sys.argv[2:])
     main()

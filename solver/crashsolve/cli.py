@@ -115,6 +115,15 @@ def _parser(requested: Sequence[str]) -> argparse.ArgumentParser:
         "--until", metavar="T", help='with --restart: another end time, such as 0.2 or "200 ms"'
     )
     run.set_defaults(act=_run)
+    # a run does not pay for the words of others
+    if list(requested[:1]) != ["run"]:
+        _other_commands(parser, commands)
+    return parser
+
+
+def _other_commands(parser: argparse.ArgumentParser, commands: Commands) -> None:
+    from crashsolve.sweep.command import add_arguments
+
     for word, act, text in (
         ("check", _check, "read and build a deck without running it"),
         (
@@ -136,16 +145,11 @@ def _parser(requested: Sequence[str]) -> argparse.ArgumentParser:
         commands.add_parser("study", help=STUDY[0].lower() + STUDY[1:], description=STUDY)
     )
     sweep = commands.add_parser("sweep", help=SWEEP[0].lower() + SWEEP[1:], description=SWEEP)
-    if list(requested[:1]) != ["run"]:
-        # a run does not pay for the words of others
-        from crashsolve.sweep.command import add_arguments
-
-        add_arguments(sweep)
-        _posture_arguments(commands)
+    add_arguments(sweep)
+    _posture_arguments(commands)
     _document_arguments(commands)
     add_completion(commands)
     commands.choices["completion"].set_defaults(act=lambda options: _completion(parser, options))
-    return parser
 
 
 def _posture_arguments(commands: Commands) -> None:

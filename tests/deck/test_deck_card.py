@@ -28,6 +28,7 @@ class Sample(Card):
     at: Vec3 = quantity("m", "point", (0.0, 0.0, 0.0), ge=0)
     points: tuple[Vec3, ...] = quantity("m", "points", ())
     count: int | Literal["all"] = word("count", 1, ge=1)
+    divisor: Literal[1, 2, 4] = word("number of a few", 1)
     flag: bool = word("flag", False)
     names: tuple[BodyName, ...] = word("names", ())
     inner: Inner | None = word("inner table", None)
@@ -98,6 +99,8 @@ def test_bare_numbers_are_in_the_units_of_the_file() -> None:
         ({"count": "some"}, ("count",), "must be a whole number or 'all', not 'some'"),
         ({"count": 2.0}, ("count",), "must be a whole number or 'all', not 2"),
         ({"count": True}, ("count",), "must be a whole number or 'all', not true"),
+        ({"divisor": 3}, ("divisor",), "must be 1, 2 or 4, not 3"),
+        ({"divisor": "two"}, ("divisor",), "must be 1, 2 or 4, not 'two'"),
         ({"flag": "yes"}, ("flag",), "must be true or false, not 'yes'"),
         ({"flag": 1}, ("flag",), "must be true or false, not 1"),
         ({"names": "wagon"}, ("names",), "must be a list, not 'wagon'"),

@@ -24,6 +24,7 @@ from pathlib import Path
 import llvmlite
 
 from crashsolve.foundation.errors import CrashsolveError, ExitCode
+from crashsolve.foundation.sources import source_files
 
 CHOSEN = "CRASHSOLVE_CACHE"
 PACKAGE = Path(__file__).resolve().parent.parent
@@ -42,9 +43,7 @@ def cache_folder() -> Path:
     """Folder for composed steps and compiled code of exactly these sources. Raises CacheError."""
     # another compiler makes other code of the same sources
     digest, root = hashlib.sha256(llvmlite.__version__.encode()), str(PACKAGE)
-    # pathlib would take twice the time for all
-    files = (os.path.join(folder, name) for folder, _, names in os.walk(root) for name in names)
-    for path in sorted(path for path in files if path.endswith(".py")):
+    for path in source_files(root):
         digest.update(path[len(root) + 1 :].encode())
         with open(path, "rb", buffering=0) as file:
             digest.update(file.read())

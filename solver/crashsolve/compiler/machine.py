@@ -14,7 +14,6 @@ import ctypes
 import hashlib
 import os
 import pickle
-import subprocess
 import sys
 from collections.abc import Callable
 from functools import cache
@@ -151,6 +150,9 @@ def _compile_apart(
     That process holds the lock too: should this one die, others still wait for its file.
     Raises: CompileError with the compiler's message, CacheError when the code cannot be kept.
     """
+    # with compiled code in the cache there is none
+    import subprocess
+
     words = [sys.executable, "-m", "crashsolve.compiler.process", source, path, *names]
     done = subprocess.run(
         [str(word) for word in words],

@@ -5,6 +5,7 @@ import mmap
 import re
 from collections.abc import Iterator
 from contextlib import suppress
+from functools import cache
 
 # a mapping in /proc/self/smaps: begin, end, rights, file, and the lines about it
 MAPPING = re.compile(rb"([0-9a-f]+)-([0-9a-f]+) (\S{4}) .*\n((?:[A-Z].*\n)*)")
@@ -20,12 +21,17 @@ def release_pages(library: str) -> None:
     with suppress(AttributeError, OSError):
         advise = ctypes.CDLL(None).madvise
         advise.argtypes = (ctypes.c_void_p, ctypes.c_size_t, ctypes.c_int)
-        for begin, end in list(_unchanged(library)):
+        for begin, end in _unchanged(library):
             advise(begin, end - begin, mmap.MADV_DONTNEED)
 
 
-def _unchanged(library: str) -> Iterator[tuple[int, int]]:
-    """Address ranges of a library's pages that have not been written to."""
+@cache
+def _unchanged(library: str) -> tuple[tuple[int, int], ...]:
+    """Address ranges of a library's pages that have not been written to, and cannot be."""
+    return tuple(_ranges(library))
+
+
+def _ranges(library: str) -> Iterator[tuple[int, int]]:
     with open("/proc/self/smaps", "rb") as file:
         text = file.read()
     # a process has hundreds of mappings: only those of the library are read

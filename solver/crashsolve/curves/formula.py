@@ -31,6 +31,7 @@ from crashsolve.deck.card import word
 from crashsolve.deck.diagnostics import refuse
 from crashsolve.deck.numbers import Context, number_in
 from crashsolve.deck.reading.expressions import Expression, ExpressionError
+from crashsolve.foundation.distinct import distinct
 
 # error of the cubics over the value, or over this share of the largest value; and the largest error
 # of those that need too many
@@ -119,7 +120,7 @@ def _sample(
         hidden = _hidden(formula, *samples[:3])
         if not len(hidden):
             break
-        x = np.union1d(x, hidden)
+        x = distinct(np.concatenate([x, hidden]))
         samples = _refined(formula, x, evaluations, order)
     if len(samples[0]) > FEW:
         return samples

@@ -279,9 +279,9 @@ def _check_bounds(
         return
     if isinstance(result, int) and abs(result) > LARGEST_INTEGER:
         refuse(f"must be at most {LARGEST_INTEGER:g}", within=at)
-    for bound, (holds, words) in BOUNDS.items():
-        limit = field.bounds.get(bound)
-        if limit is not None and not holds(result, limit):
+    for bound, limit in field.bounds.items():
+        holds, words = BOUNDS[bound]
+        if not holds(result, limit):
             shown_unit = "" if unit in ("", "1", "any") else f" {unit}"
             refuse(f"must be {words} {limit:g}{shown_unit}, not {shown(written)}", within=at)
 

@@ -145,7 +145,8 @@ def _in_words(card: type[BaseModel], field: Declared | None, line: ErrorDetails)
             wanted, given = notes["max_length"], notes["actual_length"]
             return Diagnostic(path, f"must have {wanted} values, not {given}")
         case "literal_error":
-            advice = nearest(value, field.words) if field else ""
+            words = [word for word in field.words if isinstance(word, str)] if field else []
+            advice = nearest(value, words)
             return Diagnostic(path, f"must be {notes['expected']}, not {shown(value)}", advice)
     return Diagnostic(
         path, f"must be {_expected(field, line)}, not {shown(value)}", _hint(card, field, line)

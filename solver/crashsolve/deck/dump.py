@@ -3,6 +3,7 @@
 import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
 from typing import Any, Protocol
 
 from crashsolve.deck.card import Card
@@ -77,7 +78,7 @@ def _lines(data: Mapping[str, object], indent: str = "") -> Iterator[str]:
     """Lines of a table: tables within tables, rows of lists; all else on the line of its key."""
     for word, value in data.items():
         head = f"{indent}{_flow(word)}:"
-        if isinstance(value, Mapping) and len(indent) < 4:
+        if isinstance(value, dict) and len(indent) < 4:
             yield head if value else f"{head} {{}}"
             yield from _lines(value, indent + "  ")
         elif isinstance(value, list) and value and not isinstance(value[0], str | float | int):
@@ -90,13 +91,19 @@ def _lines(data: Mapping[str, object], indent: str = "") -> Iterator[str]:
 def _flow(value: object) -> str:
     """A value on one line; text in quotes where YAML could take it for anything else."""
     if isinstance(value, str):
-        is_plain = _PLAIN.fullmatch(value) and plain_scalar(value)[0] == value
-        return value if is_plain else _quoted(value)
+        return _text(value)
     if isinstance(value, list):
         return f"[{', '.join(map(_flow, value))}]"
-    if isinstance(value, Mapping):
+    if isinstance(value, dict):
         return f"{{{', '.join(f'{_flow(word)}: {_flow(part)}' for word, part in value.items())}}}"
     return repr(value) if isinstance(value, float) else json.dumps(value)
+
+
+# names and fields come again and again
+@cache
+def _text(text: str) -> str:
+    is_plain = _PLAIN.fullmatch(text) and plain_scalar(text)[0] == text
+    return text if is_plain else _quoted(text)
 
 
 # line ends and unprintable characters of YAML which JSON would leave as they are

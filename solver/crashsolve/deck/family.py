@@ -20,6 +20,7 @@ from typing import Any, Protocol
 from crashsolve.deck.roles import Expanded, OwnRows, StepLaw
 from crashsolve.foundation.errors import CrashsolveError
 from crashsolve.foundation.record import Record
+from crashsolve.foundation.sources import source_files
 
 PACKAGE = __name__.partition(".")[0]
 LINE = "line"  # a picture: from point a of one body to point b of another
@@ -158,6 +159,7 @@ def provided(law: type) -> tuple[str, ...]:
     return tuple(dict.fromkeys(n for n in names if not n.startswith("_")))
 
 
+@cache
 def constants(law: type) -> tuple[str, ...]:
     """Constants that a law must have, by the Protocol of its family."""
     return tuple(dict.fromkeys(n for part in _roles(law) for n in part.__annotations__))
@@ -279,9 +281,8 @@ def families() -> dict[str, Family]:
     """
     root = _root()
     declared = []
-    # pathlib would take several times as long to find them
-    folders = sorted(Path(at) for at, _, names in os.walk(root) if "__init__.py" in names)
-    for path in (folder / "__init__.py" for folder in folders):
+    files = source_files(str(root))
+    for path in map(Path, sorted(at for at in files if at.endswith(f"{os.sep}__init__.py"))):
         if re.search(r"^FAMILY\b.*=", path.read_text("utf-8"), re.MULTILINE):
             folder = path.parent.relative_to(root).as_posix()
             family = imported(f"{PACKAGE}.{folder.replace('/', '.')}", path).FAMILY

@@ -4,7 +4,6 @@ Types are found by looking at files; only the modules a deck uses are imported.
 """
 
 import importlib
-import re
 from difflib import get_close_matches
 from functools import cache
 from os.path import isfile
@@ -40,20 +39,28 @@ def package_folder() -> Path:
 
 
 @cache
+def card_file(folder: str, word: str) -> Path | None:
+    """The file of a type; None where there is none, or it has no card."""
+    path = package_folder() / folder / f"{word}.py"
+    if not word.isidentifier() or word[0] == "_" or not isfile(path):
+        return None
+    is_card = f"\nclass {class_name(word)}(" in path.read_text("utf-8")
+    return path if is_card else None
+
+
+@cache
 def types_in(folder: str) -> dict[str, Path]:
     """Type words of a family folder and their files, sorted; files without a card are left out."""
     root = package_folder() / folder
-    return {
-        path.stem: path
-        for path in sorted(root.glob("[!_]*.py"))
-        if re.search(rf"^class {class_name(path.stem)}\(", path.read_text("utf-8"), re.MULTILINE)
-    }
+    words = sorted(path.stem for path in root.glob("[!_]*.py"))
+    return {word: path for word in words if (path := card_file(folder, word))}
 
 
 def law_module(folder: str, word: object) -> ModuleType:
     """Module of a type, imported now; raises UnknownType."""
-    types = types_in(folder)
-    if not isinstance(word, str) or word not in types:
+    path = card_file(folder, word) if isinstance(word, str) else None
+    if not isinstance(word, str) or path is None:
+        types = types_in(folder)
         near = get_close_matches(str(word), list(types), n=1, cutoff=SIMILARITY)
         advice = choices(word, types, "types")
         if isinstance(word, str) and word.isidentifier() and word[0] != "_":
@@ -63,7 +70,7 @@ def law_module(folder: str, word: object) -> ModuleType:
                 location = f"{PACKAGE}/{file.as_posix()}"
                 advice = f"{location} has no `class {class_name(word)}(...)`, its card"
         raise UnknownType(f"unknown type '{shortened(str(word))}'", advice, "".join(near))
-    return _checked(f"{PACKAGE}.{folder.replace('/', '.')}.{word}", types[word])
+    return _checked(f"{PACKAGE}.{folder.replace('/', '.')}.{word}", path)
 
 
 @cache

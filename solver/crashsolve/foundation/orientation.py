@@ -65,7 +65,7 @@ def rotated_by(q: np.ndarray, q_0: np.ndarray) -> np.ndarray:
 def perpendicular(axis: np.ndarray) -> np.ndarray:
     """A unit vector (3,) at right angles to one, from the world axis most across it."""
     helper = np.eye(3)[int(np.argmin(np.abs(axis)))]
-    side = np.cross(axis, helper)
+    side = crosses(axis, helper)
     return side / np.linalg.norm(side)
 
 

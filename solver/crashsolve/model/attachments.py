@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from crashsolve.deck.building import Scene
+from crashsolve.foundation.orientation import crosses
 from crashsolve.foundation.record import Record
 
 if TYPE_CHECKING:
@@ -105,7 +106,7 @@ def add_welded_mass(body: int, attached_nodes: list[int], scene: Scene) -> None:
         J += rotation @ scene.J[i].reshape(3, 3) @ rotation.T
         J += m * (s @ s * np.eye(3) - np.outer(s, s))
     arm = centre - scene.r[body]
-    scene.v[body] += np.cross(scene.w[body], arm)
+    scene.v[body] += crosses(scene.w[body], arm)
     scene.offset[body] += A.T @ arm
     scene.r[body], scene.mass[body], scene.J[body] = centre, mass.sum(), J.ravel()
 
@@ -166,7 +167,7 @@ def lump_points(body: int, x: np.ndarray, mass: np.ndarray, J: np.ndarray, scene
     for s, m in zip((positions - centre) @ A, masses, strict=True):
         moments += m * (s @ s * np.eye(3) - np.outer(s, s))
     arm = centre - scene.r[body]
-    scene.v[body] += np.cross(scene.w[body], arm)
+    scene.v[body] += crosses(scene.w[body], arm)
     scene.offset[body] += A.T @ arm
     scene.r[body], scene.mass[body], scene.J[body] = centre, total, moments.ravel()
 
@@ -174,7 +175,7 @@ def lump_points(body: int, x: np.ndarray, mass: np.ndarray, J: np.ndarray, scene
 def inconsistency(body: int, attached_node: int, scene: Scene) -> float:
     """Difference of the velocities of a node and of its position on the body [m/s]."""
     arm = scene.r[attached_node] - scene.r[body]
-    apart = scene.v[attached_node] - scene.v[body] - np.cross(scene.w[body], arm)
+    apart = scene.v[attached_node] - scene.v[body] - crosses(scene.w[body], arm)
     return float(np.linalg.norm(apart))
 
 
@@ -199,7 +200,7 @@ def transfer_inertia(nodes: np.ndarray, attached_nodes: np.ndarray) -> None:
 def _between(p: np.ndarray, q: np.ndarray) -> np.ndarray:
     """Quaternion p^-1 q."""
     w, v = p[0], -p[1:]
-    return np.array([w * q[0] - v @ q[1:], *(w * q[1:] + q[0] * v + np.cross(v, q[1:]))])
+    return np.array([w * q[0] - v @ q[1:], *(w * q[1:] + q[0] * v + crosses(v, q[1:]))])
 
 
 def check_reach(
@@ -236,7 +237,7 @@ def check_attached(
 ) -> None:
     """The points must begin with the motion of their positions on the body."""
     arm = meshed.mesh.points[points] - scene.r[body]
-    velocity = scene.v[body] + np.cross(scene.w[body], arm)
+    velocity = scene.v[body] + crosses(scene.w[body], arm)
     apart = float(np.linalg.norm(meshed.velocities()[points] - velocity, axis=1).max(initial=0.0))
     spin = float(np.linalg.norm(meshed.spin[points] - scene.w[body], axis=1).max(initial=0.0))
     speed = float(np.linalg.norm(velocity, axis=1).max(initial=0.0))

@@ -44,7 +44,6 @@ from crashsolve.model.force_columns import (
     history_of_force,
 )
 from crashsolve.model.hubs import longest_arm, plan_of, set_references
-from crashsolve.model.implicit.assembly import add_nodes_of_points
 from crashsolve.model.integrator_selection import Choice, by_default, choose, resolve
 from crashsolve.model.ledger import ENTRIES
 from crashsolve.model.materials import fill, laws_of, refuse_different, with_constants, with_memory
@@ -171,6 +170,8 @@ def _arrange(model: Model, state: State, scene: Scene) -> None:
     """Points as the method needs them. Writes: model, state."""
     assert model.elements is not None
     if hasattr(_method(model), "T"):
+        from crashsolve.model.implicit.assembly import add_nodes_of_points
+
         add_nodes_of_points(model, state)
     fixed = state.points["fixed"]
     model.elements.holds = np.flatnonzero((fixed > 0) & (fixed < ATTACHED)).astype(HOLD.dtype)

@@ -10,6 +10,7 @@ of straight lines is exact, for any step.
 import numpy as np
 
 from crashsolve.foundation.curve import HOLD
+from crashsolve.foundation.distinct import distinct
 from crashsolve.model.model import Model
 
 # a jump of the slope above this share of the largest is no round-off of the points
@@ -22,7 +23,7 @@ BENT = 0.01
 def corners_in_time(model: Model) -> np.ndarray:
     """Times [s] of the corners of all curves of time, in order."""
     corners_of_curves = [corners(model.curves, first) for first in sorted(curves_of_time(model))]
-    return np.unique(np.concatenate(corners_of_curves)) if corners_of_curves else np.zeros(0)
+    return distinct(np.concatenate(corners_of_curves)) if corners_of_curves else np.zeros(0)
 
 
 def curves_of_time(model: Model) -> set[int]:

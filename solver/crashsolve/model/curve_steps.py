@@ -18,6 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from crashsolve.foundation.distinct import distinct
 from crashsolve.model.corners import curves_of_time
 from crashsolve.model.model import Model
 
@@ -65,7 +66,7 @@ def steps_by_curves(model: Model, parts: float = 0.0) -> tuple[np.ndarray, np.nd
     steps = [(x, h) for x, h in steps if np.isfinite(h).any()]
     if not steps:
         return np.zeros(0), np.zeros(0)
-    starts = np.unique(np.concatenate([x for x, _ in steps]))
+    starts = distinct(np.concatenate([x for x, _ in steps]))
     each = [np.r_[np.inf, h][np.searchsorted(x, starts, side="right")] for x, h in steps]
     return _merged(starts, np.maximum(np.min(each, axis=0), shortest))
 

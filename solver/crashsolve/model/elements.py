@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from crashsolve.elements.shells.section_cut import CUT, CUT_ELEMENT
 from crashsolve.foundation.point import ATTACHED_POINT, LANES, MOTION, POINT
 from crashsolve.model.materials import fill, laws_of, refuse_different, with_constants
 from crashsolve.model.model import Elements, Group, Model
@@ -85,6 +84,8 @@ def tables_of_elements(groups: list[Group], scene: Scene) -> Elements | None:
 
 def _cuts(groups: list[Group], parts: dict[str, DiscretisedShell]) -> tuple[np.ndarray, np.ndarray]:
     """Elements of all sections, those of a block together, and the sections."""
+    from crashsolve.elements.shells.section_cut import CUT, CUT_ELEMENT
+
     cut_elements: list[tuple[object, ...]] = []
     count = 0
     for group in (g for g in groups if hasattr(g.module, "KINDS")):

@@ -17,6 +17,7 @@ import numpy as np
 
 from crashsolve.compiler.machine import runs_plain
 from crashsolve.deck.building import Columns
+from crashsolve.foundation.distinct import distinct
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -40,11 +41,10 @@ from crashsolve.deck.card import law_class
 from crashsolve.deck.family import CHOSEN, families
 from crashsolve.deck.laws import types_in
 from crashsolve.foundation.errors import DeckError, DeckErrors
-from crashsolve.foundation.orientation import matrix, perpendicular
+from crashsolve.foundation.orientation import crosses, matrix, perpendicular
 from crashsolve.model import attachments as welds
 from crashsolve.model import shared_mesh
 from crashsolve.model.checks.finite import BEYOND, BEYOND_NUMBERS
-from crashsolve.model.checks.mesh_check import faults
 from crashsolve.model.checks.postures import torn_joints
 from crashsolve.model.ties import tie_nodes
 
@@ -165,7 +165,7 @@ class Scene:
         arm = matrix(self.q[i]) @ self.offset[i]
         self.w[i] = body["angular_velocity"]
         self.r[i] = np.asarray(body["position"]) + arm
-        self.v[i] = np.asarray(body["velocity"]) + np.cross(self.w[i], arm)
+        self.v[i] = np.asarray(body["velocity"]) + crosses(self.w[i], arm)
 
     def attach_points(self, part: Entry) -> list[tuple[int, int]]:
         """Points of a part that are part of bodies, with these; their masses go to the bodies."""
@@ -181,7 +181,7 @@ class Scene:
             if weld.part:
                 welds.check_reach(weld, meshed, points, gaps.min(axis=1), f"welded.{k}", self)
             nearest = np.asarray(others)[np.argmin(gaps, axis=1)]
-            for body in np.unique(nearest):
+            for body in distinct(nearest):
                 own = points[nearest == body]
                 welds.check_attached(meshed, own, int(body), f"welded.{k}", self)
                 positions = meshed.mesh.points[own]
@@ -304,6 +304,8 @@ class Scene:
 
     def mesh(self, card: Meshed) -> Mesh:
         """The mesh of a part, refused where its elements do not hang together."""
+        from crashsolve.model.checks.mesh_check import faults
+
         mesh: Mesh = self.built(card.mesh)
         # that of a shared mesh has been looked at as a whole
         if mesh.own is None and (wrong := faults(mesh)):

@@ -16,13 +16,13 @@ import numpy as np
 
 from crashsolve.deck.building import Scene
 from crashsolve.deck.card import Card
+from crashsolve.foundation.distinct import distinct
 from crashsolve.foundation.point import ATTACHED
-from crashsolve.meshes.shared import Shared
-from crashsolve.model.checks.mesh_check import faults
 
 if TYPE_CHECKING:
     from crashsolve.deck.building import EntryOfScene, PartOfScene
     from crashsolve.meshes._mesh import Mesh
+    from crashsolve.meshes.shared import Shared
 
 # velocities of a node by two parts that differ by less than this share are the same
 SAME = 1e-9
@@ -34,6 +34,8 @@ def shared_meshes(scene: Scene) -> dict[str, Mesh]:
     """Shares of the meshes under `meshes`, by the name of the part."""
     meshes: dict[str, Mesh] = {}
     for name, entry in scene.deck.entries["meshes"].items():
+        from crashsolve.meshes.shared import Shared
+
         parts = parts_of(name, scene)
         with scene.building(entry):
             if isinstance(entry.card, Shared):
@@ -54,6 +56,8 @@ def _whole(entry: EntryOfScene, scene: Scene) -> Mesh:
         # as fields are called where a mesh stands within the card of its part
         field = getattr(problem, "field", None) or ""
         raise scene.fail(str(problem), field.removeprefix("mesh.") or None) from None
+    from crashsolve.model.checks.mesh_check import faults
+
     if wrong := faults(whole):
         raise scene.fail(wrong)
     return whole
@@ -67,6 +71,10 @@ def parts_of(mesh: str, scene: Scene) -> list[EntryOfScene]:
 
 def _name_of(card: Card) -> str:
     mesh = getattr(card, "mesh", None)
+    if mesh is None:
+        return ""
+    from crashsolve.meshes.shared import Shared
+
     return mesh.mesh if isinstance(mesh, Shared) else ""
 
 
@@ -104,7 +112,7 @@ def _elements(card: Shared, whole: Mesh, scene: Scene) -> np.ndarray:
         own = np.arange(len(whole.quads))
     if not len(own):
         raise scene.fail(f"has no element of mesh '{card.mesh}'", "mesh")
-    return np.unique(own)
+    return distinct(own)
 
 
 def _middles(whole: Mesh) -> np.ndarray:

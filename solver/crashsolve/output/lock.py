@@ -7,7 +7,6 @@ name.
 
 import fcntl
 import os
-import socket
 from contextlib import suppress
 from pathlib import Path
 from typing import Self
@@ -46,7 +45,7 @@ class Lock:
         except OSError as error:
             self.warning = f"{path} cannot be locked ({error.strerror}): start no other run here"
         with suppress(OSError):
-            owner = f"process {os.getpid()} on {socket.gethostname()}\n"
+            owner = f"process {os.getpid()} on {os.uname().nodename}\n"
             os.ftruncate(self._descriptor, 0)
             os.pwrite(self._descriptor, owner.encode(), 0)
 

@@ -4,6 +4,8 @@ Every function returns points (n, 3) and triangles (m, 3), corners counter-clock
 outside.
 """
 
+from functools import cache
+
 import numpy as np
 
 Surface = tuple[np.ndarray, np.ndarray]
@@ -80,14 +82,22 @@ def _revolved(
     rings = radii[:, None, None] * circle + heights[:, None, None] * np.array([0.0, 0.0, 1.0])
     poles = np.array([[0.0, 0.0, bottom], [0.0, 0.0, top]])
     points = np.concatenate([rings.reshape(-1, 3), poles]) * np.array(scale)
+    return points, _between(len(radii))
+
+
+@cache
+def _between(circles: int) -> np.ndarray:
+    """Triangles between so many circles and the two poles; not to be changed."""
     base = np.arange(SEGMENTS)
     after = np.roll(base, -1)
-    last = (len(radii) - 1) * SEGMENTS
-    south, north = len(points) - 2, len(points) - 1
+    last = (circles - 1) * SEGMENTS
+    south, north = circles * SEGMENTS, circles * SEGMENTS + 1
     triangles = [np.stack([np.full(SEGMENTS, south), after, base], axis=1)]
     for start in range(0, last, SEGMENTS):
         low, low_after = start + base, start + after
         triangles.append(np.stack([low, low_after, low_after + SEGMENTS], axis=1))
         triangles.append(np.stack([low, low_after + SEGMENTS, low + SEGMENTS], axis=1))
     triangles.append(np.stack([np.full(SEGMENTS, north), last + base, last + after], axis=1))
-    return points, np.concatenate(triangles)
+    joined = np.concatenate(triangles)
+    joined.flags.writeable = False
+    return joined

@@ -3,7 +3,6 @@
 import json
 import math
 import os
-import socket
 import threading
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -51,7 +50,7 @@ class Status:
     unfiltered: list[str] = field(default_factory=list)
     deleted: dict[str, Json] = field(default_factory=dict)
     pid: int = field(default_factory=os.getpid)
-    host: str = field(default_factory=socket.gethostname)
+    host: str = field(default_factory=lambda: os.uname().nodename)
 
 
 def write_status(path: Path | str, status: Status) -> None:

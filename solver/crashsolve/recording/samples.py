@@ -104,7 +104,7 @@ class Samples:
 def are_among(times: np.ndarray, others: np.ndarray) -> np.ndarray:
     """Whether each of the times (n,) is one of the others (m,), which ascend.
 
-    np.isin and np.intersect1d load numpy.ma, which takes longer than the run of a small scene.
+    np.isin and np.intersect1d load numpy.ma, as np.unique does (foundation/distinct.py).
     """
     first = np.searchsorted(others, times)
     return first < np.searchsorted(others, times, side="right")

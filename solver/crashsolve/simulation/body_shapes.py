@@ -16,7 +16,7 @@ from crashsolve.deck.building import Columns
 from crashsolve.deck.family import LINE, families
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.deck.reading.items import Entry
-from crashsolve.foundation.orientation import perpendicular
+from crashsolve.foundation.orientation import crosses, perpendicular
 from crashsolve.model.model import Group, Model
 from crashsolve.output import shapes
 
@@ -92,7 +92,7 @@ def bars(model: Model, deck: Deck) -> list[Piece]:
             ends = np.array([bar.from_, bar.to]) - entry.card.mass_centre
             along = ends[1] - ends[0]
             z = np.cross(along, bar.side)
-            axes = np.column_stack([np.cross(z, along), z])
+            axes = np.column_stack([crosses(z, along), z])
             axes /= np.linalg.norm(axes, axis=0)
             edge = outline(deck.entries["sections"][bar.section])
             pieces.append((model.bodies.index(name), *shapes.prism(edge, ends, axes)))

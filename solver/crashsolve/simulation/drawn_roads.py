@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from crashsolve.foundation.distinct import distinct
 from crashsolve.model.model import Model
 
 if TYPE_CHECKING:
@@ -57,7 +58,7 @@ def _strip(
     first, last = (first, last) if first < last else (rows["x"][0], rows["x"][-1])
     s = np.linspace(first, last, PARTS + 1) if np.any(rows["c"][:, 2:]) else [first, last]
     inside = rows["x"][(rows["x"] > first) & (rows["x"] < last)]
-    s = np.unique(np.concatenate([s, inside]))
+    s = distinct(np.concatenate([s, inside]))
     z = read(curves, root, s)
     sides = [np.column_stack([s, np.full_like(s, y), z]) for y in (low[1] - aside, high[1] + aside)]
     points = at + np.concatenate(sides) @ axes

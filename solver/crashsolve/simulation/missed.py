@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from crashsolve.foundation.distinct import distinct
 from crashsolve.model.corners import curves_of_time
 from crashsolve.model.model import Model
 
@@ -88,7 +89,7 @@ def missed_curves(engine: Engine, history: Path) -> list[MissedCurve]:
     for first in firsts:
         points = model.curves[first : model.curves[first]["last"] + 1]
         x = np.clip(points["x"], times[0], times[-1])
-        t = np.unique(np.concatenate([x, 0.5 * (x[:-1] + x[1:])]))
+        t = distinct(np.concatenate([x, 0.5 * (x[:-1] + x[1:])]))
         true, shown = _values(points, t), _values(points, times)
         if np.ptp(shown) < SHOWN * np.ptp(true):
             beyond = np.maximum(true - shown.max(), shown.min() - true)

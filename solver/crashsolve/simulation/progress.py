@@ -2,7 +2,6 @@
 
 import os
 import platform
-import socket
 import threading
 import time
 from collections.abc import Iterator
@@ -120,7 +119,7 @@ class Account:
             {
                 "deck": str(self.deck.path),
                 "title": self.deck.title,
-                "host": socket.gethostname(),
+                "host": os.uname().nodename,
                 "model": ", ".join(f"{k} {n}" for k, n in counts.items()) or "empty",
                 "mass": f"{model.total_mass():.6g} kg",
                 "size": f"{model.size:.4g} m",
@@ -282,6 +281,6 @@ def provenance(deck: Deck, engine: Engine) -> Json:
             "llvmlite": llvmlite.__version__,
             "h5py": h5py.__version__,
         },
-        "host": socket.gethostname(),
+        "host": os.uname().nodename,
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
     }

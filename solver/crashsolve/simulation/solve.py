@@ -47,7 +47,6 @@ from crashsolve.simulation.expected_size import expected_size
 from crashsolve.simulation.forward import march
 from crashsolve.simulation.heartbeat import Heartbeat
 from crashsolve.simulation.inconsistencies import refuse_inconsistencies
-from crashsolve.simulation.missed import missed_contacts, missed_curves
 from crashsolve.simulation.pictures import Pictures
 from crashsolve.simulation.progress import Account, cpu_time, preparing, provenance
 from crashsolve.simulation.remarks import contacts_without_depth, touching_at_start
@@ -295,6 +294,8 @@ class Run:
         self.files.close()
         self.account.status("running", None, "estimating errors")
         self.heartbeat.does("estimating errors")
+        from crashsolve.simulation.missed import missed_contacts, missed_curves
+
         estimating = self.estimating or self._begin_estimates()
         cycles, cpu = int(self.engine.clock["cycle"]), self.account.cpu_seconds()
         history, model = self.folder / "history.h5", self.engine.model

@@ -3,6 +3,7 @@
 import numpy as np
 
 from crashsolve.deck.building import Scene
+from crashsolve.foundation.distinct import distinct
 
 
 def check_pressed(curve: int, name: str, stiffness: float, scene: Scene) -> None:
@@ -35,7 +36,7 @@ def check_below(lower: int, upper: int, name: str, scene: Scene) -> None:
             f"curve '{name}' ends at {x_u[-1]:.6g} m, before that of loading at {x_y[-1]:.6g} m",
             "normal.unloading_curve",
         )
-    x = np.union1d(x_u, x_y[x_y <= x_u[-1]])
+    x = distinct(np.concatenate([x_u, x_y[x_y <= x_u[-1]]]))
     x = x[x <= x_y[-1]]
     if (np.interp(x, x_u, u) > np.interp(x, x_y, y) * (1.0 + 1e-9)).any():
         raise scene.fail(

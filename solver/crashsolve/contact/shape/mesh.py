@@ -12,6 +12,7 @@ from pydantic import model_validator
 from crashsolve.contact.shape._placed import PLACED, PlacedCard, placement
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import FileName, Vec3, quantity, word
+from crashsolve.foundation.distinct import distinct
 from crashsolve.foundation.mesh_files.reading import OUTLINES, MeshFileError, read_mesh_file
 from crashsolve.foundation.record import Record
 
@@ -145,6 +146,6 @@ def half_width(element: Columns) -> float:
 
 def corners(element: Columns) -> list[Columns]:
     """The points of the mesh, as spheres of radius 0."""
-    used = element["points"][np.unique(element["faces"])]
+    used = element["points"][distinct(element["faces"])]
     points = element["point"] + used @ element["axes"].reshape(3, 3).T
     return [{"node": element["node"], "point": point, "radius": 0.0} for point in points]

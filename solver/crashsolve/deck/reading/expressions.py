@@ -88,10 +88,14 @@ class Expression:
         try:
             with warnings.catch_warnings(action="ignore"):
                 self.written = _RESERVED.sub(rf"\1{OWN}", self.text)
-                self.root = _renamed(ast.parse(self.written, mode="eval").body)
+                self.root = ast.parse(self.written, mode="eval").body
         except (SyntaxError, ValueError, MemoryError, RecursionError):
             raise ExpressionError(f"cannot read the expression '{self.text}'") from None
         nodes = list(ast.walk(self.root))
+        for node in nodes:
+            if isinstance(node, ast.Name):
+                # as they were written
+                node.id = node.id.removesuffix(OWN)
         functions = [node.func for node in nodes if isinstance(node, ast.Call)]
         called = set(map(id, functions))
         self.has_angles = any(isinstance(f, ast.Name) and f.id in ANGLES for f in functions)
@@ -210,11 +214,3 @@ class Expression:
             advice = choices(name, FUNCTIONS, "functions")
             raise ExpressionError(f"unknown function '{name}'", advice)
         return FUNCTIONS[name]
-
-
-def _renamed(root: ast.expr) -> ast.expr:
-    """The tree with names of parameters as they were written."""
-    for node in ast.walk(root):
-        if isinstance(node, ast.Name):
-            node.id = node.id.removesuffix(OWN)
-    return root

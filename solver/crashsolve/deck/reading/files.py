@@ -9,6 +9,7 @@ are put in before anything is worked out, so that they may stand in names and in
 """
 
 import re
+from collections.abc import Callable
 from os.path import isfile
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -169,13 +170,16 @@ class Files:
     def _filled_in(self, table: Table, words: dict[str, str], path: Path) -> Table:
         """A copy of a file's table with its words put in; an error for each that is idle."""
         filling = _Filling(words, self.diagnostics)
-        filled: Table = filling.value(table, Position(str(path), 1, 1))
+        filled: Table = filling.value(table, lambda _: Position(str(path), 1, 1), 0)
         for word in words.keys() - filling.used:
             message = f"nothing in the file has the word <{word}>"
             self.diagnostics.append(DeckError(str(path), None, None, "include", message))
         # names would be wrong as well
         self.incomplete |= filling.used != words.keys()
         return filled
+
+
+Located = Callable[[Any], Position]
 
 
 class _Filling:
@@ -185,13 +189,16 @@ class _Filling:
         self.words, self.diagnostics = words, diagnostics
         self.used: set[str] = set()
 
-    def value(self, value: object, location: Position) -> Any:
-        """A value with the words put in; a lone word that is a number becomes one."""
+    def value(self, value: object, location: Located, key: Any) -> Any:
+        """A value with the words put in; a lone word that is a number becomes one.
+
+        `location` gives its place by its key or index.
+        """
         if isinstance(value, Table):
             table = Table(value.file)
             for key, part in value.items():
-                new = self.value(part, value.value_location(key))
-                name = self.text(key, value.key_location(key))
+                new = self.value(part, value.value_location, key)
+                name = self.text(key, value.key_location, key)
                 if name in table:
                     message = f"'{name}' is given twice with these words"
                     self.diagnostics.append(DeckError(*value.key_location(key), "include", message))
@@ -200,26 +207,28 @@ class _Filling:
         if isinstance(value, Rows):
             rows = Rows(value.file)
             rows.values_at = value.values_at
-            rows.extend(self.value(part, value.location(i)) for i, part in enumerate(value))
+            rows.extend(self.value(part, value.location, i) for i, part in enumerate(value))
             return rows
         if not isinstance(value, str) or "<" not in value:
             return value
-        text = self.text(value, location)
+        text = self.text(value, location, key)
         plain, problem, _ = plain_scalar(text)
         return plain if _WORD.fullmatch(value.strip()) and not problem else text
 
-    def text(self, text: str, location: Position) -> str:
+    def text(self, text: str, location: Located, key: Any) -> str:
         """A text with the words put in; an error for each that is not given."""
+        if "<" not in text:
+            return text
         for word in _WORD.findall(text):
             if word not in self.words:
                 advice = f"give it: with: {{{word}: ...}}"
                 self.diagnostics.append(
-                    DeckError(*location, "include", f"the word <{word}> is not given", advice)
+                    DeckError(*location(key), "include", f"the word <{word}> is not given", advice)
                 )
             self.used.add(word)
         filled = _WORD.sub(lambda match: self.words.get(match[1], match[0]), text)
         if len(filled) <= LONGEST or filled == text:
             return filled
         message = f"with its words put in the text has {len(filled)} letters, more than {LONGEST}"
-        self.diagnostics.append(DeckError(*location, "include", message))
+        self.diagnostics.append(DeckError(*location(key), "include", message))
         return text

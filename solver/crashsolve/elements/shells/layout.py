@@ -31,6 +31,7 @@ from crashsolve.elements.shells.records import (
     EROSION,
     VISCOUS,
 )
+from crashsolve.foundation.distinct import distinct
 from crashsolve.foundation.point import ATTACHED, LANES
 
 # points in the plane of a quadrilateral
@@ -63,7 +64,7 @@ class DiscretisedShell:
         corners = self.mesh.quads.ravel()
         self.first = 0  # of the mesh's points among all, once parts are numbered
         # points of its elements, and those that it moves: of a shared mesh not all
-        self.used = np.arange(n) if own is None else np.unique(corners)
+        self.used = np.arange(n) if own is None else distinct(corners)
         self.own = slice(0, n) if own is None else own
         self.is_damped = bool(card.damping or card.viscosity or card.mass_scaling)
         self.mass_factors = self._mass_factors(scene)

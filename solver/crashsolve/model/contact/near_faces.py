@@ -4,6 +4,7 @@ from itertools import permutations
 
 import numpy as np
 
+from crashsolve.foundation.distinct import distinct
 from crashsolve.foundation.orientation import crosses
 from crashsolve.foundation.record import Record
 
@@ -15,16 +16,10 @@ FACE_AT_START = Record("""
 TABLE = 4_000_000
 
 
-def _distinct(numbers: np.ndarray) -> np.ndarray:
-    """Numbers once each, ascending; of millions sorting is faster than the hashes of np.unique."""
-    numbers = np.sort(numbers)
-    return numbers[np.r_[True, numbers[1:] != numbers[:-1]][: len(numbers)]]
-
-
 def grouped(keys: np.ndarray, values: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Values by key, each once and ascending: where those of a key begin (count + 1,), all (n,)."""
     most = int(values.max(initial=0)) + 1
-    keys, values = np.divmod(_distinct(keys * most + values), most)
+    keys, values = np.divmod(distinct(keys * most + values), most)
     return np.searchsorted(keys, np.arange(count + 1)).astype(np.int64), values.astype(np.int64)
 
 
@@ -136,9 +131,9 @@ def _reached(
         pair = np.repeat(owner * count, sizes) + others[at]
         is_better = (longer < reach) & (longer < shortest[pair])
         pair, longer = pair[is_better], longer[is_better]
-        reached.append(_distinct(pair[np.isinf(shortest[pair])]))
+        reached.append(distinct(pair[np.isinf(shortest[pair])]))
         np.minimum.at(shortest, pair, longer)
-        front = _distinct(pair)
+        front = distinct(pair)
     return np.sort(np.concatenate(reached))
 
 

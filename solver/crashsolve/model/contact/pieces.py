@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from crashsolve.foundation.distinct import distinct
 from crashsolve.foundation.record import Record
 from crashsolve.model.contact import records
 
@@ -53,7 +54,7 @@ def has_many(group: ContactGroup) -> bool:
 
 def _cards(group: ContactGroup) -> int:
     """Contact cards of a group."""
-    return len(group.search.cards() if group.search else np.unique(group.parameters["card"]))
+    return len(group.search.cards() if group.search else distinct(group.parameters["card"]))
 
 
 def cut(group: ContactGroup) -> None:

@@ -10,7 +10,6 @@ import numpy as np
 from crashsolve.deck.family import FamilyError
 from crashsolve.foundation.sparse.planning import plan
 from crashsolve.model.contact.groups import ContactGroup
-from crashsolve.model.implicit.assembly import assembled
 from crashsolve.model.model import Group, Model, State
 from crashsolve.model.nodes import COMPLIANT, TANGENTS
 
@@ -49,6 +48,8 @@ def compliance(model: Model, state: State, factors: int) -> dict[str, np.ndarray
     tangents = np.zeros(len(first), TANGENTS.dtype)
     tangents["first"] = first
     if has_nodal_tangents(model):
+        from crashsolve.model.implicit.assembly import assembled
+
         return {"tangents": tangents} | assembled(model, state, groups, factors)
     for module in (g.module for g in tangent_groups(model) if g.module.TANGENTS > MAX_ROWS):
         message = f"{module.__name__}: TANGENTS is {module.TANGENTS}"

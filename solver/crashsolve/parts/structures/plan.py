@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from crashsolve.deck.building import Columns
 from crashsolve.deck.expansion import Law, Problem, Steps
-from crashsolve.foundation.orientation import perpendicular, quaternion_of
+from crashsolve.foundation.orientation import crosses, perpendicular, quaternion_of
 
 # directions closer than this are the same, in radians; so are positions, over a member's length
 SAME = 1e-6
@@ -231,13 +231,13 @@ def _refuse_crossing(members: list[Member]) -> None:
             if set(member.ends) & set(other.ends):
                 continue
             a, b, u, v = member.positions[0], other.positions[0], member.along, other.along
-            n = np.cross(u, v)
+            n = crosses(u, v)
             length = float(np.linalg.norm(n))
             # those in one line meet in a point, if they do
             if length <= SAME:
                 continue
-            s = float(np.cross(b - a, v) @ n) / length**2
-            t = float(np.cross(b - a, u) @ n) / length**2
+            s = float(crosses(b - a, v) @ n) / length**2
+            t = float(crosses(b - a, u) @ n) / length**2
             reach, far = (float(np.linalg.norm(np.subtract(*m.positions))) for m in (member, other))
             apart = abs(float((b - a) @ n)) / length
             if 0.0 < s < reach and 0.0 < t < far and apart <= SAME * max(reach, far):
