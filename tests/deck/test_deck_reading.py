@@ -155,6 +155,7 @@ def test_an_override_replaces_a_parameter(tmp_path: Path) -> None:
     # what follows from others, and what does no longer
     assert deck.derived == ["half"]
     assert deck_of(tmp_path, TRAIN, half="3 m/s").derived == []
+    assert deck.with_units == {"speed": "36 km/h"}
     assert deck.control.end_time == 0.5
 
 

@@ -112,3 +112,28 @@ def test_a_driver_who_cannot_be_meant_is_refused(tmp_path: Path, message: str) -
         )
         Bench(tmp_path, text.replace(", axis: [1, 2, -1]", "") if "spherical" in message else text)
     assert message in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("y", "heading"),
+    [(-20.0, 0.0), (20.0, 1.5), (2.0, 3.1), (-8.0, -2.0), (0.0, np.pi)],
+)
+def test_he_comes_to_his_path_from_anywhere(tmp_path: Path, y: float, heading: float) -> None:
+    text = """
+curves: {path: {points: [[-100, 0], [60, 0], [60.1, 3], [300, 3]]}}
+joints: {j: {type: revolute, a: a, b: b, at: [0, 0, 0], axis: [0, 0, 1]}}
+loads: {d: {type: path_steering, joint: j, vehicle: a, path: path, wheelbase: 2.5,
+  preview_distance: 3, preview_time: 0.3, ratio: 1, stiffness: 70}}"""
+    law = Bench(tmp_path, text).law("loads", "d")
+    body, x, V, h, headings = law.bench.nodes[1], 0.0, 5.0, 0.05, []
+    for _ in range(600):
+        c, s = np.cos(heading), np.sin(heading)
+        body.A[:] = [c, -s, 0, s, c, 0, 0, 0, 1]
+        # the mass centre of a is at (0.05, 0, 0.1) in its frame
+        body.r[:], body.v[:], body.w[:] = (x + 0.05 * c, y + 0.05 * s, 0), (V * c, V * s, 0), 0
+        delta = law.force().steering_angle
+        x, y, heading = x + h * V * c, y + h * V * s, heading + h * V / 2.5 * np.tan(delta)
+        headings.append(heading)
+    # beyond a step of the path of 3 m; he turns round at most once
+    assert x > 60.0 and abs(y - 3.0) < 0.01 and np.ptp(headings) < 1.5 * np.pi
+    assert np.cos(heading) > 0.999

@@ -24,7 +24,12 @@ FORCE = "deforc.buffer.force"
 
 
 def run(
-    folder: Path, scale: float = 1.0, parameters: str = "{}", deck: str = "", derived: str = "[]"
+    folder: Path,
+    scale: float = 1.0,
+    parameters: str = "{}",
+    deck: str = "",
+    derived: str = "[]",
+    texts: str = "{}",
 ) -> Result:
     """Two cars, the force of their buffer times `scale`."""
     families = two_cars()
@@ -32,6 +37,7 @@ def run(
     unit, meaning, values = columns["force"]
     columns["force"] = (unit, meaning, scale * values)
     words = {"parameters": parameters, "derived_parameters": derived, "deck_text": deck}
+    words["parameters_with_units"] = texts
     write_result(folder, families, title="Cars", **words)
     write_status(folder)
     return Result(folder)
@@ -109,6 +115,12 @@ def test_legends_state_what_differs(tmp_path: Path) -> None:
         for k, v in enumerate((10.0, 12.5))
     ]
     assert names(runs) == ["speed 10", "speed 12.5"]
+    texts = ("{}", '{"speed": "45 km/h"}')
+    given = [
+        run(tmp_path / f"given{i}", parameters=f'{{"speed": {v}}}', texts=text)
+        for i, (v, text) in enumerate(zip((10.0, 12.5), texts, strict=True))
+    ]
+    assert names(given) == ["speed 10", "speed 45 km/h"]
     close = [
         run(tmp_path / f"c{k}", parameters=f'{{"v": {v!r}}}') for k, v in enumerate((1.0, 1 + 1e-7))
     ]

@@ -23,9 +23,13 @@ def names(results: Sequence[Result]) -> list[str]:
     if len(results) == 1:
         return [results[0].title]
     stated = [_stated(result) for result in results]
+    with_units = [result.stored_json("parameters_with_units", dict) or {} for result in results]
     for values in (stated, [_parameters(result) for result in results], _decks(results)):
         differing = _differing(values)
-        descriptions = [_description(own, differing, values) for own in values]
+        descriptions = [
+            _description(own, texts, differing, values)
+            for own, texts in zip(values, with_units, strict=True)
+        ]
         if 0 < len(differing) <= MAX_DIFFERENCES and len(set(descriptions)) == len(descriptions):
             return descriptions
     folders = [_folder(result) for result in results]
@@ -84,10 +88,16 @@ def _differing(values: Sequence[Json]) -> list[str]:
     return [p for p in positions if any(own.get(p) != values[0].get(p) for own in values)]
 
 
-def _description(own: Json, positions: Sequence[str], values: Sequence[Json]) -> str:
-    return ", ".join(
-        f"{printable(path)} {_shown(own.get(path), [other.get(path) for other in values])}"
+def _description(own: Json, texts: Json, positions: Sequence[str], values: Sequence[Json]) -> str:
+    """Names and values; those that were given with a unit as they were."""
+    shown = [
+        printable(str(texts[path]))
+        if path in texts
+        else _shown(own.get(path), [other.get(path) for other in values])
         for path in positions
+    ]
+    return ", ".join(
+        f"{printable(path)} {text}" for path, text in zip(positions, shown, strict=True)
     )
 
 

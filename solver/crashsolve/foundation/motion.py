@@ -6,7 +6,7 @@ f there adds f to the body's force and d x f to its torque about the mass centre
 
 from typing import NamedTuple
 
-from crashsolve.foundation.columns import add_to, matvec
+from crashsolve.foundation.columns import add_to, matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import Vector, add, cross, dot, scale, sub, vec
 
@@ -74,6 +74,16 @@ def mobility(body, d, u):
     """Acceleration of a point along unit vector u per unit force along u [1/kg]."""
     c = cross(d, u)
     return body.mass_inv + dot(c, matvec(body.W, c))
+
+
+@kernel
+def welded_response(body, d, force, moment):
+    """Mobility of all that welds fix to the body, for a unit force at d and a torque [1/kg]."""
+    rotation = add(cross(sub(d, matvec(body.A, vec(body.welded_at))), force), moment)
+    rotation_b = matvec_t(body.A, rotation)
+    return dot(force, force) * body.welded_mass_inv + dot(
+        rotation_b, matvec(body.welded_J_inv, rotation_b)
+    )
 
 
 @kernel

@@ -4,6 +4,10 @@
     delta = atan(2 L e / (X^2 + e^2)),  at most the limit:  the arc through that point of the path
     F = k (n delta - x) - c x_dot   in the joint, of travel or angle x
 
+Where the path is farther aside than 3 X, or across his line of sight, he drives towards it at half
+a right angle; between 2 X and 3 X his aim goes over from one to the other. He turns round where he
+faces against the path.
+
 Distances are taken in the plane at right angles to `up`, from a point of the vehicle between its
 rear wheels: without slip of its tyres it holds a circle without error, at delta = atan(L / R). At
 rest and in reverse he holds the joint at 0, and below 0.5 m/s he steers in proportion to the speed.
@@ -17,7 +21,7 @@ Mellon University CMU-RI-TR-92-01.
 from __future__ import annotations
 
 from importlib import import_module
-from math import atan, atan2, cos
+from math import atan, atan2, cos, sqrt
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -46,8 +50,10 @@ if TYPE_CHECKING:
 
 # iterations of the search for the path, and where it is close enough, over the distance ahead
 ITERATIONS, CLOSE = 20, 1e-12
-# cosine between path and line of sight below which they no longer meet
+# least cosine between path and line of sight of the search
 LEAST_COSINE = 0.05
+# distances of the path aside, over that ahead: up to which he aims at it, from which towards it
+NEAR, FAR = 2.0, 3.0
 # speed from which the driver steers without limit [m/s]
 FULL_STEERING_SPEED = 0.5
 
@@ -124,7 +130,7 @@ OUTPUT = Record("""
     coordinate      m or rad      x, of the joint since the start
     rate            m/s or rad/s  of it
     offset          m             of the vehicle from the path at its point, positive to the left
-    preview_error   m             e
+    preview_error   m             e, of the point that he aims at
 """)
 
 
@@ -169,8 +175,24 @@ def build(card: PathSteering, scene: Scene) -> Columns:
 
 
 @kernel
+def lateral_offset(p: Parameters, target, side, X, curves):
+    """e of the path from the point ahead, along `side` [m], and whether it is near."""
+    e = 0.0
+    for _ in range(ITERATIONS):
+        probe = add_scaled(target, e, side)
+        y, slope, _ = curve_value(curves, p.path, dot(probe, vec(p.along)))
+        across = dot(side, vec(p.left)) - slope * dot(side, vec(p.along))
+        gap = y - dot(probe, vec(p.left))
+        if abs(gap) < CLOSE * X:
+            return e, across > LEAST_COSINE and abs(e) < FAR * X
+        # towards a path across his line of sight, or along it, there is none
+        e += gap / max(across, LEAST_COSINE)
+    return e, False
+
+
+@kernel
 def steering_target(p: Parameters, nodes, curves):
-    """delta of the driver [rad], offset of the path ahead [m], that of the vehicle [m]."""
+    """delta of the driver [rad], offset of the point he aims at [m], that of the vehicle [m]."""
     body, up = nodes[p.vehicle], vec(p.up)
     x = sub(world_position(body, vec(p.at)), vec(p.origin))
     forward = arm(body, vec(p.forward))
@@ -179,24 +201,27 @@ def steering_target(p: Parameters, nodes, curves):
     side = cross(up, forward)
     V = dot(forward, point_velocity(body, arm(body, vec(p.at))))
     X = p.ahead + p.preview * max(V, 0.0)
-    target, e = add_scaled(x, X, forward), 0.0
-    for _ in range(ITERATIONS):
-        probe = add_scaled(target, e, side)
-        y, slope, _ = curve_value(curves, p.path, dot(probe, vec(p.along)))
-        across = dot(side, vec(p.left)) - slope * dot(side, vec(p.along))
-        gap = y - dot(probe, vec(p.left))
-        if abs(gap) < CLOSE * X:
-            break
-        if across < LEAST_COSINE:
-            # the path runs along his line of sight: he steers to its side with all he has
-            e = X if gap > 0.0 else -X
-            break
-        e += gap / across
-    delta = atan2(2.0 * p.wheelbase * e, X * X + e * e)
     y, slope, _ = curve_value(curves, p.path, dot(x, vec(p.along)))
-    offset = (dot(x, vec(p.left)) - y) * cos(atan(slope))
+    cosine = cos(atan(slope))
+    offset = (dot(x, vec(p.left)) - y) * cosine
+    e, is_near = lateral_offset(p, add_scaled(x, X, forward), side, X, curves)
+    far = max((abs(e) / X - NEAR) / (FAR - NEAR), 0.0) if is_near else 1.0
+    ahead, aside = X, e
+    if far > 0.0:
+        # along the path, and towards it by half a right angle at most
+        tangent = scale(cosine, add_scaled(vec(p.along), slope, vec(p.left)))
+        towards = add_scaled(tangent, -max(min(offset / X, 1.0), -1.0), cross(up, tangent))
+        ahead = (1.0 - far) * X + far * X * dot(towards, forward)
+        aside = far * X * dot(towards, side)
+        if far < 1.0:
+            aside += (1.0 - far) * e
+        if ahead < 0.0:
+            # behind him: the tightest arc
+            aside = sqrt(ahead * ahead + aside * aside) * (1.0 if aside >= 0.0 else -1.0)
+            ahead = 0.0
+    delta = atan2(2.0 * p.wheelbase * aside, ahead * ahead + aside * aside)
     moves = max(min(V / FULL_STEERING_SPEED, 1.0), 0.0)
-    return moves * max(min(delta, p.limit), -p.limit), e, offset
+    return moves * max(min(delta, p.limit), -p.limit), aside, offset
 
 
 @kernel

@@ -53,6 +53,7 @@ from crashsolve.model.nodes import IMPLICIT_STAGE, NODE, ROW, STAGE
 from crashsolve.model.partition import cut
 from crashsolve.model.phases import build_phases
 from crashsolve.model.scene import Scene
+from crashsolve.model.welded import touches_welded, with_wholes
 
 if TYPE_CHECKING:
     from crashsolve.deck.reading.deck import Deck
@@ -145,6 +146,8 @@ def _arranged(model: Model, scene: Scene) -> State:
     if model.elements:
         _arrange(model, state, scene)
     _share_pairs(model, scene)
+    if hasattr(_method(model), "KICK_DRIFT_KICK") and touches_welded(model):
+        state.nodes = with_wholes(state.nodes, model)
     state.stages = initial_stages(model, len(state.nodes))
     if hasattr(_method(model), "DENSE"):
         for g in model.force_groups():

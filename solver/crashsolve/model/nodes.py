@@ -52,6 +52,16 @@ NODE = Record("""
     w_dot         rad/s^2     3  angular acceleration, at samples
 """)
 
+# of a scene in which contacts touch bodies that welds join to others: model/welded.py
+WELDED = Record("""
+    welded_first   index            first body of the rigid whole that welds make of it; itself
+    welded_mass_inv  1/kg             inverse mass of the whole
+    welded_at      m             3  mass centre of the whole from its own, body axes
+    welded_J_inv   1/(kg m^2)    9  inverse inertia of the whole about that centre, body axes
+    own_stiffness  1/s^2            part of stiffness that is not of contacts
+    own_damping    1/s              part of damping that is not of contacts
+""")
+
 STAGE = Record("""
     rate_r         m/s    3  velocity at a stage of a Runge-Kutta step; ground: power of drivers [W]
     rate_rotation  1/s    3  of rotation

@@ -271,6 +271,7 @@ def provenance(deck: Deck, engine: Engine) -> Json:
         "deck_sources": {path.name: path.read_text("utf-8") for path in deck.files},
         "parameters": deck.parameters,
         "derived_parameters": deck.derived,
+        "parameters_with_units": deck.with_units,
         "expect": deck.expectations(),
         "report": as_data(report) if report is not None else None,
         "citations": engine.model.citations,

@@ -19,6 +19,7 @@ from crashsolve.model.implicit.compliance import (
     tangent_groups,
 )
 from crashsolve.model.model import Group, Model, State
+from crashsolve.model.welded import touches_welded
 from crashsolve.system.contact.effective_mass import groups_with_effective_mass
 from crashsolve.threads.sharing import shared_arrays
 
@@ -50,6 +51,7 @@ SEARCHES = True  # lists of near pairs, which are renewed
 MANY_PAIRS = True  # contacts whose pairs are done in pieces
 RESTING = True  # contacts whose pairs are skipped until they may touch
 PAIR_DAMPERS = True  # contacts whose friction depends on the sliding speed alone
+WELDED = True  # contacts on bodies that welds join to others
 IMPLICIT_DAMPING = True  # contacts whose damping is by the closing speed to which it leads
 NODAL_DAMPERS = True  # the same between nodes and faces
 
@@ -95,6 +97,7 @@ def placeholders(model: Model) -> dict[str, Any]:
         "PAIR_DAMPERS": any(damped) or any(c.friction_damps for c in contacts),
         "IMPLICIT_DAMPING": hasattr(method(model), "KICK_DRIFT_KICK")
         and any(c.resolves_damping for c in contacts),
+        "WELDED": hasattr(method(model), "KICK_DRIFT_KICK") and touches_welded(model),
         "NODAL_DAMPERS": any(damped),
         "KICK_DRIFT_KICK": hasattr(method(model), "KICK_DRIFT_KICK"),
         "ASSEMBLED": is_assembled(model),

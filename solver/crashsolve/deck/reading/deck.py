@@ -61,6 +61,7 @@ class Deck:
     parameters: dict[str, float]
     # names of those that follow from others
     derived: list[str]
+    with_units: dict[str, str]  # of parameters, their text
     control: Control
     output: Output
     expect: list[Expect]
@@ -213,6 +214,7 @@ class _Reader:
             written=[path.stat().st_mtime_ns for path in self.paths],
             parameters={name: float(v) for name, v in self.parameters.values.items()},
             derived=self.parameters.derived,
+            with_units=self.parameters.with_units,
             control=control,
             output=output,
             expect=[card for card in expect if card],

@@ -112,6 +112,16 @@ class Parameters:
         """Names of those whose values are expressions of others."""
         return [name for name in self.items if self._needs(name)]
 
+    @property
+    def with_units(self) -> dict[str, str]:
+        """The text of those that are given as a number with a unit, by name."""
+        texts = {name: str(self.overrides.get(name, self.items[name].value)) for name in self.items}
+        return {
+            name: text
+            for name, text in texts.items()
+            if isinstance(self.values[name], SiFloat) and "${" not in text
+        }
+
     def _in_order(self) -> list[str]:
         """Names, each after those it needs, so that long chains nest no calls; circles last."""
         order: dict[str, None] = {}

@@ -37,4 +37,4 @@ class Output(ForceOutput):
     coordinate: float  # [m or rad] x, of the joint since the start
     rate: float  # [m/s or rad/s] of it
     offset: float  # [m] of the vehicle from the path at its point, positive to the left
-    preview_error: float  # [m] e
+    preview_error: float  # [m] e, of the point that he aims at

@@ -1,7 +1,8 @@
 """Rigid members: half of each belongs to the body at either end, and welds join these bodies.
 
-Each body is welded to the first one that it hangs together with by rigid members, so that no weld
-is redundant. Consequence to test: a structure in free flight has the inertia of its members.
+Each body is welded to the first one that it hangs together with by rigid members, so that none of
+these welds is redundant; those of several of its points to a body that they are part of are.
+Consequence to test: a structure in free flight has the inertia of its members.
 """
 
 from crashsolve.deck.expansion import Made

@@ -19,7 +19,9 @@ from collections import defaultdict
 import numpy as np
 
 from crashsolve.foundation.kernels import kernel
+from crashsolve.foundation.motion import welded_response
 from crashsolve.foundation.rows import as_rows
+from crashsolve.foundation.vec3 import ZERO
 from crashsolve.model.contact.groups import ContactGroup
 from crashsolve.model.model import Model, State
 from crashsolve.system.contact.initial_penetration import Touch, initial_touches
@@ -164,7 +166,7 @@ def _ratios(
     free, mobility = _mobility(touches, within, model, state)
     shares = np.array([touch.share for touch in touches])
     springs = speeds * [float(t.group.parameters["stiffness"][t.pair]) for t in touches]
-    own, alone = np.diag(mobility), np.diag(free)
+    own, alone = np.diag(mobility), _alone(touches, free, state)
     least = np.minimum(own, _least_mobility(within, model)) * shares * springs
     response = np.maximum(_one_sided(touches, mobility) @ (shares * springs), least)
     ratios = np.ones(len(touches))
@@ -174,6 +176,24 @@ def _ratios(
     pressed = moves & (response > 0.0)
     ratios[pressed] = (alone * springs)[pressed] / response[pressed]
     return ratios
+
+
+def _alone(touches: list[Touch], free: np.ndarray, state: State) -> np.ndarray:
+    """Mobilities along the normals of both bodies, or of the wholes that welds make of them, as in
+    the step [1/kg].
+    """
+    if "welded_first" not in (state.nodes.dtype.names or ()):
+        return np.diag(free)
+    nodes = as_rows(state.nodes)
+    return np.array(
+        [
+            sum(
+                welded_response(nodes[node], tuple(arm), tuple(touch.normal), ZERO)
+                for node, arm in zip(touch.bodies, touch.arms, strict=True)
+            )
+            for touch in touches
+        ]
+    )
 
 
 def _least_mobility(within: np.ndarray, model: Model) -> float:

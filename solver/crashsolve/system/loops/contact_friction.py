@@ -7,6 +7,7 @@ length of the step (friction/_regularised.py); any other friction does.
 from crashsolve.foundation.kernels import stage
 from crashsolve.system.contact import areas, touches, work
 from crashsolve.system.contact.pair import Slide
+from crashsolve.system.loops.mobilities import friction_mobility, pair_mobility
 from crashsolve.system.placeholders import KICK_DRIFT_KICK
 
 
@@ -18,7 +19,7 @@ def friction_in_point(group, clock, h, pair, totals, sliding, curves):
     compliance = 0.0
     if KICK_DRIFT_KICK and group.friction_damps:
         u = touches.predicted_direction(old, slip, n)
-        mob_t, mob_u = touches.pair_mobility(m, w, d_a, d_b, u)
+        mob_t, mob_u = pair_mobility(m, w, d_a, d_b, u)
         compliance = touches.friction_compliance(clock, h, pair, totals, mob_t, mob_u, f)
     slid = work.along_plane(displacement, n) if KICK_DRIFT_KICK else None
     middle = work.mean_velocity(h, slid, slip) if KICK_DRIFT_KICK else None
@@ -28,7 +29,7 @@ def friction_in_point(group, clock, h, pair, totals, sliding, curves):
     )
     if not (KICK_DRIFT_KICK and group.friction_damps):
         u = touches.unit_slip(t, slip, n)
-        mob_t, mob_u = touches.pair_mobility(m, w, d_a, d_b, u)
+        mob_t, mob_u = pair_mobility(m, w, d_a, d_b, u)
         touches.add_pair_stiffness(totals.on_a, totals.on_b, mob_t, mob_u, t_k, t_c)
     return t, power, loss
 
@@ -48,7 +49,7 @@ def friction_in_area(group, clock, h, pair, totals, sliding, motion, radius, cur
     )
     if KICK_DRIFT_KICK and group.friction_damps:
         u = touches.predicted_direction(old, slip, n)
-        mob_t, mob_u = areas.friction_mobility(m, w, d_a, d_b, u, n, radius)
+        mob_t, mob_u = friction_mobility(m, w, d_a, d_b, u, n, radius)
         compliance = touches.friction_compliance(clock, h, pair, totals, mob_t, mob_u, f)
     middle = work.mean_velocity(h, sliding_displacement, slip) if KICK_DRIFT_KICK else None
     slide = Slide(f, slip, middle, sliding_displacement, areas.NO_ROTATION, mass, compliance)
@@ -57,6 +58,6 @@ def friction_in_area(group, clock, h, pair, totals, sliding, motion, radius, cur
     )
     if not (KICK_DRIFT_KICK and group.friction_damps):
         u = touches.unit_slip(friction_force, slip, n)
-        mob_t, mob_u = areas.friction_mobility(m, w, d_a, d_b, u, n, radius)
+        mob_t, mob_u = friction_mobility(m, w, d_a, d_b, u, n, radius)
         touches.add_pair_stiffness(totals.on_a, totals.on_b, mob_t, mob_u, t_k, t_c)
     return friction_force, sliding_displacement, power, loss

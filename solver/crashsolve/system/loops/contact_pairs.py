@@ -31,6 +31,7 @@ from crashsolve.system.contact.pair import (
 from crashsolve.system.loops.approach import ends_of
 from crashsolve.system.loops.contact_friction import friction_in_area, friction_in_point
 from crashsolve.system.loops.contact_pressure import distribute_pressure, mean_mobility
+from crashsolve.system.loops.mobilities import pair_mobility
 from crashsolve.system.placeholders import KICK_DRIFT_KICK, THREADS
 
 
@@ -280,7 +281,7 @@ def apply_pair_forces(group, clock, h, pair, totals, meeting, nodes, curves, sce
     touches.latch(p, old, new, depth, rate, count)
     if group.has_ends and not group.keeps_faces:
         count.peak_share = max(count.peak_share, depth / p.thick)
-    mobility = touches.pair_mobility(m, w, d_a, d_b, n)
+    mobility = pair_mobility(m, w, d_a, d_b, n)
     mass = 1.0 / (mobility[0] + mobility[1])
     corners, radius = patch_of(group, pair, meeting, nodes, scene)
     applied = fraction_of_step(clock, h, old, depth, rate)

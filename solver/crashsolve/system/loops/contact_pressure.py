@@ -16,7 +16,7 @@ from crashsolve.foundation.kernels import kernel, stage
 from crashsolve.foundation.motion import add_deferred, apply_force
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, put, scale, sub, vec
 from crashsolve.system.contact.areas import NO_ROTATION
-from crashsolve.system.contact.touches import pair_mobility
+from crashsolve.system.loops.mobilities import pair_mobility
 from crashsolve.system.placeholders import KICK_DRIFT_KICK
 
 

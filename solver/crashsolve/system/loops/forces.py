@@ -22,6 +22,7 @@ from crashsolve.system.gain import (
 )
 from crashsolve.system.loops.contact_pairs import contact_pairs
 from crashsolve.system.loops.elements import move_elements, move_points
+from crashsolve.system.loops.mobilities import begin_contacts, share_contacts
 from crashsolve.system.loops.nodal.node_to_shape import node_to_shape
 from crashsolve.system.loops.nodal.node_to_surface import node_to_surface
 from crashsolve.system.loops.pieces import contact_in_pieces, share_load
@@ -40,6 +41,7 @@ from crashsolve.system.placeholders import (
     NODAL_DAMPERS,
     PAIR_DAMPERS,
     THREADS,
+    WELDED,
 )
 
 
@@ -135,6 +137,8 @@ def apply_contacts(clock, time, h, nodes, curves, scene):
         touches.clear_friction_stiffness(nodes)
     if IMPLICIT_DAMPING:
         damping.clear_dampers(nodes)
+    if WELDED:
+        begin_contacts(nodes)
     for group in CONTACTS:
         if group.is_unilateral:
             find_touching(group, clock, h, nodes, scene)
@@ -144,6 +148,8 @@ def apply_contacts(clock, time, h, nodes, curves, scene):
             contact_pairs(group, 0, clock, h, nodes, curves, scene)
     if NODAL:
         apply_nodal_contacts(clock, h, nodes, curves, scene)
+    if WELDED:
+        share_contacts(nodes)
     if not KICK_DRIFT_KICK:
         touches.integrate_powers(clock, scene.card_history)
     touches.finish_cards(clock, scene.cards, scene.card_history)
