@@ -39,8 +39,9 @@ class Resampling:
         self.engine, self._take = engine, take
         self.repeated = np.zeros(1)
         has_forces = bool(engine.model.contacts) or has_probes(engine.model)
-        watches = moves and has_forces and is_cheap(engine)
-        self._begin, self._end = (Snapshot(engine) if watches else None for _ in range(2))
+        # whether samples may come between those of the schedule
+        self.watches = moves and has_forces and is_cheap(engine)
+        self._begin, self._end = (Snapshot(engine) if self.watches else None for _ in range(2))
         self.march = March(engine, kept, self._begin)
         # whether an interval has begun
         self.has_begun = False

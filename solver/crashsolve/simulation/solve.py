@@ -244,6 +244,7 @@ class Run:
             metadata,
             resumed,
             expected_rows=self.schedule.number(self.schedule.end) + 1,
+            may_have_more=self.resampling.watches,
         )
         self.files.callback(lambda: write_peaks(self.folder / "peaks.txt", self.history.extremes))
         self.recorder = Recorder(self.histories, self.history)
