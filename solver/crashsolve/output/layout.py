@@ -195,7 +195,7 @@ def _refuse_malformed(path: Path, group: "h5py.Group", family: Family) -> None:
     rows = 0
     for name, width in [("time", ()), *((c.path, (len(family.ids),)) for c in family.columns)]:
         data = group.get(name)
-        shape = getattr(data, "shape", None) or ()
+        shape: tuple[int, ...] = getattr(data, "shape", None) or ()
         kind = getattr(getattr(data, "dtype", None), "kind", "")
         is_table = kind == "f" and len(shape) == 1 + len(width) and shape[1:] == width
         if is_table and name == "time":
