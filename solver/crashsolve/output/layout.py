@@ -83,10 +83,11 @@ def _column_maker(group: "h5py.Group", shape: tuple[int, int]) -> Callable[[Colu
 
 
 def _location(data: "h5py.h5d.DatasetID") -> Location:
-    from h5py import h5o
+    # names of packages within a package take several times as long to import again
+    import h5py
 
     # a dataset without rows, which is never written, has no numbers anywhere
-    return Location(h5o.get_info(data).addr, data.get_offset() or 0)
+    return Location(h5py.h5o.get_info(data).addr, data.get_offset() or 0)
 
 
 def copy_rows(

@@ -219,7 +219,9 @@ class Run:
         engine.on_message = self.log.line
         self.histories = Histories(engine)
         kept, moves = self.histories.kept, not is_static(self.deck)
-        self.resampling = Resampling(engine, kept, moves, lambda time: self.recorder.take(time))
+        self.resampling = Resampling(
+            engine, kept, moves, lambda time, is_stored: self.recorder.take(time, is_stored)
+        )
         self.pictures = Pictures(engine, self.deck)
         is_free = self.deck.output.states.interval is None and not is_static(self.deck)
         self.events = EventStates(engine, self.schedule, is_free, self.pictures.fields)
