@@ -1,7 +1,6 @@
 """history.h5: what is appended is what is read, now, while running and after a restart."""
 
 import json
-from io import FileIO
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,6 @@ from crashsolve.output import layout
 from crashsolve.output.channels import Column, Family
 from crashsolve.output.errors import OutputError
 from crashsolve.output.history import HistoryWriter
-from crashsolve.output.trimming import UnknownHeader, trim
 
 
 def write_sample(path: Path, rows: int, **options: Any) -> HistoryWriter:
@@ -198,42 +196,3 @@ def test_a_file_that_grows_to_what_is_expected_is_not_copied_again(
     writer.close()
     assert path.stat().st_ino == before
     assert assert_is_sample(path, expected) == expected
-
-
-@pytest.mark.parametrize("rows", [640, 700, 720])
-def test_reserved_rows_are_taken_back_in_place(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, rows: int
-) -> None:
-    path = tmp_path / "history.h5"
-    writer = write_sample(path, rows, expected_rows=640, may_have_more=True)
-    writer.flush()
-    before = path.stat().st_ino
-    with h5py.File(path) as file:
-        assert len(file["glstat/time"]) == 720
-    writer.close()
-    assert path.stat().st_ino == before
-    assert assert_is_sample(path, rows) == rows
-    with h5py.File(path) as file:
-        for data in (file["rbdout/position/x"], file["glstat/time"]):
-            assert len(data) == data.maxshape[0] == rows
-            # as of any contiguous dataset of this shape
-            assert data.id.get_storage_size() == data.nbytes
-
-
-def test_many_reserved_rows_are_not_left_in_the_file(tmp_path: Path) -> None:
-    path, whole = tmp_path / "history.h5", tmp_path / "whole.h5"
-    write_sample(path, 500, expected_rows=700).close()
-    write_sample(whole, 500, expected_rows=500).close()
-    assert path.read_bytes() == whole.read_bytes()
-
-
-def test_header_that_is_laid_out_in_another_way_is_left_as_it_is(tmp_path: Path) -> None:
-    path = tmp_path / "history.h5"
-    with h5py.File(path, "w", libver="latest") as file:
-        file.create_dataset("own", data=np.arange(8.0))
-        header = h5py.h5o.get_info(file["own"].id).addr
-    before = path.read_bytes()
-    for at, capacity in ((header, 8), (len(before), 8), (0, 8)):
-        with FileIO(path, "r+") as raw, pytest.raises(UnknownHeader):
-            trim(raw, [at], capacity, 4)
-    assert path.read_bytes() == before

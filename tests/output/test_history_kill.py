@@ -14,7 +14,7 @@ import pytest
 from history_sample import FAMILIES, appended, assert_is_sample, read_rows, sample_row, sample_time
 from quick import first_quick
 
-from crashsolve.output import history, layout, trimming
+from crashsolve.output import history
 from crashsolve.output.history import HistoryWriter
 
 ROWS_PER_FLUSH = 3
@@ -39,11 +39,9 @@ def rows_reported(pipe: int) -> int:
         return ROWS_PER_FLUSH * len(reader.read())
 
 
-def append_for_ever(path: Path, pipe: int, flushes: int = 10**9, expected_rows: int = 0) -> None:
-    """Append rows, flush every third one and report it; the file is replaced again and again,
-    unless as many are expected.
-    """
-    writer = HistoryWriter(path, FAMILIES, {}, expected_rows=expected_rows)
+def append_for_ever(path: Path, pipe: int, flushes: int = 10**9) -> None:
+    """Append rows, flush every third one and report it; the file is replaced again and again."""
+    writer = HistoryWriter(path, FAMILIES, {})
     for flush in range(flushes):
         for row in range(ROWS_PER_FLUSH * flush, ROWS_PER_FLUSH * (flush + 1)):
             appended(writer, sample_time(row), sample_row(row))
@@ -74,11 +72,9 @@ def test_kill_at_random_moments(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     assert len(set(samples)) > 10, "the kills did not fall at different moments"
 
 
-# rows expected: more and more, so that the file is copied; one more than come, which is taken back
-@pytest.mark.parametrize("expected", [0, 4 * ROWS_PER_FLUSH + 1])
 @pytest.mark.parametrize("torn", first_quick([False, True]))
 def test_kill_at_every_system_call(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, torn: bool, expected: int
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, torn: bool
 ) -> None:
     """Stop before each call that changes a file in turn, or in the middle of each write."""
     monkeypatch.setattr(history, "FIRST_CAPACITY", 4)
@@ -103,7 +99,7 @@ def test_kill_at_every_system_call(
         def work(pipe: int) -> None:
             for name in real:
                 setattr(os, name, counted(name))
-            append_for_ever(path, pipe, 4, expected)
+            append_for_ever(path, pipe, flushes=4)
             os._exit(0)
 
         return work
@@ -122,33 +118,6 @@ def test_kill_at_every_system_call(
     else:
         pytest.fail("the child never came to its end")
     assert last > 30
-    with h5py.File(path) as file:
-        assert len(file["rbdout/velocity/x"]) == len(file["glstat/time"]) == 4 * ROWS_PER_FLUSH
-
-
-@pytest.mark.parametrize("taken", [0, 1, 4, 6])
-def test_run_killed_as_it_takes_back_reserved_rows_is_resumed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, taken: int
-) -> None:
-    path, rows = tmp_path / "history.h5", 15
-    writer = HistoryWriter(path, FAMILIES, {}, expected_rows=rows + 1)
-    for row in range(rows):
-        appended(writer, sample_time(row), sample_row(row))
-    writer.flush()
-    left = [taken]
-
-    def write_some(*what: Any) -> None:
-        left[0] -= 1
-        if left[0] >= 0:
-            layout.write_at(*what)
-
-    monkeypatch.setattr(trimming, "write_at", write_some)
-    writer.close()
-    assert left[0] < 0 or taken == 6
-    assert assert_is_sample(path, rows) == rows
-    with HistoryWriter(path, FAMILIES, {}, resume_time=sample_time(rows - 1)) as writer:
-        appended(writer, sample_time(rows), sample_row(rows))
-    assert assert_is_sample(path, rows + 1) == rows + 1
 
 
 def test_killed_history_is_resumed(tmp_path: Path) -> None:

@@ -3,8 +3,8 @@
 The values of a block are written at once; a flush waits for the disk, and writes the times that
 validate them. Appending costs time in proportion to the new rows. Rows are reserved as many as are
 expected, within limits. When they are used up the file is copied to one of twice the size, which
-takes its place by a rename. On closing the rows that are left are taken back in place, but for many
-of them by one more copy: all copies together write less than three times the final size.
+takes its place by a rename, and on closing to one that fits: all copies together write less than
+three times the final size.
 """
 
 import os
@@ -22,13 +22,12 @@ from crashsolve.output.channels import Family
 from crashsolve.output.errors import OutputError
 from crashsolve.output.files import Json, new_hdf5, replacing, reported, write_metadata
 from crashsolve.output.peaks import Extremes
-from crashsolve.output.trimming import UnknownHeader, trim
 
 FIRST_CAPACITY = 1024
 # reserved at most for the expected samples: a run may have an endless end time, and be stopped;
 # times are written in advance
 MAX_RESERVED_BYTES, MAX_RESERVED_ROWS = 1 << 28, 1 << 20
-# of the rows expected, reserved for others between them; room that a closed file may leave unused
+# of the rows expected, reserved for others between them
 FURTHER_SHARE = 1 / 8
 
 
@@ -60,8 +59,8 @@ class HistoryWriter:
         self._metadata = metadata
         self._flush_seconds = flush_seconds
         self._file: FileIO | None = None
-        # where datasets lie in the file; not known yet of one that is resumed
-        self._at: layout.Locations = {}
+        # where datasets begin in the file; not known yet of one that is resumed
+        self._offsets: layout.Offsets = {}
         # rows that are valid; those whose values are written behind them, and their times
         self._rows, self._waiting, self._times = 0, 0, list[np.ndarray]()
         self._last_time = -np.inf
@@ -73,7 +72,7 @@ class HistoryWriter:
         self._expected_rows = expected_rows + further
         max_rows = min(MAX_RESERVED_BYTES // (8 * doubles + 8), MAX_RESERVED_ROWS)
         expected = min(self._expected_rows or FIRST_CAPACITY, max_rows)
-        self._rebuild(expected if expected > self._rows else 2 * self._rows)
+        self._rebuild(max(expected, 2 * self._rows))
 
     def append(
         self,
@@ -121,8 +120,7 @@ class HistoryWriter:
             assert self._file is not None
             with reported(self.path):
                 os.fdatasync(self._file.fileno())
-                offset = self._at["time"].numbers + 8 * self._rows
-                self._write_at(offset, np.concatenate(self._times))
+                self._write_at(self._offsets["time"] + self._rows * 8, np.concatenate(self._times))
             self._rows, self._waiting, self._times = self._rows + self._waiting, 0, []
         self._flushed_at = clock.monotonic()
 
@@ -130,7 +128,7 @@ class HistoryWriter:
         """Flush and give back the reserved rows; a second call does nothing."""
         if self._file is not None:
             self.flush()
-            if self._rows < self._capacity and not self._is_trimmed():
+            if self._rows < self._capacity:
                 self._rebuild(self._rows)
             self._close_file()
 
@@ -160,8 +158,8 @@ class HistoryWriter:
             for family, block in zip(self.families, blocks, strict=True):
                 row_bytes = 8 * len(family.ids)
                 for column, values in zip(family.columns, block, strict=True):
-                    location = self._at[f"{family.name}/{column.path}"]
-                    self._write_at(location.numbers + first * row_bytes, values)
+                    offset = self._offsets[f"{family.name}/{column.path}"] + first * row_bytes
+                    self._write_at(offset, values)
         self._times.append(times)
         self._waiting += len(times)
         self._last_time = float(times[-1])
@@ -211,30 +209,17 @@ class HistoryWriter:
             self.flush()
             self._rebuild(rows if is_last else more)
 
-    def _is_trimmed(self) -> bool:
-        """Take reserved rows back in place, unless they are many or HDF5 has an unknown layout."""
-        if self._capacity - self._rows > FURTHER_SHARE * self._capacity:
-            return False
-        assert self._file is not None
-        headers = [location.header for location in self._at.values()]
-        try:
-            with reported(self.path):
-                trim(self._file, headers, self._capacity, self._rows)
-        except UnknownHeader:
-            return False
-        return True
-
     def _rebuild(self, capacity: int) -> None:
         """Replace the file by one of another capacity holding the valid rows."""
         self._close_file()
         with replacing(self.path) as partial:
             with new_hdf5(partial) as file:
                 write_metadata(file, layout.FORMAT, layout.FORMAT_VERSION, self._metadata)
-                locations = layout.create(file, self.families, capacity)
+                offsets = layout.create(file, self.families, capacity)
             if self._rows:
-                before = self._at or layout.locations_of(self.path, self.families)
-                layout.copy_rows(self.path, before, partial, locations, self.families, self._rows)
-        self._at = locations
+                before = self._offsets or layout.offsets_of(self.path, self.families)
+                layout.copy_rows(self.path, before, partial, offsets, self.families, self._rows)
+        self._offsets = offsets
         with reported(self.path):
             self._file = FileIO(self.path, "r+")
         self._capacity = capacity

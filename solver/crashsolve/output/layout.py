@@ -1,7 +1,7 @@
 """The HDF5 layout of a history, with rows reserved ahead so that appending touches no metadata.
 
 Every dataset is contiguous with `capacity` rows. A row exists once its time is not NaN, and rows
-are written values first, times last, with plain file writes at fixed locations: whatever moment the
+are written values first, times last, with plain file writes at fixed offsets: whatever moment the
 process is killed, the file is a valid HDF5 file and its rows are whole.
 """
 
@@ -9,7 +9,7 @@ import os
 from collections.abc import Callable, Iterator
 from io import FileIO
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,22 +23,14 @@ FORMAT = "crashsolve history"
 FORMAT_VERSION = 2
 SLAB_BYTES = 1 << 24
 
-
-class Location(NamedTuple):
-    """Where the header and the numbers of a dataset begin in the file [bytes]."""
-
-    header: int
-    numbers: int
+Offsets = dict[str, int]
 
 
-Locations = dict[str, Location]
-
-
-def create(file: "h5py.File", families: tuple[Family, ...], capacity: int) -> Locations:
-    """Lay out an empty history; returns where each dataset lies in the file, "time" included."""
+def create(file: "h5py.File", families: tuple[Family, ...], capacity: int) -> Offsets:
+    """Lay out an empty history; returns where each dataset begins in the file, "time" included."""
     import h5py
 
-    locations: Locations = {}
+    offsets: Offsets = {}
     time = None
     for family in families:
         group = file.create_group(family.name)
@@ -49,16 +41,16 @@ def create(file: "h5py.File", families: tuple[Family, ...], capacity: int) -> Lo
             time = reserve(group, "time", (capacity,), fill_time="ifset", fillvalue=np.nan)
             time.attrs["unit"] = "s"
             time.attrs["meaning"] = "sample times, the same in every family"
-            locations["time"] = _location(time.id)
+            offsets["time"] = time.id.get_offset() or 0
         else:
             group["time"] = time
         make = _column_maker(group, (capacity, len(family.ids)))
-        locations |= {f"{family.name}/{column.path}": make(column) for column in family.columns}
-    return locations
+        offsets |= {f"{family.name}/{column.path}": make(column) for column in family.columns}
+    return offsets
 
 
-def _column_maker(group: "h5py.Group", shape: tuple[int, int]) -> Callable[[Column], Location]:
-    """Function that lays out a column with its unit and meaning, and returns where it lies.
+def _column_maker(group: "h5py.Group", shape: tuple[int, int]) -> Callable[[Column], int]:
+    """Function that lays out a column with its unit and meaning, and returns where it begins.
 
     It calls HDF5 itself: a run has hundreds of columns, and h5py takes four times as long for each.
     """
@@ -73,51 +65,31 @@ def _column_maker(group: "h5py.Group", shape: tuple[int, int]) -> Callable[[Colu
     rows, one = h5s.create_simple(shape), h5s.create(h5s.SCALAR)
     text = h5t.py_create(string_dtype(), logical=True)
 
-    def make(column: Column) -> Location:
+    def make(column: Column) -> int:
         data = h5d.create(group.id, column.path.encode(), h5t.IEEE_F64LE, rows, values, links)
         for name, words in ((b"unit", column.unit), (b"meaning", column.meaning)):
             h5a.create(data, name, text, one).write(np.array(words, string_dtype()))
-        return _location(data)
+        # of a dataset without rows, which is never written, there is no place
+        return data.get_offset() or 0
 
     return make
 
 
-def _location(data: "h5py.h5d.DatasetID") -> Location:
-    # names of packages within a package take several times as long to import again
-    import h5py
-
-    # a dataset without rows, which is never written, has no numbers anywhere
-    return Location(h5py.h5o.get_info(data).addr, data.get_offset() or 0)
-
-
 def copy_rows(
-    old: Path,
-    before: Locations,
-    new: Path,
-    after: Locations,
-    families: tuple[Family, ...],
-    rows: int,
+    old: Path, offsets: Offsets, new: Path, target: Offsets, families: tuple[Family, ...], rows: int
 ) -> None:
-    """Copy the first `rows` rows of every dataset of an older history, in bytes."""
+    """Copy the first `rows` rows of every dataset of an older history, within the system."""
     widths = {"time": 1}
     for family in families:
         names = (f"{family.name}/{column.path}" for column in family.columns)
         widths |= dict.fromkeys(names, len(family.ids))
-    longest = max(
-        8 * width * (p.stop - p.start) for width in widths.values() for p in _slabs(rows, width)
-    )
-    buffer = np.empty(longest, np.uint8).data
     with FileIO(old) as source, FileIO(new, "r+") as copy:
         for name, width in widths.items():
-            for part in _slabs(rows, width):
-                piece = buffer[: 8 * width * (part.stop - part.start)]
-                first = 8 * width * part.start
-                _read_at(source, before[name].numbers + first, piece)
-                write_at(copy, after[name].numbers + first, piece)
+            _copy_at(source, offsets[name], copy, target[name], 8 * width * rows)
 
 
-def locations_of(path: Path, families: tuple[Family, ...]) -> Locations:
-    """Where each dataset of a history lies in its file, "time" included.
+def offsets_of(path: Path, families: tuple[Family, ...]) -> Offsets:
+    """Where each dataset of a history begins in its file, "time" included.
 
     Raises OutputError for a file that another program has laid out anew.
     """
@@ -130,7 +102,7 @@ def locations_of(path: Path, families: tuple[Family, ...]) -> Locations:
         for data in datasets.values():
             if data.chunks or data.dtype != "<f8" or data.nbytes and data.id.get_offset() is None:
                 raise OutputError(path, f"{data.name[1:]} is not contiguous, as a run writes it")
-        return {name: _location(data.id) for name, data in datasets.items()}
+        return {name: data.id.get_offset() or 0 for name, data in datasets.items()}
 
 
 def write_at(file: FileIO, offset: int, data: memoryview) -> None:
@@ -140,13 +112,14 @@ def write_at(file: FileIO, offset: int, data: memoryview) -> None:
         data, offset = data[written:], offset + written
 
 
-def _read_at(file: FileIO, offset: int, data: memoryview) -> None:
-    """Fill `data` with bytes from an offset on. Raises OSError where the file ends before."""
-    while data:
-        read = os.preadv(file.fileno(), [data], offset)
-        if not read:
+def _copy_at(source: FileIO, begin: int, copy: FileIO, at: int, count: int) -> None:
+    """Copy `count` bytes. Raises OSError where the source ends before."""
+    copy.seek(at)
+    while count:
+        done = os.sendfile(copy.fileno(), source.fileno(), begin, count)
+        if not done:
             raise OSError("the file is shorter than its datasets")
-        data, offset = data[read:], offset + read
+        begin, count = begin + done, count - done
 
 
 def read_blocks(
@@ -189,19 +162,16 @@ def rows_until(path: Path, families: tuple[Family, ...], last_time: float) -> in
 
 
 def _refuse_malformed(path: Path, group: "h5py.Group", family: Family) -> None:
-    """Raises OutputError for anything but a table of numbers for each column, and its times.
-
-    A run that was killed as it ended may have taken reserved rows from some columns alone.
-    """
-    rows = 0
-    for name, width in [("time", ()), *((c.path, (len(family.ids),)) for c in family.columns)]:
+    """Raises OutputError for anything but a table of numbers for each column, and its times."""
+    time = group.get("time")
+    rows = time.shape if getattr(time, "ndim", 0) == 1 else None
+    wanted = [("time", rows)]
+    if rows is not None:
+        wanted += [(column.path, (*rows, len(family.ids))) for column in family.columns]
+    for name, shape in wanted:
         data = group.get(name)
-        shape: tuple[int, ...] = getattr(data, "shape", None) or ()
         kind = getattr(getattr(data, "dtype", None), "kind", "")
-        is_table = kind == "f" and len(shape) == 1 + len(width) and shape[1:] == width
-        if is_table and name == "time":
-            rows = np.count_nonzero(np.isfinite(data[:]))
-        if not is_table or shape[0] < rows:
+        if shape is None or kind != "f" or data.shape != shape:
             raise OutputError(path, f"{family.name}/{name} is no table of a number for each time")
 
 
