@@ -207,7 +207,7 @@ def test_a_snapshot_without_skipped_pairs_is_the_whole_state(tmp_path: Path) -> 
     # spins make bounds loose: samples evaluate pairs that steps skip
     engine = Engine(*build(read_deck(eggs(tmp_path, (1.6, 1.5)), {})))
     kept = Histories(engine).kept
-    resampling, skipped = Resampling(engine, kept, True, lambda time: None), []
+    resampling, skipped = Resampling(engine, kept, True, lambda *what: None), []
     engine.start()
     (group,) = engine.model.contact_groups
     snapshot = resampling.march.snapshot

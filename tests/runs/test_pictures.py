@@ -165,7 +165,7 @@ def test_drawn_points_move_with_their_bodies(monkeypatch: pytest.MonkeyPatch) ->
     triangles = np.array([[0, 1, 2]])
     pieces = [(n, random.normal(size=(12, 3)), triangles) for n in (1, 1, 2, 3, 3, 3, 1, 2)]
     drawn = skins.Skin(pieces, start)
-    fields, first = drawn.fields(now), 0
+    fields, first = drawn.fields(skins.motion_of(now)), 0
     for n, points, _ in pieces:
         own = slice(first, first := first + 12)
         arms = points @ now[n]["A"].reshape(3, 3).T

@@ -202,11 +202,11 @@ class _RecordedSamples:
         self.times: list[float] = []
         self.blocks: list[dict[str, np.ndarray]] = []
 
-    def take(self, time: float) -> None:
-        """Keep the present sample. Raises SolverError."""
-        self.times.append(time)
-        if self.histories.take():
-            self.close()
+    def take(self, time: float, is_stored: bool = False) -> None:
+        """Keep the present sample, unless it has been stored already. Raises SolverError."""
+        if not is_stored:
+            self.histories.take()
+        self.add([time])
 
     def add(self, times: list[float]) -> None:
         """Add the times [s] of samples that the engine has recorded itself. Raises SolverError."""

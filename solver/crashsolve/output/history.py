@@ -27,6 +27,8 @@ FIRST_CAPACITY = 1024
 # reserved at most for the expected samples: a run may have an endless end time, and be stopped;
 # times are written in advance
 MAX_RESERVED_BYTES, MAX_RESERVED_ROWS = 1 << 28, 1 << 20
+# of the rows expected, reserved for others between them
+FURTHER_SHARE = 1 / 8
 
 
 class HistoryWriter:
@@ -44,8 +46,10 @@ class HistoryWriter:
         resume_time: float | None = None,
         *,
         expected_rows: int = 0,
+        may_have_more: bool = False,
         flush_seconds: float = 5.0,
     ) -> None:
+        """`may_have_more`: rows may come between those expected."""
         self.path = Path(path)
         # a family without entities leaves no trace
         self.families = tuple(family for family in families if family.ids and family.columns)
@@ -64,9 +68,10 @@ class HistoryWriter:
         doubles = sum(len(family.ids) * len(family.columns) for family in self.families)
         if resume_time is not None:
             self._read_kept_rows(resume_time)
-        self._expected_rows = expected_rows
+        further = int(FURTHER_SHARE * expected_rows) if may_have_more else 0
+        self._expected_rows = expected_rows + further
         max_rows = min(MAX_RESERVED_BYTES // (8 * doubles + 8), MAX_RESERVED_ROWS)
-        expected = min(expected_rows or FIRST_CAPACITY, max_rows)
+        expected = min(self._expected_rows or FIRST_CAPACITY, max_rows)
         self._rebuild(max(expected, 2 * self._rows))
 
     def append(

@@ -18,7 +18,7 @@ from crashsolve.output.template import Template
 FORMAT = "crashsolve states"
 FORMAT_VERSION = 3
 # the index is rewritten whole, so it may take this share of the run at most
-INDEX_SHARE = 0.01
+INDEX_SHARE = 0.005
 
 
 class StateWriter:

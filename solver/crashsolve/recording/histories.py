@@ -124,10 +124,9 @@ class Histories:
         """Numbers of the samples taken."""
         return self._kept
 
-    def take(self) -> bool:
-        """Store the numbers of the present sample; returns whether the block is full."""
+    def take(self) -> None:
+        """Store the numbers of the present sample."""
         self._kept.take()
-        return self._kept.is_full
 
     def values(self) -> dict[str, np.ndarray]:
         """Values (samples, n_id, n_column) of every family at the samples taken since the last.

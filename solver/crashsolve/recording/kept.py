@@ -71,7 +71,8 @@ class Block:
     ) -> None:
         """`tables`: nodes, rows and clock of the run. Extremes are those of the first `bounded`."""
         size = 8 * sum(columns.size * columns.width for columns in every)
-        self.capacity = min(max(MAX_BYTES // max(size, 1), 1), MAX_SAMPLES)
+        # odd: columns a power of two apart share few lines of a processor's cache
+        self.capacity = min(max(MAX_BYTES // max(size, 1), 1), MAX_SAMPLES) - 1 | 1
         # values (n_column, capacity, n) of each
         self._values = [np.empty((own.width, self.capacity, own.size)) for own in every]
         self._every, self._block = every, np.zeros(1, gather.BLOCK.dtype)

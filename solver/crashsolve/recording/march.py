@@ -160,6 +160,16 @@ def take(_, flag, scene):
 
 
 @entry
+def look(_, flag, scene):
+    """Sample the present step, and add it to those taken if it may be. Writes: as of both."""
+    job, clock = scene.job[0], scene.clock[0]
+    job.count = 0
+    if sample(clock.time, job, clock, scene):
+        add_sample(scene)
+        job.count = 1
+
+
+@entry
 def bound(_, flag, scene):
     """Find the extremes of the samples of a block. Writes: block, extremes."""
     find_extremes(scene)

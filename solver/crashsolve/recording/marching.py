@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from crashsolve.foundation.rows import RowOfTable
     from crashsolve.recording.changing import Snapshot
 
-ENTRIES = ("march", "take", "bound", "check_interval", "start_interval", "finish_interval")
+ENTRIES = ("march", "take", "look", "bound", "check_interval", "start_interval", "finish_interval")
 # samples of one block
 MAX_BLOCK_SAMPLES = 1024
 Pieces = Iterable[tuple[np.ndarray, np.ndarray]]
@@ -95,10 +95,22 @@ class March:
 
     def can_march(self, until: float) -> bool:
         """Whether samples until then need copies alone."""
-        is_able = self._is_plain and self.kept.is_copied and self.engine.addresses is not None
+        is_able = self._needs_copies_alone()
         if self.snapshot is not None:
             is_able = is_able and self.snapshot.is_copied
         return is_able and self.engine.has_no_corner(until)
+
+    def look(self) -> bool | None:
+        """Sample the present step; whether it has been taken. None where Python must do that."""
+        if not self._needs_copies_alone():
+            return None
+        self._renew()
+        self._call("look")
+        return bool(self.job.count)
+
+    def _needs_copies_alone(self) -> bool:
+        """Whether a sample is a call of the step and copies."""
+        return self._is_plain and self.kept.is_copied and self.engine.addresses is not None
 
     def go(self, times: np.ndarray) -> tuple[int, float, int | None]:
         """Run a block of samples at times [s]; returns their number, and CPU time [s] of the steps.

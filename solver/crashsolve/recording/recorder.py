@@ -13,11 +13,11 @@ class Recorder:
         self.histories, self.history = histories, history
         self._times: list[float] = []
 
-    def take(self, time: float) -> None:
-        """Take the present sample. Raises OutputError."""
-        self._times.append(time)
-        if self.histories.take() or self.history.is_due():
-            self._write_block()
+    def take(self, time: float, is_stored: bool = False) -> None:
+        """Take the present sample, unless it has been stored already. Raises OutputError."""
+        if not is_stored:
+            self.histories.take()
+        self.add_stored([time])
 
     def add_stored(self, times: list[float]) -> None:
         """Add samples at times [s] that have been stored already. Raises OutputError."""

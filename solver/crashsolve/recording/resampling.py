@@ -28,19 +28,20 @@ FREE_STEPS, REPEATED_SHARE = 4000, 0.05
 
 class Resampling:
     """Watches the intervals of a run in time; `take` stores the present sample of the engine at a
-    time, in `kept`.
+    time, in `kept`, unless it is stored there already.
 
     `march` counts and watches them; `repeated` (1,) are steps that were run again.
     """
 
     def __init__(
-        self, engine: Engine, kept: Block, moves: bool, take: Callable[[float], None]
+        self, engine: Engine, kept: Block, moves: bool, take: Callable[[float, bool], None]
     ) -> None:
         self.engine, self._take = engine, take
         self.repeated = np.zeros(1)
         has_forces = bool(engine.model.contacts) or has_probes(engine.model)
-        watches = moves and has_forces and is_cheap(engine)
-        self._begin, self._end = (Snapshot(engine) if watches else None for _ in range(2))
+        # whether samples may come between those of the schedule
+        self.watches = moves and has_forces and is_cheap(engine)
+        self._begin, self._end = (Snapshot(engine) if self.watches else None for _ in range(2))
         self.march = March(engine, kept, self._begin)
         # whether an interval has begun
         self.has_begun = False
@@ -103,5 +104,8 @@ class Resampling:
         """Take the present step as a sample."""
         # the run has checked this interval already
         with suppress(SolverError):
-            self.engine.sample()
-            self._take(float(self.engine.clock["time"]))
+            is_stored = self.march.look()
+            if is_stored is None:
+                self.engine.sample()
+            if is_stored is not False:
+                self._take(float(self.engine.clock["time"]), bool(is_stored))

@@ -1,6 +1,7 @@
 """From sample to sample until the end of a run, in blocks where no sample needs Python."""
 
 import time
+from bisect import bisect_left
 from pathlib import Path
 from typing import Protocol
 
@@ -133,12 +134,16 @@ def _after(run: Run, now: float) -> None:
 
 def _times_ahead(run: Run, k: int) -> np.ndarray:
     """Times [s] of the samples after sample k, up to the first at which more is due."""
-    times = run.schedule.times(k + 1, min(MAX_BLOCK_SAMPLES, run.histories.kept.room))
-    started = run.deck.control.start_time
-    all_times = np.concatenate([[run.sampled], times]) - started
-    is_due = times >= run.schedule.end
-    for step in (run.state_step, run.log_step, run.restart_step):
-        if step:
-            number = np.floor(all_times / step + 1e-9)
-            is_due |= number[1:] > number[:-1]
-    return times[: int(np.argmax(is_due)) + 1] if is_due.any() else times
+    steps = [step for step in (run.state_step, run.log_step, run.restart_step) if step]
+    # by then one of these is due
+    until_due = min(steps) / run.schedule.interval + 2.0
+    most = min(MAX_BLOCK_SAMPLES, run.histories.kept.room, until_due)
+    times, started = run.schedule.times(k + 1, int(most)), run.deck.control.start_time
+    passed = [(step, np.floor((run.sampled - started) / step + 1e-9)) for step in steps]
+
+    def is_due(time: float) -> bool:
+        if time >= run.schedule.end:
+            return True
+        return any(np.floor((time - started) / step + 1e-9) > number for step, number in passed)
+
+    return times[: bisect_left(times, True, key=is_due) + 1]

@@ -17,7 +17,7 @@ from crashsolve.simulation.body_shapes import Piece, outline
 from crashsolve.simulation.contact_points import ContactPoints, acts
 from crashsolve.simulation.drawn_roads import profiles
 from crashsolve.simulation.hinge_marks import HingeMarks
-from crashsolve.simulation.skins import Skin
+from crashsolve.simulation.skins import Skin, motion_of
 from crashsolve.system.engine import Engine
 
 if TYPE_CHECKING:
@@ -176,8 +176,9 @@ class Pictures:
         if len(self._r0) > 1:
             moved = nodes["r"][1:] - self._r0[1:]
             fields["mass_centres"] = {"displacement": moved, "velocity": nodes["v"][1:]}
+        matrices = motion_of(self.engine.nodes)
         for name, skin in self._skins.items():
-            fields[name] = skin.fields(self.engine.nodes)
+            fields[name] = skin.fields(matrices)
         for section, groups in self._lines.items():
             tension = np.concatenate([_tension(g) for g in groups])
             moved = self._line_points(groups) - self._block(section).points

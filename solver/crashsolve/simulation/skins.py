@@ -48,12 +48,10 @@ class Skin:
         most = max(group.last - group.first for group in self._groups)
         self._room = np.empty((6, most))
 
-    def fields(self, nodes: np.ndarray) -> dict[str, np.ndarray]:
-        """Displacement and velocity of every point, in the single precision of states.
-
-        The next call overwrites them.
+    def fields(self, matrices: np.ndarray) -> dict[str, np.ndarray]:
+        """Displacement and velocity of every point, in the single precision of states, by
+        motion_of the nodes. The next call overwrites them.
         """
-        matrices = _matrices(nodes)
         for group in self._groups:
             moved = self._moved[group.first : group.last]
             velocity = self._velocity[group.first : group.last]
@@ -77,7 +75,7 @@ class Skin:
         self._groups.append(Bodies(nodes, ends, first, last, own, start))
 
 
-def _matrices(nodes: np.ndarray) -> np.ndarray:
+def motion_of(nodes: np.ndarray) -> np.ndarray:
     """Of every node (6, 4): position and velocity of a point (x, y, z, 1) in its axes."""
     rotations, w = nodes["A"].reshape(-1, 3, 3), nodes["w"]
     spin = np.zeros(rotations.shape)

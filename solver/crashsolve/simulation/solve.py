@@ -219,7 +219,9 @@ class Run:
         engine.on_message = self.log.line
         self.histories = Histories(engine)
         kept, moves = self.histories.kept, not is_static(self.deck)
-        self.resampling = Resampling(engine, kept, moves, lambda time: self.recorder.take(time))
+        self.resampling = Resampling(
+            engine, kept, moves, lambda time, is_stored: self.recorder.take(time, is_stored)
+        )
         self.pictures = Pictures(engine, self.deck)
         is_free = self.deck.output.states.interval is None and not is_static(self.deck)
         self.events = EventStates(engine, self.schedule, is_free, self.pictures.fields)
@@ -244,6 +246,7 @@ class Run:
             metadata,
             resumed,
             expected_rows=self.schedule.number(self.schedule.end) + 1,
+            may_have_more=self.resampling.watches,
         )
         self.files.callback(lambda: write_peaks(self.folder / "peaks.txt", self.history.extremes))
         self.recorder = Recorder(self.histories, self.history)

@@ -8,11 +8,14 @@ which nothing else acts, gives the part of one spring, contact or element of a b
 The run itself is not changed.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from time import monotonic
 
 import numpy as np
 
+from crashsolve.compiler.table import Tables
 from crashsolve.deck.keywords import SECTIONS
 from crashsolve.model.contact.body_pairs import body_pairs_of
 from crashsolve.model.contact.groups import ContactGroup
@@ -49,6 +52,7 @@ class StepBound:
         self._interval, self._longest = interval, longest
         # of each body that has set the step: the cause, and when it was determined
         self._causes: dict[int, tuple[str, float]] = {}
+        self._copies: Copies | None = None
 
     def report(self, engine: Engine) -> str:
         """The entity that limits the present step, and why."""
@@ -103,7 +107,9 @@ class StepBound:
     def _stiffest(self, engine: Engine, at: int) -> str:
         now, (cause, renewed) = monotonic(), self._causes.get(at, ("", -np.inf))
         if now > renewed + RENEWAL_INTERVAL:
-            cause = stiffest(engine, at)
+            if self._copies is None or not self._copies.are_of(engine):
+                self._copies = Copies(engine)
+            cause = stiffest(engine, at, self._copies)
             self._causes[at] = cause, now
         return cause
 
@@ -115,8 +121,11 @@ def _speeds(nodes: np.ndarray) -> np.ndarray:
     return speeds
 
 
-def stiffest(engine: Engine, at: int) -> str:
-    """The body or element that has the least stable step, and the cause of it."""
+def stiffest(engine: Engine, at: int, copies: Copies | None = None) -> str:
+    """The body or element that has the least stable step, and the cause of it.
+
+    `copies` of these tables may serve many times.
+    """
     model = engine.model
     name = limiter(model, at)
     if at < 0:
@@ -125,8 +134,7 @@ def stiffest(engine: Engine, at: int) -> str:
         return f"element {name}" + (", with contact" if is_loaded else "")
     if model.elements or model.nodal_groups:
         return f"body '{name}', stiffness of the forces on it"
-    arrays = _copies(engine)
-    tables = engine.probing(arrays)
+    arrays, tables = (copies or Copies(engine)).renewed()
 
     def alone(actor: Actor, rotations: bool = True) -> tuple[float, bool]:
         changed = {name: arrays[name].copy() for name in ("nodes", "rows", "clock")}
@@ -145,17 +153,38 @@ def stiffest(engine: Engine, at: int) -> str:
     return f"{text}, by its rotation" if without_rotation < (1.0 - BY_ROTATION) * speed else text
 
 
-def _copies(engine: Engine) -> dict[str, np.ndarray]:
-    """Copies of all tables of the step, which a sample may overwrite."""
-    m, s = engine.model, engine.state
-    arrays = group_arrays(m, s) | m.saddle._asdict()
-    arrays |= {"control": m.control, "curves": m.curves} | engine.tableau | engine.stages
-    arrays |= {"clock": s.clock, "nodes": s.nodes, "rows": s.rows, "ledger": np.zeros(len(ENTRIES))}
-    no_bodies = np.zeros(0, int)
-    for group in (*m.force_groups(), *m.contact_groups):
-        if not getattr(group, "is_unilateral", False):
-            arrays |= _only(group, no_bodies)
-    return {name: array.copy() for name, array in arrays.items()}
+class Copies:
+    """Copies of all tables of the step, which a sample may overwrite; no spring or contact acts."""
+
+    def __init__(self, engine: Engine) -> None:
+        self._engine, self._bound = engine, engine.bindings
+        m, s = engine.model, engine.state
+        arrays = group_arrays(m, s) | m.saddle._asdict()
+        arrays |= {"control": m.control, "curves": m.curves} | engine.tableau | engine.stages
+        arrays |= {"clock": s.clock, "nodes": s.nodes, "rows": s.rows}
+        arrays |= {"ledger": np.zeros(len(ENTRIES))}
+        no_bodies = np.zeros(0, int)
+        for group in (*m.force_groups(), *m.contact_groups):
+            if not getattr(group, "is_unilateral", False):
+                arrays |= _only(group, no_bodies)
+        self._arrays = {name: array.copy() for name, array in arrays.items()}
+        self._tables = engine.probing(self._arrays)
+        # in bytes, as numpy copies columns one by one
+        self._pieces = [(_bytes(a), _bytes(self._arrays[name])) for name, a in arrays.items()]
+
+    def are_of(self, engine: Engine) -> bool:
+        """Whether these are still copies of the tables of an engine."""
+        return engine is self._engine and engine.bindings == self._bound
+
+    def renewed(self) -> tuple[dict[str, np.ndarray], Tables]:
+        """The copies with the present numbers, and tables of them."""
+        for now, copy in self._pieces:
+            copy[...] = now
+        return self._arrays, self._tables
+
+
+def _bytes(array: np.ndarray) -> np.ndarray:
+    return array.reshape(-1).view(np.uint8)
 
 
 def _actors(engine: Engine, at: int) -> list[Actor]:

@@ -77,6 +77,12 @@ def begin_skipping(both, current, history, output):
 
 
 @kernel
+def has_energy(both):
+    """Whether these pairs may hold energy, or have lost some."""
+    return both.skipped == 0 or both.dissipated != 0.0 or both.friction_dissipated != 0.0
+
+
+@kernel
 def known_depth(depth, approached):
     """Bound by a depth [m] that a sample has evaluated, of a pair that is skipped.
 

@@ -19,6 +19,7 @@ from crashsolve.model.ledger import (
     PLASTIC,
 )
 from crashsolve.system import points
+from crashsolve.system.contact import body_pairs
 from crashsolve.system.energy import (
     NOTHING,
     clear_ledger,
@@ -150,17 +151,33 @@ def add_contacts(clock, scene, ledger):
     ones.
     """
     for group in CONTACTS:
-        for i in range(group.output.shape[0]):
-            o, old = group.output[i], group.history[clock.current, i]
-            ledger[CONTACT_STORED] += o.stored
-            ledger[FRICTION_STORED] += o.friction_stored
-            ledger[CONTACT_DISSIPATED] += old.dissipated
-            ledger[FRICTION_DISSIPATED] += old.friction_dissipated
+        if group.body_pairs is not None:
+            for k in range(group.body_pairs.shape[0]):
+                both = group.body_pairs[k]
+                if body_pairs.has_energy(both):
+                    add_pairs(group, both.first, both.end, clock, scene, ledger)
+        else:
+            add_pairs(group, 0, group.output.shape[0], clock, scene, ledger)
     if SEARCHES:
         for i in range(scene.cards.shape[0]):
             card = scene.card_history[clock.current, i]
             ledger[CONTACT_DISSIPATED] += card.left_dissipated
             ledger[FRICTION_DISSIPATED] += card.left_friction_dissipated
+
+
+@kernel
+def add_pairs(group, first, end, clock, scene, ledger):
+    """Add stored and dissipated energies of pairs that follow each other. Writes: ledger."""
+    stored, friction_stored = ledger[CONTACT_STORED], ledger[FRICTION_STORED]
+    dissipated, lost = ledger[CONTACT_DISSIPATED], ledger[FRICTION_DISSIPATED]
+    for i in range(first, end):
+        o, old = group.output[i], group.history[clock.current, i]
+        stored += o.stored
+        friction_stored += o.friction_stored
+        dissipated += old.dissipated
+        lost += old.friction_dissipated
+    ledger[CONTACT_STORED], ledger[FRICTION_STORED] = stored, friction_stored
+    ledger[CONTACT_DISSIPATED], ledger[FRICTION_DISSIPATED] = dissipated, lost
 
 
 @stage
