@@ -52,6 +52,9 @@ WARNINGS = {
     "crossed": "the belt slid sideways over a ball or an ellipsoid by more than a right angle, as "
     "nothing holds it there: it would have slipped off; guide it by a ring",
     "emptied": "the retractor ran out of webbing, and locked; give it more reserve",
+    "early": "the retractor locked in the first two steps: its body accelerates by more than "
+    "lock_acceleration as the run begins (a falling body by 9.81 m/s^2), or the webbing leaves it "
+    "faster than lock_rate; raise them, or state lock_time: 0 if it has locked before",
     "inside": "a fitting was inside a surface that the belt wraps: the belt passed through it; "
     "move the fitting or the surface",
     "beyond": "the belt lay beyond an end of a cylinder, which was taken as longer; lengthen the "

@@ -52,7 +52,8 @@ class History(ForceHistory):
     paid_out: float  # [m] w, since it is locked
     absorbed: float  # [J] energy taken by the spool
     speed: Numbers[float]  # [m/s] of its body
-    moved_on: int  # [flag] whether the speed is one of a step
+    steps: int  # [count] of the run, up to 2: with the second there is an acceleration
+    early: int  # [flag] it locked by the first acceleration, or by the webbing of the first steps
     emptied: int  # [flag] it has run out of webbing
     webbing: Numbers[float]  # [m] L, unstrained length
     residual: Numbers[float]  # [m] S, residual elongation

@@ -1,0 +1,49 @@
+"""Warnings of retractors whose lock, load limiter or pretensioner had no effect in a run."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from crashsolve.system.engine import Engine
+
+
+def ineffective_retractors(engine: Engine) -> list[str]:
+    """What retractors have, and did not do until now, with the reason."""
+    now, warnings = float(engine.clock["time"]), []
+    for group in engine.model.groups:
+        if group.keyword != "belts":
+            continue
+        history = group.history[int(engine.clock["current"])]
+        for name, p, state in zip(group.names, group.parameters, history, strict=True):
+            if p["spool"]:
+                warnings += [f"belt '{name}': {text}" for text in _ineffective(p, state, now)]
+    return warnings
+
+
+def _ineffective(p: np.void, state: np.void, now: float) -> Iterator[str]:
+    """Of one retractor at a time [s]."""
+    is_armed = bool(np.isfinite(p["fires"]))
+    if is_armed and p["fires"] > now:
+        yield (
+            f"its pretensioner fires at {p['fires']:g} s, after the end of the run at {now:g} s"
+        )
+    elif is_armed and state["wound_in"] == 0.0:
+        yield "its pretensioner fired and wound nothing in: the belt was as tight as its curve pulls"
+    if not state["locked"]:
+        yield f"its retractor did not lock until the end, at {now:g} s: {_unmet(p)}"
+    elif p["limiter"] and state["paid_out"] == 0.0:
+        yield (
+            "its load limiter paid nothing out: the force at the retractor stayed below the curve "
+            "of the limiter"
+        )
+
+
+def _unmet(p: np.void) -> str:
+    """The conditions of the lock, which were not met."""
+    conditions = {
+        "lock_time": f"lock_time is {p['lock_time']:g} s",
+        "lock_acceleration": f"its body did not reach {p['lock_acceleration']:g} m/s^2",
+        "lock_rate": f"the webbing did not reach {p['lock_rate']:g} m/s",
+        "fires": "its pretensioner locks it after winding",
+    }
+    return ", ".join(text for word, text in conditions.items() if np.isfinite(p[word]))
