@@ -45,4 +45,6 @@ def test_what_a_retractor_has_and_did_not_do_is_reported(words: str, tmp_path: P
     assert done.returncode == 0, done.stdout + done.stderr
     expected = WORDS[words]
     assert expected in done.stdout
-    assert done.stdout.count("warning: belt") == (2 if words == LATE else bool(expected)), done.stdout
+    assert done.stdout.count("warning: belt") == (2 if words == LATE else bool(expected)), (
+        done.stdout
+    )

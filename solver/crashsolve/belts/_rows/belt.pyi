@@ -63,7 +63,8 @@ class History(ForceHistory):
     drawn: float  # [J] lost in webbing
     straight: Numbers[float]  # [m] length
     short: int  # [flag] a segment has reached zero length
-    unsettled: int  # [flag] the flows of some step are not found
+    unsettled: int  # [count] steps of which the flows are not found
+    unbalanced: float  # [N] largest force beyond friction, or within it at a ring that slips, in them
     iterations: int  # [count] of the search for the flows
     flow: Numbers[float]  # [m] q, that passes each fitting in the step
     grip: Numbers[float]  # [1] exp(mu beta)

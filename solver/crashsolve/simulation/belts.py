@@ -1,4 +1,4 @@
-"""Warnings of retractors whose lock, load limiter or pretensioner had no effect in a run."""
+"""Warnings of belts: flows that were not found, and retractors without effect in a run."""
 
 from collections.abc import Iterator
 
@@ -7,26 +7,35 @@ import numpy as np
 from crashsolve.system.engine import Engine
 
 
-def ineffective_retractors(engine: Engine) -> list[str]:
-    """What retractors have, and did not do until now, with the reason."""
+def belt_warnings(engine: Engine) -> list[str]:
+    """Flows of webbing that were not found, and what retractors have and did not do until now."""
     now, warnings = float(engine.clock["time"]), []
     for group in engine.model.groups:
         if group.keyword != "belts":
             continue
         history = group.history[int(engine.clock["current"])]
         for name, p, state in zip(group.names, group.parameters, history, strict=True):
-            if p["spool"]:
-                warnings += [f"belt '{name}': {text}" for text in _ineffective(p, state, now)]
+            texts = [*_unsettled(p, state), *(_ineffective(p, state, now) if p["spool"] else ())]
+            warnings += [f"belt '{name}': {text}" for text in texts]
     return warnings
+
+
+def _unsettled(p: np.void, state: np.void) -> Iterator[str]:
+    """Of a belt whose flows were not found in some steps."""
+    if state["unsettled"]:
+        yield (
+            f"the flow of webbing through its {p['segments'] - 1} rings did not converge in "
+            f"{state['unsettled']} steps: a force was up to {state['unbalanced']:.3g} N off its "
+            "friction. Where forces differ much along the belt, by large friction or slack, flows "
+            "at its loose end have no effect on the others; take shorter steps if it matters"
+        )
 
 
 def _ineffective(p: np.void, state: np.void, now: float) -> Iterator[str]:
     """Of one retractor at a time [s]."""
     is_armed = bool(np.isfinite(p["fires"]))
     if is_armed and p["fires"] > now:
-        yield (
-            f"its pretensioner fires at {p['fires']:g} s, after the end of the run at {now:g} s"
-        )
+        yield (f"its pretensioner fires at {p['fires']:g} s, after the end of the run at {now:g} s")
     elif is_armed and state["wound_in"] == 0.0:
         yield "its pretensioner fired and wound nothing in: the belt was as tight as its curve pulls"
     if not state["locked"]:
