@@ -1,4 +1,4 @@
-"""A run states which lock, load limiter and pretensioner of its retractors had no effect, and why."""
+"""A run names the locks, load limiters and pretensioners that had no effect, and states why."""
 
 from pathlib import Path
 

@@ -81,7 +81,7 @@ def find_flow(p, share, old, new, out, curves):
             if largest <= (CLOSE if k < MANY else NEARLY) * p.total:
                 new.iterations = k + 1
                 break
-            # else slack passes between segments without end, or round-off keeps flows moving
+            # slack may pass between segments without end, and round-off keep flows moving
             if (k + 1) % BALANCED_EVERY == 0 and is_balanced(p, largest, old, new, out, curves):
                 new.iterations = k + 1
                 break
@@ -90,7 +90,7 @@ def find_flow(p, share, old, new, out, curves):
 
 @kernel
 def is_balanced(p, largest, old, new, out, curves):
-    """Whether the last change of a flow [m], or the forces that are out of balance, do not count."""
+    """Whether the last change of a flow [m] or the forces out of balance are negligible."""
     if largest <= SETTLED * p.total:
         return True
     return imbalance(p, old, new, out, curves) <= SETTLED * p.k

@@ -37,7 +37,7 @@ def _ineffective(p: np.void, state: np.void, now: float) -> Iterator[str]:
     if is_armed and p["fires"] > now:
         yield (f"its pretensioner fires at {p['fires']:g} s, after the end of the run at {now:g} s")
     elif is_armed and state["wound_in"] == 0.0:
-        yield "its pretensioner fired and wound nothing in: the belt was as tight as its curve pulls"
+        yield "its pretensioner fired and wound nothing in: the belt was tighter than its curve"
     if not state["locked"]:
         yield f"its retractor did not lock until the end, at {now:g} s: {_unmet(p)}"
     elif p["limiter"] and state["paid_out"] == 0.0:
