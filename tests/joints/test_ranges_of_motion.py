@@ -322,7 +322,7 @@ def test_a_method_keeps_its_order_through_a_stop(tmp_path: Path) -> None:
     assert small_runs.slopes(list(changes))[-1] == pytest.approx(2.0, abs=0.15)
 
 
-# azimuths and half angles of a table: a jump within a thousandth of a radian, half angles a thousand times
+# azimuths and half angles of a table: a jump within a milliradian, half angles a thousand times
 # apart, and neither
 TABLES = {
     "jump": ([0.5, 0.501, 3.0, 4.5], [0.3, 1.2, 1.1, 0.4]),
@@ -339,7 +339,7 @@ def test_the_step_knows_the_steepest_limit_of_a_cone(table: str) -> None:
     ends = np.r_[azimuth, azimuth[0] + 2.0 * np.pi]
     for first, last in zip(ends[:-1], ends[1:], strict=True):
         near = np.geomspace(1e-8, 0.5, 1500)
-        for x in np.concatenate([near, 1.0 - near]):
+        for x in (*near, *(1.0 - near)):
             limit, slope = cone_stop.limit_between(azimuth, narrow, 4, first + x * (last - first))
             sine = min(np.sin(min(limit, 3.0)), np.sin(min(limit + 0.5, 3.0)))
             steepest = max(steepest, (slope / sine) ** 2)
