@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 
 from crashpost.results.result import Result
 from crashsolve.belts import _flow
-from crashsolve.belts import belt as belt_law
 from crashsolve.belts._route import ACOS_BELOW, angle_between
 from crashsolve.foundation.orientation import matrix
 
@@ -252,14 +251,13 @@ def test_flows_that_leave_no_force_out_of_balance_are_no_failure(
 ) -> None:
     """Slack may lie in any segment, so that a search may not end, and what is taut is found."""
     # so few iterations that the search gives up in many steps
-    for module in (_flow, belt_law):
-        monkeypatch.setattr(module, "ITERATIONS", 5)
+    monkeypatch.setattr(_flow, "ITERATIONS", 5)
     law, rng, reported, not_reported = belt(tmp_path, slack=0.01), np.random.default_rng(4), 0, 0
     start = law.bench.nodes[1].r.copy()
     for _ in range(60):
         law.bench.move(1, r=start + rng.uniform(-0.05, 0.05, 3))
         law.force(1e-3)
-        gave_up = law.new.iterations >= 4
+        gave_up = law.new.iterations >= 5
         if law.new.unsettled == 0:
             # strains of 1e-10 of a stiffness of 1e5 N
             for j, mu in enumerate(MU):

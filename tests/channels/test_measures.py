@@ -136,6 +136,10 @@ def test_the_clip_of_straight_lines_is_exact_and_needs_an_unbroken_span() -> Non
     history = evaluate("clip(a.b.c, '1 s')", lambda _: lookup).values
     # either peak has a width of 1 s at half its height; both together have 2 s
     np.testing.assert_allclose(history, [0.0, 0.0, 4.0, 4.0, 4.0], atol=1e-12)
+    # a run that begins at its peak: no level above 2 is kept for a second
+    lookup = Series(time, np.array([8.0, 0.0, 2.0, 2.0, 0.0]), "m")
+    history = evaluate("clip(a.b.c, '1 s')", lambda _: lookup).values
+    np.testing.assert_allclose(history, [0.0, 0.0, 0.0, 2.0, 2.0], atol=1e-12)
 
 
 def test_an_envelope_is_the_largest_value_around_each_moment() -> None:

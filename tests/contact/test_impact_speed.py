@@ -3,7 +3,6 @@
 import json
 from math import sqrt
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -242,12 +241,20 @@ def test_depths_without_any_force_come_with_the_mass_of_others(tmp_path: Path) -
     """1e-300 m to the power of 1.5 is zero: as deep as nothing, but a touch."""
     nodes = np.zeros(2, NODE.dtype)
     nodes["mass_inv"] = [1.0, 0.5]
-    law = SimpleNamespace(
-        parameters=np.array([(K, N)], [("stiffness", float), ("exponent", float)])
-    )
+    group = law(tmp_path, "exact_restitution").group
     arms = np.zeros(3), np.zeros(3)
     masses = [
-        _masses(nodes, [Touch(law, 0, (1, 2), depth, 0.0, 1.0, np.eye(3)[2], arms)])  # type: ignore[arg-type]
+        _masses(nodes, [Touch(group, 0, (1, 2), depth, 0.0, 1.0, np.eye(3)[2], arms)])
         for depth in (1e-300, 1e-3)
     ]
     assert masses[0] == pytest.approx(masses[1], rel=1e-14)
+
+
+@pytest.mark.parametrize("depth", [0.004, 0.02])
+def test_the_force_of_a_touch_at_the_start_is_that_of_its_law(depth: float, tmp_path: Path) -> None:
+    """Also of a layer on a core, which adds to it beyond 10 mm."""
+    words = "{type: layered, stiffness: 1e6, layer: 0.01, core_stiffness: 1e7, restitution: 0.2}"
+    group, zero = Contact(tmp_path, words).group, np.zeros(3)
+    touch = Touch(group, 0, (1, 2), depth, -1.0, 1.0, zero, (zero, zero))
+    core = 1e7 * max(depth - 0.01, 0.0) ** 1.5
+    assert touch.spring == pytest.approx(1e6 * depth**1.5 + core, rel=1e-14)

@@ -21,6 +21,7 @@ LAWS = {
     "hu_guo": DAMPED,
     "zhiying_qishao": DAMPED,
     "exact_restitution": DAMPED,
+    "layered": f"{DAMPED}, layer: 0.005, core_stiffness: 1e7",
     "kelvin_voigt": "stiffness: 1e5, damping: 40",
     "penalty": "stiffness: 1e5",
     "crush_curve": "curve: stiff, unloading_stiffness: 2e5, damping: 30",

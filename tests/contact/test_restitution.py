@@ -58,6 +58,8 @@ def test_no_damping_returns_everything() -> None:
         "{type: hunt_crossley, stiffness: 1e5, exponent: 1, restitution: 0.3}",
         "{type: exact_restitution, stiffness: 1e6, restitution: 0.2}",
         "{type: exact_restitution, stiffness: 1e8, exponent: 2.5, restitution: 0.8}",
+        "{type: layered, stiffness: 1e5, restitution: 0.3, layer: 0.01, core_stiffness: 1e7}",
+        "{type: layered, stiffness: 1e7, restitution: 0.3, layer: 0.01, core_stiffness: 1e5}",
     ],
 )
 def test_an_impact_step_by_step_obeys_the_exact_relation(tmp_path: Path, law: str) -> None:

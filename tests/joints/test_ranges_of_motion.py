@@ -320,3 +320,29 @@ def test_a_method_keeps_its_order_through_a_stop(tmp_path: Path) -> None:
     changes = np.linalg.norm(np.diff(ends, axis=0), axis=1)
     # rattle is of order 2; the last two of three pairs of steps are in its range
     assert small_runs.slopes(list(changes))[-1] == pytest.approx(2.0, abs=0.15)
+
+
+# azimuths and half angles of a table: a jump within a milliradian, half angles a thousand times
+# apart, and neither
+TABLES = {
+    "jump": ([0.5, 0.501, 3.0, 4.5], [0.3, 1.2, 1.1, 0.4]),
+    "narrow": ([0.0, 1.6, 3.2, 4.8], [1e-3, 1.0, 0.8, 1.2]),
+    "smooth": ([0.0, 1.6, 3.2, 4.8], [0.6, 0.5, 0.9, 0.55]),
+}
+
+
+@pytest.mark.parametrize("table", TABLES)
+def test_the_step_knows_the_steepest_limit_of_a_cone(table: str) -> None:
+    azimuth, half = TABLES[table]
+    narrow = [angle**-2.0 for angle in half]
+    steepest = 0.0
+    ends = np.r_[azimuth, azimuth[0] + 2.0 * np.pi]
+    for first, last in zip(ends[:-1], ends[1:], strict=True):
+        near = np.geomspace(1e-8, 0.5, 1500)
+        for x in (*near, *(1.0 - near)):
+            limit, slope = cone_stop.limit_between(azimuth, narrow, 4, first + x * (last - first))
+            sine = min(np.sin(min(limit, 3.0)), np.sin(min(limit + 0.5, 3.0)))
+            steepest = max(steepest, (slope / sine) ** 2)
+    # a few positions between two azimuths stand for all
+    stretch = cone_stop._stretch(tuple(azimuth), tuple(narrow))
+    assert stretch == pytest.approx(1.0 + steepest, rel=0.1)

@@ -126,6 +126,13 @@ def test_a_level_must_be_held_without_a_break() -> None:
     assert occupant_injury._exceeded_for(np.arange(2.0), np.ones(2), 2.0) == 0.0
 
 
+def test_a_run_shorter_than_the_time_of_a_limit_is_not_assessed_by_it() -> None:
+    force = np.full(11, 2e4)
+    held = occupant_injury._held_for(np.linspace(0.0, 0.005, 11), force)
+    assert held == (None, "needs a history of 10 ms or more")
+    assert occupant_injury._held_for(np.linspace(0.0, 0.02, 11), force) == (20.0, "in one span")
+
+
 def test_what_no_sensor_serves_is_named(tmp_path: Path) -> None:
     table = rows(occupant(tmp_path / "run"), measures)
     missing = {row[1] for row in table if row[0] == "Occupants"}

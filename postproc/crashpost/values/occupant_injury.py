@@ -184,14 +184,14 @@ def _chest(result: Result, name: str, card: Json) -> list[Measure]:
 def _femur(result: Result, name: str, card: Json) -> list[Measure]:
     force = _history(result, f"-{plain(f'secforc.{name}.force.z')}", CLASSES["femur_left"])
     own, at, title = not force.plain_because, int(force.values.argmax()), _title(name)
-    held = 1e-3 * _exceeded_for(result.time, force.values, FEMUR_TIME)
+    held, in_span = _held_for(result.time, force.values)
     top, when = 1e-3 * max(float(force.values[at]), 0.0), _when(result, at)
     span, ratio = "compression for 10 ms", "share of the limit of its time"
     share = femur_share(result.time, force.values)
     return [
         _filter(name, force),
         Measure(title, "compression", top, "kN", when, 9.07, "UN R94", own),
-        Measure(title, span, held, "kN", "in one span", 7.58, "UN R94", own),
+        Measure(title, span, held, "kN", in_span, 7.58, "UN R94", own),
         Measure(title, ratio, share, "", "", 1.0, "UN R94", own),
     ]
 
@@ -241,6 +241,13 @@ def _belts(result: Result) -> list[Measure]:
             at, most = int(drawn.argmax()), float(drawn.max())
             measured.append(Measure(_title(name), "largest pay-out", most, "m", _when(result, at)))
     return measured
+
+
+def _held_for(time: np.ndarray, force: np.ndarray) -> tuple[float | None, str]:
+    """Level [kN] that a compression [N] is not below for 10 ms, and a remark; None in less time."""
+    if time[-1] - time[0] < FEMUR_TIME:
+        return None, "needs a history of 10 ms or more"
+    return 1e-3 * _exceeded_for(time, force, FEMUR_TIME), "in one span"
 
 
 def _exceeded_for(time: np.ndarray, values: np.ndarray, span: float) -> float:

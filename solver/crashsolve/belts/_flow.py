@@ -20,7 +20,9 @@ from crashsolve.belts._webbing import segment_force
 from crashsolve.foundation.kernels import kernel
 
 # iterations in all, those of Newton's method at first, and every which one is of it later
-ITERATIONS, FIRST, NEWTON_EVERY = 300, 8, 4
+ITERATIONS, FIRST, NEWTON_EVERY = 5000, 8, 4
+# after so many, and again after as many, no further one is needed where forces are in balance
+BALANCED_EVERY = 300
 # iterations after which rings are solved one after the other alone
 RINGS_ALONE = 100
 # of a flow, over the length of the belt: treated as zero
@@ -50,14 +52,16 @@ def solve_flow(p, old, new, out, t, h, curves):
     begins_taut = h > 0.0 and p.segments > 1 and is_taut(p, old.tension)
     if not (begins_taut and find_flow(p, 1.0, old, new, out, curves)):
         find_flow(p, 0.0, old, new, out, curves)
+    if new.iterations >= ITERATIONS:
+        record_imbalance(p, old, new, out, curves)
     for j in range(p.segments + 1):
         new.slip[j] = old.slip[j] + new.flow[j]
 
 
 @kernel
 def find_flow(p, share, old, new, out, curves):
-    """Search from this share of the last flows through rings; whether all segments are taut, before
-    and after. Writes: new, out.
+    """Search from this share of the last flows through rings; whether it ends, with all segments
+    taut before and after. Writes: new, out.
     """
     new.flow[0] = new.flow[p.segments] = 0.0
     for j in range(1, p.segments):
@@ -77,12 +81,28 @@ def find_flow(p, share, old, new, out, curves):
             if largest <= (CLOSE if k < MANY else NEARLY) * p.total:
                 new.iterations = k + 1
                 break
-        if new.iterations == ITERATIONS and (
-            largest <= SETTLED * p.total or imbalance(p, old, new, out, curves) <= SETTLED * p.k
-        ):
-            # a matter of round-off, or of slack that has no place of its own: it needs no warning
-            new.iterations = ITERATIONS - 1
-    return is_taut(p, out.force)
+            # slack may pass between segments without end, and round-off keep flows moving
+            if (k + 1) % BALANCED_EVERY == 0 and is_balanced(p, largest, old, new, out, curves):
+                new.iterations = k + 1
+                break
+    return new.iterations < ITERATIONS and is_taut(p, out.force)
+
+
+@kernel
+def is_balanced(p, largest, old, new, out, curves):
+    """Whether the last change of a flow [m] or the forces out of balance are negligible."""
+    if largest <= SETTLED * p.total:
+        return True
+    return imbalance(p, old, new, out, curves) <= SETTLED * p.k
+
+
+@kernel
+def record_imbalance(p, old, new, out, curves):
+    """Record flows that are not found. Writes: new."""
+    missing = imbalance(p, old, new, out, curves)
+    if missing > SETTLED * p.k:
+        new.unbalanced = max(old.unbalanced, missing)
+        new.unsettled = old.unsettled + 1
 
 
 @kernel

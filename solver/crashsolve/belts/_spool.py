@@ -86,7 +86,8 @@ SPOOL_HISTORY = Record("""
     paid_out  m        w, since it is locked
     absorbed  J        energy taken by the spool
     speed     m/s   3  of its body
-    moved_on  flag     whether the speed is one of a step
+    steps     count    of the run, up to 2: with the second there is an acceleration
+    early     flag     it locked by the first acceleration, or by the webbing of the first steps
     emptied   flag     it has run out of webbing
 """)
 
@@ -174,16 +175,18 @@ def update_spool(p, old, new, nodes, q, h, curves):
         last = curves[curves[p.limiter].last].x
         if new.paid_out > last:
             curve_value(curves, p.limiter, new.paid_out)
-    body, new.moved_on, new.emptied = nodes[p.node[0]], old.moved_on, old.emptied
+    body, new.steps, new.emptied = nodes[p.node[0]], old.steps, old.emptied
+    new.early = old.early
     put(new.speed, vec(old.speed))
     if p.spool == 0:
         return
     put(new.speed, vec(body.v))
     if h > 0.0:
-        new.moved_on = 1
+        new.steps = min(old.steps + 1, 2)
         a = sub(vec(body.v), vec(old.speed))
         size = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
-        if q > p.lock_rate * h or (old.moved_on == 1 and size > p.lock_acceleration * h):
+        if q > p.lock_rate * h or (old.steps > 0 and size > p.lock_acceleration * h):
+            new.early = 1 if old.steps < 2 and new.locked == 0 else old.early
             new.locked = 1
         if old.slip[0] + q > p.reserve:
             new.emptied = 1

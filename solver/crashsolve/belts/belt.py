@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from pydantic import model_validator
 
-from crashsolve.belts._flow import ITERATIONS, solve_flow
+from crashsolve.belts._flow import solve_flow
 from crashsolve.belts._route import (
     FITTINGS,
     ROUTE,
@@ -52,12 +52,13 @@ WARNINGS = {
     "crossed": "the belt slid sideways over a ball or an ellipsoid by more than a right angle, as "
     "nothing holds it there: it would have slipped off; guide it by a ring",
     "emptied": "the retractor ran out of webbing, and locked; give it more reserve",
+    "early": "the retractor locked in the first two steps: its body accelerates by more than "
+    "lock_acceleration as the run begins (a falling body by 9.81 m/s^2), or the webbing leaves it "
+    "faster than lock_rate; raise them, or state lock_time: 0 if it has locked before",
     "inside": "a fitting was inside a surface that the belt wraps: the belt passed through it; "
     "move the fitting or the surface",
     "beyond": "the belt lay beyond an end of a cylinder, which was taken as longer; lengthen the "
     "cylinder, or guide the belt by a ring",
-    "unsettled": "the flow of webbing through rings did not converge in some steps; take shorter "
-    "steps",
 }
 
 
@@ -98,7 +99,8 @@ HISTORY = (
     drawn       J        lost in webbing
     straight    m    {SEGMENTS}  length
     short       flag     a segment has reached zero length
-    unsettled   flag     the flows of some step are not found
+    unsettled   count    steps of which the flows are not found
+    unbalanced  N        largest force beyond friction, or within it at a ring that slips, in them
     iterations  count    of the search for the flows
     flow        m    {FITTINGS}  q, that passes each fitting in the step
     grip        1    {FITTINGS}  exp(mu beta)
@@ -219,7 +221,8 @@ def clear_unused(p: Parameters, old: History, new: History, out: Output):
     new.direction[0] = new.mode = 0
     if p.segments == 1:
         new.above[1] = new.change[1] = 0.0
-    new.short, new.unsettled, new.iterations = old.short, old.unsettled, 0
+    new.short, new.iterations = old.short, 0
+    new.unsettled, new.unbalanced = old.unsettled, old.unbalanced
 
 
 @kernel
@@ -254,8 +257,6 @@ def update_energies(p: Parameters, old: History, new: History, out: Output, h):
         out.strain[i] = out.length[i] / L - 1.0
         if out.length[i] < p.shortest and T_1 > 0.0:
             new.short = 1
-    if new.iterations >= ITERATIONS:
-        new.unsettled = 1
     T_0, T_1, q = old.tension[0], out.force[0], new.flow[0]
     absorbed = 0.0
     if p.spool == 1:

@@ -10,6 +10,7 @@ from crashsolve.model.corners import curves_of_time
 from crashsolve.model.ledger import HOURGLASS, INTERNAL, LARGEST
 from crashsolve.output.files import Json
 from crashsolve.output.peaks import Extremes
+from crashsolve.simulation.belts import belt_warnings
 from crashsolve.simulation.self_penetration import shells_through_themselves
 from crashsolve.system.diagnosis import HALFWAY
 from crashsolve.system.engine import Engine
@@ -114,6 +115,7 @@ def range_warnings(engine: Engine) -> list[str]:
     checks = (
         *(read_beyond, deep_round_contacts, hourglass_share, crushed_hinges, compressed, crushed),
         shells_through_themselves,
+        belt_warnings,
     )
     return [text for of in checks for text in of(engine)]
 

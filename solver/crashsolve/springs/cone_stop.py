@@ -51,6 +51,10 @@ if TYPE_CHECKING:
 LEDGER = "joint"
 COUNTS_ROTATIONS = True
 MAX_ANGLES = 24  # half angles of one cone
+# positions between two azimuths, from 0 to 1: next to a much smaller half angle the limit rises
+# within a small share of the way
+NEAR = np.geomspace(1e-6, 0.02, 16)
+WITHIN = np.concatenate([NEAR, np.linspace(0.03, 0.97, 32), 1.0 - NEAR[::-1]])
 # sine below which s lies on the axis and has no azimuth
 ON_AXIS = 1e-12
 
@@ -153,8 +157,9 @@ def build(card: ConeStop, scene: Scene) -> Columns:
 @cache
 def _stretch(azimuth: tuple[float, ...], narrow: tuple[float, ...]) -> float:
     """Largest 1 + (theta_l' / sin theta)^2 from the limit to half a radian past it."""
+    ends = np.r_[azimuth, azimuth[0] + 2.0 * pi]
+    around = (ends[:-1, None] + np.diff(ends)[:, None] * WITHIN).ravel().tolist()
     # as plain numbers: numpy takes ten times as long one by one
-    around = np.linspace(0.0, 2.0 * pi, 721).tolist()
     limit, slope = np.array([limit_between(azimuth, narrow, len(narrow), phi) for phi in around]).T
     sines = np.sin(np.clip([limit, limit + 0.5], 0.0, 3.0)).min(axis=0)
     return 1.0 + float(((slope / sines) ** 2).max())

@@ -52,7 +52,8 @@ class History(ForceHistory):
     paid_out: float  # [m] w, since it is locked
     absorbed: float  # [J] energy taken by the spool
     speed: Numbers[float]  # [m/s] of its body
-    moved_on: int  # [flag] whether the speed is one of a step
+    steps: int  # [count] of the run, up to 2: with the second there is an acceleration
+    early: int  # [flag] it locked by the first acceleration, or by the webbing of the first steps
     emptied: int  # [flag] it has run out of webbing
     webbing: Numbers[float]  # [m] L, unstrained length
     residual: Numbers[float]  # [m] S, residual elongation
@@ -62,7 +63,8 @@ class History(ForceHistory):
     drawn: float  # [J] lost in webbing
     straight: Numbers[float]  # [m] length
     short: int  # [flag] a segment has reached zero length
-    unsettled: int  # [flag] the flows of some step are not found
+    unsettled: int  # [count] steps of which the flows are not found
+    unbalanced: float  # [N] largest force beyond friction, or within it at a ring that slips, in them
     iterations: int  # [count] of the search for the flows
     flow: Numbers[float]  # [m] q, that passes each fitting in the step
     grip: Numbers[float]  # [1] exp(mu beta)

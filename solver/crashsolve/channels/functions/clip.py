@@ -5,7 +5,7 @@
 as the "3 ms clip" of SAE J1727 is defined, exact for straight lines between the samples, and of
 second order in their interval for the filtered signal. It counts one unbroken span; limits of
 regulations that add up several, as FMVSS 208 does for the thorax, may be higher. Until a duration
-has passed it is the least value so far.
+has passed it is the level of the first span, so that no value that was not kept is its maximum.
 
 References: SAE J1727 (2015).
 """
@@ -43,18 +43,16 @@ def apply(time: np.ndarray, x: Term, length: Term) -> Term:
         begin = starts[crosses] + share * (starts[crosses + 1] - starts[crosses])
         level = left[crosses] + share * (left[crosses + 1] - left[crosses])
         levels_at_ends.append((begin + span, np.minimum(level, inside(begin, begin + span))))
-    return Term(_running_maximum(time, values, levels_at_ends), x.unit)
+    return Term(_running_maximum(time, levels_at_ends), x.unit)
 
 
 def _running_maximum(
-    time: np.ndarray, values: np.ndarray, levels_at_ends: list[tuple[np.ndarray, np.ndarray]]
+    time: np.ndarray, levels_at_ends: list[tuple[np.ndarray, np.ndarray]]
 ) -> np.ndarray:
-    """The greatest level of spans that have ended until each sample; before, the least value."""
+    """The greatest level of spans that have ended until each sample; before, that of the first."""
     ends, levels = (np.concatenate(column) for column in zip(*levels_at_ends, strict=True))
     order = np.argsort(ends)
     greatest = np.maximum.accumulate(levels[order])
     # the last span ends with the run, in spite of round-off
     ended = np.searchsorted(np.minimum(ends[order], time[-1]), time, side="right")
-    maximum = np.minimum.accumulate(values)
-    maximum[ended > 0] = greatest[ended[ended > 0] - 1]
-    return maximum
+    return greatest[np.maximum(ended, 1) - 1]

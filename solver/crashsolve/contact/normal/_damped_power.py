@@ -143,7 +143,12 @@ def rate_slope(p: Parameters, old: History, new: History, h, depth, mass):
 @kernel
 def implicit_rate(p: Parameters, slope, depth, free, compliance):
     """Closing speed u = free - compliance f(u) [m/s], with the slope of rate_slope."""
-    spring = p.stiffness * power(depth, p.exponent)
+    return rate_of_force(p, p.stiffness * power(depth, p.exponent), slope, free, compliance)
+
+
+@kernel
+def rate_of_force(p, spring, slope, free, compliance):
+    """The same of an elastic force [N]."""
     v = p.chi * spring / slope
     u = (free - compliance * spring) / (1.0 + compliance * slope)
     # v_0 grows with speeds beyond those of the touch so far, and the force stays
@@ -184,7 +189,7 @@ def power_below(depth, n):
 
 
 @kernel
-def damping_speed(p: Parameters, old: History, new: History, h, energy, rate):
+def damping_speed(p, old, new, h, energy, rate):
     """v_0 of this touch so far [m/s]; the energy is that of the spring over the mass [m^2/s^2].
 
     Writes: new.

@@ -6,10 +6,10 @@ same depths: that of a single point with the effective mass
 
     m_i = f_i / a_i,   a_i = sum_j f_j n_i . (acceleration of point i by a unit force at point j)
 
-with f = K d^n, over the contacts j of the same two bodies that push to the same side,
-n_i . n_j > 0. No effective mass exceeds that of both bodies without rotation. A single contact has
-its own effective mass. Consequence to test: a box that penetrates with a face leaves with the speed
-of a ball at the same depth.
+with f the force without damping, over the contacts j of the same two bodies that push to the same
+side, n_i . n_j > 0. No effective mass exceeds that of both bodies without rotation. A single
+contact has its own effective mass. Consequence to test: a box that penetrates with a face leaves
+with the speed of a ball at the same depth.
 """
 
 from collections import defaultdict
@@ -41,9 +41,12 @@ class Touch:
 
     @property
     def spring(self) -> float:
-        """K d^n [N]."""
-        p = self.group.parameters[self.pair]
-        return float(p["stiffness"]) * self.depth ** float(p["exponent"])
+        """Force of the law without damping [N]."""
+        row = np.zeros_like(as_rows(self.group.history)[0, [self.pair]])[0]
+        p = as_rows(self.group.parameters)[self.pair]
+        return float(
+            self.group.normal.normal_force(p, row, row, 0.0, self.depth, 0.0, 1.0, None)[0]
+        )
 
     def set_mass(self, mass: float) -> None:
         """Set the impact speed to that of a free impact with a mass [kg].
