@@ -162,7 +162,7 @@ def resolved_slopes(p: Parameters, new: History, rate, mass, stored, stiffness, 
 
     A touch that others press deeper than an elastic free impact of v_0 goes has come to rest there,
     and creeps on slowly: c counts as at the depth of that impact, times its share of the energy
-    stored, and the stiffness is that of speeds which such a touch has.
+    stored. The stiffness is that of the present speed already.
     """
     v = new.damping_speed
     free = 0.5 * mass * v * v
