@@ -86,6 +86,9 @@ def change_number(data: object, rng: random.Random) -> None:
 def change_anything(data: object, rng: random.Random) -> None:
     """A value replaced, left out, or put into the position of another."""
     all_routes = list(routes(data))
+    # earlier changes may have left nothing
+    if not all_routes:
+        return
     route = rng.choice(all_routes)
     table, direction = holder(data, route), rng.random()
     if direction < 0.3 and isinstance(table, dict):

@@ -128,3 +128,33 @@ def test_every_integrator_stops_hinges_of_all_types_where_theory_says(
     for hinge in ("rotor", "shaft", "bent"):
         largest = result.series(f"hinge.{hinge}.angle").values.max()
         assert largest == pytest.approx(0.48 + 300 / 2 / 3e5, abs=3e-5)
+
+
+TURNED = """
+title: A bar turns on hinges by more than 1 rad
+control: {{end_time: 0.5, step: 1.0e-3, estimate: off}}
+materials:
+  steel: {{type: elastoplastic, young: 2.0e+11, poisson: 0.3, density: 7850, yield_stress: 3.0e+8}}
+sections:
+  tube: {{type: rectangular_tube, width: 0.02, height: 0.02, thickness: 0.001}}
+curves: {{short: {{points: [[0, 0], [0.01, 200], [0.5, 150]], extrapolate: hold}}}}
+bodies: {{bar: {{mass: 1, inertia: [1, 30, 30], angular_velocity: [0, 0, 4.5]}}}}
+hinges:
+  foot: {{type: biaxial, b: bar, at: [0, 0, 0], axis: [1, 0, 0], side: [0, 1, 0], {curves}}}
+"""
+PLASTIC = "{{section: tube, material: steel, about: {axis}, model: plastic, length: 1}}"
+
+
+@pytest.mark.parametrize("end", [None, "given"])
+def test_only_curves_with_an_end_are_read_beyond_it(tmp_path: Path, end: str | None) -> None:
+    """A constant plastic moment has no range; of a curve that is given, the hinge is named."""
+    sections = [PLASTIC.format(axis=axis) for axis in "yz"]
+    curves = "curve: short" if end else "curve: {}, second_curve: {}".format(*sections)
+    deck = tmp_path / "deck.yaml"
+    deck.write_text(TURNED.format(curves=curves), "utf-8")
+    done = crashsolve(deck, "-o", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    assert last(Result(tmp_path / "out"), "hinge.foot.plastic_angle.2") > 1.0
+    log = (tmp_path / "out" / "log.txt").read_text("utf-8")
+    assert ("beyond the end of its" in log) == bool(end)
+    assert ("hinge 'foot' deformed to" in log) == bool(end)

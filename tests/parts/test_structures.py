@@ -391,7 +391,7 @@ WRONG = {
         "at: [-0.3, -0.1, 0.55], joint",
         "crosses the member from 'A' to 'B' between their points, and is not joined to it",
     ),
-    "joint: 0.1": ("joint: 0", "joint: must be greater than 0"),
+    "joint: 0.1": ("joint: 0", "joint: must be greater than 1e-12 m"),
     "from: C, to: D, side": ("from: A, to: B, name: D, side", "repeats member 1"),
     "material: steel": ("material: soft", "hinges need one of type elastoplastic"),
     "name: beam": ("name: beam, section: rod, deformation: shells", "is no closed thin wall"),

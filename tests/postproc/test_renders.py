@@ -204,6 +204,33 @@ def test_belts_are_shown_beside_bodies_where_named(tmp_path: Path) -> None:
         Scene(states, Appearance(show=("springs",)))
 
 
+def struck_member(folder: Path, *words: str) -> Scene:
+    """The beams of a structure that a bar strikes, after a millisecond."""
+    deck = Path(__file__).parents[2] / "decks" / "verification" / "parts" / "struck_member.yaml"
+    settings = ["parts.frame.deformation=beams", "control.end_time=0.001", *words]
+    options = [word for setting in settings for word in ("--set", setting)]
+    done = crashsolve(deck, "-o", folder, *options)
+    assert done.returncode == 0, done.stderr
+    return Scene(States(folder), Appearance())
+
+
+def test_a_node_with_a_surface_has_the_colour_of_its_part(tmp_path: Path) -> None:
+    scene = struck_member(tmp_path / "out", "surfaces.nose.body=frame_arm_1")
+    colours, names = dict(scene.legend()), scene.states.names["bodies"]
+    assert set(colours) == {"bar", "frame_foot", "frame_tip", "frame_arm"}
+    node = names.index("frame_arm_1")
+    assert node in scene.states.blocks["bodies"].fixed["body"]
+    assert scene._body_colour(node) == colours["frame_arm"]
+
+
+def test_the_outlines_of_struck_beams_do_not_cover_their_elements(tmp_path: Path) -> None:
+    """A contact that names a structure gives its nodes boxes as thick as its sections."""
+    scene = struck_member(tmp_path / "out")
+    names, block = scene.states.names["bodies"], scene.states.blocks["bodies"]
+    drawn = {names[int(k)] for k in block.fixed["body"]}
+    assert drawn == {"bar", "frame_foot", "frame_tip"}
+
+
 def test_states_that_hold_no_numbers_are_refused(run: Path, crashpost: Command) -> None:
     with h5py.File(run / "states" / "000002.h5", "r+") as file:
         file["bodies/displacement"][3, 1] = np.nan

@@ -10,7 +10,7 @@ from crashpost.results.result import Result
 from crashsolve import run
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.model.build import build
-from crashsolve.recording.engines import engine_of
+from crashsolve.recording.engines import engine_of, prepared_engine
 from crashsolve.scripting import RunFailed
 from crashsolve.statics import start
 
@@ -63,6 +63,28 @@ def test_matrices_of_other_configurations_leave_the_equilibrium_as_it_is(
     # heights: nothing holds the car along its road and across; 1e-11 of the size counts as nothing
     assert np.abs(ends[1] - ends[0])[:, 2].max() < 3e-11
     assert counts[1] < 0.6 * counts[0]
+
+
+@pytest.mark.parametrize(
+    "name",
+    first_quick(["scenes/sports_car/rolling", "extreme/belt_catch", "extreme/standing_car"], 1),
+)
+def test_runs_that_take_an_equilibrium_over_are_those_that_search_it(name: str) -> None:
+    """Nodes, reactions and energies to the bit, at the start and later."""
+    deck = read_deck(
+        Path(__file__).parents[2] / f"decks/{name}.yaml", {"control.start": "equilibrium"}
+    )
+    first, prepared = prepared_engine(deck, *build(deck))
+    second, _ = prepared_engine(deck, *build(deck), prepared)
+    assert prepared.equilibrium is not None
+    for engine in (first, second):
+        engine.start()
+    for moment in (0.0, 0.01, 0.05):
+        for engine in (first, second):
+            engine.reach(moment)
+            engine.sample(moment)
+        for data in ("nodes", "rows", "ledger"):
+            assert getattr(first, data).tobytes() == getattr(second, data).tobytes()
 
 
 def test_a_plank_divides_its_weight_by_lever_arms(tmp_path: Path) -> None:

@@ -33,3 +33,8 @@ def are_edge_on(points: np.ndarray, corners: np.ndarray, towards: np.ndarray) ->
     )
     facing = np.abs(normals @ towards).sum()
     return bool(facing < EDGE_ON * np.linalg.norm(normals, axis=1).sum())
+
+
+def first_edges(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """Length (m,) of the first edge of each polygon."""
+    return np.linalg.norm(points[corners[:, 1]] - points[corners[:, 0]], axis=1)

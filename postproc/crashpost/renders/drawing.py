@@ -12,12 +12,12 @@ import numpy as np
 from crashpost.errors import unknown
 from crashpost.renders.appearance import Appearance
 from crashpost.renders.beams import Outline, outlines, prisms
-from crashpost.renders.borders import are_edge_on, borders
+from crashpost.renders.borders import are_edge_on, borders, first_edges
 from crashpost.renders.camera import outermost
 from crashpost.renders.cutting import clamped, half_space
 from crashpost.renders.cutting import cut as cut_off
 from crashpost.renders.forces import contacts_with_arrows, forces_of
-from crashpost.renders.groups import groups, is_node, labels
+from crashpost.renders.groups import groups, labels, part_of
 from crashpost.renders.planes import FIXED, by_light, cut, footprints, planes
 from crashpost.renders.section_lines import lines as section_lines
 from crashpost.renders.section_lines import weights
@@ -51,8 +51,8 @@ class Scene:
         names = states.names["bodies"]
         self.groups = groups(names)
         # bodies but for the nodes of parts, which are drawn by their elements
-        own = (k for k in range(1, len(names)) if not is_node(names[k], states.names["parts"]))
-        self.own = set(own)
+        self.owners = [part_of(name, states.names["parts"]) for name in names]
+        self.own = {k for k in range(1, len(names)) if self.owners[k] is None}
         self.wholes = sorted({self.groups[k] for k in self.own})
         # in legends and colours those of many that share their first words are one
         named = [*(names[k] for k in self.wholes), *states.names["parts"]]
@@ -193,7 +193,7 @@ class Scene:
         between = before + share * (after - before)
         for _, corners in self.states.blocks[name].cells:
             if corners.shape[1] > 1:
-                lengths = [_edges(points, corners) for points in (before, after, between)]
+                lengths = [first_edges(points, corners) for points in (before, after, between)]
                 if np.any(lengths[2] < MAX_SHRUNK * np.minimum(lengths[0], lengths[1])):
                     return before if share < 0.5 else after
         return between
@@ -256,7 +256,7 @@ class Scene:
             entries.setdefault(self._label(body), self._body_colour(body))
         for k, part in enumerate(names["parts"]):
             if part in self.parts:
-                entries[self.labels[len(self.wholes) + k]] = self._part_colour(k)
+                entries[self._part_label(k)] = self._part_colour(k)
         if self.sections:
             entries["section cut"] = SECTION
         return list(entries.items()) if len(set(entries.values())) == len(entries) else []
@@ -314,17 +314,21 @@ class Scene:
         return everything & (not show or name in FIXED or name in THICKNESS.keys() & set(show))
 
     def _body_colour(self, body: int) -> str:
-        whole = self.groups[body]
-        position = self.hues[self._label(body)] if whole in self.wholes else body
-        return COLOURS[position % len(COLOURS)]
+        return COLOURS[self.hues[self._label(body)] % len(COLOURS)]
 
     def _label(self, body: int) -> str:
-        """Label of a body in legends."""
+        """Label of a body in legends: of a node with a surface, that of its part."""
+        part = self.owners[body]
+        if part is not None:
+            return self._part_label(part)
         return self.labels[self.wholes.index(self.groups[body])]
 
     def _part_colour(self, number: int) -> str:
-        # colours of parts come after those of bodies
-        return COLOURS[self.hues[self.labels[len(self.wholes) + number]] % len(COLOURS)]
+        return COLOURS[self.hues[self._part_label(number)] % len(COLOURS)]
+
+    def _part_label(self, number: int) -> str:
+        # those of parts come after those of bodies
+        return self.labels[len(self.wholes) + number]
 
     def _skin(self, drawing: Drawing, number: float, name: str, points: np.ndarray) -> None:
         """Surfaces of bodies, of the ground and of shells."""
@@ -443,8 +447,3 @@ class Scene:
                     if corners.shape[1] in (3, 4):
                         edge_on.append(are_edge_on(points, corners, towards))
         return bool(edge_on) and all(edge_on)
-
-
-def _edges(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """Length of an edge of each cell."""
-    return np.linalg.norm(points[corners[:, 1]] - points[corners[:, 0]], axis=1)

@@ -3,9 +3,10 @@
 import itertools
 
 
-def is_node(name: str, parts: list[str]) -> bool:
-    """Whether a body is a node of a part by its name."""
-    return any(name.startswith(f"{part}_") for part in parts)
+def part_of(name: str, parts: list[str]) -> int | None:
+    """Number of the part of which a body is a node by its name; None of other bodies."""
+    owners = [k for k, part in enumerate(parts) if name.startswith(f"{part}_")]
+    return max(owners, key=lambda k: len(parts[k]), default=None)
 
 
 def groups(names: list[str]) -> list[int]:

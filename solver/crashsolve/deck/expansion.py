@@ -12,6 +12,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from crashsolve.deck.card import law_class
 from crashsolve.deck.diagnostics import Diagnostic
 from crashsolve.deck.keywords import SECTIONS
@@ -75,8 +77,11 @@ def expand(
     `laws` are the entries of sections and materials. Errors go to `refuse`. Writes: items.
     """
     words = control if isinstance(control, Mapping) else {}
+    law = import_module(entry.module_name)
     try:
-        cards = import_module(entry.module_name).expand(entry.name, entry.card, known(laws), words)
+        # numbers beyond all measure are refused where these cards are built
+        with np.errstate(all="ignore"):
+            cards = law.expand(entry.name, entry.card, known(laws), words)
     except Problem as problem:
         refuse(entry.item, Diagnostic(problem.path, problem.message, problem.advice))
         return False

@@ -18,7 +18,7 @@ import numpy as np
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.foundation.errors import SolverError
 from crashsolve.model.build import build
-from crashsolve.recording.engines import engine_of, is_static
+from crashsolve.recording.engines import Prepared, is_static, prepared_engine
 from crashsolve.recording.histories import Histories
 from crashsolve.recording.marching import MAX_BLOCK_SAMPLES
 from crashsolve.recording.resampling import Resampling
@@ -66,12 +66,16 @@ class Companions:
     """Runs of one deck in memory; `stopped` returns whether the user has stopped the run."""
 
     def __init__(
-        self, deck: Deck, channels: Sequence[Channel], stopped: Callable[[], bool], program: str
+        self,
+        deck: Deck,
+        channels: Sequence[Channel],
+        stopped: Callable[[], bool],
+        prepared: Prepared,
     ) -> None:
-        """`program` is that of the run (system/engine.py), or empty."""
+        """`prepared` comes from the run, or is empty."""
         self.deck, self.channels, self.stopped = deck, channels, stopped
         self.names = {channel.family.name for channel in channels}
-        self.program = program
+        self.prepared = prepared
         self.order = order_of(deck.control.integrator)
         # CPU time [s] that is left for all runs, and of the process when this one must end
         self.budget, self._until = inf, inf
@@ -90,8 +94,7 @@ class Companions:
         model, state = build(self.deck)
         if not is_static(self.deck):
             coarsen(model.control, coarseness, schedule.interval, self.order)
-        engine = engine_of(self.deck, model, state, self.program)
-        self.program = engine.program
+        engine, self.prepared = prepared_engine(self.deck, model, state, self.prepared)
         engine.on_pause = self._check_limits
         recorded = _RecordedSamples(engine, Histories(engine, self.names))
         kept = recorded.histories.kept

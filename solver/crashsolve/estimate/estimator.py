@@ -25,7 +25,7 @@ from crashsolve.model.curve_steps import unseen
 from crashsolve.model.integrator_selection import with_chosen_method
 from crashsolve.model.motions import derivatives_read
 from crashsolve.output.channels import Family
-from crashsolve.recording.engines import is_static
+from crashsolve.recording.engines import UNPREPARED, Prepared, is_static
 from crashsolve.recording.histories import families_of
 from crashsolve.recording.questions import look_up
 from crashsolve.recording.samples import Channel, Samples
@@ -53,7 +53,7 @@ class Estimator:
         deck: Deck,
         families: Sequence[Family],
         stopped: Callable[[], bool] = lambda: False,
-        program: str = "",
+        prepared: Prepared = UNPREPARED,
     ) -> None:
         self.deck = deck
         # one answer for expectations of the same number
@@ -61,7 +61,7 @@ class Estimator:
         self.watches: list[Watch] = list(reversed(unique.values()))
         self.channels = look_up(deck, families)
         self.order = order_of(deck.control.integrator)
-        self.companions = Companions(deck, self.all_channels, stopped, program)
+        self.companions = Companions(deck, self.all_channels, stopped, prepared)
         self.stopped = stopped
 
     @property

@@ -29,6 +29,7 @@ from crashsolve.foundation.errors import DeckError, DeckErrors, RunStopped, Solv
 from crashsolve.output.channels import Family
 from crashsolve.output.files import Json
 from crashsolve.output.log import Log
+from crashsolve.recording.engines import UNPREPARED, Prepared
 from crashsolve.recording.samples import Samples, read
 from crashsolve.recording.sampling import Schedule
 
@@ -61,9 +62,9 @@ class Estimating:
         families: Sequence[Family],
         stopped: Callable[[], bool],
         log: Log,
-        program: str = "",
+        prepared: Prepared = UNPREPARED,
     ) -> None:
-        self.estimator = Estimator(deck, families, stopped, program)
+        self.estimator = Estimator(deck, families, stopped, prepared)
         if deck.control.accuracy is not None and not self.estimator.measures_the_model:
             raise _unmeasured_accuracy(deck)
         self.accuracy, self.log = deck.control.accuracy, log

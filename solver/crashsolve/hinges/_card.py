@@ -44,7 +44,7 @@ class MomentCurve(Card):
     )
     until: float | None = quantity(
         "rad",
-        "angle at which the curve ends; when absent 1 rad, constant beyond, or of model kecman "
+        "angle at which the curve ends, constant beyond; when absent nowhere, or of model kecman "
         "where the fold closes, beyond which the run stops",
         default=None,
         gt=0,
@@ -85,7 +85,7 @@ class AxialCurve(Card):
         gt=0,
     )
     until: float | None = quantity(
-        "m", "stroke at which the curve ends, 1 m when absent; constant beyond", None, gt=0
+        "m", "stroke at which the curve ends, constant beyond; nowhere when absent", None, gt=0
     )
     flow_stress: float | None = quantity(
         "Pa", "flow stress of the crushed walls; the yield stress when absent", default=None, gt=0

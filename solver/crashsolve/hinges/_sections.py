@@ -16,8 +16,10 @@ import numpy as np
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.foundation.curve import HOLD
 from crashsolve.hinges import _collapse
-from crashsolve.sections._plastic import GRID, plastic_modulus
+from crashsolve.sections._plastic import plastic_moduli
 
+# rad or m: further than any hinge turns or shortens
+ENDLESS = 1e3
 # breakpoints, coefficients, extrapolation
 Points = tuple[np.ndarray, np.ndarray, int]
 
@@ -54,8 +56,11 @@ def squash_load(card: Any, scene: Scene) -> float:
 def plastic_curve(
     start: float, limit: float, until: float | None, field: str, scene: Scene
 ) -> Points:
-    """The points of a curve from 0 to the limit at `start`, and constant beyond."""
-    until = until or 1.0
+    """The points of a curve from 0 to the limit at `start`, and constant beyond.
+
+    It has no end but one that is given, since a constant limit has no range.
+    """
+    until = until or start + ENDLESS
     if not until > start:
         raise scene.fail(f"ends at {until:.4g}, before it yields at {start:.4g}", field)
     x = np.array([0.0, start, until])
@@ -76,7 +81,7 @@ def bending_curve(card: Any, field: str, built: Columns, scene: Scene) -> Points
     stiffness = young * constants["second"][0 if card.about == "y" else 1] / card.length
     if card.model == "kecman":
         return _collapse.curve(card, section, (young, stress, stiffness), field, scene)
-    limit = stress * plastic_modulus(module.fibres(section, GRID), card.about)
+    limit = stress * plastic_moduli(module, section)["yz".index(card.about)]
     return plastic_curve(limit / stiffness, limit, card.until, field, scene)
 
 

@@ -51,11 +51,12 @@ class Point(Card):
     """A point where members meet or end: a rigid body called S_name in structure S."""
 
     name: NewName = word("name; the body is called S_name in structure S")
-    at: Vec3 = quantity("m", "position")
+    at: Vec3 = quantity("m", "position", ge=-1e6, le=1e6)
     joint: float | None = quantity(
         "m",
         "r, length of each member that belongs to the rigid joint; from its depth when absent",
         None,
+        lt=1e6,
     )
     part_of: BodyName | None = word(
         "rigid body that the point belongs to: the body at the point is part of it where all its "

@@ -1,6 +1,8 @@
 """Chooses the engine of a deck, which advances it from sample to sample."""
 
-from collections.abc import Callable
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
 
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.model.checks.statics import is_incremental
@@ -8,32 +10,60 @@ from crashsolve.model.model import Model, State
 from crashsolve.system.compose import composed
 from crashsolve.system.engine import Engine
 
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from crashsolve.statics.shared_start import Equilibrium
+
+
+class Prepared(NamedTuple):
+    """What an engine of a deck has prepared that further ones of it take over."""
+
+    program: str = ""  # the composed step
+    equilibrium: Equilibrium | None = None  # from which the run begins
+
+
+UNPREPARED = Prepared()
+
 
 def is_static(deck: Deck) -> bool:
     """Whether the run is one of equilibria."""
     return deck.control.solution == "quasi_static"
 
 
-def engine_of(
+def engine_of(deck: Deck, model: Model, state: State) -> Engine:
+    """Engine in time, or of equilibria."""
+    return prepared_engine(deck, model, state)[0]
+
+
+def prepared_engine(
     deck: Deck,
     model: Model,
     state: State,
-    program: str = "",
+    prepared: Prepared = UNPREPARED,
     does: Callable[[str], None] = lambda _: None,
-) -> Engine:
-    """Engine in time, or of equilibria; `program`: the composed step of an earlier engine of the
-    deck.
+) -> tuple[Engine, Prepared]:
+    """Engine of a deck, and what further engines of it take over.
 
-    `does` receives words for activities that take long, beside compiling.
+    `prepared` comes from an earlier engine of the deck; `does` receives words for activities that
+    take long, beside compiling.
     """
-    program = program or composed(model, deck.text)
-    if not is_static(deck):
-        engine = _in_time(model, state, program)
-        if deck.control.start == "equilibrium":
+    program = prepared.program or composed(model, deck.text)
+    engine, equilibrium = _engine(deck, model, state, program), prepared.equilibrium
+    if deck.control.start == "equilibrium" and not is_static(deck):
+        if equilibrium is None:
             from crashsolve.statics.start import begin_at_rest
 
-            engine.notes.append(begin_at_rest(engine, does))
-        return engine
+            equilibrium = begin_at_rest(engine, does)
+        else:
+            equilibrium.restore(engine)
+        engine.notes.append(equilibrium.note)
+    return engine, Prepared(program, equilibrium)
+
+
+def _engine(deck: Deck, model: Model, state: State, program: str) -> Engine:
+    if not is_static(deck):
+        return _in_time(model, state, program)
     if is_incremental(model.groups):
         from crashsolve.statics.pseudo_transient import RestEngine
 

@@ -8,10 +8,21 @@ D^3 / 6 for a round bar.
 Reference: Neal (1977), The Plastic Methods of Structural Analysis, 1.3.
 """
 
+from functools import lru_cache
+from types import ModuleType
+from typing import Any
+
 import numpy as np
 
 # fibres along each side of a wall or plate that state Z to five digits
 GRID = (400, 400)
+
+
+@lru_cache(maxsize=64)
+def plastic_moduli(law: ModuleType, card: Any) -> tuple[float, float]:
+    """Z about y and z of a section with a shape [m^3]; once for all elements that have it."""
+    fibres = law.fibres(card, GRID)
+    return plastic_modulus(fibres, "y"), plastic_modulus(fibres, "z")
 
 
 def plastic_modulus(fibres: np.ndarray, about: str) -> float:

@@ -40,11 +40,14 @@ COVERED_SHARE = 0.01
 
 
 def surfaces(model: Model) -> list[Piece]:
-    """Contact surfaces with a shape of their own; planes are cut to fit by `planes`."""
+    """Contact surfaces with a shape of their own; planes are cut to fit by `planes`.
+
+    Not those that structures give their members: these are drawn by their sections or elements.
+    """
     return [
         (int(element["node"]), *DRAW[surface.entry.type](element))
         for surface in model.surfaces.values()
-        if surface.entry.type in DRAW
+        if surface.entry.type in DRAW and not surface.entry.is_made
         for element in surface.elements
     ]
 

@@ -146,10 +146,18 @@ def read_beyond(engine: Engine) -> list[str]:
             continue
         value = float(curve_value(as_rows(points), first, reached)[0])
         how = "held at its last value" if row["beyond"] == HOLD else "continued with its end slope"
-        curves_beyond.append(
-            f"curve '{name}' was read at {reached:.6g}, beyond its last point {last:.6g} (SI): "
-            f"there it was {how} and gave {value:.6g}; give it more points"
-        )
+        hinge, _, field = name.partition(".")
+        if field:
+            read = (
+                f"hinge '{hinge}' deformed to {reached:.6g} (plastic displacement or plastic "
+                f"work, SI), beyond the end of its {field}, {last:.6g}: there it was {how}"
+            )
+        else:
+            read = (
+                f"curve '{name}' was read at {reached:.6g}, beyond its last point {last:.6g} "
+                f"(SI): there it was {how} and gave {value:.6g}"
+            )
+        curves_beyond.append(f"{read}; give it more points")
     return curves_beyond
 
 

@@ -37,7 +37,7 @@ from crashsolve.output.restart import SLOTS, newest_restart, write_restart
 from crashsolve.output.states import StateWriter
 from crashsolve.output.status import State as RunState
 from crashsolve.recording.changing import changing, restore
-from crashsolve.recording.engines import engine_of, is_static
+from crashsolve.recording.engines import Prepared, is_static, prepared_engine
 from crashsolve.recording.histories import Histories
 from crashsolve.recording.recorder import Recorder
 from crashsolve.recording.resampling import Resampling
@@ -88,14 +88,14 @@ def _solve(
         heartbeat.does("compiling the step")
         going_on = restart and any((folder / slot).exists() for slot in SLOTS)
         with preparing(deck, folder, heartbeat, going_on) as log:
-            engine = engine_of(deck, model, state, does=heartbeat.does)
+            engine, prepared = prepared_engine(deck, model, state, does=heartbeat.does)
             cpu_seconds = {
                 "start of Python": started,
                 "read": was_read - started,
                 "build": built - was_read,
             }
             cpu_seconds |= {"compile or load": cpu_time() - built, "steps": 0.0, "output": 0.0}
-            run = Run(deck, engine, folder, cpu_seconds, wall_begun, heartbeat, log)
+            run = Run(deck, engine, prepared, folder, cpu_seconds, wall_begun, heartbeat, log)
             dump = run.prepare(restart)
         return run.execute(dump, [*filter(None, [lock.warning]), *cache_notes])
 
@@ -107,6 +107,7 @@ class Run:
         self,
         deck: Deck,
         engine: Engine,
+        prepared: Prepared,
         folder: Path,
         cpu_seconds: dict[str, float],
         wall_begun: float,
@@ -114,7 +115,7 @@ class Run:
         log: Log,
     ) -> None:
         self.deck, self.engine, self.folder, self.heartbeat = deck, engine, folder, heartbeat
-        self.log = log
+        self.prepared, self.log = prepared, log
         self.cpu, self.wall_begun = cpu_seconds, wall_begun
         self.requests = Requests(folder, log, self._end_at_once)
         self.files = ExitStack()
@@ -281,8 +282,8 @@ class Run:
         started = time.process_time()
         from crashsolve.estimate.runner import Estimating
 
-        families, program = self.histories.families, self.engine.program
-        estimating = Estimating(self.deck, families, self._is_to_stop, self.log, program)
+        families, prepared = self.histories.families, self.prepared
+        estimating = Estimating(self.deck, families, self._is_to_stop, self.log, prepared)
         self.estimating = self.account.estimating = estimating
         estimating.cpu += time.process_time() - started
         return estimating
@@ -304,7 +305,8 @@ class Run:
     def _start_anew(self) -> None:
         """Run the deck again from its start, with the steps that the estimates ask for."""
         assert self.estimating is not None
-        self._use_engine(engine_of(self.deck, *build(self.deck), self.engine.program))
+        model, state = build(self.deck)
+        self._use_engine(prepared_engine(self.deck, model, state, self.prepared)[0])
         self.account.phases = None
         self.estimating.set_control(self.engine.model.control)
         self.cpu |= {"steps": 0.0, "output": 0.0}

@@ -67,7 +67,7 @@ from crashsolve.foundation.vec3 import (
     unit,
     vec,
 )
-from crashsolve.sections._plastic import GRID, plastic_modulus
+from crashsolve.sections._plastic import plastic_moduli
 from crashsolve.springs._between import POINTS
 from crashsolve.springs._card import PointSpringCard
 from crashsolve.springs._segment_statics import forces_by_motions, load_factor_to_yield, predict
@@ -204,9 +204,7 @@ def _laws(card: Segment, scene: Scene) -> tuple[Columns, Columns, tuple[float, .
         return section, material, (1.0, 1.0, 1.0)
     if not hasattr(law, "fibres"):
         raise scene.fail("a section without a shape has no plastic modulus", "section")
-    fibres = law.fibres(section_card, GRID)
-    Z_y, Z_z = (plastic_modulus(fibres, axis) for axis in "yz")
-    return section, material, (section["area"], Z_y, Z_z)
+    return section, material, (section["area"], *plastic_moduli(law, section_card))
 
 
 def _triad(card: Segment, scene: Scene) -> np.ndarray:

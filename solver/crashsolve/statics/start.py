@@ -35,6 +35,7 @@ from crashsolve.statics.corrections import (
 )
 from crashsolve.statics.lifted_tyres import lifted_tyres
 from crashsolve.statics.motions import largest_motion, move, perturb
+from crashsolve.statics.shared_start import Equilibrium
 from crashsolve.statics.stability import SYMMETRY_TOLERANCE
 from crashsolve.statics.standing_tyres import StandingTyres
 from crashsolve.system.engine import Engine
@@ -72,13 +73,13 @@ SUPPORT = (
 )
 
 
-def begin_at_rest(engine: Engine, report: Callable[[str], None]) -> str:
-    """Move the nodes to equilibrium; returns the moved entities. Writes: state.nodes.
+def begin_at_rest(engine: Engine, report: Callable[[str], None]) -> Equilibrium:
+    """Move the nodes to equilibrium, which is returned. Writes: state.nodes.
 
     `report` is called with a text at every iteration: one of many coordinates lasts seconds.
     Raises SolverError where there is no equilibrium.
     """
-    return _EquilibriumSearch(engine).run(report)
+    return Equilibrium(engine, _EquilibriumSearch(engine).run(report))
 
 
 @dataclass

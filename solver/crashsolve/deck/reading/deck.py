@@ -240,8 +240,7 @@ class _Reader:
             names = list(_names(entry.card))
             self.check_names(item, names)
             # curves are requested by the cards that are made
-            own = [name for _, name in names if name.keyword in laws]
-            is_known = all(name in laws[name.keyword] for name in own)
+            is_known = all(name in laws[name.keyword] for _, name in names if name.keyword in laws)
             self.written_out.append(entry)
             paths = import_module(entry.module_name).unused(entry.card)
             self.unused += [Unused(item, path, why) for path, why in paths.items()]
@@ -388,19 +387,20 @@ class _Reader:
         """Report names in a card that no entry of the deck has."""
         for path, name in names:
             self.named.add((name.keyword, str(name)))
+            if self.may_be_made(name):
+                continue
             known = [own for keyword in answering(name.keyword) for own in self.items[keyword]]
             if name.keyword == "bodies":
                 known += self.nodes
-                if name == "ground" or self.may_be_a_node(name):
-                    continue
             if name not in known:
-                singular = SECTIONS[name.keyword].singular
-                advice = choices(name, known, name.keyword)
-                self.refuse(item, Diagnostic(path, f"unknown {singular} '{name}'", advice))
+                message = f"unknown {SECTIONS[name.keyword].singular} '{name}'"
+                self.refuse(item, Diagnostic(path, message, choices(name, known, name.keyword)))
 
-    def may_be_a_node(self, name: str) -> bool:
-        """Whether a part that could not be read may have a node of this name."""
-        return any(name.startswith(f"{part}_") for part in self.unread_parts)
+    def may_be_made(self, name: Name) -> bool:
+        """Whether it is the ground, or what a part that could not be read may be made of."""
+        if name.keyword != "bodies":
+            return name.keyword == "surfaces" and name in self.unread_parts
+        return name == "ground" or any(name.startswith(f"{part}_") for part in self.unread_parts)
 
 
 def _curves_of(value: object) -> Iterator[tuple[str, tuple[str, str]]]:

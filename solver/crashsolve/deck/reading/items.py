@@ -123,3 +123,8 @@ class Entry:
     card: Any
     where: Position
     item: Item
+
+    @property
+    def is_made(self) -> bool:
+        """Whether it does not stand in the deck, but is made of another card."""
+        return bool(self.item.owner)

@@ -13,6 +13,8 @@ from crashsolve.foundation.orientation import perpendicular, quaternion_of
 
 # directions closer than this are the same, in radians; so are positions, over a member's length
 SAME = 1e-6
+# joint [m]: as for sides of sections, squares of shorter ones vanish
+SHORTEST = 1e-12
 
 
 @dataclass
@@ -105,8 +107,8 @@ def plan(name: str, card: Any, laws: dict[str, dict[str, Law]]) -> Plan:
     for k, point in enumerate(card.points):
         if point.name in points:
             raise Problem(("points", k, "name"), f"point '{point.name}' is given twice")
-        if point.joint is not None and not point.joint > 0.0:
-            message = "must be greater than 0: the body at the point has the mass of its joint"
+        if point.joint is not None and not point.joint > SHORTEST:
+            message = f"must be greater than {SHORTEST:g} m: the body at the point has its mass"
             raise Problem(("points", k, "joint"), message)
         points[point.name] = np.asarray(point.at)
     members = [_member(name, card, k, points, laws) for k in range(len(card.members))]
