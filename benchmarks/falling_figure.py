@@ -222,7 +222,7 @@ def landing(bodies: dict[str, Body], mujoco: str, end: float) -> None:
     exact = {"crashsolve": own({"safety": 2e-3})[0]}
     runs: dict[str, Run] = {
         f"crashsolve safety {value:g}": partial(own, {"safety": value})
-        for value in (0.4, 0.1, 0.05, 0.025)
+        for value in (0.4, 0.15, 0.1, 0.05)
     }
     if mujoco:
         exact["MuJoCo"] = other(2e-6, "implicitfast")[0]

@@ -128,3 +128,21 @@ def test_a_limb_that_is_pinched_keeps_the_balance(
     assert abs(last(result, "glstat.model.balance")) < balance
     # it rebounds from between both, and the heavy body with it
     assert last(result, "rbdout.heavy.velocity.z") > 0.0
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_at_rest_steps_are_those_of_the_present_depth(law: str, tmp_path: Path) -> None:
+    """However fast the impact by which a touch began; the first step is that of the impact."""
+    contact = Contact(tmp_path, f"{{type: {law}, stiffness: 1e6, restitution: 0.5}}")
+    mass, h = 2.0, 1e-4
+    impact = contact.press(1e-9, 3.0, h, mass)
+    assert contact.new.impact_speed == 3.0
+    contact.accept()
+    # at rest under its weight: K d^1.5 = m g
+    depth = (mass * 9.81 / 1e6) ** (2 / 3)
+    rest = contact.press(depth, 0.0, h, mass)
+    assert rest.stiffness == pytest.approx(1.5e6 * depth**0.5, rel=1e-12)
+    deepest = (1.25 * mass * 3.0**2 / 1e6) ** 0.4
+    assert impact.stiffness > 1.5e6 * deepest**0.5
+    # c = chi K d^1.5 / v_0
+    assert rest.damping / impact.damping == pytest.approx((depth / deepest) ** 1.5, rel=1e-6)

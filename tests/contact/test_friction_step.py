@@ -1,12 +1,16 @@
-"""Friction of an explicit step: it may stop a slip, and never reverses it; it sets no step."""
+"""Friction of an explicit step: it may stop a slip, and never reverses it; the change of a slip
+bounds the step, the steepness of friction does not.
+"""
 
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from small_runs import last, run
+from small_runs import last, run, slopes
 from touching import Contact
+
+from crashsolve.system.contact.pair import Slide
 
 LAWS = {
     "coulomb": "friction_coefficient: 0.4, none_below: 0.01, full_above: 0.1",
@@ -96,6 +100,62 @@ def test_friction_alone_sets_no_step(tmp_path: Path) -> None:
         # slides with mu g; 5e-5: normal force and onset of the first step
         assert speed == pytest.approx(1.0 - mu * 9.81 * 0.05, abs=5e-5)
     assert cycles[1] == cycles[0]
+
+
+NARROW = {
+    "coulomb": {"friction_coefficient": 0.5, "none_below": 1e-3, "full_above": 0.01},
+    "stribeck": {"static": 0.6, "dynamic": 0.5, "stribeck_speed": 0.1, "smoothing_speed": 0.005},
+}
+
+
+@pytest.mark.parametrize("word", NARROW)
+def test_an_impact_in_which_a_slip_reverses_has_errors_of_second_order(
+    word: str, tmp_path: Path
+) -> None:
+    """A rod strikes obliquely with its tip, which its inclination pushes on beyond rest."""
+    law = {"type": word, **NARROW[word]}
+    normal = {"type": "exact_restitution", "stiffness": 5e5, "restitution": 0.4}
+    rod = {"mass": 2.0, "inertia": [0.02, 0.02, 0.002], "position": [0, 0, 0.3]}
+    rod |= {"rotation": {"axis": [0, 1, 0], "angle": 0.5}, "angular_velocity": [0, 6, 0]}
+    scene = {
+        "title": "A rod strikes with its tip",
+        "bodies": {"rod": rod | {"velocity": [0.5, 0.1, -4]}},
+        "surfaces": {
+            "floor": {"type": "plane"},
+            "tip": {"type": "sphere", "body": "rod", "at": [0, 0, -0.15], "radius": 0.05},
+        },
+        "contacts": {"hit": {"a": ["tip"], "b": ["floor"], "normal": normal, "friction": law}},
+    }
+    speeds = []
+    for safety in (0.1, 0.05, 0.025, 0.0125, 2e-3):
+        folder = tmp_path / f"{safety}"
+        folder.mkdir()
+        control = {"end_time": 0.1, "safety": safety, "estimate": "off"}
+        result = run(folder, scene | {"control": control}, 0.1)
+        speeds.append([last(result, f"rbdout.rod.velocity.{axis}") for axis in "xyz"])
+    errors = [float(np.abs(np.subtract(v, speeds[-1])).max()) for v in speeds[:-1]]
+    # of 4 m/s
+    assert errors[0] < 3e-4
+    assert slopes(errors).mean() > 1.8
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.4])
+def test_a_slip_bounds_steps_by_its_relative_change(mu: float, tmp_path: Path) -> None:
+    """From 10 m/s^2 a slip of 0.5 m/s changes by 20 of itself per second, one below v_1 by as much
+    as at v_1; one that rests, or has no friction, has no bound.
+    """
+    words = f"{{type: coulomb, friction_coefficient: {mu}, none_below: 0.01, full_above: 0.1}}"
+    contact = Contact(tmp_path, friction=words)
+
+    def rate(v: float, change: float) -> float:
+        middle = (v - 0.5e-3 * change, 0.0, 0.0)
+        slide = Slide(N, (v, 0.0, 0.0), middle, None, UP, 1.0, 0.0)
+        return float(contact.group.friction.slip_rate(contact.p, slide, 1e-3))
+
+    acts = mu > 0.0
+    assert rate(0.5, -10.0) == pytest.approx(10.0 / 0.49 * acts, rel=1e-9)
+    assert rate(0.05, -10.0) == pytest.approx(10.0 / 0.09 * acts, rel=1e-9)
+    assert rate(0.05, 0.0) == 0.0
 
 
 def sliding(mu: float) -> dict[str, object]:

@@ -189,6 +189,13 @@ class FrictionTangent(Protocol):
         """Slopes of the force over the slip, along it and across it [N s/m]."""
 
 
+class FrictionRate(Protocol):
+    """Friction that depends on the sliding speed alone, as explicit steps resolve it."""
+
+    def slip_rate(self, p, slide, h):
+        """Change of the slip per time over its distance from where friction vanishes [1/s]."""
+
+
 class FrictionBranches(Protocol):
     """Friction with corners, at which Runge-Kutta steps end."""
 
@@ -334,5 +341,5 @@ class StepGap(GapRoutine, KeptFace, RoundMiddle, QuickBound, Exits, Area, Protoc
     """All that the loops of a step may call of a gap routine."""
 
 
-class StepFriction(FrictionLaw, FrictionTangent, FrictionBranches, Protocol):
+class StepFriction(FrictionLaw, FrictionTangent, FrictionRate, FrictionBranches, Protocol):
     """All that the loops of a step may call of a law of friction."""

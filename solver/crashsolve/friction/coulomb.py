@@ -21,6 +21,7 @@ from crashsolve.deck.card import Card, quantity
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import vec
+from crashsolve.friction import _regularised as regularised
 from crashsolve.friction._card import columns
 from crashsolve.friction._regularised import (
     against,
@@ -74,6 +75,14 @@ def friction_force(p: Parameters, old: History, new: History, slide, curves):
     taken = ahead * slide.compliance * full
     share = min(max((v - p.friction_none_below) / (rise + taken), 0.0), 1.0)
     return against(free, v, full * share, full / rise, friction_force, slide.displacement)
+
+
+@kernel
+def slip_rate(p: Parameters, slide, h):
+    """Relative change of the slip per time, where there is friction [1/s]."""
+    if p.friction_coefficient == 0.0:
+        return 0.0
+    return regularised.slip_rate(slide, h, p.friction_none_below, p.friction_full_above)
 
 
 @kernel

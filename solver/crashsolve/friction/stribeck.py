@@ -21,6 +21,7 @@ from crashsolve.deck.card import Card, quantity
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import vec
+from crashsolve.friction import _regularised as regularised
 from crashsolve.friction._card import columns
 from crashsolve.friction._regularised import (
     against,
@@ -127,6 +128,14 @@ def slip_left(p: Parameters, v_free, widened, taken):
             residual_high *= 0.5 if k > 0 and not was_high else 1.0
         was_high = is_high
     return v
+
+
+@kernel
+def slip_rate(p: Parameters, slide, h):
+    """Relative change of the slip per time, where there is friction [1/s]."""
+    if steepest(p) == 0.0:
+        return 0.0
+    return regularised.slip_rate(slide, h, 0.0, p.friction_smoothing_speed)
 
 
 @kernel

@@ -41,6 +41,7 @@ NODE = Record("""
     was_pressed   m/s^2          the same in the last step
     damped        1/s            sum of c times mobility of contacts whose damping is implicit
     was_damped    1/s            the same in the last step
+    slip_rate     1/s            largest relative change of a slip per time, where friction acts
     reference     index          body of its mechanism, or the ground, to whose velocity work of
                                  joints is relative
     joint_work    J              work of joints, less that of drivers, in steps of many iterations

@@ -117,8 +117,8 @@ class StepBound:
 def _speeds(nodes: np.ndarray) -> np.ndarray:
     """Bound of the frequency [rad/s] of every node by the laws that act on it."""
     damping = nodes["damping"]
-    speeds: np.ndarray = np.sqrt(2.0 * nodes["stiffness"] + damping**2) + damping
-    return speeds
+    speeds = np.sqrt(2.0 * nodes["stiffness"] + damping**2) + damping
+    return np.asarray(np.maximum(speeds, 2.0 * nodes["slip_rate"]))
 
 
 def stiffest(engine: Engine, at: int, copies: Copies | None = None) -> str:
@@ -126,8 +126,10 @@ def stiffest(engine: Engine, at: int, copies: Copies | None = None) -> str:
 
     `copies` of these tables may serve many times.
     """
-    model = engine.model
+    model, nodes = engine.model, engine.state.nodes
     name = limiter(model, at)
+    if at > 0 and 2.0 * nodes["slip_rate"][at] >= _speeds(nodes)[at] > 0.0:
+        return f"body '{name}', whose sliding changes"
     if at < 0:
         loads, touching = model.nodal_loads, (engine.state.cards["touching"] > 0.0).any()
         is_loaded = touching and "touched" in loads and loads["touched"]["shortened"][0] > 1.0

@@ -1,10 +1,11 @@
-"""Length of the next step: stability of the stiffest node, rotation of the fastest body, deck.
+"""Length of the next step: stability of the stiffest node, sliding, rotation, deck.
 
     h_crit = 2 / ( sqrt(omega^2 + (gamma/2)^2) + gamma/2 ),
     omega^2 = 2 max_i sum k w_i,   gamma = 2 max_i sum c w_i
 
 w_i is the mobility (inverse effective mass) of node i where each spring or contact acts, so omega
-bounds the highest frequency from above (Gershgorin). Consequence to test: an undamped spring on a
+bounds the highest frequency from above (Gershgorin). Slips of contacts with friction are resolved
+where they reverse (friction/_regularised.py). Consequence to test: an undamped spring on a
 wall is stable for safety < 1 and unstable for a fixed step above 2 / omega.
 
 Reference: Belytschko, Liu, Moran and Elkhodary (2014), Nonlinear Finite Elements, 6.2.
@@ -15,6 +16,7 @@ from math import ceil, pi, sqrt
 from crashsolve.foundation.kernels import kernel
 from crashsolve.model.clock import ROTATED
 from crashsolve.system.kinetics import fastest_rotation
+from crashsolve.system.placeholders import PAIR_DAMPERS
 
 # rotation of a body in a step, beyond which angles between two are not counted; and the rest of
 # it to a step chosen by its error, as bodies may spin up in it [rad]
@@ -36,6 +38,9 @@ def wanted_step(clock, control, nodes):
         if body.stiffness > 0.0 or body.damping > 0.0:
             half_gamma = body.damping
             speed = sqrt(2.0 * body.stiffness + half_gamma * half_gamma) + half_gamma
+            if PAIR_DAMPERS:
+                # a slip changes by `safety` of itself, not by a period
+                speed = max(speed, 2.0 * body.slip_rate)
             if speed > fastest:
                 fastest, at = speed, i
     h = min(control.step_max, control.curve_step)

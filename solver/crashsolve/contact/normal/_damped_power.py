@@ -13,8 +13,8 @@ a free impact v_d is below the closing speed at the onset, which v_0 then is, ho
 contact that other forces press deeper counts as resting, with v_0 up to the floor: its damping
 stays finite. One that is driven by others has the speed at which it is driven, and one that begins
 compressed that of the free impact which passes its state (`_restitution.py`). The stiffness
-reported to the step control is that at the depth a free impact of speed v_0 will reach, so the
-first step is already short.
+reported to the step control is that at the depth which the energy of the touch allows, so the
+first step is already short, and steps are longer once it rests.
 """
 
 from __future__ import annotations
@@ -124,12 +124,19 @@ def normal_force(p: Parameters, old: History, new: History, h, depth, rate, mass
     new.damping_speed = v
     new.too_fast = 1 if v > p.speed_limit else old.too_fast
     factor = max(0.0, 1.0 + p.chi * rate / v)
-    # energy that a free impact puts into the spring gives the depth to come
-    reach = (0.5 * (n + 1.0) * mass * v**2 / p.stiffness) ** (1.0 / (n + 1.0))
-    slope = p.stiffness * power_below(max(depth, reach), n)
-    stiffness = n * slope * max(1.0 + p.chi, factor)
-    damping = p.chi * slope * max(depth, reach) / v
+    energy = energy_to_come(p, stored, rate, mass, v)
+    reach = ((n + 1.0) * energy / p.stiffness) ** (1.0 / (n + 1.0))
+    slope = p.stiffness * power_below(reach, n)
+    stiffness = n * slope * max(1.0, factor)
+    damping = p.chi * slope * reach / v
     return spring * factor, stored, spring * (factor - 1.0) * rate, 0.0, stiffness, damping
+
+
+@kernel
+def energy_to_come(p, stored, rate, mass, v):
+    """Energy at the depth to come, at most: all that the touch has now [J]."""
+    speed = max(abs(rate), LEAST * p.speed_floor)
+    return max(stored, min(stored + 0.5 * mass * speed * speed, 0.5 * mass * v * v))
 
 
 @kernel
@@ -165,15 +172,14 @@ def resolved_slopes(p: Parameters, new: History, rate, mass, stored, stiffness, 
 
     A touch that others press deeper than an elastic free impact of v_0 goes has come to rest there,
     and creeps on slowly: c counts as at the depth of that impact, times its share of the energy
-    stored, and the stiffness is that of speeds which such a touch has.
+    stored. The stiffness is that of the present speed already.
     """
     v = new.damping_speed
     free = 0.5 * mass * v * v
     if stored <= free:
         return stiffness, damping
     part = (free / stored) ** (p.exponent / (p.exponent + 1.0))
-    rise = 1.0 + p.chi * max(part, rate / v)
-    return stiffness * rise / (1.0 + p.chi), damping * part * free / stored
+    return stiffness, damping * part * free / stored
 
 
 @kernel

@@ -17,7 +17,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from crashsolve.contact.normal import _damped_power as shared
-from crashsolve.contact.normal._damped_power import damping_speed, power, power_below
+from crashsolve.contact.normal._damped_power import damping_speed, energy_to_come, power, power_below
 from crashsolve.contact.normal.exact_restitution import ExactRestitution
 from crashsolve.deck.building import Columns, Pair, Scene
 from crashsolve.deck.card import quantity
@@ -66,9 +66,9 @@ def normal_force(p: Parameters, old: History, new: History, h, depth, rate, mass
     new.damping_speed = v
     new.too_fast = 1 if v > p.speed_limit else old.too_fast
     factor = max(0.0, 1.0 + p.chi * rate / v)
-    deepest = max(depth, depth_of_energy(p, 0.5 * mass * v * v))
-    stiffness = slope(p, deepest) * max(1.0 + p.chi, factor)
-    damping = p.chi * elastic_force(p, deepest) / v
+    reach = depth_of_energy(p, energy_to_come(p, stored, rate, mass, v))
+    stiffness = slope(p, reach) * max(1.0, factor)
+    damping = p.chi * elastic_force(p, reach) / v
     return spring * factor, stored, spring * (factor - 1.0) * rate, 0.0, stiffness, damping
 
 
@@ -140,9 +140,7 @@ def resolved_slopes(p: Parameters, new: History, rate, mass, stored, stiffness, 
         return stiffness, damping
     reach = elastic_force(p, depth_of_energy(p, free))
     part = reach / elastic_force(p, depth_of_energy(p, stored))
-    rise = 1.0 + p.chi * max(part, rate / v)
-    fast = (rate / v) ** 2
-    return stiffness * rise / (1.0 + p.chi), damping * max(part * free / stored, fast)
+    return stiffness, damping * max(part * free / stored, (rate / v) ** 2)
 
 
 @kernel

@@ -78,6 +78,7 @@ LOAD = Record("""
     damping          1/s       sum of c times mobility
     pressed          m/s^2     normal force times mobility along the slip, where friction acts
     damped           1/s       sum of c times mobility, where damping is implicit
+    slip_rate        1/s       relative change of the slip per time, where friction acts
 """)
 COUNTS = Record("""
     deferred_force  N      3  part of the force on side a that began during the step

@@ -49,7 +49,7 @@ def clear_load(load):
     for k in range(3):
         load.force[k] = load.torque[k] = 0.0
         load.deferred_force[k] = load.deferred_torque[k] = 0.0
-    load.stiffness = load.damping = load.pressed = load.damped = 0.0
+    load.stiffness = load.damping = load.pressed = load.damped = load.slip_rate = 0.0
 
 
 @kernel
@@ -83,6 +83,7 @@ def add_load(body, load):
     body.damping += load.damping
     body.pressed += load.pressed
     body.damped += load.damped
+    body.slip_rate = max(body.slip_rate, load.slip_rate)
 
 
 @kernel
@@ -231,6 +232,7 @@ def clear_friction_stiffness(nodes):
     """Start the sums of friction stiffness of this force pass. Writes: nodes."""
     for i in range(nodes.shape[0]):
         nodes[i].was_pressed, nodes[i].pressed = nodes[i].pressed, 0.0
+        nodes[i].slip_rate = 0.0
 
 
 @kernel
@@ -246,6 +248,13 @@ def friction_compliance(clock, h, pair, totals, mob_a, mob_b, f):
     totals.on_b.pressed += f * mob_b
     total = max(pair.a.was_pressed, f * mob_a) + max(pair.b.was_pressed, f * mob_b)
     return 0.5 * max(h, clock.next_step) * total / f
+
+
+@kernel
+def bound_slip(totals, rate):
+    """Report the relative change of a slip [1/s] to the step control. Writes: totals."""
+    totals.on_a.slip_rate = max(totals.on_a.slip_rate, rate)
+    totals.on_b.slip_rate = max(totals.on_b.slip_rate, rate)
 
 
 @kernel

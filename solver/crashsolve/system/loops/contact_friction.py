@@ -1,7 +1,7 @@
 """Friction of one contact pair: of its slip, or of its slip and its spin together.
 
-In steps of kicks, friction that damps near rest stops a slip at most, and does not limit the
-length of the step (friction/_regularised.py); any other friction does.
+In steps of kicks, friction that damps near rest stops a slip at most, and limits steps only by the
+change of the slip (friction/_regularised.py); any other friction limits them by its stiffness.
 """
 
 from crashsolve.foundation.kernels import stage
@@ -27,7 +27,9 @@ def friction_in_point(group, clock, h, pair, totals, sliding, curves):
     t, out.friction_stored, power, loss, t_k, t_c = group.friction.friction_force(
         p, old, new, slide, curves
     )
-    if not (KICK_DRIFT_KICK and group.friction_damps):
+    if KICK_DRIFT_KICK and group.friction_damps:
+        touches.bound_slip(totals, group.friction.slip_rate(p, slide, h))
+    else:
         u = touches.unit_slip(t, slip, n)
         mob_t, mob_u = pair_mobility(m, w, d_a, d_b, u)
         touches.add_pair_stiffness(totals.on_a, totals.on_b, mob_t, mob_u, t_k, t_c)
@@ -56,7 +58,9 @@ def friction_in_area(group, clock, h, pair, totals, sliding, motion, radius, cur
     friction_force, out.friction_stored, power, loss, t_k, t_c = group.friction.friction_force(
         p, old, new, slide, curves
     )
-    if not (KICK_DRIFT_KICK and group.friction_damps):
+    if KICK_DRIFT_KICK and group.friction_damps:
+        touches.bound_slip(totals, group.friction.slip_rate(p, slide, h))
+    else:
         u = touches.unit_slip(friction_force, slip, n)
         mob_t, mob_u = friction_mobility(m, w, d_a, d_b, u, n, radius)
         touches.add_pair_stiffness(totals.on_a, totals.on_b, mob_t, mob_u, t_k, t_c)
