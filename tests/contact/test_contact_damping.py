@@ -130,7 +130,8 @@ def test_a_limb_that_is_pinched_keeps_the_balance(
     assert last(result, "rbdout.heavy.velocity.z") > 0.0
 
 
-@pytest.mark.parametrize("law", LAWS)
+# of one power, whose depth of an impact is a formula
+@pytest.mark.parametrize("law", [law for law in LAWS if "core" not in law])
 def test_at_rest_steps_are_those_of_the_present_depth(law: str, tmp_path: Path) -> None:
     """However fast the impact by which a touch began; the first step is that of the impact."""
     contact = Contact(tmp_path, f"{{type: {law}, stiffness: 1e6, restitution: 0.5}}")

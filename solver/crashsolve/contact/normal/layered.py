@@ -17,7 +17,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from crashsolve.contact.normal import _damped_power as shared
-from crashsolve.contact.normal._damped_power import damping_speed, energy_to_come, power, power_below
+from crashsolve.contact.normal._damped_power import (
+    damping_speed,
+    energy_to_come,
+    power,
+    power_below,
+)
 from crashsolve.contact.normal.exact_restitution import ExactRestitution
 from crashsolve.deck.building import Columns, Pair, Scene
 from crashsolve.deck.card import quantity
