@@ -203,11 +203,11 @@ from pathlib import Path
 from crashsolve import cli
 from crashsolve.simulation import solve
 
-def engine_of(*_, **__):
+def compiling(*_, **__):
     Path(sys.argv[1], "compiles").touch()
     time.sleep(600)
 
-solve.engine_of = engine_of
+solve.prepared_engine = compiling
 sys.exit(cli.main(sys.argv[2:]))
 """
 

@@ -59,8 +59,7 @@ class Deck:
     # when each was last written [ns]
     written: list[int]
     parameters: dict[str, float]
-    # names of those that follow from others
-    derived: list[str]
+    derived: list[str]  # names of those that follow from others
     with_units: dict[str, str]  # of parameters, their text
     control: Control
     output: Output
@@ -205,8 +204,7 @@ class _Reader:
             self.check_control(control, entries, has_questions=bool(watch or expect))
         if self.diagnostics or not control or not output:
             raise DeckErrors(self.in_order())
-        words = control.unused(output.history.interval is not None)
-        self.unused += unused(self.items, words, self.named)
+        self.unused += unused(self.items, control.unused(bool(output.history.interval)), self.named)
         return Deck(
             title=title,
             path=self.path,
