@@ -52,3 +52,15 @@ def test_damaged_text_is_composed_anew() -> None:
     for path in cache_folder().glob("crashsolve_step_*.py"):
         path.write_text("# nothing\n", "utf-8")
     assert composed(model, deck.text) == first
+
+
+def long_decks() -> list[Path]:
+    """Decks that run only with the long tests."""
+    paths = sorted((DECKS / "verification").rglob("*.yaml"))
+    return [path for path in paths if path.read_text("utf-8").startswith("# long\n")]
+
+
+@pytest.mark.parametrize("path", long_decks(), ids=lambda path: path.stem)
+def test_decks_that_run_rarely_have_a_step(path: Path) -> None:
+    """Stages, laws and elements that only they have fit the loops that call them."""
+    assert "def advance(" in compose(build(read_deck(path))[0])

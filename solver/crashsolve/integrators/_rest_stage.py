@@ -35,6 +35,7 @@ from crashsolve.system.loops.joints import jacobian, residual
 from crashsolve.system.loops.tangents import assemble_stiffness, tangents
 from crashsolve.system.placeholders import JOINTS
 
+CAN_CLOSE_STAGES = False  # its only stage is closed
 MAX_ITERATIONS = 40
 # largest rotation [rad] and displacement (over the model's size) of a correction
 LARGEST_ROTATION, LARGEST_DISPLACEMENT = 0.3, 0.2
@@ -59,7 +60,7 @@ def open_step(clock, nodes, rows, scene):
 
 
 @stage
-def solve_stages(h, reuses_factors, clock, nodes, rows, saddle, scene):
+def solve_stages(h, _reuses_factors, _closes_stages, clock, nodes, rows, saddle, scene):
     """The equilibrium, by iteration. Returns whether that converges.
 
     Writes: nodes, rows, scene.stages, new histories, clock.value (the last correction).
