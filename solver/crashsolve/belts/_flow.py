@@ -60,8 +60,8 @@ def solve_flow(p, old, new, out, t, h, curves):
 
 @kernel
 def find_flow(p, share, old, new, out, curves):
-    """Search from this share of the last flows through rings; whether it ends, with all segments
-    taut before and after. Writes: new, out.
+    """Search from this share of the last flows through rings; whether there are some, and it ends,
+    with all segments taut before and after. Writes: new, out.
     """
     new.flow[0] = new.flow[p.segments] = 0.0
     for j in range(1, p.segments):
@@ -85,7 +85,7 @@ def find_flow(p, share, old, new, out, curves):
             if (k + 1) % BALANCED_EVERY == 0 and is_balanced(p, largest, old, new, out, curves):
                 new.iterations = k + 1
                 break
-    return new.iterations < ITERATIONS and is_taut(p, out.force)
+    return share > 0.0 and new.iterations < ITERATIONS and is_taut(p, out.force)
 
 
 @kernel

@@ -85,7 +85,7 @@ def force_at(columns: Columns, strain: float, scene: Scene) -> float:
 @kernel
 def read_beyond_end(p, strain, curves):
     """Reads the curve beyond its end, where the webbing of a segment is. Writes: curves."""
-    if p.curve > 0 and strain > curves[curves[p.curve].last].x:
+    if strain > curves[curves[p.curve].last].x:
         curve_value(curves, p.curve, strain)
 
 
