@@ -5,11 +5,12 @@ its directions before and behind it.
 """
 
 from importlib import import_module
-from math import acos, atan2, pi
+from math import atan2, pi
 
 import numpy as np
 from pydantic import model_validator
 
+from crashsolve.belts._angle import angle_between
 from crashsolve.belts._spool import Retractor
 from crashsolve.belts._wrap import (
     CYLINDER,
@@ -53,8 +54,6 @@ SHORT = 1e-3
 SAME_SIDE = 1e-9
 # cosine of the angle between segments beyond which a route doubles back
 BACK = -0.9999
-# of a cosine: acos multiplies its round-off by 7, 1 over the sine
-ACOS_BELOW = 0.99
 
 
 class Anchor(Card):
@@ -260,13 +259,6 @@ def refuse_route(
         if route[i].ring and units[i - 1] @ units[i] < BACK:
             message = "the belt doubles back on itself in it; move it, or leave it out"
             raise scene.fail(message, f"route.{i}.ring.at")
-
-
-@kernel
-def angle_between(u, v):
-    """Angle between two unit vectors [rad]; acos costs half, and is inexact near 0 and pi."""
-    c = dot(u, v)
-    return acos(c) if abs(c) < ACOS_BELOW else atan2(norm(cross(u, v)), c)
 
 
 @kernel
