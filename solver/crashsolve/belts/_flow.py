@@ -25,6 +25,8 @@ ITERATIONS, FIRST, NEWTON_EVERY = 5000, 8, 4
 BALANCED_EVERY = 300
 # iterations after which rings are solved one after the other alone
 RINGS_ALONE = 100
+# of a flow through one ring, over the webbing on both sides: less than their lengths resolve
+ROUND_OFF = 1.1e-16
 # of a flow, over the length of the belt: treated as zero
 CLOSE = 1e-15
 # the same after so many iterations, where round-off of tight segments keeps flows moving
@@ -319,33 +321,52 @@ def slack_of_segment(p, new, out, j, direction):
 
 
 @kernel
+def ring_row(new, out, j):
+    """Row of ring j: three coefficients, and the force beyond friction [N]; zero where it holds."""
+    c, direction = new.grip[j], new.direction[j]
+    g_a, g_b = new.softens[j - 1], new.softens[j]
+    T_a, T_b = out.force[j - 1], out.force[j]
+    if direction > 0:
+        return -c * g_a, g_b + c * g_a, -g_b, T_b - c * T_a
+    if direction == -1:
+        return -g_a, g_a + c * g_b, -c * g_b, c * T_b - T_a
+    return 0.0, 0.0, 0.0, 0.0
+
+
+@kernel
+def rings_are_settled(p, new, out):
+    """Whether each ring holds, or would by itself pass no more than round-off. Writes: new."""
+    settled = True
+    for j in range(1, p.segments):
+        new.direction[j] = direction_of(new, out, j)
+        _, diagonal, _, right = ring_row(new, out, j)
+        least = ROUND_OFF * (new.webbing[j - 1] + new.webbing[j])
+        settled = settled and abs(right) <= least * diagonal
+    return settled
+
+
+@kernel
 def correct(p, old, new, out, curves):
     """One iteration over all rings; the largest change of a flow [m]. Writes: new."""
-    new.above[0] = new.change[0] = 0.0
-    n, moves = p.segments, False
+    first, following = 0.0, 0.0
     if p.spool == 1:
         diagonal, upper, right = spool_row(p, old, new, out, curves)
         if diagonal > 0.0:
-            new.above[0], new.change[0] = upper / diagonal, right / diagonal
-            moves = new.change[0] != 0.0
+            following, first = upper / diagonal, right / diagonal
+    if rings_are_settled(p, new, out) and first == 0.0:
+        return 0.0
+    new.above[0], new.change[0] = following, first
+    n, moves = p.segments, first != 0.0
     for j in range(1, n):
-        direction, c = direction_of(new, out, j), new.grip[j]
-        new.direction[j] = direction
-        g_a, g_b = new.softens[j - 1], new.softens[j]
-        lower, diagonal, upper, right = 0.0, 0.0, 0.0, 0.0
-        if direction > 0:
-            lower, diagonal, upper = -c * g_a, g_b + c * g_a, -g_b
-            right = out.force[j] - c * out.force[j - 1]
-        elif direction == -1:
-            lower, diagonal, upper = -g_a, g_a + c * g_b, -c * g_b
-            right = c * out.force[j] - out.force[j - 1]
+        lower, diagonal, upper, right = ring_row(new, out, j)
         pivot = diagonal - lower * new.above[j - 1]
         if pivot > 1e-9 * diagonal:
             new.above[j] = upper / pivot
             new.change[j] = (right - lower * new.change[j - 1]) / pivot
         else:
             # a spool draws in slack webbing; friction may hold it
-            new.above[j], new.change[j] = 0.0, slack_of_segment(p, new, out, j, direction)
+            slack = slack_of_segment(p, new, out, j, new.direction[j])
+            new.above[j], new.change[j] = 0.0, slack
         moves = moves or new.change[j] != 0.0
     new.above[n] = new.change[n] = 0.0
     return apply_changes(p, old, new) if moves else 0.0

@@ -234,10 +234,12 @@ def clear_history(p: Parameters, new: History):
     for j in range(p.segments, FITTINGS):
         put_triple(new.arrive, j, (0.0, 0.0, 0.0))
         put_triple(new.leave, j, (0.0, 0.0, 0.0))
-        new.slip[j] = new.flow[j] = new.above[j] = new.change[j] = 0.0
+        new.slip[j] = new.flow[j] = 0.0
         new.grip[j], new.direction[j] = 1.0, 0
-    new.above[0] = new.change[0] = 0.0
     new.direction[0] = 0
+    # those of the search are written where it needs them
+    for j in range(FITTINGS):
+        new.above[j] = new.change[j] = 0.0
 
 
 @kernel
