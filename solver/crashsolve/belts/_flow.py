@@ -16,7 +16,7 @@ Reference: OpenRadioss theory manual, slip ring elements.
 from math import exp
 
 from crashsolve.belts._spool import FREE, LOCKED, PULLING, choose_mode, spool_force, stroke_left
-from crashsolve.belts._webbing import segment_force
+from crashsolve.belts._webbing import elastic_force, segment_force
 from crashsolve.foundation.kernels import kernel
 
 # iterations in all, those of Newton's method at first, and every which one is of it later
@@ -152,7 +152,22 @@ def residual_elongation(p, old, j, q):
 def fill(p, old, new, out, curves):
     """Webbing, residual elongation and force of each segment after the flows. Writes: new, out."""
     for i in range(p.segments):
-        fill_one(p, i, old, new, out, curves)
+        if p.curve > 0:
+            fill_one(p, i, old, new, out, curves)
+        else:
+            fill_elastic(p, i, old, new, out)
+
+
+@kernel
+def fill_elastic(p, i, old, new, out):
+    """Those of segment i of webbing without a curve, and no residual elongation. Writes: new, out.
+
+    It is part of the search, where a call of `fill_one` costs as much as its work.
+    """
+    L = old.webbing[i] + new.flow[i] - new.flow[i + 1]
+    T, softens = elastic_force(p, max(out.length[i], p.shortest), L)
+    new.webbing[i], new.residual[i], new.moved[i] = L, 0.0, 0.0
+    new.softens[i], out.force[i] = softens, T
 
 
 @kernel
@@ -348,26 +363,25 @@ def rings_are_settled(p, new, out):
 @kernel
 def correct(p, old, new, out, curves):
     """One iteration over all rings; the largest change of a flow [m]. Writes: new."""
-    first, following = 0.0, 0.0
+    above, change = 0.0, 0.0
     if p.spool == 1:
         diagonal, upper, right = spool_row(p, old, new, out, curves)
         if diagonal > 0.0:
-            following, first = upper / diagonal, right / diagonal
-    if rings_are_settled(p, new, out) and first == 0.0:
+            above, change = upper / diagonal, right / diagonal
+    if rings_are_settled(p, new, out) and change == 0.0:
         return 0.0
-    new.above[0], new.change[0] = following, first
-    n, moves = p.segments, first != 0.0
+    new.above[0], new.change[0] = above, change
+    n, moves = p.segments, change != 0.0
     for j in range(1, n):
         lower, diagonal, upper, right = ring_row(new, out, j)
-        pivot = diagonal - lower * new.above[j - 1]
+        pivot = diagonal - lower * above
         if pivot > 1e-9 * diagonal:
-            new.above[j] = upper / pivot
-            new.change[j] = (right - lower * new.change[j - 1]) / pivot
+            above, change = upper / pivot, (right - lower * change) / pivot
         else:
             # a spool draws in slack webbing; friction may hold it
-            slack = slack_of_segment(p, new, out, j, new.direction[j])
-            new.above[j], new.change[j] = 0.0, slack
-        moves = moves or new.change[j] != 0.0
+            above, change = 0.0, slack_of_segment(p, new, out, j, new.direction[j])
+        new.above[j], new.change[j] = above, change
+        moves = moves or change != 0.0
     new.above[n] = new.change[n] = 0.0
     return apply_changes(p, old, new) if moves else 0.0
 
@@ -375,10 +389,11 @@ def correct(p, old, new, out, curves):
 @kernel
 def apply_changes(p, old, new):
     """Flows after the elimination; the largest change of one [m]. Writes: new."""
-    n, share = p.segments, 1.0
+    n, share, behind = p.segments, 1.0, 0.0
     for back in range(1, n + 1):
         j = n - back
-        new.change[j] -= new.above[j] * new.change[j + 1]
+        behind = new.change[j] - new.above[j] * behind
+        new.change[j] = behind
     for i in range(n):
         taken = new.change[i + 1] - new.change[i]
         if taken > MAX_WITHDRAWN * new.webbing[i]:

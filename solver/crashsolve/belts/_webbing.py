@@ -90,6 +90,16 @@ def read_beyond_end(p, strain, curves):
 
 
 @kernel
+def elastic_force(p, length, L):
+    """Force [N] of webbing without a curve, and its fall over webbing that flows in [N/m]."""
+    if length - L <= 0.0:
+        return 0.0, 0.0
+    by_L = 1.0 / L
+    T = p.k * (length - L) * by_L
+    return T, (p.k + T) * by_L
+
+
+@kernel
 def segment_force(p, length, L, S, curves):
     """Force [N], its fall over webbing that flows in [N/m], and growth of S [m]."""
     if length - L - S <= 0.0:

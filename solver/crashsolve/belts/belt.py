@@ -254,7 +254,7 @@ def has_left_a_surface(p, old, new):
 @kernel
 def update_energies(p: Parameters, old: History, new: History, out: Output, h):
     """Update stored and dissipated energies, and outputs. Writes: new, out."""
-    out.stored = out.power = friction = drawn = slack = 0.0
+    stored = friction = drawn = slack = 0.0
     leaves, by_k = has_left_a_surface(p, old, new), 1.0 / p.k
     for i in range(p.segments):
         T_0, T_1 = old.tension[i], out.force[i]
@@ -266,7 +266,7 @@ def update_energies(p: Parameters, old: History, new: History, out: Output, h):
             # slack that the spool takes from a segment moves at no force
             before = max(old.webbing[i] + old.residual[i] - old.straight[i], 0.0)
             slack += mean * (before - max(L + new.residual[i] - out.length[i], 0.0))
-        out.stored += 0.5 * T_1 * T_1 * L * by_k
+        stored += 0.5 * T_1 * T_1 * L * by_k
         if leaves:
             # a length that vanishes at once does no work on the bodies
             friction -= mean * (out.length[i] - old.straight[i])
@@ -274,6 +274,7 @@ def update_energies(p: Parameters, old: History, new: History, out: Output, h):
         out.strain[i] = out.length[i] / L - 1.0
         if out.length[i] < p.shortest and T_1 > 0.0:
             new.short = 1
+    out.stored, out.power = stored, 0.0
     T_0, T_1, q = old.tension[0], out.force[0], new.flow[0]
     absorbed = 0.0
     if p.spool == 1:
