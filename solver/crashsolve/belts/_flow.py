@@ -349,15 +349,15 @@ def ring_row(new, out, j):
 
 
 @kernel
-def rings_are_settled(p, new, out):
+def rings_are_balanced(p, new, out):
     """Whether each ring holds, or would by itself pass no more than round-off. Writes: new."""
-    settled = True
+    balanced = True
     for j in range(1, p.segments):
         new.direction[j] = direction_of(new, out, j)
         _, diagonal, _, right = ring_row(new, out, j)
         least = ROUND_OFF * (new.webbing[j - 1] + new.webbing[j])
-        settled = settled and abs(right) <= least * diagonal
-    return settled
+        balanced = balanced and abs(right) <= least * diagonal
+    return balanced
 
 
 @kernel
@@ -368,7 +368,7 @@ def correct(p, old, new, out, curves):
         diagonal, upper, right = spool_row(p, old, new, out, curves)
         if diagonal > 0.0:
             above, change = upper / diagonal, right / diagonal
-    if rings_are_settled(p, new, out) and change == 0.0:
+    if rings_are_balanced(p, new, out) and change == 0.0:
         return 0.0
     new.above[0], new.change[0] = above, change
     n, moves = p.segments, change != 0.0
