@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from crashpost.results.result import Result
 from crashsolve.belts import _flow
-from crashsolve.belts._route import ACOS_BELOW, angle_between
+from crashsolve.belts._angle import angle_between, asin_to_half
 from crashsolve.foundation.orientation import matrix
 
 BODIES = """
@@ -440,8 +440,15 @@ def test_flows_that_stick_leave_webbing_in_every_segment(tmp_path: Path) -> None
 
 
 def test_the_angle_at_a_ring_is_exact_from_straight_to_back() -> None:
-    edge = np.arccos(ACOS_BELOW)
-    for angle in (0.0, 1e-9, edge - 1e-9, edge + 1e-9, 1.5, np.pi - edge, np.pi - 1e-9, np.pi):
+    third = np.pi / 3.0
+    edges = (third - 1e-9, third, third + 1e-9, 2.0 * third - 1e-9, 2.0 * third + 1e-9)
+    for angle in (0.0, 1e-9, 1e-4, *edges, 1.5, 2.0, np.pi - 1e-4, np.pi - 1e-9, np.pi):
         u, v = (1.0, 0.0, 0.0), (np.cos(angle), np.sin(angle), 0.0)
-        # round-off of directions, 1e-16, times 7 of acos
-        assert angle_between(u, v) == pytest.approx(angle, abs=2e-15)
+        # round-off of directions, 1e-16, and of pi
+        assert angle_between(u, v) == pytest.approx(angle, abs=1e-15)
+
+
+def test_the_arc_sine_is_that_of_the_library() -> None:
+    for s in np.linspace(-0.5, 0.5, 4001):
+        # both round the result, and the last sum rounds its second part
+        assert asin_to_half(s, s * s) == pytest.approx(np.arcsin(s), rel=4e-16, abs=1e-300)

@@ -16,7 +16,7 @@ Reference: OpenRadioss theory manual, slip ring elements.
 from math import exp
 
 from crashsolve.belts._spool import FREE, LOCKED, PULLING, choose_mode, spool_force, stroke_left
-from crashsolve.belts._webbing import segment_force
+from crashsolve.belts._webbing import elastic_force, segment_force
 from crashsolve.foundation.kernels import kernel
 
 # iterations in all, those of Newton's method at first, and every which one is of it later
@@ -25,6 +25,8 @@ ITERATIONS, FIRST, NEWTON_EVERY = 5000, 8, 4
 BALANCED_EVERY = 300
 # iterations after which rings are solved one after the other alone
 RINGS_ALONE = 100
+# of a flow through one ring, over the webbing on both sides: less than their lengths resolve
+ROUND_OFF = 1.1e-16
 # of a flow, over the length of the belt: treated as zero
 CLOSE = 1e-15
 # the same after so many iterations, where round-off of tight segments keeps flows moving
@@ -60,8 +62,8 @@ def solve_flow(p, old, new, out, t, h, curves):
 
 @kernel
 def find_flow(p, share, old, new, out, curves):
-    """Search from this share of the last flows through rings; whether it ends, with all segments
-    taut before and after. Writes: new, out.
+    """Search from this share of the last flows through rings; whether there are some, and it ends,
+    with all segments taut before and after. Writes: new, out.
     """
     new.flow[0] = new.flow[p.segments] = 0.0
     for j in range(1, p.segments):
@@ -85,7 +87,7 @@ def find_flow(p, share, old, new, out, curves):
             if (k + 1) % BALANCED_EVERY == 0 and is_balanced(p, largest, old, new, out, curves):
                 new.iterations = k + 1
                 break
-    return new.iterations < ITERATIONS and is_taut(p, out.force)
+    return share > 0.0 and new.iterations < ITERATIONS and is_taut(p, out.force)
 
 
 @kernel
@@ -150,7 +152,22 @@ def residual_elongation(p, old, j, q):
 def fill(p, old, new, out, curves):
     """Webbing, residual elongation and force of each segment after the flows. Writes: new, out."""
     for i in range(p.segments):
-        fill_one(p, i, old, new, out, curves)
+        if p.curve > 0:
+            fill_one(p, i, old, new, out, curves)
+        else:
+            fill_elastic(p, i, old, new, out)
+
+
+@kernel
+def fill_elastic(p, i, old, new, out):
+    """Those of segment i of webbing without a curve, and no residual elongation. Writes: new, out.
+
+    It is part of the search, where a call of `fill_one` costs as much as its work.
+    """
+    L = old.webbing[i] + new.flow[i] - new.flow[i + 1]
+    T, softens = elastic_force(p, max(out.length[i], p.shortest), L)
+    new.webbing[i], new.residual[i], new.moved[i] = L, 0.0, 0.0
+    new.softens[i], out.force[i] = softens, T
 
 
 @kernel
@@ -319,34 +336,52 @@ def slack_of_segment(p, new, out, j, direction):
 
 
 @kernel
+def ring_row(new, out, j):
+    """Row of ring j: three coefficients, and the force beyond friction [N]; zero where it holds."""
+    c, direction = new.grip[j], new.direction[j]
+    g_a, g_b = new.softens[j - 1], new.softens[j]
+    T_a, T_b = out.force[j - 1], out.force[j]
+    if direction > 0:
+        return -c * g_a, g_b + c * g_a, -g_b, T_b - c * T_a
+    if direction == -1:
+        return -g_a, g_a + c * g_b, -c * g_b, c * T_b - T_a
+    return 0.0, 0.0, 0.0, 0.0
+
+
+@kernel
+def rings_are_balanced(p, new, out):
+    """Whether each ring holds, or would by itself pass no more than round-off. Writes: new."""
+    balanced = True
+    for j in range(1, p.segments):
+        new.direction[j] = direction_of(new, out, j)
+        _, diagonal, _, right = ring_row(new, out, j)
+        least = ROUND_OFF * (new.webbing[j - 1] + new.webbing[j])
+        balanced = balanced and abs(right) <= least * diagonal
+    return balanced
+
+
+@kernel
 def correct(p, old, new, out, curves):
     """One iteration over all rings; the largest change of a flow [m]. Writes: new."""
-    new.above[0] = new.change[0] = 0.0
-    n, moves = p.segments, False
+    above, change = 0.0, 0.0
     if p.spool == 1:
         diagonal, upper, right = spool_row(p, old, new, out, curves)
         if diagonal > 0.0:
-            new.above[0], new.change[0] = upper / diagonal, right / diagonal
-            moves = new.change[0] != 0.0
+            above, change = upper / diagonal, right / diagonal
+    if rings_are_balanced(p, new, out) and change == 0.0:
+        return 0.0
+    new.above[0], new.change[0] = above, change
+    n, moves = p.segments, change != 0.0
     for j in range(1, n):
-        direction, c = direction_of(new, out, j), new.grip[j]
-        new.direction[j] = direction
-        g_a, g_b = new.softens[j - 1], new.softens[j]
-        lower, diagonal, upper, right = 0.0, 0.0, 0.0, 0.0
-        if direction > 0:
-            lower, diagonal, upper = -c * g_a, g_b + c * g_a, -g_b
-            right = out.force[j] - c * out.force[j - 1]
-        elif direction == -1:
-            lower, diagonal, upper = -g_a, g_a + c * g_b, -c * g_b
-            right = c * out.force[j] - out.force[j - 1]
-        pivot = diagonal - lower * new.above[j - 1]
+        lower, diagonal, upper, right = ring_row(new, out, j)
+        pivot = diagonal - lower * above
         if pivot > 1e-9 * diagonal:
-            new.above[j] = upper / pivot
-            new.change[j] = (right - lower * new.change[j - 1]) / pivot
+            above, change = upper / pivot, (right - lower * change) / pivot
         else:
             # a spool draws in slack webbing; friction may hold it
-            new.above[j], new.change[j] = 0.0, slack_of_segment(p, new, out, j, direction)
-        moves = moves or new.change[j] != 0.0
+            above, change = 0.0, slack_of_segment(p, new, out, j, new.direction[j])
+        new.above[j], new.change[j] = above, change
+        moves = moves or change != 0.0
     new.above[n] = new.change[n] = 0.0
     return apply_changes(p, old, new) if moves else 0.0
 
@@ -354,10 +389,11 @@ def correct(p, old, new, out, curves):
 @kernel
 def apply_changes(p, old, new):
     """Flows after the elimination; the largest change of one [m]. Writes: new."""
-    n, share = p.segments, 1.0
+    n, share, behind = p.segments, 1.0, 0.0
     for back in range(1, n + 1):
         j = n - back
-        new.change[j] -= new.above[j] * new.change[j + 1]
+        behind = new.change[j] - new.above[j] * behind
+        new.change[j] = behind
     for i in range(n):
         taken = new.change[i + 1] - new.change[i]
         if taken > MAX_WITHDRAWN * new.webbing[i]:

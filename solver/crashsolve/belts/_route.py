@@ -5,11 +5,12 @@ its directions before and behind it.
 """
 
 from importlib import import_module
-from math import acos, atan2, pi
+from math import atan2, pi
 
 import numpy as np
 from pydantic import model_validator
 
+from crashsolve.belts._angle import angle_between
 from crashsolve.belts._spool import Retractor
 from crashsolve.belts._wrap import (
     CYLINDER,
@@ -22,17 +23,17 @@ from crashsolve.belts._wrap import (
 )
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, SurfaceName, Vec3, quantity, word
-from crashsolve.foundation.columns import matvec, matvec_t
+from crashsolve.foundation.columns import add_to, matvec, matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import (
     add_stiffness_bound,
-    apply_force,
     arm,
     mobility,
     point_at,
 )
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import (
+    ZERO,
     add,
     cross,
     dot,
@@ -53,8 +54,6 @@ SHORT = 1e-3
 SAME_SIDE = 1e-9
 # cosine of the angle between segments beyond which a route doubles back
 BACK = -0.9999
-# of a cosine: acos multiplies its round-off by 7, 1 over the sine
-ACOS_BELOW = 0.99
 
 
 class Anchor(Card):
@@ -263,13 +262,6 @@ def refuse_route(
 
 
 @kernel
-def angle_between(u, v):
-    """Angle between two unit vectors [rad]; acos costs half, and is inexact near 0 and pi."""
-    c = dot(u, v)
-    return acos(c) if abs(c) < ACOS_BELOW else atan2(norm(cross(u, v)), c)
-
-
-@kernel
 def axes_of(p, j):
     """Axes of a surface in its body, by rows."""
     k, a = 9 * j, p.axes
@@ -373,10 +365,7 @@ def update_route(p, old, new, out, nodes):
             at = position_of(p, j, nodes)
             put_triple(new.arrive, j, at)
             put_triple(new.leave, j, at)
-    for k in range(SURFACES):
-        if p.surface[2 * k + 1] == 0 and p.surface[2 * k + 2] == 0:
-            clear_surface(new, k)
-    before = (0.0, 0.0, 0.0)
+    before = ZERO
     for i in range(p.segments):
         leg = sub(triple(new.arrive, i + 1), triple(new.leave, i))
         straight = norm(leg)
@@ -393,6 +382,14 @@ def update_route(p, old, new, out, nodes):
 
 
 @kernel
+def clear_surfaces(p, new):
+    """Rows of the columns of surfaces that there are not. Writes: new."""
+    for k in range(SURFACES):
+        if p.surface[2 * k + 1] == 0 and p.surface[2 * k + 2] == 0:
+            clear_surface(new, k)
+
+
+@kernel
 def clear_surface(new, k):
     """Row k of the columns of surfaces, which has none. Writes: new."""
     new.half[k] = new.split[k] = new.wrapped[k] = new.lateral[k] = 0.0
@@ -404,26 +401,32 @@ def clear_surface(new, k):
 
 @kernel
 def pull_segments(p, new, out, nodes):
-    """Forces of all segments on the bodies of their fittings. Writes: nodes."""
-    before, u_before = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    """Forces of all segments on the bodies of their fittings. Writes: nodes.
+
+    Those on fittings of one body that follow each other are summed before they are applied.
+    """
+    before, u_before = ZERO, ZERO
+    force, torque = ZERO, ZERO
     for j in range(p.segments + 1):
-        behind, u = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        behind, u = ZERO, ZERO
         if j < p.segments:
             u = triple(new.along, j)
             behind = scale(out.force[j], u)
         body = nodes[p.node[j]]
         d = sub(triple(new.arrive, j), vec(body.r))
-        if p.surface[j] == 0:
-            apply_force(body, sub(behind, before), d)
-        else:
-            apply_force(body, scale(-1.0, before), d)
+        here = sub(behind, before) if p.surface[j] == 0 else scale(-1.0, before)
+        force, torque = add(force, here), add(torque, cross(d, here))
         if j > 0 and body.mass_inv > 0.0:
             k = p.steepest / new.webbing[j - 1]
             add_stiffness_bound(body, mobility(body, d, u_before), k, 0.0)
         if p.surface[j] != 0:
             d = sub(triple(new.leave, j), vec(body.r))
-            apply_force(body, behind, d)
+            force, torque = add(force, behind), add(torque, cross(d, behind))
         if j < p.segments and body.mass_inv > 0.0:
             k = p.steepest / new.webbing[j]
             add_stiffness_bound(body, mobility(body, d, u), k, 0.0)
+        if j == p.segments or p.node[j + 1] != p.node[j]:
+            add_to(body.force, force)
+            add_to(body.torque, torque)
+            force, torque = ZERO, ZERO
         before, u_before = behind, u

@@ -85,8 +85,18 @@ def force_at(columns: Columns, strain: float, scene: Scene) -> float:
 @kernel
 def read_beyond_end(p, strain, curves):
     """Reads the curve beyond its end, where the webbing of a segment is. Writes: curves."""
-    if p.curve > 0 and strain > curves[curves[p.curve].last].x:
+    if strain > curves[curves[p.curve].last].x:
         curve_value(curves, p.curve, strain)
+
+
+@kernel
+def elastic_force(p, length, L):
+    """Force [N] of webbing without a curve, and its fall over webbing that flows in [N/m]."""
+    if length - L <= 0.0:
+        return 0.0, 0.0
+    by_L = 1.0 / L
+    T = p.k * (length - L) * by_L
+    return T, (p.k + T) * by_L
 
 
 @kernel

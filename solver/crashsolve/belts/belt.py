@@ -24,6 +24,7 @@ from crashsolve.belts._route import (
     SURFACES,
     Fitting,
     check_route,
+    clear_surfaces,
     pull_segments,
     refuse_route,
     route_columns,
@@ -109,6 +110,7 @@ HISTORY = (
     direction   flag  {FITTINGS}  1 onwards, -1 back, 0 not
     above       1    {FITTINGS}  part of the tridiagonal matrix
     change      m    {FITTINGS}  of the flow in an iteration
+    cleared     flag     rows of fittings, segments and surfaces that there are not are zero
 """)
 )
 OUTPUT = Record(f"""
@@ -199,30 +201,45 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
     pull_segments(p, new, out, nodes)
     update_spool(p, old, new, nodes, new.flow[0], h, curves)
     update_energies(p, old, new, out, h)
-    for i in range(p.segments):
-        read_beyond_end(p, out.strain[i], curves)
+    if p.curve > 0:
+        for i in range(p.segments):
+            read_beyond_end(p, out.strain[i], curves)
 
 
 @kernel
 def clear_unused(p: Parameters, old: History, new: History, out: Output):
-    """Columns of fittings and segments that there are not. Writes: new, out."""
+    """Clear columns of fittings, segments and surfaces that there are not. Writes: new, out.
+
+    Nothing else writes those of new, so each of both buffers of the history is cleared once.
+    """
+    if new.cleared != 1:
+        clear_history(p, new)
+        new.cleared = 1
+    for i in range(p.segments, SEGMENTS):
+        out.force[i] = out.length[i] = out.webbing[i] = out.strain[i] = 0.0
+    for j in range(p.segments, FITTINGS):
+        out.slip[j] = out.angle[j] = 0.0
+    new.short, new.iterations = old.short, 0
+    new.unsettled, new.unbalanced = old.unsettled, old.unbalanced
+
+
+@kernel
+def clear_history(p: Parameters, new: History):
+    """Clear those of the history. Writes: new."""
+    clear_surfaces(p, new)
     for i in range(p.segments, SEGMENTS):
         new.webbing[i] = new.residual[i] = new.tension[i] = new.straight[i] = 0.0
         new.softens[i] = new.moved[i] = 0.0
-        out.force[i] = out.length[i] = out.webbing[i] = out.strain[i] = 0.0
         put_triple(new.along, i, (0.0, 0.0, 0.0))
     for j in range(p.segments, FITTINGS):
         put_triple(new.arrive, j, (0.0, 0.0, 0.0))
         put_triple(new.leave, j, (0.0, 0.0, 0.0))
-        new.slip[j] = new.flow[j] = new.above[j] = new.change[j] = 0.0
+        new.slip[j] = new.flow[j] = 0.0
         new.grip[j], new.direction[j] = 1.0, 0
-        out.slip[j] = out.angle[j] = 0.0
-    new.above[0] = new.change[0] = 0.0
-    new.direction[0] = new.mode = 0
-    if p.segments == 1:
-        new.above[1] = new.change[1] = 0.0
-    new.short, new.iterations = old.short, 0
-    new.unsettled, new.unbalanced = old.unsettled, old.unbalanced
+    new.direction[0] = 0
+    # those of the search are written where it needs them
+    for j in range(FITTINGS):
+        new.above[j] = new.change[j] = 0.0
 
 
 @kernel
@@ -237,7 +254,7 @@ def has_left_a_surface(p, old, new):
 @kernel
 def update_energies(p: Parameters, old: History, new: History, out: Output, h):
     """Update stored and dissipated energies, and outputs. Writes: new, out."""
-    out.stored = out.power = friction = drawn = slack = 0.0
+    stored = friction = drawn = slack = 0.0
     leaves, by_k = has_left_a_surface(p, old, new), 1.0 / p.k
     for i in range(p.segments):
         T_0, T_1 = old.tension[i], out.force[i]
@@ -249,7 +266,7 @@ def update_energies(p: Parameters, old: History, new: History, out: Output, h):
             # slack that the spool takes from a segment moves at no force
             before = max(old.webbing[i] + old.residual[i] - old.straight[i], 0.0)
             slack += mean * (before - max(L + new.residual[i] - out.length[i], 0.0))
-        out.stored += 0.5 * T_1 * T_1 * L * by_k
+        stored += 0.5 * T_1 * T_1 * L * by_k
         if leaves:
             # a length that vanishes at once does no work on the bodies
             friction -= mean * (out.length[i] - old.straight[i])
@@ -257,6 +274,7 @@ def update_energies(p: Parameters, old: History, new: History, out: Output, h):
         out.strain[i] = out.length[i] / L - 1.0
         if out.length[i] < p.shortest and T_1 > 0.0:
             new.short = 1
+    out.stored, out.power = stored, 0.0
     T_0, T_1, q = old.tension[0], out.force[0], new.flow[0]
     absorbed = 0.0
     if p.spool == 1:

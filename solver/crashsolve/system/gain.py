@@ -10,7 +10,7 @@ gain of any step is that of the kinetic energy of two free bodies.
 """
 
 from crashsolve.foundation.kernels import kernel
-from crashsolve.foundation.vec3 import ZERO, add, dot, norm, put, put_triple, sub, triple, vec
+from crashsolve.foundation.vec3 import add, dot, norm, put, put_triple, sub, triple, vec
 from crashsolve.system.contact.work import motion_of
 
 # of the energy of the relative motion of its bodies, that a belt may create: a step in which it
@@ -52,7 +52,7 @@ def record_work(p, old, new, before, h, nodes):
 def keep_applied_loads(p, count, new, nodes):
     """Forces and torques applied so far to the bodies of a law among several. Writes: new."""
     for j in range(count):
-        if p.node[j] != 0:
+        if is_first(p, j):
             body = nodes[p.node[j]]
             put_triple(new.forces, j, vec(body.force))
             put_triple(new.torques, j, vec(body.torque))
@@ -60,10 +60,12 @@ def keep_applied_loads(p, count, new, nodes):
 
 @kernel
 def record_work_of_several(p, count, old, new, h, nodes):
-    """The same of a law among several bodies, after keep_applied_loads. Writes: new."""
+    """The same of a law among several bodies, after keep_applied_loads. Writes: new.
+
+    Rows of the ground and of a body that is repeated are zero from the start.
+    """
     work, largest = 0.0, 0.0
     for j in range(count):
-        force, torque = ZERO, ZERO
         if is_first(p, j):
             body = nodes[p.node[j]]
             force = sub(vec(body.force), triple(new.forces, j))
@@ -72,20 +74,21 @@ def record_work_of_several(p, count, old, new, h, nodes):
             if h > 0.0:
                 before, turned = triple(old.forces, j), triple(old.torques, j)
                 work += half_work(body, add(force, before), add(torque, turned))
-        put_triple(new.forces, j, force)
-        put_triple(new.torques, j, torque)
+            put_triple(new.forces, j, force)
+            put_triple(new.torques, j, torque)
     add_work(old, new, work, largest)
 
 
 @kernel
 def is_first(p, j):
     """Whether node j of a law is a body, and none before it is the same."""
-    if p.node[j] == 0:
+    node = p.node[j]
+    if node == 0:
         return False
-    is_new = True
-    for k in range(j):
-        is_new = is_new and p.node[k] != p.node[j]
-    return is_new
+    back = 1
+    while back <= j and p.node[j - back] != node:
+        back += 1
+    return back > j
 
 
 @kernel

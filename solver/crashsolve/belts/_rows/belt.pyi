@@ -73,6 +73,7 @@ class History(ForceHistory):
     direction: Numbers[int]  # [flag] 1 onwards, -1 back, 0 not
     above: Numbers[float]  # [1] part of the tridiagonal matrix
     change: Numbers[float]  # [m] of the flow in an iteration
+    cleared: int  # [flag] rows of fittings, segments and surfaces that there are not are zero
 
 class Output(ForceOutput):
     force: Numbers[float]  # [N] tension of each segment from the start of the route on
