@@ -67,7 +67,9 @@ def test_a_steeper_table_is_refused(tmp_path: Path) -> None:
     words = [word for name, value in RIGID.items() for word in ("--set", f"{name}={value}")]
     done = crashsolve(DECK, "-o", tmp_path / "out", "--set", f"slope={slope}", *words)
     assert done.returncode == 4
-    assert "there is no equilibrium" in done.stderr + done.stdout
+    refusal = done.stderr + done.stdout
+    # none at all, or one on the wheels of one side, from which the car falls on
+    assert "there is no equilibrium" in refusal or "the equilibrium is unstable" in refusal
 
 
 def linear_model() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
