@@ -43,6 +43,7 @@ class Run(Protocol):
     state_step: float
     restart_step: float | None
 
+    def passed(self, time: float, step: float) -> float: ...
     def write(self, now: float, force: bool) -> None: ...
     def handle_requests(self) -> None: ...
 
@@ -138,12 +139,12 @@ def _times_ahead(run: Run, k: int) -> np.ndarray:
     # by then one of these is due
     until_due = min(steps) / run.schedule.interval + 2.0
     most = min(MAX_BLOCK_SAMPLES, run.histories.kept.room, until_due)
-    times, started = run.schedule.times(k + 1, int(most)), run.deck.control.start_time
-    passed = [(step, np.floor((run.sampled - started) / step + 1e-9)) for step in steps]
+    times = run.schedule.times(k + 1, int(most))
+    before = [(step, run.passed(run.sampled, step)) for step in steps]
 
     def is_due(time: float) -> bool:
         if time >= run.schedule.end:
             return True
-        return any(np.floor((time - started) / step + 1e-9) > number for step, number in passed)
+        return any(run.passed(time, step) > number for step, number in before)
 
     return times[: bisect_left(times, True, key=is_due) + 1]

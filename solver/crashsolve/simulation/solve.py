@@ -333,9 +333,11 @@ class Run:
 
     def _due(self, now: float, step: float) -> bool:
         """Whether a multiple of `step` has come since the last sample."""
-        started = now - self.deck.control.start_time
-        before = self.sampled - self.deck.control.start_time
-        return bool(np.floor(started / step + 1e-9) > np.floor(before / step + 1e-9))
+        return self.passed(now, step) > self.passed(self.sampled, step)
+
+    def passed(self, time: float, step: float) -> float:
+        """Number of multiples of `step` from the start of the run to a time."""
+        return float(np.floor((time - self.deck.control.start_time) / step + 1e-9))
 
     def _end(self, state: RunState, code: ExitCode, message: str) -> None:
         """Close the files, and write status, totals and the last line."""
