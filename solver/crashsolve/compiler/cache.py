@@ -231,7 +231,15 @@ def locked(path: Path) -> Iterator[int | None]:
             os.close(held)
 
 
-def _held(lock: Path) -> int | None:
+def free_lock(path: Path) -> int | None:
+    """The exclusive lock of this file for another process; None where it is held, or cannot be."""
+    try:
+        return _held(path.with_name(f"{path.name}.lock"), fcntl.LOCK_NB)
+    except CacheError:
+        return None
+
+
+def _held(lock: Path, how: int = 0) -> int | None:
     """A descriptor of a file that is locked, and still lies where it was made."""
     flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
     while True:
@@ -240,7 +248,7 @@ def _held(lock: Path) -> int | None:
         except OSError as error:
             raise CacheError(f"{lock}: compiled code cannot be kept: {error.strerror}") from error
         try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX)
+            fcntl.flock(descriptor, fcntl.LOCK_EX | how)
             if os.path.samestat(os.fstat(descriptor), os.stat(lock)):
                 return descriptor
         except FileNotFoundError:

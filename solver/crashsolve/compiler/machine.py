@@ -20,15 +20,24 @@ from functools import cache
 from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
+from tempfile import TemporaryFile
 from types import ModuleType
 from typing import TYPE_CHECKING, Protocol
 
-from crashsolve.compiler.cache import CacheError, cache_folder, locked, read_sealed
+from crashsolve.compiler.cache import (
+    CacheError,
+    cache_folder,
+    free_lock,
+    locked,
+    read_sealed,
+)
 from crashsolve.compiler.pages import release_pages
-from crashsolve.compiler.table import Tables
+from crashsolve.compiler.table import Slot, Tables, layout_of
 from crashsolve.foundation.errors import CrashsolveError, ExitCode
 
 if TYPE_CHECKING:
+    import subprocess
+
     import llvmlite.binding as llvm
 
 
@@ -62,6 +71,8 @@ class Failure(ctypes.Structure):
 
 # functions by the file they are kept in
 _linked: dict[Path, tuple[Function, ...]] = {}
+# processes that compile for this one, by the file they make
+_ahead: dict[Path, subprocess.Popen[bytes]] = {}
 # function(number, flag, tables)
 SIGNATURE = ctypes.CFUNCTYPE(None, ctypes.c_double, ctypes.c_bool, ctypes.c_void_p)
 
@@ -83,14 +94,54 @@ def machine_codes(source: Path, names: tuple[str, ...], tables: Tables) -> tuple
     Raises: CompileError with the compiler's message when they cannot be compiled, CacheError where
     compiled code cannot be kept.
     """
-    checked = ".checked" * runs_checked()
-    kind = f"{tables.layout}.{processor()}{checked}"
-    path = cache_folder() / f"{source.stem}.{'.'.join(names)}.{kind}.o"
+    path = _object_file(source, names, tables.slots)
     # once: the broad phase asks again at every renewal
     if path not in _linked:
-        content = read_sealed(path) or _compile_once(source, names, tables, path)
+        if path in _ahead:
+            # what went wrong there shows where it is compiled again
+            _ahead.pop(path).wait()
+            content = _compile_once(source, names, tables, path)
+        else:
+            content = read_sealed(path) or _compile_once(source, names, tables, path)
         _linked[path] = _link(names, content)
     return _linked[path]
+
+
+def compile_ahead(source: Path, names: tuple[str, ...], slots: dict[str, Slot]) -> None:
+    """Have functions compiled for tables that will be made, while this process goes on.
+
+    Nothing is begun where another process does so. Raises: CacheError.
+    """
+    if runs_plain() or (path := _object_file(source, names, slots)).exists():
+        return
+    lock = free_lock(path)
+    if lock is not None:
+        import subprocess
+
+        with TemporaryFile() as given:
+            given.write(pickle.dumps(slots))
+            given.seek(0)
+            _ahead[path] = subprocess.Popen(
+                _command(source, names, path),
+                stdin=given,
+                stderr=subprocess.DEVNULL,
+                start_new_session=True,
+                pass_fds=(lock,),
+            )
+        # that process holds it
+        os.close(lock)
+
+
+def _object_file(source: Path, names: tuple[str, ...], slots: dict[str, Slot]) -> Path:
+    """Where the code of some functions is kept. Raises CacheError."""
+    kind = f"{layout_of(slots)}.{processor()}{'.checked' * runs_checked()}"
+    return cache_folder() / f"{source.stem}.{'.'.join(names)}.{kind}.o"
+
+
+def _command(source: Path, names: tuple[str, ...], path: Path) -> list[str]:
+    """The command that compiles functions of a file."""
+    words = [sys.executable, "-m", "crashsolve.compiler.process", source, path, *names]
+    return [str(word) for word in words]
 
 
 @cache
@@ -153,9 +204,8 @@ def _compile_apart(
     # with compiled code in the cache there is none
     import subprocess
 
-    words = [sys.executable, "-m", "crashsolve.compiler.process", source, path, *names]
     done = subprocess.run(
-        [str(word) for word in words],
+        _command(source, names, path),
         input=pickle.dumps(tables.slots),
         stderr=subprocess.PIPE,
         start_new_session=True,

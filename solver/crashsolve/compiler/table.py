@@ -60,8 +60,13 @@ class Tables:
     @property
     def layout(self) -> str:
         """Names and columns of all tables, in a word: equal for scenes that share compiled code."""
-        text = repr([(name, t.descr, ndim) for name, (t, ndim) in self.slots.items()])
-        return hashlib.sha1(text.encode()).hexdigest()[:16]
+        return layout_of(self.slots)
+
+
+def layout_of(slots: dict[str, Slot]) -> str:
+    """A word for the names and columns of tables."""
+    text = repr([(name, t.descr, ndim) for name, (t, ndim) in slots.items()])
+    return hashlib.sha1(text.encode()).hexdigest()[:16]
 
 
 def _point(address: np.ndarray, name: str, array: np.ndarray) -> None:

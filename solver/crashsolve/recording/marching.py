@@ -9,19 +9,24 @@ test: the same bits as sample by sample.
 
 import time as clock
 from collections.abc import Iterable
+from contextlib import suppress
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from crashsolve.compiler.machine import machine_codes, runs_plain
-from crashsolve.compiler.table import Tables
+from crashsolve.compiler.cache import CacheError
+from crashsolve.compiler.machine import compile_ahead, machine_codes, runs_plain
+from crashsolve.compiler.table import Slot, Tables
 from crashsolve.foundation.rows import as_rows
+from crashsolve.model.clock import CLOCK
 from crashsolve.model.contact.body_pairs import BODY_PAIR
 from crashsolve.model.contact.groups import ContactGroup
+from crashsolve.model.contact.records import CARD_HISTORY, CARD_OUTPUT
 from crashsolve.model.model import Model
-from crashsolve.recording import march
+from crashsolve.model.nodes import NODE, ROW
+from crashsolve.recording import gather, march
 from crashsolve.recording.kept import Block
 from crashsolve.system.engine import Engine
 
@@ -33,6 +38,43 @@ ENTRIES = ("march", "take", "look", "bound", "check_interval", "start_interval",
 # samples of one block
 MAX_BLOCK_SAMPLES = 1024
 Pieces = Iterable[tuple[np.ndarray, np.ndarray]]
+NUMBERS = np.dtype(float)
+# rows and dimensions of the tables of march.py, the same in all scenes
+LAYOUT: dict[str, Slot] = {
+    "job": (march.JOB.dtype, 1),
+    "times": (NUMBERS, 1),
+    "sample_clock": (CLOCK.dtype, 1),
+    "ledger": (NUMBERS, 1),
+    "sample_ledger": (NUMBERS, 1),
+    "cards": (CARD_OUTPUT.dtype, 1),
+    "card_history": (CARD_HISTORY.dtype, 2),
+    "watch": (march.WATCH.dtype, 1),
+    "marks": (march.MARK.dtype, 1),
+    "probes": (march.PROBE.dtype, 1),
+    "present_nodes": (NODE.dtype, 1),
+    "phase": (march.PHASE.dtype, 1),
+    "skipping": (march.SKIPPING.dtype, 1),
+    "both": (BODY_PAIR.dtype, 1),
+    "before": (march.COPY.dtype, 1),
+    "snapshot": (march.COPY.dtype, 1),
+    "passed": (march.PASSED.dtype, 1),
+    "nodes": (NODE.dtype, 1),
+    "rows": (ROW.dtype, 1),
+    "clock": (CLOCK.dtype, 1),
+    "joints": (gather.JOINT.dtype, 1),
+    "origins": (gather.ORIGIN.dtype, 1),
+    "block": (gather.BLOCK.dtype, 1),
+    "pieces": (gather.PIECE.dtype, 1),
+    "bounds": (gather.BOUND.dtype, 1),
+    "extremes": (gather.EXTREME.dtype, 1),
+}
+
+
+def compile_march_ahead() -> None:
+    """Have march.py compiled, where it is not yet, while a model is built."""
+    # an error shows when the code is asked for
+    with suppress(CacheError, OSError):
+        compile_ahead(Path(march.__file__), ENTRIES, LAYOUT)
 
 
 class March:

@@ -39,6 +39,7 @@ from crashsolve.output.status import State as RunState
 from crashsolve.recording.changing import changing, restore
 from crashsolve.recording.engines import Prepared, is_static, prepared_engine
 from crashsolve.recording.histories import Histories
+from crashsolve.recording.marching import compile_march_ahead
 from crashsolve.recording.recorder import Recorder
 from crashsolve.recording.resampling import Resampling
 from crashsolve.recording.sampling import Schedule
@@ -77,6 +78,7 @@ def _solve(
     deck = read_deck(deck_path, overrides)
     heartbeat.does("building the model")
     was_read = cpu_time()
+    compile_march_ahead()
     model, state = build(deck)
     if not is_static(deck):
         deck = with_chosen_method(deck, model)
