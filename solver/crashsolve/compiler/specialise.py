@@ -120,14 +120,18 @@ class Copy(ast.NodeTransformer):
     def _value_of_name(self, name: str) -> object:
         if name in self.known:
             return self.known[name]
-        module, original = self.source.imports.get(name, ("", ""))
-        if name not in self.unknown and module == self.program.home:
-            if original not in self.program.placeholders:
-                raise SpecialiseError(
-                    f"{self.where}: nothing stands for the placeholder {original}"
-                )
-            return self.program.placeholders[original]
-        raise _Unknown
+        if not self._is_placeholder(name):
+            raise _Unknown
+        original = self.source.imports[name][1]
+        if original not in self.program.placeholders:
+            raise SpecialiseError(f"{self.where}: nothing stands for the placeholder {original}")
+        return self.program.placeholders[original]
+
+    def _is_placeholder(self, name: str) -> bool:
+        imported = self.source.imports.get(name)
+        return (
+            imported is not None and imported[0] == self.program.home and name not in self.unknown
+        )
 
     def _value_of_attribute(self, value: Any, name: str) -> object:
         if isinstance(value, (Table, int, float, tuple)):
@@ -179,19 +183,12 @@ class Copy(ast.NodeTransformer):
 
     def known_value(self, node: ast.expr) -> tuple[bool, Any]:
         """Whether an expression depends on placeholders alone, and its value."""
-        if not any(map(self._is_known, names_in(node))):
+        if not any(name in self.known or self._is_placeholder(name) for name in names_in(node)):
             return False, None
         try:
             return True, self.value(node)
         except _Unknown:
             return False, None
-
-    def _is_known(self, name: str) -> bool:
-        try:
-            self._value_of_name(name)
-        except _Unknown:
-            return False
-        return True
 
     def rendered(self, value: object) -> ast.expr:
         """A known value as an expression of the copy."""
@@ -221,11 +218,14 @@ class Copy(ast.NodeTransformer):
 
     def visit(self, node: ast.AST) -> Any:
         """Copy a statement or an expression."""
+        # an operator or the context of a name has no fields
+        if not node._fields or isinstance(node, ast.Constant):
+            return node
         if isinstance(node, ast.expr) and not isinstance(getattr(node, "ctx", None), ast.Store):
             is_known, value = self.known_value(node)
             if is_known:
                 return self.rendered(value)
-        return super().visit(node)
+        return node if isinstance(node, ast.Name) else super().visit(node)
 
     def visit_If(self, node: ast.If) -> ast.If | list[ast.stmt]:
         test = self._condition(node.test)
@@ -335,12 +335,16 @@ def copied(tree: Any) -> Any:
     """A copy of a syntax tree, or of a list of trees: copy.deepcopy takes ten times as long."""
     if isinstance(tree, list):
         return [copied(part) for part in tree]
-    if not isinstance(tree, ast.AST):
+    # operators and contexts of names have no fields: one serves all
+    if not isinstance(tree, ast.AST) or not tree._fields:
         return tree
     new = tree.__class__.__new__(tree.__class__)
     fields = vars(new)
-    for name, part in vars(tree).items():
-        fields[name] = copied(part) if isinstance(part, (ast.AST, list)) else part
+    fields.update(vars(tree))
+    for name in tree._fields:
+        part = fields.get(name)
+        if isinstance(part, (ast.AST, list)):
+            fields[name] = copied(part)
     return new
 
 
