@@ -41,10 +41,10 @@ def test_a_profile_is_drawn_as_far_as_its_wheels_may_get(
     rise = t if interpolation == "linear" else t * t * (3.0 - 2.0 * t)
     np.testing.assert_allclose(z, 0.2 * rise, atol=1e-12)
     # from behind the wheel to where it is at the end, and beyond both
-    assert s.min() == pytest.approx(4.0 - 1.5 * RADIUS)
-    assert s.max() == pytest.approx(4.0 + SPEED * END + 1.5 * RADIUS)
+    assert s.min() == pytest.approx(4.0 - 8.0 * RADIUS)
+    assert s.max() == pytest.approx(4.0 + SPEED * END + 8.0 * RADIUS)
     # a profile has no sides: half as far to either side
-    aside = 1.5 * RADIUS + 0.5 * np.ptp(s)
+    aside = 8.0 * RADIUS + 0.5 * np.ptp(s)
     assert (y.min(), y.max()) == pytest.approx((2.0 - aside, 2.0 + aside))
     scene = Scene(states, Appearance())
     # the picture holds the wheel alone

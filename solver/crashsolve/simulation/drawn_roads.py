@@ -12,9 +12,9 @@ from crashsolve.model.model import Model
 if TYPE_CHECKING:
     from crashsolve.simulation.body_shapes import Piece
 
-# radii of a wheel that a strip reaches beyond it, share of the way of all wheels that it reaches to
-# either side, and parts of its length that curves are drawn by
-BESIDE, ASIDE, PARTS = 1.5, 0.5, 400
+# radii of a wheel that a strip reaches beyond it, more than a car overhangs its wheels, share of the
+# way of all wheels that it reaches to either side, and parts of its length that curves are drawn by
+BESIDE, ASIDE, PARTS = 8.0, 0.5, 400
 
 
 def profiles(model: Model, nodes: np.ndarray, span: float) -> list[Piece]:
