@@ -461,3 +461,16 @@ def test_a_plane_seen_from_behind_hides_nothing() -> None:
         assert len(wall.seen_from(np.array(towards)).corners) == count
         wall_of_box = replace(wall, one_sided=False)
         assert len(wall_of_box.seen_from(np.array(towards)).corners) == 2
+
+
+def test_the_start_is_seen_on_a_plane_below_it(run: Path, crashpost: Command) -> None:
+    path, shade = run / "x.png", np.array([0xB9, 0xC0, 0xC6]) / 255
+    words = ("--show", "car", "--view", "top", "-o", path)
+    shares = []
+    for time in ("0", "0.2"):
+        code, _, err = crashpost("render", run, "--at", time, *words)
+        assert (code, err) == (0, ""), err
+        # light makes it paler by 6 of 255; the plane is 30 of 255 away
+        shares.append((abs(pixels(path) - shade).max(axis=2) < 0.05).mean())
+    # of a cube that has moved by a fifth of its length, a fifth is not covered by the present one
+    assert shares[0] < 0.01 < 0.05 < shares[1] < 0.25

@@ -364,9 +364,8 @@ class Scene:
             # as many surfaces at each state, also where one has lost all of its elements
             if not requested[rows].any() or corners.shape[1] not in (3, 4):
                 continue
-            for own, is_plane in by_light(
-                corners, selected, self.planes if name == "ground" else None
-            ):
+            planes = {"ground": self.planes, "roads": np.arange(len(points))}.get(name)
+            for own, is_plane in by_light(corners, selected, planes):
                 drawing.surfaces.append(
                     Surface(
                         points,

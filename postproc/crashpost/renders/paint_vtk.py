@@ -29,7 +29,7 @@ SHARP = 40.0
 MAX_EDGES = 20_000
 SAMPLES = 4
 # layers of a window: a later one hides those before
-LAYERS = 3
+LAYERS = 4
 
 
 class Painter:

@@ -177,7 +177,9 @@ def _painted(
     start = scene.ghost() if task.ghost else Drawing()
     for k, ((number, _), camera) in enumerate(zip(task.frames, placed, strict=True)):
         drawing = scene.at(number)
-        layers = [start, drawing, arrows_of(drawing, camera, key.arrow, thickness)]
+        # the start would be hidden by what lies below it
+        floors = drawing.take_floors()
+        layers = [floors, start, drawing, arrows_of(drawing, camera, key.arrow, thickness)]
         yield plotter.paint(layers, camera, key.colour_scale)
         progress(k + 1, len(task.frames))
     plotter.close()

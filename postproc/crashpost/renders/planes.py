@@ -58,9 +58,9 @@ def footprints(rectangles: list[np.ndarray], near: np.ndarray) -> np.ndarray:
 def by_light(
     corners: np.ndarray, selected: np.ndarray, planes: np.ndarray | None
 ) -> list[tuple[np.ndarray, bool]]:
-    """Masks of polygons (m,), and whether they are those of infinite planes.
+    """Masks of polygons (m,), and whether they are those of infinite planes or of roads.
 
-    `planes` are the points of planes, None where polygons are those of no ground.
+    `planes` are the points of these, None where polygons are those of no ground.
     """
     if planes is None:
         return [(selected, False)]

@@ -31,7 +31,7 @@ class Surface:
     values: np.ndarray | None = None
     edges: bool = False
     is_flat: bool = False  # of one colour in any light
-    one_sided: bool = False  # seen from the outer side alone, as infinite planes
+    one_sided: bool = False  # seen from the outer side alone, as infinite planes and roads are
 
     def seen_from(self, towards: np.ndarray) -> "Surface":
         """Without planes between the eye and what is before them; `towards` (3,) the eye."""
@@ -77,3 +77,12 @@ class Drawing:
     lines: list[Lines] = field(default_factory=list)
     dots: list[Dots] = field(default_factory=list)
     arrows: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)  # from, vector
+
+    def take_floors(self) -> "Drawing":
+        """A drawing of the planes and roads alone, which this one loses.
+
+        All else lies on their outer side, and may be painted over them.
+        """
+        floors = Drawing([s for s in self.surfaces if s.one_sided])
+        self.surfaces = [s for s in self.surfaces if not s.one_sided]
+        return floors
