@@ -109,3 +109,17 @@ def test_walls_many_times_thicker_than_their_elements_are_said(
     else:
         assert answer in " ".join(build(deck)[0].warnings)
         assert bool(answer) == ("times as thick" in " ".join(build(deck)[0].warnings))
+
+
+def test_faces_of_large_meshes_are_those_around_their_points() -> None:
+    """Meshes have numbers of 32 bits; products of two beyond 46,340 have more."""
+    points, quads = strip(1, 60_000, 1.0)
+    first, faces = faces_around(quads.astype(np.int32), len(points))
+    # point 2 i + k lies between the faces i - 1 and i
+    middle = np.arange(2, len(points) - 2)
+    assert (np.diff(first)[middle] == 2).all()
+    assert (faces[first[middle]] == middle // 2 - 1).all()
+    assert (faces[first[middle] + 1] == middle // 2).all()
+    owners, reached = points_along(points, quads.astype(np.int32), 1.2)
+    assert len(owners) == len(points) * 4 - 4
+    assert (np.abs(points[owners] - points[reached]).sum(axis=1) <= 1.0).all()

@@ -19,7 +19,8 @@ TABLE = 4_000_000
 def grouped(keys: np.ndarray, values: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Values by key, each once and ascending: where those of a key begin (count + 1,), all (n,)."""
     most = int(values.max(initial=0)) + 1
-    keys, values = np.divmod(distinct(keys * most + values), most)
+    # meshes have numbers of 32 bits, whose products need 64
+    keys, values = np.divmod(distinct(keys.astype(np.int64) * most + values), most)
     return np.searchsorted(keys, np.arange(count + 1)).astype(np.int64), values.astype(np.int64)
 
 
