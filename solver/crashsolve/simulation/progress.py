@@ -274,6 +274,7 @@ def provenance(deck: Deck, engine: Engine) -> Json:
         "parameters_with_units": deck.with_units,
         "expect": deck.expectations(),
         "report": as_data(report) if report is not None else None,
+        "channels": deck.output.history.channels,
         "citations": engine.model.citations,
         "versions": {
             "crashsolve": crashsolve.__version__,

@@ -217,7 +217,7 @@ class Run:
         self.engine = self.account.engine = engine
         engine.on_pause = self._handle_requests_at_once
         engine.on_message = self.log.line
-        self.histories = Histories(engine)
+        self.histories = Histories(engine, self._written_channels(engine))
         kept, moves = self.histories.kept, not is_static(self.deck)
         self.resampling = Resampling(
             engine, kept, moves, lambda time, is_stored: self.recorder.take(time, is_stored)
@@ -225,6 +225,14 @@ class Run:
         self.pictures = Pictures(engine, self.deck)
         is_free = self.deck.output.states.interval is None and not is_static(self.deck)
         self.events = EventStates(engine, self.schedule, is_free, self.pictures.fields)
+
+    def _written_channels(self, engine: Engine) -> frozenset[str] | None:
+        """Channels that are written, None for all. Raises DeckErrors."""
+        if self.deck.output.history.channels is None:
+            return None
+        from crashsolve.recording.selection import written_channels
+
+        return written_channels(self.deck, engine.model, engine.state)
 
     def _open(self, resumed: float | None) -> None:
         """Evaluate the initial state, unless a dump brought another; open the files."""
