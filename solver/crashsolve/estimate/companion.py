@@ -99,6 +99,7 @@ class Companions:
         kept = recorded.histories.kept
         resampling = Resampling(engine, kept, not is_static(self.deck), recorded.take)
         engine.start()
+        engine.model.control["gaps"] = recorded.histories.needs_gaps
         k = self._sample(0, recorded, resampling, schedule)
         while not schedule.is_end(k):
             self._check_limits()

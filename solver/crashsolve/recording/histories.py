@@ -40,6 +40,8 @@ MODEL = (
     ("cycle", "", "1", "steps so far"),
     ("mechanical", "", "J", "kinetic, potential and stored energy"),
 )
+# columns of the model that the motion of all bodies gives
+MOMENTA = ("momentum", "angular_momentum", "momentum_error", "angular_momentum_error")
 PATH = (
     ("load_factor", "", "1", "of loads and motions with curves: 0 at start_time, 1 at end_time"),
     ("unstable_modes", "", "1", "number of unstable modes of the equilibrium"),
@@ -145,8 +147,8 @@ class Histories:
                 origins = origins[:0]
         # a family without entities is not written
         self._parts = [part for part in self._parts if part.family.ids and part.family.columns]
-        has_model = any(part.family.word == "glstat" for part in self._parts)
-        self._motion = self._columns_of_motion() if has_model else []
+        sums = any(c.quantity in MOMENTA for f in self.families for c in f.columns)
+        self._motion = self._columns_of_motion() if sums else []
         self._moved: list[np.ndarray] = []
         tables = {"nodes": engine.nodes, "rows": engine.rows, "clock": engine.state.clock}
         every = [part.columns for part in self._parts] + self._motion
@@ -155,6 +157,12 @@ class Histories:
     @property
     def families(self) -> tuple[Family, ...]:
         return tuple(part.family for part in self._parts)
+
+    @property
+    def needs_gaps(self) -> bool:
+        """Whether samples need the gaps of contacts that do not touch, by their depth below 0."""
+        contacts = (family for family in self.families if family.word == "rcforc")
+        return any(c.quantity == "depth" for family in contacts for c in family.columns)
 
     @property
     def memory(self) -> dict[str, np.ndarray]:
@@ -235,6 +243,8 @@ class Histories:
         if self._ends:
             at[first] = np.searchsorted(self._ends, at[first]) + 1
             first += 1
+        if not self._motion:
+            return
         clock, nodes, *elements = self._moved
         linear, angular, *errors = self._momenta.of(
             _named(self._motion[0], OF_CLOCK, clock[:, :, 0]),

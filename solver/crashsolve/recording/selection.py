@@ -15,11 +15,11 @@ from crashsolve.deck.words import choices, listed, shortened
 from crashsolve.foundation.errors import DeckError, DeckErrors
 from crashsolve.model.model import Model, State
 from crashsolve.output.channels import Family
-from crashsolve.recording.histories import families_of
+from crashsolve.recording.histories import MOMENTA, families_of
 from crashsolve.recording.questions import channels_of_report, look_up
 from crashsolve.recording.samples import needed_for
 
-# families that are always written: energies of the model and of its parts
+# families that are always written, but for momenta: energies of the model and of its parts
 ALWAYS = ("glstat", "matsum")
 # quantities that are always written, as events are found by them: of contacts, and of all others
 OF_CONTACTS = ("normal", "peak_normal", "onsets", "first_touch", "last_release")
@@ -58,7 +58,8 @@ def _always(family: Family) -> Iterator[str]:
     """Channels of a family that every run writes."""
     quantities = OF_CONTACTS if family.word == "rcforc" else OF_EVENTS
     for k, column in enumerate(family.columns):
-        if family.word in ALWAYS or column.quantity in quantities:
+        is_energy = family.word in ALWAYS and column.quantity not in MOMENTA
+        if is_energy or column.quantity in quantities:
             yield from (family.channel(entity, k) for entity in range(len(family.ids)))
 
 

@@ -262,6 +262,8 @@ class Run:
         described = metadata | self.pictures.description()
         self.states = StateWriter(self.folder, self.pictures.blocks, described, resumed)
         self.files.callback(self.states.close)
+        # the checks of the start needed them
+        self.engine.model.control["gaps"] = self.histories.needs_gaps
         if resumed is None:
             self.engine.sample()
             self.recorder.take(self.deck.control.start_time)

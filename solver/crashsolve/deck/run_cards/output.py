@@ -28,10 +28,10 @@ class History(Card):
     channels: tuple[str, ...] | None = word(
         "names of the channels that are written, with globs, such as 'nodout.*' or "
         "'rcforc.*.force.x'; all when absent. Of a family every quantity and every entity that a "
-        "name fits are written together. Always written are glstat, matsum, what shows events "
-        "(normal forces, onsets and touches of contacts, plastic deformation, failure, deletion), "
-        "and what expect, watch, figures and scenes of the report need. By --set, names with "
-        "blanks between",
+        "name fits are written together. Always written are glstat without momenta, matsum, what "
+        "shows events (normal forces, onsets and touches of contacts, plastic deformation, "
+        "failure, deletion), and what expect, watch, figures and scenes of the report need. By "
+        "--set, names with blanks between",
         None,
     )
 
