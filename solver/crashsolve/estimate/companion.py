@@ -127,7 +127,7 @@ class Companions:
                     continue
                 numbers = numbers[count:]
             k = numbers[0]
-            engine.reach(schedule.time(k))
+            resampling.reach(schedule.time(k))
             resampling.sample_steps(schedule.time(k))
             self._sample(k, recorded, resampling, schedule)
         recorded.close()
