@@ -1,11 +1,11 @@
 """What output costs beside the steps: `python benchmarks/output_cost.py [CASE ...]`.
 
-A sample and a state are measured in steps of the run: from a run with few of them, one with many
-samples, one with many states, all by CPU time. All three have the lines of the log. Beside them CPU
-time of the steps of a whole run of the case at 10 kHz, of its histories and 100 states, and their
-share. All of it is measured with all channels, and with those that sensors measure. A sample
-evaluates all forces, as a step does: where steps are not much shorter than 0.1 ms, 10 kHz alone is
-more than a tenth.
+A sample and a state are measured in steps of the run, by CPU time: a sample from runs with samples
+at 10 kHz and at 20 kHz, in neither of which intervals have to be run again, a state from runs with
+few states and with many. All have the lines of the log. Beside them CPU time of the steps of a
+whole run of the case at 10 kHz, of its histories and 100 states, and their share. All of it is
+measured with all channels, and with those that sensors measure. A sample evaluates all forces, as a
+step does: where steps are not much shorter than 0.1 ms, 10 kHz alone is more than a tenth.
 """
 
 import argparse
@@ -128,9 +128,10 @@ def report(name: str, case: Case, channels: str) -> None:
         # short parts have no hundred samples at that rate
         often = min(1.0 / RATE, case.part / 100)
         sampled = cost(case, Path(folder), often, case.part, channels)
+        twice = cost(case, Path(folder), 0.5 * often, case.part, channels)
         drawn = cost(case, Path(folder), case.part / FEW, case.part / FEW, channels)
     step = few.stepping / few.steps
-    sample = (sampled.output - few.output) / (sampled.samples - few.samples)
+    sample = (twice.output - sampled.output) / (twice.samples - sampled.samples)
     state = (drawn.output - few.output) / (drawn.states - few.states)
     # samples may cut steps
     steps = (sampled if often == 1.0 / RATE else few).stepping * case.whole / case.part
