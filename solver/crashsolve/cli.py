@@ -305,12 +305,13 @@ def _check(options: argparse.Namespace) -> int:
     from crashsolve.recording.histories import families_of
     from crashsolve.recording.pictured import look_up_pictured
     from crashsolve.recording.questions import look_up
+    from crashsolve.recording.selection import written_channels
     from crashsolve.simulation.expected_size import expected_size
     from crashsolve.simulation.freedom import freedom
 
     deck = read_deck(options.deck, _overrides(options))
     model, state = build(deck)
-    families = families_of(model, state)
+    families = families_of(model, state, written_channels(deck, model, state))
     look_up(deck, families)
     look_up_pictured(deck, model)
     size = expected_size(deck, families, (), Path(options.deck.stem + ".results"))

@@ -222,6 +222,7 @@ def test_a_snapshot_without_skipped_pairs_is_the_whole_state(tmp_path: Path) -> 
             assert bits_of(engine) == reached
         engine.sample(time)
         resampling.begin_interval()
+        resampling.march.take_snapshot()
         assert {name: a.tobytes() for name, a in snapshot.arrays().items() if a.size} == bits_of(
             engine
         )

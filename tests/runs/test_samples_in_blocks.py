@@ -69,7 +69,7 @@ class Taken:
                 if count:
                     continue
             k += 1
-            self.engine.reach(schedule.time(k))
+            self.resampling.reach(schedule.time(k))
             self.resampling.sample_steps(schedule.time(k))
             self.engine.sample(schedule.time(k))
             self.resampling.begin_interval()
@@ -190,3 +190,27 @@ def test_a_pause_within_a_block_finds_all_samples_recorded(tmp_path: Path) -> No
     while len(times) < 20:
         _march_through(run, schedule[len(times) - 1 :])
     assert len(set(pauses)) > 2
+
+
+@pytest.mark.parametrize(("interval", "copies"), [("1e-4", 0), ("4e-4", 20)])
+def test_an_interval_of_one_step_needs_no_snapshot(
+    tmp_path: Path, interval: str, copies: int
+) -> None:
+    # of free flight
+    deck = tmp_path / "deck.yaml"
+    text = DECK.replace("METHOD", "rattle, step: 1e-4")
+    deck.write_text(text.replace("INTERVAL", interval), "utf-8")
+    engine = Engine(*build(read_deck(deck)))
+    resampling = Resampling(engine, Histories(engine).kept, True, lambda *what: None)
+    engine.start()
+    engine.sample()
+    resampling.begin()
+    # a dump there has none
+    assert not [name for name in resampling.memory() if "/begin/" in name]
+    total = 0
+    for k in range(1, 21):
+        assert resampling.march.go(np.array([k * float(interval)]))[0] == 1
+        total += int(resampling.march.job.copies)
+    assert total == copies
+    resampling.reach(21 * float(interval))
+    assert [name for name in resampling.memory() if "/begin/" in name]

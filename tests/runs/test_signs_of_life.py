@@ -5,6 +5,7 @@ happened.
 import json
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from command import crashsolve, differences, environment
 from crashsolve.model.checks.gyration import inconsistency
 from crashsolve.simulation import heartbeat
 from crashsolve.simulation.heartbeat import Heartbeat
+from crashsolve.simulation.progress import Account
 from crashsolve.simulation.remarks import STEPS, StepWatch
 
 pytestmark = pytest.mark.xdist_group("runs")
@@ -235,3 +237,13 @@ def test_check_warns_of_a_light_car_and_refuses_what_is_no_solid(tmp_path: Path)
     assert "warning: body 'car': its inertia looks too small: 0.0005 kg m^2" in done.stdout
     deck.write_text(text.replace("500 kg mm^2", "9000 kg mm^2"), "utf-8")
     assert crashsolve("check", deck).returncode == 2
+
+
+def test_a_late_sign_of_life_leaves_the_end_of_a_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    # its thread may have waited while the end was written
+    account, states = Account.__new__(Account), []
+    account._writing, account._has_ended = threading.RLock(), False
+    monkeypatch.setattr(account, "_write_status", lambda state, *others: states.append(state))
+    for state in ("running", "failed", "running"):
+        account.status(state, None, "")
+    assert states == ["running", "failed"]

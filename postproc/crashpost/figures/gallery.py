@@ -119,7 +119,8 @@ def gap_figures(result: Result) -> list[Figure]:
 
 def force_displacement_figures(result: Result) -> list[Figure]:
     """Contact force over penetration, of contacts with one pair: of more, pairs differ in both."""
-    names = _largest(result, [n for n in _contacts(result, "normal") if _is_single(result, n)])
+    known = [name.removesuffix("depth") + "normal" for name in _contacts(result, "depth")]
+    names = _largest(result, [name for name in known if _is_single(result, name)])
     depths = [name.removesuffix("normal") + "depth" for name in names]
     if not names:
         return []
@@ -145,9 +146,11 @@ def force_displacement_figures(result: Result) -> list[Figure]:
 
 
 def _is_single(result: Result, normal: str) -> bool:
-    """Whether a contact never has more than one pair that touches."""
+    """Whether a contact never has more than one pair that touches, as far as is known."""
     touching = normal.removesuffix("normal") + "touching"
-    return not result.has(touching) or result.span(touching)[1] <= 1.0
+    if not result.has(touching):
+        return not result.chosen_channels
+    return result.span(touching)[1] <= 1.0
 
 
 def crush_figures(result: Result) -> list[Figure]:
@@ -164,9 +167,9 @@ def _part_figures(result: Result) -> list[Figure]:
     candidates = [
         name
         for f in _families(result, "rbdout")
-        if "position.x" in {column.name for column in f.columns}
         for e in f.ids
         for name in (f"rbdout.{e}.position.{axis}" for axis in "xyz")
+        if result.has(name)
     ]
     if not _largest(result, known) or not forces or not candidates:
         return []
@@ -211,8 +214,9 @@ def _crush_figure(result: Result, family: str, stroke: str, force: str) -> Figur
 
 
 def _contacts(result: Result, column: str) -> list[str]:
-    """A channel of every contact."""
-    return [f"rcforc.{e}.{column}" for f in _families(result, "rcforc") for e in f.ids]
+    """A channel of every contact, where the run wrote it."""
+    names = [f"rcforc.{e}.{column}" for f in _families(result, "rcforc") for e in f.ids]
+    return [name for name in names if result.has(name)]
 
 
 def _families(result: Result, word: str) -> list[Family]:

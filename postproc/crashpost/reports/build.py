@@ -277,6 +277,9 @@ def _model(result: Result) -> str:
         for family in result.families.values()
     ]
     families = table(("family", "entities", "names", "holds"), rows, ("name", "num", "", ""))
+    if result.chosen_channels:
+        chosen = escape(", ".join(result.chosen_channels))
+        families += f"<p class=note>By output.history.channels: {chosen}</p>"
     log = logbook.model_summary(result.log)
     return families + (details("Log of the start", f"<pre>{escape(log)}</pre>") if log else "")
 

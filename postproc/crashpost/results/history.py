@@ -10,6 +10,7 @@ import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from difflib import get_close_matches
 from fnmatch import fnmatchcase
 from functools import cached_property
 from pathlib import Path
@@ -170,6 +171,11 @@ class History:
         """The deck with includes and parameters resolved."""
         return str(self.attributes.get("deck_text", ""))
 
+    @cached_property
+    def chosen_channels(self) -> list[str]:
+        """Patterns of the channels that the run was to write; none where it wrote all."""
+        return [printable(str(one)) for one in self.stored_json("channels", list) or ()]
+
     @property
     def title(self) -> str:
         """The deck's title, or the name of the results folder."""
@@ -273,6 +279,13 @@ class History:
 
     def _unknown_channel(self, name: str) -> PostError:
         """The error for a channel that does not exist, pointing at the first wrong word."""
+        if self.chosen_channels:
+            near = get_close_matches(name, (c.name for c in self.channels()), n=1, cutoff=0.9)
+            return PostError(
+                f"'{name}' is not in the history, for which output.history.channels chose "
+                + ", ".join(self.chosen_channels)
+                + (f"; did you mean '{near[0]}'?" if near else "")
+            )
         word, entity, column = _words(name)
         same = [family for family in self.families.values() if family.word == word]
         if not same:

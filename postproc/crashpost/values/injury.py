@@ -74,7 +74,7 @@ def positions(result: Result) -> list[SensorPosition]:
     return [
         _position(result, name, card["role"], has_gravity=card.get("gravity") is True)
         for name, card in sensors(result).items()
-        if name in known and card.get("role") in CLASSES
+        if name in known and card.get("role") in CLASSES and _is_written(result, name)
     ]
 
 
@@ -87,7 +87,25 @@ def measures(result: Result) -> list[Measure]:
         held = "as instruments show it" if position.has_gravity else "left out"
         measured.append(Measure(position.name, "gravity", when=held))
         measured += [_with_limit(position, *one) for one in _measures(result, position)]
-    return measured
+    return measured + _unwritten(result)
+
+
+def _unwritten(result: Result) -> list[Measure]:
+    """A remark on each position of whose acceleration the run did not write all components."""
+    if not result.chosen_channels:
+        return []
+    names = [name for name, card in sensors(result).items() if card.get("role") in CLASSES]
+    message = "output.history.channels did not choose all of nodout.{}.acceleration"
+    return [
+        Measure(capital(name.replace("_", " ")), "not stated", when=message.format(name))
+        for name in names
+        if not _is_written(result, name)
+    ]
+
+
+def _is_written(result: Result, sensor: str) -> bool:
+    """Whether all components of an acceleration are in the history."""
+    return all(result.has(f"nodout.{sensor}.acceleration.{axis}") for axis in "xyz")
 
 
 def injury_figures(result: Result) -> list[Figure]:
@@ -114,7 +132,10 @@ def _measures(result: Result, position: SensorPosition) -> list[Number]:
         measured += [_hic(result, position.channel, window) for window in HIC]
         measured.append(("Severity Index", *message(f"si({position.channel})", "final")))
     if position.role == "vehicle":
-        measured += pulse_measures(result, position.sensor)
+        try:
+            measured += pulse_measures(result, position.sensor)
+        except PostError as reason:
+            measured.append(("velocity change and OLC", None, "", str(reason)))
     return measured
 
 

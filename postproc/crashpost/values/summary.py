@@ -80,6 +80,8 @@ def _model(result: Result) -> str:
     span = (
         f", {number(result.time[0])} s to {number(result.time[-1])} s" if len(result.time) else ""
     )
+    chosen = [f"  by output.history.channels: {', '.join(result.chosen_channels)}"]
+    lines += chosen if result.chosen_channels else []
     return "\n".join([f"history  {len(result.time)} samples{span}", *lines])
 
 

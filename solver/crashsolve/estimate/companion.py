@@ -22,7 +22,7 @@ from crashsolve.recording.engines import Prepared, is_static, prepared_engine
 from crashsolve.recording.histories import Histories
 from crashsolve.recording.marching import MAX_BLOCK_SAMPLES
 from crashsolve.recording.resampling import Resampling
-from crashsolve.recording.samples import Channel, Samples, gather
+from crashsolve.recording.samples import Channel, Samples, find, gather, needed_for
 from crashsolve.recording.sampling import Schedule
 from crashsolve.study.methods import order_of
 from crashsolve.system.engine import Engine
@@ -74,7 +74,6 @@ class Companions:
     ) -> None:
         """`prepared` comes from the run, or is empty."""
         self.deck, self.channels, self.stopped = deck, channels, stopped
-        self.names = {channel.family.name for channel in channels}
         self.prepared = prepared
         self.order = order_of(deck.control.integrator)
         # CPU time [s] that is left for all runs, and of the process when this one must end
@@ -96,10 +95,11 @@ class Companions:
             coarsen(model.control, coarseness, schedule.interval, self.order)
         engine, self.prepared = prepared_engine(self.deck, model, state, self.prepared)
         engine.on_pause = self._check_limits
-        recorded = _RecordedSamples(engine, Histories(engine, self.names))
+        recorded = _RecordedSamples(engine, Histories(engine, needed_for(self.channels)))
         kept = recorded.histories.kept
         resampling = Resampling(engine, kept, not is_static(self.deck), recorded.take)
         engine.start()
+        engine.model.control["gaps"] = recorded.histories.needs_gaps
         k = self._sample(0, recorded, resampling, schedule)
         while not schedule.is_end(k):
             self._check_limits()
@@ -127,11 +127,14 @@ class Companions:
                     continue
                 numbers = numbers[count:]
             k = numbers[0]
-            engine.reach(schedule.time(k))
+            resampling.reach(schedule.time(k))
             resampling.sample_steps(schedule.time(k))
             self._sample(k, recorded, resampling, schedule)
         recorded.close()
-        samples = gather(recorded.times, recorded.blocks, self.channels)
+        # fewer channels than those of the run
+        families = recorded.histories.families
+        own = [find(channel.name, families)[0] for channel in self.channels]
+        samples = gather(recorded.times, recorded.blocks, own)
         cpu_time = clock.process_time() - start_time
         return replace(samples, cycles=int(engine.clock["cycle"]), cpu=cpu_time)
 

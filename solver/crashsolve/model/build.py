@@ -375,7 +375,7 @@ def _control(deck: Deck, scene: Scene, contacts: list[ContactGroup]) -> np.ndarr
     is_free = card.energy_limit == "off" or card.solution == "quasi_static"
     c["energy_limit"] = 0.0 if is_free else float(card.energy_limit)
     c["length"], c["thinnest"] = scene.size, thinnest_of(contacts)
-    c["spectral_radius"] = card.spectral_radius
+    c["spectral_radius"], c["gaps"] = card.spectral_radius, 1
     c["tolerance"] = card.tolerance or card.accuracy or TOLERANCE
     c["start"], c["end"] = card.start_time, card.end_time
     c["check_every"], c["follows_path"] = card.check_every, card.follows_path

@@ -103,5 +103,6 @@ CONTROL = Record("""
     check_every           count  cycles between guards
     searches              flag   whether corrections of Newton's method from rest are shortened
     follows_path          flag   whether equilibria are followed through limit points
+    gaps                  flag   whether samples need the gaps of contacts that do not touch
     resolves              flag   whether steps chosen by their error keep to safety and rotation
 """)

@@ -46,6 +46,7 @@ PIECE = Record("""
     number   count  entities
 """)
 JOINT = Record("""
+    joint       index  its number
     node        index  body b
     first       index  first row
     rows        count  its rows

@@ -40,6 +40,8 @@ MODEL = (
     ("cycle", "", "1", "steps so far"),
     ("mechanical", "", "J", "kinetic, potential and stored energy"),
 )
+# columns of the model that the motion of all bodies gives
+MOMENTA = ("momentum", "angular_momentum", "momentum_error", "angular_momentum_error")
 PATH = (
     ("load_factor", "", "1", "of loads and motions with curves: 0 at start_time, 1 at end_time"),
     ("unstable_modes", "", "1", "number of unstable modes of the equilibrium"),
@@ -57,6 +59,41 @@ class Part:
     columns: Columns
     # of values (n_column, samples, n_id): writes the columns that are no copies
     finish: Callable[[np.ndarray], None] = lambda values: None
+    # a column, and the least value (n_id,) of it
+    least: tuple[int, np.ndarray] | None = None
+    # columns and entities that are written, where others are needed to compute them
+    written: tuple[np.ndarray, ...] | None = None
+
+    def of(self, written: Container[str]) -> Part:
+        """This part with the quantities and the entities of which a channel is written."""
+        family, names = self.family, self.family.channels()
+        flags = np.array([name in written for name in names], bool)
+        table = flags.reshape(len(family.ids), len(family.columns))
+        if table.all() or not table.any():
+            return self if table.any() else Part(Family(family.name, (), ()), Columns(0))
+        columns, rows = (np.flatnonzero(table.any(axis)) for axis in (0, 1))
+        own = tuple(family.columns[k] for k in columns)
+        kept = Family(family.name, tuple(family.ids[k] for k in rows), own)
+        if not self.columns.are_copies:
+            return Part(kept, self.columns, self.finish, None, (columns, rows))
+        least = None
+        if self.least is not None and self.least[0] in columns:
+            least = int(np.searchsorted(columns, self.least[0])), self.least[1][rows]
+        return Part(kept, self.columns.chosen(columns.tolist(), rows.tolist()), least=least)
+
+    def complete(self, values: np.ndarray) -> np.ndarray:
+        """Values (n_column, samples, n_id) that are written, of those stored. Writes: values."""
+        self.finish(values)
+        if self.least is not None:
+            np.maximum(values[self.least[0]], self.least[1], out=values[self.least[0]])
+        if self.written is None:
+            return values
+        columns, rows = self.written
+        return values[np.ix_(columns, np.arange(values.shape[1]), rows)]
+
+    def extremes(self, own: np.ndarray) -> np.ndarray:
+        """Extremes (n_column, n_id) of what is written, from those of the values at samples."""
+        return own if self.written is None else own[np.ix_(*self.written)]
 
 
 @dataclass(frozen=True)
@@ -83,28 +120,35 @@ class Start:
         return self.state.clock
 
 
-def families_of(model: Model, state: State) -> tuple[Family, ...]:
+def families_of(
+    model: Model, state: State, written: Container[str] | None = None
+) -> tuple[Family, ...]:
     """Families of channels that a run of a model will write, without compiling its step."""
-    return Histories(Start(model, state)).families
+    return Histories(Start(model, state), written).families
 
 
 class Histories:
-    """Families of an engine, all or those named: samples are taken, their values made in blocks."""
+    """Families of an engine: samples are taken, their values made in blocks.
 
-    def __init__(self, engine: Engine | Start, names: Container[str] | None = None) -> None:
+    `written` has the names of the channels that are needed, None all of them.
+    """
+
+    def __init__(self, engine: Engine | Start, written: Container[str] | None = None) -> None:
         self.engine = engine
         self._momenta = Momenta()
         self._ends = [phase.end for phase in engine.model.phases]
-        joints, origins = _joints(engine.model), _origins(engine.model)
+        joints, origins = _joints(engine.model, written), _origins(engine.model)
         self._parts = [self._model(), self._bodies(origins), self._joints(joints)]
         self._parts += [self._contacts(), *self._traces(), *self._gauges(), *self._cuts()]
         self._parts += [self._group(g) for g in engine.model.groups if hasattr(g.module, "OUTPUT")]
-        if names is not None:
-            self._parts = [part for part in self._parts if part.family.name in names]
+        if written is not None:
+            self._parts = [part.of(written) for part in self._parts]
+            if not any(c.quantity == "origin" for f in self.families for c in f.columns):
+                origins = origins[:0]
         # a family without entities is not written
         self._parts = [part for part in self._parts if part.family.ids and part.family.columns]
-        has_model = any(part.family.word == "glstat" for part in self._parts)
-        self._motion = self._columns_of_motion() if has_model else []
+        sums = any(c.quantity in MOMENTA for f in self.families for c in f.columns)
+        self._motion = self._columns_of_motion() if sums else []
         self._moved: list[np.ndarray] = []
         tables = {"nodes": engine.nodes, "rows": engine.rows, "clock": engine.state.clock}
         every = [part.columns for part in self._parts] + self._motion
@@ -113,6 +157,12 @@ class Histories:
     @property
     def families(self) -> tuple[Family, ...]:
         return tuple(part.family for part in self._parts)
+
+    @property
+    def needs_gaps(self) -> bool:
+        """Whether samples need the gaps of contacts that do not touch, by their depth below 0."""
+        contacts = (family for family in self.families if family.word == "rcforc")
+        return any(c.quantity == "depth" for family in contacts for c in family.columns)
 
     @property
     def memory(self) -> dict[str, np.ndarray]:
@@ -135,10 +185,8 @@ class Histories:
         """
         blocks = self._kept.values()
         self._moved = blocks[len(self._parts) :]
-        for part, values in zip(self._parts, blocks, strict=False):
-            part.finish(values)
         return {
-            part.family.name: values.transpose(1, 2, 0)
+            part.family.name: part.complete(values).transpose(1, 2, 0)
             for part, values in zip(self._parts, blocks, strict=False)
         }
 
@@ -149,7 +197,8 @@ class Histories:
         extremes = self._kept.extremes(count)
         if extremes is None:
             return None
-        return {part.family.name: own for part, own in zip(self._parts, extremes, strict=False)}
+        both = zip(self._parts, extremes, strict=True)
+        return {part.family.name: part.extremes(own) for part, own in both}
 
     def _model(self) -> Part:
         e = self.engine
@@ -194,6 +243,8 @@ class Histories:
         if self._ends:
             at[first] = np.searchsorted(self._ends, at[first]) + 1
             first += 1
+        if not self._motion:
+            return
         clock, nodes, *elements = self._moved
         linear, angular, *errors = self._momenta.of(
             _named(self._motion[0], OF_CLOCK, clock[:, :, 0]),
@@ -222,7 +273,7 @@ class Histories:
     def _joints(self, joints: np.ndarray) -> Part:
         columns = [Column("force", a, "N", "of the joint on body b, world axes") for a in AXES]
         columns += [Column("moment", a, "N m", "the same, about the joint point") for a in AXES]
-        names = tuple(joint.name for joint in self.engine.model.joints)
+        names = tuple(self.engine.model.joints[k].name for k in joints["joint"])
         own = Columns(len(joints), sources_of(joints, ("force", "moment")))
         return Part(Family("jntforc", names, tuple(columns)), own)
 
@@ -233,14 +284,10 @@ class Histories:
         cards, both = self.engine.state.cards, self.engine.state.card_history
         sources = sources_of(cards, (column.name for column in records.CARD_OUTPUT.columns))
         sources += [Source(both[0][name], both.strides[0]) for name in CARD_COLUMNS]
-        depth, margins = [c.path for c in columns].index("depth"), self._margins()
-
-        def finish(values: np.ndarray) -> None:
-            # pairs farther apart than the margin of a list are not in it
-            np.maximum(values[depth], -margins, out=values[depth])
-
+        # pairs farther apart than the margin of a list are not in it
+        least = [c.path for c in columns].index("depth"), -self._margins()
         family = Family("rcforc", tuple(self.engine.model.contacts), tuple(columns))
-        return Part(family, Columns(len(cards), sources), finish)
+        return Part(family, Columns(len(cards), sources), least=least)
 
     def _margins(self) -> np.ndarray:
         """Margin of the list of near pairs of every contact card; infinite without a list."""
@@ -327,12 +374,18 @@ class Histories:
         return Part(family, Columns(len(group.names), sources_of(group.output, names)))
 
 
-def _joints(model: Model) -> np.ndarray:
-    """Rows of gather.JOINT: every joint, its force and moment on body b."""
-    joints = np.zeros(len(model.joints), gather.JOINT.dtype)
-    for row, joint in zip(joints, model.joints, strict=True):
+def _joints(model: Model, written: Container[str] | None) -> np.ndarray:
+    """Rows of gather.JOINT: every joint that is written, its force and moment on body b."""
+    channels = [f"{quantity}.{axis}" for quantity in ("force", "moment") for axis in AXES]
+    chosen = [
+        (k, joint)
+        for k, joint in enumerate(model.joints)
+        if written is None or any(f"jntforc.{joint.name}.{own}" in written for own in channels)
+    ]
+    joints = np.zeros(len(chosen), gather.JOINT.dtype)
+    for row, (k, joint) in zip(joints, chosen, strict=True):
         row["node"], row["first"], row["rows"] = joint.node_b, joint.first_row, joint.rows
-        row["point"] = joint.frame.get("point_b", 0.0)
+        row["joint"], row["point"] = k, joint.frame.get("point_b", 0.0)
     return joints
 
 

@@ -37,6 +37,15 @@ class Source:
     def is_integer(self) -> bool:
         return self.numbers.dtype.kind in "iu"
 
+    def chosen(self, columns: Sequence[int], rows: Sequence[int]) -> "list[Source | Later]":
+        """Some of the columns and of the entities, both ascending, as sources side by side."""
+        numbers, own = self.numbers, self.rows
+        if len(rows) < (len(numbers) if own is None else len(own)):
+            own = list(rows) if own is None else [own[k] for k in rows]
+        if numbers.ndim == 1:
+            return [Source(numbers, self.half, own)]
+        return [Source(numbers[:, k], self.half, own) for k in columns]
+
 
 @dataclass(frozen=True)
 class Later:
@@ -56,6 +65,23 @@ class Columns:
     @property
     def width(self) -> int:
         return sum(source.width for source in self.sources)
+
+    @property
+    def are_copies(self) -> bool:
+        """Whether all of them are copied, and none is computed."""
+        are_sources = all(isinstance(source, Source) for source in self.sources)
+        return self.request is None and are_sources
+
+    def chosen(self, columns: Sequence[int], rows: Sequence[int]) -> "Columns":
+        """Some of these columns, of some entities; all are copies."""
+        sources, first = list[Source | Later](), 0
+        for source in self.sources:
+            own = [k - first for k in columns if first <= k < first + source.width]
+            if own and isinstance(source, Source):
+                is_whole = len(own) == source.width and len(rows) == self.size
+                sources += [source] if is_whole else source.chosen(own, rows)
+            first += source.width
+        return Columns(len(rows), sources)
 
 
 class Block:

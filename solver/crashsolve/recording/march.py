@@ -2,7 +2,8 @@
 
 A sample in Python costs as much as tens of steps of a small scene. `march` calls the compiled step
 and copies tables by their addresses, so that one machine code serves all scenes; it returns where
-a sample needs more than copies (`recording/marching.py`).
+a sample needs more than copies (`recording/marching.py`). A snapshot from which an interval can be
+run again is taken after the first of its steps, as one of a single step hides nothing.
 
 An interval hides a contact when its ends show too little of the force in it:
 
@@ -24,7 +25,7 @@ from crashsolve.foundation.kernels import entry, kernel
 from crashsolve.foundation.motion import arm, point_velocity
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import add, cross, norm, put, scale, sub, vec
-from crashsolve.model.clock import REACHED, STOPS_AT_SAMPLE
+from crashsolve.model.clock import PAUSED, REACHED, STOPS_AT_SAMPLE
 from crashsolve.model.contact.body_pairs import BODY_PAIR
 from crashsolve.model.ledger import LARGEST, is_spurious_energy
 from crashsolve.recording.gather import add_sample, find_extremes
@@ -61,6 +62,7 @@ JOB = Record("""
     both      index  address of two body pairs
     passed    count  rows of `passed`
     why       index  DONE, STEPPED, HIDDEN, SUSPECT or OTHER_STEP
+    copies    count  snapshots taken
     stepping  count  ticks of the steps
     total     count  ticks of all
 """)
@@ -70,6 +72,7 @@ WATCH = Record("""
     cycle     count  steps by then
     examined  flag   whether this interval has been examined
     hides     flag   whether its ends show too little of a contact
+    copied    flag   whether the snapshot is of this interval
 """)
 # of every contact card, as the interval began
 MARK = Record("""
@@ -129,16 +132,14 @@ def march(_, flag, scene):
     """Samples at scene.times, one after the other. Writes: all of the State, the copies."""
     job, clock = scene.job[0], scene.clock[0]
     begun = ticks()
-    job.why, job.count, job.stepping = DONE, 0, 0
+    job.why, job.count, job.stepping, job.copies = DONE, 0, 0, 0
     while job.why == DONE and job.count < job.most:
         if clock.next_step > job.longest or clock.next_step <= job.shortest:
             job.why = OTHER_STEP
             continue
         until = scene.times[job.count]
         clock.goal = max(until, job.end) if job.is_dense else until
-        left = ticks()
-        call_step(job.step, until, False, job.present)
-        job.stepping += ticks() - left
+        reach(until, job, clock, scene)
         if clock.status != REACHED:
             job.why = STEPPED
         elif hides_anything(clock, scene):
@@ -183,14 +184,60 @@ def check_interval(_, flag, scene):
 
 @entry
 def start_interval(_, flag, scene):
-    """An interval begins. Writes: watch, marks, probes, the snapshot."""
+    """An interval begins. Writes: watch, marks, probes."""
     begin_interval(scene.clock[0], scene)
+
+
+@entry
+def copy_interval(_, flag, scene):
+    """Take the snapshot of an interval. Writes: watch, job, memory."""
+    take_snapshot(scene.job[0], scene.clock[0], scene)
 
 
 @entry
 def finish_interval(_, flag, scene):
     """An interval has ended. Writes: phase."""
     count_interval(scene.clock[0], scene)
+
+
+@kernel
+def reach(until, job, clock, scene):
+    """Step to a sample, with a snapshot after the first of several steps. Writes: all of the State,
+    watch, job, memory.
+    """
+    watch = scene.watch[0]
+    if watch.watches and watch.copied == 0:
+        pause = clock.pause
+        clock.pause = clock.cycle + 1
+        step_to(until, job)
+        clock.pause = pause
+        if clock.status != PAUSED:
+            return
+        take_snapshot(job, clock, scene)
+        if clock.cycle >= pause:
+            return
+    step_to(until, job)
+
+
+@kernel
+def step_to(until, job):
+    """Step to a time, and count the ticks. Writes: all of the State, job."""
+    begun = ticks()
+    call_step(job.step, until, False, job.present)
+    job.stepping += ticks() - begun
+
+
+@kernel
+def take_snapshot(job, clock, scene):
+    """Copy all that changes. Writes: watch, job, memory."""
+    # the pause depends on the speed of the machine, and must not enter a dump
+    pause = clock.pause
+    clock.pause = 0
+    copy(scene.snapshot, job.snapshot)
+    copy_changed(scene.skipping, scene.both, job.both)
+    clock.pause = pause
+    scene.watch[0].copied = 1
+    job.copies += 1
 
 
 @kernel
@@ -321,17 +368,11 @@ def mark_probe(probe, present, sampled):
 
 @kernel
 def begin_interval(clock, scene):
-    """Writes: watch, marks, probes, the snapshot."""
+    """Writes: watch, marks, probes."""
     watch = scene.watch[0]
-    watch.examined, watch.hides = 0, 0
+    watch.examined, watch.hides, watch.copied = 0, 0, 0
     if not watch.watches:
         return
-    # the pause depends on the speed of the machine, and must not enter a dump
-    pause = clock.pause
-    clock.pause = 0
-    copy(scene.snapshot, scene.job[0].snapshot)
-    copy_changed(scene.skipping, scene.both, scene.job[0].both)
-    clock.pause = pause
     watch.time, watch.cycle = clock.time, clock.cycle
     for i in range(scene.job[0].cards):
         card, history, mark = scene.cards[i], scene.card_history[clock.current, i], scene.marks[i]

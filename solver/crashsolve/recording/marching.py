@@ -1,6 +1,6 @@
 """Arguments of the compiled loop from sample to sample (march.py): tables, and the copies to make.
 
-    copies of the State before a sample;  a snapshot at the start of an interval
+    copies of the State before a sample;  a snapshot of an interval
 
 They are renewed when tables are bound to other arrays. Where Python is needed at every sample, no
 block is run, and the run goes from one sample to the next. Consequence to
@@ -34,7 +34,8 @@ if TYPE_CHECKING:
     from crashsolve.foundation.rows import RowOfTable
     from crashsolve.recording.changing import Snapshot
 
-ENTRIES = ("march", "take", "look", "bound", "check_interval", "start_interval", "finish_interval")
+ENTRIES = ("march", "take", "look", "bound")
+ENTRIES += ("check_interval", "start_interval", "copy_interval", "finish_interval")
 # samples of one block
 MAX_BLOCK_SAMPLES = 1024
 Pieces = Iterable[tuple[np.ndarray, np.ndarray]]
@@ -81,9 +82,7 @@ class March:
     """Tables and entries of march.py for one engine. Writes: all of the State."""
 
     def __init__(self, engine: Engine, kept: Block, snapshot: "Snapshot | None") -> None:
-        """Samples go to `kept`. With a snapshot, intervals are watched, and it is taken as each
-        begins.
-        """
+        """Samples go to `kept`. With a snapshot, intervals are watched."""
         self.engine, self.kept, self.snapshot = engine, kept, snapshot
         self._bound = -1
         state, control = engine.state, engine.model.control[0]
@@ -119,10 +118,17 @@ class March:
         """An interval begins."""
         if self.watch.watches:
             self._renew()
+            self._call("start_interval")
             if self.snapshot is not None and not self.snapshot.is_copied:
                 self.snapshot.take()
-            self._call("start_interval")
-            self._note_snapshot()
+                self.watch.copied = 1
+
+    def take_snapshot(self) -> None:
+        """Take the snapshot of the interval, where it has none yet, before further steps."""
+        if self.snapshot is not None and not self.watch.copied:
+            self._renew()
+            self._call("copy_interval")
+            self.snapshot.note_copies()
 
     def finish_interval(self) -> None:
         """Count the interval that ends now."""
@@ -165,8 +171,8 @@ class March:
         self._times[:count] = times[:count]
         self.job.most, self.job.total = count, 0
         status = self.engine.within_pause(lambda: self._call("march"))
-        if self.job.count:
-            self._note_snapshot()
+        if self.job.copies and self.snapshot is not None:
+            self.snapshot.note_copies()
         spent, share = clock.process_time() - begun, 1.0
         if self.job.total > 0:
             share = float(self.job.stepping) / float(self.job.total)
@@ -176,11 +182,6 @@ class March:
     def is_at_sample(self) -> bool:
         """Whether the last block has ended at a sample, and not on the way to the next."""
         return self.job.why in (march.DONE, march.OTHER_STEP)
-
-    def _note_snapshot(self) -> None:
-        """An interval has begun, with a snapshot."""
-        if self.snapshot is not None and self.snapshot.is_copied:
-            self.snapshot.note_copies()
 
     def _call(self, name: str) -> None:
         self._entries[name](0.0, False, self._tables)

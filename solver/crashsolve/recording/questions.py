@@ -72,6 +72,18 @@ def _of_report(deck: Deck) -> Iterator[tuple[str, str]]:
                 yield f"scene '{scene.title}'", channel.strip()
 
 
+def channels_of_report(deck: Deck, families: Sequence[Family]) -> set[str]:
+    """Names of the channels that the figures and scenes of the report need, all of which exist."""
+    names = set[str]()
+    for _, expression in _of_report(deck):
+        if _fits_some(expression, families):
+            every = (name for family in families for name in family.channels())
+            names.update(name for name in every if fnmatchcase(name, expression))
+        else:
+            names.update(channel.name for channel in find(expression, families))
+    return names
+
+
 def _fits_some(pattern: str, families: Sequence[Family]) -> bool:
     """Whether a pattern such as rcforc.*.normal is that of a channel."""
     if not set("*?[") & set(pattern):

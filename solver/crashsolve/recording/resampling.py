@@ -2,7 +2,7 @@
 
 A contact that begins and ends between two samples is in none of them. Its peak and its impulse,
 which are of all steps, reveal it (march.py), and so does the velocity of an accelerometer that has
-a role in measures of injury. Then the interval is run again from its start, to
+a role in measures of injury. Then the interval is run again, from its start or its first step, to
 the same bits, with a sample at every step, so that extremes, integrals and functions of all
 channels include it. Consequence to test: the peak of the samples is that of the steps,
 whatever their interval, and the run is as without.
@@ -54,7 +54,8 @@ class Resampling:
         kept |= {"watch": self.march.watch_table.view(np.uint8)}
         kept |= {"marks": self.march.marks.view(np.uint8)}
         kept |= {"probes": self.march.probes.view(np.uint8)}
-        kept |= {f"begin/{name}": array for name, array in self._begin.arrays().items()}
+        if self.march.watch.copied:
+            kept |= {f"begin/{name}": array for name, array in self._begin.arrays().items()}
         return {f"between/{name}": array for name, array in kept.items()}
 
     def recall(self, arrays: dict[str, np.ndarray]) -> None:
@@ -70,9 +71,10 @@ class Resampling:
         self.march.watch_table.view(np.uint8)[...] = own["watch"]
         self.march.marks.view(np.uint8)[...] = own["marks"]
         self.march.probes.view(np.uint8)[...] = own["probes"]
-        self._begin.recall(
-            {n.removeprefix("begin/"): a for n, a in own.items() if n.startswith("begin/")}
-        )
+        if self.march.watch.copied:
+            self._begin.recall(
+                {n.removeprefix("begin/"): a for n, a in own.items() if n.startswith("begin/")}
+            )
         self.has_begun = True
 
     def begin(self) -> None:
@@ -84,6 +86,12 @@ class Resampling:
         """Begin an interval at the present sample."""
         self.march.begin()
         self.has_begun = True
+
+    def reach(self, until: float) -> None:
+        """Step to a sample at `until` [s]. Raises SolverError."""
+        if self.watches:
+            self.march.take_snapshot()
+        self.engine.reach(until)
 
     def sample_steps(self, until: float) -> None:
         """Sample at steps of the interval up to its end, `until` [s], if that is due."""
@@ -97,7 +105,11 @@ class Resampling:
         self.repeated += steps
         self._end.take()
         self._begin.restore_copy()
-        self.engine.revisit(until, ceil(steps / MAX_ROWS), self._sample)
+        stride = ceil(steps / MAX_ROWS)
+        done = int(self.engine.clock["cycle"]) - int(self.march.watch.cycle)
+        if done and done % stride == 0:
+            self._sample()
+        self.engine.revisit(until, stride, self._sample, done % stride)
         self._end.restore_copy()
 
     def _sample(self) -> None:

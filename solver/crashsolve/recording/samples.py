@@ -124,6 +124,13 @@ def find(expression: str, families: Sequence[Family]) -> list[Channel]:
     return channels
 
 
+def needed_for(channels: Iterable[Channel]) -> set[str]:
+    """Names of channels with all components of their vectors, and of those that they follow."""
+    followed = [(channel, channel.followed) for channel in channels]
+    every = [channel for pair in followed for channel in pair if channel is not None]
+    return {c.family.channel(c.entity, column) for c in every for column in c.siblings}
+
+
 def gather(
     time: Iterable[float], blocks: Sequence[dict[str, np.ndarray]], channels: Sequence[Channel]
 ) -> Samples:

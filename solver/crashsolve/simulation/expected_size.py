@@ -32,9 +32,14 @@ def expected_size(
         raise DeckError(str(deck.path), None, None, "output.history", message, advice)
     samples = schedule.number(schedule.end) + 1
     interval = deck.output.states.interval or span / 50 or 1.0
+    families = tuple(families)
     history = history_size(families, samples)
     states = states_size(blocks, int(min(span / interval + 2, samples)))
-    text = f"history of {samples:.4g} samples: {in_words(history)}"
+    chosen = ""
+    if deck.output.history.channels:
+        count = sum(len(family.ids) * len(family.columns) for family in families)
+        chosen = f" of {count} channels, by output.history.channels"
+    text = f"history of {samples:.4g} samples{chosen}: {in_words(history)}"
     text += f"; states: {in_words(states)}" if states else ""
     free = free_space(folder)
     if history + states > free:

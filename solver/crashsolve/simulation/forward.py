@@ -109,7 +109,7 @@ def _go_to(run: Run, target: float) -> float:
     """Advance to one sample and take it; its time, which may be another of an equilibrium."""
     started = time.process_time()
     try:
-        run.engine.reach(target)
+        run.resampling.reach(target)
     finally:
         advanced = time.process_time()
         run.cpu["steps"] += advanced - started

@@ -106,6 +106,7 @@ class Account:
         self._bounds = StepBound(Schedule.of(deck).interval, deck.control.step_max)
         # a thread may write lines of the run as well
         self._writing = threading.RLock()
+        self._has_ended = False
         self.phases: ContactPhases | None = None
         self.estimating: Estimating | None = None
 
@@ -170,8 +171,12 @@ class Account:
         return self.bound
 
     def status(self, state: RunState, code: ExitCode | None, message: str) -> None:
-        """Renew status.json. Raises OutputError."""
+        """Renew status.json; of a run that has ended no more. Raises OutputError."""
         with self._writing:
+            # a heartbeat may have waited for the end to be written
+            if self._has_ended and state == "running":
+                return
+            self._has_ended = state != "running"
             self._write_status(state, code, message)
 
     def _write_status(self, state: RunState, code: ExitCode | None, message: str) -> None:
@@ -274,6 +279,7 @@ def provenance(deck: Deck, engine: Engine) -> Json:
         "parameters_with_units": deck.with_units,
         "expect": deck.expectations(),
         "report": as_data(report) if report is not None else None,
+        "channels": deck.output.history.channels,
         "citations": engine.model.citations,
         "versions": {
             "crashsolve": crashsolve.__version__,

@@ -282,10 +282,14 @@ def undeformed(engine: Engine, extremes: Extremes) -> list[str]:
 
 
 def _largest(extremes: Extremes, family: str, columns: tuple[str, ...]) -> dict[str, float]:
-    """Largest magnitude of some columns of a family, by entity."""
-    number = next(k for k, f in enumerate(extremes.families) if f.name == family)
-    its = extremes.families[number]
+    """Largest magnitude of some columns of a family, by entity, where they are written."""
+    numbers = [k for k, f in enumerate(extremes.families) if f.name == family]
+    if not numbers:
+        return {}
+    number, its = numbers[0], extremes.families[numbers[0]]
     which = [k for k, c in enumerate(its.columns) if c.path.split("/")[0] in columns]
+    if {its.columns[k].path.split("/")[0] for k in which} != set(columns):
+        return {}
     bounds = np.abs([extremes.least[number][which], extremes.greatest[number][which]])
     return dict(zip(its.ids, bounds.max(axis=(0, 1)).tolist(), strict=True))
 

@@ -219,7 +219,7 @@ class Run:
         self.engine = self.account.engine = engine
         engine.on_pause = self._handle_requests_at_once
         engine.on_message = self.log.line
-        self.histories = Histories(engine)
+        self.histories = Histories(engine, self._written_channels(engine))
         kept, moves = self.histories.kept, not is_static(self.deck)
         self.resampling = Resampling(
             engine, kept, moves, lambda time, is_stored: self.recorder.take(time, is_stored)
@@ -227,6 +227,14 @@ class Run:
         self.pictures = Pictures(engine, self.deck)
         is_free = self.deck.output.states.interval is None and not is_static(self.deck)
         self.events = EventStates(engine, self.schedule, is_free, self.pictures.fields)
+
+    def _written_channels(self, engine: Engine) -> frozenset[str] | None:
+        """Channels that are written, None for all. Raises DeckErrors."""
+        if self.deck.output.history.channels is None:
+            return None
+        from crashsolve.recording.selection import written_channels
+
+        return written_channels(self.deck, engine.model, engine.state)
 
     def _open(self, resumed: float | None) -> None:
         """Evaluate the initial state, unless a dump brought another; open the files."""
@@ -256,6 +264,8 @@ class Run:
         described = metadata | self.pictures.description()
         self.states = StateWriter(self.folder, self.pictures.blocks, described, resumed)
         self.files.callback(self.states.close)
+        # the checks of the start needed them
+        self.engine.model.control["gaps"] = self.histories.needs_gaps
         if resumed is None:
             self.engine.sample()
             self.recorder.take(self.deck.control.start_time)

@@ -92,6 +92,8 @@ def settings(
             series = Series(method, mesh, ", ".join(filter(None, (chosen, value))))
             given = {"control.integrator": method} | _of_parts(deck, mesh, chosen)
             given |= {field: value} if value else {}
+            # numbers of a study are of other channels too
+            given |= {"output.history.channels": "null"} if deck.output.history.channels else {}
             all_settings += [
                 Setting(series, label, ALONE | given | overrides, factor)
                 for label, overrides, factor in _of_method(deck, method, steps, tolerances)

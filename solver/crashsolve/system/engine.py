@@ -105,8 +105,8 @@ class Engine:
         # arrays of a dump beside the State
         self.aside: dict[str, np.ndarray] = {}
         self._steps_per_call = 1 if runs_plain() else FIRST_CALL
-        # steps from one check to the next, of an interval that is run again
-        self._stride = 0
+        # steps from one check to the next, of an interval that is run again, and how many are done
+        self._stride = self._done = 0
 
     @property
     def addresses(self) -> tuple[int, int, int] | None:
@@ -211,13 +211,14 @@ class Engine:
         end = float(self.model.control[0]["end"])
         self._step_by_corners(until, max(until, end) if self.is_dense else until)
 
-    def revisit(self, until: float, stride: int, look: Callable[[], None]) -> None:
-        """Reach `until` [s] with a look every `stride` steps, but for the last."""
-        kept, self.on_pause, self._stride = self.on_pause, look, stride
+    def revisit(self, until: float, stride: int, look: Callable[[], None], done: int = 0) -> None:
+        """Reach `until` [s] with a look every `stride` steps, but for the last; `done` of them."""
+        kept, self.on_pause = self.on_pause, look
+        self._stride, self._done = stride, done
         try:
             self.reach(until)
         finally:
-            self.on_pause, self._stride = kept, 0
+            self.on_pause, self._stride, self._done = kept, 0, 0
 
     def _step_by_corners(self, until: float, goal: float) -> None:
         """Step to `until`, one corner of a curve of time after the other."""
@@ -325,7 +326,8 @@ class Engine:
     def within_pause(self, act: Callable[[], None]) -> int:
         """Call the compiled loop, for LONGEST_CALL at most or `_stride` steps; its status."""
         clock, begun = self.state.clock[0], monotonic()
-        clock["pause"] = clock["cycle"] + (self._stride or self._steps_per_call)
+        clock["pause"] = clock["cycle"] + (self._stride or self._steps_per_call) - self._done
+        self._done = 0
         act()
         # no trace of how long it took may reach a dump
         clock["pause"] = 0

@@ -20,11 +20,33 @@ VIEWS = ("auto", "side", "front", "rear", "top", "bottom", "iso")
 
 
 class History(Card):
-    """Time histories of all channels."""
+    """Time histories of all channels, or of those chosen."""
 
     interval: float | None = quantity(
         "s", "time between samples; a 1000th of the run when absent", None, ge=SHORTEST
     )
+    channels: tuple[str, ...] | None = word(
+        "names of the channels that are written, with globs, such as 'nodout.*' or "
+        "'rcforc.*.force.x'; all when absent. Of a family every quantity and every entity that a "
+        "name fits are written together. Always written are glstat without momenta, matsum, what "
+        "shows events (normal forces, onsets and touches of contacts, plastic deformation, "
+        "failure, deletion), and what expect, watch, figures and scenes of the report need. By "
+        "--set, names with blanks between",
+        None,
+    )
+
+    @field_validator("channels", mode="before")
+    @classmethod
+    def _listed(cls, given: Any) -> object:
+        """The names in a text, with blanks between, as `--set` can give it."""
+        return given.split() if isinstance(given, str) else given
+
+    @field_validator("channels")
+    @classmethod
+    def _some(cls, given: tuple[str, ...] | None) -> tuple[str, ...] | None:
+        if given is not None and not given:
+            raise ValueError("name at least one channel, or leave the field out for all")
+        return given
 
 
 class States(Card):

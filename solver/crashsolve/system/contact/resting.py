@@ -61,6 +61,12 @@ def is_at_end_of_step(h, clock):
 
 
 @kernel
+def least_depth(h, clock, control):
+    """Depth below which none is needed [m]: that of touching where a sample needs no gaps."""
+    return 0.0 if is_at_end_of_step(h, clock) and control.gaps == 0 else -1e300
+
+
+@kernel
 def can_skip(old, new, displacement):
     """Whether a pair whose gap changes by at most `displacement` in a step is surely separated and
     skipped.

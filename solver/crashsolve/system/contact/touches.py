@@ -27,20 +27,20 @@ NEGLIGIBLE = 1e-4
 
 
 @kernel
-def clear_cards(cards):
-    """Zero the sums of a force pass. Writes: cards."""
+def clear_cards(cards, deepest):
+    """Zero the sums of a force pass, which needs no depth below `deepest` [m]. Writes: cards."""
     for k in range(cards.shape[0]):
-        clear_card(cards[k])
+        clear_card(cards[k], deepest)
 
 
 @kernel
-def clear_card(c):
+def clear_card(c, deepest):
     """Zero the sums of a card, or of a piece of its pairs. Writes: c."""
     for j in range(3):
         c.force[j] = 0.0
     c.normal = c.tangential = c.impact_speed = c.touching = 0.0
     c.stored = c.dissipated = c.friction_dissipated = 0.0
-    c.depth = -1e300
+    c.depth = deepest
 
 
 @kernel

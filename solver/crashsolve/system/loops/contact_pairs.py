@@ -39,7 +39,7 @@ from crashsolve.system.placeholders import KICK_DRIFT_KICK, THREADS
 def contact_pairs(group, piece, clock, h, nodes, curves, scene):
     """Forces of the pairs of a group, or of a piece. Writes: totals, outputs, new histories."""
     if group.body_pairs is not None:
-        if resting.is_at_end_of_step(h, clock):
+        if resting.is_at_end_of_step(h, clock) and scene.control[0].gaps == 1:
             evaluate_deepest(group, clock, nodes, scene)
         for k in range(group.body_pairs.shape[0]):
             both = group.body_pairs[k]

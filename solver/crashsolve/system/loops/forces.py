@@ -8,6 +8,7 @@ from crashsolve.system import attachments
 from crashsolve.system.contact import (
     damping,
     node_contact,
+    resting,
     surface_friction,
     times,
     touches,
@@ -131,7 +132,7 @@ def apply_laws(clock, time, h, nodes, rows, curves, scene):
 @stage
 def apply_contacts(clock, time, h, nodes, curves, scene):
     """Forces of all contacts. Writes: nodes, scene.cards, outputs, new histories."""
-    touches.clear_cards(scene.cards)
+    touches.clear_cards(scene.cards, resting.least_depth(h, clock, scene.control[0]))
     touches.copy_onsets(clock.current, scene.card_history)
     if KICK_DRIFT_KICK and PAIR_DAMPERS:
         touches.clear_friction_stiffness(nodes)

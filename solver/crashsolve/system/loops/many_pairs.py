@@ -7,7 +7,7 @@ Consequence to test: the same bits for any number of threads.
 """
 
 from crashsolve.foundation.kernels import apart, kernel
-from crashsolve.system.contact import touches
+from crashsolve.system.contact import resting, touches
 from crashsolve.system.loops.approach import depth_before, gaps_of
 from crashsolve.system.loops.contact_pairs import contact_pairs
 
@@ -15,7 +15,7 @@ from crashsolve.system.loops.contact_pairs import contact_pairs
 @apart
 def pair_forces_piece(group, k, clock, h, scene):
     """Forces of some pairs. Writes: loads, applied, sums, counts, outputs, new histories."""
-    touches.clear_card(group.sums[k])
+    touches.clear_card(group.sums[k], resting.least_depth(h, clock, scene.control[0]))
     touches.clear_counts(group.counts[k])
     contact_pairs(group, k, clock, h, scene.nodes, scene.curves, scene)
 
