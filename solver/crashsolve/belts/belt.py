@@ -58,8 +58,8 @@ WARNINGS = {
     "faster than lock_rate; raise them, or state lock_time: 0 if it has locked before",
     "inside": "a fitting was inside a surface that the belt wraps: the belt passed through it; "
     "move the fitting or the surface",
-    "beyond": "the belt lay beyond an end of a cylinder, which was taken as longer; lengthen the "
-    "cylinder, or guide the belt by a ring",
+    "beyond": "part of the belt lay beyond an end of a cylinder, which was taken as longer; "
+    "lengthen the cylinder, or guide the belt by a ring",
 }
 
 
@@ -169,7 +169,7 @@ def initial_route(columns: Columns, scene: Scene) -> tuple[np.void, np.ndarray]:
     for name, values in scene.placed_nodes().items():
         nodes[name] = values
     for j in np.flatnonzero(columns["surface"]):
-        old["wrapped"][surface_row(j)] = columns["turned"][j]
+        old["turned"][surface_row(j)] = columns["turned"][j]
     update_route(p, old, new, out, nodes)
     return new, np.array(out["length"][: columns["segments"]])
 
@@ -268,8 +268,11 @@ def update_energies(p: Parameters, old: History, new: History, out: Output, h):
             slack += mean * (before - max(L + new.residual[i] - out.length[i], 0.0))
         stored += 0.5 * T_1 * T_1 * L * by_k
         if leaves:
-            # a length that vanishes at once does no work on the bodies
-            friction -= mean * (out.length[i] - old.straight[i])
+            # a length that vanishes at once does no work on the bodies: it is lost as far as it was
+            # stretched, not as far as the segment becomes slack
+            after = max(out.length[i], L + new.residual[i])
+            before = max(old.straight[i], old.webbing[i] + old.residual[i])
+            friction -= mean * (after - before)
         new.tension[i], out.webbing[i], new.straight[i] = T_1, L, out.length[i]
         out.strain[i] = out.length[i] / L - 1.0
         if out.length[i] < p.shortest and T_1 > 0.0:

@@ -11,7 +11,7 @@ class Parameters:
     axes: Numbers[float]  # [1] axes of each surface in its body, by rows
     semi: Numbers[float]  # [m] semi-axes; radius first, half length of cylinder
     sense: Numbers[float]  # [1] 1 or -1: how the belt turns about a cylinder
-    turned: Numbers[float]  # [rad] angle of it that is wrapped at the start
+    turned: Numbers[float]  # [rad] angle about it between its neighbours at the start
     shortest: float  # [m] length below which a segment is taken as that long
     k: float  # [N] slope of unloading, or stiffness
     curve: int  # [index] y; 0 for none
@@ -38,7 +38,7 @@ class History(ForceHistory):
     split: Numbers[float]  # [m] middle of the arc from the point of its body that divides it
     middle: Numbers[float]  # [m] middle of the arc from the mass centre, body axes
     lies: Numbers[float]  # [1] direction of the belt there, body axes
-    wrapped: Numbers[float]  # [rad] angle of a cylinder
+    turned: Numbers[float]  # [rad] angle about a cylinder between its neighbours; tau of an ellipsoid
     begun: Numbers[float]  # [m] where the belt reaches an ellipsoid, its axes
     touches: Numbers[int]  # [flag] 1 where the belt lies on a surface; until clear of it -1 where a fitting was within it, -2 where it has slipped off
     slipped: int  # [flag] the belt has slipped off a surface
