@@ -7,6 +7,7 @@ import pytest
 from bench import Bench, Law
 from quick import first_quick
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 from scipy.special import ellipeinc
 
 from crashsolve.belts._arc import Arc
@@ -130,7 +131,10 @@ control: {end_time: 1}
 bodies:
   a: {mass: 2, inertia: [0.5, 0.6, 0.4], position: [-0.02, 0.14, 0]}
   b: {mass: 2, inertia: [0.5, 0.6, 0.4], position: [-0.02, -0.14, 0]}
+  roll: {mass: 2, inertia: [0.5, 0.6, 0.4]}
 surfaces:
+  reel: {type: cylinder, body: roll, axis: [0, 0, 1], radius: 0.1, length: 1}
+  egg: {type: ellipsoid, body: roll, semi_axes: [0.1, 0.1, 2]}
   bar: {type: ellipsoid, semi_axes: [0.1, 0.1, 2]}
   fist: {type: ellipsoid, semi_axes: [0.1, 0.1, 0.12]}
   drum: {type: cylinder, axis: [0, 0, 1], radius: 0.1, length: 1}
@@ -143,7 +147,7 @@ def belt(folder: Path, surface: str, mu: float, slack: float) -> Law:
         f"      - {{anchor: {{body: b}}}}\n"
         f"      - {{wrap: {{surface: {surface}, friction_coefficient: {mu}OVER}}}}\n"
         "      - {anchor: {body: a}}\n"
-    ).replace("OVER", ", over: [-1, 0, 0]" if surface == "drum" else "")
+    ).replace("OVER", ", over: [-1, 0, 0]" if surface in ("drum", "reel") else "")
     return Bench(folder, text, BODIES).law("belts", "s")
 
 
@@ -216,3 +220,47 @@ def test_a_winch_has_the_length_and_friction_of_all_of_its_turns(
     assert length == pytest.approx(tangents + 0.1 * wrapped, rel=1e-9)
     high, low = max(law.out.force[:2]), min(law.out.force[:2])
     assert high == pytest.approx(low * np.exp(mu * wrapped), rel=1e-8)
+
+
+@pytest.mark.parametrize("surface", ["reel", "egg"])
+@pytest.mark.parametrize("spin", [-40.0, 40.0])
+def test_a_roll_that_rotates_under_its_belt_drags_it_with_the_friction_of_its_angle(
+    tmp_path: Path, surface: str, spin: float
+) -> None:
+    """For some turns, of which each would have drawn a segment of 0.1 m to nothing."""
+    law, mu, h, work, lost = belt(tmp_path, surface, 0.3, -0.02), 0.3, 1e-3, 0.0, 0.0
+    law.force(0.0)
+    total = float(law.p.total)
+    law.bench.move(3, w=[0.0, 0.0, spin])
+    before = law.power_on_bodies()
+    for k in range(400):
+        if k == 100:
+            # it slides in all of a step from here on
+            first, work, lost = float(law.out.stored), 0.0, 0.0
+        law.bench.drift(h)
+        law.force(h)
+        now = law.power_on_bodies()
+        work += 0.5 * h * (before + now)
+        lost += float(law.out.loss)
+        before = now
+        assert law.new.webbing[:2].sum() == pytest.approx(total, rel=1e-12)
+        law.accept()
+    arc = 0.1 * float(law.out.angle[1])
+    leg = 0.5 * (hook_length(-0.02) - arc)
+    c = np.exp(mu * law.out.angle[1])
+
+    def missing(low: float) -> float:
+        """Webbing on both sides at the force `low`; the end of the arc divides it."""
+        sides = (leg, low, leg + arc, c * low)
+        return sides[0] / (1.0 + sides[1] / 4e4) + sides[2] / (1.0 + sides[3] / 4e4) - total
+
+    low = brentq(missing, 1.0, 1e5, rtol=1e-12)
+    forces = sorted(law.out.force[:2])
+    # the steps of the ellipsoid know its arc to 1e-7
+    np.testing.assert_allclose(forces, [low, c * low], rtol=1e-5)
+    power = (c - 1.0) * low * 0.1 * abs(spin)
+    assert before == pytest.approx(-power, rel=1e-5)
+    # steps of 0.04 rad, of which the motion of the surface is known to phi^2 / 6
+    closes = work + lost + float(law.out.stored) - first
+    assert closes == pytest.approx(0.0, abs=1.1 * (spin * h) ** 2 / 6.0 * lost)
+    assert law.new.short == 0

@@ -34,8 +34,8 @@ TRIALS, CLOSE = 30, 1e-6
 # largest change in a pass [rad, of tau]
 LARGEST = 0.3
 # rays of a search in all directions, in psi and in the angle between them, and tau to which they
-# are traced: once around a ball
-RAYS, LONGEST = 64, 2.0 * pi
+# are traced, in steps as many times as long: once around a ball
+RAYS, LONGEST, COARSER = 48, 2.0 * pi, 3.0
 # square of the least distance of the line between the points, over the ellipsoid's own: there the
 # arc is so short that the plane of both points and the centre shows where it begins
 SHALLOW = 0.9
@@ -137,7 +137,8 @@ def meet_plane(semi, ray, B):
     """tau at which B comes into the plane of tangents of a ray, and how far it is then across the
     ray and along it [m]; behind it if it never does.
     """
-    H, h, tau = half_second_derivatives(semi), LONGEST / pieces_of(semi, LONGEST), 0.0
+    H, h = half_second_derivatives(semi), LONGEST * COARSER / pieces_of(semi, LONGEST)
+    tau = 0.0
     (below, across, along), _, _ = offsets(semi, ray, B)
     while below < 0.0 and tau < LONGEST:
         after = step(H, ray, h)

@@ -12,6 +12,7 @@ from pydantic import model_validator
 
 from crashsolve.belts._angle import angle_between
 from crashsolve.belts._arc import straight_arc
+from crashsolve.belts._carry import divide_arc
 from crashsolve.belts._ellipsoid import over_ellipsoid
 from crashsolve.belts._spool import Retractor
 from crashsolve.belts._wrap import over_cylinder, over_sphere
@@ -123,6 +124,8 @@ ROUTE_HISTORY = Record(f"""
     leave     m      {3 * FITTINGS}  where it leaves
     half      m      {SURFACES}  half the arc on each surface
     split     m      {SURFACES}  middle of the arc from the point of its body that divides it
+    excess    m      {SURFACES}  by which that point would be beyond an end of the arc in the step
+    carried   m      {FITTINGS}  webbing that goes with it past the end, onwards
     middle    m      {3 * SURFACES}  middle of the arc from the mass centre, body axes
     lies      1      {3 * SURFACES}  direction of the belt there, body axes
     turned    rad    {SURFACES}  angle about a cylinder between its neighbours; tau of an ellipsoid
@@ -329,10 +332,7 @@ def wrap_surface(p, j, old, new, nodes):
     put_triple(new.lies, k, lies)
     new.half[k], new.turned[k] = 0.5 * arc.length, arc.turned
     put_triple(new.begun, k, arc.first)
-    new.split[k] = 0.0
-    if arc.touches == 1 and old.touches[k] == 1:
-        mean = scale(0.5, add(lies, triple(old.lies, k)))
-        new.split[k] = old.split[k] + dot(sub(middle, triple(old.middle, k)), mean)
+    divide_arc(k, j, arc, middle, lies, old, new)
     new.touches[k] = arc.touches
     if arc.touches == -1:
         new.inside = 1
@@ -357,7 +357,7 @@ def update_route(p, old, new, out, nodes):
     new.inside, new.beyond = old.inside, old.beyond
     new.slipped, new.crossed = old.slipped, old.crossed
     for j in range(p.segments + 1):
-        out.angle[j] = 0.0
+        out.angle[j] = new.carried[j] = 0.0
         if p.surface[j] > 0:
             out.angle[j] = wrap_surface(p, j, old, new, nodes)
         else:
@@ -391,7 +391,7 @@ def clear_surfaces(p, new):
 @kernel
 def clear_surface(new, k):
     """Row k of the columns of surfaces, which has none. Writes: new."""
-    new.half[k] = new.split[k] = new.turned[k] = new.lateral[k] = 0.0
+    new.half[k] = new.split[k] = new.turned[k] = new.lateral[k] = new.excess[k] = 0.0
     put_triple(new.begun, k, (0.0, 0.0, 0.0))
     put_triple(new.middle, k, (0.0, 0.0, 0.0))
     put_triple(new.lies, k, (0.0, 0.0, 0.0))
