@@ -23,7 +23,7 @@ def divide_arc(k, j, arc, middle, lies, old, new):
         wanted += dot(sub(middle, triple(old.middle, k)), mean)
     half = 0.5 * arc.length if arc.touches == 1 else 0.0
     new.split[k] = max(-half, min(half, wanted))
-    new.excess[k] = wanted - new.split[k]
+    new.excess[k], new.carried[j] = wanted - new.split[k], 0.0
     if new.excess[k] != 0.0:
         i = j if new.excess[k] > 0.0 else j - 1
         stretch = max(old.straight[i] / old.webbing[i], 1.0)
@@ -34,19 +34,20 @@ def divide_arc(k, j, arc, middle, lies, old, new):
 def carry_webbing(p, old, new):
     """Webbing and residual elongation of each segment, before any flow. Writes: new."""
     for i in range(p.segments):
-        before, behind = new.carried[i], new.carried[i + 1]
-        new.webbing_0[i] = old.webbing[i] + before - behind
-        new.residual_0[i] = (
-            old.residual[i]
-            + carried_residual(old, i, before)
-            - carried_residual(old, i + 1, behind)
-        )
+        new.webbing_0[i] = old.webbing[i]
+        new.residual_0[i] = old.residual[i]
+    for j in range(1, p.segments):
+        w = new.carried[j]
+        if w != 0.0:
+            S = carried_residual(old, j, w)
+            new.webbing_0[j - 1] -= w
+            new.webbing_0[j] += w
+            new.residual_0[j - 1] -= S
+            new.residual_0[j] += S
 
 
 @kernel
 def carried_residual(old, j, w):
     """Residual elongation that passes fitting j with the webbing w [m]."""
-    if w == 0.0:
-        return 0.0
     i = j - 1 if w > 0.0 else j
     return w * old.residual[i] / old.webbing[i]

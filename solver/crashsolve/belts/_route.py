@@ -357,7 +357,7 @@ def update_route(p, old, new, out, nodes):
     new.inside, new.beyond = old.inside, old.beyond
     new.slipped, new.crossed = old.slipped, old.crossed
     for j in range(p.segments + 1):
-        out.angle[j] = new.carried[j] = 0.0
+        out.angle[j] = 0.0
         if p.surface[j] > 0:
             out.angle[j] = wrap_surface(p, j, old, new, nodes)
         else:
