@@ -165,12 +165,19 @@ def test_energy_is_balanced_with_the_retractor(tmp_path: Path, words: str) -> No
     assert parts == pytest.approx(lost, rel=1e-12)
 
 
-def test_an_empty_spool_holds_and_is_reported(tmp_path: Path) -> None:
-    law = belt(tmp_path, "lock_time: 9, reserve: 0.1")
-    go(law, 0.3, steps=30)
-    assert law.new.emptied == 1
-    # within the step in which it ran out
-    assert law.out.pay_out <= 0.11 and law.out.force[0] > 1000.0
+@pytest.mark.parametrize("steps", [1, 7, 30])
+@pytest.mark.parametrize("words", ["lock_time: 9", "lock_time: 0, limiter: flat"])
+def test_an_empty_spool_holds_and_is_reported(tmp_path: Path, words: str, steps: int) -> None:
+    """Free or through its limiter it pays out its reserve, and not a millimetre more."""
+    law = belt(tmp_path, f"{words}, reserve: 0.1", mu=0.0)
+    go(law, 0.3, steps=steps)
+    assert law.new.emptied == 1 and law.out.locked == 1
+    assert law.out.pay_out == pytest.approx(0.1, rel=1e-12)
+    force = K * (law.out.length[:2].sum() / (law.p.total + 0.1) - 1.0)
+    assert force > 5000.0
+    assert law.out.force[0] == pytest.approx(force, rel=1e-9)
+    go(law, -0.1, steps=steps)
+    assert law.out.pay_out == pytest.approx(0.1, rel=1e-12)
 
 
 @pytest.mark.parametrize(

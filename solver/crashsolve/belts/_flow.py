@@ -15,7 +15,17 @@ Reference: OpenRadioss theory manual, slip ring elements.
 
 from math import exp
 
-from crashsolve.belts._spool import FREE, LOCKED, PULLING, choose_mode, spool_force, stroke_left
+from crashsolve.belts._carry import carry_webbing
+from crashsolve.belts._spool import (
+    EMPTY,
+    FREE,
+    LOCKED,
+    PULLING,
+    choose_mode,
+    spool_force,
+    stroke_left,
+    webbing_left,
+)
 from crashsolve.belts._webbing import elastic_force, segment_force
 from crashsolve.foundation.kernels import kernel
 
@@ -48,16 +58,20 @@ def solve_flow(p, old, new, out, t, h, curves):
     the search begins without flow.
     """
     choose_mode(p, old, new, t)
+    carry_webbing(p, old, new)
     for j in range(p.segments + 1):
         mu = p.friction_coefficient[j]
         new.grip[j] = exp(mu * out.angle[j]) if mu > 0.0 else 1.0
     begins_taut = h > 0.0 and p.segments > 1 and is_taut(p, old.tension)
     if not (begins_taut and find_flow(p, 1.0, old, new, out, curves)):
         find_flow(p, 0.0, old, new, out, curves)
+    if p.spool == 1 and new.flow[0] > webbing_left(p, old):
+        new.mode = EMPTY
+        find_flow(p, 0.0, old, new, out, curves)
     if new.iterations >= ITERATIONS:
         record_imbalance(p, old, new, out, curves)
     for j in range(p.segments + 1):
-        new.slip[j] = old.slip[j] + new.flow[j]
+        new.slip[j] = old.slip[j] + new.flow[j] + new.carried[j]
 
 
 @kernel
@@ -65,7 +79,8 @@ def find_flow(p, share, old, new, out, curves):
     """Search from this share of the last flows through rings; whether there are some, and it ends,
     with all segments taut before and after. Writes: new, out.
     """
-    new.flow[0] = new.flow[p.segments] = 0.0
+    new.flow[0] = webbing_left(p, old) if new.mode == EMPTY else 0.0
+    new.flow[p.segments] = 0.0
     for j in range(1, p.segments):
         new.flow[j] = share * old.flow[j]
     fill(p, old, new, out, curves)
@@ -120,7 +135,7 @@ def is_taut(p, force):
 def imbalance(p, old, new, out, curves):
     """By how much a force is beyond friction or the spool, or within it where webbing flows [N]."""
     worst = 0.0
-    if p.spool == 1:
+    if p.spool == 1 and new.mode != EMPTY:
         over = out.force[0] - spool_force(p, old, new.mode, new.flow[0], curves)[0]
         q = new.flow[0]
         if new.mode == LOCKED and q <= 0.0:
@@ -139,13 +154,13 @@ def imbalance(p, old, new, out, curves):
 
 
 @kernel
-def residual_elongation(p, old, j, q):
+def residual_elongation(p, new, j, q):
     """Residual elongation that passes fitting j with the webbing q [m]."""
     if j == 0 or j == p.segments:
         return 0.0
     i = j - 1 if q > 0.0 else j
-    S = old.residual[i]
-    return q * S / old.webbing[i] if S != 0.0 else 0.0
+    S = new.residual_0[i]
+    return q * S / new.webbing_0[i] if S != 0.0 else 0.0
 
 
 @kernel
@@ -164,7 +179,7 @@ def fill_elastic(p, i, old, new, out):
 
     It is part of the search, where a call of `fill_one` costs as much as its work.
     """
-    L = old.webbing[i] + new.flow[i] - new.flow[i + 1]
+    L = new.webbing_0[i] + new.flow[i] - new.flow[i + 1]
     T, softens = elastic_force(p, max(out.length[i], p.shortest), L)
     new.webbing[i], new.residual[i], new.moved[i] = L, 0.0, 0.0
     new.softens[i], out.force[i] = softens, T
@@ -174,11 +189,11 @@ def fill_elastic(p, i, old, new, out):
 def fill_one(p, i, old, new, out, curves):
     """Webbing, residual elongation and force of segment i. Writes: new, out."""
     q_in, q_out = new.flow[i], new.flow[i + 1]
-    L = old.webbing[i] + q_in - q_out
+    L = new.webbing_0[i] + q_in - q_out
     S = (
-        old.residual[i]
-        + residual_elongation(p, old, i, q_in)
-        - residual_elongation(p, old, i + 1, q_out)
+        new.residual_0[i]
+        + residual_elongation(p, new, i, q_in)
+        - residual_elongation(p, new, i + 1, q_out)
     )
     length = max(out.length[i], p.shortest)
     T, softens, moved = segment_force(p, length, L, S, curves)
@@ -262,6 +277,8 @@ def pay_out(p, q, old, new, out, curves):
 def solve_spool(p, old, new, out, curves):
     """The flow from the spool between its first ring and itself. Writes: new, out."""
     q = new.flow[0]
+    if new.mode == EMPTY:
+        return
     low, high = q - 0.99 * new.webbing[0], q + p.total
     if new.mode == PULLING:
         low, high = max(low, -stroke_left(p, old, curves)), 0.0
@@ -286,6 +303,8 @@ def spool_direction(new, out, F):
     T, q = out.force[0], new.flow[0]
     if new.mode == FREE:
         return 2
+    if new.mode == EMPTY:
+        return 0
     if new.mode == PULLING:
         return -1 if q < 0.0 or T < F else 0
     return 1 if q > 0.0 or (new.mode == LOCKED and T > F) else 0
@@ -426,6 +445,6 @@ def leaves_webbing(p, share, old, new):
         before, onwards = onwards, 0.0
         if i < p.segments - 1:
             onwards = changed_flow(new, i + 1, share)
-        if not old.webbing[i] + before - onwards > least * new.webbing[i]:
+        if not new.webbing_0[i] + before - onwards > least * new.webbing[i]:
             return False
     return True

@@ -11,16 +11,11 @@ import numpy as np
 from pydantic import model_validator
 
 from crashsolve.belts._angle import angle_between
+from crashsolve.belts._arc import straight_arc
+from crashsolve.belts._carry import divide_arc
+from crashsolve.belts._ellipsoid import over_ellipsoid
 from crashsolve.belts._spool import Retractor
-from crashsolve.belts._wrap import (
-    CYLINDER,
-    SHAPES,
-    SPHERE,
-    over_cylinder,
-    over_ellipsoid,
-    over_sphere,
-    straight_arc,
-)
+from crashsolve.belts._wrap import over_cylinder, over_sphere
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, SurfaceName, Vec3, quantity, word
 from crashsolve.foundation.columns import add_to, matvec, matvec_t
@@ -48,6 +43,8 @@ from crashsolve.foundation.vec3 import (
 FITTINGS = 10  # fittings of one belt
 SEGMENTS = FITTINGS - 1
 SURFACES = SEGMENTS // 2  # of one belt: not at its ends, and no two side by side
+SPHERE, CYLINDER, ELLIPSOID = 1, 2, 3
+SHAPES = {"sphere": SPHERE, "cylinder": CYLINDER, "ellipsoid": ELLIPSOID}
 # of the route: a segment shorter than this is taken as this long, where it pulls
 SHORT = 1e-3
 # [rad] from opposite, and of a radius from an axis: it has no side
@@ -118,7 +115,7 @@ ROUTE = Record(f"""
     axes                  1      {9 * FITTINGS}  axes of each surface in its body, by rows
     semi                  m      {3 * FITTINGS}  semi-axes; radius first, half length of cylinder
     sense                 1      {FITTINGS}      1 or -1: how the belt turns about a cylinder
-    turned                rad    {FITTINGS}      angle of it that is wrapped at the start
+    turned                rad    {FITTINGS}      angle about it between its neighbours at the start
     shortest              m                  length below which a segment is taken as that long
 """)
 ROUTE_HISTORY = Record(f"""
@@ -127,9 +124,11 @@ ROUTE_HISTORY = Record(f"""
     leave     m      {3 * FITTINGS}  where it leaves
     half      m      {SURFACES}  half the arc on each surface
     split     m      {SURFACES}  middle of the arc from the point of its body that divides it
+    excess    m      {SURFACES}  by which that point would be beyond an end of the arc in the step
+    carried   m      {FITTINGS}  webbing that goes with it past the end, onwards
     middle    m      {3 * SURFACES}  middle of the arc from the mass centre, body axes
     lies      1      {3 * SURFACES}  direction of the belt there, body axes
-    wrapped   rad    {SURFACES}  angle of a cylinder
+    turned    rad    {SURFACES}  angle about a cylinder between its neighbours; tau of an ellipsoid
     begun     m      {3 * SURFACES}  where the belt reaches an ellipsoid, its axes
     touches   flag   {SURFACES}  1 where the belt lies on a surface; until clear of it -1
                                  where a fitting was within it, -2 where it has slipped off
@@ -214,13 +213,12 @@ def _set_rotation_about_cylinders(
         node, wrap = int(columns["node"][i, 0]), route[i].wrap
         assert wrap is not None
         axes, centre = columns["axes"][i].reshape(3, 3), columns["point"][i]
-        angles, radii = [], []
+        angles = []
         for j in (i - 1, i + 1):
             other = int(columns["node"][j, 0])
             x = scene.r[other] + scene.matrix(other) @ columns["point"][j]
             y = axes.T @ (scene.to_body(node, x) - centre)
             angles.append(float(np.arctan2(y[1], y[0])))
-            radii.append(float(np.hypot(y[0], y[1])))
         onwards = (angles[1] - angles[0]) % (2.0 * pi)
         sense = 1.0 if onwards <= pi else -1.0
         if wrap.over is None and abs(onwards - pi) < SAME_SIDE:
@@ -232,11 +230,8 @@ def _set_rotation_about_cylinders(
                 message = "is on the axis of the cylinder: give a point on the side of the belt"
                 raise scene.fail(message, f"route.{i}.wrap.over")
             sense = 1.0 if (np.arctan2(y[1], y[0]) - angles[0]) % (2.0 * pi) < onwards else -1.0
-        R = columns["semi"][i, 0]
         columns["sense"][i] = sense
-        if min(radii) > R:
-            turned = onwards if sense > 0.0 else 2.0 * pi - onwards
-            columns["turned"][i] = turned - sum(float(np.arccos(R / a)) for a in radii)
+        columns["turned"][i] = onwards if sense > 0.0 else 2.0 * pi - onwards
 
 
 def refuse_route(
@@ -244,9 +239,13 @@ def refuse_route(
 ) -> None:
     """Refuse fittings that make no route at the start; `initial` has the columns ROUTE_HISTORY."""
     for i, fitting in enumerate(route):
-        if fitting.wrap and initial["touches"][surface_row(i)] < 0:
-            message = "contains the fitting before or behind it, or there is no shortest line over "
-            message += "it from one to the other; move them"
+        touches = initial["touches"][surface_row(i)] if fitting.wrap else 0
+        if touches == -1:
+            message = "contains the fitting before or behind it (a cylinder is taken as endless); "
+            raise scene.fail(f"{message}move them", f"route.{i}.wrap.surface")
+        if touches == -2:
+            message = "there is no shortest line over it from the fitting before it to that behind "
+            message += "it: they are opposite each other; move one of them"
             raise scene.fail(message, f"route.{i}.wrap.surface")
     for i, length in enumerate(lengths):
         if not length > 2.0 * SHORT * lengths.sum():
@@ -299,9 +298,11 @@ def arc_on(p, j, old, y_a, y_b):
         return over_sphere(semi[0], y_a, y_b)
     if p.surface[j] == CYLINDER:
         # a belt that was within the cylinder, or has slipped off it, has not gone round it
-        before = old.wrapped[k] if old.touches[k] >= 0 else 0.0
+        before = old.turned[k] if old.touches[k] >= 0 else 0.0
         return over_cylinder(semi[0], y_a, y_b, p.sense[j], before)
-    return over_ellipsoid(semi, y_a, y_b, triple(old.begun, k), 2.0 * old.half[k])
+    middle = matvec_t(axes_of(p, j), sub(triple(old.middle, k), triple(p.point, j)))
+    before = old.touches[k], triple(old.begun, k), middle, old.turned[k]
+    return over_ellipsoid(semi, y_a, y_b, before)
 
 
 @kernel
@@ -329,16 +330,14 @@ def wrap_surface(p, j, old, new, nodes):
             new.crossed = 1
     put_triple(new.middle, k, middle)
     put_triple(new.lies, k, lies)
-    new.half[k], new.wrapped[k] = 0.5 * arc.length, arc.turned
+    new.half[k], new.turned[k] = 0.5 * arc.length, arc.turned
     put_triple(new.begun, k, arc.first)
-    new.split[k] = 0.0
-    if arc.touches == 1 and old.touches[k] == 1:
-        mean = scale(0.5, add(lies, triple(old.lies, k)))
-        new.split[k] = old.split[k] + dot(sub(middle, triple(old.middle, k)), mean)
+    divide_arc(k, j, arc, middle, lies, old, new)
     new.touches[k] = arc.touches
     if arc.touches == -1:
         new.inside = 1
-    if p.surface[j] == CYLINDER and arc.touches == 1 and abs(arc.middle[2]) > p.semi[3 * j + 2]:
+    farthest = max(abs(arc.first[2]), abs(arc.last[2]))
+    if p.surface[j] == CYLINDER and arc.touches == 1 and farthest > p.semi[3 * j + 2]:
         new.beyond = 1
     return arc.bend
 
@@ -392,7 +391,7 @@ def clear_surfaces(p, new):
 @kernel
 def clear_surface(new, k):
     """Row k of the columns of surfaces, which has none. Writes: new."""
-    new.half[k] = new.split[k] = new.wrapped[k] = new.lateral[k] = 0.0
+    new.half[k] = new.split[k] = new.turned[k] = new.lateral[k] = new.excess[k] = 0.0
     put_triple(new.begun, k, (0.0, 0.0, 0.0))
     put_triple(new.middle, k, (0.0, 0.0, 0.0))
     put_triple(new.lies, k, (0.0, 0.0, 0.0))

@@ -3,6 +3,7 @@
     free      T_0 = the pull of its spring, in and out
     wound in  T_0 >= P(s) where webbing goes in, s the length wound in; never out
     locked    T_0 <= R(w) where webbing goes out, w the length paid out since; never in
+    empty     the last of its webbing goes out in the step, or none is left
 
 q_0 is an unknown of the step beside the flows through rings. From T_0 to T_1 of the first segment
 the spool takes up (T_0 + T_1) / 2 q_0 + T_0 T_1 q_0 / 2k: heat of a limiter where webbing goes out,
@@ -21,7 +22,7 @@ from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import put, sub, vec
 
-NONE, FREE, PULLING, LOCKED = range(4)
+NONE, FREE, PULLING, LOCKED, EMPTY = range(5)
 
 
 class Pretensioner(Card):
@@ -81,7 +82,7 @@ SPOOL = Record("""
 """)
 SPOOL_HISTORY = Record("""
     locked    flag     whether it is
-    mode      flag     NONE, FREE, PULLING or LOCKED in the step
+    mode      flag     NONE, FREE, PULLING, LOCKED or EMPTY in the step
     wound_in  m        s
     paid_out  m        w, since it is locked
     absorbed  J        energy taken by the spool
@@ -133,7 +134,7 @@ def choose_mode(p, old, new, t):
     if t >= p.fires and t <= p.fires + p.winds:
         new.mode = PULLING
     else:
-        new.mode = LOCKED if new.locked == 1 or old.emptied == 1 else FREE
+        new.mode = LOCKED if new.locked == 1 else FREE
 
 
 @kernel
@@ -167,11 +168,18 @@ def stroke_left(p, old, curves):
 
 
 @kernel
+def webbing_left(p, old):
+    """Webbing that is left on the spool [m]."""
+    return max(0.0, p.reserve - old.slip[0])
+
+
+@kernel
 def update_spool(p, old, new, nodes, q, h, curves):
     """Update the history of the spool by a step with the flow q. Writes: new, curves."""
     new.wound_in = old.wound_in + max(-q, 0.0) if new.mode == PULLING else old.wound_in
-    new.paid_out = old.paid_out + max(q, 0.0) if new.mode == LOCKED else old.paid_out
-    if new.mode == LOCKED and p.limiter > 0:
+    pays_out = new.mode == LOCKED or (new.mode == EMPTY and old.locked == 1)
+    new.paid_out = old.paid_out + max(q, 0.0) if pays_out else old.paid_out
+    if pays_out and p.limiter > 0:
         last = curves[curves[p.limiter].last].x
         if new.paid_out > last:
             curve_value(curves, p.limiter, new.paid_out)
@@ -188,5 +196,5 @@ def update_spool(p, old, new, nodes, q, h, curves):
         if q > p.lock_rate * h or (old.steps > 0 and size > p.lock_acceleration * h):
             new.early = 1 if old.steps < 2 and new.locked == 0 else old.early
             new.locked = 1
-        if old.slip[0] + q > p.reserve:
-            new.emptied = 1
+        if new.mode == EMPTY:
+            new.emptied = new.locked = 1

@@ -52,14 +52,14 @@ WARNINGS = {
     "it; the webbing that became slack is lost: move its fittings, or guide it by a ring",
     "crossed": "the belt slid sideways over a ball or an ellipsoid by more than a right angle, as "
     "nothing holds it there: it would have slipped off; guide it by a ring",
-    "emptied": "the retractor ran out of webbing, and locked; give it more reserve",
+    "emptied": "the retractor ran out of webbing, and holds what is out; give it more reserve",
     "early": "the retractor locked in the first two steps: its body accelerates by more than "
     "lock_acceleration as the run begins (a falling body by 9.81 m/s^2), or the webbing leaves it "
     "faster than lock_rate; raise them, or state lock_time: 0 if it has locked before",
     "inside": "a fitting was inside a surface that the belt wraps: the belt passed through it; "
     "move the fitting or the surface",
-    "beyond": "the belt lay beyond an end of a cylinder, which was taken as longer; lengthen the "
-    "cylinder, or guide the belt by a ring",
+    "beyond": "part of the belt lay beyond an end of a cylinder, which was taken as longer; "
+    "lengthen the cylinder, or guide the belt by a ring",
 }
 
 
@@ -94,6 +94,8 @@ HISTORY = (
     + Record(f"""
     webbing     m    {SEGMENTS}  L, unstrained length
     residual    m    {SEGMENTS}  S, residual elongation
+    webbing_0   m    {SEGMENTS}  L before webbing flows, with what surfaces carry
+    residual_0  m    {SEGMENTS}  S before
     tension     N    {SEGMENTS}  T
     slip        m    {FITTINGS}  webbing that has passed each fitting, towards the end
     friction    J        lost at rings
@@ -169,7 +171,7 @@ def initial_route(columns: Columns, scene: Scene) -> tuple[np.void, np.ndarray]:
     for name, values in scene.placed_nodes().items():
         nodes[name] = values
     for j in np.flatnonzero(columns["surface"]):
-        old["wrapped"][surface_row(j)] = columns["turned"][j]
+        old["turned"][surface_row(j)] = columns["turned"][j]
     update_route(p, old, new, out, nodes)
     return new, np.array(out["length"][: columns["segments"]])
 
@@ -229,7 +231,7 @@ def clear_history(p: Parameters, new: History):
     clear_surfaces(p, new)
     for i in range(p.segments, SEGMENTS):
         new.webbing[i] = new.residual[i] = new.tension[i] = new.straight[i] = 0.0
-        new.softens[i] = new.moved[i] = 0.0
+        new.softens[i] = new.moved[i] = new.webbing_0[i] = new.residual_0[i] = 0.0
         put_triple(new.along, i, (0.0, 0.0, 0.0))
     for j in range(p.segments, FITTINGS):
         put_triple(new.arrive, j, (0.0, 0.0, 0.0))
@@ -240,6 +242,8 @@ def clear_history(p: Parameters, new: History):
     # those of the search are written where it needs them
     for j in range(FITTINGS):
         new.above[j] = new.change[j] = 0.0
+        # and those of surfaces where there are some
+        new.carried[j] = 0.0
 
 
 @kernel
@@ -255,7 +259,7 @@ def has_left_a_surface(p, old, new):
 def update_energies(p: Parameters, old: History, new: History, out: Output, h):
     """Update stored and dissipated energies, and outputs. Writes: new, out."""
     stored = friction = drawn = slack = 0.0
-    leaves, by_k = has_left_a_surface(p, old, new), 1.0 / p.k
+    leaves, by_k, mean_before = has_left_a_surface(p, old, new), 1.0 / p.k, 0.0
     for i in range(p.segments):
         T_0, T_1 = old.tension[i], out.force[i]
         mean, L = 0.5 * (T_0 + T_1), new.webbing[i]
@@ -268,8 +272,15 @@ def update_energies(p: Parameters, old: History, new: History, out: Output, h):
             slack += mean * (before - max(L + new.residual[i] - out.length[i], 0.0))
         stored += 0.5 * T_1 * T_1 * L * by_k
         if leaves:
-            # a length that vanishes at once does no work on the bodies
-            friction -= mean * (out.length[i] - old.straight[i])
+            # a length that vanishes at once does no work on the bodies: it is lost as far as it was
+            # stretched, not as far as the segment becomes slack
+            after = max(out.length[i], L + new.residual[i])
+            before = max(old.straight[i], old.webbing[i] + old.residual[i])
+            friction -= mean * (after - before)
+        elif p.surface[i] > 0:
+            # work of a surface on the webbing that goes with it past an end of the arc
+            friction += new.excess[surface_row(i)] * (mean - mean_before)
+        mean_before = mean
         new.tension[i], out.webbing[i], new.straight[i] = T_1, L, out.length[i]
         out.strain[i] = out.length[i] / L - 1.0
         if out.length[i] < p.shortest and T_1 > 0.0:

@@ -40,7 +40,7 @@ def _ineffective(p: np.void, state: np.void, now: float) -> Iterator[str]:
         yield "its pretensioner fired and wound nothing in: the belt was tighter than its curve"
     if not state["locked"]:
         yield f"its retractor did not lock until the end, at {now:g} s: {_unmet(p)}"
-    elif p["limiter"] and state["paid_out"] == 0.0:
+    elif p["limiter"] and state["paid_out"] == 0.0 and not state["emptied"]:
         yield (
             "its load limiter paid nothing out: the force at the retractor stayed below the curve "
             "of the limiter"

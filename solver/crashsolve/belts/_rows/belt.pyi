@@ -11,7 +11,7 @@ class Parameters:
     axes: Numbers[float]  # [1] axes of each surface in its body, by rows
     semi: Numbers[float]  # [m] semi-axes; radius first, half length of cylinder
     sense: Numbers[float]  # [1] 1 or -1: how the belt turns about a cylinder
-    turned: Numbers[float]  # [rad] angle of it that is wrapped at the start
+    turned: Numbers[float]  # [rad] angle about it between its neighbours at the start
     shortest: float  # [m] length below which a segment is taken as that long
     k: float  # [N] slope of unloading, or stiffness
     curve: int  # [index] y; 0 for none
@@ -36,9 +36,11 @@ class History(ForceHistory):
     leave: Numbers[float]  # [m] where it leaves
     half: Numbers[float]  # [m] half the arc on each surface
     split: Numbers[float]  # [m] middle of the arc from the point of its body that divides it
+    excess: Numbers[float]  # [m] by which that point would be beyond an end of the arc in the step
+    carried: Numbers[float]  # [m] webbing that goes with it past the end, onwards
     middle: Numbers[float]  # [m] middle of the arc from the mass centre, body axes
     lies: Numbers[float]  # [1] direction of the belt there, body axes
-    wrapped: Numbers[float]  # [rad] angle of a cylinder
+    turned: Numbers[float]  # [rad] angle about a cylinder between its neighbours; tau of an ellipsoid
     begun: Numbers[float]  # [m] where the belt reaches an ellipsoid, its axes
     touches: Numbers[int]  # [flag] 1 where the belt lies on a surface; until clear of it -1 where a fitting was within it, -2 where it has slipped off
     slipped: int  # [flag] the belt has slipped off a surface
@@ -47,7 +49,7 @@ class History(ForceHistory):
     inside: int  # [flag] a fitting was within a surface
     beyond: int  # [flag] the belt lay on a cylinder beyond its ends
     locked: int  # [flag] whether it is
-    mode: int  # [flag] NONE, FREE, PULLING or LOCKED in the step
+    mode: int  # [flag] NONE, FREE, PULLING, LOCKED or EMPTY in the step
     wound_in: float  # [m] s
     paid_out: float  # [m] w, since it is locked
     absorbed: float  # [J] energy taken by the spool
@@ -57,6 +59,8 @@ class History(ForceHistory):
     emptied: int  # [flag] it has run out of webbing
     webbing: Numbers[float]  # [m] L, unstrained length
     residual: Numbers[float]  # [m] S, residual elongation
+    webbing_0: Numbers[float]  # [m] L before webbing flows, with what surfaces carry
+    residual_0: Numbers[float]  # [m] S before
     tension: Numbers[float]  # [N] T
     slip: Numbers[float]  # [m] webbing that has passed each fitting, towards the end
     friction: float  # [J] lost at rings
