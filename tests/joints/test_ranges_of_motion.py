@@ -297,6 +297,9 @@ WRONG = {
     "curve: falls beyond its end": f"{{{CONE}, half_angles: [1, 1, 1, 1], curve: falls}}",
     "curve: must begin below 0": f"{{{TWIST}, curve: hard}}",
     "lower: must be below upper": f"{{{TWIST}, stiffness: 5}}".replace("lower: 0.1", "lower: 0.9"),
+    "begins with axis and pointer 3.142 rad apart": f"{{{TWIST}, stiffness: 5}}".replace(
+        "pointer: [1, 1, 0.6]", "pointer: [-1.478093395732, -1.655231419102, -0.570481255355]"
+    ),
     "begins at the twist": f"{{{TWIST}, stiffness: 5}}".replace(
         "lower: 0.1, upper: 0.9", "lower: -2.5, upper: -2.4"
     ),

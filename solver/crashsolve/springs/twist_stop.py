@@ -23,7 +23,7 @@ from pydantic import model_validator
 
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Vec3, quantity, word
-from crashsolve.foundation.angles import check_rotation_limit, counted
+from crashsolve.foundation.angles import FOLDED, check_rotation_limit, counted
 from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, rotation_tangent, twist
@@ -110,6 +110,13 @@ def _check_start(card: TwistStop, scene: Scene, p: Columns) -> None:
     """A joint that begins past its range would be kicked back into it."""
     A_a, A_b = scene.matrix(p["node_a"]), scene.matrix(p["node_b"])
     vectors = (A_a @ p["axis_a"], A_a @ p["side_a"], A_b @ p["axis_b"], A_b @ p["side_b"])
+    swing = float(np.arccos(np.clip(vectors[0] @ vectors[2], -1.0, 1.0)))
+    if swing > FOLDED:
+        raise scene.fail(
+            f"'{card.joint}' begins with axis and pointer {swing:.4g} rad apart, where a twist is "
+            "not defined; keep them within 3 rad: rotate a body, or reverse the pointer",
+            "joint",
+        )
     tau = twist_angle(*(tuple(map(float, v)) for v in vectors))
     past = max(tau - card.upper, card.lower - tau)
     if past > AT_LIMIT:
