@@ -107,6 +107,23 @@ def test_a_closed_excursion_does_no_work(make: Make, name: str) -> None:
     assert abs(works[1]) < 1e-5 * most
 
 
+def test_the_moment_is_on_the_second_body_whichever_carries_the_cone(make: Make) -> None:
+    """A circular cone about u of a with the pointer s of b is one about s of b with the pointer u."""
+    same = "half_angles: [0.4, 0.4, 0.4, 0.4], stiffness: 30"
+    across = "axis: [1, 1, 0], toward: [0, 1, 3], pointer: [1, 2, 0.5], carrier: b"
+    moments = []
+    for words in (CONE, f"type: cone_stop, joint: ball, {across}"):
+        law = make(f"{{{words}, {same}}}")
+        law.bench.rotation(2, np.array([0.9, -0.2, 0.4]))
+        out = law.force()
+        # of the torques on both bodies, that on b in its axes
+        second = law.bench.nodes[2]
+        np.testing.assert_allclose(second.A.reshape(3, 3) @ out.moment, second.torque, atol=1e-12)
+        moments.append(np.array(out.moment))
+    assert np.linalg.norm(moments[0]) > 1.0
+    np.testing.assert_allclose(*moments, atol=1e-12)
+
+
 def test_a_twist_is_counted_over_whole_revolutions(make: Make) -> None:
     """Past half a revolution it is the spin times the time, and the stop pushes back as before."""
     law = make(f"{{{TWIST}, stiffness: 30, transition: 0.15}}")
