@@ -108,7 +108,7 @@ def test_a_closed_excursion_does_no_work(make: Make, name: str) -> None:
 
 
 def test_the_moment_is_on_the_second_body_whichever_carries_the_cone(make: Make) -> None:
-    """A circular cone about u of a with the pointer s of b is one about s of b with the pointer u."""
+    """A circular cone about u of a with the pointer s of b is one about s of b of u."""
     same = "half_angles: [0.4, 0.4, 0.4, 0.4], stiffness: 30"
     across = "axis: [1, 1, 0], toward: [0, 1, 3], pointer: [1, 2, 0.5], carrier: b"
     moments = []
