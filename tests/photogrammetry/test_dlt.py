@@ -155,6 +155,27 @@ def test_errors_beyond_the_first_order_are_known_by_the_nonlinearity(name: str) 
         assert squares.mean() > 4 * 3.0
 
 
+def test_the_nonlinearity_does_not_depend_on_the_origin_of_the_world() -> None:
+    """Next to the plane of a camera all its L are large and uncertain, by a common factor."""
+    eye = np.array(EYES[0])
+    ahead = np.array([0.1, 0.0, 0.5]) - eye
+    ahead /= np.linalg.norm(ahead)
+    values = []
+    for distance in (1.0, 1e-6):
+        shift = (-eye @ ahead - distance) * ahead
+        cameras = []
+        for k, one in enumerate(TRUE[:2]):
+            rng = np.random.default_rng(k)
+            u = dlt.image_of(one, CORNERS) + 0.5 * rng.standard_normal((len(CORNERS), 2))
+            cameras.append(dlt.calibrate(CORNERS + shift, u, "normalised"))
+        spread = np.zeros((22, 22))
+        spread[:11, :11], spread[11:, 11:] = cameras[0].spread, cameras[1].spread
+        L = np.array([camera.L for camera in cameras])
+        values.append(dlt.nonlinearity(L, POINT + shift, spread))
+    # its covariance is of the first order, errors of images change w by some thousandths
+    assert values[1] == pytest.approx(values[0], rel=0.01)
+
+
 def test_coplanar_points_have_no_camera() -> None:
     flat = np.column_stack([CORNERS[:, :2], 0.2 + 0.3 * CORNERS[:, 0]])
     with pytest.raises(np.linalg.LinAlgError):

@@ -98,23 +98,23 @@ def sensitivities(L: Array, x: Array) -> tuple[Array, Array]:
 def nonlinearity(L: Array, x: Array, spread: Array) -> float:
     """Change of the equations of a point by errors of unit variance, over the equations themselves.
 
-    It is |dB B^+| (Frobenius), root mean square over the errors of images and of all L, whose
-    covariance is `spread`; rows of B are divided by w. First-order covariances need a small value.
+    It is |dB B^+| (Frobenius) of the rows B / w, root mean square over the errors of images and of
+    all L, whose covariance is `spread`. First-order covariances need a small value.
     """
     u = np.array([image_of(one, x) for one in L])
     w = _factors(L, x)
-    inverse = _pseudo_inverse(_equations(L, u)[0] / w[:, None])
+    B = _equations(L, u)[0] / w[:, None]
+    inverse = _pseudo_inverse(B)
     squares = 0.0
     for row in range(2 * len(L)):
         k, j = divmod(row, 2)
         own = spread[UNKNOWNS * k : UNKNOWNS * (k + 1), UNKNOWNS * k : UNKNOWNS * (k + 1)]
-        # dB of a row by its camera and by its image
+        # changes of a row by its camera, of which w changes too, and by its image
         by_camera = np.zeros((3, UNKNOWNS))
         by_camera[:, 4 * j : 4 * j + 3] = np.eye(3)
-        by_camera[:, 8:] -= u[k, j] * np.eye(3)
-        covariance = by_camera @ own @ by_camera.T / w[row] ** 2
-        covariance += np.outer(L[k, 8:], L[k, 8:]) / w[row] ** 2
-        squares += float(np.trace(inverse.T @ covariance @ inverse))
+        by_camera[:, 8:] -= u[k, j] * np.eye(3) + np.outer(B[row], x)
+        covariance = by_camera @ own @ by_camera.T + np.outer(L[k, 8:], L[k, 8:])
+        squares += float(np.trace(inverse.T @ covariance @ inverse)) / w[row] ** 2
     return float(np.sqrt(squares))
 
 
