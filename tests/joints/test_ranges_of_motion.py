@@ -17,6 +17,9 @@ JOINTS = """
 curves:
   hard: {points: [[0, 0], [0.1, 2], [0.5, 60]], extrapolate: linear}
   low: {points: [[0, 0], [0.1, 0], [0.5, 8]], extrapolate: linear}
+  pulls: {points: [[0, 0], [0.1, -1], [0.5, 60]], extrapolate: linear}
+  pulls_both: {points: [[-0.5, -60], [-0.1, 1], [0, 0], [0.1, 1], [0.5, 60]]}
+  falls: {points: [[0, 0], [0.1, 50], [0.2, 5]], extrapolate: linear}
 joints:
   ball: {type: spherical, a: a, b: b, at: [0.4, 0.1, 0.2]}
 """
@@ -102,6 +105,40 @@ def test_a_closed_excursion_does_no_work(make: Make, name: str) -> None:
     # the trapezoidal rule has order 2, and 1 in the steps in which the moment has a corner
     assert abs(works[1]) < 0.3 * abs(works[0]) + 1e-6 * most
     assert abs(works[1]) < 1e-5 * most
+
+
+def test_the_moment_is_on_the_second_body_whichever_carries_the_cone(make: Make) -> None:
+    """A circular cone about u of a with the pointer s of b is one about s of b of u."""
+    same = "half_angles: [0.4, 0.4, 0.4, 0.4], stiffness: 30"
+    across = "axis: [1, 1, 0], toward: [0, 1, 3], pointer: [1, 2, 0.5], carrier: b"
+    moments = []
+    for words in (CONE, f"type: cone_stop, joint: ball, {across}"):
+        law = make(f"{{{words}, {same}}}")
+        law.bench.rotation(2, np.array([0.9, -0.2, 0.4]))
+        out = law.force()
+        # of the torques on both bodies, that on b in its axes
+        second = law.bench.nodes[2]
+        np.testing.assert_allclose(second.A.reshape(3, 3) @ out.moment, second.torque, atol=1e-12)
+        moments.append(np.array(out.moment))
+    assert np.linalg.norm(moments[0]) > 1.0
+    np.testing.assert_allclose(*moments, atol=1e-12)
+
+
+def test_a_twist_is_counted_over_whole_revolutions(make: Make) -> None:
+    """Past half a revolution it is the spin times the time, and the stop pushes back as before."""
+    law = make(f"{{{TWIST}, stiffness: 30, transition: 0.15}}")
+    law.force()
+    law.accept()
+    first, start = law.bench.nodes[2].q.copy(), float(law.out.angle)
+    axis = law.bench.nodes[2].A.reshape(3, 3) @ law.p.axis_b
+    for k in range(1, 101):
+        law.bench.move(2, q=product(exponential(0.1 * k * axis), first))
+        out = law.force()
+        law.accept()
+        # round-off of 10 rad
+        assert out.angle == pytest.approx(start + 0.1 * k, abs=1e-12)
+        # within the transition it is up to k d / 8 over its straight line
+        assert out.torque == pytest.approx(30 * max(out.angle - 0.9 - 0.075, 0.0), abs=0.5625)
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -272,7 +309,14 @@ WRONG = {
     "unloading needs a curve": (
         f"{{{CONE}, half_angles: [1, 1, 1, 1], stiffness: 5, unloading_stiffness: 9}}"
     ),
+    "curve: must not change sign": f"{{{CONE}, half_angles: [1, 1, 1, 1], curve: pulls}}",
+    "curve: must not change sign: past": f"{{{TWIST}, curve: pulls_both}}",
+    "curve: falls beyond its end": f"{{{CONE}, half_angles: [1, 1, 1, 1], curve: falls}}",
+    "curve: must begin below 0": f"{{{TWIST}, curve: hard}}",
     "lower: must be below upper": f"{{{TWIST}, stiffness: 5}}".replace("lower: 0.1", "lower: 0.9"),
+    "begins with axis and pointer 3.142 rad apart": f"{{{TWIST}, stiffness: 5}}".replace(
+        "pointer: [1, 1, 0.6]", "pointer: [-1.478093395732, -1.655231419102, -0.570481255355]"
+    ),
     "begins at the twist": f"{{{TWIST}, stiffness: 5}}".replace(
         "lower: 0.1, upper: 0.9", "lower: -2.5, upper: -2.4"
     ),

@@ -105,6 +105,77 @@ def test_errors_have_the_covariance_that_is_stated(method: dlt.Method, cameras: 
     assert abs(np.mean(squares > 7.815) - 0.05) < 4 * np.sqrt(0.05 * 0.95 / draws)
 
 
+def flattened(share: float) -> np.ndarray:
+    """Targets of which a share of the extent along x is left."""
+    x = CORNERS.copy()
+    x[:, 0] *= share
+    return x
+
+
+NEAR = [EYES[0], [-2.5, -2.98, 1.8]]
+# targets and positions of two cameras
+DOUBTFUL = {
+    "two metres deep": (CORNERS, EYES[:2]),
+    "flat": (flattened(0.005), EYES[:2]),
+    "flatter": (flattened(0.002), EYES[:2]),
+    "cameras side by side": (CORNERS, NEAR),
+}
+
+
+@pytest.mark.parametrize("name", DOUBTFUL)
+def test_errors_beyond_the_first_order_are_known_by_the_nonlinearity(name: str) -> None:
+    """Where it is below a tenth the errors have the covariance stated, elsewhere perhaps not."""
+    targets, eyes = DOUBTFUL[name]
+    rng = np.random.default_rng(5)
+    error, draws = 0.5, 100
+    true = [transformation(np.array(eye), np.array([0.1, 0.0, 0.5]), 1500.0) for eye in eyes]
+    squares, changes = np.zeros(draws), np.zeros(draws)
+    for i in range(draws):
+        cameras = [
+            dlt.calibrate(targets, dlt.image_of(one, targets)
+                          + error * rng.standard_normal((len(targets), 2)), "normalised")
+            for one in true
+        ]  # fmt: skip
+        L = np.array([camera.L for camera in cameras])
+        u = np.array([dlt.image_of(one, POINT) for one in true])
+        x = dlt.reconstruct(L, u + error * rng.standard_normal(u.shape))
+        spread = np.zeros((22, 22))
+        spread[:11, :11], spread[11:, 11:] = cameras[0].spread, cameras[1].spread
+        by_images, by_cameras = dlt.sensitivities(L, x)
+        S = error**2 * (by_images @ by_images.T + by_cameras @ spread @ by_cameras.T)
+        squares[i] = (x - POINT) @ np.linalg.solve(S, x - POINT)
+        changes[i] = error * dlt.nonlinearity(L, x, spread)
+    if name == "two metres deep":
+        # chi-squared of 3 over the draws, within four standard deviations
+        assert changes.max() < 0.1 and abs(squares.mean() - 3.0) < 4.0 * np.sqrt(6.0 / draws)
+    else:
+        assert changes.min() > 0.1
+    if name == "flatter":
+        # here the errors are more than twice those stated
+        assert squares.mean() > 4 * 3.0
+
+
+def test_the_nonlinearity_does_not_depend_on_the_origin_of_the_world() -> None:
+    """Next to the plane of a camera all its L are large and uncertain, by a common factor."""
+    eye = np.array(EYES[0])
+    ahead = np.array([0.1, 0.0, 0.5]) - eye
+    ahead /= np.linalg.norm(ahead)
+    values = []
+    for distance in (1.0, 1e-6):
+        shift = (-eye @ ahead - distance) * ahead
+        cameras = []
+        for k, one in enumerate(TRUE[:2]):
+            rng = np.random.default_rng(k)
+            u = dlt.image_of(one, CORNERS) + 0.5 * rng.standard_normal((len(CORNERS), 2))
+            cameras.append(dlt.calibrate(CORNERS + shift, u, "normalised"))
+        spread = np.zeros((22, 22))
+        spread[:11, :11], spread[11:, 11:] = cameras[0].spread, cameras[1].spread
+        L = np.array([camera.L for camera in cameras])
+        values.append(dlt.nonlinearity(L, POINT + shift, spread))
+    # its covariance is of the first order, errors of images change w by some thousandths
+    assert values[1] == pytest.approx(values[0], rel=0.01)
+
+
 def test_coplanar_points_have_no_camera() -> None:
     flat = np.column_stack([CORNERS[:, :2], 0.2 + 0.3 * CORNERS[:, 0]])
     with pytest.raises(np.linalg.LinAlgError):

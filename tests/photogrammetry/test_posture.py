@@ -70,7 +70,7 @@ def errors_of(chain: Any, fit: Fit, time: float) -> np.ndarray:
 def test_without_noise_the_posture_is_found_to_round_off(example: Path) -> None:
     synthetic = _synthetic()
     points = {time: synthetic.landmarks_at(time) for time in synthetic.TIMES}
-    synthetic.write(example.parent, 0.0, 1, points)
+    synthetic.write(example.parent, 0.0, 1, points, synthetic.grid())
     example.write_text(example.read_text("utf-8") + "image_error: 0.5\n", "utf-8")
     chain, fits = posture_of(example)
     for fit, time in zip(fits, synthetic.TIMES, strict=True):
@@ -88,7 +88,7 @@ def test_without_noise_the_posture_is_found_to_round_off(example: Path) -> None:
 def test_the_example_is_what_the_script_makes(example: Path, tmp_path: Path) -> None:
     synthetic = _synthetic()
     points = {time: synthetic.landmarks_at(time) for time in synthetic.TIMES}
-    synthetic.write(tmp_path, 0.5, 11, points)
+    synthetic.write(tmp_path, 0.5, 11, points, synthetic.grid())
     for name in TABLES:
         assert (tmp_path / name).read_text("utf-8") == (example.parent / name).read_text("utf-8")
 
@@ -175,6 +175,17 @@ def test_coplanar_targets_are_refused(example: Path) -> None:
         without(example.parent / "calibration.csv", f",2,{target},")
     message = refusal(example)
     assert "calibration.csv:" in message and "camera '2'" in message and "in a plane" in message
+
+
+def test_targets_nearly_in_a_plane_are_refused(example: Path) -> None:
+    """Their images have errors larger than the depth of the targets shows in a picture."""
+    synthetic = _synthetic()
+    targets = synthetic.grid()
+    targets[:, 0] = 0.2 + 0.003 * (targets[:, 0] - 0.2)
+    points = {time: synthetic.landmarks_at(time) for time in synthetic.TIMES}
+    synthetic.write(example.parent, 0.5, 11, points, targets)
+    message = refusal(example)
+    assert "change its equations by" in message and "spread in all directions" in message
 
 
 def test_too_few_targets_are_refused_with_the_count_needed(example: Path) -> None:
@@ -265,6 +276,14 @@ def test_targets_in_another_unit_are_refused_at_once(example: Path) -> None:
     message = refusal(example)
     assert "0.00" in message and "times as far apart as the landmarks" in message
     assert "wrong units" in message
+
+
+def test_landmarks_in_another_unit_are_refused_by_line(example: Path) -> None:
+    path = example.parent / "landmarks.csv"
+    path.write_text(path.read_text("utf-8").replace("[mm]", "[m]"), "utf-8")
+    message = refusal(example)
+    assert "landmarks.csv:4: error: vertex: lies 165 m from the mass centre" in message
+    assert "wrong unit" in message
 
 
 def test_points_that_were_exchanged_are_refused(example: Path) -> None:

@@ -29,7 +29,7 @@ def row_of(table: list[list[str]], name: str, measure: str) -> list[str]:
     return row
 
 
-def occupant(folder: Path) -> Result:
+def occupant(folder: Path, deck: str = DECK) -> Result:
     """Half waves of 0.1 s, slow beside every filter: what they do to a peak is below 0.1 %."""
     wave = np.where(TIME < 0.1, np.sin(np.pi * TIME / 0.1), 0.0)
 
@@ -57,7 +57,7 @@ def occupant(folder: Path) -> Result:
             for a, w in zip("xyz", (66.25, -56.45, 42.87), strict=True)
         },
     )
-    write_result(folder, families, TIME, deck_text=DECK)
+    write_result(folder, families, TIME, deck_text=deck)
     write_status(folder)
     return Result(folder)
 
@@ -137,6 +137,17 @@ def test_what_no_sensor_serves_is_named(tmp_path: Path) -> None:
     table = rows(occupant(tmp_path / "run"), measures)
     missing = {row[1] for row in table if row[0] == "Occupants"}
     assert missing == {"3 ms clip of the chest", "force of the right femur"}
+
+
+def test_moments_beside_the_joint_of_the_neck_are_named(tmp_path: Path) -> None:
+    joint = "joints: {condyles: {type: spherical, a: neck, b: head}}\n"
+    beside = (
+        "  rubber: {type: bushing, a: head, b: neck}\n  far: {type: bushing, a: head, b: seat}\n"
+    )
+    table = rows(occupant(tmp_path / "run", DECK + beside + joint), measures)
+    row = row_of(table, "Neck", "Nij is without moments")
+    assert row[HEADER.index("when")].startswith("of 'rubber'; springs count that name")
+    assert not any("without" in row[1] for row in rows(occupant(tmp_path / "other"), measures))
 
 
 def test_the_error_is_that_of_every_second_sample(tmp_path: Path) -> None:

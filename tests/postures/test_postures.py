@@ -28,6 +28,7 @@ joints:
   ankle: {type: universal, a: foot, b: shank, at: [0, 0, 0.1], axis: [1, 0, 0],
           second_axis: [0, 1, 0], frame: foot}
   far: {type: revolute, a: ground, b: foot, at: [0, 0, 0], axis: [0, 1, 0]}
+  mount: {type: spherical, b: trunk, at: [0, 0, 0], frame: trunk}
 postures:
   p: POSTURE
 """
@@ -38,7 +39,7 @@ GOOD = (
 )
 
 
-def built(folder: Path, posture: str, without: str = "  far") -> Engine:
+def built(folder: Path, posture: str, without: tuple[str, ...] = ("  far", "  mount")) -> Engine:
     lines = CHAIN.replace("POSTURE", posture).splitlines()
     text = "\n".join(line for line in lines if not line.startswith(without))
     path = folder / "deck.yaml"
@@ -87,7 +88,10 @@ WRONG = {
         "{root: trunk, joints: [{joint: knee}, {joint: hip, angle: 1}]}"
     ),
     "root: the ground cannot be placed": "{root: ground, joints: [{joint: hip}]}",
-    "joints.joint: 'hip' closes a loop": ("{root: trunk, joints: [{joint: hip}, {joint: hip}]}"),
+    "joints.joint: 'hip' is named twice": ("{root: trunk, joints: [{joint: hip}, {joint: hip}]}"),
+    "joints.joint: 'mount' joins the chain to the ground": (
+        "{root: trunk, joints: [{joint: hip}, {joint: mount, rotation: {euler: [0.5, 0, 0]}}]}"
+    ),
     "give one of: angle, rotation": (
         "{root: thigh, joints: [{joint: knee, angle: 1, rotation: {euler: [0, 0, 0]}}]}"
     ),

@@ -229,7 +229,7 @@ loads: {{weight: {{type: gravity}}}}
     ("x", "code", "words"),
     [
         (0.0, 2, "more than half of the"),
-        (0.1, 2, "move the bodies apart"),
+        (0.1, 2, "the other ('man_"),
         # the chests, 0.24 m deep, meet by 5 mm
         (0.235, 0, "touches at the start"),
     ],

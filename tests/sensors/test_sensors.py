@@ -165,3 +165,20 @@ def test_sensor_between_a_body_and_itself_is_refused(tmp_path: Path) -> None:
     text = "sensors:\n  s: {type: angle, a: b, b: b, axis: [1, 0, 0]}\n"
     with pytest.raises(DeckErrors, match="a and b must differ"):
         Bench(tmp_path, text)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ("role: neck", "in the axes of the head, body b of 'pin': give axes: b"),
+        ("role: neck, axes: a", "in the axes of the head, body b of 'pin': give axes: b"),
+        ("role: femur_left, axes: b", "in the axes of the thigh, body a of 'pin': give axes: a"),
+    ],
+)
+def test_a_load_in_other_axes_than_its_measure_reads_is_refused(
+    tmp_path: Path, words: str, message: str
+) -> None:
+    """It would turn compression into tension, or one axis into another."""
+    text = TEXT[: TEXT.index("sensors:")]
+    with pytest.raises(DeckErrors, match=message):
+        Bench(tmp_path, f"{text}sensors:\n  s: {{type: section_force, joint: pin, {words}}}\n")

@@ -76,11 +76,17 @@ def landmarks_at(time: float) -> dict[str, Array]:
     return positions
 
 
-def write(folder: Path, error: float, seed: int, points: dict[float, dict[str, Array]]) -> None:
+def grid() -> Array:
+    """Targets (18, 3) about the occupant."""
+    return np.array(list(product((-0.9, 0.3, 1.3), (-0.8, 0.8), (0.0, 0.7, 1.6))))
+
+
+def write(
+    folder: Path, error: float, seed: int, points: dict[float, dict[str, Array]], targets: Array
+) -> None:
     """Write the tables, with errors of images of that standard deviation [pixels]."""
     rng = np.random.default_rng(seed)
     digits = 2 if error else 12
-    targets = np.array(list(product((-0.9, 0.3, 1.3), (-0.8, 0.8), (0.0, 0.7, 1.6))))
 
     def pictures(x: Array, camera: int) -> list[str]:
         u = image(EYES[camera], x)
@@ -114,4 +120,4 @@ def _moved(card: dict[str, object], w: list[float], dt: float) -> dict[str, obje
 
 
 if __name__ == "__main__":
-    write(Path(sys.argv[1]), 0.5, 11, {time: landmarks_at(time) for time in TIMES})
+    write(Path(sys.argv[1]), 0.5, 11, {time: landmarks_at(time) for time in TIMES}, grid())

@@ -48,6 +48,8 @@ LEFT_SEAT, EJECTED = 0.5, 1.0
 BRAIN_CLASS = 60
 # [rad/s] about the head's axes x, y and z
 CRITICAL_SPINS = (66.25, 56.45, 42.87)
+# springs with a moment that act between two bodies, and not within a joint
+MOMENTS_APART = ("bushing", "torsional", "curve_torsional", "segment")
 # sensors of a whole occupant, and the measure that each serves
 ROLES = {
     "head": "HIC, Severity Index and BrIC",
@@ -142,6 +144,7 @@ def _neck(result: Result, name: str, card: Json) -> list[Measure]:
     when, source = _when(result, at), "FMVSS 208"
     return [
         _filter(name, force),
+        *_left_out(result, title, card.get("joint")),
         Measure(title, f"Nij, {case}", float(load[at]), "", when, 1.0, source, own),
         Measure(title, "neck tension", float(pull), "kN", _when(result, most)),
         Measure(title, "neck compression", float(push), "kN", _when(result, least)),
@@ -165,6 +168,21 @@ def _moments(result: Result, joint: object) -> list[str]:
         for channel in result.channels("deforc.*.moment.y")
         if channel.name.split(".")[1] in springs
     ]
+
+
+def _left_out(result: Result, title: str, joint: object) -> list[Measure]:
+    """The springs between the bodies of a joint that do not name it: their moments are unknown."""
+    own = sensor_cards(result, "joints").get(str(joint), {})
+    bodies = {own.get("a"), own.get("b")}
+    names = [
+        f"'{name}'"
+        for name, card in sensor_cards(result, "springs").items()
+        if card.get("type") in MOMENTS_APART and own and {card.get("a"), card.get("b")} == bodies
+    ]
+    if not names:
+        return []
+    when = f"of {', '.join(names)}; springs count that name the joint '{joint}'"
+    return [Measure(title, "Nij is without moments", when=when)]
 
 
 def _chest(result: Result, name: str, card: Json) -> list[Measure]:

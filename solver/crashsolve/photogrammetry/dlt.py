@@ -10,6 +10,7 @@ instead, with points and images moved to their mean and divided by their standar
 point is never found by a null vector, which would depend on the unit of length. Residuals of the
 multiplied equations are w times those of the images, so an error e of the images moves L or x by
 -B^+ w e with the pseudo-inverse B^+ of the equations: that is the covariance.
+It is the first order in e, and holds where e changes B itself by little (`nonlinearity`).
 Consequence to test: over many draws of e, errors divided by that covariance are chi-squared.
 
 References: Abdel-Aziz and Karara (1971), ASP Symposium on Close-Range Photogrammetry, 1-18; Hartley
@@ -92,6 +93,29 @@ def sensitivities(L: Array, x: Array) -> tuple[Array, Array]:
     u = np.array([image_of(one, x) for one in L])
     inverse = _pseudo_inverse(_equations(L, u)[0])
     return inverse * _factors(L, x), -inverse @ _by_cameras(x, u)
+
+
+def nonlinearity(L: Array, x: Array, spread: Array) -> float:
+    """Change of the equations of a point by errors of unit variance, over the equations themselves.
+
+    It is |dB B^+| (Frobenius) of the rows B / w, root mean square over the errors of images and of
+    all L, whose covariance is `spread`. First-order covariances need a small value.
+    """
+    u = np.array([image_of(one, x) for one in L])
+    w = _factors(L, x)
+    B = _equations(L, u)[0] / w[:, None]
+    inverse = _pseudo_inverse(B)
+    squares = 0.0
+    for row in range(2 * len(L)):
+        k, j = divmod(row, 2)
+        own = spread[UNKNOWNS * k : UNKNOWNS * (k + 1), UNKNOWNS * k : UNKNOWNS * (k + 1)]
+        # changes of a row by its camera, of which w changes too, and by its image
+        by_camera = np.zeros((3, UNKNOWNS))
+        by_camera[:, 4 * j : 4 * j + 3] = np.eye(3)
+        by_camera[:, 8:] -= u[k, j] * np.eye(3) + np.outer(B[row], x)
+        covariance = by_camera @ own @ by_camera.T + np.outer(L[k, 8:], L[k, 8:])
+        squares += float(np.trace(inverse.T @ covariance @ inverse)) / w[row] ** 2
+    return float(np.sqrt(squares))
 
 
 def closure_of_point(L: Array, u: Array, x: Array, spread: Array) -> float:

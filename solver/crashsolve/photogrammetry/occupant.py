@@ -40,7 +40,7 @@ def chain_of(requested: Requested) -> tuple[Chain, Scene]:
         root,
         requested.card.root,
         tuple(links),
-        _landmarks(requested, scene, reached),
+        _landmarks(requested, scene, reached, _extent(scene, links, reached)),
         zero,
         _stops(deck, links),
         requested.card.spread,
@@ -75,9 +75,19 @@ def _links(requested: Requested, deck: Deck, scene: Scene, root: int) -> list[Li
     return order
 
 
+def _extent(scene: Scene, links: list[Link], reached: set[int]) -> float:
+    """Diagonal of a box about all mass centres and joints of the zero posture [m]."""
+    points = [scene.r[node] for node in reached]
+    points += [scene.r[one.a] + scene.matrix(one.a) @ one.s_a for one in links]
+    return float(np.linalg.norm(np.ptp(points, axis=0)))
+
+
 def _landmarks(
-    requested: Requested, scene: Scene, reached: set[int]
+    requested: Requested, scene: Scene, reached: set[int], extent: float
 ) -> dict[str, tuple[int, np.ndarray]]:
+    """Node and arm of every landmark; one farther from its body than the chain is long is refused:
+    the unit of the table is another one.
+    """
     path, landmarks, errors = requested.card.landmarks, {}, []
     for row in read_table(path, LANDMARKS):
         name = row.names["body"].replace(OCCUPANT, requested.card.occupant)
@@ -90,8 +100,15 @@ def _landmarks(
             errors.append(DeckError(path, row.line, None, row.names["point"], problem))
             continue
         node = scene.names.index(name)
-        at = [row.numbers[axis] for axis in "xyz"]
-        landmarks[row.names["point"]] = node, scene.from_mass_centre(node, at)
+        arm = scene.from_mass_centre(node, [row.numbers[axis] for axis in "xyz"])
+        far = float(np.linalg.norm(arm))
+        if far > extent > 0.0:
+            problem = f"lies {far:.3g} m from the mass centre of '{name}', and all bodies within "
+            problem += f"{extent:.3g} m"
+            advice = "look for a wrong unit of the table, or coordinates of another frame"
+            errors.append(DeckError(path, row.line, None, row.names["point"], problem, advice))
+            continue
+        landmarks[row.names["point"]] = node, arm
     if errors:
         raise DeckErrors(errors)
     return landmarks

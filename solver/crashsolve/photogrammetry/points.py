@@ -24,6 +24,10 @@ EXACT = 1e-9
 DIRECTIONS = "two cameras must see it from different directions"
 # points of a body are read less exactly than targets, by several times and not by this
 COARSER = 10.0
+# relative change of the equations of a point by errors of images up to which its covariance, of
+# first order, is that of its errors: at 0.1 their squares are at most a third larger than stated,
+# at 0.3 ten times (near-planar targets, cameras in nearly one position, noise)
+LINEAR = 0.1
 # images that belong together do so but once in a million times
 IMPROBABLE = 1e-6
 
@@ -38,6 +42,7 @@ class Point:
     by_cameras: Array  # (3, 11 n) how it moves with the L of all n cameras
     residuals: Array  # (k, 2) in the images
     closure: float  # chi-squared of 2k - 3
+    nonlinearity: float  # for images of unit standard deviation
     rows: tuple[Row, ...]
 
     @property
@@ -179,9 +184,10 @@ def _point(
     by_cameras = np.zeros((3, dlt.UNKNOWNS * len(order)))
     columns = np.concatenate([dlt.UNKNOWNS * i + np.arange(dlt.UNKNOWNS) for i in at])
     by_cameras[:, columns] = by_own
-    closure = dlt.closure_of_point(L, u, x, spread[np.ix_(columns, columns)])
+    own = spread[np.ix_(columns, columns)]
+    closure, nonlinearity = dlt.closure_of_point(L, u, x, own), dlt.nonlinearity(L, x, own)
     noise = by_images @ by_images.T
-    return Point(name, x, noise, by_cameras, u - images, closure, tuple(rows))
+    return Point(name, x, noise, by_cameras, u - images, closure, nonlinearity, tuple(rows))
 
 
 def _frame(time: float, points: tuple[Point, ...], spread: Array, error: float) -> Frame:
@@ -276,6 +282,11 @@ def _check(requested: Requested, frames: tuple[Frame, ...], error: float, volume
                 problem = f"its position is uncertain by {deviation.max():.3g} m, more than the "
                 problem += f"targets extend, {volume:.3g} m"
                 advice = DIRECTIONS
+            elif point.nonlinearity * error > LINEAR:
+                problem = f"errors of images of {error:.3g} change its equations by "
+                problem += f"{100 * point.nonlinearity * error:.3g} %: its error of "
+                problem += f"{deviation.max():.3g} m is not reliable"
+                advice = f"{DIRECTIONS}, and the targets of each must be spread in all directions"
             if problem:
                 what = f"point '{point.name}' at {frame.time:.6g} s"
                 errors.append(

@@ -8,6 +8,7 @@ Without rates the chain moves as one rigid body: v = v_0 + w x (x - x_0). Conseq
 joints close to round-off, and the zero posture leaves the bodies where their cards have them.
 """
 
+from collections.abc import Container
 from importlib import import_module
 
 import numpy as np
@@ -68,7 +69,10 @@ def build(card: Angles, scene: Scene) -> None:
         raise scene.fail("the ground cannot be placed; name a body", "root")
     turned = [(link(scene, one.joint, _card(one, i, scene)), one, i)
               for i, one in enumerate(card.joints)]  # fmt: skip
-    given_at = {one.joint: (given, i) for one, given, i in turned}
+    given_at: dict[str, tuple[JointAngle, int]] = {}
+    for one, given, i in turned:
+        _check_link(one, i, given_at, scene)
+        given_at[one.joint] = given, i
     order, rest = in_order(root, [one for one, _, _ in turned])
     if rest:
         known = {root} | {node for one in order for node in (one.a, one.b)}
@@ -105,6 +109,18 @@ def _card(turned: JointAngle, i: int, scene: Scene) -> Jointed:
             f"joints.{i}.joint",
         )
     return card
+
+
+def _check_link(one: Link, i: int, earlier: Container[str], scene: Scene) -> None:
+    """Refuse joints of the ground, which no posture moves, and joints that are named twice."""
+    message = ""
+    if 0 in (one.a, one.b):
+        message = f"'{one.joint}' joins the chain to the ground, which a posture does not move; "
+        message += "leave it out: it then joins them where the posture places its body"
+    elif one.joint in earlier:
+        message = f"'{one.joint}' is named twice"
+    if message:
+        raise scene.fail(message, f"joints.{i}.joint")
 
 
 def _rotation(turned: JointAngle, one: Link, i: int, scene: Scene) -> tuple[np.ndarray, np.ndarray]:

@@ -37,7 +37,9 @@ class SectionForce(Card):
         default=None,
     )
     role: Literal["neck", "femur_left", "femur_right"] | None = word(
-        "part of an occupant whose load it measures, for injury measures", default=None
+        "part of an occupant whose load it measures, for injury measures: of a neck b of the joint "
+        "is the head, whose axes are used; of a femur its a is the thigh",
+        default=None,
     )
 
 
@@ -60,6 +62,7 @@ def build(card: SectionForce, scene: Scene) -> Columns:
     if joint.parts > 1:
         raise scene.fail("this joint acts between more than two bodies; name one of two", "joint")
     axes = scene.node(card.axes)
+    _check_role(card, scene)
     if card.at is None:
         # a joint without a point acts on the mass centre of b
         holder, point = joint.node_b, joint.frame.get("point_b", np.zeros(3))
@@ -73,6 +76,21 @@ def build(card: SectionForce, scene: Scene) -> Columns:
         "holder": holder,
         "point": point,
     }
+
+
+def _check_role(card: SectionForce, scene: Scene) -> None:
+    """Refuse other axes than those in which an injury measure reads the load on body b."""
+    if card.role is None:
+        return
+    joint = scene.joints[card.joint]
+    side, what = ("b", "the head") if card.role == "neck" else ("a", "the thigh")
+    node = joint.node_b if side == "b" else joint.node_a
+    if scene.node(card.axes) != node:
+        raise scene.fail(
+            f"the role {card.role} reads the load on body b in the axes of {what}, body {side} of "
+            f"'{card.joint}': give axes: {scene.names[node]}, or exchange the bodies of the joint",
+            "axes",
+        )
 
 
 @kernel

@@ -45,7 +45,8 @@ def overlaps(engine: Engine) -> list[tuple[str, str]]:
         depth, thick = group.history["depth"][current], group.parameters["thick"]
         # a constraint has no depth: its surfaces begin apart, or touching
         limit = ONTO * model.size if group.is_unilateral else 0.5 * thick
-        for i in np.flatnonzero(depth > limit):
+        # of each card the deepest comes last, and remains
+        for i in sorted(np.flatnonzero(depth > limit), key=depth.__getitem__):
             why = (
                 "but nodes of a unilateral constraint must not begin inside"
                 if group.is_unilateral
@@ -53,7 +54,12 @@ def overlaps(engine: Engine) -> list[tuple[str, str]]:
                 "to the middle of the other"
             )
             card = model.contacts[group.parameters["card"][i]]
-            messages[card] = f"begins {depth[i]:.3g} m deep, {why}"
+            bodies = [
+                model.bodies[side[group.parameters[index][i]]["node"]]
+                for side, index in ((group.elements_a, "a"), (group.elements_b, "b"))
+            ]
+            between = f" ('{bodies[0]}' in '{bodies[1]}')"
+            messages[card] = f"begins {depth[i]:.3g} m deep, {why}{between}"
     for nodal in model.nodal_groups:
         depth = nodal.arrays["totals"]["depth"][0]
         if nodal.narrow is None and depth > ONTO * model.size:

@@ -9,7 +9,7 @@ from crashsolve.deck.card import Card, CurveName, JointName, word
 from crashsolve.foundation.curve import curve_area, curve_value
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
-from crashsolve.springs._range import AT_LIMIT
+from crashsolve.springs._range import AT_LIMIT, check_pushes_back
 from crashsolve.springs._resistance import steepest
 
 STOPS = Record("""
@@ -55,6 +55,8 @@ def stops(card: Any, scene: Scene) -> Columns:
     curve = scene.curve(card.curve) if card.curve else 0
     if curve and scene.curve_points[curve]["x"] != 0.0:
         raise scene.fail("must begin at 0, where the joint meets the stop", "curve")
+    if curve:
+        check_pushes_back(scene, curve)
     return {
         "lower": float("-inf") if card.lower is None else card.lower,
         "upper": float("inf") if card.upper is None else card.upper,

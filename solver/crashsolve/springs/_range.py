@@ -9,10 +9,12 @@ nothing. m and its slope are continuous, and c acts past the limit alone.
 
 from typing import ClassVar
 
+import numpy as np
 from pydantic import model_validator
 
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, CurveName, JointName, quantity, word
+from crashsolve.foundation.curve import LINEAR
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.springs._resistance import (
@@ -29,6 +31,8 @@ from crashsolve.springs._resistance import (
 TRANSITION, STRAIGHT = 1, 2
 # a limit that is passed by less at the start is met exactly, but for round-off [rad]
 AT_LIMIT = 1e-9
+# of the largest value of a curve, next to its zeros
+ROUND_OFF = 1e-12
 # beyond this angle neither an azimuth nor a twist is defined well [rad]
 LARGEST = 2.9
 
@@ -97,6 +101,10 @@ def moment_columns(card: RangeCard, scene: Scene, acts: str) -> Columns:
         start = scene.curve_points[scene.curve(card.curve)]["x"]
         if acts == "positive" and start != 0.0:
             raise scene.fail("must begin at 0, where the limit is met", "curve")
+        if acts == "both" and start >= 0.0:
+            message = "must begin below 0: past the lower end the angle and the moment are negative"
+            raise scene.fail(message, "curve")
+        check_pushes_back(scene, scene.curve(card.curve))
         columns = resistance(_Curve(card, acts), scene)
     else:
         columns = {column.name: 0 for column in RESISTANCE.columns} | {
@@ -107,6 +115,24 @@ def moment_columns(card: RangeCard, scene: Scene, acts: str) -> Columns:
         "transition": card.transition,
         "stop_damping": card.damping,
     }
+
+
+def check_pushes_back(scene: Scene, curve: int) -> None:
+    """Refuse a curve over the angle or travel past a limit that leads away from the limit.
+
+    A stop cannot: its moment would be cut to 0 and the energy of the curve would not be its work.
+    """
+    points = scene.curve_points[curve : scene.curve_points[curve]["last"] + 1]
+    s = np.diff(points["x"])[:, None] * np.linspace(0.0, 1.0, 33)
+    c0, c1, c2, c3 = points["c"][:-1].T[:, :, None]
+    x, y = points["x"][:-1, None] + s, c0 + s * (c1 + s * (c2 + s * c3))
+    if (np.sign(x) * y).min() < -ROUND_OFF * np.abs(y).max():
+        raise scene.fail("must not change sign: past a limit it can only push back", "curve")
+    slopes = (c1 + s * (2.0 * c2 + 3.0 * s * c3))[[0, -1], [0, -1]]
+    ends = [(x[0, 0], slopes[0]), (x[-1, -1], slopes[1])]
+    if points["beyond"][0] == LINEAR and any(at != 0.0 and slope < 0.0 for at, slope in ends):
+        message = "falls beyond its end, where it would change sign; set extrapolate: hold"
+        raise scene.fail(message, "curve")
 
 
 @kernel

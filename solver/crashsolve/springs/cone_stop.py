@@ -106,6 +106,7 @@ class ConeStop(RangeCard):
 PARAMETERS = MOMENT + Record(f"""
     node_a    index     body that carries the cone
     node_b    index     body of the pointer
+    reversed  flag      1: the second body of the joint carries the cone
     axis_a    1      3  c, axes of a
     side_a    1      3  direction of azimuth 0, axes of a
     third_a   1      3  c x side, axes of a
@@ -123,7 +124,7 @@ OUTPUT = Record("""
     azimuth  rad  phi, of the pointer
     margin   rad  to the limit; negative past it
     energy   J    stored
-    moment   N m  3  on b, axes of b
+    moment   N m  3  on the second body of the joint, its axes
 """)
 
 
@@ -141,6 +142,7 @@ def build(card: ConeStop, scene: Scene) -> Columns:
     columns = moment_columns(card, scene, "positive") | {
         "node_a": ends[0],
         "node_b": ends[1],
+        "reversed": card.carrier == "b",
         "axis_a": axis,
         "side_a": side,
         "third_a": np.cross(axis, side),
@@ -236,7 +238,8 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
     out.torque = range_moment(p, old, new, out, h, max(at.past, 0.0), rate, curves)
     out.swing, out.azimuth, out.margin = at.theta, at.phi, -at.past
     out.energy = out.stored
-    put(out.moment, matvec_t(nodes[p.node_b].A, scale(-out.torque, at.gradient)))
+    second, moment = (a, out.torque) if p.reversed == 1 else (b, -out.torque)
+    put(out.moment, matvec_t(second.A, scale(moment, at.gradient)))
     # counted within the cone as well: nothing else shortens the step before the limit is met
     within = p.stretch if at.past <= 0.0 else 1.0
     stiffness, damping = within * p.largest_slope, within * p.stop_damping

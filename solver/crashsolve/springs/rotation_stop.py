@@ -13,9 +13,11 @@ from typing import TYPE_CHECKING, ClassVar
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import quantity
 from crashsolve.foundation.angles import ROTATION_ABOUT_AXIS
+from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import rotation_tangent, twist
 from crashsolve.foundation.record import Record
+from crashsolve.foundation.vec3 import put, scale
 from crashsolve.springs import _joint
 from crashsolve.springs._between import rotated
 
@@ -46,6 +48,7 @@ OUTPUT = Record("""
     torque  N m    positive rotates b back
     angle   rad    of b from the start, or from the zero posture
     rate    rad/s  of the angle
+    moment  N m    3  on b, axes of b
 """)
 
 
@@ -66,6 +69,7 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
     out.angle = p.start + angle
     out.torque = _joint.stop(p, new, out.angle, rate, out, curves)
     out.rate = rate
+    put(out.moment, matvec_t(nodes[p.node_b].A, scale(-out.torque, g)))
     # counted in the gap as well: nothing else shortens the step before the stop is met
     twist(p, nodes, out.torque, g, p.largest_slope, p.damping)
 

@@ -2,6 +2,7 @@
 
     tau = 2 atan2(q_z, q_w),   q the rotation of (side_b, third_b, pointer) in (side_a, third_a,
     axis) tau_dot = g . (w_b - w_a),   g = (c + s) / (1 + c . s)
+    counted over whole revolutions: of all its values the one next to that of the last step
 
 tau is the rotation of b against a that remains when the pointer s has been brought back to c on
 the shortest path, so that a swing in any direction has no twist. The moment past `lower` or `upper`
@@ -22,7 +23,7 @@ from pydantic import model_validator
 
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Vec3, quantity, word
-from crashsolve.foundation.angles import check_rotation_limit
+from crashsolve.foundation.angles import FOLDED, check_rotation_limit, counted
 from crashsolve.foundation.columns import matvec_t
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import arm, rotation_tangent, twist
@@ -75,11 +76,11 @@ PARAMETERS = MOMENT + Record("""
     lower    rad       end of the range
     upper    rad       end of the range
 """)
-HISTORY = REACHED
+HISTORY = REACHED + Record("angle  rad  tau, over all revolutions")
 TANGENTS = 1
 OUTPUT = Record("""
     torque  N m  M, positive rotates b back
-    angle   rad  tau
+    angle   rad  tau, over all revolutions
     margin  rad  to the nearer limit; negative past it
     energy  J    stored
     moment  N m  3  on b, axes of b
@@ -109,6 +110,13 @@ def _check_start(card: TwistStop, scene: Scene, p: Columns) -> None:
     """A joint that begins past its range would be kicked back into it."""
     A_a, A_b = scene.matrix(p["node_a"]), scene.matrix(p["node_b"])
     vectors = (A_a @ p["axis_a"], A_a @ p["side_a"], A_b @ p["axis_b"], A_b @ p["side_b"])
+    swing = float(np.arccos(np.clip(vectors[0] @ vectors[2], -1.0, 1.0)))
+    if swing > FOLDED:
+        raise scene.fail(
+            f"'{card.joint}' begins with axis and pointer {swing:.4g} rad apart, where a twist is "
+            "not defined; keep them within 3 rad: rotate a body, or reverse the pointer",
+            "joint",
+        )
     tau = twist_angle(*(tuple(map(float, v)) for v in vectors))
     past = max(tau - card.upper, card.lower - tau)
     if past > AT_LIMIT:
@@ -131,13 +139,16 @@ def twist_angle(c, x, s, y):
 
 
 @kernel
-def twist_of(p: Parameters, nodes):
-    """tau [rad], its gradient g over rotations of b, and the cosine of the swing."""
+def twist_of(p: Parameters, before, nodes):
+    """tau [rad], counted from `before`, its gradient g over rotations of b, and the cosine of the
+    swing.
+    """
     a, b = nodes[p.node_a], nodes[p.node_b]
     c, x = arm(a, vec(p.axis_a)), arm(a, vec(p.side_a))
     s, y = arm(b, vec(p.axis_b)), arm(b, vec(p.side_b))
     cosine = max(dot(c, s), -0.9999)
-    return twist_angle(c, x, s, y), scale(1.0 / (1.0 + cosine), add(c, s)), cosine
+    angle = counted(twist_angle(c, x, s, y), before)
+    return angle, scale(1.0 / (1.0 + cosine), add(c, s)), cosine
 
 
 @kernel
@@ -149,7 +160,8 @@ def past_range(p: Parameters, angle):
 @kernel
 def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
     """Writes: nodes, new, out."""
-    angle, g, cosine = twist_of(p, nodes)
+    angle, g, cosine = twist_of(p, old.angle, nodes)
+    new.angle = angle
     check_rotation_limit(curves, p.node_b, sqrt(max(0.5 + 0.5 * cosine, 0.0)))
     rate = dot(g, sub(vec(nodes[p.node_b].w), vec(nodes[p.node_a].w)))
     out.torque = range_moment(p, old, new, out, h, past_range(p, angle), rate, curves)
@@ -163,7 +175,7 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
 def tangent(p: Parameters, state: History, nodes, curves, rows, first):
     """Writes: rows."""
     a, b = nodes[p.node_a], nodes[p.node_b]
-    angle, g, _ = twist_of(p, nodes)
+    angle, g, _ = twist_of(p, state.angle, nodes)
     rate = dot(g, sub(vec(b.w), vec(a.w)))
     stiffness, damping = range_tangent(p, state, past_range(p, angle), rate, curves)
     rotation_tangent(rows[first], a, b, g, stiffness, damping)
@@ -174,7 +186,7 @@ def event(p: Parameters, old: History, h, nodes, curves):
     """Distance of the twist from the range in which it began the step, in its range or past it
     [rad].
     """
-    angle, g, _ = twist_of(p, nodes)
+    angle, g, _ = twist_of(p, old.angle, nodes)
     rate = dot(g, sub(vec(nodes[p.node_b].w), vec(nodes[p.node_a].w)))
     upper = 2.0 * angle > p.upper + p.lower
     past = angle - p.upper if upper else p.lower - angle

@@ -5,6 +5,7 @@ from crashsolve.foundation.rows import Numbers
 class Parameters(RangeMoment):
     node_a: int  # [index] body that carries the cone
     node_b: int  # [index] body of the pointer
+    reversed: int  # [flag] 1: the second body of the joint carries the cone
     axis_a: Numbers[float]  # [1] c, axes of a
     side_a: Numbers[float]  # [1] direction of azimuth 0, axes of a
     third_a: Numbers[float]  # [1] c x side, axes of a
@@ -22,4 +23,4 @@ class Output(ForceOutput):
     azimuth: float  # [rad] phi, of the pointer
     margin: float  # [rad] to the limit; negative past it
     energy: float  # [J] stored
-    moment: Numbers[float]  # [N m] on b, axes of b
+    moment: Numbers[float]  # [N m] on the second body of the joint, its axes

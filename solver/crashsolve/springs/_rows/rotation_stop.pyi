@@ -1,5 +1,6 @@
 # written by `python -m crashsolve.stubs` from the records of the law
 from crashsolve._shared_rows import ForceHistory, ForceOutput, FullTurn, Stops
+from crashsolve.foundation.rows import Numbers
 
 class Parameters(Stops, FullTurn):
     start: float  # [rad] angle at the start, of a posture
@@ -12,3 +13,4 @@ class Output(ForceOutput):
     torque: float  # [N m] positive rotates b back
     angle: float  # [rad] of b from the start, or from the zero posture
     rate: float  # [rad/s] of the angle
+    moment: Numbers[float]  # [N m] on b, axes of b

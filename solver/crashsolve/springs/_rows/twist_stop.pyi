@@ -12,11 +12,12 @@ class Parameters(RangeMoment):
     lower: float  # [rad] end of the range
     upper: float  # [rad] end of the range
 
-class History(ForceHistory, Slider): ...
+class History(ForceHistory, Slider):
+    angle: float  # [rad] tau, over all revolutions
 
 class Output(ForceOutput):
     torque: float  # [N m] M, positive rotates b back
-    angle: float  # [rad] tau
+    angle: float  # [rad] tau, over all revolutions
     margin: float  # [rad] to the nearer limit; negative past it
     energy: float  # [J] stored
     moment: Numbers[float]  # [N m] on b, axes of b
