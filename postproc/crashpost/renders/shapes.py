@@ -77,3 +77,12 @@ class Drawing:
     lines: list[Lines] = field(default_factory=list)
     dots: list[Dots] = field(default_factory=list)
     arrows: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)  # from, vector
+
+    def scaled(self, origin: np.ndarray, length: float) -> "Drawing":
+        """In units of a length [m] from an origin (3,) [m]; vectors of arrows as they are."""
+        return Drawing(
+            [replace(one, points=(one.points - origin) / length) for one in self.surfaces],
+            [replace(one, ends=(one.ends - origin) / length) for one in self.lines],
+            [replace(one, points=(one.points - origin) / length) for one in self.dots],
+            [((start - origin) / length, vector) for start, vector in self.arrows],
+        )
