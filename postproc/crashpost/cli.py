@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from crashpost.commands import curves, pictures
-from crashpost.errors import PostError
+from crashpost.errors import PostError, memory_limit
 from crashpost.results.text import printable, printable_lines
 from crashsolve import __version__
 from crashsolve.channels.command_line import add_completion, completion, protected
@@ -40,6 +40,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return code
     except PostError as error:
         print(printable(f"crashpost: error: {error}"), file=sys.stderr)
+        return REFUSED
+    except MemoryError:
+        limit = memory_limit() or "that of this machine is used up"
+        print(f"crashpost: error: out of memory: {limit}", file=sys.stderr)
         return REFUSED
     except BrokenPipeError:
         # the reader, such as `head`, has closed the pipe

@@ -148,11 +148,6 @@ def page(result: Result, **appearance: Any) -> tuple[str, str]:
         time_speed=1.0,
     )
     _put(k3d, shown, frames, colour_scale, arrow / length, fitted_camera)
-    points = np.concatenate([scene.extent(number) for number in numbers])
-    points = points if len(points) else view.points
-    # a picture of 60 degrees holds a ball at twice its radius, and a long body somewhat nearer
-    far = NEAR * 0.5 * float(np.linalg.norm(np.ptp(points, axis=0))) / length
-    eye = far * fitted_camera.towards
     script = PLAYER.replace(
         "@FACTS@",
         json.dumps(
@@ -161,17 +156,23 @@ def page(result: Result, **appearance: Any) -> tuple[str, str]:
                 "times": [clock(float(states.times[n]), last) for n in numbers],
                 "shares": [float(key) / SECONDS for key in frames],
                 "key": _key(colour_scale, scene),
-                "camera": [
-                    *map(float, eye),
-                    *(0.0, 0.0, 0.0),
-                    *map(float, fitted_camera.up),
-                ],
+                "camera": _camera(scene, view, numbers, fitted_camera),
             }
         ).replace("<", "\\u003c"),
     )
     text = shown.get_snapshot(9, additional_js_code=script)
     words = f"{len(numbers)} of {len(states.times)} states"
     return _titled(text, result.title), ", ".join(filter(None, [words, scene.appearance.note]))
+
+
+def _camera(scene: Scene, view: View, numbers: list[int], fitted_camera: Camera) -> list[float]:
+    """Eye, point that it looks at, and direction upwards, in lengths of the view."""
+    points = np.concatenate([scene.extent(number) for number in numbers])
+    points = points if len(points) else view.points
+    # a picture of 60 degrees holds a ball at twice its radius, and a long body somewhat nearer
+    diameter = float(np.linalg.norm(np.ptp(points, axis=0))) / fitted_camera.half_height
+    eye = NEAR * 0.5 * diameter * fitted_camera.towards
+    return [*map(float, eye), 0.0, 0.0, 0.0, *map(float, fitted_camera.up)]
 
 
 def _key(colour_scale: ColourScale, scene: Scene) -> list[tuple[str, str]]:
