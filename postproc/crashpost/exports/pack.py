@@ -98,7 +98,7 @@ class _Packing:
         for block in self.blocks:
             for name in self.states.fields(block.name):
                 if name not in SKIPPED:
-                    values = self.states.read(0, block.name, name)[name]
+                    values = self.states.read_one(0, block.name, name)
                     sizes[name, _position(block, name, values)] = 1 if values.ndim == 1 else 3
         sizes["displacement", "PointData"] = 3
         sizes["block", "CellData"] = 1
