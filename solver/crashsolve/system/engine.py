@@ -106,7 +106,7 @@ class Engine:
         self.aside: dict[str, np.ndarray] = {}
         self._steps_per_call = 1 if runs_plain() else FIRST_CALL
         # steps from one check to the next, of an interval that is run again
-        self._stride = 0
+        self._stride = self._pause = 0
 
     @property
     def addresses(self) -> tuple[int, int, int] | None:
@@ -250,6 +250,8 @@ class Engine:
         elif status == TOUCHED:
             self.masses.find(s)
             self._renew_forces()
+            if self._stride and int(s.clock[0]["cycle"]) >= self._pause:
+                self.on_pause()
         elif status == REBUILD:
             self._check_pass_through()
             renew(self.model.contact_groups, s)
@@ -325,7 +327,7 @@ class Engine:
     def within_pause(self, act: Callable[[], None]) -> int:
         """Call the compiled loop, for LONGEST_CALL at most or `_stride` steps; its status."""
         clock, begun = self.state.clock[0], monotonic()
-        clock["pause"] = clock["cycle"] + (self._stride or self._steps_per_call)
+        clock["pause"] = self._pause = clock["cycle"] + (self._stride or self._steps_per_call)
         act()
         # no trace of how long it took may reach a dump
         clock["pause"] = 0
