@@ -108,6 +108,11 @@ def test_a_picture_is_of_the_nearest_state_and_says_its_time(run: Path) -> None:
     assert task.frames == ((1.0, "t = 100 ms"), (3.0, "t = 300 ms"))
     with pytest.raises(PostError, match=r"there are states from 0 s to 0.3 s"):
         strip_task(Result(run), run / "x.png", ["1.0"], "")
+    # of two states two pictures, unless more are asked for
+    for path in sorted((run / "states").glob("*.h5"))[1:-1]:
+        path.unlink()
+    for words, count in (([], 2), (["0", "0", "end"], 3)):
+        assert len(strip_task(Result(run), run / "x.png", words, "").frames) == count
 
 
 def test_a_film_takes_as_long_as_asked(run: Path) -> None:

@@ -45,6 +45,9 @@ def strip_task(
     for word in words:
         wanted = moment(result, word, last)
         number = _state_near(states, wanted.time, word)
+        if not at and frames and frames[-1][0] == number:
+            # few states: none is drawn twice
+            continue
         caption = clock(float(states.times[number]), last, time_unit)
         if wanted.reason:
             caption += f"\n{wanted.reason}"
