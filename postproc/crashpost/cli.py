@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from crashpost.commands import curves, pictures
-from crashpost.errors import PostError
+from crashpost.errors import PostError, memory_limit
 from crashpost.results.text import printable, printable_lines
 from crashsolve import __version__
-from crashsolve.channels.command_line import add_completion, completion, protected
+from crashsolve.channels.command_line import add_completion, completion, output_path, protected
 
 if TYPE_CHECKING:
     from crashpost.results.result import Result
@@ -40,6 +40,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return code
     except PostError as error:
         print(printable(f"crashpost: error: {error}"), file=sys.stderr)
+        return REFUSED
+    except MemoryError:
+        limit = memory_limit() or "that of this machine is used up"
+        print(f"crashpost: error: out of memory: {limit}", file=sys.stderr)
         return REFUSED
     except BrokenPipeError:
         # the reader, such as `head`, has closed the pipe
@@ -112,10 +116,12 @@ def _parser() -> argparse.ArgumentParser:
     curves.add_commands(add)
     pictures.add_commands(add)
     sub = add("sweep", _sweep, "gather the runs of a sweep in one table, and draw them")
-    sub.add_argument("-o", "--output", type=Path, help="folder of the pictures; default RESULT")
+    sub.add_argument(
+        "-o", "--output", type=output_path, help="folder of the pictures; default RESULT"
+    )
     sub.add_argument("--table", action="store_true", help="only the table")
     sub = add("report", _report, "write one self-contained HTML page")
-    sub.add_argument("-o", "--output", type=Path, help="default RESULT/report.html")
+    sub.add_argument("-o", "--output", type=output_path, help="default RESULT/report.html")
     curves.add_units(sub)
     sub.add_argument(
         "--pictures",

@@ -20,7 +20,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from crashsolve import __version__
-from crashsolve.channels.command_line import add_completion, completion, protected
+from crashsolve.channels.command_line import add_completion, completion, output_path, protected
 from crashsolve.channels.errors import ChannelError
 from crashsolve.foundation.errors import (
     CrashsolveError,
@@ -109,7 +109,7 @@ def _parser(requested: Sequence[str]) -> argparse.ArgumentParser:
 
     run = commands.add_parser("run", help="solve a deck (the word run may be left out)")
     _deck_arguments(run)
-    run.add_argument("-o", "--output", type=Path, metavar="DIR", help="results folder")
+    run.add_argument("-o", "--output", type=output_path, metavar="DIR", help="results folder")
     run.add_argument("--restart", action="store_true", help="continue from the newest dump")
     run.add_argument(
         "--until", metavar="T", help='with --restart: another end time, such as 0.2 or "200 ms"'
@@ -166,7 +166,7 @@ def _document_arguments(commands: Commands) -> None:
     example.add_argument(
         "-o",
         "--output",
-        type=Path,
+        type=output_path,
         metavar="DIR",
         help="folder for the deck and the files that it includes",
     )
@@ -199,7 +199,7 @@ def _study_arguments(parser: argparse.ArgumentParser) -> None:
     _deck_arguments(parser)
     parser.set_defaults(act=_study)
     parser.add_argument(
-        "-o", "--output", type=Path, metavar="DIR", help="results folder; default DECK.study"
+        "-o", "--output", type=output_path, metavar="DIR", help="results folder; default DECK.study"
     )
     parser.add_argument(
         "--steps",

@@ -125,3 +125,30 @@ def test_a_history_without_groups_has_no_channels(
     write_result(tmp_path, {})
     assert cli.main(["channels", str(tmp_path)]) == 0
     assert "channel" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("missing", ["part", "section", "side", "links"])
+def test_blocks_without_what_a_drawing_needs_are_refused(
+    whole: Path, missing: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with h5py.File(whole / "mesh.h5", "r+") as file:
+        beams = {"part": np.zeros(1), "section": np.zeros(1), "side": np.ones((1, 3))}
+        name = "links" if missing == "links" else "beams"
+        file[f"{name}/points"], file[f"{name}/cells"] = np.eye(3)[:2], np.array([[0, 1]])
+        for key in beams.keys() - {missing} if name == "beams" else ():
+            file[f"beams/{key}"] = beams[key]
+    assert cli.main(["render", str(whole), "-o", str(whole / "x.png")]) == 2
+    wanted = "links has no body" if missing == "links" else f"beams has no {missing}"
+    assert wanted in capsys.readouterr().err
+
+
+def test_a_state_without_its_forces_is_refused(
+    whole: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(painting, "_in_child", lambda *_: "in this process")
+    with h5py.File(whole / "states" / "000001.h5", "r+") as file:
+        del file["contacts"]
+        file["contacts"] = np.zeros(3)
+    command = ["render", str(whole), "--arrows", "rcforc", "-o", str(whole / "x.png")]
+    assert cli.main(command) == 2
+    assert "contacts has no field 'force'" in capsys.readouterr().err

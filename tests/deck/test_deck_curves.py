@@ -146,6 +146,20 @@ def test_a_file_without_points_is_refused(text: str, tmp_path: Path) -> None:
         file.File(file=str(path))
 
 
+@pytest.mark.parametrize("text", ["0,0; 0,5\n1,0; 0,7\n", "0,0\t0,5\n1,0\t0,7\n", "0 0,5\n1 0,7\n"])
+def test_a_decimal_comma_does_not_part_columns(text: str, tmp_path: Path) -> None:
+    path = tmp_path / "points.csv"
+    path.write_text(text)
+    with pytest.raises(ValueError, match="diagnostic"):
+        file.File(file=str(path))
+
+
+def test_a_byte_order_mark_hides_no_point(tmp_path: Path) -> None:
+    path = tmp_path / "points.csv"
+    path.write_bytes(b"\xef\xbb\xbf0, 1\r\n1, 2\r\n2,\t3\r\n")
+    assert file.read_columns(str(path), (1, 2)) == [(0.0, 1.0), (1.0, 2.0), (2.0, 3.0)]
+
+
 def test_a_quartic_formula_is_exact_at_its_breakpoints() -> None:
     card = formula.Formula.model_validate(
         {"expression": "x**4 - 2*x + 1", "from": -1.0, "to": 2.0, "segments": 5}

@@ -179,6 +179,15 @@ KIND = "must be a number, alone or with a unit"
             "the deck has '54 km/h' here, and this is a number in m; give a number with a "
             "unit, such as '30 km/h'",
         ),
+        (
+            "speed=${count}",
+            "the deck has '54 km/h' here, in m/s, and this is without unit; give a number in m/s",
+        ),
+        (
+            "half=3",
+            "the deck has '${speed/2}' here, in m/s, and this is without unit; give a number in "
+            "m/s, or what it is computed from",
+        ),
         ("count=3 m", "the deck has 3 here; give a number without unit"),
         ("count=", f"{KIND}; this is empty"),
         ("count=many", f"{KIND}; 'many' is not a number with a unit"),

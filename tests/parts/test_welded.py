@@ -9,6 +9,7 @@ from bench import refusal
 from command import crashsolve, differences
 
 from crashpost.results.result import Result
+from crashsolve.cli import main
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.model.build import build
 
@@ -113,3 +114,30 @@ def test_a_wrong_weld_is_refused(case: str, tmp_path: Path) -> None:
     if case == "motion":
         text = text.replace('velocity: [0, "${0.1*spin}", 0]', "velocity: [0, 1, 0]")
     assert message in refusal(tmp_path, text)
+
+
+@pytest.mark.parametrize("integrator", ["rattle", "dormand_prince_5"])
+def test_a_body_that_is_part_of_another_is_accelerated_as_its_velocity_changes(
+    tmp_path: Path, integrator: str
+) -> None:
+    """A turning plate under an eccentric force: central differences of the velocity."""
+    deck = tmp_path / "deck.yaml"
+    deck.write_text(
+        f"control: {{end_time: 0.02, estimate: off, integrator: {integrator}}}\n"
+        "output: {history: {interval: 1e-4}}\n"
+        "bodies:\n"
+        "  c: {mass: 1, inertia: [1, 1, 1], angular_velocity: [0, 0, 10]}\n"
+        "  d: {mass: 1, inertia: [1, 1, 1], position: [1, 0.5, 0], part_of: c,\n"
+        "    velocity: [-5, 10, 0], angular_velocity: [0, 0, 10]}\n"
+        "loads: {f: {type: force, body: c, at: [0, 1, 0], force: [100, 0, 0]}}\n",
+        "utf-8",
+    )
+    assert main(["run", str(deck), "-o", str(tmp_path / "out")]) == 0
+    result = Result(tmp_path / "out")
+    for axis in "xy":
+        acceleration = result.series(f"rbdout.d.acceleration.{axis}").values[1:-1]
+        velocity = result.series(f"rbdout.d.velocity.{axis}").values
+        slope = (velocity[2:] - velocity[:-2]) / 2e-4
+        # h^2 w^2 / 6 of differences over 0.1 ms at 11 rad/s
+        assert np.abs(acceleration).max() > 10.0
+        assert acceleration == pytest.approx(slope, rel=1e-5, abs=1e-3)

@@ -134,6 +134,8 @@ def test_names_are_shortened_to_what_groups_share() -> None:
     many = [f"body{k}" for k in range(9)]
     three = ["body0 to body2", "body3 to body5", "body6 to body8"]
     assert labels(many, 4) == [three[k // 3] for k in range(9)]
+    pallets = [f"pallet_low_{k}" for k in range(4)]
+    assert labels(pallets, 2) == [*["pallet_low_0 to 1"] * 2, *["pallet_low_2 to 3"] * 2]
     assert labels(many[:5], 4) == [*["body0 to body1"] * 2, *["body2 to body3"] * 2, "body4"]
 
 

@@ -435,3 +435,11 @@ def test_the_time_of_a_contact_that_has_not_been_is_not_drawn(cars: Path, tmp_pa
     np.testing.assert_allclose(lines[0].y[TIME >= 0.05], 0.05)
     # of an expression nothing is left out
     assert np.isfinite(lines[1].y).all()
+
+
+def test_a_figure_of_some_of_many_channels_says_so() -> None:
+    names = [f"rcforc.c{k}.normal" for k in range(9)]
+    assert gallery._among("Contact force", names[:8], names) == "Contact force, the 8 largest of 9"
+    # others that are zero throughout are not left out
+    assert gallery._among("Contact force", names[:3], names) == "Contact force"
+    assert gallery._among("Contact force", names[:8], names[:8]) == "Contact force"

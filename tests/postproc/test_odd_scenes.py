@@ -35,7 +35,12 @@ GROUNDS = {
 
 
 def drawn_run(
-    folder: Path, ground: tuple[np.ndarray, np.ndarray] | None, size: tuple[float, float]
+    folder: Path,
+    ground: tuple[np.ndarray, np.ndarray] | None,
+    size: tuple[float, float],
+    *,
+    origin: float = 0.0,
+    displacement: float = 0.01,
 ) -> Path:
     """A strip of 20 elements, across x and along z, that moves; a thing of the ground beside it."""
     write_result(folder, two_cars(), title=r"friction \mu = 0.3 $x_1$ <b>")
@@ -44,6 +49,7 @@ def drawn_run(
     width, height = size
     points = np.array([[width * i, 0.0, height * j / 20] for j in range(21) for i in range(2)])
     cells = np.array([[2 * j, 2 * j + 1, 2 * j + 3, 2 * j + 2] for j in range(20)])
+    points += origin
     with h5py.File(folder / "mesh.h5", "w") as file:
         file.attrs.update({"format": "crashsolve states", "format_version": 3})
         file.attrs["names"] = '{"bodies": ["ground"], "parts": ["post"], "contacts": ["hit"]}'
@@ -54,9 +60,9 @@ def drawn_run(
     for k in range(3):
         with h5py.File(folder / "states" / f"{k:06d}.h5", "w") as file:
             file.attrs["time"] = 0.1 * k
-            file["part_post/displacement"] = np.full((len(points), 3), 0.01 * k, "f4")
+            file["part_post/displacement"] = np.full((len(points), 3), displacement * k, "f4")
             file["part_post/plastic_strain"] = np.linspace(0.0, 0.1 * k, len(cells))
-            file["contacts/points"] = np.array([[0.0, 0.0, 0.5 * height]], "f4")
+            file["contacts/points"] = np.array([[0.0, 0.0, 0.5 * height]]) + origin
             file["contacts/force"] = np.array([[0.0, 1e3 * k, 0.0]], "f4")
             file["contacts/contact"] = np.zeros(1, "f4")
     return folder
@@ -84,6 +90,31 @@ def test_every_shape_alone_on_the_ground_is_in_the_page(tmp_path: Path, shape: s
         assert all(np.size(one) > 0 for one in frames), item
     # a title is text, in HTML as everywhere
     assert r"<title>friction \mu = 0.3 $x_1$ &lt;b&gt;</title>" in text
+
+
+@pytest.mark.parametrize(("origin", "size"), [(0.0, 1e-5), (0.0, 1e-3), (1e8, 1.0)])
+def test_the_page_draws_small_and_distant_scenes_alike(
+    tmp_path: Path, origin: float, size: float
+) -> None:
+    """The drawing library refuses lines below 1e-7, and single precision has seven digits."""
+    k3d = pytest.importorskip("k3d")
+    folder = drawn_run(
+        tmp_path / "x.results", None, (size, size), origin=origin, displacement=0.01 * size
+    )
+    drawn: dict[str, np.ndarray] = {}
+    separate = model_page._field_mesh
+
+    def field_mesh(*arguments: object) -> "k3d.objects.Mesh":
+        mesh = separate(*arguments)
+        drawn.update(mesh.vertices)
+        return mesh
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(model_page, "_field_mesh", field_mesh)
+        model_page.page(Result(folder), arrows="rcforc", color="plastic_strain")
+    spans = np.ptp(next(iter(drawn.values())), axis=0)
+    # a picture of half height 1 holds the square, with its margins, whatever its size is
+    assert 0.5 < spans[0] < 2.0 and spans[2] == pytest.approx(spans[0], rel=1e-5)
 
 
 # width and height [m]

@@ -4,6 +4,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -12,6 +13,7 @@ from command import crashsolve
 from small_results import Command
 
 from crashpost.errors import PostError
+from crashpost.exports import pack
 from crashpost.renders import camera as cameras
 from crashpost.renders.appearance import Appearance
 from crashpost.renders.beams import rotated
@@ -106,6 +108,11 @@ def test_a_picture_is_of_the_nearest_state_and_says_its_time(run: Path) -> None:
     assert task.frames == ((1.0, "t = 100 ms"), (3.0, "t = 300 ms"))
     with pytest.raises(PostError, match=r"there are states from 0 s to 0.3 s"):
         strip_task(Result(run), run / "x.png", ["1.0"], "")
+    # of two states two pictures, unless more are asked for
+    for path in sorted((run / "states").glob("*.h5"))[1:-1]:
+        path.unlink()
+    for words, count in (([], 2), (["0", "0", "end"], 3)):
+        assert len(strip_task(Result(run), run / "x.png", words, "").frames) == count
 
 
 def test_a_film_takes_as_long_as_asked(run: Path) -> None:
@@ -431,6 +438,14 @@ def test_the_packed_file_says_what_the_states_say(run: Path, crashpost: Command)
     code, out, err = crashpost("pack", run)
     assert (code, err) == (0, ""), err
     assert "4 states" in out
+    # the size that was expected holds, and is checked before a file is begun
+    size = (run / "states.vtkhdf").stat().st_size
+    assert size <= pack._Packing(States(run)).size
+    with pytest.MonkeyPatch.context() as patch:
+        usage = SimpleNamespace(free=size // 2)
+        patch.setattr(pack.shutil, "disk_usage", lambda folder: usage)
+        code, out, err = crashpost("pack", run)
+    assert code == 2 and "MB are free" in err
     reader = pyvista.get_reader(run / "states.vtkhdf").reader
     reader.UpdateInformation()
     assert reader.GetNumberOfSteps() == len(TIMES)

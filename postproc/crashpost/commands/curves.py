@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from crashpost.errors import PostError
 from crashpost.results.text import printable_lines
+from crashsolve.channels.command_line import output_path
 
 if TYPE_CHECKING:
     from crashpost.compare.difference import Compared
@@ -32,7 +33,9 @@ def add_commands(add: Add) -> None:
     sub.add_argument("--y-range", metavar="FROM:TO", help="the same")
     sub.add_argument("--title", default="", help="of the figure; words of its channels when absent")
     _add_tests(sub)
-    sub.add_argument("-o", "--output", type=Path, help="png, svg or pdf; default RESULT/plot.png")
+    sub.add_argument(
+        "-o", "--output", type=output_path, help="png, svg or pdf; default RESULT/plot.png"
+    )
     add_units(sub)
     sub = add("compare", _compare, "compare results side by side; exit code 1 where they differ")
     about = f"more results; {CHANNELS}; all if absent"
@@ -46,7 +49,9 @@ def add_commands(add: Add) -> None:
     sub.add_argument("--all", action="store_true", help="list channels within the tolerance too")
     _add_tests(sub)
     sub.add_argument("--during", metavar="FROM:TO", help="rate these times alone (seconds)")
-    sub.add_argument("-o", "--output", type=Path, metavar="PAGE", help="an HTML page with figures")
+    sub.add_argument(
+        "-o", "--output", type=output_path, metavar="PAGE", help="an HTML page with figures"
+    )
     add_units(sub)
     sub = add("export", _export, "write channels as CSV, Parquet or ISO-MME")
     sub.add_argument("channels", nargs="*", metavar="CHANNEL", help=f"{CHANNELS}; all if absent")

@@ -10,6 +10,7 @@ from crashpost.errors import PostError
 from crashpost.renders.tasks import FPS
 from crashpost.results.status import Json
 from crashpost.results.text import printable
+from crashsolve.channels.command_line import output_path
 
 if TYPE_CHECKING:
     from crashpost.results.result import Result
@@ -48,7 +49,9 @@ def add_commands(add: Add) -> None:
         metavar="NAME[:WIDTH]",
         help="a second row of pictures, close to a contact, body or part: 'buffers:1 m'",
     )
-    sub.add_argument("-o", "--output", type=Path, help="png, pdf or svg; default RESULT/strip.png")
+    sub.add_argument(
+        "-o", "--output", type=output_path, help="png, pdf or svg; default RESULT/strip.png"
+    )
     _add_appearance(sub)
     sub = add(
         "film", _film, "film the run (mp4, gif), or write it as an interactive 3-D page (html)"
@@ -61,14 +64,16 @@ def add_commands(add: Add) -> None:
     sub.add_argument(
         "--size", metavar="WxH", help="of a frame, even numbers; 960 wide, or fitted, when absent"
     )
-    sub.add_argument("-o", "--output", type=Path, help="mp4, gif or html; default RESULT/film.mp4")
+    sub.add_argument(
+        "-o", "--output", type=output_path, help="mp4, gif or html; default RESULT/film.mp4"
+    )
     _add_appearance(sub)
     _add_pack(add)
 
 
 def _add_pack(add: Add) -> None:
     sub = add("pack", _pack, "merge the states into one VTKHDF file for ParaView (5.12 and later)")
-    sub.add_argument("-o", "--output", type=Path, help="default RESULT/states.vtkhdf")
+    sub.add_argument("-o", "--output", type=output_path, help="default RESULT/states.vtkhdf")
 
 
 def _pack(options: argparse.Namespace) -> int:

@@ -5,6 +5,8 @@ block does not have is not a number there. Geometry that never changes is writte
 is that of the VTK file formats, VTKHDF 2.0, with steps; states are read one by one.
 """
 
+import os
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -19,41 +21,62 @@ VTK_TYPES = {1: 1, 2: 3, 3: 5, 4: 9, 6: 13, 8: 12}
 SKIPPED = ("points", "displacement")
 # numbers of a piece of a dataset on disk
 PIECE = 1 << 16
+# [bytes] of corners and types of a cell, at most eight corners; of headers of the file
+CELL, HEADERS = 80, 1 << 18
 
 
 def pack(states: States, path: Path, progress: Callable[[int, int], None]) -> str:
     """Write the file and report its content; raises PostError."""
     partial = path.with_name(f".{path.name}.partial")
+    packing = _Packing(states)
     try:
+        # a file that cannot be written to its end ends HDF5 itself
+        free = shutil.disk_usage(path.parent).free
+        if packing.size > free:
+            message = f"needs {packing.size / 1e6:.3g} MB, and {free / 1e6:.3g} MB are free"
+            raise PostError(f"{path}: {message}")
         with h5py.File(partial, "w") as file:
-            fields = _Packing(states, file).write(progress)
+            packing.write(file, progress)
         partial.replace(path)
     except OSError as error:
-        raise PostError(f"{path}: {error}") from error
+        reason = os.strerror(error.errno) if error.errno else error
+        raise PostError(f"{path}: {reason}") from error
     finally:
         partial.unlink(missing_ok=True)
     names = ", ".join(f"{k} {name}" for k, name in enumerate(states.blocks))
-    return f"{path}: {len(states.times)} states, {fields} fields, blocks {names}"
+    return f"{path}: {len(states.times)} states, {len(packing.fields)} fields, blocks {names}"
 
 
 class _Packing:
-    def __init__(self, states: States, file: h5py.File) -> None:
+    def __init__(self, states: States) -> None:
         self.states = states
+        self.blocks = list(states.blocks.values())
+        self.n_points = sum(len(block.points) for block in self.blocks)
+        self.n_cells = sum(block.n_cells for block in self.blocks)
+        self.fields = self._fields()
+
+    @property
+    def size(self) -> int:
+        """Size of the file [bytes], rather high than low."""
+        per_state = 24 * self.n_points + 8 * (len(self.fields) + 8)
+        for (_, association), width in self.fields.items():
+            per_state += 4 * width * self._count(association)
+        return len(self.states.times) * per_state + CELL * self.n_cells + HEADERS
+
+    def _count(self, association: str) -> int:
+        """Number of points, or of cells."""
+        return self.n_points if association == "PointData" else self.n_cells
+
+    def write(self, file: h5py.File, progress: Callable[[int, int], None]) -> None:
+        """All states."""
         self.root = file.create_group("VTKHDF")
         self.root.attrs["Version"] = (2, 0)
         kind = b"UnstructuredGrid"
         self.root.attrs.create("Type", kind, dtype=h5py.string_dtype("ascii", len(kind)))
-        self.blocks = list(states.blocks.values())
-        self.n_points = sum(len(block.points) for block in self.blocks)
-        self.n_cells = sum(block.n_cells for block in self.blocks)
-
-    def write(self, progress: Callable[[int, int], None]) -> int:
-        """All states; returns the number of fields."""
-        count = len(self.states.times)
-        fields = self._fields()
+        count, fields = len(self.states.times), self.fields
         self._topology(count)
         for (name, association), width in fields.items():
-            size = self.n_points if association == "PointData" else self.n_cells
+            size = self._count(association)
             shape = (size * count,) if width == 1 else (size * count, width)
             kind = "u1" if name == GHOST else "f4"
             self.root.create_dataset(f"{association}/{name}", shape, kind, chunks=_chunk(shape))
@@ -68,7 +91,6 @@ class _Packing:
                 self.root[f"{association}/{name}"][k * len(values) : (k + 1) * len(values)] = values
             progress(k + 1, count)
         self._steps(count, list(fields))
-        return len(fields)
 
     def _fields(self) -> dict[tuple[str, str], int]:
         """Name and location of every field of any block, and its components."""
@@ -76,7 +98,7 @@ class _Packing:
         for block in self.blocks:
             for name in self.states.fields(block.name):
                 if name not in SKIPPED:
-                    values = self.states.read(0, block.name, name)[name]
+                    values = self.states.read_one(0, block.name, name)
                     sizes[name, _position(block, name, values)] = 1 if values.ndim == 1 else 3
         sizes["displacement", "PointData"] = 3
         sizes["block", "CellData"] = 1
@@ -134,7 +156,7 @@ class _Packing:
         steps["CellOffsets"] = zero[:, None]
         steps["ConnectivityIdOffsets"] = zero[:, None]
         for name, association in fields:
-            size = self.n_points if association == "PointData" else self.n_cells
+            size = self._count(association)
             steps[f"{association}Offsets/{name}"] = k * size
 
 

@@ -101,26 +101,32 @@ def family_figures(result: Result) -> list[Figure]:
 
 def force_figures(result: Result) -> list[Figure]:
     """Contact forces over time."""
-    names = _largest(result, _contacts(result, "normal"))
+    contacts = _contacts(result, "normal")
+    names = _largest(result, contacts)
     curves = tuple(Curve(name) for name in names)
-    return [_over_time(words.title(names), curves, "contact force")] if names else []
+    if not names:
+        return []
+    return [_over_time(_among(words.title(names), names, contacts), curves, "contact force")]
 
 
 def gap_figures(result: Result) -> list[Figure]:
     """The smallest gap of every contact over time, negative where it touches."""
-    names = _moving(result, _contacts(result, "depth"))
+    contacts = _contacts(result, "depth")
+    names = _moving(result, contacts)
     if not names:
         return []
     labels = words.labels(names) if len(names) > 1 else [words.entity(names[0])]
     curves = tuple(Curve(f"-{plain(n)}", label) for n, label in zip(names, labels, strict=True))
     title = "Smallest gap" if len(names) > 1 else f"{labels[0]}: smallest gap"
+    title = _among(title, names, contacts)
     return [_over_time(title, curves, "gap, negative in contact")]
 
 
 def force_displacement_figures(result: Result) -> list[Figure]:
     """Contact force over penetration, of contacts with one pair: of more, pairs differ in both."""
     known = [name.removesuffix("depth") + "normal" for name in _contacts(result, "depth")]
-    names = _largest(result, [name for name in known if _is_single(result, name)])
+    single = [name for name in known if _is_single(result, name)]
+    names = _largest(result, single)
     depths = [name.removesuffix("normal") + "depth" for name in names]
     if not names:
         return []
@@ -132,7 +138,7 @@ def force_displacement_figures(result: Result) -> list[Figure]:
     curves = tuple(map(Curve, names, labels, depths))
     return [
         Figure(
-            "Contact force over penetration",
+            _among("Contact force over penetration", names, single),
             curves,
             x=depths[0],
             x_unit=unit,
@@ -201,12 +207,12 @@ def _crush_figure(result: Result, family: str, stroke: str, force: str) -> Figur
         and not (stroke == "length" and any(c.name == "elongation" for c in one.columns))
         for entity in one.ids
     ]
-    names = _largest(result, names)
+    every, names = names, _largest(result, names)
     if not names:
         return None
     strokes = [name.removesuffix(force) + stroke for name in names]
     labels = words.labels(names) if len(names) > 1 else [words.entity(names[0])]
-    title = f"{FAMILIES[family]}: {force} over {stroke}"
+    title = _among(f"{FAMILIES[family]}: {force} over {stroke}", names, every)
     curves = tuple(map(Curve, names, labels, strokes))
     return Figure(
         title, curves, x=strokes[0], x_unit=AUTO, y_unit=AUTO, x_label=stroke, y_label=force
@@ -235,6 +241,13 @@ def _moving(result: Result, names: Sequence[str]) -> list[str]:
     ranges = {name: _range(result, name) for name in names}
     most = sorted((n for n in ranges if ranges[n] > 0), key=lambda n: -ranges[n])[:MAX_CURVES]
     return [name for name in names if name in most]
+
+
+def _among(title: str, shown: Sequence[str], every: Sequence[str]) -> str:
+    """The title of a figure, with the number of channels where not all are shown."""
+    if len(shown) < MAX_CURVES or len(every) == len(shown):
+        return title
+    return f"{title}, the {len(shown)} largest of {len(every)}"
 
 
 def _range(result: Result, name: str) -> float:
@@ -286,7 +299,7 @@ def _family_figure(result: Result, family: Family) -> Figure | None:
             shared = words.quantity_of_all(chosen)
             what = FAMILIES.get(family.word, words.capital(family.name))
             title = f"{what}: {shared or quantity.replace('_', ' ')}"
-            return _over_time(title, tuple(map(Curve, chosen)))
+            return _over_time(_among(title, chosen, moving), tuple(map(Curve, chosen)))
     return None
 
 

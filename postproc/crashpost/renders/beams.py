@@ -35,7 +35,7 @@ def rings(
     rotations are drawn `magnify` times as large.
     """
     block = states.blocks["beams"]
-    vectors = states.read(number, "beams", "rotation")["rotation"].astype(float)
+    vectors = states.read_one(number, "beams", "rotation").astype(float)
     rotated_corners = rotated(magnify * vectors).reshape(-1, 2, 3, 3)
     start = block.points.reshape(-1, 2, 3)
     axis = start[:, 1] - start[:, 0]

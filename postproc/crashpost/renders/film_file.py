@@ -41,6 +41,8 @@ def _write_mp4(path: Path, frames: Iterator[np.ndarray], fps: float, size: tuple
         advice = "install imageio-ffmpeg anew, or write a .gif"
         raise PostError(f"an mp4 needs an encoder that works: {error}; {advice}") from None
 
+    # what a file cannot be made for is known here, and lost in the encoder
+    path.touch()
     # yuv420p plays in every browser; 0 (best) to 51: 26 is a quarter of a megabyte for 4 s
     writer = imageio_ffmpeg.write_frames(
         str(path),
@@ -52,11 +54,21 @@ def _write_mp4(path: Path, frames: Iterator[np.ndarray], fps: float, size: tuple
         ffmpeg_log_level="error",
     )
     writer.send(None)
+    count = 0
     try:
         for frame in frames:
             writer.send(np.ascontiguousarray(frame))
+            count += 1
+        writer.close()
+        # the encoder reports nothing when it fails, as on a full disk
+        if imageio_ffmpeg.count_frames_and_secs(str(path))[0] == count:
+            return
+    except (OSError, RuntimeError):
+        # both with the commands of the encoder, and without its reason
+        pass
     finally:
         writer.close()
+    raise OSError(f"the encoder failed after {count} frames; is there room on the disk?")
 
 
 def _write_gif(path: Path, frames: Iterator[np.ndarray], fps: float) -> None:

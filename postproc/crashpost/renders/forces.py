@@ -47,12 +47,12 @@ def forces_of(scene: Shown, number: float, contacts: set[int]) -> tuple[np.ndarr
         if "mass_centres" not in states.blocks:
             return empty, empty
         rows = np.array(sorted(scene.bodies), int) - 1
-        speed = states.read(int(number), "mass_centres", "velocity")["velocity"]
+        speed = states.read_one(int(number), "mass_centres", "velocity")
         return scene.positions(number, "mass_centres")[rows], speed[rows].astype(float)
     if "contacts" not in states.blocks:
         return empty, empty
-    fields = states.read(int(number), "contacts", "force", "contact")
-    forces = fields["force"].astype(float)
+    forces = states.read_one(int(number), "contacts", "force").astype(float)
+    fields = states.read(int(number), "contacts", "contact")
     cards = fields.get("contact", np.zeros(len(forces))).astype(int)
     starts = states.positions(int(number), "contacts")
     chosen = np.isin(cards, list(contacts)) & np.any(forces, axis=1)

@@ -24,7 +24,7 @@ def labels(names: list[str], most: int) -> list[str]:
     """Label of each name where only `most` are possible: the name, or the common words of a group.
 
     wheel_left and wheel_right become wheel. Where no first words make so few groups, neighbours in
-    the order of the deck share one: body1 to body3.
+    the order of the deck share one: body1 to body3, pallet_1 to 3.
     """
     if len(set(names)) <= most:
         return list(names)
@@ -45,7 +45,8 @@ def _neighbours(unique: list[str], names: list[str], most: int) -> list[str]:
     shared = {}
     for first in range(0, len(unique), size):
         own = unique[first : first + size]
-        label = own[0] if len(own) == 1 else f"{own[0]} to {own[-1]}"
+        same = f"{_shared([own[0].split('_'), own[-1].split('_')])}_"
+        label = own[0] if len(own) == 1 else f"{own[0]} to {own[-1].removeprefix(same)}"
         shared |= dict.fromkeys(own, label)
     return [shared[name] for name in names]
 

@@ -132,7 +132,12 @@ def page(result: Result, **appearance: Any) -> tuple[str, str]:
     first, last = float(states.times[numbers[0]]), float(states.times[numbers[-1]])
     # k3d plays seconds: a run of milliseconds is slowed, one of minutes quickened
     stretch = SECONDS / ((last - first) or 1.0)
-    frames = {f"{(float(states.times[n]) - first) * stretch:.6f}": scene.at(n) for n in numbers}
+    # k3d draws in single precision and no line thinner than 1e-7: lengths are those of the view
+    middle, length = fitted_camera.middle, fitted_camera.half_height
+    frames = {
+        f"{(float(states.times[n]) - first) * stretch:.6f}": scene.at(n).scaled(middle, length)
+        for n in numbers
+    }
     shown = k3d.plot(
         camera_auto_fit=False,
         grid_visible=False,
@@ -142,12 +147,7 @@ def page(result: Result, **appearance: Any) -> tuple[str, str]:
         fps=24,
         time_speed=1.0,
     )
-    _put(k3d, shown, frames, colour_scale, arrow, fitted_camera)
-    points = np.concatenate([scene.extent(number) for number in numbers])
-    points = points if len(points) else view.points
-    # a picture of 60 degrees holds a ball at twice its radius, and a long body somewhat nearer
-    far = NEAR * 0.5 * float(np.linalg.norm(np.ptp(points, axis=0)))
-    eye = fitted_camera.middle + far * fitted_camera.towards
+    _put(k3d, shown, frames, colour_scale, arrow / length, fitted_camera)
     script = PLAYER.replace(
         "@FACTS@",
         json.dumps(
@@ -156,17 +156,23 @@ def page(result: Result, **appearance: Any) -> tuple[str, str]:
                 "times": [clock(float(states.times[n]), last) for n in numbers],
                 "shares": [float(key) / SECONDS for key in frames],
                 "key": _key(colour_scale, scene),
-                "camera": [
-                    *map(float, eye),
-                    *map(float, fitted_camera.middle),
-                    *map(float, fitted_camera.up),
-                ],
+                "camera": _camera(scene, view, numbers, fitted_camera),
             }
         ).replace("<", "\\u003c"),
     )
     text = shown.get_snapshot(9, additional_js_code=script)
     words = f"{len(numbers)} of {len(states.times)} states"
     return _titled(text, result.title), ", ".join(filter(None, [words, scene.appearance.note]))
+
+
+def _camera(scene: Scene, view: View, numbers: list[int], fitted_camera: Camera) -> list[float]:
+    """Eye, point that it looks at, and direction upwards, in lengths of the view."""
+    points = np.concatenate([scene.extent(number) for number in numbers])
+    points = points if len(points) else view.points
+    # a picture of 60 degrees holds a ball at twice its radius, and a long body somewhat nearer
+    diameter = float(np.linalg.norm(np.ptp(points, axis=0))) / fitted_camera.half_height
+    eye = NEAR * 0.5 * diameter * fitted_camera.towards
+    return [*map(float, eye), 0.0, 0.0, 0.0, *map(float, fitted_camera.up)]
 
 
 def _key(colour_scale: ColourScale, scene: Scene) -> list[tuple[str, str]]:
@@ -219,7 +225,6 @@ def _put(
 ) -> None:
     """Surfaces of one colour each, or of a field; lines, dots and arrows beside them."""
     first = next(iter(frames.values()))
-    width = WIDTH * fitted_camera.half_height
     for number, surface in enumerate(first.surfaces):
         same = {key: drawing.surfaces[number] for key, drawing in frames.items()}
         if not len(surface.corners):
@@ -234,15 +239,15 @@ def _put(
         if not len(lines.ends):
             continue
         ends = {key: drawing.lines[number].ends for key, drawing in frames.items()}
-        shown += _segments(k3d, ends, lines.colour, 0.5 * width * lines.width)
+        shown += _segments(k3d, ends, lines.colour, 0.5 * WIDTH * lines.width)
     for number, dots in enumerate(first.dots):
         if not len(dots.points):
             continue
         positions = {key: one.dots[number].points.astype(np.float32) for key, one in frames.items()}
-        size = 2.0 * fitted_camera.dot
+        size = 2.0 * fitted_camera.dot / fitted_camera.half_height
         shown += k3d.points(positions, point_size=size, shader="mesh", color=_code(dots.colour))
     if arrow:
-        shown += _segments(k3d, _arrow_ends(frames, arrow), ARROW, 2.0 * width)
+        shown += _segments(k3d, _arrow_ends(frames, arrow), ARROW, 2.0 * WIDTH)
 
 
 def _plain_mesh(

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from crashpost.errors import PostError
+from crashpost.errors import PostError, memory_limit
 from crashpost.renders import camera as cameras
 from crashpost.renders import close_up as close_ups
 from crashpost.renders.appearance import Appearance
@@ -327,6 +327,8 @@ def _reason(code: int, words: list[str]) -> str:
     if code > 0 and "libGL" not in last and "ImportError" not in last:
         return f"painted a simple picture, as pyvista could not paint it ({last or code})"
     died = f"died of {signal.Signals(-code).name}" if code < 0 else f"failed ({last})"
+    if limit := memory_limit():
+        return f"painted a simple picture, as VTK {died}; {limit}"
     return (
         f"painted a simple picture, as VTK {died}. It needs graphics libraries, "
         f"also without a screen: apt-get install {PACKAGES}"

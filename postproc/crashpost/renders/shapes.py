@@ -86,3 +86,12 @@ class Drawing:
         floors = Drawing([s for s in self.surfaces if s.one_sided])
         self.surfaces = [s for s in self.surfaces if not s.one_sided]
         return floors
+
+    def scaled(self, origin: np.ndarray, length: float) -> "Drawing":
+        """In units of a length [m] from an origin (3,) [m]; vectors of arrows as they are."""
+        return Drawing(
+            [replace(one, points=(one.points - origin) / length) for one in self.surfaces],
+            [replace(one, ends=(one.ends - origin) / length) for one in self.lines],
+            [replace(one, points=(one.points - origin) / length) for one in self.dots],
+            [((start - origin) / length, vector) for start, vector in self.arrows],
+        )

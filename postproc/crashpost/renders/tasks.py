@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 # of a film whose speed is not asked for
 SECONDS = 4.0
 FPS = 25.0
+# of the duration of a run: a state at an event lies up to a step or two beside it
+STEP = 1e-4
 # frames of a film at most: more is a slip of the keyboard
 MAX_FRAMES = 20_000
 
@@ -43,6 +45,9 @@ def strip_task(
     for word in words:
         wanted = moment(result, word, last)
         number = _state_near(states, wanted.time, word)
+        if not at and frames and frames[-1][0] == number:
+            # few states: none is drawn twice
+            continue
         caption = clock(float(states.times[number]), last, time_unit)
         if wanted.reason:
             caption += f"\n{wanted.reason}"
@@ -52,12 +57,16 @@ def strip_task(
 
 
 def _beside(lead: float, span: float, time_unit: str) -> str:
-    """How far a state lies from the moment that it shows, as a line; "" where that is unseen."""
+    """How far a state lies from the moment that it shows, as a line; "" within STEP of it."""
     from crashpost.renders.painting import clock
 
-    if clock(lead, span, time_unit) == clock(0.0, span, time_unit):
+    if abs(lead) <= STEP * span:
         return ""
-    distance = clock(abs(lead), span, time_unit).removeprefix("t = ")
+    distance = clock(abs(lead), span, time_unit)
+    if distance == clock(0.0, span, time_unit):
+        # a contact may be shorter than the last digit of the run's time
+        distance = clock(abs(lead), abs(lead))
+    distance = distance.removeprefix("t = ")
     return f"\nis {distance} {'earlier' if lead > 0 else 'later'}"
 
 

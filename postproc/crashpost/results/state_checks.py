@@ -103,7 +103,8 @@ def field_of(block: Block, name: str, item: Item) -> np.ndarray:
 
 
 # fields whose shape later code relies on
-VECTORS = frozenset({"points", "displacement", "force"})
+VECTORS = frozenset({"points", "displacement", "force", "rotation", "velocity"})
+REQUIRED = {"beams": {"part", "section", "side"}, "links": {"body"}}
 OF_CELLS = frozenset({"body", "part", "contact", "section", "vtkGhostType"})
 
 
@@ -117,6 +118,12 @@ def check_numbers(blocks: dict[str, Block], names: dict[str, list[str]], n_secti
                 continue
             if not (values.min() >= 0 and values.max() < max(count, 1)):
                 raise Damaged(f"{block.name}/{key} names {key} {values.max():g} of {count}")
+    for name, required in REQUIRED.items():
+        if name in blocks and (missing := sorted(required - blocks[name].fixed.keys())):
+            raise Damaged(f"{name} has no {missing[0]}")
+    beams = blocks.get("beams")
+    if beams is not None and beams.fixed["side"].shape != (beams.n_cells, 3):
+        raise Damaged("beams/side has no direction for each beam")
     centres = blocks.get("mass_centres")
     if centres is not None and len(centres.points) != len(names["bodies"]) - 1:
         raise Damaged(f"{len(centres.points)} mass centres of {len(names['bodies'])} bodies")

@@ -69,7 +69,8 @@ class States:
         """Names of the fields of a block, points and displacement among them."""
         if block not in self._fields:
             with _open(self.files[0]) as file:
-                changing = list(file[block]) if block in file else []
+                group = file.get(block)
+                changing = list(group) if isinstance(group, h5py.Group) else []
             self._fields[block] = [*changing, *self.blocks[block].fixed]
         return self._fields[block]
 
@@ -85,6 +86,13 @@ class States:
                 elif name in self.blocks[block].fixed:
                     fields[name] = self.blocks[block].fixed[name]
         return fields
+
+    def read_one(self, number: int, block: str, name: str) -> np.ndarray:
+        """A field that every state of a block has; raises PostError without it."""
+        values = self.read(number, block, name).get(name)
+        if values is None:
+            raise PostError(f"{self.files[number]}: damaged: {block} has no field '{name}'")
+        return values
 
     def positions(self, number: int, block: str) -> np.ndarray:
         """Points (n, 3) of a block at a state."""

@@ -16,10 +16,12 @@ _UNPRINTABLE = re.compile(
 def plain_text(path: Path) -> str | None:
     """Text of a plain file; None without one, also for a folder, or a pipe that would wait."""
     try:
-        if not stat.S_ISREG(os.stat(path).st_mode):
+        about = os.stat(path)
+        if not stat.S_ISREG(about.st_mode):
             return None
         with path.open("rb") as file:
-            return file.read(MAX_BYTES).decode("utf-8", errors="replace")
+            # a file takes the memory that is asked for before it is read
+            return file.read(min(about.st_size, MAX_BYTES)).decode("utf-8", errors="replace")
     except (OSError, ValueError):
         return None
 

@@ -3,6 +3,7 @@
 import argparse
 import re
 from collections.abc import Sequence
+from pathlib import Path
 
 from crashsolve.channels.errors import ChannelError
 
@@ -14,6 +15,13 @@ _EXPRESSION = re.compile(r"-\s*(?!o)(?:[A-Za-z_]\w*\s*[.(]|['\"(\d.]|time\b)")
 def protected(arguments: Sequence[str]) -> list[str]:
     """The words of a command line, expressions that begin with - kept from passing for options."""
     return [f" {word}" if _EXPRESSION.match(word) else word for word in arguments]
+
+
+def output_path(text: str) -> Path:
+    """Value of the option -o: an empty one, as of a variable that is not set, names nothing."""
+    if not text.strip():
+        raise argparse.ArgumentTypeError("is empty; name a file or folder, or leave the option out")
+    return Path(text)
 
 
 def add_completion(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:

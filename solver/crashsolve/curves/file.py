@@ -2,8 +2,9 @@
 
     y(x_i) = y_i, as in table.py
 
-Columns are parted by commas, semicolons, tabs or spaces; lines that begin with # are skipped, and
-so are headings above the numbers.
+Columns are parted by semicolons, by commas, or by tabs and spaces: a line with several of them has
+the first of these between its columns, so that a decimal comma is never read as a separator. Lines
+that begin with # are skipped, and so are headings above the numbers.
 Consequence to test: the same points give the same curve as a table.
 """
 
@@ -22,6 +23,8 @@ from crashsolve.deck.building import Scene
 from crashsolve.deck.card import FileName, word
 from crashsolve.deck.diagnostics import refuse
 from crashsolve.deck.numbers import Context, unit_named
+
+DECIMAL_COMMA = "write decimal points in place of commas"
 
 
 class File(PointsCard):
@@ -55,20 +58,31 @@ class File(PointsCard):
 def read_columns(file: str, columns: tuple[int, int]) -> list[tuple[float, float]]:
     """Points (x, y) of a file as they stand in it."""
     try:
-        lines = Path(file).read_text("utf-8").splitlines()
+        lines = Path(file).read_text("utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         refuse(f"'{file}' cannot be read", str(error), within=("file",))
     points: list[tuple[float, float]] = []
     for row, line in enumerate(lines, start=1):
         if not line.strip() or line.lstrip().startswith("#"):
             continue
-        cells = re.split(r"\s*[,;\t]\s*|\s+", line.strip())
+        cells = _cells(line)
         point = tuple(_number(cells, column) for column in columns)
         if all(map(math.isfinite, point)):
             points.append((point[0], point[1]))
-        elif points:
-            refuse(f"line {row} of '{file}' has no two numbers in these columns", within=("file",))
+        elif points or _has_decimal_comma(cells):
+            message = f"line {row} of '{file}' has no two numbers in these columns"
+            refuse(message, DECIMAL_COMMA * _has_decimal_comma(cells), within=("file",))
     return points
+
+
+def _cells(line: str) -> list[str]:
+    """Texts of a line's columns."""
+    mark = next((mark for mark in ";," if mark in line), None)
+    return [cell.strip() for cell in line.split(mark)]
+
+
+def _has_decimal_comma(cells: list[str]) -> bool:
+    return any(re.fullmatch(r"[-+]?\d+,\d+([eE][-+]?\d+)?", cell) for cell in cells)
 
 
 def _number(cells: list[str], column: int) -> float:

@@ -61,12 +61,13 @@ def advance(until, sampling, scene):
             count_rotations(h, clock, control, nodes)
         if curves[0].fault != 0:
             clock.status = CURVE_END
-        elif clock.cycle >= clock.pause and clock.status == RUNNING and clock.time < until:
-            clock.status = PAUSED
         for group in WITH_EFFECTIVE_MASS:
             if clock.status == RUNNING and needs_effective_mass(
                 group.parameters, group.history, clock.current
             ):
                 clock.status = TOUCHED
+        # last: a pause depends on the speed of the machine, and must not put off the others
+        if clock.cycle >= clock.pause and clock.status == RUNNING and clock.time < until:
+            clock.status = PAUSED
     if clock.status == RUNNING:
         clock.status = REACHED

@@ -19,6 +19,7 @@ from crashsolve.model.clock import (
     STEP_TOO_SMALL,
 )
 from crashsolve.system import joint_work
+from crashsolve.system.attachments import set_accelerations
 from crashsolve.system.constraints import (
     acceleration_right_side,
     clear_reaction,
@@ -57,6 +58,7 @@ from crashsolve.system.loops.sensors import measure
 from crashsolve.system.loops.unilateral import impulses_of_first_half, impulses_of_second_half
 from crashsolve.system.onset import first_gap, narrow_bracket, new_bracket
 from crashsolve.system.placeholders import (
+    ATTACHMENTS,
     BOUNDS_NEXT_STEP,
     CONTACTS,
     JOINTS,
@@ -98,6 +100,8 @@ def finish(time, h, sampling, clock, nodes, rows, saddle, scene):
     accept(time, h, clock, scene.control[0], nodes)
     if sampling:
         accelerations(nodes)
+        if ATTACHMENTS:
+            set_accelerations(scene.attached_nodes, nodes)
         measure(time, nodes, rows, scene.curves, scene)
 
 

@@ -31,6 +31,7 @@ from crashsolve.model.clock import (
     RUNNING,
     STEP_TOO_SMALL,
 )
+from crashsolve.system.attachments import set_accelerations
 from crashsolve.system.constraints import (
     factor_constraints,
 )
@@ -61,6 +62,7 @@ from crashsolve.system.loops.joints import jacobian, residual
 from crashsolve.system.loops.sensors import measure
 from crashsolve.system.onset import first_gap, narrow_bracket, new_bracket
 from crashsolve.system.placeholders import (
+    ATTACHMENTS,
     BOUNDS_NEXT_STEP,
     CONTACTS,
     DENSE,
@@ -95,6 +97,8 @@ def prepare_sample(until, clock, nodes, rows, saddle, scene):
     if DENSE and part > 0.0:
         sum_powers(clock.current, clock.step, scene)
     accelerations(nodes)
+    if ATTACHMENTS:
+        set_accelerations(scene.attached_nodes, nodes)
     measure(time, nodes, rows, scene.curves, scene)
     if clock.next_step <= 0.0:
         begin(clock, scene.control[0], nodes)

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from crashsolve.channels.command_line import output_path
 from crashsolve.foundation.errors import DeckError, DeckErrors, ExitCode
 from crashsolve.foundation.streams import printable
 
@@ -21,7 +22,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "request", type=Path, help="request (YAML), see crashsolve manual theory/posture"
     )
     parser.add_argument(
-        "-o", "--output", type=Path, metavar="DIR", help="results folder; default REQUEST.posture"
+        "-o",
+        "--output",
+        type=output_path,
+        metavar="DIR",
+        help="results folder; default REQUEST.posture",
     )
 
 

@@ -19,7 +19,15 @@ import numpy as np
 
 from crashsolve.deck.keywords import SECTIONS
 from crashsolve.deck.run_cards.control import Control
-from crashsolve.model.clock import CURVE_END, NOT_FINITE, PAUSED, REACHED, STEP_TOO_SMALL, UNSOLVED
+from crashsolve.model.clock import (
+    CURVE_END,
+    NOT_FINITE,
+    PAUSED,
+    REACHED,
+    STEP_TOO_SMALL,
+    TOUCHED,
+    UNSOLVED,
+)
 from crashsolve.model.model import Group, Model, State
 from crashsolve.statics.balance import EQUAL, ROUND
 from crashsolve.statics.equilibrium import NEGLIGIBLE, STAGNATION_TOLERANCE, STEP, StaticEngine
@@ -181,7 +189,9 @@ class RestEngine(StaticEngine):
         if clock.status in (UNSOLVED, STEP_TOO_SMALL, NOT_FINITE):
             clock.rejected += 1
             return False
-        assert clock.status in (PAUSED, REACHED)
+        assert clock.status in (PAUSED, REACHED, TOUCHED)
+        if clock.status == TOUCHED:
+            self.masses.find(self.state)
         return True
 
     def _round_off(self) -> tuple[float, float]:

@@ -3,6 +3,7 @@
 Of many channels the largest error, to which a target refers.
 """
 
+import warnings
 from collections.abc import Callable, Sequence
 from math import isfinite
 from pathlib import Path
@@ -63,7 +64,9 @@ def draw(path: Path, title: str, trials: Sequence[Trial], findings: Sequence[Fin
     legend = canvas.legend(loc="outside lower left", frameon=False, fontsize=9, labelcolor=INK)
     for text in legend.get_texts():
         text.set_parse_math(False)
-    with reported(path):
+    with reported(path), warnings.catch_warnings():
+        # a character that the fonts lack, as an emoji in a title, is drawn as a box
+        warnings.filterwarnings("ignore", message=r"Glyph \d+ .*missing from")
         canvas.savefig(path)
     return ""
 

@@ -3,6 +3,7 @@
 import argparse
 from pathlib import Path
 
+from crashsolve.channels.command_line import output_path
 from crashsolve.foundation.errors import DeckError, ExitCode
 
 
@@ -11,7 +12,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(act=_act)
     parser.add_argument("plan", type=Path, help="plan (YAML); with --run the folder of a sweep")
     parser.add_argument(
-        "-o", "--output", type=Path, metavar="DIR", help="results folder; default PLAN.sweep"
+        "-o", "--output", type=output_path, metavar="DIR", help="results folder; default PLAN.sweep"
     )
     parser.add_argument("--jobs", type=int, metavar="N", help="runs at a time; default: all cores")
     parser.add_argument(

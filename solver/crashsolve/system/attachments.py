@@ -1,6 +1,7 @@
 """Attached nodes: nodes that move with a rigid body, and transfer the forces on them to it.
 
     r = r_body + A s,   q = q_body q_s,   v = v_body + w x A s,   w = w_body
+    v_dot = v_dot_body + w_dot x A s + w x (w x A s),   w_dot = w_dot_body
     f_body += f,   tau_body += tau + A s x f
 
 Ambrosio (2003), Eq. 9-10: the forces on the nodes welded to a rigid part act on it. The chapter
@@ -38,6 +39,18 @@ def move_nodes(attached_nodes, nodes):
         for k in range(4):
             node.q[k] = q[k]
         write_matrix(node.q, node.A)
+
+
+@kernel
+def set_accelerations(attached_nodes, nodes):
+    """Accelerations of every attached node from its body's. Writes: nodes.v_dot, w_dot."""
+    for i in range(attached_nodes.shape[0]):
+        attached_node = attached_nodes[i]
+        body, node = nodes[attached_node.body], nodes[attached_node.node]
+        d, w = arm(body, vec(attached_node.arm)), vec(body.w)
+        spin = add(cross(vec(body.w_dot), d), cross(w, cross(w, d)))
+        put(node.v_dot, add(vec(body.v_dot), spin))
+        put(node.w_dot, vec(body.w_dot))
 
 
 @kernel

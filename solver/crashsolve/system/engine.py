@@ -105,8 +105,9 @@ class Engine:
         # arrays of a dump beside the State
         self.aside: dict[str, np.ndarray] = {}
         self._steps_per_call = 1 if runs_plain() else FIRST_CALL
-        # steps from one check to the next, of an interval that is run again, and how many are done
-        self._stride = self._done = 0
+        # steps from one check to the next, of an interval that is run again, how many are done, and
+        # the step of the next check
+        self._stride = self._done = self._pause = 0
 
     @property
     def addresses(self) -> tuple[int, int, int] | None:
@@ -251,6 +252,8 @@ class Engine:
         elif status == TOUCHED:
             self.masses.find(s)
             self._renew_forces()
+            if self._stride and int(s.clock[0]["cycle"]) >= self._pause:
+                self.on_pause()
         elif status == REBUILD:
             self._check_pass_through()
             renew(self.model.contact_groups, s)
@@ -326,8 +329,8 @@ class Engine:
     def within_pause(self, act: Callable[[], None]) -> int:
         """Call the compiled loop, for LONGEST_CALL at most or `_stride` steps; its status."""
         clock, begun = self.state.clock[0], monotonic()
-        clock["pause"] = clock["cycle"] + (self._stride or self._steps_per_call) - self._done
-        self._done = 0
+        self._pause = int(clock["cycle"]) + (self._stride or self._steps_per_call) - self._done
+        clock["pause"], self._done = self._pause, 0
         act()
         # no trace of how long it took may reach a dump
         clock["pause"] = 0

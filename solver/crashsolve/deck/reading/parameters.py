@@ -65,6 +65,7 @@ class Parameters:
         self.overrides = self._checked(overrides)
         for name in self._in_order():
             self._value(name)
+        self._check_units_of_expressions()
 
     def substitute(self, value: object, card: str, where: Position) -> object:
         """The value with every expression in it worked out, or BROKEN where that fails."""
@@ -241,6 +242,40 @@ class Parameters:
             self.diagnostics.append(DeckError(*item.at, card, message, str(error)))
             return BROKEN
 
+    def _check_units_of_expressions(self) -> None:
+        """Report overrides of another unit than the deck's value, where one is an expression."""
+        for name, given in self.overrides.items():
+            written = self.items[name].value
+            if "${" not in f"{given}{written}":
+                continue
+            value, before = self.values[name], self._as_written(name)
+            if BROKEN in (value, before):
+                continue
+            is_bare = not isinstance(value, SiFloat)
+            # the numbers of a product may have units: only a bare number is held against the rest
+            own, wanted = _unit_of(value), _unit_of(before, if_pure=is_bare)
+            if own and wanted and own.exponents != wanted.exponents:
+                message = f"the deck has {shown(written)} here, {_in(wanted)}"
+                advice = f"give a number {_in(wanted)}"
+                advice += ", or what it is computed from" * ("${" in str(written))
+                message = f"{message}, and this is {_in(own)}"
+                self.diagnostics.append(
+                    DeckError(self.given[name], None, None, "", message, advice)
+                )
+
+    def _as_written(self, name: str) -> object:
+        """Value of a parameter by the deck's own text, whatever the command line sets it to."""
+        item = self.items[name]
+        # its errors are none of the run
+        count = len(self.diagnostics)
+        text = item.value if isinstance(item.value, str) else ""
+        value = self._text(text, item.title, item.at) if "${" in text else item.value
+        del self.diagnostics[count:]
+        try:
+            return value if value is BROKEN or isinstance(value, SiFloat) else _number(value)
+        except UnitError:
+            return BROKEN
+
     def _checked(self, overrides: Mapping[str, str]) -> dict[str, object]:
         """Overrides as values; those which do not fit the deck are reported and left out."""
         checked = {}
@@ -326,6 +361,17 @@ def _unit(value: object) -> Unit | None:
     return PURE if isinstance(value, int | float) and not isinstance(value, bool) else None
 
 
+def _unit_of(value: object, *, if_pure: bool = False) -> Unit | None:
+    """Unit of a number; of an expression the stated one, or that if its bare numbers are pure."""
+    if not isinstance(value, SiFloat):
+        return PURE
+    return value.derived if if_pure else value.unit
+
+
+def _in(unit: Unit) -> str:
+    return "without unit" if unit.exponents == PURE.exponents else f"in {describe(unit)}"
+
+
 def _unreadable(value: object) -> str:
     """What of a value that is no number cannot be read."""
     try:
@@ -348,7 +394,6 @@ def _inconsistency(value: object, replaced: object) -> tuple[str, str]:
             return message, "give a number without unit"
         # most likely its own number with the unit of the deck is meant
         digits, own = split_quantity(str(value))[0], split_quantity(str(replaced))[1]
-        has = f"in {describe(unit)}" if unit.exponents != PURE.exponents else "without unit"
         meant = f"give a number with a unit, such as '{digits:g} {own}'"
-        return f"{message}, and this is a number {has}", meant
+        return f"{message}, and this is a number {_in(unit)}", meant
     return "", ""
