@@ -59,6 +59,8 @@ def preparing(deck: Deck, folder: Path, heartbeat: Heartbeat, append: bool) -> I
     def print_line(text: str) -> None:
         if log is not None:
             log.line(text)
+        if status.state != "running":
+            return
         status.cpu, status.wall, status.message = cpu_time(), time.monotonic() - started, text
         write_status(path, status)
 
@@ -106,6 +108,7 @@ class Account:
         self._bounds = StepBound(Schedule.of(deck).interval, deck.control.step_max)
         # a thread may write lines of the run as well
         self._writing = threading.RLock()
+        self._has_ended = False
         self.phases: ContactPhases | None = None
         self.estimating: Estimating | None = None
 
@@ -170,8 +173,11 @@ class Account:
         return self.bound
 
     def status(self, state: RunState, code: ExitCode | None, message: str) -> None:
-        """Renew status.json. Raises OutputError."""
+        """Renew status.json; once a run has ended it runs no more. Raises OutputError."""
         with self._writing:
+            if self._has_ended and state == "running":
+                return
+            self._has_ended = state != "running"
             self._write_status(state, code, message)
 
     def _write_status(self, state: RunState, code: ExitCode | None, message: str) -> None:

@@ -341,6 +341,7 @@ class Run:
 
     def _end(self, state: RunState, code: ExitCode, message: str) -> None:
         """Close the files, and write status, totals and the last line."""
+        self.heartbeat.does("ending the run")
         self.files.close()
         # a run imports this at its end, when it needs it
         from crashsolve.simulation.ending import Ending
