@@ -147,12 +147,12 @@ def _summary(options: argparse.Namespace) -> int:
 def _injury(options: argparse.Namespace) -> int:
     from crashpost.results.table import text_table
     from crashpost.values.injury_measure import HEADER
-    from crashpost.values.injury_table import table
+    from crashpost.values.injury_table import notes, table
 
     rows = table(_open(options))
     if not rows:
         raise PostError(f"{options.result}: no sensor has a role, or there are no samples yet")
-    _say(text_table(HEADER, rows))
+    _say("\n".join((text_table(HEADER, rows), "", *notes(rows))))
     return 0
 
 
