@@ -38,8 +38,8 @@ def _untouched(p: np.void, state: np.void) -> Iterator[str]:
     for j in np.flatnonzero(p["surface"]):
         if not state["met"][surface_row(j)]:
             yield (
-                f"it never lay on the surface of its fitting {j + 1}, which it passed by: that body "
-                "was not held; render the start, and lead the belt around the surface by rings"
+                f"it never lay on the surface of its fitting {j + 1}, which it passed by: its "
+                "body was not held; render the start, and lead the belt around the surface by rings"
             )
 
 

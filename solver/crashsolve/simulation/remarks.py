@@ -12,7 +12,7 @@ from crashsolve.output.files import Json
 from crashsolve.output.peaks import Extremes
 from crashsolve.simulation.belts import belt_warnings
 from crashsolve.simulation.self_penetration import shells_through_themselves
-from crashsolve.system.diagnosis import HALFWAY
+from crashsolve.system.diagnosis import HALFWAY, bodies_of_pair
 from crashsolve.system.engine import Engine
 from crashsolve.system.flags import contact_flags
 
@@ -35,12 +35,29 @@ STEPS, COLLAPSED = 20, 1e-3
 
 def touching_at_start(engine: Engine) -> list[str]:
     """Contacts that touch when the run begins, with the energy that sets their bodies in motion."""
+    deepest = deepest_pairs(engine)
     return overloaded_tyres(engine) + [
         f"contact '{name}' touches at the start: it begins up to {card['depth']:.3g} m deep, with "
-        f"a stored energy of {card['stored']:.6g} J"
+        f"a stored energy of {card['stored']:.6g} J{deepest.get(name, '')}"
         for name, card in zip(engine.model.contacts, engine.state.cards, strict=True)
         if card["touching"] and card["depth"] > 0.0
     ]
+
+
+def deepest_pairs(engine: Engine) -> dict[str, str]:
+    """Of each contact with several pairs of elements, the two bodies that begin deepest."""
+    current, model = int(engine.clock["current"]), engine.model
+    counts = np.zeros(len(model.contacts), int)
+    deepest, texts = np.zeros(len(model.contacts)), dict[str, str]()
+    for group in model.contact_groups:
+        depth, cards = group.history["depth"][current], group.parameters["card"]
+        counts += np.bincount(cards, minlength=len(counts))
+        for card in np.unique(cards[depth > deepest[cards]]):
+            pair = int(np.argmax(np.where(cards == card, depth, 0.0)))
+            deepest[card], (a, b) = depth[pair], bodies_of_pair(model, group, pair)
+            texts[model.contacts[card]] = f"; deepest is {a} on {b}"
+    several = {model.contacts[card] for card in np.flatnonzero(counts > 1)}
+    return {name: text for name, text in texts.items() if name in several}
 
 
 def overloaded_tyres(engine: Engine) -> list[str]:

@@ -21,6 +21,7 @@ from crashsolve.model.clock import (
     UNSOLVED,
     VELOCITY,
 )
+from crashsolve.model.contact.groups import ContactGroup
 from crashsolve.model.model import Model, State
 from crashsolve.system.gain import OVERSTATED, energy_gain, has_gain, overstates
 from crashsolve.system.joint_balance import gaining_joints
@@ -112,6 +113,14 @@ def passed_through(model: Model, state: State) -> SolverError | None:
     return SolverError(first.time, cycle, first.location, cause, advice)
 
 
+def bodies_of_pair(model: Model, group: ContactGroup, pair: int) -> tuple[str, str]:
+    """The bodies that side a and side b of a pair of elements belong to, as words of a message."""
+    p = group.parameters[pair]
+    sides = (group.elements_a[p["a"]]["node"], group.elements_b[p["b"]]["node"])
+    a, b = (f"'{model.bodies[node]}'" if node else "the ground" for node in sides)
+    return a, b
+
+
 def _passed_pairs(model: Model, state: State) -> list[_Passed]:
     """Pairs of elements on bodies."""
     current, passages = int(state.clock[0]["current"]), []
@@ -121,11 +130,7 @@ def _passed_pairs(model: Model, state: State) -> list[_Passed]:
         history = group.history[current]
         for i in np.flatnonzero(history["pass_time"]):
             p, time = group.parameters[i], float(history["pass_time"][i])
-            a, b = group.elements_a[p["a"]], group.elements_b[p["b"]]
-            names = [
-                f"'{model.bodies[side['node']]}'" if side["node"] else "the ground"
-                for side in (a, b)
-            ]
+            names, b = bodies_of_pair(model, group, int(i)), group.elements_b[p["b"]]
             card = f"contact '{model.contacts[p['card']]}'"
             is_open = "thickness" in (b.dtype.names or ()) and isfinite(b["thickness"])
             if time < 0.0 and is_open:
