@@ -179,6 +179,9 @@ def _value(options: argparse.Namespace) -> int:
 
     during = _window(options.during) if options.during else None
     rows = []
+    for word in options.channels:
+        if Path(word, "status.json").is_file():
+            raise PostError(f"{word} is another results folder; crashpost compare reads several")
     for channel, own in choices(result, options.channels):
         word = own or options.statistic
         if not word:

@@ -288,6 +288,7 @@ def test_a_statistic_may_stand_behind_its_channel(
     for reported in ("max 15 m/s", "argmin 140.5 ms", "integral ", "mean "):
         assert reported in drawn
     assert "name the number" in crashpost("value", cars, SPEED_A)[2]
+    assert "is another results folder" in crashpost("value", cars, cars, f"{SPEED_A}:max")[2]
     assert "did you mean 'max'?" in crashpost("plot", cars, f"{SPEED_A}:mx")[2]
     assert "whole histories" in crashpost("export", cars, f"{SPEED_A}:max", "-o", picture)[2]
 

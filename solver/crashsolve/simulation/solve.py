@@ -52,6 +52,7 @@ from crashsolve.simulation.progress import Account, cpu_time, preparing, provena
 from crashsolve.simulation.remarks import contacts_without_depth, touching_at_start
 from crashsolve.simulation.requests import Requests, interrupt_as_keyboard
 from crashsolve.simulation.resume import FREE, OF_ERRORS, differing
+from crashsolve.simulation.shell_steps import remark_on_safety
 from crashsolve.simulation.totals import write_totals
 from crashsolve.system.engine import Engine
 
@@ -234,7 +235,7 @@ class Run:
             refuse_inconsistencies(self.deck, self.engine)
             self.overlapping = touching_at_start(self.engine)
             notes = (*self.engine.notes, *self.overlapping, *contacts_without_depth(self.engine))
-            for text in notes:
+            for text in (*notes, *remark_on_safety(self.deck, self.engine.model)):
                 self.log.line(text)
         self.cpu["compile or load"] += cpu_time() - cpu
         families, blocks = self.histories.families, self.pictures.blocks
