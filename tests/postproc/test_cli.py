@@ -49,6 +49,7 @@ def test_a_wrong_time_window_exits_with_2(cars: Path, crashpost: Command, window
         ("rbdout.A.velocty.x", "max", "did you mean 'velocity.x'?"),
         ("rbdout.A.velocity.x", "mx", "did you mean 'max'?"),
         ("rbdout.A.velocity.x", "at:99", "outside the samples"),
+        ("deforc.A.force", "max", "no deforc of 'A', which has rbdout"),
         ("rbdout.A.velocity.x + deforc.buffer.force", "max", "cannot add 'm/s' and 'N'"),
     ],
 )
