@@ -13,7 +13,7 @@ parts:
     type: {part}
     material: m
 """
-SHELL = """    mesh: {type: grid, at: [0, 0, 0], along: [1, 0, 0], across: [0, 1, 0], elements: [2, 2]}
+SHELL = """    mesh: {type: grid, along: [1, 0, 0], across: [0, 1, 0], elements: [2, 2]}
     thickness: 0.01
 """
 BEAM = """    mesh: {shape: line, from: [0, 0, 0], to: [1, 0, 0], elements: 2}

@@ -12,7 +12,8 @@ from crashsolve.output.files import Json
 from crashsolve.output.peaks import Extremes
 from crashsolve.simulation.belts import belt_warnings
 from crashsolve.simulation.self_penetration import shells_through_themselves
-from crashsolve.system.diagnosis import HALFWAY, bodies_of_pair
+from crashsolve.system.contact.advice import HALFWAY
+from crashsolve.system.diagnosis import bodies_of_pair
 from crashsolve.system.engine import Engine
 from crashsolve.system.flags import contact_flags
 
@@ -85,7 +86,8 @@ def contacts_without_depth(engine: Engine) -> list[str]:
         return []
     motion = np.hstack([state.nodes["v"], state.nodes["w"]])
     at_rest: np.ndarray = np.abs(motion).max(axis=1) == 0.0
-    moving: set[int] = set()
+    # nodes of shells and faces begin apart: whether they are at rest, they touch later
+    moving = {int(group.arrays["p"]["card"][0]) for group in model.nodal_groups}
     for group in model.contact_groups:
         for side, elements in (("a", group.elements_a), ("b", group.elements_b)):
             still = at_rest[elements["node"][group.parameters[side]]]
