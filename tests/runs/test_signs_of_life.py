@@ -253,3 +253,25 @@ def test_check_warns_of_a_light_car_and_refuses_what_is_no_solid(tmp_path: Path)
     assert "warning: body 'car': its inertia looks too small: 0.0005 kg m^2" in done.stdout
     deck.write_text(text.replace("500 kg mm^2", "9000 kg mm^2"), "utf-8")
     assert crashsolve("check", deck).returncode == 2
+
+
+def test_a_request_during_pilot_runs_stops_before_the_run_begins(tmp_path: Path) -> None:
+    deck = tmp_path / "deck.yaml"
+    text = SCENE.format(**PLAIN | {"control": "accuracy: 1e-6"})
+    deck.write_text(
+        text + "watch: [{channel: rbdout.block.position.z, statistic: final}]\n", "utf-8"
+    )
+    code = (
+        "import os, signal, sys, crashsolve.estimate.runner as runner;"
+        "pilots = runner.Estimating._calibrate;"
+        "runner.Estimating._calibrate = lambda *words: ("
+        "os.kill(os.getpid(), signal.SIGTERM), pilots(*words))[1];"
+        "from crashsolve.cli import main; sys.exit(main(sys.argv[1:]))"
+    )
+    words = [sys.executable, "-c", code, str(deck), "-o", str(tmp_path / "out")]
+    done = subprocess.run(words, capture_output=True, text=True, env=environment())
+    assert done.returncode == 3, done.stdout + done.stderr
+    assert "Traceback" not in done.stderr
+    status = json.loads((tmp_path / "out" / "status.json").read_text("utf-8"))
+    assert (status["state"], status["exit_code"]) == ("stopped", 3)
+    assert status["message"] == "stopped on request before the run began"

@@ -119,7 +119,7 @@ class Run:
         self.cpu, self.wall_begun = cpu_seconds, wall_begun
         self.requests = Requests(folder, log, self._end_at_once)
         self.files = ExitStack()
-        self.is_estimated = False
+        self.is_estimated = self.has_begun = False
         self.estimating: Estimating | None = None
         self.overlapping: list[str] = []
         self.schedule = Schedule.of(deck)
@@ -255,6 +255,7 @@ class Run:
         described = metadata | self.pictures.description()
         self.states = StateWriter(self.folder, self.pictures.blocks, described, resumed)
         self.files.callback(self.states.close)
+        self.has_begun = True
         if resumed is None:
             self.engine.sample()
             self.recorder.take(self.deck.control.start_time)
@@ -272,6 +273,7 @@ class Run:
         if self.is_estimated and control.accuracy is not None:
             is_known = dump is not None and COARSENESS in dump[0]
             coarseness = float(dump[0][COARSENESS][0]) if dump and is_known else None
+            self.heartbeat.does("pilot runs for the accuracy")
             self._begin_estimates().set_steps(self.engine.model.control, coarseness)
         elif asks or self.deck.output.report:
             # a misspelt channel is reported before the run, not after it
@@ -347,10 +349,14 @@ class Run:
         # a run imports this at its end, when it needs it
         from crashsolve.simulation.ending import Ending
 
-        ending = Ending(self.engine, self.deck, self.folder, self.schedule.interval)
-        self.account.remarks = ending.remarks(self.history.extremes)
+        texts = [*self.overlapping]
+        # a run that is stopped during its pilot runs has no results
+        if self.has_begun:
+            ending = Ending(self.engine, self.deck, self.folder, self.schedule.interval)
+            self.account.remarks = ending.remarks(self.history.extremes)
+            texts += ending.warnings()
         self.account.status(state, code, message)
-        for text in (*self.overlapping, *ending.warnings()):
+        for text in texts:
             self.log.warning(text)
         write_totals(self.account)
         self.log.finish(NORMAL if code == ExitCode.NORMAL else STOPPED)
