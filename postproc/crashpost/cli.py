@@ -153,12 +153,12 @@ def _summary(options: argparse.Namespace) -> int:
 def _injury(options: argparse.Namespace) -> int:
     from crashpost.results.table import text_table
     from crashpost.values.injury_measure import HEADER
-    from crashpost.values.injury_table import table
+    from crashpost.values.injury_table import notes, table
 
     rows = table(_open(options))
     if not rows:
         raise PostError(f"{options.result}: no sensor has a role, or there are no samples yet")
-    _say(text_table(HEADER, rows))
+    _say("\n".join((text_table(HEADER, rows), "", *notes(rows))))
     return 0
 
 
@@ -185,6 +185,9 @@ def _value(options: argparse.Namespace) -> int:
 
     during = _window(options.during) if options.during else None
     rows = []
+    for word in options.channels:
+        if Path(word, "status.json").is_file():
+            raise PostError(f"{word} is another results folder; crashpost compare reads several")
     for channel, own in choices(result, options.channels):
         word = own or options.statistic
         if not word:

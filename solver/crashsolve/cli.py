@@ -308,6 +308,7 @@ def _check(options: argparse.Namespace) -> int:
     from crashsolve.recording.selection import written_channels
     from crashsolve.simulation.expected_size import expected_size
     from crashsolve.simulation.freedom import freedom
+    from crashsolve.simulation.shell_steps import remark_on_safety
 
     deck = read_deck(options.deck, _overrides(options))
     model, state = build(deck)
@@ -319,7 +320,7 @@ def _check(options: argparse.Namespace) -> int:
         print(printable(f"warning: {text}"))
     for text in freedom(model, state, deck.control.start_time):
         print(printable(text))
-    for text in magnitude_table(deck.entries):
+    for text in (*magnitude_table(deck.entries), *remark_on_safety(deck, model)):
         print(printable(text))
     print(printable(f"output: {size}"))
     print(printable(f"{options.deck}: no errors found"))

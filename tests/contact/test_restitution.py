@@ -140,6 +140,24 @@ def test_all_corners_share_the_damping(e: float, tilt: float, tmp_path: Path) ->
     )
 
 
+@pytest.mark.parametrize("tilt", [1e-12, 1e-9, 1e-6, 1e-4])
+def test_corners_that_strike_one_soon_after_the_other_strike_at_once(
+    tilt: float, tmp_path: Path
+) -> None:
+    text = FLAT.format(e=0.4, tilt=f"{tilt:.1e}").replace("[0, 1, 0], angle", "[1, 0.7, 0], angle")
+    # four corners, one by one, in steps of a hundredth of the impact
+    text = text.replace("1.0e8", "1.0e6").replace('"off"', '"off", step: 2.0e-5')
+    deck = tmp_path / "deck.yaml"
+    deck.write_text(text.replace("2.0e-3", "8.0e-3"), "utf-8")
+    assert crashsolve(deck, "-o", tmp_path / "out").returncode == 0
+    result = Result(tmp_path / "out")
+    # depths of corners differ by 0.24 of the tilt [m], 2400 tilts of what counts as at once, and
+    # damping one by one changes the restitution by a twentieth
+    assert last(result, "rbdout.a.velocity.z") == pytest.approx(0.4, abs=3e-4 + 120.0 * tilt)
+    spins = [last(result, f"rbdout.a.angular_velocity.{axis}") for axis in "xy"]
+    assert max(np.abs(spins)) < 1e-6 + 1e3 * tilt
+
+
 @pytest.mark.parametrize("speed", [1e-4, 5e-6])
 def test_a_slow_impact_after_a_long_flight_has_its_restitution(
     speed: float, tmp_path: Path

@@ -118,6 +118,11 @@ def test_units_of_the_deck_can_be_set(tmp_path: Path) -> None:
             "bodies.ball.position.1=1",
             "the deck has no list 'position' here; write it in the deck",
         ),
+        (
+            "bodies.ball.velocity=[0, 0, 1]",
+            "a list or a table cannot be set; write it in the deck, and set its entries, as "
+            "bodies.ball.velocity.1=VALUE",
+        ),
         ("bodies.ball.mass=-1", "body 'ball': mass: must be greater than 0 kg, not -1"),
         ("bodies.ball.mass=many", "body 'ball': mass: must be a number in kg; 'many' is not a"),
         (

@@ -110,3 +110,16 @@ def test_check_lists_the_ends_of_every_kind(tmp_path: Path) -> None:
 def test_limits_of_a_range_may_be_beyond_all_motion() -> None:
     deck = read_deck(DECKS / "verification/joints/rotation_driver.yaml", {}, False)
     assert any(line.startswith("angles:") for line in magnitude_table(deck.entries))
+
+
+def test_round_off_is_no_length(tmp_path: Path) -> None:
+    text = DECK
+    for word, value in (RIGHT | {"X": "'${0.1 + 0.2 - 0.3}'"}).items():
+        text = text.replace(word, value)
+    (tmp_path / "deck.yaml").write_text(text, "utf-8")
+    (lengths,) = (
+        line
+        for line in magnitude_table(read_deck(tmp_path / "deck.yaml", {}).entries)
+        if line.startswith("lengths")
+    )
+    assert lengths.startswith("lengths: 0.01 m")

@@ -225,6 +225,9 @@ def test_a_watched_channel_that_does_not_exist_is_refused(tmp_path: Path) -> Non
     )
     assert "watch 2: channel: 'nodes.a.b': unknown family 'nodes'" in second
     assert "deck.yaml:13:9" in first
+    with pytest.raises(DeckErrors) as caught:
+        estimator(tmp_path, "watch: [jntforc.bob.force.x]\n")
+    assert "no jntforc of 'bob', which has rbdout" in str(caught.value)
 
 
 def test_an_accuracy_of_nothing_but_the_run_itself_is_refused(tmp_path: Path) -> None:

@@ -109,3 +109,23 @@ def test_a_driver_has_one_curve(words: str, message: str, tmp_path: Path) -> Non
     path.write_text(plain.replace("KIND: x", words))
     with pytest.raises(DeckErrors, match=message):
         build(read_deck(path))
+
+
+@pytest.mark.parametrize("kind", ["acceleration", "velocity"])
+def test_a_run_may_begin_before_a_pulse_that_holds_its_first_value(
+    kind: str, tmp_path: Path
+) -> None:
+    t, y = pulse(tmp_path, 2.0)
+    area, stroke = integrals(t, y, 0.1)
+    moves = "velocity: [2, 0, 0]" if kind == "velocity" else "velocity: [0, 0, 0]"
+    words = SLIDE | {"kind": kind, "moves": moves, "method": "rattle, start_time: -0.05"}
+    with pytest.raises(DeckErrors, match="or extrapolate: hold"):
+        final(tmp_path, channel="rbdout.sled.velocity.x", **words)
+    text = RAIL.format(**words, channel="rbdout.sled.position.x")
+    text = text.replace("file: pulse.csv", "file: pulse.csv, extrapolate: hold")
+    (tmp_path / "deck.yaml").write_text(text)
+    x = estimate_in_memory(read_deck(tmp_path / "deck.yaml"))[1][0].value
+    # 0.05 s at the first value, then the pulse
+    before, v = (2.0 * 0.05, 0.0) if kind == "velocity" else (2.0 * 0.05**2 / 2, 2.0 * 0.05)
+    expected = before + (area if kind == "velocity" else v * 0.1 + stroke)
+    assert x == pytest.approx(expected, rel=1e-10)

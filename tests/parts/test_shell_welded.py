@@ -76,10 +76,33 @@ def test_points_ride_where_they_are_and_on_the_nearest_node(tmp_path: Path) -> N
             assert model.bodies[attached_point["node"]] == wanted
 
 
+def test_sides_with_a_common_corner_are_welded_to_one_body(tmp_path: Path) -> None:
+    text = DECK.replace(
+        "welded: [{nodes: u0, to: hub}, {nodes: u1, part: rib}]",
+        "welded: [{nodes: u0, to: hub}, {nodes: v0, to: hub}]",
+    )
+    before, after = totals(*model_of(tmp_path)), totals(*model_of(tmp_path, text))
+    for old, new in zip(before, after, strict=True):
+        np.testing.assert_allclose(new, old, rtol=1e-12, atol=1e-15)
+    model, state = model_of(tmp_path, text)
+    corner = [a for a in attached(model) if np.abs(state.points[a["point"]]["r"]).max() < 1e-12]
+    assert len(corner) == 1
+
+
 WRONG = {
     "set": ("nodes: u0", "nodes: rim", "the mesh has no set of nodes 'rim' (sets: "),
     "ground": ("to: hub", "to: ground", "the ground holds nodes by `supports`"),
     "twice": ("nodes: u0", "nodes: u1", "supported, welded or named already"),
+    "twice to one body": (
+        "welded: [{nodes: u0, to: hub}",
+        "welded: [{nodes: u0, to: hub}, {nodes: u0, to: hub}",
+        "supported, welded or named already",
+    ),
+    "corner of two bodies": (
+        "welded: [{nodes: u0, to: hub}",
+        "welded: [{nodes: u0, to: hub}, {nodes: v0, part: rib}",
+        "supported, welded or named already",
+    ),
     "within": (
         "to: hub",
         "to: hub, within: 1",

@@ -55,6 +55,30 @@ def test_a_bar_bounces_off_a_member(
     assert result.value("rbdout.bar.velocity.z", "final") > 0.0
 
 
+def test_a_member_whose_point_is_part_of_a_body_is_struck(tmp_path: Path) -> None:
+    post = (
+        "  bar: {mass",
+        "  post: {mass: 1.0e+3, inertia: [9, 9, 9], position: [0.5, 0.2, 0]}\n  bar: {mass",
+    )
+    foot = ("{name: foot, at: [0, 0, 0]}", "{name: foot, at: [0, 0, 0], part_of: post}")
+    held = (
+        "wall: {type: weld, b: frame_foot, at: [0, 0, 0]}",
+        "wall: {type: weld, b: post, at: [0, 0, 0]}",
+    )
+    # over the half of the first element, which belongs to the point
+    over = (
+        "bar: {mass: 0.02, inertia: [1.0e-5, 1.0e-5, 1.0e-5], position: [0.12",
+        "bar: {mass: 0.02, inertia: [1.0e-5, 1.0e-5, 1.0e-5], position: [0.05",
+    )
+    guide = ("at: [0.12, 0, 0.037], axis", "at: [0.05, 0, 0.037], axis")
+    deck = written("beams", tmp_path, post, foot, held, over, guide)
+    result = Result(run(deck, tmp_path / "out"))
+    # a rigid body returns all that the spring has stored
+    deepest = result.value("rcforc.blow.peak_depth", "final")
+    assert deepest == pytest.approx(V * (M / K) ** 0.5, rel=1e-3)
+    assert result.value("rbdout.bar.velocity.z", "final") == pytest.approx(V, rel=1e-3)
+
+
 def surfaces_of(deck: Path) -> dict[str, str]:
     """Names and types of all surfaces of a deck."""
     return {name: entry.type for name, entry in read_deck(deck).entries["surfaces"].items()}

@@ -78,12 +78,6 @@ WRONG = {
     "unknown": ("welded: [east_start]", "welded: [east_begin]", "unknown body 'east_begin'"),
     "joint": ("b: east_2_start", "b: east_start", "'east_start' is welded to 'hub' and is no body"),
     "joint of a part": ("b: plate_2,", "b: plate,", "'plate' is welded to 'hub' and is no body"),
-    # so no surface moves with a body after the search for onsets
-    "surface": (
-        "joints:",
-        "surfaces: {s: {type: sphere, body: plate, radius: 0.01}}\njoints:",
-        "'plate' is welded to 'hub' and is no body; name 'hub'",
-    ),
     "method": ("step: 2e-5", "integrator: radau_iia_5", "'welded' is for explicit integrators"),
     "part of itself": ("part_of: hub", "part_of: plate", "must name another body"),
     "part of the ground": ("part_of: hub", "part_of: ground", "must name another body"),

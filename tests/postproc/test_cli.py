@@ -49,6 +49,7 @@ def test_a_wrong_time_window_exits_with_2(cars: Path, crashpost: Command, window
         ("rbdout.A.velocty.x", "max", "did you mean 'velocity.x'?"),
         ("rbdout.A.velocity.x", "mx", "did you mean 'max'?"),
         ("rbdout.A.velocity.x", "at:99", "outside the samples"),
+        ("deforc.A.force", "max", "no deforc of 'A', which has rbdout"),
         ("rbdout.A.velocity.x + deforc.buffer.force", "max", "cannot add 'm/s' and 'N'"),
     ],
 )
@@ -288,6 +289,7 @@ def test_a_statistic_may_stand_behind_its_channel(
     for reported in ("max 15 m/s", "argmin 140.5 ms", "integral ", "mean "):
         assert reported in drawn
     assert "name the number" in crashpost("value", cars, SPEED_A)[2]
+    assert "is another results folder" in crashpost("value", cars, cars, f"{SPEED_A}:max")[2]
     assert "did you mean 'max'?" in crashpost("plot", cars, f"{SPEED_A}:mx")[2]
     assert "whole histories" in crashpost("export", cars, f"{SPEED_A}:max", "-o", picture)[2]
 

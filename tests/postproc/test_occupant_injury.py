@@ -211,3 +211,12 @@ sensors:
     assert row_of(table, "Rear", "leaves the seat")[2] == "0.0625 s"
     never = row_of(table, "Rear", "is ejected")
     assert (never[2], never[-1]) == ("-", "is never 1 m away")
+
+
+def test_the_table_states_whose_limits_it_has(tmp_path: Path) -> None:
+    table = rows(occupant(tmp_path / "run"), measures)
+    assert "50th percentile man, whatever the occupant's size" in injury_table.notes(table)[-1]
+    # without a limit only the errors need a word
+    bare = [["head", "largest acceleration", "1 g", "0.1 g", "", "", "", ""]]
+    assert len(injury_table.notes(bare)) == 1
+    assert injury_table.notes([]) == []

@@ -106,6 +106,24 @@ def test_Reporting_leaves_no_trace_in_the_results(
     assert differences(tmp_path, uninterrupted[deck]) == []
 
 
+def test_a_sign_of_life_at_the_end_leaves_the_run_finished(tmp_path: Path) -> None:
+    deck = tmp_path / "deck.yaml"
+    deck.write_text(SCENE.format(**PLAIN), "utf-8")
+    # the thread reports while totals are written, after the status of the end
+    code = (
+        "import time, crashsolve.simulation.heartbeat as pulse, crashsolve.simulation.solve as s;"
+        "pulse.FIRST = pulse.AT_LATEST = 0.05; pulse.POLL = 0.01; totals = s.write_totals;"
+        "s.write_totals = lambda account: (totals(account), time.sleep(0.5));"
+        "from crashsolve.cli import main; import sys; sys.exit(main(sys.argv[1:]))"
+    )
+    words = [sys.executable, "-c", code, str(deck), "-o", str(tmp_path / "out")]
+    done = subprocess.run(words, capture_output=True, text=True, env=environment())
+    assert done.returncode == 0, done.stderr
+    assert "ending the run" in (tmp_path / "out" / "log.txt").read_text("utf-8")
+    status = json.loads((tmp_path / "out" / "status.json").read_text("utf-8"))
+    assert (status["state"], status["exit_code"], status["message"]) == ("finished", 0, "")
+
+
 def test_what_lasts_long_is_reported_from_the_first_second_on(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -247,3 +265,25 @@ def test_a_late_sign_of_life_leaves_the_end_of_a_run(monkeypatch: pytest.MonkeyP
     for state in ("running", "failed", "running"):
         account.status(state, None, "")
     assert states == ["running", "failed"]
+
+
+def test_a_request_during_pilot_runs_stops_before_the_run_begins(tmp_path: Path) -> None:
+    deck = tmp_path / "deck.yaml"
+    text = SCENE.format(**PLAIN | {"control": "accuracy: 1e-6"})
+    deck.write_text(
+        text + "watch: [{channel: rbdout.block.position.z, statistic: final}]\n", "utf-8"
+    )
+    code = (
+        "import os, signal, sys, crashsolve.estimate.runner as runner;"
+        "pilots = runner.Estimating._calibrate;"
+        "runner.Estimating._calibrate = lambda *words: ("
+        "os.kill(os.getpid(), signal.SIGTERM), pilots(*words))[1];"
+        "from crashsolve.cli import main; sys.exit(main(sys.argv[1:]))"
+    )
+    words = [sys.executable, "-c", code, str(deck), "-o", str(tmp_path / "out")]
+    done = subprocess.run(words, capture_output=True, text=True, env=environment())
+    assert done.returncode == 3, done.stdout + done.stderr
+    assert "Traceback" not in done.stderr
+    status = json.loads((tmp_path / "out" / "status.json").read_text("utf-8"))
+    assert (status["state"], status["exit_code"]) == ("stopped", 3)
+    assert status["message"] == "stopped on request before the run began"

@@ -228,10 +228,12 @@ loads: {{weight: {{type: gravity}}}}
 @pytest.mark.parametrize(
     ("x", "code", "words"),
     [
+        (0.0, 2, "' on 'rear_"),
         (0.0, 2, "more than half of the"),
         (0.1, 2, "the other ('man_"),
         # the chests, 0.24 m deep, meet by 5 mm
         (0.235, 0, "touches at the start"),
+        (0.235, 0, "; deepest is 'man_"),
     ],
 )
 def test_occupants_that_overlap_are_refused_or_reported(

@@ -235,11 +235,8 @@ def _events(result: Result, page_units: PageUnits) -> str:
 
 
 def _injury(result: Result) -> str:
-    rows, limit = injury_table.table(result), HEADER.index("limit")
-    notes = ["The error is that of the interval of samples: the measure of every second one."]
-    if any(row[limit] for row in rows):
-        notes.append("Limits are those for a 50th percentile man.")
-    note = f"<p class=note>{' '.join(notes)}</p>" if rows else ""
+    rows = injury_table.table(result)
+    note = f"<p class=note>{' '.join(injury_table.notes(rows))}</p>" if rows else ""
     return table(HEADER, rows, tuple("num" if head in NUMERIC else "" for head in HEADER)) + note
 
 

@@ -292,6 +292,9 @@ class History:
             known = dict.fromkeys(family.word for family in self.families.values())
             return unknown("family", word, known, whole=name)
         holder = next((family for family in same if entity in family.ids), None)
+        others = sorted({f.word for f in self.families.values() if entity in f.ids})
+        if holder is None and others:
+            return PostError(f"'{name}': no {word} of '{entity}', which has {' and '.join(others)}")
         if holder is None:
             entities = [entity for family in same for entity in family.ids]
             return unknown(f"{word} entity", entity, entities, whole=name)

@@ -2,7 +2,7 @@
 
 from crashpost.results.result import Result
 from crashpost.values import injury, occupant_injury
-from crashpost.values.injury_measure import rows
+from crashpost.values.injury_measure import HEADER, rows
 
 
 def table(result: Result) -> list[list[str]]:
@@ -12,3 +12,11 @@ def table(result: Result) -> list[list[str]]:
     if len(result.time) < 2:
         return []
     return rows(result, lambda one: injury.measures(one) + occupant_injury.measures(one))
+
+
+def notes(table_rows: list[list[str]]) -> list[str]:
+    """What a reader must know of the errors and limits of a table; none of an empty one."""
+    texts = ["The error is that of the interval of samples: the measure of every second one."]
+    if any(row[HEADER.index("limit")] for row in table_rows):
+        texts.append("Limits are those for a 50th percentile man, whatever the occupant's size.")
+    return texts if table_rows else []

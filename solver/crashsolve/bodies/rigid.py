@@ -85,7 +85,8 @@ class Rigid(Card):
     )
     part_of: BodyName | None = word(
         "body that this one is part of, with what is welded to it: its mass and inertia add to "
-        "that, it has no motion of its own, and joints, springs, contacts and loads name that body",
+        "that, it has no motion of its own, and joints, springs and loads name that body; surfaces "
+        "may be given on either",
         default=None,
     )
     drawn: tuple[Bar, ...] = word(

@@ -12,7 +12,7 @@ from pydantic import model_validator
 
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import Card, CurveName, word
-from crashsolve.foundation.curve import curve_area, curve_moment, curve_value
+from crashsolve.foundation.curve import REFUSE, curve_area, curve_moment, curve_value
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.rows import as_rows
@@ -94,10 +94,9 @@ def start_values(card: DrivenCard, scene: Scene) -> tuple[int, tuple[float, floa
     name = getattr(card, card.field)
     first, points, t = scene.curve(name), scene.curve_points, scene.deck.control.start_time
     x = points["x"][first : points[first]["last"] + 1]
-    if not x[0] <= t <= x[-1]:
-        raise scene.fail(
-            f"'{name}' reaches from {x[0]:g} to {x[-1]:g} s; the run starts at {t:g} s", card.field
-        )
+    if not x[0] <= t <= x[-1] and points[first]["beyond"] == REFUSE:
+        message = f"'{name}' reaches from {x[0]:g} to {x[-1]:g} s; the run starts at {t:g} s"
+        raise scene.fail(f"{message}: give it points for that, or extrapolate: hold", card.field)
     rows = as_rows(points)
     value, _, _ = curve_value(rows, first, t)
     area, moment = curve_area(rows, first, t), curve_moment(rows, first, t)

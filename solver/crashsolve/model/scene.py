@@ -174,7 +174,7 @@ class Scene:
             return pairs
         for k, weld in enumerate(getattr(part.card, "welded", ())):
             meshed = self.meshed(part.name)
-            points = meshed.mesh.sets[weld.nodes]
+            points = meshed.welded_points(k)
             others = self._weld_targets(weld, part, f"welded.{k}")
             x = meshed.mesh.points[points]
             gaps = np.linalg.norm(x[:, None] - self.r[None, others], axis=2)

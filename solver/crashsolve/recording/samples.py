@@ -189,6 +189,9 @@ def _unknown(name: str, families: Sequence[Family]) -> str:
         known = sorted({family.word for family in families if family.ids})
         return f"'{name}': unknown family '{word}'; {choices(word, known, 'families')}"
     holders = [family for family in same if entity in family.ids]
+    others = sorted({family.word for family in families if entity in family.ids})
+    if not holders and others:
+        return f"'{name}': no {word} of '{entity}', which has {' and '.join(others)}"
     if not holders:
         ids = [entity for family in same for entity in family.ids]
         return f"'{name}': no {word} of '{entity}'; {choices(entity, ids, 'names')}"

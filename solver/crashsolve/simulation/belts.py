@@ -1,21 +1,23 @@
-"""Warnings of belts: flows that were not found, and retractors without effect in a run."""
+"""Warnings of belts: flows that were not found, surfaces and retractors without effect in a run."""
 
 from collections.abc import Iterator
 
 import numpy as np
 
+from crashsolve.belts._route import surface_row
 from crashsolve.system.engine import Engine
 
 
 def belt_warnings(engine: Engine) -> list[str]:
-    """Flows of webbing that were not found, and what retractors have and did not do until now."""
+    """Flows of webbing that were not found, and what surfaces and retractors did not do so far."""
     now, warnings = float(engine.clock["time"]), []
     for group in engine.model.groups:
         if group.keyword != "belts":
             continue
         history = group.history[int(engine.clock["current"])]
         for name, p, state in zip(group.names, group.parameters, history, strict=True):
-            texts = [*_unsettled(p, state), *(_ineffective(p, state, now) if p["spool"] else ())]
+            texts = [*_unsettled(p, state), *_untouched(p, state)]
+            texts += _ineffective(p, state, now) if p["spool"] else ()
             warnings += [f"belt '{name}': {text}" for text in texts]
     return warnings
 
@@ -29,6 +31,16 @@ def _unsettled(p: np.void, state: np.void) -> Iterator[str]:
             "friction. Where forces differ much along the belt, by large friction or slack, flows "
             "at its loose end have no effect on the others; take shorter steps if it matters"
         )
+
+
+def _untouched(p: np.void, state: np.void) -> Iterator[str]:
+    """Surfaces of a route that the belt passed by from the start of the run to its end."""
+    for j in np.flatnonzero(p["surface"]):
+        if not state["met"][surface_row(j)]:
+            yield (
+                f"it never lay on the surface of its fitting {j + 1}, which it passed by: its "
+                "body was not held; render the start, and lead the belt around the surface by rings"
+            )
 
 
 def _ineffective(p: np.void, state: np.void, now: float) -> Iterator[str]:

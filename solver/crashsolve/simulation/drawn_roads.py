@@ -12,8 +12,8 @@ from crashsolve.model.model import Model
 if TYPE_CHECKING:
     from crashsolve.simulation.body_shapes import Piece
 
-# radii of a wheel that a strip reaches beyond it, more than a car overhangs its wheels, share of the
-# way of all wheels that it reaches to either side, and parts of its length that curves are drawn by
+# radii of a wheel that a strip reaches beyond it, more than a car has before its wheels; share of
+# the way of all wheels that it reaches to either side; parts of its length that curves are drawn by
 BESIDE, ASIDE, PARTS = 8.0, 0.5, 400
 
 

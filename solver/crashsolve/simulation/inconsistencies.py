@@ -8,6 +8,8 @@ from crashsolve.deck.keywords import answering
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.deck.reading.items import Entry
 from crashsolve.foundation.errors import DeckErrors
+from crashsolve.model.contact.groups import ContactGroup
+from crashsolve.system.diagnosis import bodies_of_pair
 from crashsolve.system.engine import Engine
 
 # a depth of this share of the model's size is touching
@@ -40,26 +42,16 @@ def overlaps(engine: Engine) -> list[tuple[str, str]]:
     Sides are solid: a ball in a hollow one, or on its very middle, is not meant.
     """
     model = engine.model
-    current, messages = int(engine.clock["current"]), {}
+    current, messages, worst = int(engine.clock["current"]), {}, {}
     for group in model.contact_groups:
         depth, thick = group.history["depth"][current], group.parameters["thick"]
         # a constraint has no depth: its surfaces begin apart, or touching
         limit = ONTO * model.size if group.is_unilateral else 0.5 * thick
-        # of each card the deepest comes last, and remains
-        for i in sorted(np.flatnonzero(depth > limit), key=depth.__getitem__):
-            why = (
-                "but nodes of a unilateral constraint must not begin inside"
-                if group.is_unilateral
-                else f"more than half of the {thick[i]:.3g} m from the middle of one side "
-                "to the middle of the other"
-            )
+        excess = depth - limit
+        for i in np.flatnonzero(excess > 0.0):
             card = model.contacts[group.parameters["card"][i]]
-            bodies = [
-                model.bodies[side[group.parameters[index][i]]["node"]]
-                for side, index in ((group.elements_a, "a"), (group.elements_b, "b"))
-            ]
-            between = f" ('{bodies[0]}' in '{bodies[1]}')"
-            messages[card] = f"begins {depth[i]:.3g} m deep, {why}{between}"
+            if excess[i] > worst.get(card, 0.0):
+                worst[card], messages[card] = excess[i], _overlap(engine, group, int(i))
     for nodal in model.nodal_groups:
         depth = nodal.arrays["totals"]["depth"][0]
         if nodal.narrow is None and depth > ONTO * model.size:
@@ -68,3 +60,16 @@ def overlaps(engine: Engine) -> list[tuple[str, str]]:
                 "thickness; move them apart, or set `ring` if they are neighbours in the mesh"
             )
     return list(messages.items())
+
+
+def _overlap(engine: Engine, group: ContactGroup, pair: int) -> str:
+    """The cause that a pair of elements begins too deep."""
+    depth = group.history["depth"][int(engine.clock["current"])][pair]
+    a, b = bodies_of_pair(engine.model, group, pair)
+    why = (
+        "but nodes of a unilateral constraint must not begin inside"
+        if group.is_unilateral
+        else f"more than half of the {group.parameters['thick'][pair]:.3g} m from the middle of "
+        "one side to the middle of the other"
+    )
+    return f"{a} on {b} begins {depth:.3g} m deep, {why}"

@@ -59,6 +59,8 @@ def preparing(deck: Deck, folder: Path, heartbeat: Heartbeat, append: bool) -> I
     def print_line(text: str) -> None:
         if log is not None:
             log.line(text)
+        if status.state != "running":
+            return
         status.cpu, status.wall, status.message = cpu_time(), time.monotonic() - started, text
         write_status(path, status)
 
@@ -171,7 +173,7 @@ class Account:
         return self.bound
 
     def status(self, state: RunState, code: ExitCode | None, message: str) -> None:
-        """Renew status.json; of a run that has ended no more. Raises OutputError."""
+        """Renew status.json; once a run has ended it runs no more. Raises OutputError."""
         with self._writing:
             # a heartbeat may have waited for the end to be written
             if self._has_ended and state == "running":

@@ -12,7 +12,8 @@ from crashsolve.output.files import Json
 from crashsolve.output.peaks import Extremes
 from crashsolve.simulation.belts import belt_warnings
 from crashsolve.simulation.self_penetration import shells_through_themselves
-from crashsolve.system.diagnosis import HALFWAY
+from crashsolve.system.contact.advice import HALFWAY
+from crashsolve.system.diagnosis import bodies_of_pair
 from crashsolve.system.engine import Engine
 from crashsolve.system.flags import contact_flags
 
@@ -35,12 +36,29 @@ STEPS, COLLAPSED = 20, 1e-3
 
 def touching_at_start(engine: Engine) -> list[str]:
     """Contacts that touch when the run begins, with the energy that sets their bodies in motion."""
+    deepest = deepest_pairs(engine)
     return overloaded_tyres(engine) + [
         f"contact '{name}' touches at the start: it begins up to {card['depth']:.3g} m deep, with "
-        f"a stored energy of {card['stored']:.6g} J"
+        f"a stored energy of {card['stored']:.6g} J{deepest.get(name, '')}"
         for name, card in zip(engine.model.contacts, engine.state.cards, strict=True)
         if card["touching"] and card["depth"] > 0.0
     ]
+
+
+def deepest_pairs(engine: Engine) -> dict[str, str]:
+    """Of each contact with several pairs of elements, the two bodies that begin deepest."""
+    current, model = int(engine.clock["current"]), engine.model
+    counts = np.zeros(len(model.contacts), int)
+    deepest, texts = np.zeros(len(model.contacts)), dict[str, str]()
+    for group in model.contact_groups:
+        depth, cards = group.history["depth"][current], group.parameters["card"]
+        counts += np.bincount(cards, minlength=len(counts))
+        for card in np.unique(cards[depth > deepest[cards]]):
+            pair = int(np.argmax(np.where(cards == card, depth, 0.0)))
+            deepest[card], (a, b) = depth[pair], bodies_of_pair(model, group, pair)
+            texts[model.contacts[card]] = f"; deepest is {a} on {b}"
+    several = {model.contacts[card] for card in np.flatnonzero(counts > 1)}
+    return {name: text for name, text in texts.items() if name in several}
 
 
 def overloaded_tyres(engine: Engine) -> list[str]:
@@ -68,7 +86,8 @@ def contacts_without_depth(engine: Engine) -> list[str]:
         return []
     motion = np.hstack([state.nodes["v"], state.nodes["w"]])
     at_rest: np.ndarray = np.abs(motion).max(axis=1) == 0.0
-    moving: set[int] = set()
+    # nodes of shells and faces begin apart: whether they are at rest, they touch later
+    moving = {int(group.arrays["p"]["card"][0]) for group in model.nodal_groups}
     for group in model.contact_groups:
         for side, elements in (("a", group.elements_a), ("b", group.elements_b)):
             still = at_rest[elements["node"][group.parameters[side]]]

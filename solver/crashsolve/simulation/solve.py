@@ -53,6 +53,7 @@ from crashsolve.simulation.progress import Account, cpu_time, preparing, provena
 from crashsolve.simulation.remarks import contacts_without_depth, touching_at_start
 from crashsolve.simulation.requests import Requests, interrupt_as_keyboard
 from crashsolve.simulation.resume import FREE, OF_ERRORS, differing
+from crashsolve.simulation.shell_steps import remark_on_safety
 from crashsolve.simulation.totals import write_totals
 from crashsolve.system.engine import Engine
 
@@ -120,7 +121,7 @@ class Run:
         self.cpu, self.wall_begun = cpu_seconds, wall_begun
         self.requests = Requests(folder, log, self._end_at_once)
         self.files = ExitStack()
-        self.is_estimated = False
+        self.is_estimated = self.has_begun = False
         self.estimating: Estimating | None = None
         self.overlapping: list[str] = []
         self.schedule = Schedule.of(deck)
@@ -244,7 +245,7 @@ class Run:
             refuse_inconsistencies(self.deck, self.engine)
             self.overlapping = touching_at_start(self.engine)
             notes = (*self.engine.notes, *self.overlapping, *contacts_without_depth(self.engine))
-            for text in notes:
+            for text in (*notes, *remark_on_safety(self.deck, self.engine.model)):
                 self.log.line(text)
         self.cpu["compile or load"] += cpu_time() - cpu
         families, blocks = self.histories.families, self.pictures.blocks
@@ -266,6 +267,7 @@ class Run:
         self.files.callback(self.states.close)
         # the checks of the start needed them
         self.engine.model.control["gaps"] = self.histories.needs_gaps
+        self.has_begun = True
         if resumed is None:
             self.engine.sample()
             self.recorder.take(self.deck.control.start_time)
@@ -283,6 +285,7 @@ class Run:
         if self.is_estimated and control.accuracy is not None:
             is_known = dump is not None and COARSENESS in dump[0]
             coarseness = float(dump[0][COARSENESS][0]) if dump and is_known else None
+            self.heartbeat.does("pilot runs for the accuracy")
             self._begin_estimates().set_steps(self.engine.model.control, coarseness)
         elif asks or self.deck.output.report:
             # a misspelt channel is reported before the run, not after it
@@ -353,14 +356,19 @@ class Run:
 
     def _end(self, state: RunState, code: ExitCode, message: str) -> None:
         """Close the files, and write status, totals and the last line."""
+        self.heartbeat.does("ending the run")
         self.files.close()
         # a run imports this at its end, when it needs it
         from crashsolve.simulation.ending import Ending
 
-        ending = Ending(self.engine, self.deck, self.folder, self.schedule.interval)
-        self.account.remarks = ending.remarks(self.history.extremes)
+        texts = [*self.overlapping]
+        # a run that is stopped during its pilot runs has no results
+        if self.has_begun:
+            ending = Ending(self.engine, self.deck, self.folder, self.schedule.interval)
+            self.account.remarks = ending.remarks(self.history.extremes)
+            texts += ending.warnings()
         self.account.status(state, code, message)
-        for text in (*self.overlapping, *ending.warnings()):
+        for text in texts:
             self.log.warning(text)
         write_totals(self.account)
         self.log.finish(NORMAL if code == ExitCode.NORMAL else STOPPED)

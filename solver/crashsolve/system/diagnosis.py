@@ -21,13 +21,16 @@ from crashsolve.model.clock import (
     UNSOLVED,
     VELOCITY,
 )
+from crashsolve.model.contact.groups import ContactGroup
 from crashsolve.model.model import Model, State
+from crashsolve.system.contact.advice import advice_on_depth, advice_on_gain, advice_on_hollow
+from crashsolve.system.contact.balance import largest_missing
 from crashsolve.system.gain import OVERSTATED, energy_gain, has_gain, overstates
 from crashsolve.system.joint_balance import gaining_joints
 from crashsolve.system.timestep import QUARTER
 
-# the best remedy where a shell folds on itself: a node meets the nearer of two walls alone
-OWN_FACES = "where a shell folds on itself take smaller elements, or ring: 1 of its faces"
+# of an imbalance: a contact that has made so much is its cause
+OF_ONE = 0.5
 # of a body that meets the back of an open mesh
 FROM_BEHIND = (
     "its faces resist on the side of their outward normals alone, and it would be pushed "
@@ -37,8 +40,6 @@ OTHER_SIDE = (
     "give the corners of the faces in the opposite order, to resist on the side that is struck; or "
     "close the mesh, to resist on both"
 )
-# of the distance from a surface to its middle: a point is deep, which is lost beyond the middle
-HALFWAY = 0.5
 # of 2.9 rad: a swing at which the limit of 3 rad is met within a step
 COS_SWING = -0.97
 # location, likely cause, advice
@@ -81,13 +82,22 @@ def diagnose(model: Model, state: State, clock: np.void, ledger: np.ndarray) -> 
     elif status == CURVE_END:
         causes = curve_end(model, state, clock)
     else:
-        share = 100.0 * ledger[energy.IMBALANCE] / ledger[energy.LARGEST]
-        cause = f"the energy balance is off by {share:.3g} % of the largest energy"
-        deep = [advice_on_depth(model, card) for card in range(len(model.contacts))]
-        known = next((f"{text}; or " for text in deep if text), "")
-        advice = f"{known}{closer(model, state)}; control.energy_limit sets the bound"
-        causes = "the model", cause, advice
+        causes = unbalanced(model, state, clock, ledger)
     return SolverError(float(clock["time"]), int(clock["cycle"]), *causes)
+
+
+def unbalanced(model: Model, state: State, clock: np.void, ledger: np.ndarray) -> Diagnosis:
+    """An energy balance that is off, and the contact whose work nothing accounts for, if any."""
+    share = 100.0 * ledger[energy.IMBALANCE] / ledger[energy.LARGEST]
+    cause = f"the energy balance is off by {share:.3g} % of the largest energy"
+    helps = [advice_on_depth(model, card) for card in range(len(model.contacts))]
+    worst = largest_missing(model, state, int(clock["current"]))
+    if worst is not None and abs(worst.missing) > OF_ONE * abs(ledger[energy.IMBALANCE]):
+        cause += f"; {worst.text(model)}"
+        helps += [advice(model, worst.card) for advice in (advice_on_gain, advice_on_hollow)]
+    known = next((f"{text}; or " for text in helps if text), "")
+    advice = f"{known}{closer(model, state)}; control.energy_limit sets the bound"
+    return "the model", cause, advice
 
 
 class _Passed(NamedTuple):
@@ -112,6 +122,14 @@ def passed_through(model: Model, state: State) -> SolverError | None:
     return SolverError(first.time, cycle, first.location, cause, advice)
 
 
+def bodies_of_pair(model: Model, group: ContactGroup, pair: int) -> tuple[str, str]:
+    """The bodies that side a and side b of a pair of elements belong to, as words of a message."""
+    p = group.parameters[pair]
+    sides = (group.elements_a[p["a"]]["node"], group.elements_b[p["b"]]["node"])
+    a, b = (f"'{model.bodies[node]}'" if node else "the ground" for node in sides)
+    return a, b
+
+
 def _passed_pairs(model: Model, state: State) -> list[_Passed]:
     """Pairs of elements on bodies."""
     current, passages = int(state.clock[0]["current"]), []
@@ -121,11 +139,7 @@ def _passed_pairs(model: Model, state: State) -> list[_Passed]:
         history = group.history[current]
         for i in np.flatnonzero(history["pass_time"]):
             p, time = group.parameters[i], float(history["pass_time"][i])
-            a, b = group.elements_a[p["a"]], group.elements_b[p["b"]]
-            names = [
-                f"'{model.bodies[side['node']]}'" if side["node"] else "the ground"
-                for side in (a, b)
-            ]
+            names, b = bodies_of_pair(model, group, int(i)), group.elements_b[p["b"]]
             card = f"contact '{model.contacts[p['card']]}'"
             is_open = "thickness" in (b.dtype.names or ()) and isfinite(b["thickness"])
             if time < 0.0 and is_open:
@@ -327,24 +341,6 @@ def velocity_error(model: Model, state: State) -> np.ndarray:
             start = joint.first_row + part * joint.rows
             total[first] += total[start : start + joint.rows]
     return np.abs(total)
-
-
-def advice_on_gain(model: Model, card: int) -> str:
-    """What to know of a contact card that creates energy, where steps help little; or nothing."""
-    groups = [g for g in model.nodal_groups if int(g.arrays["p"]["card"][0]) == card]
-    return OWN_FACES if any(group.is_self_contact for group in groups) else ""
-
-
-def advice_on_depth(model: Model, card: int) -> str:
-    """What to do about points of a contact card that penetrated deeply; or nothing."""
-    depths = [g.depth_and_middle for g in model.nodal_groups if g.arrays["p"]["card"][0] == card]
-    depth, thick = max(depths, key=lambda one: one[0] / one[1], default=(0.0, 1.0))
-    if depth <= HALFWAY * thick:
-        return ""
-    return (
-        f"make contact '{model.contacts[card]}' stiffer: its points penetrated {depth:.3g} m of "
-        f"the {thick:.3g} m from the surface of what they struck to its middle"
-    )
 
 
 def find_contact_gain(model: Model, state: State, clock: np.void) -> Diagnosis:

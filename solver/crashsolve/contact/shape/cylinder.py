@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from crashsolve.contact.shape._placed import PLACED
+from crashsolve.contact.shape._placed import PLACED, carrier
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 from crashsolve.foundation.orientation import perpendicular
@@ -37,13 +37,13 @@ PARAMETERS = PLACED + Record("""
 
 
 def build(card: Cylinder, scene: Scene) -> list[Columns]:
-    node = scene.node(card.body)
-    axis = scene.unit(card.axis, "axis")
+    on = carrier(card.body, scene)
+    axis = on.axes @ scene.unit(card.axis, "axis")
     side = perpendicular(axis)
     return [
         {
-            "node": node,
-            "point": scene.from_mass_centre(node, card.at),
+            "node": on.node,
+            "point": on.point(card.at),
             "axes": np.column_stack([side, np.cross(axis, side), axis]).ravel(),
             "radius": card.radius,
             "half_length": 0.5 * card.length,

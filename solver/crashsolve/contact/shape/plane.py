@@ -1,5 +1,6 @@
 """Infinite plane fixed in a body; solid behind it, free on the side of its normal."""
 
+from crashsolve.contact.shape._placed import carrier
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 from crashsolve.foundation.record import Record
@@ -21,9 +22,9 @@ PARAMETERS = Record("""
 
 
 def build(card: Plane, scene: Scene) -> list[Columns]:
-    node = scene.node(card.body)
-    point = scene.from_mass_centre(node, card.at)
-    return [{"node": node, "point": point, "normal": scene.unit(card.normal, "normal")}]
+    on = carrier(card.body, scene)
+    normal = on.axes @ scene.unit(card.normal, "normal")
+    return [{"node": on.node, "point": on.point(card.at), "normal": normal}]
 
 
 def curvature_radius(card: Plane) -> float | None:

@@ -1,6 +1,7 @@
 """Points fixed in a body: spheres of radius 0."""
 
 from crashsolve.contact.shape import sphere
+from crashsolve.contact.shape._placed import carrier
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 
@@ -19,9 +20,8 @@ class PointSet(Card):
 def build(card: PointSet, scene: Scene) -> list[Columns]:
     if not card.points:
         raise scene.fail("needs at least one point", "points")
-    node = scene.node(card.body)
-    positions = (scene.from_mass_centre(node, point) for point in card.points)
-    return [{"node": node, "point": position, "radius": 0.0} for position in positions]
+    on = carrier(card.body, scene)
+    return [{"node": on.node, "point": on.point(at), "radius": 0.0} for at in card.points]
 
 
 def curvature_radius(card: PointSet) -> float | None:

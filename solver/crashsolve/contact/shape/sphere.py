@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from crashsolve.contact.shape._placed import carrier
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, Vec3, quantity, word
 from crashsolve.foundation.record import Record
@@ -28,8 +29,8 @@ PARAMETERS = Record("""
 
 
 def build(card: Sphere, scene: Scene) -> list[Columns]:
-    node = scene.node(card.body)
-    return [{"node": node, "point": scene.from_mass_centre(node, card.at), "radius": card.radius}]
+    on = carrier(card.body, scene)
+    return [{"node": on.node, "point": on.point(card.at), "radius": card.radius}]
 
 
 def curvature_radius(card: Sphere) -> float | None:

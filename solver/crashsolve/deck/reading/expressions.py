@@ -62,6 +62,8 @@ OPERATORS: dict[type[ast.AST], Callable[..., float]] = {
 
 # stands behind a parameter's name that Python keeps for itself: lambda, yield, in
 OWN = "\u02b9"
+# as in 2 pi or 65 deg
+_TWO_TERMS = re.compile(r"[\d.]\s+[A-Za-z]")
 _RESERVED = re.compile(rf"(?<![\w.])({'|'.join(keyword.kwlist)})(?!\w)")
 
 
@@ -90,7 +92,9 @@ class Expression:
                 self.written = _RESERVED.sub(rf"\1{OWN}", self.text)
                 self.root = ast.parse(self.written, mode="eval").body
         except (SyntaxError, ValueError, MemoryError, RecursionError):
-            raise ExpressionError(f"cannot read the expression '{self.text}'") from None
+            advice = "; products have a *, and a number with a unit is a parameter of its own"
+            advice *= bool(_TWO_TERMS.search(self.text))
+            raise ExpressionError(f"cannot read the expression '{self.text}'{advice}") from None
         nodes = list(ast.walk(self.root))
         for node in nodes:
             if isinstance(node, ast.Name):

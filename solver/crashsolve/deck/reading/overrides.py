@@ -55,6 +55,9 @@ def set_fields(
         try:
             if message:
                 raise _NoSuchLocation(message, advice)
+            if text.strip()[:1] in ("[", "{") and name != "title":
+                advice = f"write it in the deck, and set its entries, as {name}.1=VALUE"
+                raise _NoSuchLocation("a list or a table cannot be set", advice)
             _set(items, tables, name, f"--set {name}={text}", value)
         except _NoSuchLocation as no:
             location = f"--set {name}={text}"

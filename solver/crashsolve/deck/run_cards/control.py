@@ -73,7 +73,14 @@ class Control(Card):
     step: float | Literal["auto"] = quantity(
         "s", "time step; auto: from the stiffest active spring and contact", "auto", gt=0
     )
-    safety: float = quantity("1", "automatic step over the critical step", 0.1, gt=0, le=1)
+    safety: float = quantity(
+        "1",
+        "automatic step over the critical step; the default is for the accuracy of springs, shells "
+        "are stable at 0.9",
+        0.1,
+        gt=0,
+        le=1,
+    )
     step_max: float | None = quantity("s", "largest automatic step", None, gt=0)
     step_min: float | None = quantity("s", "the run stops below this step", None, gt=0)
     onset_tolerance: float | None = quantity(

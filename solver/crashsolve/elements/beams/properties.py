@@ -115,7 +115,7 @@ def laws(card: Beam, scene: Scene) -> tuple[Columns, Columns]:
     law, material_card = scene.law("materials", card.material)
     word = law.__name__.rpartition(".")[2]
     if not hasattr(card, "fibres") and word != "elastic":
-        advice = "use type: fibre_beam for one that yields"
+        advice = "use type: fibre_beam, or a structure of deformation: beams, for one that yields"
         raise scene.fail(f"needs a material of type elastic; or {advice}", "material")
     if law.FIBRE is None:
         raise scene.fail(f"type {word} is for shells; strains of beams are small", "material")

@@ -175,12 +175,22 @@ class DiscretisedShell:
                 raise scene.fail(message, "nodes")
         fixed[self.named] = ATTACHED
         for k, weld in enumerate(self.card.welded):
-            own = self.set_of(weld.nodes, f"welded.{k}.nodes", scene)
-            if fixed[own].any():
+            self.set_of(weld.nodes, f"welded.{k}.nodes", scene)
+            own = self.welded_points(k)
+            if fixed[own].any() or not len(own):
                 message = "some of these nodes are supported, welded or named already"
                 raise scene.fail(message, f"welded.{k}.nodes")
             fixed[own] = ATTACHED
         return fixed
+
+    def welded_points(self, k: int) -> np.ndarray:
+        """Numbers (n,) of the nodes of weld k, without those that earlier ones hold to its body:
+        sets at the sides of a mesh have its corners in common.
+        """
+        weld, sets = self.card.welded[k], self.mesh.sets
+        earlier = [sets[w.nodes] for w in self.card.welded[:k] if w.to and w.to == weld.to]
+        own: np.ndarray = sets[weld.nodes]
+        return own[~np.isin(own, np.concatenate(earlier))] if earlier else own
 
     def set_of(self, name: str, field: str, scene: Scene) -> np.ndarray:
         """Numbers (n,) of a set of nodes; an error of the deck where there is none such."""

@@ -29,6 +29,8 @@ SOLIDS, BODIES, WAVE_SPEEDS, STIFFEST = (500.0, 3e4), (0.05, 3e4), (10.0, 5e4), 
 DENSITY_UNITS = {"g/cm^3": 1e3, "kg/mm^3": 1e9, "t/mm^3": 1e12}
 # a length that is so many times all others, and mm over m
 FAR, MM = 200.0, 1e3
+# share of the largest length that a difference of two others leaves by round-off
+ROUND_OFF = 1e-14
 # angles that may be beyond all motion
 LIMITS = ("lower", "upper")
 Entries = Mapping[str, Mapping[str, EntryOfScene]]
@@ -92,6 +94,8 @@ def magnitude_table(entries: Entries) -> list[str]:
     every = [n for n in numbers(entries) if n.value != 0.0 and np.isfinite(n.value)]
     for unit, words in SHOWN.items():
         own = sorted((n for n in every if n.unit == unit), key=lambda n: abs(n.value))
+        if unit == "m":
+            own = [n for n in own if abs(n.value) > ROUND_OFF * abs(own[-1].value)]
         if own:
             ends = [f"{abs(n.value):.4g} {unit} ({n})" for n in (own[0], own[-1])]
             lines.append(f"{words}: {' to '.join(dict.fromkeys(ends))}")

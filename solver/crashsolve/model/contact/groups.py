@@ -234,6 +234,18 @@ class NodalGroup(Touching):
         is_own = "is_self_contact" in (rows.dtype.names or ()) and bool(rows["is_self_contact"][0])
         return self.narrow is None and is_own
 
+    def balls_between_faces(self) -> int:
+        """Number of balls on bodies that lie between three faces or more."""
+        if self.narrow is not None:
+            return 0
+        balls = np.flatnonzero(self.arrays["probes"]["point"] < 0)
+        in_use, states = self.arrays["slot_in_use"], self.arrays["probe_states"]
+        rows = np.concatenate([2 * balls, 2 * balls + 1])
+        # one that waits for acceptance is that of the last step: node_contact.accept_record
+        last = np.where(in_use[rows] > 1, 3 - in_use[rows], in_use[rows])
+        now = states[last, rows]
+        return int(((now["active"] == 1) & (now["other_walls"] > 1)).sum())
+
     @property
     def depth_and_middle(self) -> tuple[float, float]:
         """Deepest penetration so far, and the distance from the surface to the middle [m]."""

@@ -6,11 +6,13 @@ once for the normal force and once for friction. The balance of the scene may hi
 stores little of the energy of a crash.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from crashsolve.model.ledger import LARGEST
 from crashsolve.model.model import Model, State
-from crashsolve.system.diagnosis import advice_on_depth, advice_on_gain
+from crashsolve.system.contact.advice import advice_on_depth, advice_on_gain
 
 # of the largest energy that the normal force or the friction of a card has stored and dissipated
 UNBALANCED = 0.02
@@ -32,6 +34,35 @@ def contact_warnings(model: Model, state: State, ledger: np.ndarray) -> list[str
             if is_known and abs(missing) > max(UNBALANCED * largest_energy, least):
                 warnings.append(_warning(model, card, what, missing, largest_energy))
     return warnings
+
+
+class Missing(NamedTuple):
+    """Work of a contact card that nothing accounts for."""
+
+    card: int
+    what: str  # normal force or friction
+    missing: float  # [J]
+
+    def text(self, model: Model) -> str:
+        verb = "made" if self.missing > 0.0 else "lost"
+        return (
+            f"the {self.what} of contact '{model.contacts[self.card]}' has {verb} "
+            f"{abs(self.missing):.3g} J of it"
+        )
+
+
+def largest_missing(model: Model, state: State, current: int) -> Missing | None:
+    """The card whose work is least accounted for; None without contacts."""
+    unknown = _of_unknown_friction(model)
+    every = [
+        Missing(card, what, missing)
+        for card in sorted(_measured(model))
+        for what, missing, _ in missing_energies(
+            state.card_history[current, card], state.cards[card]
+        )
+        if what != FRICTION or card not in unknown
+    ]
+    return max(every, key=lambda one: abs(one.missing), default=None)
 
 
 def missing_energies(now: np.void, out: np.void) -> list[tuple[str, float, float]]:

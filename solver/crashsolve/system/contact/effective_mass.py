@@ -10,8 +10,10 @@ force that acts, u the closing speed (the depth, where nothing closes), and W_ij
 position i along its normal by a unit force at position j, reactions of joints included. Contacts of
 two bodies that push to opposite sides do not count for each other, and no mass exceeds that of
 both sides together, or that of the point alone. They are computed at an onset; contacts that began
-earlier keep the larger of both values. Consequence to test: a box on any number of corners, and a
-body within joints, have the restitution of a single ball.
+earlier keep the larger of both values, and those that have hardly begun take the new one: positions
+that strike one soon after the other strike at once, in whichever order, and the less so the deeper
+the first is. Consequence to test: a box on any number of corners, and a body within joints, have
+the restitution of a single ball, and so has a box that is tilted by next to nothing.
 """
 
 from collections import defaultdict
@@ -29,6 +31,8 @@ from crashsolve.system.contact.initial_penetration import Touch, initial_touches
 # singular values below this share of the largest are those of redundant constraints: S loses
 # twice the digits of D
 REDUNDANT = 1e-11
+# of the depth u sqrt(m / k) that a free impact reaches: as deep, a contact has an impact of its own
+EARLY = 0.1
 
 
 def groups_with_effective_mass(model: Model) -> tuple[ContactGroup, ...]:
@@ -135,9 +139,8 @@ class EffectiveMasses:
             # a single contact of free bodies
             ratios = np.ones(1)
         else:
-            ratios = _ratios(touches, known == 0.0, within, self.model, state)
-        masses = np.maximum(known, ratios)
-        for row, touch, ratio in zip(histories, touches, masses, strict=True):
+            ratios = _ratios(touches, known, within, self.model, state)
+        for row, touch, ratio in zip(histories, touches, ratios, strict=True):
             row[:, touch.pair] = ratio
 
 
@@ -157,15 +160,18 @@ def _clusters(model: Model) -> np.ndarray:
 
 
 def _ratios(
-    touches: list[Touch], is_new: np.ndarray, within: np.ndarray, model: Model, state: State
+    touches: list[Touch], known: np.ndarray, within: np.ndarray, model: Model, state: State
 ) -> np.ndarray:
-    """Effective masses of the contacts between two sides over those of two free bodies [1]."""
-    speeds = np.array([max(touch.rate, 0.0) for touch in touches])
-    if not speeds[is_new].any():
-        speeds = np.array([touch.depth for touch in touches])
+    """Effective masses of the contacts between two sides over those of two free bodies [1]; of
+    contacts that began earlier, whose ratio is known, the larger of both.
+    """
+    rates = np.array([max(touch.rate, 0.0) for touch in touches])
+    depths = np.array([touch.depth for touch in touches])
+    speeds = rates if rates[known == 0.0].any() else depths
     free, mobility = _mobility(touches, within, model, state)
     shares = np.array([touch.share for touch in touches])
-    springs = speeds * [float(t.group.parameters["stiffness"][t.pair]) for t in touches]
+    stiffness = np.array([float(t.group.parameters["stiffness"][t.pair]) for t in touches])
+    springs = speeds * stiffness
     own, alone = np.diag(mobility), _alone(touches, free, state)
     least = np.minimum(own, _least_mobility(within, model)) * shares * springs
     response = np.maximum(_one_sided(touches, mobility) @ (shares * springs), least)
@@ -175,7 +181,10 @@ def _ratios(
     ratios[moves] = alone[moves] / (own * shares)[moves]
     pressed = moves & (response > 0.0)
     ratios[pressed] = (alone * springs)[pressed] / response[pressed]
-    return ratios
+    # depths that free impacts with the known masses reach; one that no longer closes has reached it
+    reached = EARLY * rates * np.sqrt(known / np.maximum(alone * stiffness, 1e-300))
+    apart = np.where(reached > depths, depths / np.where(reached > 0.0, reached, 1.0), 1.0)
+    return np.maximum(ratios, ratios + apart * (known - ratios))
 
 
 def _alone(touches: list[Touch], free: np.ndarray, state: State) -> np.ndarray:
