@@ -117,6 +117,11 @@ class NumberErrors:
         has_steps = watch.statistic != PATH
         return [_value(resolved, replace(run, units=units).at(times, has_steps)) for run in runs]
 
+    def history(self, watch: Watch, main: Samples) -> Series:
+        """The watched history of a run, in its window. Raises ValueError as `numbers` does."""
+        units = {c.name: c.unit for channels in self.channels.values() for c in channels}
+        return series_of(watch, replace(main, units=units))
+
     def _resolved(self, watch: Watch, main: Samples) -> Watch:
         """The watch from which a largest value of any step is refined.
 

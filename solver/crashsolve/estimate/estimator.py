@@ -25,6 +25,7 @@ from crashsolve.estimate.mesh import (
     chance_margin,
     coarse_runs,
     window_about,
+    window_about_extreme,
     with_mesh,
 )
 from crashsolve.foundation.errors import SolverError
@@ -185,13 +186,25 @@ class Estimator:
         self, errors: NumberErrors, estimate: Estimate, runs: Sequence[Samples]
     ) -> Estimate:
         """An estimate with the error by the mesh, where the samples serve to tell it."""
-        control = self.deck.control
-        about = window_about(estimate.watch, control.start_time, control.last_time)
         try:
+            about = self._about(errors, estimate.watch, runs[0])
             least = chance_margin(errors.numbers(about, runs[:2])) if about else 0.0
             return with_mesh(estimate, errors.numbers(estimate.watch, runs), self.deck, least)
         except ValueError:
             return estimate
+
+    def _about(self, errors: NumberErrors, watch: Watch, main: Samples) -> Watch | None:
+        """The history about the moment or extreme that a number reads; None where it reads none.
+
+        Raises ValueError where samples do not give the number.
+        """
+        control = self.deck.control
+        (channel, *others) = self.channels[watch.channels[0]]
+        # a largest value so far is the same at the end, however histories differ
+        if channel.followed and not others and watch.statistic == "final":
+            watch = replace(watch, statistic="max")
+        moment = window_about(watch, control.start_time, control.last_time)
+        return moment or window_about_extreme(watch, errors.history(watch, main))
 
 
 def with_formulas(estimate: Estimate, deck: Deck) -> Estimate:
