@@ -32,6 +32,8 @@ PEAK, IMPULSE = 1e9 * DEPTH**1.5, 4.0
 # v t = 2.943 d, after 4.3 mm and 100 mm at v; a sample in the middle and the next ones outside
 MIDDLE, DURATION = 0.1043 + 0.5 * 2.943 * DEPTH, 2.943 * DEPTH
 ALONE = MIDDLE / round(MIDDLE / (0.7 * DURATION))
+# a sample soon after the touch begins, and the next ones long after it ends
+SOON = (0.1043 + 0.2 * DURATION) / 9
 
 
 def run(folder: Path, interval: str) -> tuple[dict[str, dict[str, float]], str]:
@@ -44,7 +46,7 @@ def run(folder: Path, interval: str) -> tuple[dict[str, dict[str, float]], str]:
     return {f"{e['channel'].split('(')[0]} {e['statistic']}": e for e in entries}, done.stdout
 
 
-@pytest.mark.parametrize("interval", ["0.01", "0.0473", "0.1", f"{ALONE:.9g}"])
+@pytest.mark.parametrize("interval", ["0.01", "0.0473", "0.1", f"{ALONE:.9g}", f"{SOON:.9g}"])
 def test_numbers_are_right_within_their_errors(tmp_path: Path, interval: str) -> None:
     watched, log = run(tmp_path, interval)
     true = {"rcforc.c.normal max": PEAK, "rcforc.c.normal integral": IMPULSE}
