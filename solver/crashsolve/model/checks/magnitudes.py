@@ -235,10 +235,10 @@ def _thick_beams(entries: Entries) -> Iterator[str]:
     sections = {name: entry.card for name, entry in entries.get("sections", {}).items()}
     for name, entry in entries.get("parts", {}).items():
         mesh, section = getattr(entry.card, "mesh", None), getattr(entry.card, "section", None)
-        ends = [getattr(mesh, word, None) for word in ("from_", "to")]
-        if not isinstance(section, str) or section not in sections or None in ends:
+        start, end = (getattr(mesh, word, None) for word in ("from_", "to"))
+        if section not in sections or start is None or end is None:
             continue
-        length = float(np.linalg.norm(np.subtract(*ends)))
+        length = float(np.linalg.norm(np.subtract(end, start)))
         lengths = [(word, x) for word, unit, x in _of_card(sections[section], "") if unit == "m"]
         for word, x in lengths:
             if x > WIDE * length:
