@@ -1,5 +1,6 @@
 """Numbers made of samples are right within their errors where a touch lies between two samples."""
 
+import math
 from pathlib import Path
 
 import pytest
@@ -112,3 +113,64 @@ def test_a_peak_of_all_steps_is_known_though_one_sample_shows_it(tmp_path: Path)
     peak = Result(tmp_path / "r").status["watched"][-1]
     # the step's own error, below a hundredth
     assert 0.1 * abs(peak["value"] - PEAK) < peak["error"] < 0.01 * PEAK
+
+
+STOP = """
+control: {end_time: 0.2}
+output: {history: {interval: INTERVAL}}
+bodies: {a: {mass: 2, inertia: [1, 1, 1], velocity: [3, 0, 0]}}
+joints: {rail: {type: prismatic, b: a, at: [0, 0, 0], axis: [1, 0, 0]}}
+springs: {stop: {type: translation_stop, joint: rail, stiffness: 1e7, upper: 0.2043}}
+watch:
+  - {channel: deforc.stop.force, statistic: abs_max}
+  - {channel: rbdout.a.acceleration.x, statistic: integral}
+  - {channel: jntforc.rail.force.y, statistic: max}
+  - {channel: rbdout.a.acceleration.x, statistic: abs_max, during: [0, 0.06]}
+  - {channel: rbdout.a.velocity.x, statistic: final}
+"""
+
+
+@pytest.mark.parametrize("method", ["rattle", "dormand_prince_5", "radau_iia_5"])
+@pytest.mark.parametrize("interval", ["0.01", "0.0471"])
+def test_a_stop_between_samples_leaves_no_error_of_what_misses_it(
+    interval: str, method: str, tmp_path: Path
+) -> None:
+    deck = tmp_path / "deck.yaml"
+    deck.write_text(STOP.replace("INTERVAL", interval), "utf-8")
+    done = crashsolve(deck, "-o", tmp_path / "r", "--set", f"control.integrator={method}")
+    assert done.returncode == 0, done.stdout
+    *missing, before, velocity = Result(tmp_path / "r").status["watched"]
+    # for pi sqrt(m / k) = 1.4 ms at 68.1 ms it has up to v sqrt(k m) = 13.4 kN
+    assert [entry["error"] for entry in missing] == [None] * 3
+    assert all("'a' moves between samples" in entry["how"] for entry in missing)
+    # the end of a window is a sample
+    assert before["error"] == 0.0
+    assert velocity["value"] == pytest.approx(-3.0, abs=0.01)
+    assert velocity["error"] is not None
+    assert "give a shorter output.history.interval" in done.stdout
+
+
+VIBRATION = """
+control: {end_time: END, integrator: dormand_prince_8}
+output: {history: {interval: INTERVAL}}
+bodies: {a: {mass: 1, inertia: [1, 1, 1], position: [1.1, 0, 0]}}
+springs: {s: {type: linear, b: a, stiffness: 1e4, length: 1}}
+watch: [{channel: deforc.s.force, statistic: min}]
+"""
+
+
+@pytest.mark.parametrize(("share", "is_known"), [(2.0, False), (1.0, False), (1 / 3, True)])
+def test_a_vibration_of_whole_periods_between_samples_is_reported(
+    share: float, is_known: bool, tmp_path: Path
+) -> None:
+    # samples so many half waves of omega = 100 rad/s apart
+    interval = share * math.pi / 100.0
+    text = VIBRATION.replace("INTERVAL", f"{interval:.15g}").replace("END", f"{30 * interval:.15g}")
+    deck = tmp_path / "deck.yaml"
+    deck.write_text(text, "utf-8")
+    done = crashsolve(deck, "-o", tmp_path / "r")
+    assert done.returncode == 0, done.stdout
+    (force,) = Result(tmp_path / "r").status["watched"]
+    assert (force["error"] is not None) == is_known
+    if is_known:
+        assert abs(force["value"] + 1000.0) <= force["error"] + 1e-3

@@ -8,6 +8,9 @@ A force in a joint, spring or section may miss as much as the contact does. Of H
 like of such a body, of sensors and of stored energies nothing can be said, nor of forces and
 velocities where a load or a prescribed motion has its peak between samples. Consequence to test: no
 extreme or integral across a touch that lies between two samples has an error below its own size.
+
+Where a body moves between samples as none of them shows, extremes and integrals of its motion and
+of all forces but those of contacts have no error.
 """
 
 import re
@@ -46,14 +49,26 @@ class MissedCurve(Protocol):
     def name(self) -> str: ...
 
 
+class MissedMotion(Protocol):
+    """A body that moves between samples as they do not show (simulation/missed_motions.py)."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def start(self) -> float: ...
+    @property
+    def end(self) -> float: ...
+
+
 OF_SAMPLES = ("max", "min", "abs_max", "argmax", "argmin", "integral", "mean", "rms")
 # functions whose value at any time is made of samples before it
 RUNNING_FUNCTIONS = re.compile(r"\b(hic|si|clip|cfc|integral|bric)\(")
 FORCES = re.compile(r"\b(jntforc|deforc|secforc)\.[\w-]+\.(force|axial|shear)\b")
 MOVED = re.compile(r"\brbdout\.([\w-]+)\.acceleration\b")
 SENSED = re.compile(r"\b(nodout\.|glstat\.model\.energy\.\w+_stored)")
-
-
+# forces, lengths and angles between bodies; contacts have peaks of all steps
+BETWEEN = re.compile(r"\b(jntforc|deforc|secforc|disbout|bndout|tyrout|beltout|hinge)\.")
+BODY = re.compile(r"\brbdout\.([\w-]+)\.")
 # what a load or a motion between samples changes there; contacts have peaks of all steps
 LOADED = re.compile(r"(force|moment|torque|normal|velocity|acceleration|energy)\b|\bnodout\.")
 
@@ -71,6 +86,30 @@ def _with_missed_curves(estimate: Estimate, curve: str) -> Estimate:
     if estimate.error is None or not is_of_samples or not LOADED.search(text):
         return estimate
     how = f"not estimated: curve '{curve}' has its peak between samples"
+    return replace(estimate, error=None, how=how)
+
+
+def with_missed_motions(
+    estimates: Sequence[Estimate], motions: Sequence[MissedMotion]
+) -> list[Estimate]:
+    """Estimates, without errors of what is made of samples that miss the motion of a body."""
+    return [_with_missed_motions(e, motions) if motions else e for e in estimates]
+
+
+def _with_missed_motions(estimate: Estimate, motions: Sequence[MissedMotion]) -> Estimate:
+    text = " ".join(estimate.watch.channels)
+    is_of_samples = estimate.watch.statistic in OF_SAMPLES or RUNNING_FUNCTIONS.search(text)
+    if estimate.error is None or not is_of_samples:
+        return estimate
+    during = estimate.watch.during
+    if during:
+        motions = [m for m in motions if m.end > during[0] and m.start < during[1]]
+    own = [m for m in motions if m.name in BODY.findall(text)]
+    if BETWEEN.search(text) or SENSED.search(text):
+        own = own or list(motions)
+    if not own:
+        return estimate
+    how = f"not estimated: body '{own[0].name}' moves between samples as none of them shows"
     return replace(estimate, error=None, how=how)
 
 

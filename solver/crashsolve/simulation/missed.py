@@ -68,11 +68,6 @@ class MissedCurve:
         )
 
 
-def missed_peaks(engine: Engine, history: Path) -> list[Missed | MissedCurve]:
-    """All that the samples of a finished run miss."""
-    return [*missed_contacts(engine, history), *missed_curves(engine, history)]
-
-
 def missed_curves(engine: Engine, history: Path) -> list[MissedCurve]:
     """Curves of loads and motions of which no sample of a finished run shows the range."""
     model, missed = engine.model, list[MissedCurve]()
