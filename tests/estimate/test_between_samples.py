@@ -115,6 +115,36 @@ def test_a_peak_of_all_steps_is_known_though_one_sample_shows_it(tmp_path: Path)
     assert 0.1 * abs(peak["value"] - PEAK) < peak["error"] < 0.01 * PEAK
 
 
+SETTLING = """
+title: a ball begins just above a stiff floor and settles within the first of two samples
+control: {end_time: 0.2, safety: 0.02}
+output: {history: {interval: 0.1}}
+bodies: {a: {primitive: {shape: sphere, radius: 0.1}, mass: 1, position: [0, 0, 0.1]}}
+surfaces: {a: {type: sphere, body: a, radius: 0.1}, f: {type: plane}}
+contacts: {c: {a: [a], b: [f], normal: {type: kelvin_voigt, stiffness: 1e7, damping: 300}}}
+loads: {weight: {type: gravity}}
+watch:
+  - {channel: rcforc.c.normal, statistic: max}
+  - {channel: rcforc.c.peak_normal, statistic: max}
+"""
+
+
+def test_a_peak_of_steps_that_are_too_many_to_sample_is_in_the_error(tmp_path: Path) -> None:
+    deck = tmp_path / "deck.yaml"
+    deck.write_text(SETTLING, "utf-8")
+    done = crashsolve(deck, "-o", tmp_path / "r")
+    assert done.returncode == 0, done.stdout
+    normal, peak = Result(tmp_path / "r").status["watched"]
+    # of a step of force 1 + exp(-pi zeta / sqrt(1 - zeta^2)), zeta = c / 2 sqrt(k m); c is small
+    zeta = 300 / (2 * math.sqrt(1e7))
+    overshoot = 1.0 + math.exp(-math.pi * zeta / math.sqrt(1.0 - zeta**2))
+    assert peak["value"] == pytest.approx(9.80665 * overshoot, rel=3e-3)
+    assert normal["error"] >= peak["value"] - normal["value"]
+    # half of it is hidden: of its own error, and of the samples'
+    assert normal["value"] < 0.6 * peak["value"]
+    assert "contact 'c' peaked at" in done.stdout
+
+
 STOP = """
 control: {end_time: 0.2}
 output: {history: {interval: INTERVAL}}

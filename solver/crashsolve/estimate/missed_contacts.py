@@ -1,5 +1,6 @@
 """What happens between samples is part of the error of numbers that are made of samples.
 
+    largest normal force of a contact:                     peak - shown at least
     largest or least value of a force of a missed contact: + peak - shown
     integral of it:                                                + |impulse - integral|
     acceleration of a body that it strikes:                        + (peak - shown) / m
@@ -40,6 +41,10 @@ class Missed(Protocol):
     @property
     def shortfall(self) -> float:
         """Part of the peak that the samples do not show [N]."""
+
+    @property
+    def is_hidden(self) -> bool:
+        """Whether that is most of it."""
 
 
 class MissedCurve(Protocol):
@@ -119,11 +124,19 @@ def with_missed_contacts(
     """Estimates, with the errors by samples of the contacts `missed`; `mass` [kg] of bodies by
     name.
     """
-    return (
-        [_with_missed_contacts(estimate, missed, mass) for estimate in estimates]
-        if missed
-        else list(estimates)
-    )
+    hidden = [m for m in missed if m.is_hidden]
+    known = [_with_known_peak(estimate, missed) for estimate in estimates]
+    return [_with_missed_contacts(e, hidden, mass) for e in known] if hidden else known
+
+
+def _with_known_peak(estimate: Estimate, missed: Sequence[Missed]) -> Estimate:
+    """The estimate of a largest normal force, with all that steps had more than samples."""
+    names = [f"rcforc.{m.name}.normal" for m in missed]
+    text, during = estimate.watch.channels[0].strip(), estimate.watch.during
+    if estimate.error is None or during or estimate.watch.statistic not in ("max", "abs_max"):
+        return estimate
+    shortfall = missed[names.index(text)].shortfall if text in names else 0.0
+    return replace(estimate, error=max(estimate.error, shortfall))
 
 
 def _with_missed_contacts(

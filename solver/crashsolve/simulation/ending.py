@@ -38,7 +38,7 @@ class Ending:
         engine = self.engine
         yield from law_warnings(engine.model, engine.state)
         yield from range_warnings(engine)
-        contacts = missed_contacts(engine, self.history)
+        contacts = [m for m in missed_contacts(engine, self.history) if m.is_hidden]
         curves = missed_curves(engine, self.history)
         yield from (missed.words(self.interval) for missed in (*contacts, *curves))
         if not contacts and not curves:
