@@ -15,7 +15,7 @@ from quick import first_quick
 
 from crashpost.results.result import Result
 from crashsolve.deck.reading.deck import read_deck
-from crashsolve.estimate.companion import Abandoned, Companions
+from crashsolve.estimate.companion import Abandoned, Companions, _RecordedSamples
 from crashsolve.estimate.error import Estimate
 from crashsolve.estimate.estimator import OVER_BUDGET, Estimator
 from crashsolve.estimate.runner import Estimating, _line
@@ -121,6 +121,18 @@ def test_a_companion_gives_up_when_asked() -> None:
     given = Estimator(deck, Histories(Engine(*build(deck))).families, lambda: True)
     with pytest.raises(Abandoned):
         given.companion_runs(1.0, 500, [])
+
+
+def test_samples_may_end_with_a_full_block(tmp_path: Path) -> None:
+    estimator_of = estimator(tmp_path)
+    engine = Engine(*build(estimator_of.deck))
+    recorded = _RecordedSamples(engine, Histories(engine, {"rbdout"}))
+    engine.start()
+    for k in range(recorded.histories.kept.capacity):
+        engine.sample(0.0)
+        recorded.take(1e-6 * k)
+    recorded.close()
+    assert [len(block["rbdout"]) for block in recorded.blocks] == [len(recorded.times)]
 
 
 def test_companions_cost_no_more_than_is_left_for_them(tmp_path: Path) -> None:
