@@ -75,6 +75,17 @@ def test_an_integral_knows_what_a_long_interval_hides(start: float, sign: int, l
         assert stated == pytest.approx(missed, rel=1e-9)
 
 
+@pytest.mark.parametrize("lead", [0, 1, 2])
+def test_an_integral_knows_that_a_force_begins_with_a_jump(lead: int) -> None:
+    # a damped contact, of 3 - 10 t from the onset on, after a step of 20 times the others
+    flight = np.linspace(-0.2 * (lead + 1), -0.2, lead + 1)
+    time = np.concatenate([flight, np.linspace(0.0, 0.2, 21)])
+    series = Series(time, np.where(time < 0.0, 0.0, 3.0 - 10.0 * time))
+    truth = 0.4
+    stated = plain(series, "integral") - refined(series, "integral")
+    assert stated == pytest.approx(plain(series, "integral") - truth, rel=1e-9)
+
+
 @pytest.mark.parametrize("peak", [0.02, 0.97])
 def test_a_top_beside_the_first_or_last_sample_is_seen(peak: float) -> None:
     time = np.linspace(0.0, 1.0, 11)
