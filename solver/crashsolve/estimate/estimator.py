@@ -5,9 +5,9 @@ quarters of the run, and show whether the order holds. Those that choose their s
 get one finer run, of half the step or of a tolerance divided by 8 (order 2) or 32, for 1.5 to 2
 times the run: their errors at kinks, at impacts and by round-off have no order, and on the
 battery of benchmarks/estimates coarser runs held for three quarters of the numbers of higher order.
-A finer run also serves where coarser steps are unstable, and for equilibria: one of twice the load
-steps. After a long run companions may cost as much as it did and no more: a method that chooses its
-step then gets one coarser run.
+Where coarser steps are unstable two finer runs serve, of half and a quarter of the step, and for
+equilibria one of twice the load steps. After a long run companions may cost as much as it did and
+no more: a method that chooses its step then gets one coarser run.
 """
 
 from collections.abc import Callable, Sequence
@@ -48,7 +48,7 @@ MESH = "the mesh"
 # words of channels that read the acceleration of a motion
 SECOND = ("acceleration", "force", "moment", "torque")
 OVER_BUDGET = "further runs would cost more than this one; control.estimate: full makes them"
-# the second where the first does not shorten the steps
+# the second where the first does not shorten the steps, or coarser ones are unstable
 FINER = (0.5, 0.25)
 # of the longest step that sees a load
 APART = 2.0**-0.5
@@ -132,7 +132,8 @@ class Estimator:
             return []
         try:
             for factor in finer:
-                if not runs or is_as_fine(cycles, runs[-1].cycles):
+                # where coarser steps are unstable, one finer run may agree with this by chance
+                if not runs or coarser or is_as_fine(cycles, runs[-1].cycles):
                     runs.append(self.companions.run(factor * coarseness))
         except SolverError as error:
             problems.append(f"a finer run stopped: {error.cause}")
