@@ -42,7 +42,8 @@ class Ending:
         curves = missed_curves(engine, self.history)
         yield from (missed.words(self.interval) for missed in (*contacts, *curves))
         if not contacts and not curves:
-            yield from (missed.words() for missed in missed_motions(engine, self.history)[:1])
+            motions = missed_motions(engine, self.history, self.deck)
+            yield from (missed.words() for missed in motions[:1])
         yield from self.injury.warnings()
         yield from arbitrary_reactions(self.undetermined, self.deck)
         if self.deck.control.solution == "transient":

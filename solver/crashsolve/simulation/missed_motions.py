@@ -14,8 +14,9 @@ half wave is not.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,6 +25,8 @@ import numpy as np
 if TYPE_CHECKING:
     import h5py
 
+    from crashsolve.deck.reading.deck import Deck
+    from crashsolve.model.phases import Phase
     from crashsolve.system.engine import Engine
 
 SPREAD, SHARE = 0.5, 0.02
@@ -62,16 +65,24 @@ class MissedMotion:
         )
 
 
-def missed_motions(engine: Engine, history: Path) -> list[MissedMotion]:
-    """Bodies whose motion the samples of a finished run miss, each with its worst interval."""
+def missed_motions(engine: Engine, history: Path, deck: Deck) -> list[MissedMotion]:
+    """Bodies whose motion the samples of a finished run miss, each with its worst interval.
+
+    None in equilibria, and in phases that stop bodies to find one.
+    """
     import h5py
 
     worst: dict[str, MissedMotion] = {}
+    begin = _begin_of_motion(engine.model.phases)
+    if deck.control.solution != "transient" or begin == inf:
+        return []
     with h5py.File(history) as file:
         if "rbdout" not in file:
             return []
         names = list(file["rbdout"]["ids"].asstr())
-        bodies = [k for k, name in enumerate(names) if name in set(engine.model.bodies)]
+        bodies = [k for k, name in enumerate(names) if name in deck.entries["bodies"]]
+        if not bodies:
+            return []
         for motion, rate, round_off in RATES:
             least = 0.0
             if motion == "angular_velocity":
@@ -80,6 +91,7 @@ def missed_motions(engine: Engine, history: Path) -> list[MissedMotion]:
             for time, x, v in _pieces(file["rbdout"], motion, rate, bodies):
                 noise = round_off * max(_largest(x), least)
                 hidden, tolerance = _hidden(time, x, v, noise, REST * engine.model.size)
+                hidden[time[:-1] <= begin] = 0.0
                 for column in np.flatnonzero((hidden > tolerance).any(axis=0)):
                     name = names[bodies[column]]
                     k = int((hidden - tolerance)[:, column].argmax())
@@ -87,6 +99,13 @@ def missed_motions(engine: Engine, history: Path) -> list[MissedMotion]:
                     if name not in worst or worst[name].rate == rate and worst[name].hidden < mean:
                         worst[name] = MissedMotion(name, *ends, rate, mean)
     return list(worst.values())
+
+
+def _begin_of_motion(phases: Sequence[Phase]) -> float:
+    """Time [s] after which nothing but forces changes velocities; inf for none."""
+    if phases and phases[-1].module.__name__.endswith("equilibrium"):
+        return inf
+    return phases[-2].end if len(phases) > 1 else -inf
 
 
 def _pieces(

@@ -305,7 +305,7 @@ class Run:
         history, model = self.folder / "history.h5", self.engine.model
         mass = dict(zip(model.bodies, model.mass.tolist(), strict=False))
         missed, curves = missed_contacts(self.engine, history), missed_curves(self.engine, history)
-        motions = missed_motions(self.engine, history)
+        motions = missed_motions(self.engine, history, self.deck)
         return estimating.estimate(history, cycles, cpu, missed, mass, curves, motions)
 
     def _start_anew(self) -> None:
