@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from command import crashsolve
 from small_runs import last
@@ -79,3 +80,52 @@ def test_no_more_is_lost_than_there_was(
     # steps of the order of the unloading: the speed given back, 0.24 m/s, to a hundredth
     expected = pytest.approx(there - 1e14 / (2 * k), abs=0.02 * 1e14 / (2 * k))
     assert last(Result(tmp_path / "out"), "rcforc.c.dissipated") == expected
+
+
+@pytest.mark.parametrize("method", ["dormand_prince_5", "radau_iia_5", "generalized_alpha"])
+@pytest.mark.parametrize("interval", [0.05, 0.002])
+def test_methods_that_choose_their_steps_meet_the_reversal_of_a_crush(
+    interval: float, method: str, tmp_path: Path
+) -> None:
+    """The ends part with F / sqrt(k m / 2), after an unloading far shorter than the samples."""
+    deck, k = tmp_path / "deck.yaml", 1e12
+    text = CRUSH.format(k=f"{k:.1e}", safety=0.1, ramp="1.0e-3").replace(" safety: 0.1,", "")
+    text = text.replace('estimate: "off"', f"estimate: off, integrator: {method}")
+    deck.write_text(text + f"output: {{history: {{interval: {interval}}}}}\n", "utf-8")
+    done = crashsolve(deck, "-o", tmp_path / "out")
+    assert done.returncode == 0, done.stdout
+    result = Result(tmp_path / "out")
+    speed = last(result, "rbdout.b.velocity.x") - last(result, "rbdout.a.velocity.x")
+    # half a thousandth by the tolerance of a step
+    assert speed == pytest.approx(1e7 / np.sqrt(k * 170000), rel=5e-4)
+
+
+PADDED = """
+control: {{end_time: 0.3, estimate: off, integrator: {method}}}
+output: {{history: {{interval: {interval}}}}}
+curves:
+  y: {{points: [[0, 0], [1, 1.0e+5]]}}
+  u: {{points: [[0, 0], [1, 2.0e+4]]}}
+bodies: {{a: {{mass: 2, inertia: [1, 1, 1], position: [0, 0, 0.1], velocity: [0, 0, -2]}}}}
+surfaces: {{a: {{type: sphere, body: a, radius: 0.1}}, f: {{type: plane}}}}
+contacts:
+  c: {{a: [a], b: [f], normal: {{type: padding, curve: y, unloading_curve: u,
+       unloading_stiffness: 1.0e+9}}}}
+"""
+
+
+@pytest.mark.parametrize("method", ["dormand_prince_5", "radau_iia_5", "generalized_alpha"])
+def test_methods_that_choose_their_steps_meet_the_branches_of_a_padding(
+    method: str, tmp_path: Path
+) -> None:
+    deck = tmp_path / "deck.yaml"
+    deck.write_text(PADDED.format(method=method, interval=0.05), "utf-8")
+    done = crashsolve(deck, "-o", tmp_path / "out")
+    assert done.returncode == 0, done.stdout
+    # loading to d along y = K d, along a line of slope k to u = q K x, and along u to 0
+    K, q, k = 1e5, 0.2, 1e9
+    force = 2.0 * np.sqrt(2.0 * K)
+    x = (force / K - force / k) * k / (k - q * K)
+    returned = 0.5 * (force**2 / k - (q * K * x) ** 2 / k + q * K * x**2)
+    speed = last(Result(tmp_path / "out"), "rbdout.a.velocity.z")
+    assert speed == pytest.approx(np.sqrt(2.0 * returned / 2.0), rel=2e-4)

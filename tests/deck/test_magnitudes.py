@@ -13,7 +13,7 @@ DECKS = Path(__file__).resolve().parents[2] / "decks"
 DECK = """
 control: {end_time: 1}
 materials: {m: {type: elastic, young: YOUNG, poisson: 0.3, density: DENSITY}}
-sections: {s: {type: circle, radius: 0.01}}
+sections: {s: {type: circle, radius: THICK}}
 parts:
   p: {type: beam, section: s, material: m, side: [0, 1, 0],
       mesh: {shape: line, from: [0, 0, 0], to: [1, 0, 0], elements: 2}}
@@ -22,6 +22,8 @@ bodies:
       angle: ANGLE}}
   b: {mass: 1, primitive: {shape: sphere, radius: 0.1}, position: [0.5, 0, 0]}
   c: {mass: 1, primitive: {shape: sphere, radius: 0.1}, position: [X, 0, 0.2]}
+joints: {j: {type: revolute, a: a, b: b, at: [AT, 0, 0], axis: [0, 0, 1]}}
+springs: {r: {type: rotation_stop, joint: j, stiffness: 1, lower: -1, upper: UPPER}}
 """
 RIGHT = {
     "YOUNG": "210e9",
@@ -30,6 +32,9 @@ RIGHT = {
     "RADIUS": "0.1",
     "ANGLE": "1.5",
     "X": "0.3",
+    "THICK": "0.01",
+    "AT": "0.25",
+    "UPPER": "2",
 }
 
 
@@ -59,7 +64,12 @@ def warnings(folder: Path, **changed: str) -> list[str]:
         ("RADIUS", "1e-4", "the density of no body"),
         ("ANGLE", "90", "bodies.a.rotation.angle: 90 rad is 14.3 revolutions"),
         ("ANGLE", "-22.5", "were degrees meant? Write '-22.5 deg'"),
+        # half a turn and more, in steps of a half
+        ("ANGLE", "5", "bodies.a.rotation.angle: 5 rad is 0.796 revolutions"),
+        ("UPPER", "45", "springs.r.upper: 45 rad is 7.16 revolutions"),
         ("X", "300", "bodies.c.position: 299.5 m from all other bodies"),
+        ("AT", "250", "joints.j.at: 249.5 m from all other bodies"),
+        ("THICK", "10", "sections.s.radius: 10 m for the beam 'p' of 1 m"),
     ],
 )
 def test_a_wrong_unit_is_reported(tmp_path: Path, word: str, value: str, says: str) -> None:
@@ -76,6 +86,11 @@ def test_a_wrong_unit_is_reported(tmp_path: Path, word: str, value: str, says: s
         ("MASS", "50"),  # lead and heavier
         ("ANGLE", "'90 deg'"),
         ("ANGLE", "'720 deg'"),
+        ("ANGLE", "3"),
+        ("UPPER", "100"),  # none
+        ("UPPER", "'45 deg'"),
+        ("AT", "3"),
+        ("THICK", "0.4"),
         ("X", "5"),
     ],
 )

@@ -1,5 +1,6 @@
 """Numbers made of samples are right within their errors where a touch lies between two samples."""
 
+import math
 from pathlib import Path
 
 import pytest
@@ -32,6 +33,8 @@ PEAK, IMPULSE = 1e9 * DEPTH**1.5, 4.0
 # v t = 2.943 d, after 4.3 mm and 100 mm at v; a sample in the middle and the next ones outside
 MIDDLE, DURATION = 0.1043 + 0.5 * 2.943 * DEPTH, 2.943 * DEPTH
 ALONE = MIDDLE / round(MIDDLE / (0.7 * DURATION))
+# a sample soon after the touch begins, and the next ones long after it ends
+SOON = (0.1043 + 0.2 * DURATION) / 9
 
 
 def run(folder: Path, interval: str) -> tuple[dict[str, dict[str, float]], str]:
@@ -44,7 +47,7 @@ def run(folder: Path, interval: str) -> tuple[dict[str, dict[str, float]], str]:
     return {f"{e['channel'].split('(')[0]} {e['statistic']}": e for e in entries}, done.stdout
 
 
-@pytest.mark.parametrize("interval", ["0.01", "0.0473", "0.1", f"{ALONE:.9g}"])
+@pytest.mark.parametrize("interval", ["0.01", "0.0473", "0.1", f"{ALONE:.9g}", f"{SOON:.9g}"])
 def test_numbers_are_right_within_their_errors(tmp_path: Path, interval: str) -> None:
     watched, log = run(tmp_path, interval)
     true = {"rcforc.c.normal max": PEAK, "rcforc.c.normal integral": IMPULSE}
@@ -110,3 +113,103 @@ def test_a_peak_of_all_steps_is_known_though_one_sample_shows_it(tmp_path: Path)
     peak = Result(tmp_path / "r").status["watched"][-1]
     # the step's own error, below a hundredth
     assert 0.1 * abs(peak["value"] - PEAK) < peak["error"] < 0.01 * PEAK
+
+
+SETTLING = """
+title: a ball begins just above a stiff floor and settles within the first of two samples
+control: {end_time: 0.2, safety: 0.02}
+output: {history: {interval: 0.1}}
+bodies: {a: {primitive: {shape: sphere, radius: 0.1}, mass: 1, position: [0, 0, 0.1]}}
+surfaces: {a: {type: sphere, body: a, radius: 0.1}, f: {type: plane}}
+contacts: {c: {a: [a], b: [f], normal: {type: kelvin_voigt, stiffness: 1e7, damping: 300}}}
+loads: {weight: {type: gravity}}
+watch:
+  - {channel: rcforc.c.normal, statistic: max}
+  - {channel: rcforc.c.peak_normal, statistic: max}
+"""
+
+
+def test_a_peak_of_steps_that_are_too_many_to_sample_is_in_the_error(tmp_path: Path) -> None:
+    deck = tmp_path / "deck.yaml"
+    deck.write_text(SETTLING, "utf-8")
+    done = crashsolve(deck, "-o", tmp_path / "r")
+    assert done.returncode == 0, done.stdout
+    normal, peak = Result(tmp_path / "r").status["watched"]
+    # of a step of force 1 + exp(-pi zeta / sqrt(1 - zeta^2)), zeta = c / 2 sqrt(k m); c is small
+    zeta = 300 / (2 * math.sqrt(1e7))
+    overshoot = 1.0 + math.exp(-math.pi * zeta / math.sqrt(1.0 - zeta**2))
+    assert peak["value"] == pytest.approx(9.80665 * overshoot, rel=3e-3)
+    assert normal["error"] >= peak["value"] - normal["value"]
+    # half of it is hidden: of its own error, and of the samples'
+    assert normal["value"] < 0.6 * peak["value"]
+    assert "contact 'c' peaked at" in done.stdout
+
+
+STOP = """
+control: {end_time: 0.2}
+output: {history: {interval: INTERVAL}}
+bodies: {a: {mass: 2, inertia: [1, 1, 1], velocity: [3, 0, 0]}}
+joints: {rail: {type: prismatic, b: a, at: [0, 0, 0], axis: [1, 0, 0]}}
+springs: {stop: {type: translation_stop, joint: rail, stiffness: 1e7, upper: 0.2043}}
+watch:
+  - {channel: deforc.stop.force, statistic: abs_max}
+  - {channel: rbdout.a.acceleration.x, statistic: integral}
+  - {channel: jntforc.rail.force.y, statistic: max}
+  - {channel: rbdout.a.acceleration.x, statistic: abs_max, during: [0, 0.06]}
+  - {channel: rbdout.a.velocity.x, statistic: final}
+"""
+
+
+@pytest.mark.parametrize("method", ["rattle", "dormand_prince_5", "radau_iia_5"])
+@pytest.mark.parametrize("interval", ["0.01", "0.0471"])
+def test_a_stop_between_samples_leaves_no_error_of_what_misses_it(
+    interval: str, method: str, tmp_path: Path
+) -> None:
+    deck = tmp_path / "deck.yaml"
+    deck.write_text(STOP.replace("INTERVAL", interval), "utf-8")
+    done = crashsolve(deck, "-o", tmp_path / "r", "--set", f"control.integrator={method}")
+    assert done.returncode == 0, done.stdout
+    *missing, before, velocity = Result(tmp_path / "r").status["watched"]
+    # for pi sqrt(m / k) = 1.4 ms at 68.1 ms it has up to v sqrt(k m) = 13.4 kN
+    assert [entry["error"] for entry in missing] == [None] * 3
+    assert all("'a' moves between samples" in entry["how"] for entry in missing)
+    # the end of a window is a sample
+    assert before["error"] == 0.0
+    assert velocity["value"] == pytest.approx(-3.0, abs=0.01)
+    assert velocity["error"] is not None
+    assert "give a shorter output.history.interval" in done.stdout
+
+
+@pytest.mark.parametrize("name", ["phases/preload", "parts/elastica"])
+def test_bodies_that_a_search_stops_are_not_reported(name: str, tmp_path: Path) -> None:
+    # by kinetic damping in a phase; nodes of beams vibrate within samples of any run
+    deck = Path(__file__).resolve().parents[2] / f"decks/verification/{name}.yaml"
+    done = crashsolve(deck, "-o", tmp_path / "r")
+    assert done.returncode == 0, done.stdout
+    assert "between the samples" not in done.stdout
+
+
+VIBRATION = """
+control: {end_time: END, integrator: dormand_prince_8}
+output: {history: {interval: INTERVAL}}
+bodies: {a: {mass: 1, inertia: [1, 1, 1], position: [1.1, 0, 0]}}
+springs: {s: {type: linear, b: a, stiffness: 1e4, length: 1}}
+watch: [{channel: deforc.s.force, statistic: min}]
+"""
+
+
+@pytest.mark.parametrize(("share", "is_known"), [(2.0, False), (1.0, False), (1 / 3, True)])
+def test_a_vibration_of_whole_periods_between_samples_is_reported(
+    share: float, is_known: bool, tmp_path: Path
+) -> None:
+    # samples so many half waves of omega = 100 rad/s apart
+    interval = share * math.pi / 100.0
+    text = VIBRATION.replace("INTERVAL", f"{interval:.15g}").replace("END", f"{30 * interval:.15g}")
+    deck = tmp_path / "deck.yaml"
+    deck.write_text(text, "utf-8")
+    done = crashsolve(deck, "-o", tmp_path / "r")
+    assert done.returncode == 0, done.stdout
+    (force,) = Result(tmp_path / "r").status["watched"]
+    assert (force["error"] is not None) == is_known
+    if is_known:
+        assert abs(force["value"] + 1000.0) <= force["error"] + 1e-3

@@ -10,10 +10,11 @@ import pytest
 from quick import first_quick
 from small_runs import CANTILEVER
 
+from crashsolve.channels.series import Series
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.estimate.error import Estimate
 from crashsolve.estimate.estimator import Estimator, estimate_in_memory, left_out
-from crashsolve.estimate.mesh import chance_margin, mesh_error, window_about
+from crashsolve.estimate.mesh import chance_margin, mesh_error, window_about, window_about_extreme
 from crashsolve.meshes._mesh import net
 from crashsolve.model.build import build
 from crashsolve.model.integrator_selection import with_chosen_method
@@ -58,6 +59,48 @@ def test_the_history_about_a_moment_is_within_the_run() -> None:
     assert about is not None and about.during == pytest.approx((0.93, 1.0))
     for word in ("max", "path"):
         assert window_about(replace(watch, statistic=word), 0.0, 1.0) is None
+
+
+@pytest.mark.parametrize(
+    ("statistic", "window"),
+    # sin(10 t) is 1 at 0.157 and -1 at 0.471, and passes 0 at 0.314 and 0.628
+    [
+        ("max", (0.0, np.pi / 10.0)),
+        ("min", (np.pi / 10.0, np.pi / 5.0)),
+        # |sin| has half of its largest value at asin(0.5) and pi - asin(0.5)
+        ("abs_max", (np.pi / 60.0, np.pi / 12.0)),
+    ],
+)
+def test_the_history_about_an_extreme_is_its_half_of_the_range(
+    statistic: str, window: tuple[float, float]
+) -> None:
+    time = np.linspace(0.0, 0.7, 7001)
+    about = window_about_extreme(
+        Watch("x", ("a.b.c",), statistic), Series(time, np.sin(10.0 * time), "m")
+    )
+    assert about is not None
+    assert about.statistic == "path"
+    # samples 1e-4 s apart
+    assert about.during == pytest.approx(window, abs=2e-4)
+
+
+def test_maxima_that_coincide_do_not_agree() -> None:
+    # pulses of the same height, one of half the width of the other
+    time = np.linspace(0.0, 1.0, 1001)
+    paths = [np.exp(-(((time - 0.5) / width) ** 2)) for width in (0.1, 0.05)]
+    assert paths[0].max() == paths[1].max()
+    about = window_about_extreme(Watch("x", ("a.b.c",), "max"), Series(time, paths[0], "N"))
+    assert about is not None and about.during is not None
+    near = (time >= about.during[0]) & (time <= about.during[1])
+    # half of its height is within 0.1 S, S = sqrt(ln 2): the mean square of the difference there is
+    # (f(2) - 2 f(5) + f(8)) / 2S = 0.3354^2 with f(a) = sqrt(pi / a) erf(sqrt(a) S)
+    assert chance_margin([path[near] for path in paths]) == pytest.approx(0.25 * 0.3354, rel=0.01)
+
+
+@pytest.mark.parametrize("statistic", ["final", "argmax", "mean"])
+def test_other_numbers_have_no_extreme(statistic: str) -> None:
+    series = Series(np.array([0.0, 1.0, 2.0]), np.array([0.0, 1.0, 0.0]), "m")
+    assert window_about_extreme(Watch("x", ("a.b.c",), statistic), series) is None
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ from quick import first_quick
 
 from crashpost.results.result import Result
 from crashsolve.deck.reading.deck import read_deck
-from crashsolve.estimate.companion import Abandoned, Companions
+from crashsolve.estimate.companion import Abandoned, Companions, _RecordedSamples
 from crashsolve.estimate.error import Estimate
 from crashsolve.estimate.estimator import OVER_BUDGET, Estimator
 from crashsolve.estimate.runner import Estimating, _line
@@ -121,6 +121,46 @@ def test_a_companion_gives_up_when_asked() -> None:
     given = Estimator(deck, Histories(Engine(*build(deck))).families, lambda: True)
     with pytest.raises(Abandoned):
         given.companion_runs(1.0, 500, [])
+
+
+HINGED = """
+control: {end_time: 0.3, safety: 0.3}
+bodies:
+  c: {mass: 980, inertia: [100, 100, 100], position: [-1, 0, 0], velocity: [5, 0, 0]}
+  l: {mass: 100, inertia: [0.01, 0.01, 0.01], velocity: [5, 0, 0]}
+joints:
+  rail: {type: prismatic, b: c, at: [-1, 0, 0], axis: [1, 0, 0]}
+  hinge: {type: revolute, a: c, b: l, at: [0, 0, 0], axis: [0, 1, 0]}
+surfaces:
+  s: {type: sphere, body: l, radius: 0.1}
+  w: {type: plane, at: [0.2, 0, 0], normal: [-1, 0, 0]}
+contacts:
+  k: {a: [s], b: [w], normal: {type: exact_restitution, stiffness: 1.0e+9, restitution: 0.5}}
+watch: [{channel: rbdout.c.velocity.x, statistic: final}]
+"""
+
+
+def test_a_finer_run_that_agrees_by_chance_has_another(tmp_path: Path) -> None:
+    # longer steps are unstable, and half of them return the same by chance
+    deck = tmp_path / "deck.yaml"
+    deck.write_text(HINGED, "utf-8")
+    done = crashsolve(deck, "-o", tmp_path / "r")
+    assert done.returncode == 0, done.stdout
+    (speed,) = Result(tmp_path / "r").status["watched"]
+    assert "2 finer runs of" in speed["how"]
+    assert abs(speed["value"] + 2.5) < 10.0 * speed["error"] < 0.01
+
+
+def test_samples_may_end_with_a_full_block(tmp_path: Path) -> None:
+    estimator_of = estimator(tmp_path)
+    engine = Engine(*build(estimator_of.deck))
+    recorded = _RecordedSamples(engine, Histories(engine, {"rbdout"}))
+    engine.start()
+    for k in range(recorded.histories.kept.capacity):
+        engine.sample(0.0)
+        recorded.take(1e-6 * k)
+    recorded.close()
+    assert [len(block["rbdout"]) for block in recorded.blocks] == [len(recorded.times)]
 
 
 def test_companions_cost_no_more_than_is_left_for_them(tmp_path: Path) -> None:

@@ -45,6 +45,47 @@ def test_a_corner_between_samples_is_where_both_sides_meet(word: str, peak: floa
     assert refined(series, "argmax") == pytest.approx(peak, rel=1e-12)
 
 
+@pytest.mark.parametrize("peak", [0.41, 0.424, 0.44])
+def test_a_corner_of_sides_that_bend_is_where_they_meet(peak: float) -> None:
+    # loading that softens, and unloading that does: slopes change by a seventh of the corner
+    time = np.linspace(0.0, 1.0, 21)
+    past = time - peak
+    series = Series(time, 1.0 + np.where(past < 0.0, 3.0 * past - 6.0 * past**2, -4.0 * past))
+    # half of what straight lines miss, 6 h^2 at most with h = 0.05
+    assert refined(series, "max") == pytest.approx(1.0, abs=0.5 * 6.0 * 0.05**2)
+    assert refined(series, "max") != plain(series, "max")
+
+
+@pytest.mark.parametrize("start", [0.02, 0.13, 0.19])
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("lead", [0, 1])
+def test_an_integral_knows_what_a_long_interval_hides(start: float, sign: int, lead: int) -> None:
+    # a force that begins at `start`, and is known in short steps from 0.2 on
+    time = np.concatenate([np.linspace(-0.2 * lead, 0.0, lead + 1), np.linspace(0.2, 0.4, 41)])
+    series = Series(time, np.maximum(0.0, 5.0 * (time - start)))
+    if sign < 0:
+        series = Series(-time[::-1], series.values[::-1])
+    truth = 2.5 * (0.4 - start) ** 2
+    missed = plain(series, "integral") - truth
+    assert missed > 0.0
+    stated = plain(series, "integral") - refined(series, "integral")
+    assert missed / 10.0 < stated < 10.0 * missed
+    if lead == 0 and start > 0.1:
+        # a straight line that ends in a constant; of two long intervals a parabola meets both
+        assert stated == pytest.approx(missed, rel=1e-9)
+
+
+@pytest.mark.parametrize("lead", [0, 1, 2])
+def test_an_integral_knows_that_a_force_begins_with_a_jump(lead: int) -> None:
+    # a damped contact, of 3 - 10 t from the onset on, after a step of 20 times the others
+    flight = np.linspace(-0.2 * (lead + 1), -0.2, lead + 1)
+    time = np.concatenate([flight, np.linspace(0.0, 0.2, 21)])
+    series = Series(time, np.where(time < 0.0, 0.0, 3.0 - 10.0 * time))
+    truth = 0.4
+    stated = plain(series, "integral") - refined(series, "integral")
+    assert stated == pytest.approx(plain(series, "integral") - truth, rel=1e-9)
+
+
 @pytest.mark.parametrize("peak", [0.02, 0.97])
 def test_a_top_beside_the_first_or_last_sample_is_seen(peak: float) -> None:
     time = np.linspace(0.0, 1.0, 11)

@@ -203,6 +203,13 @@ class FrictionBranches(Protocol):
         """Difference of the slip from the regime in which the step began [m/s]."""
 
 
+class NormalBranches(Protocol):
+    """Normal force with corners, at which steps that are chosen by their error end."""
+
+    def branch_left(self, p, old, h, depth, rate, curves):
+        """Distance beyond the branch on which the step of h began [m]; below 0: on it."""
+
+
 class GapRoutine(Protocol):
     """The gap between two shapes, first and second in the name of the file."""
 

@@ -218,7 +218,9 @@ class _RecordedSamples:
             self.close()
 
     def close(self) -> None:
-        """Compute the channels of the samples recorded so far. Raises SolverError."""
+        """Compute the channels of the samples recorded since the last time. Raises SolverError."""
+        if self.histories.kept.count == 0:
+            return
         # the next samples overwrite them
         block = {name: values.copy() for name, values in self.histories.values().items()}
         if not all(np.isfinite(values).all() for values in block.values()):

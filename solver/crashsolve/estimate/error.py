@@ -5,7 +5,8 @@
                         all of it where p is none; more where p is greater than any order of the
                         method: as many times as the last difference is too small, up to four
     one coarser run     the same with the method's order
-    one finer run       error = |x1 - xf| / (1 - (hf/h1)^2), enough for any order from 2 on
+    finer runs          error = |x1 - xf| / (1 - (hf/h1)^2), the largest, enough for any order
+                        from 2 on
     samples             refined - plain, added with its sign where that of the rest is known
                         (channels/statistic.py)
 
@@ -117,6 +118,11 @@ class NumberErrors:
         has_steps = watch.statistic != PATH
         return [_value(resolved, replace(run, units=units).at(times, has_steps)) for run in runs]
 
+    def history(self, watch: Watch, main: Samples) -> Series:
+        """The watched history of a run, in its window. Raises ValueError as `numbers` does."""
+        units = {c.name: c.unit for channels in self.channels.values() for c in channels}
+        return series_of(watch, replace(main, units=units))
+
     def _resolved(self, watch: Watch, main: Samples) -> Watch:
         """The watch from which a largest value of any step is refined.
 
@@ -192,7 +198,7 @@ class NumberErrors:
         fine = [o for o in others if not is_as_fine(main.cycles, o.cycles)]
         # of two that corners and samples cut into as many steps, one is enough
         coarse = list({o.cycles: o for o in coarse}.values())
-        used = [*sorted(coarse, key=_cycles)[-2:], main] if coarse else [main, *fine[:1]]
+        used = [*sorted(coarse, key=_cycles)[-2:], main] if coarse else [main, *fine]
         if len(used) < 2:
             return None
         times = used[0].time
@@ -201,16 +207,28 @@ class NumberErrors:
         has_steps = watch.statistic != PATH
         values = [_value(watch, samples.at(times, has_steps)) for samples in used]
         steps = [1.0 / samples.cycles for samples in used]
-        differences = distance(*values[-2:])
         if not coarse:
-            size = differences / (1.0 - (steps[1] / steps[0]) ** min(self.order or 1.0, 2.0))
-            return _Steps(size, None, f"a finer run of {used[1].cycles} steps")
+            return self._of_finer(steps, values, used)
+        differences = distance(*values[-2:])
         if len(used) == 2:
             size = differences / ((steps[0] / steps[1]) ** (self.order or 1.0) - 1.0)
             return _Steps(size, None, f"a coarser run of {used[0].cycles} steps")
         if any(channel.followed for channel in self.channels[watch.channels[0]]):
             return _of_largest(steps, values)
         return self._of_three(steps, values)
+
+    def _of_finer(
+        self, steps: Sequence[float], values: Sequence[np.ndarray], used: Sequence[Samples]
+    ) -> _Steps:
+        """The larger error by the finer runs, after that of the run itself."""
+        order = min(self.order or 1.0, 2.0)
+        sizes = [
+            distance(values[0], value) / (1.0 - (step / steps[0]) ** order)
+            for step, value in zip(steps[1:], values[1:], strict=True)
+        ]
+        counts = " and ".join(str(samples.cycles) for samples in used[1:])
+        runs = "a finer run" if len(sizes) == 1 else "2 finer runs"
+        return _Steps(max(sizes), None, f"{runs} of {counts} steps")
 
     def _of_three(self, steps: Sequence[float], values: Sequence[np.ndarray]) -> _Steps:
         convergence = analyse(steps, values, self.order)

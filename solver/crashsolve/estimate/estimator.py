@@ -5,9 +5,9 @@ quarters of the run, and show whether the order holds. Those that choose their s
 get one finer run, of half the step or of a tolerance divided by 8 (order 2) or 32, for 1.5 to 2
 times the run: their errors at kinks, at impacts and by round-off have no order, and on the
 battery of benchmarks/estimates coarser runs held for three quarters of the numbers of higher order.
-A finer run also serves where coarser steps are unstable, and for equilibria: one of twice the load
-steps. After a long run companions may cost as much as it did and no more: a method that chooses its
-step then gets one coarser run.
+Where coarser steps are unstable two finer runs serve, of half and a quarter of the step, and for
+equilibria one of twice the load steps. After a long run companions may cost as much as it did and
+no more: a method that chooses its step then gets one coarser run.
 """
 
 from collections.abc import Callable, Sequence
@@ -25,6 +25,7 @@ from crashsolve.estimate.mesh import (
     chance_margin,
     coarse_runs,
     window_about,
+    window_about_extreme,
     with_mesh,
 )
 from crashsolve.foundation.errors import SolverError
@@ -47,7 +48,7 @@ MESH = "the mesh"
 # words of channels that read the acceleration of a motion
 SECOND = ("acceleration", "force", "moment", "torque")
 OVER_BUDGET = "further runs would cost more than this one; control.estimate: full makes them"
-# the second where the first does not shorten the steps
+# the second where the first does not shorten the steps, or coarser ones are unstable
 FINER = (0.5, 0.25)
 # of the longest step that sees a load
 APART = 2.0**-0.5
@@ -131,7 +132,8 @@ class Estimator:
             return []
         try:
             for factor in finer:
-                if not runs or is_as_fine(cycles, runs[-1].cycles):
+                # where coarser steps are unstable, one finer run may agree with this by chance
+                if not runs or coarser or is_as_fine(cycles, runs[-1].cycles):
                     runs.append(self.companions.run(factor * coarseness))
         except SolverError as error:
             problems.append(f"a finer run stopped: {error.cause}")
@@ -185,13 +187,25 @@ class Estimator:
         self, errors: NumberErrors, estimate: Estimate, runs: Sequence[Samples]
     ) -> Estimate:
         """An estimate with the error by the mesh, where the samples serve to tell it."""
-        control = self.deck.control
-        about = window_about(estimate.watch, control.start_time, control.last_time)
         try:
+            about = self._about(errors, estimate.watch, runs[0])
             least = chance_margin(errors.numbers(about, runs[:2])) if about else 0.0
             return with_mesh(estimate, errors.numbers(estimate.watch, runs), self.deck, least)
         except ValueError:
             return estimate
+
+    def _about(self, errors: NumberErrors, watch: Watch, main: Samples) -> Watch | None:
+        """The history about the moment or extreme that a number reads; None where it reads none.
+
+        Raises ValueError where samples do not give the number.
+        """
+        control = self.deck.control
+        (channel, *others) = self.channels[watch.channels[0]]
+        # a largest value so far is the same at the end, however histories differ
+        if channel.followed and not others and watch.statistic == "final":
+            watch = replace(watch, statistic="max")
+        moment = window_about(watch, control.start_time, control.last_time)
+        return moment or window_about_extreme(watch, errors.history(watch, main))
 
 
 def with_formulas(estimate: Estimate, deck: Deck) -> Estimate:

@@ -5,7 +5,8 @@
     of opposite signs   error = d1, at least d2 / (2^s (2^s - 1)), where d1 < d2 / 4; else d2
     two meshes          error = d1, that of order 1: contact and yield have no more
     at a moment         at least a quarter of the root mean square of x1 - x2 about that moment:
-                        histories that cross there agree by chance
+    of an extreme       histories that cross there agree by chance; about an extreme, while the
+                        history is in the half of its range that ends there
 
 No error follows from the meshes where x1 and x2 differ by more than half the scale of the number,
 or where d1 is no smaller than d2, or of the other sign, and more than a twentieth of the scale: the
@@ -19,6 +20,7 @@ from math import inf, log2
 
 import numpy as np
 
+from crashsolve.channels.series import Series
 from crashsolve.channels.statistic import requested_moment
 from crashsolve.deck.reading.deck import Deck, read_deck
 from crashsolve.deck.run_cards.statistic import PATH
@@ -40,6 +42,7 @@ MUCH_LESS = 0.25
 # histories about a moment, as a share of the run on either side, and the share of their difference
 # that is no chance: below the mean of |sin|, 0.64 of its largest value
 ABOUT, CHANCE_MARGIN = 0.05, 0.25
+EXTREMES = ("max", "min", "abs_max")
 # share of the cost of the run, and CPU time [s], that its coarser meshes may cost unasked
 SHARE, LEAST = 0.25, 0.3
 OVER_BUDGET = (
@@ -121,8 +124,29 @@ def window_about(watch: Watch, start: float, end: float) -> Watch | None:
     return replace(watch, statistic=PATH, during=window)
 
 
+def window_about_extreme(watch: Watch, series: Series) -> Watch | None:
+    """The history about the extreme that a number reads; None where it reads none.
+
+    That is while the `series` stays in the half of its range that ends at the extreme. A channel
+    that is a largest value so far has its extreme at the end.
+    """
+    if watch.statistic not in EXTREMES:
+        return None
+    signed = np.abs(series.values) if watch.statistic == "abs_max" else series.values
+    signed = -signed if watch.statistic == "min" else signed
+    at = int(np.argmax(signed))
+    lower = np.flatnonzero(signed < 0.5 * (signed[at] + signed.min()))
+    before, after = lower[lower < at], lower[lower > at]
+    first = before[-1] + 1 if len(before) else 0
+    last = after[0] - 1 if len(after) else len(signed) - 1
+    window = (float(series.time[first]), float(series.time[last]))
+    return replace(watch, statistic=PATH, during=window)
+
+
 def chance_margin(paths: Sequence[np.ndarray]) -> float:
-    """The least error by the mesh, of histories (n,) about a moment on this mesh and a coarser."""
+    """The least error by the mesh, of histories (n,) about a moment or an extreme on this mesh and
+    a coarser.
+    """
     return CHANCE_MARGIN * float(np.sqrt(np.mean((paths[0] - paths[1]) ** 2)))
 
 
@@ -148,7 +172,7 @@ def with_mesh(
         )
         return replace(estimate, error=None, how=how, mesh=inf)
     if size < least:
-        size, how = least, f"{how}, which differ more about this moment"
+        size, how = least, f"{how}, whose histories differ more about it"
     time, mesh = (f"{part:.2g} {estimate.unit}".rstrip() for part in (estimate.error, size))
     how = f"time {time}: {estimate.how}; mesh {mesh}: {how}"
     return replace(estimate, error=estimate.error + size, how=how, mesh=size)

@@ -1,5 +1,6 @@
 """What happens between samples is part of the error of numbers that are made of samples.
 
+    largest normal force of a contact:                     peak - shown at least
     largest or least value of a force of a missed contact: + peak - shown
     integral of it:                                                + |impulse - integral|
     acceleration of a body that it strikes:                        + (peak - shown) / m
@@ -8,6 +9,9 @@ A force in a joint, spring or section may miss as much as the contact does. Of H
 like of such a body, of sensors and of stored energies nothing can be said, nor of forces and
 velocities where a load or a prescribed motion has its peak between samples. Consequence to test: no
 extreme or integral across a touch that lies between two samples has an error below its own size.
+
+Where a body moves between samples as none of them shows, extremes and integrals of its motion and
+of all forces but those of contacts have no error.
 """
 
 import re
@@ -38,6 +42,10 @@ class Missed(Protocol):
     def shortfall(self) -> float:
         """Part of the peak that the samples do not show [N]."""
 
+    @property
+    def is_hidden(self) -> bool:
+        """Whether that is most of it."""
+
 
 class MissedCurve(Protocol):
     """A curve of a load or a motion of which the samples miss the range."""
@@ -46,14 +54,26 @@ class MissedCurve(Protocol):
     def name(self) -> str: ...
 
 
+class MissedMotion(Protocol):
+    """A body that moves between samples as they do not show (simulation/missed_motions.py)."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def start(self) -> float: ...
+    @property
+    def end(self) -> float: ...
+
+
 OF_SAMPLES = ("max", "min", "abs_max", "argmax", "argmin", "integral", "mean", "rms")
 # functions whose value at any time is made of samples before it
 RUNNING_FUNCTIONS = re.compile(r"\b(hic|si|clip|cfc|integral|bric)\(")
 FORCES = re.compile(r"\b(jntforc|deforc|secforc)\.[\w-]+\.(force|axial|shear)\b")
 MOVED = re.compile(r"\brbdout\.([\w-]+)\.acceleration\b")
 SENSED = re.compile(r"\b(nodout\.|glstat\.model\.energy\.\w+_stored)")
-
-
+# forces, lengths and angles between bodies; contacts have peaks of all steps
+BETWEEN = re.compile(r"\b(jntforc|deforc|secforc|disbout|bndout|tyrout|beltout|hinge)\.")
+BODY = re.compile(r"\brbdout\.([\w-]+)\.")
 # what a load or a motion between samples changes there; contacts have peaks of all steps
 LOADED = re.compile(r"(force|moment|torque|normal|velocity|acceleration|energy)\b|\bnodout\.")
 
@@ -74,17 +94,49 @@ def _with_missed_curves(estimate: Estimate, curve: str) -> Estimate:
     return replace(estimate, error=None, how=how)
 
 
+def with_missed_motions(
+    estimates: Sequence[Estimate], motions: Sequence[MissedMotion]
+) -> list[Estimate]:
+    """Estimates, without errors of what is made of samples that miss the motion of a body."""
+    return [_with_missed_motions(e, motions) if motions else e for e in estimates]
+
+
+def _with_missed_motions(estimate: Estimate, motions: Sequence[MissedMotion]) -> Estimate:
+    text = " ".join(estimate.watch.channels)
+    is_of_samples = estimate.watch.statistic in OF_SAMPLES or RUNNING_FUNCTIONS.search(text)
+    if estimate.error is None or not is_of_samples:
+        return estimate
+    during = estimate.watch.during
+    if during:
+        motions = [m for m in motions if m.end > during[0] and m.start < during[1]]
+    own = [m for m in motions if m.name in BODY.findall(text)]
+    if BETWEEN.search(text) or SENSED.search(text):
+        own = own or list(motions)
+    if not own:
+        return estimate
+    how = f"not estimated: body '{own[0].name}' moves between samples as none of them shows"
+    return replace(estimate, error=None, how=how)
+
+
 def with_missed_contacts(
     estimates: Sequence[Estimate], missed: Sequence[Missed], mass: dict[str, float]
 ) -> list[Estimate]:
     """Estimates, with the errors by samples of the contacts `missed`; `mass` [kg] of bodies by
     name.
     """
-    return (
-        [_with_missed_contacts(estimate, missed, mass) for estimate in estimates]
-        if missed
-        else list(estimates)
-    )
+    hidden = [m for m in missed if m.is_hidden]
+    known = [_with_known_peak(estimate, missed) for estimate in estimates]
+    return [_with_missed_contacts(e, hidden, mass) for e in known] if hidden else known
+
+
+def _with_known_peak(estimate: Estimate, missed: Sequence[Missed]) -> Estimate:
+    """The estimate of a largest normal force, with all that steps had more than samples."""
+    names = [f"rcforc.{m.name}.normal" for m in missed]
+    text, during = estimate.watch.channels[0].strip(), estimate.watch.during
+    if estimate.error is None or during or estimate.watch.statistic not in ("max", "abs_max"):
+        return estimate
+    shortfall = missed[names.index(text)].shortfall if text in names else 0.0
+    return replace(estimate, error=max(estimate.error, shortfall))
 
 
 def _with_missed_contacts(

@@ -22,8 +22,10 @@ from crashsolve.estimate.estimator import COARSER, Estimator
 from crashsolve.estimate.missed_contacts import (
     Missed,
     MissedCurve,
+    MissedMotion,
     with_missed_contacts,
     with_missed_curves,
+    with_missed_motions,
 )
 from crashsolve.foundation.errors import DeckError, DeckErrors, RunStopped, SolverError
 from crashsolve.output.channels import Family
@@ -103,12 +105,14 @@ class Estimating:
         missed: Sequence[Missed] = (),
         mass: dict[str, float] | None = None,
         curves: Sequence[MissedCurve] = (),
+        motions: Sequence[MissedMotion] = (),
     ) -> bool:
         """Estimate the errors of a finished run; whether it must be run again with other steps.
 
         `cycles` are its steps and `cpu_time` [s] its CPU time; `missed` the contacts whose peaks no
         sample shows (simulation/missed.py), `mass` [kg] those of the bodies, `curves` the loads and
-        motions whose range no sample shows.
+        prescribed motions whose range no sample shows, `motions` the bodies that move between
+        samples as none of them shows.
         """
         start_time = clock.process_time()
         main = read(history, self.estimator.all_channels)
@@ -128,7 +132,8 @@ class Estimating:
         meshes = self._meshes(cpu_time) if compares else []
         estimates = self.estimator.estimates(main, self._companions, meshes)
         estimates = with_missed_contacts(estimates, missed, mass or {})
-        self.estimates = with_missed_curves(estimates, curves)
+        estimates = with_missed_curves(estimates, curves)
+        self.estimates = with_missed_motions(estimates, motions)
         self._companions.append(main)
         self.cpu += clock.process_time() - start_time
         self._report(cpu_time)

@@ -280,6 +280,10 @@ class Model:
         """Contacts whose friction can say how far it is past the regime it was in."""
         return [c for c in self.contact_groups if hasattr(c.friction, "regime_left")]
 
+    def branching_contacts(self) -> list[ContactGroup]:
+        """Contacts whose normal force can say how far it is past the branch it was on."""
+        return [c for c in self.contact_groups if hasattr(c.normal, "branch_left")]
+
     def total_mass(self) -> float:
         """Mass of all bodies and points [kg]."""
         return float(self.mass.sum()) + (self.elements.point_mass if self.elements else 0.0)

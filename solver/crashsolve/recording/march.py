@@ -11,6 +11,8 @@ An interval hides a contact when its ends show too little of the force in it:
     impulse:  |dI - (F_0 + F_1) dt / 2| is more than MISSING_SHARE of the sum of |dI| so far
     stop:     of the first touch, 2 W / (dI v_0) - 1 < SPEED_LEFT: its work W and impulse state
               that bodies of constant mass have lost that much of their closing speed
+    onset:    of the first touch, |dI - (F_0 + F_1) dt / 2| is more than MISSING_SHARE of the
+              impulse m v_0 that stops them, m = dI^2 / 2 (v_0 dI - W)
 
 It hides an acceleration that injury measures need when that at its start says too little of it:
 
@@ -327,13 +329,25 @@ def hides_anything(clock, scene):
             watch.hides = 1
         if known > 0.0 and sqrt(missing) > MISSING_SHARE * mark.borne:
             watch.hides = 1
-        done = 2.0 * (mark.work - history.work)
-        if known == 0.0 and done < (1.0 + SPEED_LEFT) * sqrt(size) * history.fastest:
+        if known == 0.0 and hides_onset(mark, history, sqrt(size), sqrt(missing)):
             watch.hides = 1
     for i in range(scene.job[0].probes):
         if hides_acceleration(scene.probes[i], scene.present_nodes, 2.0 * half):
             watch.hides = 1
     return watch.hides
+
+
+@kernel
+def hides_onset(mark, history, impulse, missing):
+    """Whether a first touch stops its bodies, or the force that it has at the end of the interval
+    is far from linear: `missing` [N s] of the `impulse` is not in a straight line.
+    """
+    speed = history.fastest
+    done = 2.0 * (mark.work - history.work)
+    if done < (1.0 + SPEED_LEFT) * impulse * speed:
+        return True
+    lost = 2.0 * impulse * speed - done
+    return missing * lost > MISSING_SHARE * speed * impulse * impulse
 
 
 @kernel

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.output.files import Json
 from crashsolve.simulation.injury_samples import InjurySamples
-from crashsolve.simulation.missed import missed_peaks
+from crashsolve.simulation.missed import missed_contacts, missed_curves
+from crashsolve.simulation.missed_motions import missed_motions
 from crashsolve.simulation.redundant import arbitrary_reactions, undetermined
 from crashsolve.simulation.remarks import range_warnings, remarks
 from crashsolve.system.contact.balance import contact_warnings
@@ -37,7 +38,12 @@ class Ending:
         engine = self.engine
         yield from law_warnings(engine.model, engine.state)
         yield from range_warnings(engine)
-        yield from (peak.words(self.interval) for peak in missed_peaks(engine, self.history))
+        contacts = [m for m in missed_contacts(engine, self.history) if m.is_hidden]
+        curves = missed_curves(engine, self.history)
+        yield from (missed.words(self.interval) for missed in (*contacts, *curves))
+        if not contacts and not curves:
+            motions = missed_motions(engine, self.history, self.deck)
+            yield from (missed.words() for missed in motions[:1])
         yield from self.injury.warnings()
         yield from arbitrary_reactions(self.undetermined, self.deck)
         if self.deck.control.solution == "transient":

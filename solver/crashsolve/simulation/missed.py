@@ -18,8 +18,10 @@ from crashsolve.model.model import Model
 if TYPE_CHECKING:
     from crashsolve.system.engine import Engine
 
-# a peak of which the samples show less than this share is missed
+# a range of which the samples show less than this share is missed
 SHOWN = 0.5
+# and a peak, of which samples at steps show as much (recording/march.py) as long as they are taken
+SHOWN_PEAK = 0.9
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,11 @@ class Missed:
     def shortfall(self) -> float:
         """Part of the peak that the samples do not show [N]."""
         return self.peak - self.shown
+
+    @property
+    def is_hidden(self) -> bool:
+        """Whether samples show so little of the peak that its run should have more."""
+        return self.shown < SHOWN_PEAK * self.peak
 
     def words(self, interval: float) -> str:
         """The warning of it, for samples `interval` [s] apart."""
@@ -66,11 +73,6 @@ class MissedCurve:
             "accelerations and velocities, HIC and filters miss it; give output.history.interval: "
             f"{self.width / 20.0:.1g}"
         )
-
-
-def missed_peaks(engine: Engine, history: Path) -> list[Missed | MissedCurve]:
-    """All that the samples of a finished run miss."""
-    return [*missed_contacts(engine, history), *missed_curves(engine, history)]
 
 
 def missed_curves(engine: Engine, history: Path) -> list[MissedCurve]:
@@ -111,7 +113,9 @@ def _values(points: np.ndarray, times: np.ndarray) -> np.ndarray:
 
 
 def missed_contacts(engine: Engine, history: Path) -> list[Missed]:
-    """Contacts whose largest normal force no sample shows, by the history of a finished run."""
+    """Contacts whose largest normal force no sample shows wholly, by the history of a finished
+    run.
+    """
     model, missed = engine.model, list[Missed]()
     if not model.contacts:
         return missed
@@ -125,7 +129,7 @@ def missed_contacts(engine: Engine, history: Path) -> list[Missed]:
     bodies = _bodies(model)
     for k, name in enumerate(model.contacts):
         peak, sampled = float(saved["peak_normal"][k]), float(shown[names.index(name)])
-        if sampled < SHOWN * peak:
+        if sampled < peak:
             missed.append(
                 Missed(
                     name,

@@ -313,13 +313,15 @@ class Run:
         self.account.status("running", None, "estimating errors")
         self.heartbeat.does("estimating errors")
         from crashsolve.simulation.missed import missed_contacts, missed_curves
+        from crashsolve.simulation.missed_motions import missed_motions
 
         estimating = self.estimating or self._begin_estimates()
         cycles, cpu = int(self.engine.clock["cycle"]), self.account.cpu_seconds()
         history, model = self.folder / "history.h5", self.engine.model
         mass = dict(zip(model.bodies, model.mass.tolist(), strict=False))
         missed, curves = missed_contacts(self.engine, history), missed_curves(self.engine, history)
-        return estimating.estimate(history, cycles, cpu, missed, mass, curves)
+        motions = missed_motions(self.engine, history, self.deck)
+        return estimating.estimate(history, cycles, cpu, missed, mass, curves, motions)
 
     def _start_anew(self) -> None:
         """Run the deck again from its start, with the steps that the estimates ask for."""

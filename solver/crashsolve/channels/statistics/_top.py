@@ -12,9 +12,9 @@ from crashsolve.channels.series import Series
 
 # a sample that stands out by more than this share of the range stands alone
 SINGLE = 0.3
-# of the change of slope at a corner: a smooth top, whose slope changes evenly, has a third on each
-# side
-STRAIGHT = 0.1
+# of the change of slope at a corner: a smooth top, whose slope changes evenly, has half of it on
+# each side
+STRAIGHT = 0.2
 ROUND_OFF = 1e-9
 # of the range: round-off of an acceleration that is constant
 EQUAL = 1e-11
@@ -122,8 +122,10 @@ def corner(series: Series, at: int) -> tuple[float, float] | None:
     change = rise - fall
     if max(abs(rise - before), abs(after - fall)) > STRAIGHT * change or not rise > 0.0 > fall:
         return None
+    # of sides that bend a little: their slopes half an interval on, at these samples
+    rise, fall = rise + 0.5 * (rise - before), fall - 0.5 * (after - fall)
     span = time[3] - time[2]
-    x = (values[3] - values[2] - fall * span) / change
+    x = (values[3] - values[2] - fall * span) / (rise - fall)
     # a corner at a sample, to the last digits
     is_between = -ROUND_OFF * span <= x <= (1.0 + ROUND_OFF) * span
     return (float(values[2] + rise * x), float(time[2] + x)) if is_between else None

@@ -49,6 +49,7 @@ PARAMETERS = Record("""
 HISTORY = Record("""
     crush        m  deepest loading so far, d
     recoverable  J  recoverable energy of the end
+    is_loading   flag  whether it was being crushed at the end of the step
 """)
 
 
@@ -75,6 +76,7 @@ def normal_force(p: Parameters, old: History, new: History, h, depth, rate, mass
         loss = lost(p, new.crush, curves) - lost(p, old.crush, curves)
     f = max(0.0, spring + p.damping * rate) if spring > 0.0 else 0.0
     new.recoverable = 0.5 * spring * spring / k
+    new.is_loading = 1 if depth >= new.crush and rate > 0.0 else 0
     return f, new.recoverable, (f - spring) * rate, loss, k, p.damping
 
 
@@ -90,6 +92,21 @@ def release(p: Parameters, old: History, new: History):
     """The end stays crushed. Writes: new."""
     new.crush = old.crush
     new.recoverable = 0.0
+    new.is_loading = 0
+
+
+@kernel
+def branch_left(p: Parameters, old: History, h, depth, rate, curves):
+    """Distance beyond the branch on which the step began [m]: of crush the reversal, by the
+    displacement in h, else the deepest loading so far or the end of the force.
+    """
+    if old.is_loading == 1:
+        return -rate * h
+    peak, _, _ = curve_value(curves, p.curve, old.crush)
+    free = old.crush - peak / p.unloading_stiffness
+    if old.recoverable > 0.0:
+        return max(depth - old.crush, free - depth)
+    return depth - free
 
 
 @kernel

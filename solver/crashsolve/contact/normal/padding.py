@@ -51,7 +51,10 @@ HISTORY = Record("""
     slider          m  s
     unloading_work  J  P
     recoverable     J  recoverable energy of the padding
+    branch          index  LOADING, UNLOADING or BETWEEN at the end of the step
 """)
+# on the upper curve, on the lower one, and on the line between them
+LOADING, UNLOADING, BETWEEN = 1, 2, 0
 
 
 def build(card: Padding, scene: Scene, pair: Pair) -> Columns:
@@ -71,10 +74,12 @@ def build(card: Padding, scene: Scene, pair: Pair) -> Columns:
 def normal_force(p: Parameters, old: History, new: History, h, depth, rate, mass, curves):
     """Returns force, stored energy, dissipated power, loss, stiffness, damping. Writes: new."""
     k, s, unloading_work, loss = p.unloading_stiffness, old.slider, old.unloading_work, 0.0
+    new.branch = BETWEEN
     upper, _, _ = curve_value(curves, p.curve, depth)
     lower, _, _ = curve_value(curves, p.unloading_curve, depth)
     spring = k * (depth - s)
     if spring > upper:
+        new.branch = LOADING if rate > 0.0 else BETWEEN
         start = line_meets(curves, p.curve, 1.0, k, s, depth)
         begun = k * (start - s)
         spring, s = upper, depth - upper / k
@@ -84,6 +89,7 @@ def normal_force(p: Parameters, old: History, new: History, h, depth, rate, mass
         unloading_work = work(curves, p.unloading_curve, 1.0, k, meets)
         loss -= unloading_work
     elif spring < lower:
+        new.branch = UNLOADING if rate < 0.0 else BETWEEN
         spring, s = lower, depth - lower / k
         unloading_work = work(curves, p.unloading_curve, 1.0, k, depth)
     new.slider, new.unloading_work = s, unloading_work
@@ -99,6 +105,22 @@ def release(p: Parameters, old: History, new: History):
     new.slider = 0.0
     new.unloading_work = 0.0
     new.recoverable = 0.0
+    new.branch = BETWEEN
+
+
+@kernel
+def branch_left(p: Parameters, old: History, h, depth, rate, curves):
+    """Distance beyond the branch on which the step began [m]: on a curve that of the reversal, by
+    the displacement in h, between them that beyond either.
+    """
+    if old.branch == LOADING:
+        return -rate * h
+    if old.branch == UNLOADING:
+        return rate * h
+    upper, _, _ = curve_value(curves, p.curve, depth)
+    lower, _, _ = curve_value(curves, p.unloading_curve, depth)
+    along = depth - old.slider
+    return max(along - upper / p.unloading_stiffness, lower / p.unloading_stiffness - along)
 
 
 @kernel

@@ -3,9 +3,11 @@ error.
 
     density                   osmium has 22,600 kg/m^3, light foams 10
     wave speed sqrt(E / rho)  soft foams have 10 m/s, diamond 18,000
-    angle                     beyond 2 pi, and whole or half: degrees read as radians
+    angle                     beyond pi, and whole or half: degrees read as radians; a limit, which
+                              may be beyond all motion, beyond 2 pi, of 5 to 360 in steps of 5
     mass over volume          of a primitive or a surface of a body, that of a material
-    length                    a body 200 times farther than all others, and among them in mm
+    length                    a body, or the point of a joint, 200 times farther than all others,
+                              and among them in mm; a section much wider than its beam is long
 
 A density that is too small is reported where g/cm^3, kg/mm^3 or t/mm^3 would make it that of a
 solid: beams without mass and decks in units of their own have others. Cards hold SI. An angle of
@@ -15,7 +17,7 @@ solid: beams without mass and decks in units of their own have others. Cards hol
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import pi, sqrt
+from math import log10, pi, sqrt
 
 import numpy as np
 from pydantic import BaseModel
@@ -31,8 +33,10 @@ DENSITY_UNITS = {"g/cm^3": 1e3, "kg/mm^3": 1e9, "t/mm^3": 1e12}
 FAR, MM = 200.0, 1e3
 # share of the largest length that a difference of two others leaves by round-off
 ROUND_OFF = 1e-14
-# angles that may be beyond all motion
-LIMITS = ("lower", "upper")
+# and a section over its beam: a cube as a single element is one
+WIDE = 2.0
+# angles that may be beyond all motion, as those that are powers of ten are; steps of degrees
+LIMITS, DEGREES = ("lower", "upper"), (5.0, 360.0)
 Entries = Mapping[str, Mapping[str, EntryOfScene]]
 # what a number is called, in `check`, by its unit
 SHOWN = {
@@ -115,12 +119,19 @@ def magnitude_warnings(entries: Entries, is_static: bool) -> list[str]:
 
 def _angles(own: Sequence[Number]) -> Iterator[str]:
     for n in own:
-        is_bare = n.unit == "rad" and (2.0 * n.value).is_integer()
-        if is_bare and 2.0 * pi < abs(n.value) and n.field.split(".")[-1] not in LIMITS:
+        if n.unit == "rad" and _are_degrees(abs(n.value), n.field.split(".")[-1] in LIMITS):
             yield (
                 f"{n}: {n.value:g} rad is {abs(n.value) / (2.0 * pi):.3g} revolutions; "
                 f"were degrees meant? Write '{n.value:g} deg'"
             )
+
+
+def _are_degrees(size: float, is_limit: bool) -> bool:
+    """Whether the size of an angle [rad] is one that a deck states in degrees."""
+    if not is_limit:
+        return size > pi and (2.0 * size).is_integer()
+    step, most = DEGREES
+    return 2.0 * pi < size <= most and size % step == 0.0 and not log10(size).is_integer()
 
 
 def _densities(own: Sequence[Number]) -> Iterator[str]:
@@ -190,22 +201,55 @@ def _wave_speeds(entries: Entries) -> Iterator[tuple[float, str, float, float]]:
 
 
 def _lengths(entries: Entries) -> Iterator[str]:
-    """Positions of bodies that would lie among the others if they were in mm."""
-    bodies = {
-        n: e.card for n, e in entries.get("bodies", {}).items() if hasattr(e.card, "position")
-    }
-    points = {name: np.asarray(card.position, float) for name, card in bodies.items()}
-    if len(points) < 2:
+    """Positions of bodies and joints that would lie among the others if they were in mm, and
+    sections that would fit their beams.
+    """
+    bodies = _points(entries, "bodies", "position")
+    for name, point in bodies.items():
+        others = [p for other, p in bodies.items() if other != name]
+        yield from _far(f"bodies.{name}.position", point, others)
+    # a body has its origin somewhere, the ground has none
+    for name, point in _points(entries, "joints", "at").items():
+        yield from _far(f"joints.{name}.at", point, list(bodies.values()))
+    yield from _thick_beams(entries)
+
+
+def _points(entries: Entries, section: str, field: str) -> dict[str, np.ndarray]:
+    """Points [m] that the cards of a section state in a field, by their entries."""
+    cards = {name: entry.card for name, entry in entries.get(section, {}).items()}
+    points = {name: getattr(card, field, None) for name, card in cards.items()}
+    return {name: np.asarray(at, float) for name, at in points.items() if at is not None}
+
+
+def _far(where: str, point: np.ndarray, points: Sequence[np.ndarray]) -> Iterator[str]:
+    if not points:
         return
-    for name, point in points.items():
-        others = np.array([p for other, p in points.items() if other != name])
-        reach = float(np.linalg.norm(others, axis=1).max())
-        away = float(np.linalg.norm(others - point, axis=1).min())
-        if away > FAR * reach > 0.0 and np.linalg.norm(point) / MM <= reach:
-            yield (
-                f"bodies.{name}.position: {away:.4g} m from all other bodies, which lie within "
-                f"{reach:.4g} m of the origin; were these mm? {_UNITS}"
-            )
+    others = np.array(points)
+    reach = float(np.linalg.norm(others, axis=1).max())
+    away = float(np.linalg.norm(others - point, axis=1).min())
+    if away > FAR * reach > 0.0 and np.linalg.norm(point) / MM <= reach:
+        yield (
+            f"{where}: {away:.4g} m from all other bodies, which lie within "
+            f"{reach:.4g} m of the origin; were these mm? {_UNITS}"
+        )
+
+
+def _thick_beams(entries: Entries) -> Iterator[str]:
+    """Sections much wider than the beams are long that have them."""
+    sections = {name: entry.card for name, entry in entries.get("sections", {}).items()}
+    for name, entry in entries.get("parts", {}).items():
+        mesh, section = getattr(entry.card, "mesh", None), getattr(entry.card, "section", None)
+        start, end = (getattr(mesh, word, None) for word in ("from_", "to"))
+        if section not in sections or start is None or end is None:
+            continue
+        length = float(np.linalg.norm(np.subtract(end, start)))
+        lengths = [(word, x) for word, unit, x in _of_card(sections[section], "") if unit == "m"]
+        for word, x in lengths:
+            if x > WIDE * length:
+                yield (
+                    f"sections.{section}.{word}: {x:.4g} m for the beam '{name}' of "
+                    f"{length:.4g} m; were these mm? {_UNITS}"
+                )
 
 
 _UNITS = (

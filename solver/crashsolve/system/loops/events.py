@@ -12,7 +12,7 @@ from crashsolve.system.contact import (
 from crashsolve.system.loops.approach import depth_before, gaps_of
 from crashsolve.system.loops.many_pairs import before_of_pieces
 from crashsolve.system.loops.pieces import approach_in_pieces
-from crashsolve.system.placeholders import BRANCHES, CONTACTS, NODAL, SLIDING
+from crashsolve.system.placeholders import BRANCHED, BRANCHES, CONTACTS, NODAL, SLIDING
 
 
 @kernel
@@ -60,9 +60,7 @@ def event(current, h, nodes, curves, scene):
             p, old = params[i], history[current, i]
             if old.active == 1:
                 a, b = pairs.elements_a[p.a], pairs.elements_b[p.b]
-                depth, n, x = pairs.narrow.gap(a, b, nodes, pairs.data)
-                if pairs.keeps_faces and old.retains_face == 1:
-                    depth, n, x, _ = pairs.narrow.gap_by(a, b, nodes, pairs.data, old.normal)
+                depth, n, x = gap_of(pairs, a, b, old, nodes)
                 if depth > 0.0:
                     _, slip, _, _ = touches.closing_motion(nodes[a.node], nodes[b.node], x, n)
                     if pairs.is_flat:
@@ -75,7 +73,26 @@ def event(current, h, nodes, curves, scene):
                         slip = areas.combined_slip(nodes[a.node], nodes[b.node], slip, n, radius)
                     past = h * pairs.friction.regime_left(p, old, slip)  # type: ignore[union-attr]
                     farthest = max(farthest, past)
+    for pairs in BRANCHED:
+        params, history = pairs.parameters, pairs.history
+        for i in range(params.shape[0]):
+            p, old = params[i], history[current, i]
+            if old.active == 1:
+                a, b = pairs.elements_a[p.a], pairs.elements_b[p.b]
+                depth, n, x = gap_of(pairs, a, b, old, nodes)
+                rate, _, _, _ = touches.closing_motion(nodes[a.node], nodes[b.node], x, n)
+                past = pairs.normal.branch_left(p, old, h, depth, rate, curves)
+                farthest = max(farthest, past)
     return farthest
+
+
+@stage
+def gap_of(pairs, a, b, old, nodes):
+    """Depth, normal and point of a pair that touched when the step began."""
+    depth, n, x = pairs.narrow.gap(a, b, nodes, pairs.data)
+    if pairs.keeps_faces and old.retains_face == 1:
+        depth, n, x, _ = pairs.narrow.gap_by(a, b, nodes, pairs.data, old.normal)
+    return depth, n, x
 
 
 @kernel

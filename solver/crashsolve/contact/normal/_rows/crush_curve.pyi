@@ -9,5 +9,6 @@ class Parameters(ContactParameters):
 class History(ContactHistory):
     crush: float  # [m] deepest loading so far, d
     recoverable: float  # [J] recoverable energy of the end
+    is_loading: int  # [flag] whether it was being crushed at the end of the step
 
 class Output(ContactOutput): ...

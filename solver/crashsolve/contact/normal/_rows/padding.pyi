@@ -11,5 +11,6 @@ class History(ContactHistory):
     slider: float  # [m] s
     unloading_work: float  # [J] P
     recoverable: float  # [J] recoverable energy of the padding
+    branch: int  # [index] LOADING, UNLOADING or BETWEEN at the end of the step
 
 class Output(ContactOutput): ...
