@@ -132,7 +132,7 @@ ROUTE_HISTORY = Record(f"""
     begun     m      {3 * SURFACES}  where the belt reaches an ellipsoid, its axes
     touches   flag   {SURFACES}  1 where the belt lies on a surface; until clear of it -1
                                  where a fitting was within it, -2 where it has slipped off
-    met       flag   {SURFACES}  1 once the belt has lain on a surface
+    has_lain  flag   {SURFACES}  1 once the belt has lain on a surface
     slipped   flag           the belt has slipped off a surface
     lateral   rad    {SURFACES}  by which it slid across its direction, over a ball or an ellipsoid
     crossed   flag           it slid so by more than a right angle
@@ -335,7 +335,7 @@ def wrap_surface(p, j, old, new, nodes):
     put_triple(new.begun, k, arc.first)
     divide_arc(k, j, arc, middle, lies, old, new)
     new.touches[k] = arc.touches
-    new.met[k] = 1 if arc.touches == 1 else old.met[k]
+    new.has_lain[k] = 1 if arc.touches == 1 else old.has_lain[k]
     if arc.touches == -1:
         new.inside = 1
     farthest = max(abs(arc.first[2]), abs(arc.last[2]))
@@ -397,7 +397,7 @@ def clear_surface(new, k):
     put_triple(new.begun, k, (0.0, 0.0, 0.0))
     put_triple(new.middle, k, (0.0, 0.0, 0.0))
     put_triple(new.lies, k, (0.0, 0.0, 0.0))
-    new.touches[k] = new.met[k] = 0
+    new.touches[k] = new.has_lain[k] = 0
 
 
 @kernel

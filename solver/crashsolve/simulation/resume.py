@@ -1,6 +1,11 @@
-"""The settings of a deck that may change at a restart from a dump."""
+"""The settings of a deck that may change at a restart from a dump; what a new run removes."""
+
+from pathlib import Path
 
 import yaml
+
+from crashsolve.output.files import reported
+from crashsolve.output.restart import SLOTS
 
 # fields of control that affect the continuation only
 FREE_CONTROL = (
@@ -48,3 +53,16 @@ def _paths(old: object, new: object, at: tuple[str, ...] = ()) -> list[tuple[str
         return [] if old == new else [at]
     words = [word for word in {**old, **new} if at or word != "parameters"]
     return [p for word in words for p in _paths(old.get(word), new.get(word), (*at, str(word)))]
+
+
+def clear_folder(folder: Path) -> None:
+    """Remove files of an earlier run that could be mistaken for those of this one.
+
+    Raises: OutputError.
+    """
+    for name in (*SLOTS, "control.txt", "peaks.txt"):
+        path = folder / name
+        # a folder of that name is no request to this run, and is reported when requests are read
+        if name != "control.txt" or not path.is_dir():
+            with reported(path):
+                path.unlink(missing_ok=True)

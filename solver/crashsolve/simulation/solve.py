@@ -52,7 +52,7 @@ from crashsolve.simulation.pictures import Pictures
 from crashsolve.simulation.progress import Account, cpu_time, preparing, provenance
 from crashsolve.simulation.remarks import contacts_without_depth, touching_at_start
 from crashsolve.simulation.requests import Requests, interrupt_as_keyboard
-from crashsolve.simulation.resume import FREE, OF_ERRORS, differing
+from crashsolve.simulation.resume import FREE, OF_ERRORS, clear_folder, differing
 from crashsolve.simulation.shell_steps import remark_on_safety
 from crashsolve.simulation.totals import write_totals
 from crashsolve.system.engine import Engine
@@ -137,7 +137,7 @@ class Run:
         self.notes: list[str] = []
         dump = newest_restart(self.folder, self.notes.append) if restart else None
         if not restart:
-            self._clear_folder()
+            clear_folder(self.folder)
         elif dump is None:
             self.notes.append("no restart dump in the folder: the run begins anew")
         requested = self.deck.output.states.interval
@@ -176,16 +176,6 @@ class Run:
             self._fail(error)
             raise
 
-    def _clear_folder(self) -> None:
-        """Remove files of an earlier run that could be mistaken for those of this one."""
-        for name in (*SLOTS, "control.txt", "peaks.txt"):
-            path = self.folder / name
-            # a folder of that name is no request to this run, and is reported when requests are
-            # read
-            if name != "control.txt" or not path.is_dir():
-                with reported(path):
-                    path.unlink(missing_ok=True)
-
     def _fail(self, error: Exception) -> None:
         """Report the error and save the results so far; the first error is the one that counts."""
         code, message = ExitCode.INTERNAL, f"internal: {error!r}"
@@ -220,7 +210,12 @@ class Run:
         self.engine = self.account.engine = engine
         engine.on_pause = self._handle_requests_at_once
         engine.on_message = self.log.line
-        self.histories = Histories(engine, self._written_channels(engine))
+        written = None
+        if self.deck.output.history.channels is not None:
+            from crashsolve.recording.selection import written_channels
+
+            written = written_channels(self.deck, engine.model, engine.state)
+        self.histories = Histories(engine, written)
         kept, moves = self.histories.kept, not is_static(self.deck)
         self.resampling = Resampling(
             engine, kept, moves, lambda time, is_stored: self.recorder.take(time, is_stored)
@@ -228,14 +223,6 @@ class Run:
         self.pictures = Pictures(engine, self.deck)
         is_free = self.deck.output.states.interval is None and not is_static(self.deck)
         self.events = EventStates(engine, self.schedule, is_free, self.pictures.fields)
-
-    def _written_channels(self, engine: Engine) -> frozenset[str] | None:
-        """Channels that are written, None for all. Raises DeckErrors."""
-        if self.deck.output.history.channels is None:
-            return None
-        from crashsolve.recording.selection import written_channels
-
-        return written_channels(self.deck, engine.model, engine.state)
 
     def _open(self, resumed: float | None) -> None:
         """Evaluate the initial state, unless a dump brought another; open the files."""
@@ -331,7 +318,7 @@ class Run:
         self.account.phases = None
         self.estimating.set_control(self.engine.model.control)
         self.cpu |= {"steps": 0.0, "output": 0.0}
-        self._clear_folder()
+        clear_folder(self.folder)
         self._open(None)
 
     def _is_to_stop(self) -> bool:

@@ -93,8 +93,7 @@ class Engine:
         # how often tables have been bound: others by then are not those of a copy
         self.bindings = 0
         self.bind()
-        self.program = program or compose(model)
-        self._advance = load(self.program, self._present)
+        self._advance = load(program or compose(model), self._present)
         self.masses = EffectiveMasses(self.model)
         # of how the run begins, for the log
         self.notes: list[str] = []
