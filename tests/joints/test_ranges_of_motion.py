@@ -304,6 +304,12 @@ WRONG = {
     "half angles must be at most 2.9 rad": f"{{{CONE}, half_angles: [1, 1, 3, 1], stiffness: 5}}",
     "half_angles: must be greater than 0": f"{{{CONE}, half_angles: [1, 1, 0, 1], stiffness: 5}}",
     "table: azimuths must rise": f"{{{CONE}, table: [[1, 1], [0.5, 1]], stiffness: 5}}",
+    "table: azimuths must be 0.0001 rad or more apart": (
+        f"{{{CONE}, table: [[0, 1], [1.0e-5, 0.9], [1, 1]], stiffness: 5}}"
+    ),
+    "table: azimuths must be 0.0001 rad or more": (
+        f"{{{CONE}, table: [[0, 1], [3, 0.9], [6.28315, 1]], stiffness: 5}}"
+    ),
     "table: needs 2 to 24 azimuths, has 1": f"{{{CONE}, table: [[1, 1]], stiffness: 5}}",
     "table: needs 2 to 24 azimuths, has 0": f"{{{CONE}, table: [], stiffness: 5}}",
     "unloading needs a curve": (

@@ -55,6 +55,9 @@ MAX_ANGLES = 24  # half angles of one cone
 # within a small share of the way
 NEAR = np.geomspace(1e-6, 0.02, 16)
 WITHIN = np.concatenate([NEAR, np.linspace(0.03, 0.97, 32), 1.0 - NEAR[::-1]])
+# [rad] azimuths nearer than this are one for any joint, and the limit between them is so steep that
+# a run would take steps of nanoseconds
+NEAREST = 1e-4
 # sine below which s lies on the axis and has no azimuth
 ON_AXIS = 1e-12
 
@@ -94,6 +97,10 @@ class ConeStop(RangeCard):
             raise ValueError("table: every half angle must be positive")
         if sorted(set(azimuths)) != azimuths or azimuths[-1] - azimuths[0] >= 2.0 * pi:
             raise ValueError("table: azimuths must rise, within one revolution")
+        if np.diff([*azimuths, azimuths[0] + 2.0 * pi]).min() < NEAREST:
+            raise ValueError(
+                f"table: azimuths must be {NEAREST:g} rad or more apart; the limit cannot jump"
+            )
         return self
 
     def limits(self) -> list[tuple[float, float]]:
