@@ -33,5 +33,5 @@ def test_a_surface_that_the_belt_passed_by_is_reported(
     deck.write_text(DECK.format(aside=aside, shape=shape), "utf-8")
     done = crashsolve(deck, "-o", tmp_path / "out")
     assert done.returncode == 0, done.stdout + done.stderr
-    told = "belt 's': it never lay on the surface of its fitting 2" in done.stdout
-    assert told == (aside > 0.1), done.stdout
+    is_reported = "belt 's': it never lay on the surface of its fitting 2" in done.stdout
+    assert is_reported == (aside > 0.1), done.stdout

@@ -133,7 +133,7 @@ ROUTE_HISTORY = Record(f"""
     begun     m      {3 * SURFACES}  where the belt reaches an ellipsoid, its axes
     touches   flag   {SURFACES}  1 where the belt lies on a surface; until clear of it -1
                                  where a fitting was within it, -2 where it has slipped off
-    met       flag   {SURFACES}  1 once the belt has lain on a surface
+    touched   flag   {SURFACES}  1 once the belt has lain on a surface
     slipped   flag           the belt has slipped off a surface
     lateral   rad    {SURFACES}  by which it slid across its direction, over a ball or an ellipsoid
     crossed   flag           it slid so by more than a right angle
@@ -337,7 +337,7 @@ def wrap_surface(p, j, old, new, nodes):
         mean = scale(0.5, add(lies, triple(old.lies, k)))
         new.split[k] = old.split[k] + dot(sub(middle, triple(old.middle, k)), mean)
     new.touches[k] = arc.touches
-    new.met[k] = 1 if arc.touches == 1 else old.met[k]
+    new.touched[k] = 1 if arc.touches == 1 else old.touched[k]
     if arc.touches == -1:
         new.inside = 1
     if p.surface[j] == CYLINDER and arc.touches == 1 and abs(arc.middle[2]) > p.semi[3 * j + 2]:
@@ -398,7 +398,7 @@ def clear_surface(new, k):
     put_triple(new.begun, k, (0.0, 0.0, 0.0))
     put_triple(new.middle, k, (0.0, 0.0, 0.0))
     put_triple(new.lies, k, (0.0, 0.0, 0.0))
-    new.touches[k] = new.met[k] = 0
+    new.touches[k] = new.touched[k] = 0
 
 
 @kernel

@@ -36,7 +36,7 @@ def _unsettled(p: np.void, state: np.void) -> Iterator[str]:
 def _untouched(p: np.void, state: np.void) -> Iterator[str]:
     """Surfaces of a route that the belt passed by from the start of the run to its end."""
     for j in np.flatnonzero(p["surface"]):
-        if not state["met"][surface_row(j)]:
+        if not state["touched"][surface_row(j)]:
             yield (
                 f"it never lay on the surface of its fitting {j + 1}, which it passed by: its "
                 "body was not held; render the start, and lead the belt around the surface by rings"

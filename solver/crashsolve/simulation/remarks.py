@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from crashsolve.foundation.curve import HOLD, REFUSE, curve_value
+from crashsolve.foundation.distinct import distinct
 from crashsolve.foundation.rows import as_rows
 from crashsolve.model.corners import curves_of_time
 from crashsolve.model.ledger import HOURGLASS, INTERNAL, LARGEST
@@ -53,7 +54,7 @@ def deepest_pairs(engine: Engine) -> dict[str, str]:
     for group in model.contact_groups:
         depth, cards = group.history["depth"][current], group.parameters["card"]
         counts += np.bincount(cards, minlength=len(counts))
-        for card in np.unique(cards[depth > deepest[cards]]):
+        for card in distinct(cards[depth > deepest[cards]]):
             pair = int(np.argmax(np.where(cards == card, depth, 0.0)))
             deepest[card], (a, b) = depth[pair], bodies_of_pair(model, group, pair)
             texts[model.contacts[card]] = f"; deepest is {a} on {b}"

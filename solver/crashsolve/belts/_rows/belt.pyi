@@ -41,7 +41,7 @@ class History(ForceHistory):
     wrapped: Numbers[float]  # [rad] angle of a cylinder
     begun: Numbers[float]  # [m] where the belt reaches an ellipsoid, its axes
     touches: Numbers[int]  # [flag] 1 where the belt lies on a surface; until clear of it -1 where a fitting was within it, -2 where it has slipped off
-    met: Numbers[int]  # [flag] 1 once the belt has lain on a surface
+    touched: Numbers[int]  # [flag] 1 once the belt has lain on a surface
     slipped: int  # [flag] the belt has slipped off a surface
     lateral: Numbers[float]  # [rad] by which it slid across its direction, over a ball or an ellipsoid
     crossed: int  # [flag] it slid so by more than a right angle
