@@ -24,7 +24,7 @@ REMARK = "shells set the step, 0.9 is stable too"
 
 
 @pytest.mark.parametrize(
-    ("part", "words", "is_told"),
+    ("part", "words", "is_reported"),
     [
         ("shell", "", True),
         ("shell", ", safety: 0.9", False),
@@ -34,11 +34,11 @@ REMARK = "shells set the step, 0.9 is stable too"
     ],
 )
 def test_the_default_is_named_where_shells_depend_on_it(
-    part: str, words: str, is_told: bool, tmp_path: Path
+    part: str, words: str, is_reported: bool, tmp_path: Path
 ) -> None:
     deck = tmp_path / "deck.yaml"
     text = DECK.format(part=part, words=words) + (SHELL if part == "shell" else BEAM)
     deck.write_text(text, "utf-8")
     done = crashsolve("check", deck)
     assert done.returncode == 0, done.stdout + done.stderr
-    assert (REMARK in done.stdout) == is_told
+    assert (REMARK in done.stdout) == is_reported
