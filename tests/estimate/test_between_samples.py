@@ -157,6 +157,7 @@ watch:
   - {channel: jntforc.rail.force.y, statistic: max}
   - {channel: rbdout.a.acceleration.x, statistic: abs_max, during: [0, 0.06]}
   - {channel: rbdout.a.velocity.x, statistic: final}
+  - {channel: rbdout.a.position.x, statistic: max}
 """
 
 
@@ -169,7 +170,7 @@ def test_a_stop_between_samples_leaves_no_error_of_what_misses_it(
     deck.write_text(STOP.replace("INTERVAL", interval), "utf-8")
     done = crashsolve(deck, "-o", tmp_path / "r", "--set", f"control.integrator={method}")
     assert done.returncode == 0, done.stdout
-    *missing, before, velocity = Result(tmp_path / "r").status["watched"]
+    *missing, before, velocity, position = Result(tmp_path / "r").status["watched"]
     # for pi sqrt(m / k) = 1.4 ms at 68.1 ms it has up to v sqrt(k m) = 13.4 kN
     assert [entry["error"] for entry in missing] == [None] * 3
     assert all("'a' moves between samples" in entry["how"] for entry in missing)
@@ -177,6 +178,8 @@ def test_a_stop_between_samples_leaves_no_error_of_what_misses_it(
     assert before["error"] == 0.0
     assert velocity["value"] == pytest.approx(-3.0, abs=0.01)
     assert velocity["error"] is not None
+    # and of its way that it is seen to go, v / omega beyond the stop
+    assert abs(position["value"] - 0.2043 - 3.0 / math.sqrt(1e7 / 2)) < position["error"]
     assert "give a shorter output.history.interval" in done.stdout
 
 

@@ -11,7 +11,7 @@ velocities where a load or a prescribed motion has its peak between samples. Con
 extreme or integral across a touch that lies between two samples has an error below its own size.
 
 Where a body moves between samples as none of them shows, extremes and integrals of its motion and
-of all forces but those of contacts have no error.
+of all forces but those of contacts have no error, and those of positions a larger one.
 """
 
 import re
@@ -63,9 +63,13 @@ class MissedMotion(Protocol):
     def start(self) -> float: ...
     @property
     def end(self) -> float: ...
+    @property
+    def displacement(self) -> float: ...
 
 
 OF_SAMPLES = ("max", "min", "abs_max", "argmax", "argmin", "integral", "mean", "rms")
+# of them, those in the unit of the channel
+OF_SIZE = ("max", "min", "abs_max", "mean", "rms")
 # functions whose value at any time is made of samples before it
 RUNNING_FUNCTIONS = re.compile(r"\b(hic|si|clip|cfc|integral|bric)\(")
 FORCES = re.compile(r"\b(jntforc|deforc|secforc)\.[\w-]+\.(force|axial|shear)\b")
@@ -74,6 +78,10 @@ SENSED = re.compile(r"\b(nodout\.|glstat\.model\.energy\.\w+_stored)")
 # forces, lengths and angles between bodies; contacts have peaks of all steps
 BETWEEN = re.compile(r"\b(jntforc|deforc|secforc|disbout|bndout|tyrout|beltout|hinge)\.")
 BODY = re.compile(r"\brbdout\.([\w-]+)\.")
+POSITIONS = re.compile(r"\.(position|vector|length|elongation|displacement|angle)\b")
+FORCES_AND_RATES = re.compile(
+    r"(force|moment|torque|axial|shear|rate|velocity|acceleration|energy)\b"
+)
 # what a load or a motion between samples changes there; contacts have peaks of all steps
 LOADED = re.compile(r"(force|moment|torque|normal|velocity|acceleration|energy)\b|\bnodout\.")
 
@@ -114,6 +122,12 @@ def _with_missed_motions(estimate: Estimate, motions: Sequence[MissedMotion]) ->
         own = own or list(motions)
     if not own:
         return estimate
+    others = FORCES_AND_RATES.search(text) or RUNNING_FUNCTIONS.search(text)
+    if POSITIONS.search(text) and not others and estimate.watch.statistic in OF_SIZE:
+        worst = max(own, key=lambda m: m.displacement)
+        missed = f"{worst.displacement:.2g} {estimate.unit}".rstrip()
+        how = f"{estimate.how}; body '{worst.name}' between samples {missed}"
+        return replace(estimate, error=estimate.error + worst.displacement, how=how)
     how = f"not estimated: body '{own[0].name}' moves between samples as none of them shows"
     return replace(estimate, error=None, how=how)
 

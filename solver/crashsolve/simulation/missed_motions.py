@@ -55,6 +55,14 @@ class MissedMotion:
     rate: str  # the channel that does not show it
     hidden: float  # mean of it over the interval that the samples do not show [SI]
 
+    @property
+    def displacement(self) -> float:
+        """What the samples may miss of a position or an angle [m or rad]: a velocity that reverses
+        in the middle of the interval misses a quarter of its change times the interval.
+        """
+        span = self.end - self.start
+        return self.hidden * span * (1.0 if self.rate == "velocity" else 0.25 * span)
+
     def words(self) -> str:
         """The warning of it."""
         return (
