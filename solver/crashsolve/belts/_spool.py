@@ -165,6 +165,19 @@ def spool_force(p, old, mode, q, curves):
 
 
 @kernel
+def spool_direction(new, out, F):
+    """Direction of the flow at the spool, whose locking edge bears the force F."""
+    T, q = out.force[0], new.flow[0]
+    if new.mode == FREE:
+        return 2
+    if new.mode == EMPTY:
+        return 0
+    if new.mode == PULLING:
+        return -1 if q < 0.0 or T < F else 0
+    return 1 if q > 0.0 or (new.mode == LOCKED and T > F) else 0
+
+
+@kernel
 def stroke_left(p, old, curves):
     """Webbing that the pretensioner may yet wind in: to the end of its curve [m]."""
     return max(0.0, curves[curves[p.pretensioner].last].x - old.wound_in)
