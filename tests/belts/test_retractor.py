@@ -186,6 +186,7 @@ def test_an_empty_spool_holds_and_is_reported(tmp_path: Path, words: str, steps:
         ("pull: 5", "needs one of lock_time"),
         ("lock_time: 0, limiter: nothing", "nothing"),
         ("lock_time: 0, limiter: below", "not below zero"),
+        ("lock_time: 0, limiter: falls", "not below zero"),
         ("lock_time: 0, pull: -1", "pull"),
         ("lock_time: -1", "lock_time"),
     ],
@@ -193,6 +194,7 @@ def test_an_empty_spool_holds_and_is_reported(tmp_path: Path, words: str, steps:
 def test_a_retractor_that_makes_no_sense_is_refused(tmp_path: Path, words: str, said: str) -> None:
     text = (
         BODIES + "  below: {points: [[0, 10], [1, -10], [2, 0]]}\n"
+        "  falls: {points: [[0, 10], [1, -10]]}\n"
         "belts:\n  s:\n    webbing: {stiffness: 1e5}\n    route:\n"
         f"      - {{retractor: {{{words}}}}}\n      - {{anchor: {{body: a}}}}\n"
     )

@@ -132,6 +132,26 @@ def test_where_angles_stay_one_step_is_as_good_as_many(tmp_path: Path) -> None:
     assert T[2] / T[1] == pytest.approx(np.exp(0.1 * np.pi / 2), rel=1e-9)
 
 
+@pytest.mark.parametrize("webbing", [ELASTIC, DRAWN])
+def test_the_step_in_which_slack_ends_does_not_matter(tmp_path: Path, webbing: str) -> None:
+    """Slack passes rings in other directions than the webbing that is drawn after it."""
+
+    def end(steps: int) -> np.ndarray:
+        law = belt(tmp_path, webbing, slack=0.0317)
+        for _ in range(steps):
+            for node, move in ((1, (-0.02, 0.1, 0.05)), (2, (0.1, 0.16, -0.1))):
+                law.bench.move(node, r=law.bench.nodes[node].r + np.array(move) / steps)
+            law.force(1e-3)
+            law.accept()
+        return forces(law)
+
+    exact = end(960)
+    errors = [np.abs(end(steps) - exact).max() for steps in (15, 60)]
+    assert exact.min() > 100.0
+    # second order: 16 times less, as angles change
+    assert errors[1] <= errors[0] / 8.0 and errors[1] <= 1e-4 * exact.max()
+
+
 def test_a_reversed_motion_through_a_ring_sticks_then_slips(tmp_path: Path) -> None:
     route = """
       - {anchor: {at: [0, 0, 0]}}

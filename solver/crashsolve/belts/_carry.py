@@ -23,7 +23,7 @@ def divide_arc(k, j, arc, middle, lies, old, new):
         wanted += dot(sub(middle, triple(old.middle, k)), mean)
     half = 0.5 * arc.length if arc.touches == 1 else 0.0
     new.split[k] = max(-half, min(half, wanted))
-    new.excess[k], new.carried[j] = wanted - new.split[k], 0.0
+    new.excess[k] = wanted - new.split[k]
     if new.excess[k] != 0.0:
         i = j if new.excess[k] > 0.0 else j - 1
         stretch = max(old.straight[i] / old.webbing[i], 1.0)

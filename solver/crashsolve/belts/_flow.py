@@ -16,12 +16,13 @@ Reference: OpenRadioss theory manual, slip ring elements.
 from math import exp
 
 from crashsolve.belts._carry import carry_webbing
+from crashsolve.belts._slack import take_up_slack
 from crashsolve.belts._spool import (
     EMPTY,
-    FREE,
     LOCKED,
     PULLING,
     choose_mode,
+    spool_direction,
     spool_force,
     stroke_left,
     webbing_left,
@@ -59,6 +60,7 @@ def solve_flow(p, old, new, out, t, h, curves):
     """
     choose_mode(p, old, new, t)
     carry_webbing(p, old, new)
+    take_up_slack(p, old, new, out)
     for j in range(p.segments + 1):
         mu = p.friction_coefficient[j]
         new.grip[j] = exp(mu * out.angle[j]) if mu > 0.0 else 1.0
@@ -295,19 +297,6 @@ def solve_spool(p, old, new, out, curves):
             low = q
         else:
             high = q
-
-
-@kernel
-def spool_direction(new, out, F):
-    """Direction of the flow at the spool, whose locking edge bears the force F."""
-    T, q = out.force[0], new.flow[0]
-    if new.mode == FREE:
-        return 2
-    if new.mode == EMPTY:
-        return 0
-    if new.mode == PULLING:
-        return -1 if q < 0.0 or T < F else 0
-    return 1 if q > 0.0 or (new.mode == LOCKED and T > F) else 0
 
 
 @kernel

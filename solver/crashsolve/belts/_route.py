@@ -125,7 +125,8 @@ ROUTE_HISTORY = Record(f"""
     half      m      {SURFACES}  half the arc on each surface
     split     m      {SURFACES}  middle of the arc from the point of its body that divides it
     excess    m      {SURFACES}  by which that point would be beyond an end of the arc in the step
-    carried   m      {FITTINGS}  webbing that goes with it past the end, onwards
+    carried   m      {FITTINGS}  webbing that goes with it past the end, and slack that is taken up,
+                                 onwards
     middle    m      {3 * SURFACES}  middle of the arc from the mass centre, body axes
     lies      1      {3 * SURFACES}  direction of the belt there, body axes
     turned    rad    {SURFACES}  angle about a cylinder between its neighbours; tau of an ellipsoid
@@ -359,7 +360,7 @@ def update_route(p, old, new, out, nodes):
     new.inside, new.beyond = old.inside, old.beyond
     new.slipped, new.crossed = old.slipped, old.crossed
     for j in range(p.segments + 1):
-        out.angle[j] = 0.0
+        out.angle[j] = new.carried[j] = 0.0
         if p.surface[j] > 0:
             out.angle[j] = wrap_surface(p, j, old, new, nodes)
         else:

@@ -13,6 +13,7 @@ work of spring and pretensioner where it goes in.
 from math import sqrt
 from typing import ClassVar
 
+import numpy as np
 from pydantic import model_validator
 
 from crashsolve.deck.building import Columns, Scene
@@ -21,6 +22,7 @@ from crashsolve.foundation.curve import curve_value
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.vec3 import put, sub, vec
+from crashsolve.springs._resistance import read
 
 NONE, FREE, PULLING, LOCKED, EMPTY = range(5)
 
@@ -116,7 +118,8 @@ def _force_curve(name: str, field: str, scene: Scene) -> int:
     """A curve of a force over a length from 0."""
     first = int(scene.curve(name))
     part = scene.curve_points[first : scene.curve_points[first]["last"] + 1]
-    if part["x"][0] != 0.0 or (part["c"][:-1, 0] < 0.0).any():
+    force = read(scene.curve_points, first, np.linspace(0.0, part["x"][-1], 1001))
+    if part["x"][0] != 0.0 or (force < 0.0).any():
         raise scene.fail(
             "must begin at 0 and be a force, not below zero", f"route.0.retractor.{field}"
         )
@@ -159,6 +162,19 @@ def spool_force(p, old, mode, q, curves):
     if p.limiter == 0:
         return 1e300, 0.0
     return clamped(curves, p.limiter, old.paid_out + q)
+
+
+@kernel
+def spool_direction(new, out, F):
+    """Direction of the flow at the spool, whose locking edge bears the force F."""
+    T, q = out.force[0], new.flow[0]
+    if new.mode == FREE:
+        return 2
+    if new.mode == EMPTY:
+        return 0
+    if new.mode == PULLING:
+        return -1 if q < 0.0 or T < F else 0
+    return 1 if q > 0.0 or (new.mode == LOCKED and T > F) else 0
 
 
 @kernel

@@ -236,14 +236,12 @@ def clear_history(p: Parameters, new: History):
     for j in range(p.segments, FITTINGS):
         put_triple(new.arrive, j, (0.0, 0.0, 0.0))
         put_triple(new.leave, j, (0.0, 0.0, 0.0))
-        new.slip[j] = new.flow[j] = 0.0
+        new.slip[j] = new.flow[j] = new.carried[j] = 0.0
         new.grip[j], new.direction[j] = 1.0, 0
     new.direction[0] = 0
     # those of the search are written where it needs them
     for j in range(FITTINGS):
         new.above[j] = new.change[j] = 0.0
-        # and those of surfaces where there are some
-        new.carried[j] = 0.0
 
 
 @kernel

@@ -37,7 +37,7 @@ class History(ForceHistory):
     half: Numbers[float]  # [m] half the arc on each surface
     split: Numbers[float]  # [m] middle of the arc from the point of its body that divides it
     excess: Numbers[float]  # [m] by which that point would be beyond an end of the arc in the step
-    carried: Numbers[float]  # [m] webbing that goes with it past the end, onwards
+    carried: Numbers[float]  # [m] webbing that goes with it past the end, and slack that is taken up, onwards
     middle: Numbers[float]  # [m] middle of the arc from the mass centre, body axes
     lies: Numbers[float]  # [1] direction of the belt there, body axes
     turned: Numbers[float]  # [rad] angle about a cylinder between its neighbours; tau of an ellipsoid
