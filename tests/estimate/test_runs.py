@@ -154,7 +154,7 @@ def test_a_finer_run_that_agrees_by_chance_has_another(tmp_path: Path) -> None:
 def test_samples_may_end_with_a_full_block(tmp_path: Path) -> None:
     estimator_of = estimator(tmp_path)
     engine = Engine(*build(estimator_of.deck))
-    recorded = _RecordedSamples(engine, Histories(engine, {"rbdout"}))
+    recorded = _RecordedSamples(engine, Histories(engine))
     engine.start()
     for k in range(recorded.histories.kept.capacity):
         engine.sample(0.0)

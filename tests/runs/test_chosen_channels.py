@@ -55,9 +55,10 @@ CHOSEN = (
 )
 
 
-def written(folder: Path, channels: str) -> Path:
+def written(folder: Path, channels: str, estimate: str = "auto") -> Path:
     deck = folder / "deck.yaml"
-    deck.write_text(DECK.replace("CHANNELS", channels), "utf-8")
+    text = DECK.replace("CHANNELS", channels).replace("rattle}", f"rattle, estimate: {estimate}}}")
+    deck.write_text(text, "utf-8")
     return deck
 
 
@@ -122,8 +123,8 @@ def test_samples_without_gaps_have_the_same_forces(tmp_path: Path, gaps: bool) -
     assert {"rcforc/force/x", "glstat/energy/contact_dissipated"} <= columns
 
 
-def chosen(folder: Path, channels: str) -> set[str]:
-    deck = read_deck(written(folder, channels))
+def chosen(folder: Path, channels: str, estimate: str = "off") -> set[str]:
+    deck = read_deck(written(folder, channels, estimate))
     model, state = build(deck)
     families = families_of(model, state, written_channels(deck, model, state))
     return {name for family in families for name in family.channels()}
@@ -140,10 +141,13 @@ def test_what_the_deck_and_events_need_is_always_written(tmp_path: Path) -> None
     assert "nodout.nose.resultant" in names
     others = ("nodout.nose.velocity", "nodout.seat", "rbdout.box", "jntforc", "rcforc.strike.force")
     assert not [name for name in names if name.startswith(others)]
+    # by which a run that estimates errors knows what its samples miss
+    more = chosen(tmp_path, "[nodout.nose.resultant]", "auto")
+    assert {"rbdout.box.position.x", "rbdout.free.angular_acceleration.z"} <= more - names
 
 
 def test_of_a_sample_only_what_is_chosen_is_copied(tmp_path: Path) -> None:
-    deck = read_deck(written(tmp_path, "[nodout.nose.resultant]"))
+    deck = read_deck(written(tmp_path, "[nodout.nose.resultant]", "off"))
     model, state = build(deck)
     channels = written_channels(deck, model, state)
     both = Histories(Start(model, state)), Histories(Start(model, state), channels)

@@ -230,7 +230,6 @@ loads: {{weight: {{type: gravity}}}}
     [
         (0.0, 2, "' on 'rear_"),
         (0.0, 2, "more than half of the"),
-        (0.1, 2, "the other ('man_"),
         # the chests, 0.24 m deep, meet by 5 mm
         (0.235, 0, "touches at the start"),
         (0.235, 0, "; deepest is 'man_"),

@@ -23,6 +23,9 @@ from crashsolve.recording.samples import needed_for
 ALWAYS = ("glstat", "matsum")
 # quantities that are always written, as events are found by them: of contacts, and of all others
 OF_CONTACTS = ("normal", "peak_normal", "onsets", "first_touch", "last_release")
+# motions of bodies, by which a run that estimates errors knows what its samples miss of them
+# (simulation/missed_motions.py)
+MOTIONS = ("position", "velocity", "acceleration", "angular_velocity", "angular_acceleration")
 OF_EVENTS = ("plastic", "plastic_angle", "plastic_strain", "set", "failed", "deleted")
 
 
@@ -51,15 +54,24 @@ def written_channels(deck: Deck, model: Model, state: State) -> frozenset[str] |
     written.update(name for family in families for name in _always(family))
     watched = [channel for some in look_up(deck, families).values() for channel in some]
     written |= needed_for(watched) | channels_of_report(deck, families)
+    if deck.control.estimate != "off" and (deck.watch or deck.expect):
+        bodies = (family for family in families if family.word == "rbdout")
+        written.update(name for family in bodies for name in _of_quantities(family, MOTIONS))
     return frozenset(written)
 
 
 def _always(family: Family) -> Iterator[str]:
     """Channels of a family that every run writes."""
     quantities = OF_CONTACTS if family.word == "rcforc" else OF_EVENTS
+    if family.word in ALWAYS:
+        quantities = tuple(c.quantity for c in family.columns if c.quantity not in MOMENTA)
+    return _of_quantities(family, quantities)
+
+
+def _of_quantities(family: Family, quantities: Sequence[str]) -> Iterator[str]:
+    """Channels of some quantities of all entities."""
     for k, column in enumerate(family.columns):
-        is_energy = family.word in ALWAYS and column.quantity not in MOMENTA
-        if is_energy or column.quantity in quantities:
+        if column.quantity in quantities:
             yield from (family.channel(entity, k) for entity in range(len(family.ids)))
 
 

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from crashsolve.belts._route import surface_row
 from crashsolve.system.engine import Engine
 
 
@@ -35,6 +34,9 @@ def _unsettled(p: np.void, state: np.void) -> Iterator[str]:
 
 def _untouched(p: np.void, state: np.void) -> Iterator[str]:
     """Surfaces of a route that the belt passed by from the start of the run to its end."""
+    # of scenes with belts alone
+    from crashsolve.belts._route import surface_row
+
     for j in np.flatnonzero(p["surface"]):
         if not state["has_lain"][surface_row(j)]:
             yield (

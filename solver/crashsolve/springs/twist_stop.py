@@ -168,7 +168,10 @@ def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, r
     out.angle, out.margin = angle, min(p.upper - angle, angle - p.lower)
     out.energy = out.stored
     put(out.moment, matvec_t(nodes[p.node_b].A, scale(-out.torque, g)))
-    twist(p, nodes, out.torque, g, p.largest_slope, p.stop_damping)
+    # a moment along g has a stiffness of its own, as the swing rotates g: |dg| <= rotation |g|^2
+    rotation = 0.5 * (1.0 + sqrt(2.0 * max(1.0 - cosine, 0.0)))
+    stiffness = p.largest_slope + rotation * abs(out.torque)
+    twist(p, nodes, out.torque, g, stiffness, p.stop_damping)
 
 
 @kernel

@@ -30,8 +30,9 @@ class History(Card):
         "'rcforc.*.force.x'; all when absent. Of a family every quantity and every entity that a "
         "name fits are written together. Always written are glstat without momenta, matsum, what "
         "shows events (normal forces, onsets and touches of contacts, plastic deformation, "
-        "failure, deletion), and what expect, watch, figures and scenes of the report need. By "
-        "--set, names with blanks between",
+        "failure, deletion), what expect, watch, figures and scenes of the report need, and where "
+        "errors are estimated the motions of bodies, by which the run sees what its samples miss. "
+        "By --set, names with blanks between",
         None,
     )
 
