@@ -17,13 +17,24 @@ from crashsolve.system.flags import law_warnings
 
 if TYPE_CHECKING:
     from crashsolve.output.peaks import Extremes
+    from crashsolve.simulation.missed_motions import MissedMotion
 
 
 class Ending:
-    """The end of a run, whose files in `folder` are closed; samples every `interval` [s]."""
+    """The end of a run, whose files in `folder` are closed; samples every `interval` [s].
 
-    def __init__(self, engine: Engine, deck: Deck, folder: Path, interval: float) -> None:
-        self.engine, self.deck, self.interval = engine, deck, interval
+    `motions` are those that the samples miss, where the estimates of errors have looked for them.
+    """
+
+    def __init__(
+        self,
+        engine: Engine,
+        deck: Deck,
+        folder: Path,
+        interval: float,
+        motions: "list[MissedMotion] | None" = None,
+    ) -> None:
+        self.engine, self.deck, self.interval, self.motions = engine, deck, interval, motions
         self.history = folder / "history.h5"
         self.injury = InjurySamples(deck, folder, interval)
         self.undetermined = undetermined(engine)
@@ -42,7 +53,9 @@ class Ending:
         curves = missed_curves(engine, self.history)
         yield from (missed.words(self.interval) for missed in (*contacts, *curves))
         if not contacts and not curves:
-            motions = missed_motions(engine, self.history, self.deck)
+            motions = self.motions
+            if motions is None:
+                motions = missed_motions(engine, self.history, self.deck)
             yield from (missed.words() for missed in motions[:1])
         yield from self.injury.warnings()
         yield from arbitrary_reactions(self.undetermined, self.deck)

@@ -36,13 +36,15 @@ ROUND_OFF, RATE_ROUND_OFF = 1e-9, 1e-5
 # of the size of the model: what a body moves within an interval while it is at rest
 REST = 1e-10
 # samples that are read at once, times bodies
-PIECE = 1 << 16
+PIECE = 1 << 15
 # a motion and its rate, and the errors of the former
 RATES = (
     ("velocity", "acceleration", RATE_ROUND_OFF),
     ("angular_velocity", "angular_acceleration", RATE_ROUND_OFF),
     ("position", "velocity", ROUND_OFF),
 )
+MOTIONS = tuple(dict.fromkeys(word for one in RATES for word in one[:2]))
+ORDER = {rate: k for k, (_, rate, _) in enumerate(RATES)}
 
 
 @dataclass(frozen=True)
@@ -91,25 +93,30 @@ def missed_motions(engine: Engine, history: Path, deck: Deck) -> list[MissedMoti
         bodies = [k for k, name in enumerate(names) if name in deck.entries["bodies"]]
         if not bodies:
             return []
-        for motion, rate, round_off in RATES:
-            # a run whose errors are estimated writes them (recording/selection.py)
-            if not {motion, rate} <= file["rbdout"].keys():
-                continue
-            least = 0.0
-            if motion == "angular_velocity" and set(RATES[2][:2]) <= file["rbdout"].keys():
-                speeds = (_largest(v) for _, _, v in _pieces(file["rbdout"], *RATES[2][:2], bodies))
-                least = max(speeds, default=0.0) / engine.model.size
-            for time, x, v in _pieces(file["rbdout"], motion, rate, bodies):
+        # a run whose errors are estimated writes all of them (recording/selection.py)
+        words = [word for word in MOTIONS if word in file["rbdout"]]
+        rates = [one for one in RATES if {*one[:2]} <= {*words}]
+        for time, of in _pieces(file["rbdout"], words, bodies):
+            for motion, rate, round_off in rates:
+                x, v = of[motion], of[rate]
+                least = 0.0
+                if motion == "angular_velocity" and "velocity" in of:
+                    least = _largest(of["velocity"]) / engine.model.size
                 noise = round_off * max(_largest(x), least)
                 hidden, tolerance = _hidden(time, x, v, noise, REST * engine.model.size)
                 hidden[time[:-1] <= begin] = 0.0
                 for column in np.flatnonzero((hidden > tolerance).any(axis=0)):
-                    name = names[bodies[column]]
                     k = int((hidden - tolerance)[:, column].argmax())
                     ends, mean = (float(time[k]), float(time[k + 1])), float(hidden[k, column])
-                    if name not in worst or worst[name].rate == rate and worst[name].hidden < mean:
-                        worst[name] = MissedMotion(name, *ends, rate, mean)
+                    _keep_worst(worst, MissedMotion(names[bodies[column]], *ends, rate, mean))
     return list(worst.values())
+
+
+def _keep_worst(worst: dict[str, MissedMotion], one: MissedMotion) -> None:
+    """Keep that of a body with the first of the rates, of these the largest. Writes: worst."""
+    known = worst.get(one.name)
+    if known is None or (-ORDER[one.rate], one.hidden) > (-ORDER[known.rate], known.hidden):
+        worst[one.name] = one
 
 
 def _begin_of_motion(phases: Sequence[Phase]) -> float:
@@ -120,21 +127,20 @@ def _begin_of_motion(phases: Sequence[Phase]) -> float:
 
 
 def _pieces(
-    group: h5py.Group, motion: str, rate: str, bodies: list[int]
-) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """Times (n,), a motion and its rate (n, bodies, 3) of successive samples, which overlap."""
+    group: h5py.Group, words: list[str], bodies: list[int]
+) -> Iterator[tuple[np.ndarray, dict[str, np.ndarray]]]:
+    """Times (n,) and motions (3, n, bodies) of successive samples, which overlap."""
     time = group["time"][:]
     # rows that are reserved and were not written
     time = time[np.isfinite(time)]
     count = max(PIECE // max(len(bodies), 1), 8)
+    columns = slice(None) if len(bodies) == len(group["ids"]) else bodies
     for first in range(0, len(time) - 1, count):
-        rows = slice(max(first - 1, 0), first + count + 3)
-        x, v = (
-            np.stack([group[word][axis][rows][:, bodies] for axis in "xyz"], axis=-1)
-            for word in (motion, rate)
+        rows = slice(max(first - 1, 0), min(first + count + 3, len(time)))
+        yield (
+            time[rows],
+            {w: np.array([group[w][axis][rows][:, columns] for axis in "xyz"]) for w in words},
         )
-        kept = time[rows]
-        yield kept, x[: len(kept)], v[: len(kept)]
 
 
 def _hidden(
@@ -145,15 +151,24 @@ def _hidden(
     and `rest` of that over a rate.
     """
     dt = np.diff(time)[:, None]
-    hidden = np.linalg.norm(np.diff(x, axis=0) / dt[..., None] - 0.5 * (v[1:] + v[:-1]), axis=2)
+    hidden = _sizes(np.diff(x, axis=1) / dt - 0.5 * (v[:, 1:] + v[:, :-1]))
     # of each interval the samples at its ends and the next ones
-    about = np.pad(v, ((1, 1), (0, 0), (0, 0)), mode="edge")
-    four = np.stack([about[k : k + len(dt)] for k in range(4)])
-    spread = np.linalg.norm(four.max(axis=0) - four.min(axis=0), axis=2)
-    largest = np.linalg.norm(four, axis=3).max(axis=0)
-    return hidden, SPREAD * spread + SHARE * largest + noise / dt + rest / dt**2
+    about, count = np.concatenate([v[:, :1], v, v[:, -1:]], axis=1), len(dt)
+    sizes = _sizes(about)
+    high = low = about[:, :count]
+    largest = sizes[:count]
+    for k in range(1, 4):
+        high = np.maximum(high, about[:, k : k + count])
+        low = np.minimum(low, about[:, k : k + count])
+        largest = np.maximum(largest, sizes[k : k + count])
+    return hidden, SPREAD * _sizes(high - low) + SHARE * largest + noise / dt + rest / dt**2
+
+
+def _sizes(x: np.ndarray) -> np.ndarray:
+    """Sizes (n, bodies) of vectors (3, n, bodies)."""
+    return np.sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])
 
 
 def _largest(x: np.ndarray) -> float:
-    """Largest size of vectors (n, bodies, 3)."""
-    return float(np.linalg.norm(x, axis=2).max(initial=0.0))
+    """Largest size of vectors (3, n, bodies)."""
+    return float(_sizes(x).max(initial=0.0))

@@ -60,6 +60,7 @@ from crashsolve.system.engine import Engine
 if TYPE_CHECKING:
     from crashsolve.estimate.runner import Estimating
     from crashsolve.output.restart import Dump
+    from crashsolve.simulation.missed_motions import MissedMotion
 
 # of the steps that an accuracy needs, in a restart dump
 COARSENESS = "run/coarseness"
@@ -123,6 +124,7 @@ class Run:
         self.files = ExitStack()
         self.is_estimated = self.has_begun = False
         self.estimating: Estimating | None = None
+        self.motions: list[MissedMotion] | None = None
         self.overlapping: list[str] = []
         self.schedule = Schedule.of(deck)
         self.history_step = self.schedule.interval
@@ -307,8 +309,8 @@ class Run:
         history, model = self.folder / "history.h5", self.engine.model
         mass = dict(zip(model.bodies, model.mass.tolist(), strict=False))
         missed, curves = missed_contacts(self.engine, history), missed_curves(self.engine, history)
-        motions = missed_motions(self.engine, history, self.deck)
-        return estimating.estimate(history, cycles, cpu, missed, mass, curves, motions)
+        self.motions = missed_motions(self.engine, history, self.deck)
+        return estimating.estimate(history, cycles, cpu, missed, mass, curves, self.motions)
 
     def _start_anew(self) -> None:
         """Run the deck again from its start, with the steps that the estimates ask for."""
@@ -353,7 +355,8 @@ class Run:
         texts = [*self.overlapping]
         # a run that is stopped during its pilot runs has no results
         if self.has_begun:
-            ending = Ending(self.engine, self.deck, self.folder, self.schedule.interval)
+            interval, motions = self.schedule.interval, self.motions
+            ending = Ending(self.engine, self.deck, self.folder, interval, motions)
             self.account.remarks = ending.remarks(self.history.extremes)
             texts += ending.warnings()
         self.account.status(state, code, message)
