@@ -8,6 +8,7 @@
 A stop, a spring with a gap or a belt may catch a body and release it within one interval, and a
 vibration may have a whole number of periods in it. Where samples resolve a motion, h is the error
 of the trapezoidal rule; where a force begins within an interval it is half the range of a at most.
+An interval of one step hides nothing: what differs there is the error of the step.
 Consequence to test: a rebound between two samples is reported, a vibration with three samples a
 half wave is not.
 """
@@ -96,7 +97,10 @@ def missed_motions(engine: Engine, history: Path, deck: Deck) -> list[MissedMoti
         # a run whose errors are estimated writes all of them (recording/selection.py)
         words = [word for word in MOTIONS if word in file["rbdout"]]
         rates = [one for one in RATES if {*one[:2]} <= {*words}]
-        for time, of in _pieces(file["rbdout"], words, bodies):
+        cycles = file["glstat"]["cycle"][:, 0]
+        for rows, time, of in _pieces(file["rbdout"], words, bodies):
+            # samples at the ends of one step miss nothing of it
+            shows_all = (np.diff(cycles[rows]) <= 1.0) | (time[:-1] <= begin)
             for motion, rate, round_off in rates:
                 x, v = of[motion], of[rate]
                 least = 0.0
@@ -104,7 +108,7 @@ def missed_motions(engine: Engine, history: Path, deck: Deck) -> list[MissedMoti
                     least = _largest(of["velocity"]) / engine.model.size
                 noise = round_off * max(_largest(x), least)
                 hidden, tolerance = _hidden(time, x, v, noise, REST * engine.model.size)
-                hidden[time[:-1] <= begin] = 0.0
+                hidden[shows_all] = 0.0
                 for column in np.flatnonzero((hidden > tolerance).any(axis=0)):
                     k = int((hidden - tolerance)[:, column].argmax())
                     ends, mean = (float(time[k]), float(time[k + 1])), float(hidden[k, column])
@@ -128,8 +132,8 @@ def _begin_of_motion(phases: Sequence[Phase]) -> float:
 
 def _pieces(
     group: h5py.Group, words: list[str], bodies: list[int]
-) -> Iterator[tuple[np.ndarray, dict[str, np.ndarray]]]:
-    """Times (n,) and motions (3, n, bodies) of successive samples, which overlap."""
+) -> Iterator[tuple[slice, np.ndarray, dict[str, np.ndarray]]]:
+    """Rows, times (n,) and motions (3, n, bodies) of successive samples, which overlap."""
     time = group["time"][:]
     # rows that are reserved and were not written
     time = time[np.isfinite(time)]
@@ -138,6 +142,7 @@ def _pieces(
     for first in range(0, len(time) - 1, count):
         rows = slice(max(first - 1, 0), min(first + count + 3, len(time)))
         yield (
+            rows,
             time[rows],
             {w: np.array([group[w][axis][rows][:, columns] for axis in "xyz"]) for w in words},
         )
