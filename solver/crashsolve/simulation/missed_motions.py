@@ -37,7 +37,7 @@ ROUND_OFF, RATE_ROUND_OFF = 1e-9, 1e-5
 # of the size of the model: what a body moves within an interval while it is at rest
 REST = 1e-10
 # samples that are read at once, times bodies
-PIECE = 1 << 15
+PIECE = 1 << 13
 # a motion and its rate, and the errors of the former
 RATES = (
     ("velocity", "acceleration", RATE_ROUND_OFF),
