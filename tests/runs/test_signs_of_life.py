@@ -106,6 +106,12 @@ def test_Reporting_leaves_no_trace_in_the_results(
     assert differences(tmp_path, uninterrupted[deck]) == []
 
 
+def run_by(code: str, deck: Path, out: Path) -> subprocess.CompletedProcess[str]:
+    """A run in a process that changes the solver before it calls the command."""
+    words = [sys.executable, "-c", code, str(deck), "-o", str(out)]
+    return subprocess.run(words, capture_output=True, text=True, env=environment())
+
+
 def test_a_sign_of_life_at_the_end_leaves_the_run_finished(tmp_path: Path) -> None:
     deck = tmp_path / "deck.yaml"
     deck.write_text(SCENE.format(**PLAIN), "utf-8")
@@ -116,8 +122,7 @@ def test_a_sign_of_life_at_the_end_leaves_the_run_finished(tmp_path: Path) -> No
         "s.write_totals = lambda account: (totals(account), time.sleep(0.5));"
         "from crashsolve.cli import main; import sys; sys.exit(main(sys.argv[1:]))"
     )
-    words = [sys.executable, "-c", code, str(deck), "-o", str(tmp_path / "out")]
-    done = subprocess.run(words, capture_output=True, text=True, env=environment())
+    done = run_by(code, deck, tmp_path / "out")
     assert done.returncode == 0, done.stderr
     assert "ending the run" in (tmp_path / "out" / "log.txt").read_text("utf-8")
     status = json.loads((tmp_path / "out" / "status.json").read_text("utf-8"))
@@ -280,8 +285,7 @@ def test_a_request_during_pilot_runs_stops_before_the_run_begins(tmp_path: Path)
         "os.kill(os.getpid(), signal.SIGTERM), pilots(*words))[1];"
         "from crashsolve.cli import main; sys.exit(main(sys.argv[1:]))"
     )
-    words = [sys.executable, "-c", code, str(deck), "-o", str(tmp_path / "out")]
-    done = subprocess.run(words, capture_output=True, text=True, env=environment())
+    done = run_by(code, deck, tmp_path / "out")
     assert done.returncode == 3, done.stdout + done.stderr
     assert "Traceback" not in done.stderr
     status = json.loads((tmp_path / "out" / "status.json").read_text("utf-8"))

@@ -8,6 +8,9 @@ from crashsolve.foundation.vec3 import Vector, add_scaled, dot, norm, scale, sub
 # of a belt that passes by: a share of it stays on either side of the surface, as a segment of no
 # length has no strain
 PASSING = 0.1
+# sine of the angle between points opposite each other, as seen from the middle of a ball or an
+# ellipsoid: no line over it is the shortest
+OPPOSITE = 1e-9
 
 
 class Arc(NamedTuple):

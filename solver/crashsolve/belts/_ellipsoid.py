@@ -13,7 +13,7 @@ needles and discs too.
 from math import pi
 from typing import NamedTuple
 
-from crashsolve.belts._arc import Arc, nearest_share, straight_arc
+from crashsolve.belts._arc import OPPOSITE, Arc, nearest_share, straight_arc
 from crashsolve.belts._geodesic import (
     Ray,
     divided,
@@ -39,8 +39,6 @@ RAYS, LONGEST, COARSER = 48, 2.0 * pi, 3.0
 # square of the least distance of the line between the points, over the ellipsoid's own: there the
 # arc is so short that the plane of both points and the centre shows where it begins
 SHALLOW = 0.9
-# sine of the angle between points opposite each other: no line over it is the shortest
-OPPOSITE = 1e-9
 
 
 class Geodesic(NamedTuple):

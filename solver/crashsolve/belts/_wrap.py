@@ -12,13 +12,9 @@ that of an independent search for the shortest line.
 
 from math import acos, atan2, cos, pi, sin, sqrt
 
-from crashsolve.belts._arc import Arc, nearest_share, straight_arc
+from crashsolve.belts._arc import OPPOSITE, Arc, nearest_share, straight_arc
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import add_scaled, cross, dot, norm, scale
-
-# sine of the angle between points opposite each other, as seen from a ball: no line over it is the
-# shortest
-OPPOSITE = 1e-9
 
 
 @kernel
