@@ -41,6 +41,7 @@ def restore(engine: Engine, arrays: dict[str, np.ndarray]) -> None:
             # the step goes on in it, and the restored state may be needed again
             nodal.arrays[name] = _columns(arrays[f"{name}/{nodal.word}"], array.dtype).copy()
     engine.bind()
+    engine.after_restore()
 
 
 def _constant_arrays(engine: Engine) -> dict[str, np.ndarray]:
@@ -151,6 +152,7 @@ class Snapshot:
         if self._arrays is self._targets and self._bound == self.engine.bindings:
             for now, kept in self._pieces.values():
                 now[...] = kept
+            self.engine.after_restore()
             return
         restore(self.engine, self._arrays)
 

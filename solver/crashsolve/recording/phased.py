@@ -61,11 +61,9 @@ class PhasedEngine(Engine):
         self.clock.driver_work = self.clock.largest_work = 0.0
         super().start()
 
-    def bind(self) -> None:
-        """Bind the tables, and set the loads that act, which a dump does not contain."""
-        super().bind()
-        if hasattr(self, "memory"):
-            self._set_loads()
+    def after_restore(self) -> None:
+        """Set the loads that act, which are no part of the State."""
+        self._set_loads()
 
     def _step_by_corners(self, until: float, goal: float) -> None:
         """Step to `until`, from one phase to the next. Raises SolverError."""

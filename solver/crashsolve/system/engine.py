@@ -383,6 +383,9 @@ class Engine:
         arrays["clock"][0]["factored"] = 0.0
         self._advance(time, True, tables.replaced(arrays | leader))
 
+    def after_restore(self) -> None:
+        """Called when a dump or a copy of the State has been restored."""
+
     def finish(self) -> None:
         """Judge the balance of the whole run, however few its steps. Raises SolverError."""
         self._check_pass_through()
@@ -437,14 +440,10 @@ class Engine:
             part = slice(joint.first_row, joint.first_row + joint.rows)
             if gap[part].max() > ASSEMBLY:
                 worst = np.abs(rows["phi"][part]).max()
-                errors.append(
-                    (joint.name, f"is violated by the initial positions: {worst:.3g} (SI)")
-                )
+                violation = f"is violated by the initial positions: {worst:.3g} (SI)"
+                errors.append((joint.name, violation))
             elif (speed[part] / rows["scale"][part]).max() > ASSEMBLY * scale / self.model.size:
-                errors.append(
-                    (
-                        joint.name,
-                        f"is violated by the initial velocities: {speed[part].max():.3g} (SI)",
-                    )
-                )
+                worst = speed[part].max()
+                violation = f"is violated by the initial velocities: {worst:.3g} (SI)"
+                errors.append((joint.name, violation))
         return errors
