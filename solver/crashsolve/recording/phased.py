@@ -144,6 +144,8 @@ class PhasedEngine(Engine):
         self.memory["share"] = share
         self._set_loads()
         self.clock.driver_work += self._potential() - before
+        # the next step begins with the loads that act in it
+        self._renew_forces()
 
     def _potential(self) -> float:
         self._evaluate_now()
