@@ -72,7 +72,8 @@ def test_samples_added_while_loads_rise_have_the_loads_of_their_time(tmp_path: P
 output: {history: {interval: 0.1}}
 bodies: {ball: {mass: 2, inertia: [1, 1, 1], position: [0, 0, 0.1001]}}
 surfaces: {floor: {type: plane}, skin: {type: sphere, body: ball, radius: 0.1}}
-contacts: {c: {a: [skin], b: [floor], normal: {type: kelvin_voigt, stiffness: 1e6, restitution: 0.5}}}
+contacts:
+  c: {a: [skin], b: [floor], normal: {type: kelvin_voigt, stiffness: 1e6, restitution: 0.5}}
 """
     result = solved(tmp_path, WEIGHT + text)
     times = result.series("glstat.model.energy.kinetic").time

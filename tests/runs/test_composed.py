@@ -1,4 +1,6 @@
-"""Claim: the composed step that is kept for a deck is the one that would be composed anew."""
+"""Claims: the composed step that is kept for a deck is the one that would be composed anew, and
+every deck has one.
+"""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -8,6 +10,7 @@ import pytest
 from crashsolve.compiler import program
 from crashsolve.compiler.cache import CHOSEN, cache_folder
 from crashsolve.deck.reading.deck import read_deck
+from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.build import build
 from crashsolve.system.compose import compose, composed
 
@@ -64,3 +67,19 @@ def long_decks() -> list[Path]:
 def test_decks_that_run_rarely_have_a_step(path: Path) -> None:
     """Stages, laws and elements that only they have fit the loops that call them."""
     assert "def advance(" in compose(build(read_deck(path))[0])
+
+
+def contact_decks() -> list[Path]:
+    """Decks that together have all pairs of shapes, and all laws of contact."""
+    return sorted((DECKS / "verification" / "contact").glob("*.yaml"))
+
+
+@pytest.mark.parametrize("method", ["dormand_prince_8", "radau_iia_5"])
+@pytest.mark.parametrize("path", contact_decks(), ids=lambda path: path.stem)
+def test_contacts_have_a_step_of_every_kind_of_method(path: Path, method: str) -> None:
+    """Or the deck is refused; loops that end a step at an event have all tables that they need."""
+    try:
+        model, _ = build(read_deck(path, {"control.integrator": method}))
+    except DeckErrors:
+        return
+    assert "def advance(" in compose(model)

@@ -55,39 +55,61 @@ def event(current, h, nodes, curves, scene):
             past = group.law.event(p[i], history[current, i], h, nodes, curves)
             farthest = max(farthest, past)
     for pairs in SLIDING:
-        params, history = pairs.parameters, pairs.history
-        for i in range(params.shape[0]):
-            p, old = params[i], history[current, i]
-            if old.active == 1:
-                a, b = pairs.elements_a[p.a], pairs.elements_b[p.b]
-                depth, n, x = gap_of(pairs, a, b, old, nodes)
-                if depth > 0.0:
-                    _, slip, _, _ = touches.closing_motion(nodes[a.node], nodes[b.node], x, n)
-                    if pairs.is_flat:
-                        count, radius = pairs.narrow.patch(a, b, nodes, pairs.data, n, x)
-                        if pairs.has_radius:
-                            radius = max(radius, p.torsion_radius)
-                    elif pairs.has_radius:
-                        radius = p.torsion_radius
-                    if pairs.resists_spin:
-                        slip = areas.combined_slip(nodes[a.node], nodes[b.node], slip, n, radius)
-                    past = h * pairs.friction.regime_left(p, old, slip)  # type: ignore[union-attr]
-                    farthest = max(farthest, past)
+        farthest = max(farthest, farthest_slip(pairs, current, h, nodes, scene))
     for pairs in BRANCHED:
-        params, history = pairs.parameters, pairs.history
-        for i in range(params.shape[0]):
-            p, old = params[i], history[current, i]
-            if old.active == 1:
-                a, b = pairs.elements_a[p.a], pairs.elements_b[p.b]
-                depth, n, x = gap_of(pairs, a, b, old, nodes)
-                rate, _, _, _ = touches.closing_motion(nodes[a.node], nodes[b.node], x, n)
-                past = pairs.normal.branch_left(p, old, h, depth, rate, curves)
+        farthest = max(farthest, farthest_closing(pairs, current, h, nodes, curves, scene))
+    return farthest
+
+
+@stage
+def farthest_slip(pairs, current, h, nodes, scene):
+    """The same of friction, whose branches are ranges of the slip speed."""
+    params, history, farthest = pairs.parameters, pairs.history, -1e300
+    for i in range(params.shape[0]):
+        p, old = params[i], history[current, i]
+        if old.active == 1:
+            a, b = pairs.elements_a[p.a], pairs.elements_b[p.b]
+            depth, n, x = gap_of(pairs, a, b, old, nodes, scene)
+            if depth > 0.0:
+                slip = slip_of(pairs, p, n, x, nodes, scene)
+                past = h * pairs.friction.regime_left(p, old, slip)
                 farthest = max(farthest, past)
     return farthest
 
 
 @stage
-def gap_of(pairs, a, b, old, nodes):
+def slip_of(pairs, p, n, x, nodes, scene):
+    """Slip velocity of a pair [m/s], including that of a spin that friction resists."""
+    a, b = pairs.elements_a[p.a], pairs.elements_b[p.b]
+    m, w = nodes[a.node], nodes[b.node]
+    _, slip, _, _ = touches.closing_motion(m, w, x, n)
+    if not pairs.resists_spin:
+        return slip
+    radius = 0.0
+    if pairs.is_flat:
+        _, radius = pairs.narrow.patch(a, b, nodes, pairs.data, n, x)
+    if pairs.has_radius:
+        radius = max(radius, p.torsion_radius)
+    return areas.combined_slip(m, w, slip, n, radius)
+
+
+@stage
+def farthest_closing(pairs, current, h, nodes, curves, scene):
+    """The same of normal forces, whose branches are ranges of depth and closing speed."""
+    params, history, farthest = pairs.parameters, pairs.history, -1e300
+    for i in range(params.shape[0]):
+        p, old = params[i], history[current, i]
+        if old.active == 1:
+            a, b = pairs.elements_a[p.a], pairs.elements_b[p.b]
+            depth, n, x = gap_of(pairs, a, b, old, nodes, scene)
+            rate, _, _, _ = touches.closing_motion(nodes[a.node], nodes[b.node], x, n)
+            past = pairs.normal.branch_left(p, old, h, depth, rate, curves)
+            farthest = max(farthest, past)
+    return farthest
+
+
+@stage
+def gap_of(pairs, a, b, old, nodes, scene):
     """Depth, normal and point of a pair that touched when the step began."""
     depth, n, x = pairs.narrow.gap(a, b, nodes, pairs.data)
     if pairs.keeps_faces and old.retains_face == 1:
