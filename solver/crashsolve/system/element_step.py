@@ -11,7 +11,7 @@ Reference: Belytschko, Liu, Moran and Elkhodary (2014), Nonlinear Finite Element
 from math import sqrt
 
 from crashsolve.foundation.kernels import kernel
-from crashsolve.system.timestep import fit  # noqa: F401  (the time stepper takes it from here)
+from crashsolve.system.timestep import count_rotations, fit  # noqa: F401  (the loops take them here)
 from crashsolve.system.timestep import wanted_step as step_of_bodies
 
 
