@@ -101,7 +101,7 @@ class Key:
     def footer(self, width: float, panel: float) -> float:
         """Height of the legend below pictures on a sheet of this width [inches]."""
         if self.colour_scale.name or not self.names:
-            return FOOTER
+            return FOOTER + NAME_LINE * bool(self.names)
         start, stop = self.between(width, panel)
         lines, _ = name_grid(self.names, stop - start)
         return FOOTER + NAME_LINE * max(lines - NAME_LINES, 0)
@@ -336,8 +336,8 @@ def footer(figure: Figure, key: Key, panel: float, tall: float, bottom_margin: f
     start, stop = key.between(width, panel)
     if key.colour_scale.name:
         _colour_bar(figure, key.colour_scale, (start, stop), bottom_margin - low)
-    elif key.names:
-        _names(axes, key.names, start, stop)
+    if key.names:
+        _names(axes, key.names, (start, stop), 0.02 if key.colour_scale.name else 0.42)
     if key.arrow_size:
         _arrow(axes, key, width - ARROWS_ROOM + 0.15, panel)
 
@@ -404,15 +404,17 @@ def name_grid(names: Sequence[tuple[str, str]], room: float) -> tuple[int, int]:
     return -(-count // columns), columns
 
 
-def _names(axes: Axes, names: Sequence[tuple[str, str]], start: float, stop: float) -> None:
-    """A square of its colour before each name."""
-    shown = shown_names(names)
+def _names(
+    axes: Axes, names: Sequence[tuple[str, str]], ends: tuple[float, float], top: float
+) -> None:
+    """A square of its colour before each name, from a height on downwards."""
+    shown, (start, stop) = shown_names(names), ends
     _, columns = name_grid(names, stop - start)
     step = min((stop - start) / columns, name_width(shown))
     most = max(int(step * LETTERS_PER_INCH) - 3, 5)
     for k, (name, colour) in enumerate(shown):
         row, column = divmod(k, columns)
-        x, y = start + column * step, 0.42 - NAME_LINE * row
+        x, y = start + column * step, top - NAME_LINE * row
         axes.plot([x + 0.05], [y], "s", color=colour, markersize=6)
         axes.text(x + 0.15, y, fitted(name, most), fontsize=8, va="center", color=INK)
 
