@@ -162,11 +162,14 @@ def _film(options: argparse.Namespace) -> int:
     if output.suffix == ".mp4" and not can_write_mp4():
         if options.output:
             raise PostError(
-                f"{output}: imageio_ffmpeg, which writes mp4, is missing: "
+                f"{output}: imageio_ffmpeg, which writes mp4, is missing or does not work: "
                 "pip install 'crashsolve[render]', or name a .gif"
             )
         output = output.with_suffix(".gif")
-        _report("wrote a gif, as imageio_ffmpeg is missing: pip install 'crashsolve[render]'")
+        _report(
+            f"writing {output.name}, as imageio_ffmpeg is missing or does not work: "
+            "pip install 'crashsolve[render]'"
+        )
     task = film_task(
         result,
         output,
