@@ -192,7 +192,7 @@ def _scene(result: "Result", appearance: Json) -> tuple[list[str], Json]:
 
     requested = views.scenes_of(result.stored_json("report", dict))
     scene = requested[0] if requested else views.default_scene(result, States(result.folder))
-    return [str(word) for word in scene.get("at", [])], appearance | views.appearance(scene)
+    return views.reached(result, scene), appearance | views.appearance(scene)
 
 
 def _look(options: argparse.Namespace) -> Json:
