@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from crashsolve.channels.units import BASES, parse_unit
 from crashsolve.curves import file, formula, table
@@ -146,12 +147,24 @@ def test_a_file_without_points_is_refused(text: str, tmp_path: Path) -> None:
         file.File(file=str(path))
 
 
-@pytest.mark.parametrize("text", ["0,0; 0,5\n1,0; 0,7\n", "0,0\t0,5\n1,0\t0,7\n", "0 0,5\n1 0,7\n"])
+@pytest.mark.parametrize(
+    "text",
+    ["0,0; 0,5\n1,0; 0,7\n", "0,0\t0,5\n1,0\t0,7\n", "t a\n0,5 1,5\n1,5 2,5\n", "0 0,5\n1 0,7\n"],
+)
 def test_a_decimal_comma_does_not_part_columns(text: str, tmp_path: Path) -> None:
     path = tmp_path / "points.csv"
     path.write_text(text)
-    with pytest.raises(ValueError, match="diagnostic"):
+    with pytest.raises(ValidationError, match="diagnostic") as caught:
         file.File(file=str(path))
+    assert "decimal points" in caught.value.errors()[0]["ctx"]["advice"]
+
+
+def test_a_file_without_numbers_in_the_columns_says_so(tmp_path: Path) -> None:
+    path = tmp_path / "points.csv"
+    path.write_text('"0.5";"1.5"\n"1.5";"2.5"\n')
+    with pytest.raises(ValidationError) as caught:
+        file.File(file=str(path))
+    assert "no line" in caught.value.errors()[0]["ctx"]["message"]
 
 
 def test_a_byte_order_mark_hides_no_point(tmp_path: Path) -> None:

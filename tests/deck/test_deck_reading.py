@@ -172,12 +172,12 @@ KIND = "must be a number, alone or with a unit"
         (
             "speed=30",
             "the deck has '54 km/h' here, and this is a number without unit; give a number with "
-            "a unit, such as '30 km/h'",
+            "a unit, such as '30 km/h' or '30 m/s'",
         ),
         (
             "speed=30 km",
             "the deck has '54 km/h' here, and this is a number in m; give a number with a "
-            "unit, such as '30 km/h'",
+            "unit, such as '30 km/h' or '30 m/s'",
         ),
         (
             "speed=${count}",

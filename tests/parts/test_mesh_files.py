@@ -177,6 +177,15 @@ def test_nodes_and_elements_are_generated_in_a_part_that_is_one_instance(tmp_pat
     np.testing.assert_allclose(part.mesh.points[corner], [4.0, 4.0, 0.0])
 
 
+def test_an_instance_is_translated_and_then_rotated(tmp_path: Path) -> None:
+    moved = "part=Plate\n1, 0, 0\n1, 0, 0, 1, 0, 2, 90\n"
+    text = GENERATED.replace("part=Plate\n", moved)
+    part = areas(tmp_path, text, "ALL")
+    (corner,) = part.mesh.sets["CORNER"]
+    # (4, 4) to (5, 4), which lies 4 and 4 from the axis at x = 1
+    np.testing.assert_allclose(part.mesh.points[corner], [-3.0, 4.0, 0.0], atol=1e-15)
+
+
 WRONG = {
     "node of a set": ("*NSET, NSET=A\n1, 99\n", "line 17: node 99 of the set is not given before"),
     "element of a set": ("*ELSET, ELSET=A\n99\n", "line 17: element 99 of the set is not given"),
@@ -188,10 +197,20 @@ WRONG = {
     "corner": (S4R + "14, 1, 2, 3, 99\n", "line 17: element 14 names node 99"),
     "corners": (S4R + "14, 1, 2, 3\n", "line 17: element 14 is of type S4R, but 3 nodes follow"),
     "part": ("*Part, name=P\n*End Part\n*Part, name=Q\n", "line 18: a second *PART numbers its"),
-    "moved instance": (
-        "*Instance, name=P-1, part=P\n0, 0, 1\n*End Instance\n",
-        "line 16: *INSTANCE moves its part, which would be ignored",
+    "instance of nothing": ("*Instance, name=P-1, part=P\n", "line 16: there is no *PART 'P'"),
+    "half a move": (
+        "*Part, name=P\n*Instance, name=P-1, part=P\n0, 0, 1\n0, 0, 0\n",
+        "line 17: *INSTANCE needs a translation, and then two points",
     ),
+    "no axis": (
+        "*Part, name=P\n*Instance, name=P-1, part=P\n0, 0, 1\n1, 1, 1, 1, 1, 1, 90\n",
+        "line 19: the two points of the axis are one",
+    ),
+    "too many nodes": (
+        "*NODE\n900000001, 9, 9, 9\n*NGEN\n1, 900000001\n",
+        "line 19: *NGEN makes more than 10000000 numbers",
+    ),
+    "too many layers": ("*ELGEN\n11, 1, 1, 1, 1, 1, 1, 1000000000, 1, 100\n", "names node"),
     "nodes between": ("*NGEN\n1, 99, 1\n", "line 17: node 99 is not given before this line"),
     "steps between": ("*NGEN\n1, 4, 2\n", "line 17: no number of steps of 2 leads"),
     "arc of nodes": ("*NGEN, LINE=C\n1, 4\n", "line 16: *NGEN, LINE=C would be ignored"),

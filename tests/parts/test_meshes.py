@@ -152,10 +152,10 @@ def test_a_file_gives_its_elements_and_its_sets(tmp_path: Path) -> None:
 
 
 def test_what_meshio_passes_over_is_refused_with_its_line(tmp_path: Path) -> None:
-    (tmp_path / "plate.inp").write_text(INP + "*INSTANCE, NAME=A, PART=B\n1,0,0\n", "utf-8")
+    (tmp_path / "plate.inp").write_text(INP + "*NCOPY, OLD SET=A, CHANGE NUMBER=9\n", "utf-8")
     reported = refusal(tmp_path, {"type": "file", "file": "plate.inp"})
-    moved = "*INSTANCE moves its part, which would be ignored; write the mesh flat"
-    assert f"plate.inp, line 15: {moved}" in reported
+    ignored = "*NCOPY would be ignored; write the mesh flat, with nodes and elements"
+    assert f"plate.inp, line 15: {ignored}" in reported
 
 
 def test_nodes_in_round_coordinates_are_refused(tmp_path: Path) -> None:

@@ -114,6 +114,9 @@ def test_a_section_crosses_its_elements_and_moves_with_them(run: Path) -> None:
     assert lines(2 * block.points, edges, shares) == pytest.approx(2 * crossings)
     scene = Scene(States(run), Appearance(sections=(level,)))
     assert ("section cut", "#000000") in scene.legend()
+    # a field has no colours of parts, and the section keeps its name
+    coloured = Scene(States(run), Appearance(sections=(level,), color="plastic_strain"))
+    assert coloured.legend() == [("section cut", "#000000")]
     drawn = [one.ends for one in scene.at(1).lines]
     # this state lies 10 mm further in all directions
     assert any(

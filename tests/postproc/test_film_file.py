@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from crashpost.errors import PostError
-from crashpost.renders.film_file import write_film
+from crashpost.renders.film_file import can_write_mp4, write_film
 
 
 def test_an_encoder_that_does_not_work_is_named(
@@ -27,6 +27,18 @@ def test_an_encoder_that_does_not_work_is_named(
     with pytest.raises(PostError, match=r"needs an encoder that works.*write a \.gif"):
         write_film(tmp_path / "film.mp4", frames, 25.0, (64, 64))
     assert not list(tmp_path.iterdir())
+    # a report then has a gif
+    assert not can_write_mp4()
+
+
+def test_an_encoder_that_is_no_program_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("imageio_ffmpeg")
+    monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", str(tmp_path / "none"))
+    assert not can_write_mp4()
+    with pytest.raises(PostError, match="there is no program"):
+        write_film(tmp_path / "film.mp4", iter([]), 25.0, (64, 64))
 
 
 def test_a_film_that_does_not_reach_the_disk_is_an_error(tmp_path: Path) -> None:

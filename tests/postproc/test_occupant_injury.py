@@ -130,7 +130,7 @@ def test_a_run_shorter_than_the_time_of_a_limit_is_not_assessed_by_it() -> None:
     force = np.full(11, 2e4)
     held = occupant_injury._held_for(np.linspace(0.0, 0.005, 11), force)
     assert held == (None, "needs a history of 10 ms or more")
-    assert occupant_injury._held_for(np.linspace(0.0, 0.02, 11), force) == (20.0, "in one span")
+    assert occupant_injury._held_for(np.linspace(0.0, 0.02, 11), force) == (2e4, "in one span")
 
 
 def test_what_no_sensor_serves_is_named(tmp_path: Path) -> None:
@@ -147,6 +147,9 @@ def test_moments_beside_the_joint_of_the_neck_are_named(tmp_path: Path) -> None:
     table = rows(occupant(tmp_path / "run", DECK + beside + joint), measures)
     row = row_of(table, "Neck", "Nij is without moments")
     assert row[HEADER.index("when")].startswith("of 'rubber'; springs count that name")
+    # what is not whole is not called within its limit
+    index = HEADER.index("verdict")
+    assert row_of(table, "Neck", "Nij")[index] == "not assessed: moments are missing"
     assert not any("without" in row[1] for row in rows(occupant(tmp_path / "other"), measures))
 
 
@@ -182,7 +185,7 @@ def test_a_limit_within_the_error_decides_nothing() -> None:
         "uncertain: within the error",
     ]
     assert verdict(one._replace(value=None), None) == ""
-    assert verdict(one._replace(is_filtered=False), 0.0) == "not assessed: not filtered"
+    assert verdict(one._replace(missing="not filtered"), 0.0) == "not assessed: not filtered"
 
 
 def test_belts_and_ejection_are_among_the_measures(tmp_path: Path) -> None:
@@ -205,12 +208,19 @@ sensors:
     table = injury_table.table(Result(tmp_path / "run"))
     row = row_of(table, "Lap", "largest force")
     assert (row[2], row[-1]) == ("3 kN", "at 50 ms, segment 2")
-    assert row_of(table, "Lap", "largest pay-out")[2] == "0.03 m"
+    assert row_of(table, "Lap", "largest pay-out")[2] == "30 mm"
     assert row_of(table, "Loose", "largest force")[2] == "0 kN"
     # 8 m/s: 0.5 m and 1 m from the seat, between two samples
-    assert row_of(table, "Rear", "leaves the seat")[2] == "0.0625 s"
+    assert row_of(table, "Rear", "leaves the seat")[2] == "62.5 ms"
     never = row_of(table, "Rear", "is ejected")
     assert (never[2], never[-1]) == ("-", "is never 1 m away")
+
+
+def test_measures_are_in_the_units_of_their_page(tmp_path: Path) -> None:
+    result = occupant(tmp_path / "run")
+    row = row_of(rows(result, measures, {"m": "m", "s": "s"}), "Ribs", "deflection")
+    assert (row[2], row[HEADER.index("limit")], row[-1]) == ("0.05 m", "0.042 m", "at 0.05 s")
+    assert row_of(rows(result, measures), "Ribs", "deflection")[-1] == "at 50 ms"
 
 
 def test_the_table_states_whose_limits_it_has(tmp_path: Path) -> None:

@@ -23,6 +23,7 @@ from crashpost.renders.painting import clock
 from crashpost.renders.shapes import GREY, Surface
 from crashpost.renders.sheet import Key
 from crashpost.renders.tasks import film_task, strip_task
+from crashpost.reports.views import reached
 from crashpost.results.moments import moment, split
 from crashpost.results.result import Result
 from crashpost.results.states import States
@@ -108,6 +109,9 @@ def test_a_picture_is_of_the_nearest_state_and_says_its_time(run: Path) -> None:
     assert task.frames == ((1.0, "t = 100 ms"), (3.0, "t = 300 ms"))
     with pytest.raises(PostError, match=r"there are states from 0 s to 0.3 s"):
         strip_task(Result(run), run / "x.png", ["1.0"], "")
+    # a deck's scene shows the end of a run that has ended before
+    scene = {"at": ["0 s", "1 s", "2 s"]}
+    assert reached(Result(run), scene) == ["0 s", "end"]
     # of two states two pictures, unless more are asked for
     for path in sorted((run / "states").glob("*.h5"))[1:-1]:
         path.unlink()

@@ -358,14 +358,14 @@ def test_the_page_says_errors_and_cost(tmp_path: Path) -> None:
         "1.0e-04",
         "6.7e-04",
         "MN",
-        "from 0 to 0.1 s",
+        "from 0 to 100 ms",
         "order &lt;2&gt;",
         "not estimated",
     ):
         assert words in errors
     assert "<b>1.0e-04</b><span>largest estimated error" in text
     cost = text.split('id="cost"')[1].split("</section>")[0]
-    for what, value in (("steps rejected", "7"), ("average step during contact", "2e-05 s")):
+    for what, value in (("steps rejected", "7"), ("average step during contact", "0.02 ms")):
         assert re.search(rf"<td>{what}</td><td class=.num.>{value}</td>", cost)
     assert "after contact" not in cost
     assert "CPU time, steps" in cost

@@ -317,3 +317,38 @@ def test_paraview_itself_reads_and_shows_what_was_written(
     assert len(np.unique(pixels[:, 220:1000].reshape(-1, 3), axis=0)) > 50
     assert not painted[[0, -1]].any()
     assert not painted[:, [0, -1]].any()
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper"),
+    [("type: cylinder, axis: [0, 1, 0], radius: 0.1, length: 1", "type: box, size: [1, 1, 1]")]
+    + [("type: box, size: [1, 1, 1]", "type: cylinder, axis: [0, 1, 0], radius: 0.1, length: 1")],
+)
+def test_forces_of_states_act_on_side_a_whichever_shape_it_has(
+    lower: str, upper: str, tmp_path: Path
+) -> None:
+    deck = tmp_path / "deck.yaml"
+    deck.write_text(
+        f"""
+control: {{end_time: 1e-3}}
+output: {{states: {{interval: 1e-3}}}}
+bodies: {{crate: {{mass: 1, inertia: [1, 1, 1], position: [0, 0, 0.599], velocity: [0, 0, -1]}}}}
+surfaces:
+  lower: {{{lower}}}
+  upper: {{body: crate, {upper}}}
+contacts:
+  hit:
+    a: [upper]
+    b: [lower]
+    normal: {{type: kelvin_voigt, stiffness: 1e5, restitution: 1}}
+""",
+        "utf-8",
+    )
+    done = crashsolve(deck, "-o", tmp_path / "out", CRASHSOLVE_PLAIN="1")
+    assert done.returncode == 0, done.stderr
+    for time in (0.0, 1e-3):
+        force = state_at(tmp_path / "out", time)["contacts/force"].sum(axis=0)
+        expected = channel(tmp_path / "out", "rcforc.hit.force.z", time)
+        assert expected > 0.0
+        # single precision
+        assert force[2] == pytest.approx(expected, rel=1e-6)

@@ -59,7 +59,7 @@ def wait_for(path: Path, seconds: float = BUSY) -> None:
         time.sleep(0.01)
 
 
-@pytest.mark.parametrize("number", first_quick([signal.SIGTERM, signal.SIGHUP]))
+@pytest.mark.parametrize("number", first_quick([signal.SIGTERM, signal.SIGHUP, signal.SIGXCPU]))
 def test_a_run_stopped_by_a_signal_goes_on_to_the_same_bits(
     number: int, deck: Path, uninterrupted: dict[Path, Path], tmp_path: Path
 ) -> None:

@@ -162,11 +162,14 @@ def _film(options: argparse.Namespace) -> int:
     if output.suffix == ".mp4" and not can_write_mp4():
         if options.output:
             raise PostError(
-                f"{output}: imageio_ffmpeg, which writes mp4, is missing: "
+                f"{output}: imageio_ffmpeg, which writes mp4, is missing or does not work: "
                 "pip install 'crashsolve[render]', or name a .gif"
             )
         output = output.with_suffix(".gif")
-        _report("wrote a gif, as imageio_ffmpeg is missing: pip install 'crashsolve[render]'")
+        _report(
+            f"writing {output.name}, as imageio_ffmpeg is missing or does not work: "
+            "pip install 'crashsolve[render]'"
+        )
     task = film_task(
         result,
         output,
@@ -189,7 +192,7 @@ def _scene(result: "Result", appearance: Json) -> tuple[list[str], Json]:
 
     requested = views.scenes_of(result.stored_json("report", dict))
     scene = requested[0] if requested else views.default_scene(result, States(result.folder))
-    return [str(word) for word in scene.get("at", [])], appearance | views.appearance(scene)
+    return views.reached(result, scene), appearance | views.appearance(scene)
 
 
 def _look(options: argparse.Namespace) -> Json:

@@ -37,6 +37,7 @@ from crashpost.figures.style import (
 from crashpost.results.result import Result
 from crashpost.values.figure import Curve, Figure, Pair, Reference, axis_unit
 from crashpost.values.summary import MOMENTS
+from crashpost.values.units import unit_text
 from crashsolve.channels.display import factor
 from crashsolve.channels.series import Series
 
@@ -352,11 +353,6 @@ def fitted_words(text: str) -> str:
 
 def _with_unit(text: str, unit: str) -> str:
     return ", ".join(part for part in (text, unit_text(unit)) if part)
-
-
-def unit_text(unit: str) -> str:
-    """A unit as it is printed: m/s², g, nothing for a pure number."""
-    return {"deg": "°", "g0": "g", "1": ""}.get(unit, unit.replace("^2", "²").replace("^3", "³"))
 
 
 def _embeddable(text: str, title: str, name: str) -> str:

@@ -239,12 +239,13 @@ class Scene:
         return "m/s" if self.appearance.arrows == "velocity" else "N"
 
     def legend(self) -> list[tuple[str, str]]:
-        """Names of the parts drawn in their own colours, with the colours; none by a field.
+        """Names of the parts drawn in their own colours, with the colours, and section cuts.
 
-        None either where colours come again: they only distinguish neighbours then.
+        No parts by a field, or where colours come again: they only distinguish neighbours then.
         """
+        cuts = {"section cut": SECTION} if self.sections else {}
         if self.appearance.color:
-            return []
+            return list(cuts.items())
         names, entries = self.states.names, dict[str, str]()
         for name in ("bodies", "links"):
             block = self.states.blocks.get(name)
@@ -257,9 +258,8 @@ class Scene:
         for k, part in enumerate(names["parts"]):
             if part in self.parts:
                 entries[self._part_label(k)] = self._part_colour(k)
-        if self.sections:
-            entries["section cut"] = SECTION
-        return list(entries.items()) if len(set(entries.values())) == len(entries) else []
+        has_own = len(set(entries.values())) == len(entries)
+        return list(((entries if has_own else {}) | cuts).items())
 
     def _shown(self) -> tuple[set[int], set[str]]:
         """Numbers of the bodies and names of the parts that the look shows."""

@@ -26,20 +26,32 @@ def write_film(path: Path, frames: Iterator[np.ndarray], fps: float, size: tuple
 
 
 def can_write_mp4() -> bool:
-    """Whether imageio-ffmpeg is there."""
-    from importlib.util import find_spec
+    """Whether there is an encoder that can be called."""
+    try:
+        check_encoder()
+    except PostError:
+        return False
+    return True
 
-    return find_spec("imageio_ffmpeg") is not None
 
+def check_encoder() -> None:
+    """Raises PostError without imageio-ffmpeg or the program that it calls."""
+    from shutil import which
 
-def _write_mp4(path: Path, frames: Iterator[np.ndarray], fps: float, size: tuple[int, int]) -> None:
     try:
         import imageio_ffmpeg
 
-        imageio_ffmpeg.get_ffmpeg_exe()
+        program = imageio_ffmpeg.get_ffmpeg_exe()
+        if which(program) is None:
+            raise RuntimeError(f"there is no program '{program}'")
     except (ImportError, RuntimeError) as error:
         advice = "install imageio-ffmpeg anew, or write a .gif"
         raise PostError(f"an mp4 needs an encoder that works: {error}; {advice}") from None
+
+
+def _write_mp4(path: Path, frames: Iterator[np.ndarray], fps: float, size: tuple[int, int]) -> None:
+    check_encoder()
+    import imageio_ffmpeg
 
     # what a file cannot be made for is known here, and lost in the encoder
     path.touch()

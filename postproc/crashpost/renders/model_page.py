@@ -188,7 +188,8 @@ def _key(colour_scale: ColourScale, scene: Scene) -> list[tuple[str, str]]:
             colour_scale.low + share * (colour_scale.high - colour_scale.low)
         ) * colour_scale.scale
         entries.append((f"#{red:02x}{green:02x}{blue:02x}", f"{value:.3g}{unit}"))
-    return [*note, ("", colour_scale.name.replace("_", " ")), *entries]
+    others = [(colour, name) for name, colour in scene.legend()]
+    return [*note, ("", colour_scale.name.replace("_", " ")), *entries, *others]
 
 
 def _thinned(scene: Scene, count: int) -> list[int]:

@@ -115,7 +115,7 @@ class Painter:
             SHARP, boundary_edges=True, non_manifold_edges=False, manifold_edges=False
         )
         if edges.n_cells:
-            _add(renderer, edges, None, EDGE, opacity=0.6)
+            _add(renderer, edges, None, EDGE)
         _add(renderer, mesh, mesh.cell_data["colour"], "", is_lit=True)
 
     def _look(self, renderer: vtkRenderer, camera: Camera) -> None:

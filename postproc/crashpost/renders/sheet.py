@@ -6,7 +6,6 @@ change.
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -25,6 +24,7 @@ from crashpost.figures.style import INK, MATPLOTLIB, MUTED
 from crashpost.renders.camera import Camera, round_length
 from crashpost.renders.colour_scale import ColourScale
 from crashpost.renders.shapes import ARROW
+from crashpost.renders.title import lines_of
 from crashsolve.channels.display import factor, readable
 
 if TYPE_CHECKING:
@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 
 # inches
 WIDTH, LEAST_WIDTH, GAP, CAPTION, TITLE, LINE, FOOTER = 7.2, 4.8, 0.12, 0.24, 0.36, 0.18, 0.66
+# letters of titles [points]
+TITLE_SIZE, FILM_TITLE_SIZE = 10.5, 8.5
 # around the sheet; room for the legend of arrows
 PAD, ARROWS_ROOM = 0.07, 1.65
 # a picture this many times as wide as high is put below the one before, not beside it
@@ -45,10 +47,10 @@ LETTERS_PER_INCH, NAME_LINES, NAME_LINE = 13.0, 2, 0.2
 LONGEST_ARROW, LEAST_BAR = 1.0, 0.4
 # room for the heading of close-ups [inches]
 CLOSE_UP_HEAD = 0.42
-# of a film: heights of the picture over the film's width, least width [pixels], frame above and
-# below the picture [inches], letters of a title for each pixel
+# of a film: heights of the picture over the film's width, least width [pixels], frame above
+# the picture [inches]
 FILM_HEIGHTS, NARROWEST = (0.16, 0.6), 480
-FILM_HEAD, LETTERS = 0.52, 84 / 960
+FILM_HEAD = 0.52
 # with colours or names beside arrows [pixels]
 NARROWEST_WITH_ARROWS = 720
 # left white below the legend of a film, where players lay their controls [inches]
@@ -101,7 +103,7 @@ class Key:
     def footer(self, width: float, panel: float) -> float:
         """Height of the legend below pictures on a sheet of this width [inches]."""
         if self.colour_scale.name or not self.names:
-            return FOOTER
+            return FOOTER + NAME_LINE * bool(self.names)
         start, stop = self.between(width, panel)
         lines, _ = name_grid(self.names, stop - start)
         return FOOTER + NAME_LINE * max(lines - NAME_LINES, 0)
@@ -155,8 +157,9 @@ class Layout:
 
 
 def wrapped(title: str, width: float) -> list[str]:
-    """A title in lines that fit a width [inches]."""
-    return textwrap.wrap(title, max(int(width * 11.5), 20))
+    """A title in lines that fit a sheet of this width [inches]."""
+    with mpl.rc_context(MATPLOTLIB):
+        return lines_of(title, width - 2.0 * PAD, TITLE_SIZE)
 
 
 def layout(captions: Sequence[str], aspect: float, title: str, width: float = WIDTH) -> Layout:
@@ -207,11 +210,9 @@ class Sheet:
         self.window = film_window(size, position.below)
         with mpl.rc_context(MATPLOTLIB):
             figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI)
-            most = round(width * LETTERS)
-            fitted = title if len(title) <= most else title[: most - 3] + "..."
-            figure.text(
-                0.02, 1 - 0.17 * DPI / height, fitted, va="center", fontsize=8.5, weight="bold"
-            )
+            line = "".join(lines_of(title, 0.96 * width / DPI, FILM_TITLE_SIZE, 1))
+            high = 1 - 0.17 * DPI / height
+            figure.text(0.02, high, line, va="center", fontsize=FILM_TITLE_SIZE, weight="bold")
             figure.text(
                 0.98,
                 1 - 0.40 * DPI / height,
@@ -285,7 +286,12 @@ def head(figure: Figure, title: str) -> None:
         width, height = figure.get_size_inches()
         text = "\n".join(wrapped(title, width))
         figure.text(
-            PAD / width, 1 - (PAD + 0.03) / height, text, va="top", fontsize=10.5, weight="bold"
+            PAD / width,
+            1 - (PAD + 0.03) / height,
+            text,
+            va="top",
+            fontsize=TITLE_SIZE,
+            weight="bold",
         )
 
 
@@ -336,8 +342,8 @@ def footer(figure: Figure, key: Key, panel: float, tall: float, bottom_margin: f
     start, stop = key.between(width, panel)
     if key.colour_scale.name:
         _colour_bar(figure, key.colour_scale, (start, stop), bottom_margin - low)
-    elif key.names:
-        _names(axes, key.names, start, stop)
+    if key.names:
+        _names(axes, key.names, (start, stop), 0.02 if key.colour_scale.name else 0.42)
     if key.arrow_size:
         _arrow(axes, key, width - ARROWS_ROOM + 0.15, panel)
 
@@ -404,15 +410,17 @@ def name_grid(names: Sequence[tuple[str, str]], room: float) -> tuple[int, int]:
     return -(-count // columns), columns
 
 
-def _names(axes: Axes, names: Sequence[tuple[str, str]], start: float, stop: float) -> None:
-    """A square of its colour before each name."""
-    shown = shown_names(names)
+def _names(
+    axes: Axes, names: Sequence[tuple[str, str]], ends: tuple[float, float], top: float
+) -> None:
+    """A square of its colour before each name, from a height on downwards."""
+    shown, (start, stop) = shown_names(names), ends
     _, columns = name_grid(names, stop - start)
     step = min((stop - start) / columns, name_width(shown))
     most = max(int(step * LETTERS_PER_INCH) - 3, 5)
     for k, (name, colour) in enumerate(shown):
         row, column = divmod(k, columns)
-        x, y = start + column * step, 0.42 - NAME_LINE * row
+        x, y = start + column * step, top - NAME_LINE * row
         axes.plot([x + 0.05], [y], "s", color=colour, markersize=6)
         axes.text(x + 0.15, y, fitted(name, most), fontsize=8, va="center", color=INK)
 

@@ -71,7 +71,7 @@ class _Report:
             block("pictures", "Pictures", self.views()),
             block("events", "What happened", _events(result, self.page_units)),
             block("curves", "Curves", self.figures(self.chosen)),
-            block("injury", "Injury", _injury(result)),
+            block("injury", "Injury", _injury(result, self.page_units)),
             block("expectations", "Expectations", _verdicts(self.verdicts, self.page_units)),
             block("peaks", "Peaks", _peaks(result, self.page_units)),
             block("errors", "Estimated errors", _errors(result, self.page_units)),
@@ -79,7 +79,7 @@ class _Report:
                 "energy", "Energy", _energies(result, self.page_units), self.figures(self.energy)
             ),
             block("momentum", "Momentum", self.figures(self.momentum)),
-            block("cost", "Steps and cost", _cost(result)),
+            block("cost", "Steps and cost", _cost(result, self.time_unit)),
             block("warnings", "Warnings", _warnings(result)),
             block("model", "Model", _model(result)),
             block("literature", "Literature of the laws used", _sources(result)),
@@ -99,7 +99,7 @@ class _Report:
     def heading(self, sections: Sequence[str]) -> str:
         state = str(self.result.status.get("state", "unknown"))
         css_class = "good" if state in GOOD else "bad" if state in BAD else ""
-        line = status_line(self.result).removeprefix(state).lstrip(", ")
+        line = status_line(self.result, self.time_unit).removeprefix(state).lstrip(", ")
         message = self.result.status.get("message")
         names = [s.split('"')[1] for s in sections if s]
         links = "".join(f'<a href="#{name}">{name.capitalize()}</a>' for name in names)
@@ -182,7 +182,8 @@ def _verdicts(verdicts: list[Verdict], page_units: PageUnits) -> str:
         numbers = [value, f"{expected.value:.7g}", expected.tolerance_text, deviation, verdict.unit]
         reason = verdict.problem or f"{expected.because}: {expected.source}"
         outcome = "pass" if one.passed else "FAIL"
-        rows.append([outcome, expected.channel, expected.statistic_text, *numbers, reason])
+        statistic = expected.statistic_over(page_units.unit("s"))
+        rows.append([outcome, expected.channel, statistic, *numbers, reason])
     header = (
         "",
         "channel",
@@ -203,8 +204,8 @@ def _errors(result: Result, page_units: PageUnits) -> str:
     return table(ERRORS, rows, ("name", "num", "unit", "num", "num", ""))
 
 
-def _cost(result: Result) -> str:
-    return table(("", "value"), cost_rows(result), ("", "num"))
+def _cost(result: Result, time_unit: str) -> str:
+    return table(("", "value"), cost_rows(result, time_unit), ("", "num"))
 
 
 def _energies(result: Result, page_units: PageUnits) -> str:
@@ -234,8 +235,8 @@ def _events(result: Result, page_units: PageUnits) -> str:
     return table((f"at, {page_units.unit('s')}", "what"), rows, ("num", ""))
 
 
-def _injury(result: Result) -> str:
-    rows = injury_table.table(result)
+def _injury(result: Result, page_units: PageUnits) -> str:
+    rows = injury_table.table(result, page_units.of)
     note = f"<p class=note>{' '.join(injury_table.notes(rows))}</p>" if rows else ""
     return table(HEADER, rows, tuple("num" if head in NUMERIC else "" for head in HEADER)) + note
 

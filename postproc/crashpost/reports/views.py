@@ -93,6 +93,14 @@ def default_scene(result: Result, states: States) -> Json:
     return defaults
 
 
+def reached(result: Result, scene: Json) -> list[str]:
+    """The moments of a scene; the end in place of those that a run which ended before has not."""
+    at, last = [str(word) for word in scene.get("at", [])], float(States(result.folder).times[-1])
+    end = float(result.time[-1]) if len(result.time) else last
+    shown = [word if moment(result, word, last).time <= max(end, last) else "end" for word in at]
+    return [word for k, word in enumerate(shown) if word != "end" or word not in shown[:k]]
+
+
 def _in_order(result: Result, states: States, at: Sequence[object]) -> list[object]:
     last = float(states.times[-1])
     numbers = {states.nearest(moment(result, str(word), last).time): word for word in at[::-1]}
@@ -107,7 +115,7 @@ def _tasks(
 
     tasks = []
     for k, scene in enumerate(scenes):
-        at = [str(word) for word in scene.get("at", [])]
+        at = reached(result, scene)
         title = scene.get("title", "")
         words = appearance(scene) | {"time_unit": time_unit}
         tasks.append(strip_task(result, folder / f"{k}.png", at, title, **words))

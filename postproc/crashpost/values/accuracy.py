@@ -5,6 +5,7 @@ from collections.abc import Callable
 from crashpost.results.result import Result
 from crashpost.results.status import Json
 from crashpost.results.table import number, text_table
+from crashsolve.channels.display import factor
 from crashsolve.channels.series import Window
 
 HEADER = ("watched channel", "value", "unit", "error", "of its scale", "how")
@@ -61,13 +62,15 @@ def worst_error(result: Result) -> float | None:
     return max((share for share in shares if share is not None), default=None)
 
 
-def cost_rows(result: Result) -> list[list[str]]:
-    """Steps, errors of the constraints and CPU time, each with its name; those that exist."""
+def cost_rows(result: Result, time_unit: str) -> list[list[str]]:
+    """Steps, errors of the constraints and CPU time [s], each with its name; those that exist."""
     status = result.status
     rows = [[label, _reported(status.get(key), unit)] for key, label, unit in COSTS]
-    steps = status.get("average_step") or {}
+    steps, size = status.get("average_step") or {}, factor("s", time_unit)
     rows += [
-        [f"average step {phase} contact", _reported(step, "s")] for phase, step in steps.items()
+        [f"average step {phase} contact", _reported(step * size, time_unit)]
+        for phase, step in steps.items()
+        if isinstance(step, int | float)
     ]
     stages = status.get("cpu_stages") or {}
     rows += [[f"CPU time, {stage}", _reported(seconds, "s")] for stage, seconds in stages.items()]
@@ -78,7 +81,8 @@ def _row(entry: Json, shown: Callable[[str], tuple[str, float]]) -> list[str]:
     error, relative = entry.get("error"), _relative(entry)
     name = f"{entry.get('channel')} {entry.get('statistic')}"
     if entry.get("during"):
-        name += " from {:g} to {:g} s".format(*entry["during"])
+        time_unit, size = shown("s")
+        name += " from {:g} to {:g} ".format(*(t * size for t in entry["during"])) + time_unit
     value = entry.get("value")
     unit, size = shown(str(entry.get("unit") or ""))
     return [

@@ -46,9 +46,14 @@ class Expectation:
     @property
     def statistic_text(self) -> str:
         """The statistic with its time window."""
+        return self.statistic_over("s")
+
+    def statistic_over(self, time_unit: str) -> str:
+        """The statistic with its time window in a unit."""
         if self.during is None:
             return self.statistic
-        return f"{self.statistic}, {self.during[0]:g} to {self.during[1]:g} s"
+        start, end = (time * factor("s", time_unit) for time in self.during)
+        return f"{self.statistic}, {start:g} to {end:g} {time_unit}"
 
     def in_unit(self, unit: str) -> "Expectation":
         """The expectation in another unit; raises PostError where that measures something else."""

@@ -15,7 +15,6 @@ as they are, and the measure states it.
 """
 
 from dataclasses import dataclass, replace
-from functools import partial
 
 from crashpost.errors import PostError
 from crashpost.results.answer import answer
@@ -32,17 +31,17 @@ from crashsolve.channels.roles import CLASSES
 
 HIC = ("15 ms", "36 ms")
 CLIP = "3 ms"
-# greatest values allowed, of HIC and in g, and where
+# [m/s^2]
+G0 = 9.80665
+# greatest values allowed, of HIC and in SI units, and where
 LIMITS = {
     "head": {
         "HIC, 15 ms": (700.0, "49 CFR 571.208"),
         "HIC, 36 ms": (1000.0, "UN R94"),
-        "3 ms clip": (80.0, "UN R94"),
+        "3 ms clip": (80.0 * G0, "UN R94"),
     },
-    "chest": {"3 ms clip": (60.0, "49 CFR 571.208")},
+    "chest": {"3 ms clip": (60.0 * G0, "49 CFR 571.208")},
 }
-# measure, value, unit and when
-Number = tuple[str, float | None, str, str]
 
 
 @dataclass(frozen=True)
@@ -86,7 +85,7 @@ def measures(result: Result) -> list[Measure]:
         measured.append(Measure(position.name, position.filter or "not filtered", when=message))
         held = "as instruments show it" if position.has_gravity else "left out"
         measured.append(Measure(position.name, "gravity", when=held))
-        measured += [_with_limit(position, *one) for one in _measures(result, position)]
+        measured += [_with_limit(position, one) for one in _measures(result, position)]
     return measured + _unwritten(result)
 
 
@@ -123,28 +122,32 @@ def injury_figures(result: Result) -> list[Figure]:
     return figures
 
 
-def _measures(result: Result, position: SensorPosition) -> list[Number]:
-    """Measure, value, unit and when."""
-    message = partial(_reported, result)
-    clip = f"clip({position.channel}, '{CLIP}')"
-    measured = [_peak(result, position.channel), ("3 ms clip", *message(clip, "max", "g"))]
+def _measures(result: Result, position: SensorPosition) -> list[Measure]:
+    """The measures of a position, without their limits."""
+    name, channel = position.name, position.channel
+    measured = [_peak(result, position), Measure(name, f"{CLIP} clip", *_clip(result, channel))]
     if position.role == "head":
-        measured += [_hic(result, position.channel, window) for window in HIC]
-        measured.append(("Severity Index", *message(f"si({position.channel})", "final")))
+        measured += [_hic(result, position, window) for window in HIC]
+        value, message = _reported(result, f"si({channel})", "final")
+        measured.append(Measure(name, "Severity Index", value, when=message))
     if position.role == "vehicle":
         try:
-            measured += pulse_measures(result, position.sensor)
+            measured += pulse_measures(result, position.sensor, name)
         except PostError as reason:
-            measured.append(("velocity change and OLC", None, "", str(reason)))
+            measured.append(Measure(name, "velocity change and OLC", when=str(reason)))
     return measured
 
 
-def _with_limit(
-    position: SensorPosition, measure: str, value: float | None, unit: str, when: str
-) -> Measure:
-    limit, source = LIMITS.get(position.role, {}).get(measure, (None, ""))
-    is_filtered = not position.plain_because
-    return Measure(position.name, measure, value, unit, when, limit, source, is_filtered)
+def _clip(result: Result, channel: str) -> tuple[float | None, str, str]:
+    """The 3 ms clip with its unit, and why there is none."""
+    value, message = _reported(result, f"clip({channel}, '{CLIP}')", "max")
+    return value, "m/s^2", message
+
+
+def _with_limit(position: SensorPosition, one: Measure) -> Measure:
+    limit, source = LIMITS.get(position.role, {}).get(one.measure, (None, ""))
+    missing = "not filtered" if position.plain_because else ""
+    return one._replace(limit=limit, source=source, missing=missing)
 
 
 def _marks(result: Result, position: SensorPosition, peak: float) -> tuple[Reference, ...]:
@@ -165,31 +168,28 @@ def _marks(result: Result, position: SensorPosition, peak: float) -> tuple[Refer
     return tuple(marks)
 
 
-def _peak(result: Result, channel: str) -> Number:
-    when = result.value(channel, "argmax")
-    peak = result.value(channel, "max", unit="g0")
-    return "largest acceleration", peak, "g", f"at {1e3 * when:.5g} ms"
+def _peak(result: Result, position: SensorPosition) -> Measure:
+    when, peak = (result.value(position.channel, statistic) for statistic in ("argmax", "max"))
+    return Measure(position.name, "largest acceleration", peak, "m/s^2", "at {}", times=(when,))
 
 
-def _hic(result: Result, channel: str, window: str) -> Number:
-    value, _, message = _reported(result, f"hic({channel}, '{window}')", "final")
+def _hic(result: Result, position: SensorPosition, window: str) -> Measure:
+    channel, measure = position.channel, f"HIC, {window}"
+    value, message = _reported(result, f"hic({channel}, '{window}')", "final")
     if value is None:
-        return f"HIC, {window}", None, "", message
-    start, end = (
-        1e3 * result.value(f"hic_{edge}({channel}, '{window}')", "final")
-        for edge in ("start", "end")
+        return Measure(position.name, measure, when=message)
+    span = tuple(
+        result.value(f"hic_{edge}({channel}, '{window}')", "final") for edge in ("start", "end")
     )
-    return f"HIC, {window}", value, "", f"{start:.5g} to {end:.5g} ms"
+    return Measure(position.name, measure, value, when="{} to {}", times=span)
 
 
-def _reported(
-    result: Result, channel: str, statistic: str, unit: str = ""
-) -> tuple[float | None, str, str]:
-    """The number with its unit, or why there is none."""
+def _reported(result: Result, channel: str, statistic: str) -> tuple[float | None, str]:
+    """The number in SI, or why there is none."""
     try:
-        return answer(result, channel, statistic, None, unit.replace("g", "g0")).value, unit, ""
+        return answer(result, channel, statistic, None, "").value, ""
     except TooShort as error:
-        return None, unit, str(error)
+        return None, str(error)
 
 
 def _position(result: Result, sensor: str, role: str, *, has_gravity: bool) -> SensorPosition:

@@ -43,6 +43,8 @@ from crashsolve.channels.roles import CLASSES
 FEMUR_AT_ONCE, FEMUR_HELD, FEMUR_TIME = 9070.0, 7580.0, 10e-3
 TENSION, COMPRESSION, FLEXION, EXTENSION = 6806.0, 6160.0, 310.0, 135.0
 CHEST_DEPTH, VC_FACTOR = 0.229, 1.3
+# [m]; [m/s]
+CHEST_LIMIT, VC_LIMIT = 0.042, 1.0
 # [m] from the seat
 LEFT_SEAT, EJECTED = 0.5, 1.0
 BRAIN_CLASS = 60
@@ -69,6 +71,11 @@ class Filtered(NamedTuple):
     values: np.ndarray
     plain_because: str
     cfc: int
+
+    @property
+    def missing(self) -> str:
+        """What its values lack to be compared with a limit."""
+        return "not filtered" if self.plain_because else ""
 
 
 def measures(result: Result) -> list[Measure]:
@@ -139,15 +146,16 @@ def _neck(result: Result, name: str, card: Json) -> list[Measure]:
     case = "tension" if force.values[at] > 0 else "compression"
     case += f" and {_bending(result, moment, at)}"
     least, most = int(force.values.argmin()), int(force.values.argmax())
-    pull, push = 1e-3 * max(force.values[most], 0.0), -1e-3 * min(force.values[least], 0.0)
-    own, title = not force.plain_because, _title(name)
-    when, source = _when(result, at), "FMVSS 208"
+    pull, push = max(float(force.values[most]), 0.0), max(-float(force.values[least]), 0.0)
+    title, left_out = _title(name), _left_out(result, _title(name), card.get("joint"))
+    missing = force.missing or ("moments are missing" if left_out else "")
+    neck = _at(result, title, f"Nij, {case}", float(load[at]), "", at)
     return [
         _filter(name, force),
-        *_left_out(result, title, card.get("joint")),
-        Measure(title, f"Nij, {case}", float(load[at]), "", when, 1.0, source, own),
-        Measure(title, "neck tension", float(pull), "kN", _when(result, most)),
-        Measure(title, "neck compression", float(push), "kN", _when(result, least)),
+        *left_out,
+        neck._replace(limit=1.0, source="49 CFR 571.208", missing=missing),
+        _at(result, title, "neck tension", pull, "N", most),
+        _at(result, title, "neck compression", push, "N", least),
     ]
 
 
@@ -189,28 +197,29 @@ def _chest(result: Result, name: str, card: Json) -> list[Measure]:
     channel = f"-{plain(f'disbout.{name}.change')}"
     deflection = _history(result, channel, CLASSES["chest_deflection"])
     load, title = viscous(result.time, deflection.values), _title(name)
-    own, at = not deflection.plain_because, int(deflection.values.argmax())
-    top, fastest = 1e3 * float(deflection.values[at]), int(load.argmax())
-    speed, when = float(load[fastest]), _when(result, fastest)
+    at, fastest = int(deflection.values.argmax()), int(load.argmax())
+    deep = _at(result, title, "deflection", float(deflection.values[at]), "m", at)
+    speed = _at(result, title, "VC", float(load[fastest]), "m/s", fastest)
+    missing = deflection.missing
     return [
         _filter(name, deflection),
-        Measure(title, "deflection", top, "mm", _when(result, at), 42.0, "UN R137", own),
-        Measure(title, "VC", speed, "m/s", when, 1.0, "UN R94", own),
+        deep._replace(limit=CHEST_LIMIT, source="UN R137", missing=missing),
+        speed._replace(limit=VC_LIMIT, source="UN R94", missing=missing),
     ]
 
 
 def _femur(result: Result, name: str, card: Json) -> list[Measure]:
     force = _history(result, f"-{plain(f'secforc.{name}.force.z')}", CLASSES["femur_left"])
-    own, at, title = not force.plain_because, int(force.values.argmax()), _title(name)
+    at, title = int(force.values.argmax()), _title(name)
     held, in_span = _held_for(result.time, force.values)
-    top, when = 1e-3 * max(float(force.values[at]), 0.0), _when(result, at)
+    top = _at(result, title, "compression", max(float(force.values[at]), 0.0), "N", at)
     span, ratio = "compression for 10 ms", "share of the limit of its time"
-    share = femur_share(result.time, force.values)
+    share, source = femur_share(result.time, force.values), "UN R94"
     return [
         _filter(name, force),
-        Measure(title, "compression", top, "kN", when, 9.07, "UN R94", own),
-        Measure(title, span, held, "kN", in_span, 7.58, "UN R94", own),
-        Measure(title, ratio, share, "", "", 1.0, "UN R94", own),
+        top._replace(limit=FEMUR_AT_ONCE, source=source, missing=force.missing),
+        Measure(title, span, held, "N", in_span, FEMUR_HELD, source, force.missing),
+        Measure(title, ratio, share, "", "", 1.0, source, force.missing),
     ]
 
 
@@ -219,13 +228,13 @@ def _head_rotation(result: Result, name: str, card: Json) -> list[Measure]:
     spins = [_history(result, channel, BRAIN_CLASS) for channel in channels]
     message = next((w.plain_because for w in spins if w.plain_because), "")
     value = bric([w.values for w in spins])
-    return [Measure(_title(name), "BrIC", value, when=message, is_filtered=not message)]
+    return [Measure(_title(name), "BrIC", value, when=message)]
 
 
 def _seat(result: Result, name: str, card: Json) -> list[Measure]:
     distance = result.series(plain(f"disbout.{name}.distance")).values
     at, title = int(distance.argmax()), _title(name)
-    measured = [Measure(title, "largest distance", float(distance[at]), "m", _when(result, at))]
+    measured = [_at(result, title, "largest distance", float(distance[at]), "m", at)]
     for level, words in ((LEFT_SEAT, "leaves the seat"), (EJECTED, "is ejected")):
         beyond = np.flatnonzero(distance > level)
         when = f"at {level:g} m" if len(beyond) else f"is never {level:g} m away"
@@ -251,21 +260,20 @@ def _belts(result: Result) -> list[Measure]:
     for name, channels in belts.items():
         forces = np.array([result.series(plain(channel)).values for channel in channels])
         segment, at = np.unravel_index(forces.argmax(), forces.shape)
-        when, top = _when(result, int(at)), 1e-3 * float(forces[segment, at])
-        where = f"{when}, segment {int(segment) + 1}"
-        measured.append(Measure(_title(name), "largest force", top, "kN", where))
+        top = _at(result, _title(name), "largest force", float(forces[segment, at]), "N", int(at))
+        measured.append(top._replace(when=f"{top.when}, segment {int(segment) + 1}"))
         drawn = result.series(plain(f"beltout.{name}.pay_out")).values
         if np.any(drawn):
             at, most = int(drawn.argmax()), float(drawn.max())
-            measured.append(Measure(_title(name), "largest pay-out", most, "m", _when(result, at)))
+            measured.append(_at(result, _title(name), "largest pay-out", most, "m", at))
     return measured
 
 
 def _held_for(time: np.ndarray, force: np.ndarray) -> tuple[float | None, str]:
-    """Level [kN] that a compression [N] is not below for 10 ms, and a remark; None in less time."""
+    """Level [N] that a compression [N] is not below for 10 ms, and a remark; None in less time."""
     if time[-1] - time[0] < FEMUR_TIME:
         return None, "needs a history of 10 ms or more"
-    return 1e-3 * _exceeded_for(time, force, FEMUR_TIME), "in one span"
+    return _exceeded_for(time, force, FEMUR_TIME), "in one span"
 
 
 def _exceeded_for(time: np.ndarray, values: np.ndarray, span: float) -> float:
@@ -291,8 +299,9 @@ def _filter(name: str, history: Filtered) -> Measure:
     return Measure(_title(name), measure, when=history.plain_because)
 
 
-def _when(result: Result, row: int) -> str:
-    return f"at {1e3 * float(result.time[row]):.5g} ms"
+def _at(result: Result, title: str, measure: str, value: float, unit: str, row: int) -> Measure:
+    """A number in SI and the time of its sample."""
+    return Measure(title, measure, value, unit, "at {}", times=(float(result.time[row]),))
 
 
 def _title(name: str) -> str:

@@ -10,14 +10,13 @@ import numpy as np
 from crashpost.errors import PostError
 from crashpost.results.choice import plain
 from crashpost.results.result import Result
+from crashpost.values.injury_measure import Measure
 
 FREE, RESTRAINED = 0.065, 0.235  # [m]
-G0 = 9.80665
-Number = tuple[str, float | None, str, str]
 
 
-def pulse_measures(result: Result, sensor: str) -> list[Number]:
-    """Measure, value, unit and when, of the axis with the largest change of velocity."""
+def pulse_measures(result: Result, sensor: str, name: str) -> list[Measure]:
+    """Measures of the axis whose velocity changes most; `name` is the sensor's, in words."""
     time, velocity = None, np.empty(0)
     for axis in "xyz":
         series = result.series(plain(f"nodout.{sensor}.velocity.{axis}"))
@@ -28,16 +27,17 @@ def pulse_measures(result: Result, sensor: str) -> list[Number]:
         return []
     slowing = -velocity * np.sign(velocity[np.abs(velocity).argmax()])
     at = int(np.argmin(slowing))
-    gap, when = -travel(time, slowing), f"{1e3 * time[at]:.5g} ms"
-    measured: list[Number] = [
-        (f"velocity change along {along}", float(-slowing[at]), "m/s", f"at {when}"),
-        ("stroke of a free occupant", float(gap[at]), "m", f"until {when}"),
+    gap, when = -travel(time, slowing), (float(time[at]),)
+    change, stroke = float(-slowing[at]), float(gap[at])
+    measured = [
+        Measure(name, f"velocity change along {along}", change, "m/s", "at {}", times=when),
+        Measure(name, "stroke of a free occupant", stroke, "m", "until {}", times=when),
     ]
     try:
-        value, start, end = load_criterion(time, slowing)
+        value, *span = load_criterion(time, slowing)
     except PostError as reason:
-        return [*measured, ("OLC", None, "g", str(reason))]
-    return [*measured, ("OLC", value / G0, "g", f"{1e3 * start:.5g} to {1e3 * end:.5g} ms")]
+        return [*measured, Measure(name, "OLC", None, "m/s^2", str(reason))]
+    return [*measured, Measure(name, "OLC", value, "m/s^2", "{} to {}", times=tuple(span))]
 
 
 def travel(time: np.ndarray, velocity: np.ndarray) -> np.ndarray:

@@ -8,6 +8,7 @@ from crashpost.results import ledger, logbook
 from crashpost.results.result import Result
 from crashpost.results.table import number, text_table
 from crashpost.values.accuracy import accuracy_table
+from crashsolve.channels.display import factor
 
 MAX_PEAKS = 40
 # times of contacts, and what extremes are of
@@ -22,12 +23,16 @@ def summary(result: Result) -> str:
     return "\n\n".join(part for part in parts if part)
 
 
-def status_line(result: Result) -> str:
+def status_line(result: Result, time_unit: str = "s") -> str:
     """State, time reached and cost of the run in one line."""
     status = result.status
     words = [str(status.get("state", "unknown"))]
     if isinstance(status.get("time"), int | float):
-        words.append(f"t = {number(status['time'])} s of {number(status.get('end_time') or 0)} s")
+        size = factor("s", time_unit)
+        ends = (
+            f"{number(t * size)} {time_unit}" for t in (status["time"], status.get("end_time") or 0)
+        )
+        words.append("t = " + " of ".join(ends))
     if status.get("cycle") is not None:
         words.append(f"{status['cycle']} cycles")
     if isinstance(status.get("cpu"), int | float):
@@ -73,8 +78,9 @@ def _heading(result: Result) -> str:
 
 
 def _model(result: Result) -> str:
+    width = max(map(len, result.families), default=0)
     lines = [
-        f"  {family.name:8} {len(family.ids):6} x {len(family.columns)} channels"
+        f"  {family.name:{width}} {len(family.ids):6} x {len(family.columns)} channels"
         for family in result.families.values()
     ]
     span = (

@@ -54,6 +54,11 @@ class Units:
                 raise PostError(f"--unit names '{name}', which is not drawn")
 
 
+def unit_text(unit: str) -> str:
+    """A unit as it is printed: m/s², g, nothing for a pure number."""
+    return {"deg": "°", "g0": "g", "1": ""}.get(unit, unit.replace("^2", "²").replace("^3", "³"))
+
+
 def fits(name: str, channel: str) -> bool:
     """Whether a name or pattern is that of a channel."""
     return name == channel or fnmatchcase(channel, name)
@@ -92,8 +97,8 @@ class PageUnits:
                     self.of.setdefault(series[0].unit, unit)
 
     def unit(self, own: str) -> str:
-        """The page's unit for values in this unit."""
-        return self.of.get(own, own)
+        """The page's unit for values in this unit, as it is printed."""
+        return unit_text(self.of.get(own, own))
 
     def size(self, own: str) -> float:
         """Factor on numbers in this unit."""

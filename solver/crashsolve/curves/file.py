@@ -72,6 +72,8 @@ def read_columns(file: str, columns: tuple[int, int]) -> list[tuple[float, float
         elif points or _has_decimal_comma(cells):
             message = f"line {row} of '{file}' has no two numbers in these columns"
             refuse(message, DECIMAL_COMMA * _has_decimal_comma(cells), within=("file",))
+    if not points:
+        refuse(f"no line of '{file}' has two numbers in these columns", within=("file",))
     return points
 
 
@@ -82,7 +84,9 @@ def _cells(line: str) -> list[str]:
 
 
 def _has_decimal_comma(cells: list[str]) -> bool:
-    return any(re.fullmatch(r"[-+]?\d+,\d+([eE][-+]?\d+)?", cell) for cell in cells)
+    """Whether a cell is a number with a comma, or two parts of numbers with blanks between."""
+    number = r"[-+]?\d+,\d+([eE][-+]?\d+)?|[-+]?\d+\s+[-+]?\d+"
+    return any(re.fullmatch(number, cell) for cell in cells)
 
 
 def _number(cells: list[str], column: int) -> float:

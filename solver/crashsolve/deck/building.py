@@ -191,6 +191,7 @@ class Scene(Protocol):
     curve_points: np.ndarray  # all curves, as kernels read them
     warnings: list[str]
     errors: list[DeckError]  # found so far
+    under_way: str  # name of the entry that is being built
     tied_mass: float  # of tied nodes, whose faces have it besides [kg]
     stepwise: list[str]  # laws that count in whole steps
     methods: list[str]  # integrators of all families; empty for any

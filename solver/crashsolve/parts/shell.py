@@ -105,15 +105,16 @@ def build(card: Shell, scene: Scene) -> DiscretisedShell:
     """The part in place."""
     if card.layers == 1:
         scene.warn(
-            "a shell of one layer is a membrane: it resists stretching, and no bending; give "
-            "layers: 2 or more (5 where it yields)"
+            f"part '{scene.under_way}': a shell of one layer is a membrane: it resists stretching, "
+            "and no bending; give layers: 2 or more (5 where it yields)"
         )
     part = DiscretisedShell(card, scene)
     width = float(np.sqrt(part.area.mean()))
     if card.thickness > MANY * width:
         scene.warn(
-            f"a shell is {card.thickness / width:.0f} times as thick as its elements are wide: its "
-            "kinematics are those of thin walls; take fewer, wider elements"
+            f"part '{scene.under_way}' is {card.thickness / width:.0f} times as thick as its "
+            "elements are wide: the kinematics of shells are those of thin walls; take fewer, "
+            "wider elements"
         )
     return part
 

@@ -58,7 +58,7 @@ class ContactPoints:
         """Points of all pairs of groups, with their cards (n,); that of a pair that is apart lies
         on its body (n,), without force.
         """
-        force = np.concatenate([g.output["force"] for g in groups])
+        force = np.concatenate([_forces(g) for g in groups])
         position = self.engine.nodes["r"].take(homes, axis=0)
         touching = np.flatnonzero(acts(force))
         if len(touching):
@@ -68,7 +68,7 @@ class ContactPoints:
 
     def _of_pairs(self, g: ContactGroup, positions: int) -> Points:
         """Points of the pairs of a group with the largest forces."""
-        force, pairs = g.output["force"], g.parameters
+        force, pairs = _forces(g), g.parameters
         strength = np.linalg.norm(force, axis=1)
         shown = _largest(strength, positions)
         home = self.engine.nodes["r"][_homes(g, pairs[shown])]
@@ -124,6 +124,12 @@ def acts(force: np.ndarray) -> np.ndarray:
     """Which of some forces (n, 3) are not zero: numpy takes five times as long to join columns."""
     x, y, z = force.T
     return (x != 0.0) | (y != 0.0) | (z != 0.0)
+
+
+def _forces(g: ContactGroup) -> np.ndarray:
+    """Forces (n, 3) of all pairs on side a of their cards, which may be b of the pair [N]."""
+    forces: np.ndarray = g.output["force"] * g.parameters["order"][:, None]
+    return forces
 
 
 def _homes(g: ContactGroup, pairs: np.ndarray) -> np.ndarray:

@@ -46,6 +46,11 @@ RATES = (
 )
 MOTIONS = tuple(dict.fromkeys(word for one in RATES for word in one[:2]))
 ORDER = {rate: k for k, (_, rate, _) in enumerate(RATES)}
+UNITS = {
+    "acceleration": "m/s^2",
+    "angular_acceleration": "rad/s^2",
+    "velocity": "m/s",
+}
 
 
 @dataclass(frozen=True)
@@ -71,8 +76,8 @@ class MissedMotion:
         return (
             f"body '{self.name}': its {self.rate.replace('_', ' ')} between the samples at "
             f"{self.start:.6g} and {self.end:.6g} s has a mean that differs by {self.hidden:.4g} "
-            "(SI) from what they show: largest values and integrals of forces and motions, HIC and "
-            "filters miss it; give a shorter output.history.interval"
+            f"{UNITS[self.rate]} from what they show: largest values and integrals of forces and "
+            "motions, HIC and filters miss it; give a shorter output.history.interval"
         )
 
 

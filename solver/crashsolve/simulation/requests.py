@@ -1,8 +1,8 @@
 """Requests of a user to a run: by signals, and by words in control.txt of the results folder.
 
-SIGTERM, SIGINT and SIGHUP, of a terminal that is closed, dump and stop, SIGUSR1 dumps and
-continues, SIGCONT is ignored (queues send it along). The words stop, dump and states do the same. A
-run under nohup continues when its terminal closes.
+SIGTERM, SIGINT, SIGHUP, of a terminal that is closed, and SIGXCPU, of a limit of CPU time, dump and
+stop, SIGUSR1 dumps and continues, SIGCONT is ignored (queues send it along). The words stop, dump
+and states do the same. A run under nohup continues when its terminal closes.
 """
 
 import signal
@@ -21,7 +21,7 @@ WORDS = {"stop", "dump", "states"}
 # [bytes] of control.txt that are read
 MAX_CONTROL = 4096
 SIGNALS: dict[int, str] = {signal.SIGTERM: "stop", signal.SIGINT: "stop", signal.SIGUSR1: "dump"}
-SIGNALS |= {signal.SIGHUP: "stop"}
+SIGNALS |= {signal.SIGHUP: "stop", signal.SIGXCPU: "stop"}
 
 
 # signals that have asked a run to stop before it could dump anything
@@ -31,7 +31,7 @@ _interrupts: list[int] = []
 def interrupt_as_keyboard() -> None:
     """Until there is a state to dump, signals stop the run as the keyboard does, without a dump."""
     _interrupts.clear()
-    for number in (signal.SIGTERM, signal.SIGHUP):
+    for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGXCPU):
         if not _is_ignored(number):
             signal.signal(number, _interrupt)
     signal.signal(signal.SIGUSR1, signal.SIG_IGN)

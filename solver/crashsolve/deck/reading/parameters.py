@@ -392,8 +392,10 @@ def _inconsistency(value: object, replaced: object) -> tuple[str, str]:
         message = f"the deck has {shown(replaced)} here"
         if before.exponents == PURE.exponents:
             return message, "give a number without unit"
-        # most likely its own number with the unit of the deck is meant
+        # most likely its own number with the unit of the deck is meant, or that of SI
         digits, own = split_quantity(str(value))[0], split_quantity(str(replaced))[1]
-        meant = f"give a number with a unit, such as '{digits:g} {own}'"
+        units = dict.fromkeys((own, describe(before)))
+        numbers = " or ".join(f"'{digits:g} {unit}'" for unit in units)
+        meant = f"give a number with a unit, such as {numbers}"
         return f"{message}, and this is a number {_in(unit)}", meant
     return "", ""

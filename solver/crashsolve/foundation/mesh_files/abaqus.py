@@ -10,9 +10,10 @@ References: Abaqus Keywords Reference Manual, *ELEMENT, *ELGEN, *ELSET,
 
 import math
 from collections.abc import Container, Iterable, Iterator
-from itertools import product
 from pathlib import Path
 from typing import NamedTuple
+
+import numpy as np
 
 from crashsolve.foundation.mesh_files.reading import SIDES, Lines
 
@@ -29,7 +30,7 @@ LOST = {
     "MODEL CHANGE",
     "PARAMETER",
 }
-# one part that is one instance, where it is: its numbers are those of the file
+# one part that is one instance: its numbers are those of the file
 FRAME = {"PART", "END PART", "ASSEMBLY", "END ASSEMBLY", "INSTANCE", "END INSTANCE"}
 PARAMETERS = {
     "NODE": {"NSET", "SYSTEM"},
@@ -44,6 +45,8 @@ FURTHER = {"R3D4": "quad", "M3D4": "quad", "M3D4R": "quad", "M3D3": "triangle"}
 # its name for either
 WRITTEN = {"quad": "S4", "triangle": "S3"}
 SILENT = {"HEADING", "PREPRINT"}
+# numbers that one line may generate: a gigabyte of nodes
+MOST = 10_000_000
 # offsets of shells with the effect of none
 MIDDLE = {"0", "0.", "0.0", "MID", "MIDDLE"}
 
@@ -111,6 +114,14 @@ def _keyword(line: int, text: str, lines: Lines) -> Keyword:
     return Keyword(line, " ".join(word.split()).upper(), parameters, [])
 
 
+def _positions(count: int, rows: int, layers: int) -> Iterator[tuple[int, int, int]]:
+    """All positions of *ELGEN, one by one: the first that has no nodes ends it."""
+    for i in range(count):
+        for j in range(rows):
+            for k in range(layers):
+                yield i, j, k
+
+
 def _whole_rows(rows: list[Row], count: int) -> Iterator[Row]:
     """Rows joined with those that continue after a comma, unless they have `count` fields."""
     start, fields = 0, list[str]()
@@ -163,16 +174,39 @@ class _Reader:
         readers[word](keyword)
 
     def frame(self, keyword: Keyword) -> None:
-        """One part and one instance of it; more would number their nodes alike."""
+        """One part and one instance of it, which may be moved; more would number nodes alike."""
         word = keyword.word
         if word in ("PART", "INSTANCE") and word in self.framed:
             message = f"a second *{word} numbers its nodes anew"
             raise self.lines.fail(keyword.line, f"{message}; write the mesh flat")
         self.framed[word] = (keyword.parameters.get("NAME") or "").upper()
-        moved = [text for _, fields in keyword.rows for text in fields if text]
-        if any(self.real(keyword.line, text) for text in moved):
-            message = f"*{word} moves its part, which would be ignored"
-            raise self.lines.fail(keyword.line, f"{message}; write the mesh flat")
+        part = (keyword.parameters.get("PART") or "").upper()
+        if word == "INSTANCE" and part != self.framed.get("PART"):
+            message = f"there is no *PART '{keyword.parameters.get('PART') or ''}' before this line"
+            raise self.lines.fail(keyword.line, message)
+        if word == "INSTANCE" and keyword.rows:
+            self.move(keyword)
+
+    def move(self, keyword: Keyword) -> None:
+        """Translate the nodes given so far by the first line, then rotate them by the second one:
+        about the axis from one point to another, in degrees.
+        """
+        given = [(line, [self.real(line, x) for x in fields]) for line, fields in keyword.rows]
+        if any(len(x) != n for (_, x), n in zip(given, (3, 7), strict=False)) or len(given) > 2:
+            message = "*INSTANCE needs a translation, and then two points of an axis and an angle"
+            raise self.lines.fail(keyword.line, message)
+        points = np.array(list(self.lines.nodes.values())) + given[0][1]
+        for line, numbers in given[1:]:
+            start, end, angle = np.array(numbers[:3]), np.array(numbers[3:6]), numbers[6]
+            length = float(np.linalg.norm(end - start))
+            if not length > 0.0:
+                raise self.lines.fail(line, "the two points of the axis are one")
+            u, arms, phi = (end - start) / length, points - start, math.radians(angle)
+            along = (arms @ u)[:, None] * u
+            points = start + along + math.cos(phi) * (arms - along)
+            points += math.sin(phi) * np.cross(u, arms)
+        positions = map(tuple, points.tolist())
+        self.lines.nodes.update(zip(self.lines.nodes, positions, strict=True))
 
     def nodes(self, keyword: Keyword) -> None:
         own: dict[int, None] = {}
@@ -237,7 +271,7 @@ class _Reader:
                 raise self.lines.fail(line, message)
             given += [1] * (9 - len(given))
             own[master] = None
-            for i, j, k in product(*(range(count) for count in given[::3])):
+            for i, j, k in _positions(*given[::3]):
                 of_nodes, of_elements = (
                     i * given[at] + j * given[3 + at] + k * given[6 + at] for at in (1, 2)
                 )
@@ -301,6 +335,8 @@ class _Reader:
             raise self.lines.fail(line, f"{word} needs first, last and increment, in this order")
         if (numbers[1] - numbers[0]) % numbers[2]:
             raise self.lines.fail(line, f"no number of steps of {numbers[2]} leads to the last one")
+        if numbers[1] - numbers[0] > MOST * numbers[2]:
+            raise self.lines.fail(line, f"{word} makes more than {MOST} numbers")
         return range(numbers[0], numbers[1] + 1, numbers[2])
 
     def named(self, family: str, name: str, line: int) -> dict[int, None]:
