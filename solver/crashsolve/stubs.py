@@ -57,7 +57,7 @@ PARTS = {
     "JointSlide": _between.SLIDE,
     "SpringOutput": linear.OUTPUT,
     "FullTurn": ROTATION_ABOUT_AXIS,
-    "BeamElement": beam.PARAMETERS,
+    "BeamElement": beam.ELEMENT,
     "BeamOutput": beam.OUTPUT,
     "Tyre": _tyre.TYRE,
     "TyreDeflection": _tyre.CARCASS,

@@ -59,6 +59,12 @@ def test_a_pair_in_two_contacts(tmp_path: Path, is_double: bool) -> None:
 
 
 @pytest.mark.parametrize(("other", "is_double"), [("same", True), ("lower", False)])
+def test_equal_surfaces_on_one_side(tmp_path: Path, other: str, is_double: bool) -> None:
+    text = BALL.format(second="", further="").replace("b: [floor]", f"b: [floor, {other}]")
+    assert ("the forces add up" in said_of(tmp_path, text)) == is_double
+
+
+@pytest.mark.parametrize(("other", "is_double"), [("same", True), ("lower", False)])
 def test_equal_surfaces_are_one(tmp_path: Path, other: str, is_double: bool) -> None:
     second = SECOND.replace("floor", other)
     said = said_of(tmp_path, BALL.format(second=second, further=""))

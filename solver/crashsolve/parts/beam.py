@@ -97,6 +97,9 @@ class Beam(Damped):
     angular_velocity: Vec3 = quantity(
         "rad/s", "initial angular velocity of the whole part, world axes", default=ZERO
     )
+    buckling_load: float | None = quantity(
+        "N", "compression along the beam above which the run warns at its end", default=None, gt=0
+    )
 
     @property
     def beams(self) -> int:
@@ -117,7 +120,7 @@ class Beam(Damped):
         return [f"{part}_{word}{end}" for word in words for end in ends]
 
 
-PARAMETERS = Record("""
+ELEMENT = Record("""
     node_a                index         first node
     node_b                index         second node
     length                m             l
@@ -135,7 +138,8 @@ PARAMETERS = Record("""
     tension_rate_b        1/(kg m)      the same at the second
     bow_coupling          1/m^0.5       root of the rate of a bow of 1 m over the rate, both nodes
 """)
-HISTORY = Record()
+PARAMETERS = ELEMENT + Record("buckling  N  compression to warn of; infinite if there is none")
+HISTORY = Record("peak_compression  N  largest compression along the beam so far")
 TANGENTS = element.TANGENTS
 OUTPUT = Record("""
     force      N    3  tension, shear along y and z, axes of the element
@@ -175,6 +179,7 @@ def elements(card: Beam, nodes: list[int], scene: Scene) -> list[Columns]:
     section, material, length = _numbers(card, scene)
     half, _ = halves(card, section, material, length, scene)
     row = stiffness_row(section, material, length) | damping_row(card, section, material, scene)
+    row |= {"buckling": card.buckling_load or np.inf}
     return [
         row | ends_row(card, row, (a, b), scene, np.eye(3), half)
         for a, b in zip(nodes[:-1], nodes[1:], strict=True)
@@ -203,12 +208,13 @@ def forces_by_motions(p: Table, state: Table, nodes: Table, curves: np.ndarray) 
 
 @kernel
 def force(p: Parameters, old: History, new: History, out: Output, t, h, nodes, rows, curves):
-    """Writes: nodes, out."""
+    """Writes: nodes, new, out."""
     a, b = nodes[p.node_a], nodes[p.node_b]
     R, v, w = mean_frame(a, b)
     check_rotation_limit(curves, p.node_b, w)
     element_forces(p, out, a, b, R, v, w)
     add_drag(p, out, nodes)
+    new.peak_compression = max(old.peak_compression, -out.force[0])
 
 
 @kernel

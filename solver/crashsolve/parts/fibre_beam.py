@@ -53,7 +53,7 @@ PARAMETERS = (
     + Record("law  index  of the material's law among those of the group")
 )
 # the material adds the columns of its fibres
-HISTORY = fibres.STATE + Record("work  J  plastic work")
+HISTORY = beam.HISTORY + fibres.STATE + Record("work  J  plastic work")
 OUTPUT = beam.OUTPUT + Record("""
     plastic_strain  1  largest e of the fibres
     plastic_work    J  of the element
@@ -143,6 +143,7 @@ def force(
     element.add_drag(p, out, nodes)
     # other laws leave it at 0
     out.plastic_work, out.plastic_strain = new.work, new.plastic_strain
+    new.peak_compression = max(old.peak_compression, -out.force[0])
 
 
 @kernel

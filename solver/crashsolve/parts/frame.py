@@ -33,9 +33,9 @@ from crashsolve.parts import beam
 if TYPE_CHECKING:
     from crashsolve.parts._rows.frame import History, Output, Parameters
 
-HISTORY, OUTPUT, TANGENTS = beam.HISTORY, beam.OUTPUT, element.TANGENTS
+HISTORY, OUTPUT, TANGENTS = Record(), beam.OUTPUT, element.TANGENTS
 ORDER, DESCRIPTIONS = beam.ORDER, beam.DESCRIPTIONS
-PARAMETERS = beam.PARAMETERS + Record("rotation  1  4  unit quaternion Q, element to nodes")
+PARAMETERS = beam.ELEMENT + Record("rotation  1  4  unit quaternion Q, element to nodes")
 
 
 class Frame(Damped):

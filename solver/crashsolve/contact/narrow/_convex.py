@@ -20,6 +20,7 @@ import numpy as np
 
 from crashsolve.contact.narrow import _ellipsoids
 from crashsolve.contact.narrow._ascent import (
+    ROUND_OFF,
     axes_of,
     direction,
     find_maximum,
@@ -30,7 +31,7 @@ from crashsolve.deck.building import Columns
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.motion import world_position
 from crashsolve.foundation.record import Record
-from crashsolve.foundation.vec3 import add, dot, norm, scale, sub, vec
+from crashsolve.foundation.vec3 import add, add_scaled, dot, norm, scale, sub, vec
 
 # the gap is a distance: see system/contact/resting.py
 IS_DISTANCE = True
@@ -105,7 +106,7 @@ def search(a, b, nodes, data):
         # separated bodies have a single maximum
         if best >= 0.0:
             break
-    depth, n, x = depth_at_maximum(a, b, u, w, nodes, n)
+    depth, n, x = depth_at_maximum(a, b, u, w, c, nodes, n)
     return depth, n, x, best - next_maximum
 
 
@@ -115,7 +116,7 @@ def follow(a, b, nodes, data, n):
     u, w = axes_of(a, nodes[a.node]), axes_of(b, nodes[b.node])
     c = from_centre(a, b, nodes)
     _, n = find_maximum(_ellipsoids, a, b, u, w, c, n, ANGLE)
-    return depth_at_maximum(a, b, u, w, nodes, n)
+    return depth_at_maximum(a, b, u, w, c, nodes, n)
 
 
 @kernel
@@ -126,16 +127,24 @@ def from_centre(a, b, nodes):
 
 
 @kernel
-def depth_at_maximum(a, b, u, w, nodes, n):
-    """Depth, normal and point of contact at the maximum in direction n."""
-    x_a = sub(world_position(nodes[a.node], vec(a.point)), _ellipsoids.support_point(a, u, n))
-    x_b = add(world_position(nodes[b.node], vec(b.point)), _ellipsoids.support_point(b, w, n))
-    return dot(sub(x_b, x_a), n), n, scale(0.5, add(x_a, x_b))
+def depth_at_maximum(a, b, u, w, c, nodes, n):
+    """Depth, normal and point of contact at the maximum in direction n.
+
+    c is the vector from the centre of b to that of a: far from the origin positions have no digits
+    for the depth.
+    """
+    x_a = sub(c, _ellipsoids.support_point(a, u, n))
+    x_b = _ellipsoids.support_point(b, w, n)
+    centre_b = world_position(nodes[b.node], vec(b.point))
+    return dot(sub(x_b, x_a), n), n, add_scaled(centre_b, 0.5, add(x_a, x_b))
 
 
 @kernel
 def bound(a, b, nodes, data):
-    """Depth that the bodies do not exceed [m]: along the line of centres and the axes of b."""
+    """Depth that the bodies do not exceed [m]: along the line of centres and the axes of b.
+
+    With the round-off of the depth: a pair that touches by it must not be skipped.
+    """
     u, w = axes_of(a, nodes[a.node]), axes_of(b, nodes[b.node])
     c = from_centre(a, b, nodes)
     length = norm(c)
@@ -144,7 +153,7 @@ def bound(a, b, nodes, data):
     best = separation_along(_ellipsoids, a, b, u, w, c, scale(1.0 / length, c))
     for k in range(3):
         best = max(best, separation_along(_ellipsoids, a, b, u, w, c, unit_towards(w[k], c)))
-    return -best
+    return ROUND_OFF * length - best
 
 
 @kernel

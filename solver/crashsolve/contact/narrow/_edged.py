@@ -18,7 +18,14 @@ from types import ModuleType
 import numpy as np
 
 from crashsolve.contact.narrow import _rounded
-from crashsolve.contact.narrow._ascent import along, axes_of, direction, find_maximum, unit_towards
+from crashsolve.contact.narrow._ascent import (
+    ROUND_OFF,
+    along,
+    axes_of,
+    direction,
+    find_maximum,
+    unit_towards,
+)
 from crashsolve.contact.narrow._convex import PARALLEL, SAME_MAXIMUM, SEARCHES, STARTS
 from crashsolve.contact.narrow._patch import PATCH_POINT, ROWS, patch
 from crashsolve.deck.building import Columns
@@ -42,7 +49,8 @@ PARAMETERS = Record("""
     edge      m         rounding of the edges
     is_round  flag      a cylinder about axis 3, not a box
     alpha     m^2    3  of the three ellipsoids, across their axes
-    beta      m^2    3  the same along them, less alpha
+    gamma     m^2    3  the same along them
+    beta      m^2    3  gamma less alpha
 """)
 # cosine to an earlier start that leads to the same maximum
 SAME_DIRECTION = 1.0 - 1e-6
@@ -111,9 +119,9 @@ def _with_rounding(element: Columns, shape: ModuleType, least: float, width: flo
     across = [r - e, e, 0.0] if is_round else [e, e, e]
     along = [e, half[2] - e, 0.0] if is_round else half - 2.0 * e
     kept = {name: element[name] for name in ("node", "point", "axes")}
-    alpha, beta = np.square(across), np.square(along) - np.square(across)
+    alpha, gamma = np.square(across), np.square(along)
     size = {"half": half, "radius": shape.bounding(element)[1], "edge": e, "is_round": is_round}
-    return kept | size | {"alpha": alpha, "beta": beta}
+    return kept | size | {"alpha": alpha, "gamma": gamma, "beta": gamma - alpha}
 
 
 def data(elements_a: object, elements_b: object) -> tuple[np.ndarray]:
@@ -130,17 +138,21 @@ def extent(shape, u, n):
 
 @kernel
 def bound(a, b, nodes, data):
-    """Depth that the bodies do not exceed [m]: by enclosing spheres, then along faces of boxes."""
+    """Depth that the bodies do not exceed [m]: by enclosing spheres, then along faces of boxes.
+
+    With the round-off of the depth: a pair that touches by it must not be skipped.
+    """
     body_a, body_b = nodes[a.node], nodes[b.node]
     c = sub(world_position(body_a, vec(a.point)), world_position(body_b, vec(b.point)))
-    apart = norm(c) - a.radius - b.radius
+    size = norm(c)
+    apart = size - a.radius - b.radius
     if apart > 0.0:
-        return -apart
+        return ROUND_OFF * size - apart
     u, w = axes_of(a, body_a), axes_of(b, body_b)
     for k in range(3):
         apart = max(apart, abs(dot(c, u[k])) - a.half[k] - extent(b, w, u[k]))
         apart = max(apart, abs(dot(c, w[k])) - b.half[k] - extent(a, u, w[k]))
-    return -apart
+    return ROUND_OFF * size - apart
 
 
 @kernel
@@ -186,7 +198,7 @@ def search(a, b, nodes, data):
             # separated bodies have a single maximum
             if best >= 0.0:
                 break
-    depth, n, x = depth_at_maximum(a, b, u, w, centre_a, centre_b, n)
+    depth, n, x = depth_at_maximum(a, b, u, w, c, centre_b, n)
     return depth, n, x, best - next_maximum
 
 
@@ -198,7 +210,7 @@ def follow(a, b, nodes, data, n):
     c = sub(centre_a, centre_b)
     u, w = axes_of(a, body_a), axes_of(b, body_b)
     _, n = find_maximum(_rounded, a, b, u, w, c, n, last_step(a, b))
-    return depth_at_maximum(a, b, u, w, centre_a, centre_b, n)
+    return depth_at_maximum(a, b, u, w, c, centre_b, n)
 
 
 @kernel
@@ -208,11 +220,15 @@ def last_step(a, b):
 
 
 @kernel
-def depth_at_maximum(a, b, u, w, centre_a, centre_b, n):
-    """Depth, normal and point of contact at the maximum in direction n."""
-    x_a = sub(centre_a, _rounded.support_point(a, u, n))
-    x_b = add(centre_b, _rounded.support_point(b, w, n))
-    return dot(sub(x_b, x_a), n), n, scale(0.5, add(x_a, x_b))
+def depth_at_maximum(a, b, u, w, c, centre_b, n):
+    """Depth, normal and point of contact at the maximum in direction n.
+
+    c is the vector from the centre of b to that of a: far from the origin positions have no digits
+    for the depth.
+    """
+    x_a = sub(c, _rounded.support_point(a, u, n))
+    x_b = _rounded.support_point(b, w, n)
+    return dot(sub(x_b, x_a), n), n, add_scaled(centre_b, 0.5, add(x_a, x_b))
 
 
 @kernel

@@ -26,35 +26,64 @@ def is_cylinder(shape):
 @kernel
 def support_point(shape, u, n):
     """Farthest point of the shape along n from its centre, world components."""
-    e = (u[2], u[2], u[2]) if shape.is_round == 1 else u
+    if shape.is_round == 1:
+        return support_of_cylinder(shape, u[2], n)
     total, even = (0.0, 0.0, 0.0), 0.0
     for k in range(3):
         alpha, beta = shape.alpha[k], shape.beta[k]
-        q = dot(e[k], n)
-        square = alpha + beta * q * q
-        if square > 0.0:
-            size = 1.0 / sqrt(square)
-            even += size * alpha
-            total = add_scaled(total, size * beta * q, e[k])
+        q = dot(u[k], n)
+        size = 1.0 / sqrt(alpha + beta * q * q)
+        even += size * alpha
+        total = add_scaled(total, size * beta * q, u[k])
     return add_scaled(total, even, n)
+
+
+@kernel
+def support_of_cylinder(shape, axis, n):
+    """As of support_point.
+
+    alpha + beta q^2 loses, along the axis of a thin disc, the digits of the thickness.
+    """
+    q = dot(axis, n)
+    across, total = add_scaled(n, -q, axis), (0.0, 0.0, 0.0)
+    for k in range(2):
+        alpha, gamma = shape.alpha[k], shape.gamma[k]
+        size = 1.0 / sqrt(alpha * dot(across, across) + gamma * q * q)
+        total = add_scaled(add_scaled(total, size * alpha, across), size * gamma * q, axis)
+    return total
 
 
 @kernel
 def support_and_hessian(shape, u, n, s, t):
     """Farthest point along n [m] and its second derivatives along s and t: (ss, st, tt) [m]."""
-    e = (u[2], u[2], u[2]) if shape.is_round == 1 else u
+    if shape.is_round == 1:
+        return support_of_cylinder(shape, u[2], n), hessian_of_cylinder(shape, u[2], n, s, t)
     total, ss, st, tt, even = (0.0, 0.0, 0.0), 0.0, 0.0, 0.0, 0.0
     for k in range(3):
         alpha, beta = shape.alpha[k], shape.beta[k]
-        q = dot(e[k], n)
-        square = alpha + beta * q * q
-        if square > 0.0:
-            size = 1.0 / sqrt(square)
-            even += size * alpha
-            total = add_scaled(total, size * beta * q, e[k])
-            more = alpha * beta * size * size * size
-            e_s, e_t = dot(e[k], s), dot(e[k], t)
-            ss += more * e_s * e_s
-            st += more * e_s * e_t
-            tt += more * e_t * e_t
+        q = dot(u[k], n)
+        size = 1.0 / sqrt(alpha + beta * q * q)
+        even += size * alpha
+        total = add_scaled(total, size * beta * q, u[k])
+        more = alpha * beta * size * size * size
+        e_s, e_t = dot(u[k], s), dot(u[k], t)
+        ss += more * e_s * e_s
+        st += more * e_s * e_t
+        tt += more * e_t * e_t
     return add_scaled(total, even, n), (even + ss, st, even + tt)
+
+
+@kernel
+def hessian_of_cylinder(shape, axis, n, s, t):
+    """Second derivatives as of support_and_hessian."""
+    q, e_s, e_t = dot(axis, n), dot(axis, s), dot(axis, t)
+    across, ss, st, tt, even = add_scaled(n, -q, axis), 0.0, 0.0, 0.0, 0.0
+    for k in range(2):
+        alpha, gamma = shape.alpha[k], shape.gamma[k]
+        size = 1.0 / sqrt(alpha * dot(across, across) + gamma * q * q)
+        even += size * alpha
+        more = alpha * shape.beta[k] * size * size * size
+        ss += more * e_s * e_s
+        st += more * e_s * e_t
+        tt += more * e_t * e_t
+    return even + ss, st, even + tt

@@ -142,9 +142,8 @@ def middle(a, b, nodes, n):
 @kernel
 def position(rho, y, axes, N):
     """Position on the rim about y along the normal N, and how far it is below y; mesh axes."""
-    down = lowest(N, axes[2], axes[0])
-    across = add_scaled(N, -dot(N, axes[2]), axes[2])
-    return add_scaled(y, -rho, down), rho * dot(across, down)
+    drop, down = lowest(N, axes[2], axes[0])
+    return add_scaled(y, -rho, down), rho * drop
 
 
 @kernel

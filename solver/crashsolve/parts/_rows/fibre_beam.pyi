@@ -19,6 +19,7 @@ class Parameters(Row, Protocol):
     tension_rate_a: float  # [1/(kg m)] increase of that by a tension of 1 N, at the first node
     tension_rate_b: float  # [1/(kg m)] the same at the second
     bow_coupling: float  # [1/m^0.5] root of the rate of a bow of 1 m over the rate, both nodes
+    buckling: float  # [N] compression to warn of; infinite if there is none
     count: int  # [count] fibres
     y: Numbers[float]  # [m] positions along y of the section
     z: Numbers[float]  # [m] positions along z of the section
@@ -28,6 +29,7 @@ class Parameters(Row, Protocol):
     law: int  # [index] of the material's law among those of the group
 
 class History(Row, Protocol):
+    peak_compression: float  # [N] largest compression along the beam so far
     strain: Numbers[float]  # [1, 1/m] eps_0, kappa_y, kappa_z
     reference_strain: Numbers[float]  # [1, 1/m] the same when the fibres were last evaluated, one by one
     reference_load: Numbers[float]  # [N, N m] N, M_y, M_z then

@@ -6,7 +6,7 @@ with other methods.
 
 from crashsolve.deck.expansion import Made
 from crashsolve.parts.structures.cards import plain, welds
-from crashsolve.parts.structures.plan import Member, Plan
+from crashsolve.parts.structures.plan import Member, Plan, euler_load
 
 # of the card of the structure
 WORDS = ("divisions", "damping", "fibres")
@@ -35,6 +35,7 @@ def cards(member: Member, whole: Plan) -> list[Made]:
         "damping": whole.card.damping,
         "velocity": whole.velocity(start),
         "angular_velocity": plain(whole.card.angular_velocity),
+        "buckling_load": euler_load(member),
     }
     if yields:
         fields["fibres"] = list(whole.card.fibres)
