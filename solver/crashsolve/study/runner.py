@@ -14,7 +14,7 @@ from crashsolve.output.files import replace_text, reported
 from crashsolve.output.lock import Lock
 from crashsolve.study.child_runs import cores
 from crashsolve.study.convergence import NEAR
-from crashsolve.study.findings import NOISE, Finding, cheapest, find, worst
+from crashsolve.study.findings import NOISE, Finding, cheapest, find, worst, worst_channel
 from crashsolve.study.meshes import divisible, finer
 from crashsolve.study.methods import order_of
 from crashsolve.study.plot import draw
@@ -36,6 +36,7 @@ from crashsolve.study.watch import Watch, ask, overall, watched
 GIVEN, EXPENSIVE = "file", "most expensive run"
 # relative error of the last sentence without a target
 USUAL = 0.05
+ONE_STEP = "the error of a single step is not known: give --steps two or more"
 # an overall number whose estimated error is below this is worth naming
 CONVERGED = 0.01
 
@@ -249,8 +250,10 @@ def _verdict(findings: list[Finding], trials: list[Trial], target: float) -> str
         cost = f"{best.cpu_steps:.3g} s of CPU in steps"
         if best.cpu_steps <= NOISE:
             cost = f"no more than {NOISE:g} s of CPU in steps, below which none is ranked"
-        error = worst(findings, best)
-        return f"target {target:g}: {best.setting.name}, {cost}, error {error:.2g}{left_out}"
+        error = _error_of(findings, best)
+        if any(finding.is_of_one_step for finding in findings):
+            error += f" by the mesh alone; {ONE_STEP}"
+        return f"target {target:g}: {best.setting.name}, {cost}, {error}{left_out}"
     return _advice(findings, trials, target, left_out)
 
 
@@ -263,7 +266,7 @@ def _advice(findings: list[Finding], trials: list[Trial], target: float, left_ou
     usable = [trial for trial in trials if isfinite(worst(findings, trial))]
     single = ""
     if len({trial.setting.label for trial in trials}) == 1:
-        single = "; the error of a single step is not known: give --steps two or more"
+        single = f"; {ONE_STEP}"
     if not usable:
         return text + single
     nearest = min(usable, key=lambda trial: worst(findings, trial))
@@ -273,7 +276,7 @@ def _advice(findings: list[Finding], trials: list[Trial], target: float, left_ou
             f"target {target:g}: not decided{left_out}; {nearest.setting.name} has an error of "
             f"{error:.2g}, but of finer runs a larger one is known, or none{single}"
         )
-    text += f"{single}; the nearest is {nearest.setting.name}, error {error:.2g}"
+    text += f"{single}; the nearest is {nearest.setting.name}, {_error_of(findings, nearest)}"
     if needed := _mesh_needed(findings, nearest, target):
         return text + needed
     order = order_of(nearest.setting.series.method)
@@ -283,6 +286,12 @@ def _advice(findings: list[Finding], trials: list[Trial], target: float, left_ou
             f"; a step near {nearest.step * (target / error) ** (1 / order):.2g} s should suffice"
         )
     return text
+
+
+def _error_of(findings: list[Finding], trial: Trial) -> str:
+    """The largest error of a trial, of several channels with the name of its own."""
+    error, name = worst_channel(findings, trial)
+    return f"error {error:.2g}" + (f" of {name}" if len(findings) > 1 else "")
 
 
 def _mesh_needed(findings: list[Finding], nearest: Trial, target: float) -> str:
