@@ -40,8 +40,8 @@ if TYPE_CHECKING:
     from crashsolve.elements.shells.layout import DiscretisedShell
 
 FACTORS = (2, 4)
-# order of elements without contact and yield
-SMOOTH = 2.0
+# order of elements without contact and yield, and of shells, which have them
+SMOOTH, CRUSHED = 2.0, 1.0
 # shares of the scale
 TOO_FAR, NOTABLE = 0.5, 0.05
 # of the model's size: round-off of two meshes with the same node
@@ -230,7 +230,8 @@ def with_mesh(
     # a run without a mesh needs no settings of studies
     from crashsolve.study.settings import order_of_mesh
 
-    size, how = mesh_error(numbers, estimate.scale, order_of_mesh(deck) or 1.0, lengths)
+    order = order_of_mesh(deck, CRUSHED) or CRUSHED
+    size, how = mesh_error(numbers, estimate.scale, order, lengths)
     if size is None:
         is_one = len(numbers[1]) == 1
         other = float(numbers[1][0] if is_one else np.max(np.abs(numbers[1])))

@@ -170,7 +170,8 @@ def _set_findings(
 
 def _set_mesh_orders(finding: Finding, refinement: Refinement) -> None:
     for curve, order in zip(refinement.curves[2:], refinement.convergence.orders, strict=False):
-        finding.mesh_orders[curve.trials[-1].setting.folder] = order
+        for trial in curve.trials:
+            finding.mesh_orders[trial.setting.folder] = order
 
 
 def _order_of_meshes(convergence: Convergence, declared: float | None) -> str:

@@ -28,6 +28,8 @@ from crashsolve.deck.run_cards.watch import Watch
 STRUCTURE = {"segments": "divisions", "beams": "divisions", "shells": "across"}
 # segments yield in the middle of their length
 SEGMENTS_ORDER = 1.0
+# shells that are smooth, elastic and free of contact (benchmarks/shell_convergence.md)
+SHELLS_ORDER = 2.0
 Numbers = tuple[int, ...]
 # elements that may become one along a side of a given mesh
 MAX_JOINED = 8

@@ -12,6 +12,7 @@ from crashsolve.foundation.errors import DeckError, DeckErrors, ExitCode
 from crashsolve.foundation.streams import print_line, printable
 from crashsolve.output.files import replace_text, reported
 from crashsolve.output.lock import Lock
+from crashsolve.recording.engines import is_static
 from crashsolve.study.child_runs import cores
 from crashsolve.study.convergence import NEAR
 from crashsolve.study.findings import NOISE, Finding, cheapest, find, worst, worst_channel
@@ -104,10 +105,24 @@ def study(request: Request) -> int:
 
 def _methods(deck: Deck, request: Request) -> tuple[list[str], list[str]]:
     """The methods of a study, and notes on those left out; with --vary that of the deck."""
+    _refuse_for_equilibria(deck, request)
     own = [deck.control.integrator] if request.vary else []
     if request.methods or own:
         return [resolved(deck, method) for method in request.methods or own], []
     return suited(deck)
+
+
+def _refuse_for_equilibria(deck: Deck, request: Request) -> None:
+    """Raise DeckError for words about time steps where a deck seeks equilibria."""
+    words = {
+        "--integrators": ",".join(request.methods),
+        "--steps": request.steps,
+        "--tolerances": request.tolerances,
+    }
+    for option, text in words.items() if is_static(deck) else ():
+        if text:
+            message = "solution quasi_static has load steps, which a study divides by 2 and 4"
+            raise DeckError(f"{option} {text}", None, None, "", message, "leave it out")
 
 
 def _measure(finished: list[Trial], watches: list[Watch], deck: Deck, jobs: int) -> None:
