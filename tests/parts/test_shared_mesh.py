@@ -197,7 +197,7 @@ def test_masses_are_those_of_the_parts(tmp_path: Path) -> None:
 def test_the_mesh_of_all_parts_is_made_coarser_at_once(tmp_path: Path) -> None:
     path = tmp_path / "coarse.yaml"
     path.write_text(yaml.safe_dump(two_parts()), "utf-8")
-    assert coarser(read_deck(path), 2) == {
+    assert coarser(read_deck(path), 2).overrides == {
         "meshes.plate.elements.1": "4",
         "meshes.plate.elements.2": "4",
     }

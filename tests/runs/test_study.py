@@ -10,10 +10,12 @@ import pytest
 from command import crashsolve
 
 from crashsolve.deck.reading.deck import read_deck
+from crashsolve.foundation.errors import DeckError
 from crashsolve.integrators.rattle import ORDER
 from crashsolve.study.convergence import analyse, divergence_time, order_of_errors
 from crashsolve.study.findings import cheapest, find
-from crashsolve.study.runner import _verdict
+from crashsolve.study.runner import Request, _verdict
+from crashsolve.study.runner import study as run_study
 from crashsolve.study.settings import Series, Setting, settings, suited
 from crashsolve.study.trials import Trial
 from crashsolve.study.watch import Watch
@@ -264,7 +266,10 @@ def test_steps_and_meshes_have_orders_of_their_own() -> None:
     for (m, h), t in zip(runs[:-1], trials, strict=False):
         assert finding.error(t) == pytest.approx(h**2 + 0.3 / m**2)
     assert [finding.order(trials[k]) for k in (2, 5, 8)] == pytest.approx([2.0] * 3)
-    assert finding.mesh_order(trials[8]) == pytest.approx(2.0)
+    # of every step on the finest mesh, since the cheapest of them is the nearest to a target
+    assert [finding.mesh_order(t) for t in trials[6:]] == pytest.approx([2.0] * 3)
+    # 0.3 / 16 by the mesh, and 0.0025 by the step of the finest run: 0.0213 over 0.01
+    assert "elements divided by 6 should suffice" in _verdict([finding], trials, 0.01)
     # of the finest run what shorter steps and finer meshes would still change
     assert finding.error(trials[8]) == pytest.approx(0.05**2 + 0.3 / 16)
     assert (
@@ -316,6 +321,40 @@ def test_a_verdict_does_not_contradict_itself() -> None:
         assert shares, text
         if "none of these settings meets it" in text:
             assert min(shares) > 0.05, text
+
+
+def test_three_meshes_of_one_step_state_an_order_and_a_mesh() -> None:
+    trials = [trial(m, 0.1, 1.0 + 0.3 / m**2) for m in (1, 2, 4)]
+    finding = find(Watch("x", ("x",), "final"), 0, trials, None, 2.0)
+    assert "order 2.00 +- 0.00 in the length of elements" in finding.notes[-1]
+    # 0.3 / 4 is more than 5 %, 0.3 / 16 is less; what the step adds is said not to be known
+    text = _verdict([finding], trials, 0.05)
+    assert text.startswith("target 0.05: rattle, mesh x4 0.1, ")
+    assert "error 0.019 by the mesh alone; the error of a single step is not known" in text
+
+
+EQUILIBRIUM = """
+control: {end_time: 1, solution: quasi_static, steps: 5}
+bodies: {m: {mass: 1, inertia: [1, 1, 1]}}
+output: {history: {interval: INTERVAL}}
+"""
+
+
+@pytest.mark.parametrize(("interval", "count"), [("null", 5), ("0.1", 10)])
+def test_equilibria_are_compared_over_load_steps(interval: str, count: int, tmp_path: Path) -> None:
+    path = tmp_path / "deck.yaml"
+    path.write_text(EQUILIBRIUM.replace("INTERVAL", interval), "utf-8")
+    deck = read_deck(path)
+    methods, _ = suited(deck)
+    grid = settings(deck, methods, None, None)
+    assert [s.name for s in grid] == [f"newton {count * k} load steps" for k in (1, 2, 4)]
+    # each is a deck that can be read, of as many steps
+    for k, setting in zip((1, 2, 4), grid, strict=True):
+        given = {name: text for name, text in setting.overrides.items() if "estimate" not in name}
+        own = read_deck(path, given, refuses_ineffective=False)
+        assert own.sample_interval == pytest.approx(1.0 / (count * k), rel=1e-15)
+    with pytest.raises(DeckError, match="load steps, which a study divides"):
+        run_study(Request(path, tmp_path / "study", steps="0.1,0.05"))
 
 
 def test_orders_are_those_that_steps_and_methods_can_have() -> None:

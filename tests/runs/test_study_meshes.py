@@ -8,7 +8,7 @@ from quick import first_quick
 from small_runs import CANTILEVER
 
 from crashsolve.deck.reading.deck import read_deck
-from crashsolve.study.meshes import coarser, finer
+from crashsolve.study.meshes import Coarser, coarser, finer
 
 SHELL = """
 control: {end_time: 1e-5}
@@ -18,7 +18,7 @@ parts:
 watch: [matsum.p.energy.kinetic]
 """
 MESHES = {
-    "{type: grid, along: [1, 0, 0], across: [0, 1, 0], elements: [4, 6]}": (32, 12),
+    "{type: grid, along: [1, 0, 0], across: [0, 1, 0], elements: [4, 8]}": (32, 12),
     "{type: tube, width: 0.1, length: 0.3, elements: [4, 4, 8]}": (32, 8),
     "{type: box, size: [1, 1, 1], elements: [4, 4, 4]}": (0, 0),
     "{type: sphere, radius: 0.1, elements: 4}": (0, 0),
@@ -44,16 +44,47 @@ def test_generated_meshes_are_divided_in_all_directions(mesh: str, tmp_path: Pat
     (tmp_path / "deck.yaml").write_text(SHELL.replace("MESH", mesh), "utf-8")
     deck = read_deck(tmp_path / "deck.yaml")
     count = deck.entries["parts"]["p"].card.mesh.count
-    for overrides, factor in ((finer(deck, 2), 4.0), (coarser(deck, 2), 0.25)):
+    for overrides, factor in ((finer(deck, 2), 4.0), (coarser(deck, 2).overrides, 0.25)):
         other = read_deck(tmp_path / "deck.yaml", overrides)
         assert other.entries["parts"]["p"].card.mesh.count == factor * count
 
 
+def made_coarser(folder: Path, elements: str, factor: int) -> Coarser:
+    """A grid of these elements, made coarser."""
+    mesh = next(iter(MESHES)).replace("[4, 8]", elements)
+    (folder / "deck.yaml").write_text(SHELL.replace("MESH", mesh), "utf-8")
+    return coarser(read_deck(folder / "deck.yaml"), factor)
+
+
 def test_a_mesh_of_one_element_is_not_made_coarser(tmp_path: Path) -> None:
-    mesh = next(iter(MESHES)).replace("[4, 6]", "[8, 1]")
-    (tmp_path / "deck.yaml").write_text(SHELL.replace("MESH", mesh), "utf-8")
-    with pytest.raises(ValueError, match="has 1, which cannot be divided by 2"):
-        coarser(read_deck(tmp_path / "deck.yaml"), 2)
+    with pytest.raises(ValueError, match="has 2, which cannot be divided by 2"):
+        made_coarser(tmp_path, "[2, 1]", 2)
+
+
+@pytest.mark.parametrize(
+    ("elements", "factor", "numbers", "ratio"),
+    [
+        # a node in the middle stays one: of 6 elements not 3 but 4
+        ("[6, 10]", 2, ("4", "6"), 1.5),
+        ("[6, 10]", 4, ("2", "4"), 2.5),
+        ("[5, 7]", 2, ("3", "4"), 5.0 / 3.0),
+        ("[8, 16]", 4, ("2", "4"), 4.0),
+    ],
+)
+def test_any_number_of_elements_is_made_about_half(
+    elements: str, factor: int, numbers: tuple[str, str], ratio: float, tmp_path: Path
+) -> None:
+    other = made_coarser(tmp_path, elements, factor)
+    assert tuple(other.overrides.values()) == numbers
+    assert other.ratio == pytest.approx(ratio, rel=1e-15)
+    assert not other.kept
+
+
+def test_two_elements_across_a_strip_stay(tmp_path: Path) -> None:
+    other = made_coarser(tmp_path, "[8, 2]", 2)
+    assert other.overrides == {"parts.p.mesh.elements.1": "4", "parts.p.mesh.elements.2": "2"}
+    assert other.ratio == 2.0
+    assert other.kept == {"parts.p.mesh.elements.2": 2}
 
 
 @pytest.mark.parametrize(("word", "order"), first_quick([("segments", 1.0), ("beams", 2.0)], 0))

@@ -17,6 +17,7 @@ to test: x = 1 + h^p gives the error h^p, for each of the three.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from math import inf
 
 import numpy as np
 
@@ -55,6 +56,7 @@ LATCHED = ("final", "max", "abs_max")
 SAME_POSITION = 1e-9
 # a sum below this share of its parts counts as zero
 CANCELS = 1e-6
+SAME_STEPS = "no further run took different steps"
 # numbers below this share of their scale are round-off
 DIGITS = 1e-13
 
@@ -72,7 +74,7 @@ class Estimate:
     error: float | None
     scale: float
     how: str
-    steps: float = 0.0  # the part of the error that the steps make
+    steps: float = 0.0  # the part of the error that the steps make; infinite where no run shows it
     sampling_error: float = 0.0  # and that of the gaps between samples
     is_wanted: bool = True  # False for channels that measure the run's own errors
     mesh: float | None = None  # the part of the mesh; infinite where meshes state none
@@ -163,8 +165,7 @@ class NumberErrors:
             how = f"not estimated: with fewer samples {problem}"
             return Estimate(watch, value, unit, None, size, how)
         if steps is None:
-            how = "not estimated: no further run took different steps"
-            return Estimate(watch, value, unit, None, size, how)
+            return Estimate(watch, value, unit, None, size, f"not estimated: {SAME_STEPS}", inf)
         error, how = _sum(steps, sampling_error) + DIGITS * abs(value), steps.how
         if abs(sampling_error) > 0.1 * error:
             how += f"; gaps between samples {abs(sampling_error):.2g} {unit}".rstrip()

@@ -32,6 +32,7 @@ from crashsolve.foundation.errors import SolverError
 from crashsolve.model.build import build
 from crashsolve.model.curve_steps import unseen
 from crashsolve.model.integrator_selection import with_chosen_method
+from crashsolve.model.model import Model
 from crashsolve.model.motions import derivatives_read
 from crashsolve.output.channels import Family
 from crashsolve.recording.engines import UNPREPARED, Prepared, is_static
@@ -48,8 +49,10 @@ MESH = "the mesh"
 # words of channels that read the acceleration of a motion
 SECOND = ("acceleration", "force", "moment", "torque")
 OVER_BUDGET = "further runs would cost more than this one; control.estimate: full makes them"
-# the second where the first does not shorten the steps, or coarser ones are unstable
+# the second where the first does not shorten the steps, or coarser ones are unstable; the third
+# where load steps of equilibria are cut by themselves
 FINER = (0.5, 0.25)
+FINER_LOADS = (*FINER, 0.125)
 # of the longest step that sees a load
 APART = 2.0**-0.5
 
@@ -126,7 +129,7 @@ class Estimator:
             return runs
         if runs:
             return runs
-        if isfinite(budget) and finer == FINER:
+        if isfinite(budget) and finer[0] == FINER[0]:
             # a finer one would cost more than the run
             problems.append(OVER_BUDGET)
             return []
@@ -143,6 +146,8 @@ class Estimator:
 
     def _finer(self, coarseness: float) -> tuple[float, ...]:
         """Factors of finer runs: of a stated step that hardly sees a load, one that sees it."""
+        if is_static(self.deck):
+            return FINER_LOADS
         if self.deck.control.step == "auto":
             return FINER
         shares = [share for share, _ in unseen(build(self.deck)[0]).values()]
@@ -155,25 +160,28 @@ class Estimator:
         """Runs on coarser meshes of a run that took `cpu_time` [s] of CPU. Raises Abandoned."""
         is_requested = self.deck.control.estimate in ("mesh", "full")
         budget = inf if is_requested else max(SHARE * cpu_time, LEAST)
-        return coarse_runs(self.deck, self._companions_of, coarseness, budget)
+        return coarse_runs(
+            self.deck, self._companions_of, lambda: build(self.deck)[0], coarseness, budget
+        )
 
-    def _companions_of(self, deck: Deck) -> Companions:
+    def _companions_of(self, deck: Deck) -> tuple[Companions, Model]:
         """Companions of the deck with another mesh, whose channels are other columns."""
-        families = families_of(*build(deck))
-        return Estimator(deck, families, self.stopped).companions
+        model, state = build(deck)
+        return Estimator(deck, families_of(model, state), self.stopped).companions, model
 
     def estimates(
-        self, main: Samples, others: Sequence[Samples], meshes: Sequence[Samples] = ()
+        self, main: Samples, others: Sequence[Samples], meshes: Meshes | None = None
     ) -> list[Estimate]:
         """The estimates of all watched numbers; `meshes` are runs on ever coarser ones."""
-        main, *rest = (self._with_steps(samples) for samples in (main, *others, *meshes))
-        others, meshes = rest[: len(others)], rest[len(others) :]
+        coarse, lengths = (meshes.runs, meshes.lengths) if meshes else ([], [])
+        main, *rest = (self._with_steps(samples) for samples in (main, *others, *coarse))
+        others, coarse = rest[: len(others)], rest[len(others) :]
         errors = NumberErrors(self.channels, self.order)
         numbers = [errors.estimate(watch, main, others) for watch in self.watches]
         numbers = [with_formulas(estimate, self.deck) for estimate in numbers]
         is_meshed, laws = has_mesh(self.deck), left_out(self.deck)
-        if is_meshed and meshes:
-            numbers = [self._with_mesh(errors, e, [main, *meshes]) for e in numbers]
+        if is_meshed and coarse:
+            numbers = [self._with_mesh(errors, e, [main, *coarse], lengths) for e in numbers]
         return [
             _without(e, [MESH, *laws] if is_meshed and e.mesh is None else laws) for e in numbers
         ]
@@ -184,13 +192,18 @@ class Estimator:
         return replace(samples, step_times=own)
 
     def _with_mesh(
-        self, errors: NumberErrors, estimate: Estimate, runs: Sequence[Samples]
+        self,
+        errors: NumberErrors,
+        estimate: Estimate,
+        runs: Sequence[Samples],
+        lengths: Sequence[float],
     ) -> Estimate:
         """An estimate with the error by the mesh, where the samples serve to tell it."""
         try:
             about = self._about(errors, estimate.watch, runs[0])
             least = chance_margin(errors.numbers(about, runs[:2])) if about else 0.0
-            return with_mesh(estimate, errors.numbers(estimate.watch, runs), self.deck, least)
+            numbers = errors.numbers(estimate.watch, runs)
+            return with_mesh(estimate, numbers, self.deck, lengths, least)
         except ValueError:
             return estimate
 
@@ -253,6 +266,6 @@ def estimate_in_memory(deck: Deck) -> tuple[Samples, list[Estimate], float]:
     estimator = Estimator(deck, families_of(model, state))
     main = estimator.companions.run(1.0)
     others = estimator.companion_runs(1.0, main.cycles, [])
-    meshes = estimator.mesh_runs(1.0, inf).runs
-    cpu_time = sum(run.cpu for run in (*others, *meshes))
+    meshes = estimator.mesh_runs(1.0, inf)
+    cpu_time = sum(run.cpu for run in (*others, *meshes.runs))
     return main, estimator.estimates(main, others, meshes), cpu_time / main.cpu

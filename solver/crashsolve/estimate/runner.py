@@ -19,6 +19,7 @@ from crashsolve.deck.reading.deck import Deck
 from crashsolve.estimate.companion import Abandoned, coarsen
 from crashsolve.estimate.error import Estimate
 from crashsolve.estimate.estimator import COARSER, Estimator
+from crashsolve.estimate.mesh import Meshes
 from crashsolve.estimate.missed_contacts import (
     Missed,
     MissedCurve,
@@ -129,7 +130,7 @@ class Estimating:
                 )
         except Abandoned:
             self.problems.append("asked to stop")
-        meshes = self._meshes(cpu_time) if compares else []
+        meshes = self._meshes(cpu_time) if compares else None
         estimates = self.estimator.estimates(main, self._companions, meshes)
         estimates = with_missed_contacts(estimates, missed, mass or {})
         estimates = with_missed_curves(estimates, curves)
@@ -139,15 +140,15 @@ class Estimating:
         self._report(cpu_time)
         return self._needs_rerun()
 
-    def _meshes(self, cpu_time: float) -> list[Samples]:
-        """Samples of runs on coarser meshes. Writes: problems, why there are none."""
+    def _meshes(self, cpu_time: float) -> Meshes | None:
+        """Runs on coarser meshes. Writes: problems, why there are none or what they leave out."""
         try:
             meshes = self.estimator.mesh_runs(self.coarseness, cpu_time)
         except Abandoned:
             self.problems.append("asked to stop")
-            return []
-        self.problems += [meshes.problem] if meshes.problem else []
-        return meshes.runs
+            return None
+        self.problems += meshes.remarks
+        return meshes
 
     def entries(self) -> list[Json]:
         """The estimates as status.json keeps them."""

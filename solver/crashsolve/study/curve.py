@@ -48,10 +48,16 @@ class Refinement:
         return f"{self.curves[0].series._replace(mesh=1).name}, {meshes}"
 
     @property
+    def is_of_one_step(self) -> bool:
+        """Whether no mesh has runs with two steps, so that the error of the step is not known."""
+        return all(len(curve.trials) == 1 for curve in self.curves)
+
+    @property
     def limit(self) -> Convergence:
-        """The limit of finer meshes and shorter steps together."""
+        """The limit of finer meshes and shorter steps together; of one step that of the meshes."""
         convergence = self.convergence
-        error = convergence.error + self.curves[-1].convergence.error
+        by_steps = 0.0 if self.is_of_one_step else self.curves[-1].convergence.error
+        error = convergence.error + by_steps
         return Convergence(
             *(convergence.value, error, convergence.orders, convergence.stalls),
             *(convergence.is_extrapolated, convergence.has_floor, convergence.grows),

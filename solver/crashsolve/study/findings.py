@@ -53,6 +53,7 @@ class Finding:
     `errors`, `orders` and `mesh_orders` are by the folder of the setting; `notes` are for people.
     `estimate` is the least estimated error of a method that converges steadily; `uncertainties`
     are the differences that stay between the runs of a series that does not converge.
+    `is_of_one_step` states that errors are those of meshes alone.
     """
 
     watch: Watch
@@ -67,6 +68,7 @@ class Finding:
     diverges: bool = False
     estimate: float = inf
     uncertainties: dict[Series, float] = field(default_factory=dict)
+    is_of_one_step: bool = False
 
     def error(self, trial: Trial) -> float:
         """Error of a trial over the scale of its channel [1], or as it is where the scale is zero.
@@ -131,6 +133,7 @@ def find(
             key=lambda refinement: sort_key(Source("", refinement.limit, refinement.curves[-1])),
         )
         finding.notes.append(_mesh_reported(finding, limit, scale, mesh_order))
+        finding.is_of_one_step = any(refinement.is_of_one_step for refinement in refinements)
     diverging = [curve.convergence.diverges for curve in curves if len(curve.values) > 2]
     if finding.is_absolute and around > 0.0:
         finding.notes = [f"zero to the round-off of its vector, {around:.3g} {finding.unit}"]
@@ -167,7 +170,8 @@ def _set_findings(
 
 def _set_mesh_orders(finding: Finding, refinement: Refinement) -> None:
     for curve, order in zip(refinement.curves[2:], refinement.convergence.orders, strict=False):
-        finding.mesh_orders[curve.trials[-1].setting.folder] = order
+        for trial in curve.trials:
+            finding.mesh_orders[trial.setting.folder] = order
 
 
 def _order_of_meshes(convergence: Convergence, declared: float | None) -> str:
@@ -370,6 +374,8 @@ def _divergence_reported(finding: Finding, curve: Curve, scale: float) -> str:
 
 
 def _order_reported(curve: Curve, finding: Finding) -> str:
+    if len(curve.trials) == 1:
+        return "the error of a single step is not known"
     if len(curve.trials) < 3:
         return "an order needs three runs or more"
     orders = [(trial, finding.order(trial)) for trial in curve.trials]
@@ -430,5 +436,11 @@ def _cheapest_of(meeting: Sequence[Trial], usable: Sequence[Trial]) -> Trial | N
 
 def worst(findings: Sequence[Finding], trial: Trial) -> float:
     """Largest relative error of a trial over the channels; infinite when one is unknown."""
-    errors = [finding.error(trial) for finding in findings if not finding.is_absolute]
-    return max((e if isfinite(e) else inf for e in errors), default=inf)
+    return worst_channel(findings, trial)[0]
+
+
+def worst_channel(findings: Sequence[Finding], trial: Trial) -> tuple[float, str]:
+    """The same, with the name of the channel."""
+    errors = [(f.error(trial), f.watch.name) for f in findings if not f.is_absolute]
+    largest = max(((e if isfinite(e) else inf, name) for e, name in errors), default=None)
+    return largest or (inf, "")

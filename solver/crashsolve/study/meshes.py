@@ -6,7 +6,9 @@
     structure                   divisions of segments and beams, across of shells
 
 Hinges and rigid members have no mesh. Meshes that are listed or of a file are not divided; to make
-them coarser their elements are joined by mesh.joined, where they lie in rows. On
+them coarser their elements are joined by mesh.joined, where they lie in rows. Of other numbers of
+elements n the coarser mesh has n / 2; where n is even and n / 2 is odd one more, so that a node in
+the middle stays one; where n is odd (n + 1) / 2; and where n is 1 or 2 as many. On
 another mesh the inner nodes of a frame, a beam made coarser and a structure have other names: a
 deck that names one is not divided. Consequence to test: a deck divided by 2 and made coarser by 2
 has its own numbers of elements.
@@ -26,6 +28,8 @@ from crashsolve.deck.run_cards.watch import Watch
 STRUCTURE = {"segments": "divisions", "beams": "divisions", "shells": "across"}
 # segments yield in the middle of their length
 SEGMENTS_ORDER = 1.0
+# shells that are smooth, elastic and free of contact (benchmarks/shell_convergence.md)
+SHELLS_ORDER = 2.0
 Numbers = tuple[int, ...]
 # elements that may become one along a side of a given mesh
 MAX_JOINED = 8
@@ -68,20 +72,46 @@ def finer(deck: Deck, factor: int) -> dict[str, str]:
     return changes
 
 
-def coarser(deck: Deck, factor: int) -> dict[str, str]:
-    """Overrides that make all elements `factor` times as long. Raises ValueError likewise."""
+@dataclass(frozen=True)
+class Coarser:
+    """Overrides that make elements longer, by the factor `ratio` at least; what stays as it is.
+
+    `kept` are the numbers of elements that are too small to be divided, by their path.
+    """
+
+    overrides: dict[str, str]
+    ratio: float
+    kept: dict[str, int]
+
+
+def coarser(deck: Deck, factor: int) -> Coarser:
+    """Elements about `factor` times as long, a power of 2. Raises ValueError likewise."""
     changes = _joined(deck, factor)
+    ratios, kept = [float(factor)] * bool(changes), dict[str, int]()
     for field in divisible(deck):
         own = field
         if field.coarser and any(n % factor for n in field.numbers):
             own = field.coarser
-        if wrong := [n for n in own.numbers if n % factor or n <= factor]:
-            raise ValueError(
-                f"{own.path} has {wrong[0]}, which cannot be divided by {factor} and stay above 1"
-            )
-        _check_names(deck, own)
-        changes |= own.overrides(tuple(n // factor for n in own.numbers))
-    return changes
+        is_exact = own is not field or field.coarser is None
+        numbers = tuple(_coarse(n, factor) if is_exact else n // factor for n in own.numbers)
+        new, old = own.overrides(numbers), own.overrides(own.numbers)
+        if numbers != own.numbers:
+            _check_names(deck, own)
+            changes |= new
+        ratios += [a / b for a, b in zip(own.numbers, numbers, strict=True) if a != b]
+        kept |= {path: int(n) for path, n in old.items() if new[path] == n}
+    if not changes:
+        path, number = next(iter(kept.items()))
+        raise ValueError(f"{path} has {number}, which cannot be divided by 2 and stay above 1")
+    return Coarser(changes, min(ratios), kept)
+
+
+def _coarse(n: int, factor: int) -> int:
+    """Number of elements about `factor` times as long, of n along a side."""
+    while factor > 1:
+        half = (n + 1) // 2
+        n, factor = n if n <= 2 else half + half % 2 * (1 - n % 2), factor // 2
+    return n
 
 
 def _joined(deck: Deck, factor: int) -> dict[str, str]:

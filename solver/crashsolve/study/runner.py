@@ -12,9 +12,10 @@ from crashsolve.foundation.errors import DeckError, DeckErrors, ExitCode
 from crashsolve.foundation.streams import print_line, printable
 from crashsolve.output.files import replace_text, reported
 from crashsolve.output.lock import Lock
+from crashsolve.recording.engines import is_static
 from crashsolve.study.child_runs import cores
 from crashsolve.study.convergence import NEAR
-from crashsolve.study.findings import NOISE, Finding, cheapest, find, worst
+from crashsolve.study.findings import NOISE, Finding, cheapest, find, worst, worst_channel
 from crashsolve.study.meshes import divisible, finer
 from crashsolve.study.methods import order_of
 from crashsolve.study.plot import draw
@@ -36,6 +37,7 @@ from crashsolve.study.watch import Watch, ask, overall, watched
 GIVEN, EXPENSIVE = "file", "most expensive run"
 # relative error of the last sentence without a target
 USUAL = 0.05
+ONE_STEP = "the error of a single step is not known: give --steps two or more"
 # an overall number whose estimated error is below this is worth naming
 CONVERGED = 0.01
 
@@ -103,10 +105,24 @@ def study(request: Request) -> int:
 
 def _methods(deck: Deck, request: Request) -> tuple[list[str], list[str]]:
     """The methods of a study, and notes on those left out; with --vary that of the deck."""
+    _refuse_for_equilibria(deck, request)
     own = [deck.control.integrator] if request.vary else []
     if request.methods or own:
         return [resolved(deck, method) for method in request.methods or own], []
     return suited(deck)
+
+
+def _refuse_for_equilibria(deck: Deck, request: Request) -> None:
+    """Raise DeckError for words about time steps where a deck seeks equilibria."""
+    words = {
+        "--integrators": ",".join(request.methods),
+        "--steps": request.steps,
+        "--tolerances": request.tolerances,
+    }
+    for option, text in words.items() if is_static(deck) else ():
+        if text:
+            message = "solution quasi_static has load steps, which a study divides by 2 and 4"
+            raise DeckError(f"{option} {text}", None, None, "", message, "leave it out")
 
 
 def _measure(finished: list[Trial], watches: list[Watch], deck: Deck, jobs: int) -> None:
@@ -249,8 +265,10 @@ def _verdict(findings: list[Finding], trials: list[Trial], target: float) -> str
         cost = f"{best.cpu_steps:.3g} s of CPU in steps"
         if best.cpu_steps <= NOISE:
             cost = f"no more than {NOISE:g} s of CPU in steps, below which none is ranked"
-        error = worst(findings, best)
-        return f"target {target:g}: {best.setting.name}, {cost}, error {error:.2g}{left_out}"
+        error = _error_of(findings, best)
+        if any(finding.is_of_one_step for finding in findings):
+            error += f" by the mesh alone; {ONE_STEP}"
+        return f"target {target:g}: {best.setting.name}, {cost}, {error}{left_out}"
     return _advice(findings, trials, target, left_out)
 
 
@@ -263,7 +281,7 @@ def _advice(findings: list[Finding], trials: list[Trial], target: float, left_ou
     usable = [trial for trial in trials if isfinite(worst(findings, trial))]
     single = ""
     if len({trial.setting.label for trial in trials}) == 1:
-        single = "; the error of a single step is not known: give --steps two or more"
+        single = f"; {ONE_STEP}"
     if not usable:
         return text + single
     nearest = min(usable, key=lambda trial: worst(findings, trial))
@@ -273,7 +291,7 @@ def _advice(findings: list[Finding], trials: list[Trial], target: float, left_ou
             f"target {target:g}: not decided{left_out}; {nearest.setting.name} has an error of "
             f"{error:.2g}, but of finer runs a larger one is known, or none{single}"
         )
-    text += f"{single}; the nearest is {nearest.setting.name}, error {error:.2g}"
+    text += f"{single}; the nearest is {nearest.setting.name}, {_error_of(findings, nearest)}"
     if needed := _mesh_needed(findings, nearest, target):
         return text + needed
     order = order_of(nearest.setting.series.method)
@@ -283,6 +301,12 @@ def _advice(findings: list[Finding], trials: list[Trial], target: float, left_ou
             f"; a step near {nearest.step * (target / error) ** (1 / order):.2g} s should suffice"
         )
     return text
+
+
+def _error_of(findings: list[Finding], trial: Trial) -> str:
+    """The largest error of a trial, of several channels with the name of its own."""
+    error, name = worst_channel(findings, trial)
+    return f"error {error:.2g}" + (f" of {name}" if len(findings) > 1 else "")
 
 
 def _mesh_needed(findings: list[Finding], nearest: Trial, target: float) -> str:

@@ -1,6 +1,7 @@
 """The settings of a study: integrators x steps or tolerances x meshes x descriptions x a field.
 
-Tolerances where the method chooses its step. The automatic step of others is made longer and
+Tolerances where the method chooses its step, and numbers of load steps where the deck seeks
+equilibria. The automatic step of others is made longer and
 shorter by its two bounds, the share of the critical step and the longest step. Meshes divide the
 elements of all parts; descriptions are those of deformation that the types of parts know. A field
 may be any whose values are compared, as different models of one thing.
@@ -10,6 +11,7 @@ import importlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
+from math import ceil
 from types import ModuleType
 from typing import NamedTuple, get_args
 
@@ -20,9 +22,12 @@ from crashsolve.deck.reading.deck import Deck
 from crashsolve.deck.run_cards.control import Control
 from crashsolve.foundation.errors import DeckError, DeckErrors
 from crashsolve.model.build import build
+from crashsolve.recording.engines import is_static
 from crashsolve.study import meshes as mesh_fields
 from crashsolve.study.methods import chooses_its_step
 
+# of the load steps of equilibria, and the name of their series
+LOAD_FACTORS, EQUILIBRIA = (1, 2, 4), "newton"
 FACTORS = (4.0, 2.0, 1.0, 1 / 2, 1 / 4, 1 / 8)
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 MESHES = "1,2,4"
@@ -90,7 +95,8 @@ def settings(
             # where there is no choice the deck has no word for it
             chosen = description if len(descriptions(deck)) > 1 else ""
             series = Series(method, mesh, ", ".join(filter(None, (chosen, value))))
-            given = {"control.integrator": method} | _of_parts(deck, mesh, chosen)
+            given = {} if method == EQUILIBRIA else {"control.integrator": method}
+            given |= _of_parts(deck, mesh, chosen)
             given |= {field: value} if value else {}
             # numbers of a study are of other channels too
             given |= {"output.history.channels": "null"} if deck.output.history.channels else {}
@@ -159,16 +165,21 @@ def descriptions(deck: Deck) -> list[str]:
     return list(dict.fromkeys(word for m in _part_modules(deck) for word in m.DESCRIPTIONS))
 
 
-def order_of_mesh(deck: Deck) -> float | None:
-    """Declared order of the parts in the length of their elements; None without parts."""
-    orders = [float(module.ORDER) for module in _part_modules(deck)]
+def order_of_mesh(deck: Deck, of_shells: float = mesh_fields.SHELLS_ORDER) -> float | None:
+    """Order of the parts in the length of their elements, `of_shells` that of shells; None without
+    parts.
+    """
+    orders = [float(getattr(module, "ORDER", of_shells)) for module in _modules(deck)]
     orders += [mesh_fields.SEGMENTS_ORDER] * mesh_fields.has_segments(deck)
     return min(orders, default=None)
 
 
+def _modules(deck: Deck) -> list[ModuleType]:
+    return [importlib.import_module(e.module_name) for e in deck.entries["parts"].values()]
+
+
 def _part_modules(deck: Deck) -> list[ModuleType]:
-    modules = [importlib.import_module(e.module_name) for e in deck.entries["parts"].values()]
-    return [module for module in modules if hasattr(module, "DESCRIPTIONS")]
+    return [module for module in _modules(deck) if hasattr(module, "DESCRIPTIONS")]
 
 
 def _of_parts(deck: Deck, mesh: int, description: str) -> dict[str, str]:
@@ -182,6 +193,8 @@ def _of_parts(deck: Deck, mesh: int, description: str) -> dict[str, str]:
 
 def suited(deck: Deck) -> tuple[list[str], list[str]]:
     """All methods that can run a deck, its own first; and why the others cannot."""
+    if is_static(deck):
+        return [EQUILIBRIA], []
     own, suited_methods, notes = resolved(deck, deck.control.integrator), [], []
     for method in sorted(METHODS, key=lambda method: method != own):
         try:
@@ -195,6 +208,8 @@ def suited(deck: Deck) -> tuple[list[str], list[str]]:
 
 def resolved(deck: Deck, method: str) -> str:
     """The method that auto or default stands for; any other as it is."""
+    if is_static(deck):
+        return EQUILIBRIA
     if method not in CHOSEN:
         return method
     return build(replace(deck, control=deck.control.model_copy(update={"integrator": method})))[
@@ -204,6 +219,8 @@ def resolved(deck: Deck, method: str) -> str:
 
 def _of_method(deck: Deck, method: str, steps: str | None, tolerances: str | None) -> list[Words]:
     """One method's settings."""
+    if method == EQUILIBRIA:
+        return [_load_steps(deck, factor) for factor in LOAD_FACTORS]
     step = deck.control.step
     # the step of a deck is that of its own method
     is_free = step == AUTO or method != deck.control.integrator
@@ -217,6 +234,17 @@ def _of_method(deck: Deck, method: str, steps: str | None, tolerances: str | Non
     if step == AUTO:
         return [_automatic(deck, factor) for factor in FACTORS]
     return [_fixed(float(step) * factor) for factor in FACTORS]
+
+
+def _load_steps(deck: Deck, factor: int) -> Words:
+    """The load steps of a deck of equilibria, each cut into `factor`."""
+    control, interval = deck.control, deck.output.history.interval
+    count = control.steps * factor
+    overrides = {"control.steps": str(count)}
+    if interval:
+        count = ceil((control.end_time - control.start_time) / interval * factor)
+        overrides = {"output.history.interval": f"{interval / factor!r} s"}
+    return f"{count} load steps", overrides, 1.0 / factor
 
 
 def _within(tolerance: float) -> Words:
