@@ -216,3 +216,37 @@ def test_a_vibration_of_whole_periods_between_samples_is_reported(
     assert (force["error"] is not None) == is_known
     if is_known:
         assert abs(force["value"] + 1000.0) <= force["error"] + 1e-3
+
+
+@pytest.mark.parametrize(
+    ("formula", "interval"),
+    [
+        # many waves between samples, which show all sizes; 6 samples in a period of the spring
+        ("1 - cos(10450*x)", "0.006931"),
+        ("sin(9000*x)", "0.0011"),
+        # a corner between samples
+        ("max(0, 1 - abs(x - 0.0527)/0.013)", "0.004"),
+        ("max(0, 1 - abs(x - 0.0911)/0.03)", "0.01"),
+    ],
+)
+def test_an_acceleration_is_right_within_its_error_under_loads_that_samples_do_not_follow(
+    tmp_path: Path, formula: str, interval: str
+) -> None:
+    deck = tmp_path / "deck.yaml"
+    deck.write_text(f"""
+control: {{end_time: 0.2}}
+output: {{history: {{interval: {interval}}}}}
+curves: {{p: {{type: formula, expression: '{formula}', from: 0, to: 0.2}}}}
+bodies: {{m: {{mass: 2, inertia: [1, 1, 1]}}}}
+loads: {{f: {{type: force, body: m, force: [500, 0, 0], curve: p}}}}
+watch: [{{channel: rbdout.m.acceleration.x, statistic: abs_max}}]
+""")
+    done = crashsolve(deck, "-o", tmp_path / "r")
+    assert done.returncode == 0, done.stdout
+    (entry,) = Result(tmp_path / "r").status["watched"]
+    true = 500.0 if formula.startswith("1 - cos") else 250.0
+    if entry["error"] is None:
+        assert "between samples" in entry["how"]
+    else:
+        # an extreme of the load is one of the acceleration
+        assert abs(entry["value"] - true) <= 3.0 * entry["error"]

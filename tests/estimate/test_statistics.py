@@ -164,3 +164,29 @@ def test_a_jump_has_no_parabola_and_a_time_known_to_one_sample() -> None:
     hill = Series(time, -((time - 0.52) ** 2))
     assert unresolved(hill, "argmax") == 0.0
     assert refined(hill, "argmax") == pytest.approx(0.52)
+
+
+@pytest.mark.parametrize("word", ["max", "min", "abs_max"])
+@pytest.mark.parametrize("samples", [3.3, 3.6, 4.4])
+def test_a_largest_value_of_few_samples_a_period_states_what_it_may_miss(
+    word: str, samples: float
+) -> None:
+    # a free vibration that decays: its first half waves are the largest, and lie between samples
+    for phase in np.linspace(0.0, 2.0 * np.pi, 24):
+        time = np.arange(0.0, 9.0, 1.0 / samples)
+        x = np.exp(-0.1 * time) * np.cos(2.0 * np.pi * time + phase)
+        fine = np.linspace(0.0, time[-1], 20_001)
+        truth = np.exp(-0.1 * fine) * np.cos(2.0 * np.pi * fine + phase)
+        largest = {"max": truth.max(), "min": truth.min(), "abs_max": np.abs(truth).max()}[word]
+        series = Series(time, x)
+        off = abs(plain(series, word) - largest)
+        missed = unresolved(series, word) or abs(plain(series, word) - refined(series, word))
+        # parabolas through so few samples rise by a half and more of what is missed
+        assert off <= 10.0 * missed, (phase, off, missed)
+
+
+def test_a_largest_value_of_many_samples_a_period_misses_nothing() -> None:
+    time = np.linspace(0.0, 5.0, 101)
+    for phase in np.linspace(0.0, 2.0 * np.pi, 24):
+        series = Series(time, np.exp(-0.1 * time) * np.cos(2.0 * np.pi * time + phase))
+        assert all(unresolved(series, word) == 0.0 for word in ("max", "min", "abs_max"))

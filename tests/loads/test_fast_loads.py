@@ -4,7 +4,7 @@ A force on a free body of 1 kg gives it the velocity that is the integral of the
 1 - cos(2 pi f t) over whole periods the time, of a Gaussian pulse of width w its area sqrt(pi) w.
 """
 
-from math import cos, pi, sqrt
+from math import acos, cos, exp, pi, sin, sqrt
 from pathlib import Path
 
 import numpy as np
@@ -181,6 +181,53 @@ def test_a_load_of_infinite_slope_takes_short_steps_there_alone(tmp_path: Path) 
     _, (estimated,), _ = estimate_in_memory(read_deck(path))
     assert estimated.value is not None and estimated.error is not None
     assert abs(estimated.value - 2.0**2.5 / 3.0) <= 2.0 * estimated.error + CUBICS
+
+
+@pytest.mark.parametrize("method", first_quick(METHODS, 2))
+@pytest.mark.parametrize("level", first_quick([0.99, 0.8, 0.9999]))
+def test_bursts_that_begin_and_end_with_a_kink_are_seen(
+    method: str, level: float, tmp_path: Path
+) -> None:
+    rate, periods = 6000.0, 20
+    end = periods * 2.0 * pi / rate
+    # samples of which some lie in a burst, and most do not
+    out = f"output: {{history: {{interval: {end / 190!r}}}}}"
+    formula = f"1000*max(0, sin({rate}*x) - {level})"
+    path = deck(tmp_path, [formula], end, f", integrator: {method}", out)
+    model, _ = build(read_deck(path))
+    starts, steps = steps_by_curves(model)
+    lengths = np.diff(np.r_[starts, end])
+    # a part of so few steps is not divided further
+    assert np.ceil(lengths / steps)[np.isfinite(steps)].sum() < 100 * periods
+    # 16 steps a burst or more
+    check(path, 2000 * periods / rate * (sqrt(1 - level**2) - level * acos(level)), 1.0 / 16**2)
+
+
+@pytest.mark.parametrize("method", first_quick(METHODS, 1))
+@pytest.mark.parametrize("start", [7.0, 40.0])
+def test_a_motion_that_begins_from_almost_nothing_stops_no_method(
+    method: str, start: float, tmp_path: Path
+) -> None:
+    width, height, rate = 0.03, 0.016, 30.0
+    middle = start * width
+    end = middle + 12 * width
+    path = tmp_path / "deck.yaml"
+    path.write_text(f"""
+control: {{end_time: {end}, integrator: {method}}}
+output: {{history: {{interval: {width / 10}}}}}
+bodies: {{table: {{mass: 0.5, inertia: [1, 1, 1]}}, m: {{mass: 5, inertia: [1, 1, 1]}}}}
+curves:
+  p: {{type: formula, expression: '{height}*exp(-((x - {middle})/{width})**2)', from: 0, to: 9}}
+joints:
+  rail: {{type: prismatic, b: table, at: [0, 0, 0], axis: [1, 0, 0]}}
+  drive: {{type: translation_driver, joint: rail, curve: p}}
+springs: {{s: {{type: bushing, a: table, b: m, stiffness: [{5 * rate**2}, 1, 1]}}}}
+watch: [{{channel: rbdout.m.position.x, statistic: final}}]
+""")
+    # an oscillator on a base that moves by a Gaussian: its convolution with omega sin(omega t)
+    area = height * width * sqrt(pi) * exp(-((rate * width / 2.0) ** 2))
+    # steps of 40 in a period of the pulse, of order 2 in some methods
+    check(path, rate * area * sin(rate * (end - middle)), 2e-3)
 
 
 @pytest.mark.parametrize("step", ["auto", "1e-3"])

@@ -48,10 +48,16 @@ class Missed(Protocol):
 
 
 class MissedCurve(Protocol):
-    """A curve of a load or a motion of which the samples miss the range."""
+    """A curve of a load or a motion that leaves what samples show, by `excess` of its range."""
 
     @property
     def name(self) -> str: ...
+    @property
+    def excess(self) -> float: ...
+
+    @property
+    def is_hidden(self) -> bool:
+        """Whether samples miss most of it."""
 
 
 class MissedMotion(Protocol):
@@ -85,12 +91,19 @@ FORCES_AND_RATES = re.compile(
 # what a load or a motion between samples changes there; contacts have peaks of all steps
 LOADED = re.compile(r"(force|moment|torque|normal|velocity|acceleration|energy)\b|\bnodout\.")
 
+# and what follows it without delay, as motions and forces of springs do not
+AT_ONCE = re.compile(r"acceleration|\bjntforc\.|\bsecforc\.")
+
 
 def with_missed_curves(
     estimates: Sequence[Estimate], curves: Sequence[MissedCurve]
 ) -> list[Estimate]:
     """Estimates, without errors of what is made of samples where `curves` peak between them."""
-    return [_with_missed_curves(e, curves[0].name) if curves else e for e in estimates]
+    hidden = [curve for curve in curves if curve.is_hidden]
+    if hidden:
+        return [_with_missed_curves(e, hidden[0].name) for e in estimates]
+    worst = max(curves, key=lambda curve: curve.excess, default=None)
+    return [_with_excess(e, worst) for e in estimates] if worst else list(estimates)
 
 
 def _with_missed_curves(estimate: Estimate, curve: str) -> Estimate:
@@ -100,6 +113,18 @@ def _with_missed_curves(estimate: Estimate, curve: str) -> Estimate:
         return estimate
     how = f"not estimated: curve '{curve}' has its peak between samples"
     return replace(estimate, error=None, how=how)
+
+
+def _with_excess(estimate: Estimate, curve: MissedCurve) -> Estimate:
+    """The estimate of an extreme of what follows a load at once, as if the load made all of it."""
+    is_extreme = estimate.watch.statistic in ("max", "min", "abs_max")
+    missed = curve.excess * estimate.scale
+    if not is_extreme or estimate.error is None or missed <= estimate.error:
+        return estimate
+    if not AT_ONCE.search(" ".join(estimate.watch.channels)):
+        return estimate
+    how = f"{estimate.how}; curve '{curve.name}' between samples {missed:.2g} {estimate.unit}"
+    return replace(estimate, error=estimate.error + missed, how=how.rstrip())
 
 
 def with_missed_motions(

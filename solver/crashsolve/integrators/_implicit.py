@@ -174,7 +174,8 @@ def check_error(h, clock, nodes, scene):
     if not error <= control.tolerance:
         return proposed
     # of accepted steps only: velocities of a rejected one may be far off
-    clock.fastest = max(clock.fastest, fastest_point(nodes, control.length))
+    fastest = fastest_point(nodes, control.length)
+    clock.fastest = max(clock.fastest, fastest, control.least_speed)
     clock.error = error
     # the error of a step cut short by a sample predicts little of a longer one
     if h < clock.next_step:

@@ -50,6 +50,7 @@ def begin(clock, control, nodes):
     clock.next_step = wanted_step(clock, control, nodes)
     clock.limit_node = 0
     if clock.fastest > 0.0:
+        clock.fastest = max(clock.fastest, control.least_speed)
         clock.next_step = min(clock.next_step, 0.01 * control.length / clock.fastest)
 
 

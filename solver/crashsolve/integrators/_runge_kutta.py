@@ -309,7 +309,8 @@ def check_error(h, clock, nodes, rows, saddle, scene):
     if not error <= control.tolerance:
         return proposed
     # of accepted steps only: velocities of a rejected one may be far off
-    clock.fastest = max(clock.fastest, fastest_point(nodes, control.length))
+    fastest = fastest_point(nodes, control.length)
+    clock.fastest = max(clock.fastest, fastest, control.least_speed)
     clock.error = error
     # a step cut short predicts little of a longer one
     if h < 0.5 * clock.next_step:

@@ -47,7 +47,7 @@ from crashsolve.model.integrator_selection import Choice, by_default, choose, re
 from crashsolve.model.ledger import ENTRIES
 from crashsolve.model.materials import fill, laws_of, refuse_different, with_constants, with_memory
 from crashsolve.model.model import Group, Joint, Model, State
-from crashsolve.model.motions import derivatives_read
+from crashsolve.model.motions import derivatives_read, least_speed
 from crashsolve.model.nodes import IMPLICIT_STAGE, NODE, ROW, STAGE
 from crashsolve.model.phases import build_phases
 from crashsolve.model.scene import Scene
@@ -73,6 +73,7 @@ def build(deck: Deck) -> tuple[Model, State]:
         with np.errstate(all="ignore"):
             model, state = _build(deck)
             model.warnings.extend(warn_of_unseen(model))
+            model.control["least_speed"] = least_speed(model)
             refuse_beyond(deck, model, state)
     except BEYOND_NUMBERS:
         raise DeckErrors([of_model(deck)]) from None
@@ -367,8 +368,7 @@ def _control(deck: Deck, scene: Scene, contacts: list[ContactGroup]) -> np.ndarr
     c["fixed_step"] = fixed
     c["step_max"] = card.step_max or span or 1.0
     c["step_min"] = card.step_min or 1e-12 * (span or 1.0)
-    c["curve_step"], c["curve_share"] = np.inf, 1.0
-    c["safety"] = card.safety
+    c["curve_step"], c["curve_share"], c["safety"] = np.inf, 1.0, card.safety
     c["rotation"] = card.safety / 5.0
     c["constraint_tolerance"] = card.constraint_tolerance
     c["onset_tolerance"] = card.onset_tolerance or 0.0

@@ -88,6 +88,7 @@ CONTROL = Record("""
     step_min              s      a smaller step stops the run
     step_max              s      largest step
     curve_step            s      largest automatic step in which curves of time are seen, at present
+    least_speed           m/s    that errors of steps are compared to at least, once bodies move
     curve_share           1      by which that is lengthened or shortened
     safety                1      automatic step over the stability limit
     rotation              rad    largest rotation of a body in an automatic step

@@ -1,13 +1,16 @@
 """Steps that resolve prescribed motions and loads: by the rate of change of their curves.
 
     h <= 2 pi / 40 / omega,   omega = max |f'''| / max |f''|   near the time
+    h <= 2 pi / 32 / omega,   omega^2 = 2 max |f''| / range
 
-omega is the circular frequency of a sine, and for a smooth pulse of width s about 2 / s. A curve
+omega is the circular frequency of a sine, and for a smooth pulse of width s about 2 / s; by the
+second a parabola between two corners, whose f''' is 0, has as many steps as a half wave. A curve
 may change as fast as it likes where that is below NOTHING of its range in a step, and no piece is
 cut into more than four. Straight pieces have no frequency, and steps end at their corners
 (corners.py): those that rise or fall are cut into four, or every run beside this one would take the
 same step over them, and estimate no error of changes within it. Methods of order 2 miss work on
 slopes of unequal steps: a lone pulse, of FEW_LINES pieces or fewer, is cut into LINE steps each.
+Beside a corner, pieces by which a formula approaches its kink bend by round-off, and are not seen.
 Time is halved until a part has no more than some steps; parts of like bounds are one.
 Consequence to test: a pulse between two samples gives its impulse, wherever it lies; a load of the
 frequency of the samples as well.
@@ -19,11 +22,13 @@ from typing import NamedTuple
 import numpy as np
 
 from crashsolve.foundation.distinct import distinct
-from crashsolve.model.corners import curves_of_time
+from crashsolve.model.corners import corners, curves_of_time
 from crashsolve.model.model import Model
 
 # steps in a period, and the share of the range of a curve that a step may miss
 PER_PERIOD, NOTHING = 40, 1e-8
+# steps in a period of a sine of the same range and bend: fewer, so that the first holds for sines
+PER_ARC = 32
 # a stated step of so many times the longest hardly resolves a curve, or misses it
 COARSE, MISSED = 4.0, 16.0
 # steps in a piece of a curve at least
@@ -34,6 +39,9 @@ LINE, FEW_LINES = 8, 16
 # a part is halved down to so many of its steps, over a period, and this share of the curve; further
 # only where that parts steps by this factor, as towards an end with infinite slope, to round-off
 FEW, SHORTEST, UNEQUAL, ROUND_OFF = 100, 1.0 / 4096, 1.5, 1e-15
+# [of the range] pieces as short as this, so near a corner, lead to the kink of a formula, which is
+# cut to 1e-13 (SMALLEST of curves/formula.py): f''' is round-off, 1e-16 over their length cubed
+KINK, BESIDE = 1e-8, 1e-7
 # share of the run in which no load does anything: ten times that below which a step has collapsed
 NO_TIME = 1e-11
 
@@ -122,12 +130,24 @@ def _steps(
     last = c[-1] @ length[-1] ** np.arange(4)
     values = np.r_[values, last]
     rise = np.abs(np.diff(values)) * cuts_straight
-    pieces = _Pieces(x, rise, ends.max(axis=0), 6 * np.abs(c[:, 3]), float(np.ptp(values)))
+    sees, span = ~_are_beside_kinks(curves, first), float(np.ptp(values))
+    pieces = _Pieces(x, sees * rise, sees * ends.max(axis=0), sees * 6 * np.abs(c[:, 3]), span)
     starts, steps = [x[0]], [np.inf]
     if pieces.range > 0.0:
         starts, steps = _halved(pieces, float(x[0]), float(x[-1]), (x[-1] - x[0]) * SHORTEST)
     # beyond its range it continues straight
     return _merged(np.r_[starts, x[-1]], np.r_[steps, np.inf])
+
+
+def _are_beside_kinks(curves: np.ndarray, first: int) -> np.ndarray:
+    """Which pieces (n - 1,) of a curve hold a kink of its formula or lead to one."""
+    x = curves["x"][first : curves[first]["last"] + 1]
+    at, reach = corners(curves, first), BESIDE * (x[-1] - x[0])
+    # a corner within reach of either end
+    after = np.searchsorted(at, x[:-1] - reach)
+    is_near = after < np.searchsorted(at, x[1:] + reach, side="right")
+    beside: np.ndarray = is_near & (np.diff(x) < KINK * (x[-1] - x[0]))
+    return beside
 
 
 def _halved(
@@ -158,9 +178,10 @@ def _bound(pieces: _Pieces, begin: float, end: float) -> float:
     last = max(int(np.searchsorted(pieces.x, end, side="left")), first + 1)
     bend, third = pieces.bend[first:last].max(), pieces.third[first:last].max()
     by_piece = float(np.diff(pieces.x[first : last + 1]).min()) / CUTS
-    if bend == 0.0 or third == 0.0:
+    if bend == 0.0:
         return by_piece if pieces.rise[first:last].max() > 0.0 else np.inf
-    by_shape = 2.0 * pi / PER_PERIOD * bend / third
+    by_shape = 2.0 * pi / PER_PERIOD * bend / third if third > 0.0 else np.inf
+    by_shape = min(by_shape, 2.0 * pi / PER_ARC * float(np.sqrt(0.5 * pieces.range / bend)))
     by_size = float(np.sqrt(12.0 * NOTHING * pieces.range / bend))
     return max(by_shape, by_piece, by_size)
 

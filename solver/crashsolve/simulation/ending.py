@@ -50,7 +50,7 @@ class Ending:
         yield from law_warnings(engine.model, engine.state)
         yield from range_warnings(engine)
         contacts = [m for m in missed_contacts(engine, self.history) if m.is_hidden]
-        curves = missed_curves(engine, self.history)
+        curves = [c for c in missed_curves(engine, self.history) if c.is_hidden]
         yield from (missed.words(self.interval) for missed in (*contacts, *curves))
         if not contacts and not curves:
             motions = self.motions

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from crashsolve.channels.series import Series
+from crashsolve.channels.statistics._top import heights
 from crashsolve.foundation.distinct import distinct
 from crashsolve.model.corners import curves_of_time
 from crashsolve.model.model import Model
@@ -20,6 +22,9 @@ if TYPE_CHECKING:
 
 # a range of which the samples show less than this share is missed
 SHOWN = 0.5
+# of the ups and downs of a curve, and how far it is from samples that miss so many, of its range:
+# of waves faster than the samples, these show all sizes and few of the waves
+FOLLOWED, FAR = 0.5, 0.05
 # and a peak, of which samples at steps show as much (recording/march.py) as long as they are taken
 SHOWN_PEAK = 0.9
 
@@ -58,25 +63,36 @@ class Missed:
 
 @dataclass(frozen=True)
 class MissedCurve:
-    """A curve of time of which the samples miss more than half of the range."""
+    """A curve of time of which the samples do not show all."""
 
     name: str
     range: float  # over the run, in SI
     shown: float  # at samples
     width: float  # time for which it is half as far beyond what is shown as at its peak [s]
+    waves: float  # ups and downs at samples over those of the curve [1]
+    excess: float  # how far it leaves what samples and their parabolas show, over its range [1]
+
+    @property
+    def is_hidden(self) -> bool:
+        """Whether samples miss most of it."""
+        is_faster = self.waves < FOLLOWED and self.excess > FAR
+        return self.shown < SHOWN * self.range or is_faster
 
     def words(self, interval: float) -> str:
         """The warning of it, for samples `interval` [s] apart."""
+        what = f"which show {self.shown:.4g}"
+        if self.shown >= SHOWN * self.range:
+            what = f"which show {100.0 * self.waves:.3g} % of its ups and downs"
         return (
             f"curve '{self.name}' ranges over {self.range:.4g} (SI) between samples {interval:.3g} "
-            f"s apart, which show {self.shown:.4g}: largest values and integrals of forces, "
+            f"s apart, {what}: largest values and integrals of forces, "
             "accelerations and velocities, HIC and filters miss it; give output.history.interval: "
             f"{self.width / 20.0:.1g}"
         )
 
 
 def missed_curves(engine: Engine, history: Path) -> list[MissedCurve]:
-    """Curves of loads and motions of which no sample of a finished run shows the range."""
+    """Curves of loads and motions of which the samples of a finished run do not show all."""
     model, missed = engine.model, list[MissedCurve]()
     firsts = sorted(curves_of_time(model))
     if not firsts:
@@ -90,16 +106,38 @@ def missed_curves(engine: Engine, history: Path) -> list[MissedCurve]:
     names = {k: name for name, k in model.curve_names.items()}
     for first in firsts:
         points = model.curves[first : model.curves[first]["last"] + 1]
-        x = np.clip(points["x"], times[0], times[-1])
-        t = distinct(np.concatenate([x, 0.5 * (x[:-1] + x[1:])]))
-        true, shown = _values(points, t), _values(points, times)
-        if np.ptp(shown) < SHOWN * np.ptp(true):
-            beyond = np.maximum(true - shown.max(), shown.min() - true)
-            width = float((np.gradient(t) * (beyond > 0.5 * beyond.max())).sum())
-            missed.append(
-                MissedCurve(names[first], float(np.ptp(true)), float(np.ptp(shown)), width)
-            )
+        one = _missed_curve(names[first], points, times)
+        if one is not None:
+            missed.append(one)
     return missed
+
+
+def _missed_curve(name: str, points: np.ndarray, times: np.ndarray) -> MissedCurve | None:
+    """What samples at `times` (n,) do not show of a curve; None where that is nothing."""
+    x = np.clip(points["x"], times[0], times[-1])
+    t = distinct(np.concatenate([x, 0.5 * (x[:-1] + x[1:])]))
+    true, shown = _values(points, t), _values(points, times)
+    span = float(np.ptp(true))
+    excess = max(_excess(t, sign * true, times, sign * shown) for sign in (1.0, -1.0))
+    if not excess > 0.0 or not span > 0.0:
+        return None
+    beyond = np.maximum(true - shown.max(), shown.min() - true)
+    width = float((np.gradient(t) * (beyond > 0.5 * beyond.max())).sum())
+    waves = float(np.abs(np.diff(shown)).sum() / np.abs(np.diff(true)).sum())
+    if waves < FOLLOWED and np.ptp(shown) >= SHOWN * span:
+        # of a sine, the time of one up and down
+        width = 2.0 * span * float(times[-1] - times[0]) / float(np.abs(np.diff(true)).sum())
+    return MissedCurve(name, span, float(np.ptp(shown)), width, waves, excess / span)
+
+
+def _excess(t: np.ndarray, true: np.ndarray, times: np.ndarray, shown: np.ndarray) -> float:
+    """How far a curve, `true` (m,) at `t` (m,), rises above its samples on either side, `shown`
+    (n,) at `times` (n,), and the parabolas by them.
+    """
+    series = Series(times, shown)
+    highest = heights(series)
+    k = np.clip(np.searchsorted(times, t, side="right") - 1, 0, len(times) - 2)
+    return float(np.max(true - np.maximum(highest[k], highest[k + 1]), initial=0.0))
 
 
 def _values(points: np.ndarray, times: np.ndarray) -> np.ndarray:

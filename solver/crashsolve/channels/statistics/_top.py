@@ -20,6 +20,8 @@ ROUND_OFF = 1e-9
 EQUAL = 1e-11
 # of the rise of a parabola over its largest sample: what it may miss of the top
 PARABOLA = 0.1
+# of the largest rise of any parabola: least that is missed where some rise much
+CHANCE = 0.25
 # of the range: the rise over the largest of eight samples and more of a half wave
 RESOLVED = 0.02
 # slopes beside a jump over its own; a smooth top with one neighbour as high has 1 on the other side
@@ -140,6 +142,32 @@ def plateau(values: np.ndarray, at: int) -> int:
     """Last of the samples from `at` on that are equal but for round-off."""
     after = np.flatnonzero(np.abs(values[at:] - values[at]) > EQUAL * np.ptp(values))
     return at + int(after[0]) - 1 if len(after) else len(values) - 1
+
+
+def between(series: Series) -> float:
+    """Possible error of a largest value that may lie between samples; else 0."""
+    return max(isolated(series), above(series, float(np.max(series.values)), top(series)[0]))
+
+
+def above(series: Series, largest: float, refined: float) -> float:
+    """How far the continuous history may rise above the `largest` sample between samples that do
+    not resolve a half wave: up to the highest parabola; as far as any rises that is nearly as high
+    as `refined`, or, where the largest is the first or last sample, as any; by a share of that at
+    least, as the parabola by the largest may rise little by chance. 0 where all are resolved.
+    """
+    if len(series.values) < 3:
+        return 0.0
+    values, rises = series.values, parabolas(series)[2]
+    is_unresolved = rises > RESOLVED * float(np.ptp(values))
+    # beside a constant, a jump
+    is_flat = np.abs(np.diff(values)) <= EQUAL * float(np.ptp(values))
+    is_unresolved[:-2] &= ~(is_flat[:-1] & is_flat[1:])
+    is_unresolved[2:] &= ~(is_flat[:-1] & is_flat[1:])
+    heights, rises = values + (1.0 + PARABOLA) * rises, np.where(is_unresolved, rises, 0.0)
+    rivals = is_unresolved & (heights + rises > refined)
+    most = float(np.max(np.maximum(rises, heights - largest)[rivals], initial=0.0))
+    is_at_end = float(np.max(values[1:-1])) < largest and max(values[0], values[-1]) >= largest
+    return max(most, (1.0 if is_at_end else CHANCE) * float(rises.max()))
 
 
 def isolated(series: Series) -> float:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from crashsolve.channels.series import Series
-from crashsolve.channels.statistics._top import isolated, magnitude, top
+from crashsolve.channels.statistics._top import above, isolated, magnitude, negative, top
 
 
 def value(series: Series) -> float:
@@ -17,5 +17,8 @@ def refined(series: Series) -> float:
 
 
 def unresolved(series: Series) -> float:
-    """Possible error of a largest magnitude that one sample alone shows."""
-    return isolated(magnitude(series))
+    """Possible error of a largest magnitude that may lie between samples."""
+    sizes = magnitude(series)
+    largest, refined = value(series), top(sizes)[0]
+    signs = (above(one, largest, refined) for one in (series, negative(series)))
+    return max(isolated(sizes), *signs)

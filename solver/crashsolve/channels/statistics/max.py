@@ -3,9 +3,9 @@
 import numpy as np
 
 from crashsolve.channels.series import Series
-from crashsolve.channels.statistics._top import isolated, top
+from crashsolve.channels.statistics._top import between, top
 
-unresolved = isolated
+unresolved = between
 
 
 def value(series: Series) -> float:

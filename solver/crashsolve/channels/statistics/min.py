@@ -3,7 +3,7 @@
 import numpy as np
 
 from crashsolve.channels.series import Series
-from crashsolve.channels.statistics._top import isolated, negative, top
+from crashsolve.channels.statistics._top import between, negative, top
 
 
 def value(series: Series) -> float:
@@ -18,4 +18,4 @@ def refined(series: Series) -> float:
 
 def unresolved(series: Series) -> float:
     """Possible error of a smallest value that one sample alone shows."""
-    return isolated(negative(series))
+    return between(negative(series))
