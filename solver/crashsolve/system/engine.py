@@ -101,8 +101,7 @@ class Engine:
         # arrays of a dump beside the State
         self.aside: dict[str, np.ndarray] = {}
         self._steps_per_call = 1 if runs_plain() else FIRST_CALL
-        # steps from one check to the next, of an interval that is run again, how many are done, and
-        # the step of the next check
+        # of an interval that is run again: steps between checks, steps done, step of the next check
         self._stride = self._done = self._pause = 0
 
     @property
