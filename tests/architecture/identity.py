@@ -16,6 +16,7 @@ import contextlib
 import copy
 import hashlib
 import json
+import math
 import sys
 from importlib import import_module
 from pathlib import Path
@@ -282,7 +283,10 @@ def normal_form(text: str) -> dict[str, str]:
                     constants[word] = value
                 names[word] = f"{getattr(value, '__module__', node.module)}.{alias.name}"
         elif isinstance(node, ast.Assign):
-            value = eval(compile(ast.Expression(node.value), "", "eval"), {}, constants)
+            # constants are arithmetic, with functions of math
+            value = eval(
+                compile(ast.Expression(node.value), "", "eval"), vars(math) | {}, constants
+            )
             target = node.targets[0]
             if isinstance(target, ast.Tuple):
                 constants |= {t.id: v for t, v in zip(target.elts, value, strict=True)}

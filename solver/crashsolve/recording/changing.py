@@ -49,6 +49,9 @@ def _constant_arrays(engine: Engine) -> dict[str, np.ndarray]:
     state, model = engine.state, engine.model
     arrays = {name: getattr(state, name) for name in state.__dataclass_fields__}
     arrays |= {f"history/{g.word}": g.history for g in model.groups}
+    # the work of a load in the first half of a step is that of the force with which it begins
+    loads = [g for g in model.groups if hasattr(g.module, "present")]
+    arrays |= {f"output/{g.word}": g.output for g in loads}
     arrays |= {f"history/{c.word}": c.history for c in model.contact_groups if c.search is None}
     for c in _lists(engine):
         tables = c.search.arrays() if c.search else {}
