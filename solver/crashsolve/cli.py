@@ -53,6 +53,8 @@ def main(arguments: list[str] | None = None) -> int:
     atexit.register(gc.freeze)
     # nor are the packages of the system searched for extensions of how decks are read
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
+    # numpy's matrices are small here: threads of its library would only wait, and at a cost
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     release_memory()
     open_standard_streams()
     given = protected(sys.argv[1:] if arguments is None else arguments)

@@ -43,8 +43,25 @@ def test_a_rigid_run_imports_no_modules_of_elements(tmp_path: Path) -> None:
     others |= {"crashsolve.elements.shells.section_cut", "crashsolve.foundation.sparse.bordered"}
     assert not modules & others
     assert not [name for name in modules if name.startswith("crashsolve.meshes.")]
+    # nor threads, contact of meshes, roads, hinges
+    others = {"threads.sharing", "model.contact.node_to_surface", "model.partition", "ties._faces"}
+    others |= {"simulation.drawn_roads", "simulation.hinge_marks"}
+    assert not modules & {f"crashsolve.{name}" for name in others}
     # what np.unique loads, and the widest of other searches in arrays
     assert "numpy.ma" not in modules
+
+
+def test_a_start_imports_nothing_of_the_end_of_a_run(tmp_path: Path) -> None:
+    """The benchmark stops where the first step begins."""
+    script = ROOT / "benchmarks" / "first_step.py"
+    modules = imported(script, BALL, tmp_path / "results")
+    late = {"system.gain", "system.joint_balance", "simulation.belts", "simulation.ending"}
+    late |= {"simulation.self_penetration", "estimate.runner", "channels.expression"}
+    assert not modules & {f"crashsolve.{name}" for name in late}
+    # statistics are listed without being imported; the deck asks for two
+    prefix = "crashsolve.channels.statistics."
+    statistics = {name.removeprefix(prefix) for name in modules if name.startswith(prefix)}
+    assert statistics <= {"max", "final", "_top"}
 
 
 def test_a_run_loads_llvm_before_its_deck_and_model(tmp_path: Path) -> None:

@@ -72,7 +72,9 @@ class Rigid(Card):
         "rbdout.NAME.origin, where some body's mass centre is elsewhere, that of the origin",
         default=(0.0, 0.0, 0.0),
     )
-    rotation: Rotation = word("configuration, body to world", default_factory=Rotation)
+    rotation: Rotation = word(
+        "configuration, body to world", default_factory=Rotation.model_construct
+    )
     velocity: Vec3 = quantity("m/s", "velocity of the body's origin", default=(0.0, 0.0, 0.0))
     angular_velocity: Vec3 = quantity("rad/s", "world axes", default=(0.0, 0.0, 0.0))
     angular_velocity_axes: Literal["world", "body"] = word(

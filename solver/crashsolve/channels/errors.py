@@ -1,7 +1,6 @@
 """Errors of questions about channels."""
 
 from collections.abc import Iterable
-from difflib import get_close_matches
 
 
 class ChannelError(ValueError):
@@ -17,6 +16,8 @@ class TooShort(ChannelError):
 def unknown(kind: str, word: str, known: Iterable[str], whole: str = "") -> ChannelError:
     """The error for a word that does not exist in `whole`, with the nearest one that does."""
     names = list(known)
+    from difflib import get_close_matches
+
     near = get_close_matches(word, names, n=1, cutoff=0.5)
     advice = f"; did you mean '{near[0]}'?" if near else ""
     shown = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")

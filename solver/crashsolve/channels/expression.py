@@ -21,7 +21,7 @@ import numpy as np
 
 from crashsolve.channels.display import Product
 from crashsolve.channels.errors import ChannelError, unknown
-from crashsolve.channels.folder import module_of, words_in
+from crashsolve.channels.folder import FUNCTIONS, module_of, words_in
 from crashsolve.channels.series import Series
 from crashsolve.channels.term import Term, common_unit
 from crashsolve.channels.units import describe, parse_unit, split_quantity
@@ -31,7 +31,6 @@ Lookup = Callable[[str], Series]
 P = ParamSpec("P")
 R = TypeVar("R")
 
-FOLDER = "functions"
 LONGEST = 4000
 # letters of an expression that a message repeats
 SHOWN = 60
@@ -79,8 +78,8 @@ def gives_sample_times(expression: str) -> bool:
 
 def _calls_any(expression: str, flag: str) -> bool:
     called = re.findall(r"([A-Za-z_]\w*)\s*\(", expression)
-    known = [word for word in called if word in words_in(FOLDER)]
-    return any(getattr(module_of(FOLDER, word), flag, False) for word in known)
+    known = [word for word in called if word in words_in(FUNCTIONS)]
+    return any(getattr(module_of(FUNCTIONS, word), flag, False) for word in known)
 
 
 @lru_cache(maxsize=1024)
@@ -135,9 +134,9 @@ def _names(node: ast.expr) -> list[str]:
 
 def _check_call(function: str, count: int) -> None:
     """Raises ChannelError for a function that is unknown, or given too much or too little."""
-    if function not in words_in(FOLDER):
-        raise unknown("function", function, words_in(FOLDER))
-    taken = list(inspect.signature(module_of(FOLDER, function).apply).parameters.values())[1:]
+    if function not in words_in(FUNCTIONS):
+        raise unknown("function", function, words_in(FUNCTIONS))
+    taken = list(inspect.signature(module_of(FUNCTIONS, function).apply).parameters.values())[1:]
     least = sum(parameter.default is inspect.Parameter.empty for parameter in taken)
     if not least <= count <= len(taken):
         wanted = "one value" if len(taken) == 1 else f"{least} to {len(taken)} values"
@@ -203,7 +202,7 @@ class _Evaluation:
         return Term(quotient, _product(a, b, -1))
 
     def call(self, function: str, terms: list[Term]) -> Term:
-        result: Term = self.reported(module_of(FOLDER, function).apply, self.time, *terms)
+        result: Term = self.reported(module_of(FUNCTIONS, function).apply, self.time, *terms)
         return result
 
     def reported(self, act: Callable[P, R], *arguments: P.args, **words: P.kwargs) -> R:

@@ -6,6 +6,7 @@ from pathlib import Path
 from types import ModuleType
 
 _HERE = Path(__file__).parent
+FUNCTIONS, STATISTICS = "functions", "statistics"
 
 
 @cache

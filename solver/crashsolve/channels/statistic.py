@@ -23,19 +23,17 @@ from types import ModuleType
 import numpy as np
 
 from crashsolve.channels.errors import ChannelError, unknown
-from crashsolve.channels.folder import module_of, words_in
+from crashsolve.channels.folder import STATISTICS, module_of, words_in
 from crashsolve.channels.series import Series, Window, covered
-
-FOLDER = "statistics"
 
 
 def words() -> list[str]:
     """All statistics as a user writes them, such as `max` and `at:T`."""
-    return [_written(word) for word in words_in(FOLDER)]
+    return [_written(word) for word in words_in(STATISTICS)]
 
 
 def _written(word: str) -> str:
-    argument = getattr(module_of(FOLDER, word), "ARGUMENT", "")
+    argument = getattr(module_of(STATISTICS, word), "ARGUMENT", "")
     return f"{word}:{argument}" if argument else word
 
 
@@ -124,9 +122,9 @@ def requested_moment(text: str) -> float | None:
 def _read(text: str) -> tuple[ModuleType, tuple[float, ...]]:
     """The file of a statistic and its argument, if any; raises ChannelError."""
     word, colon, given = text.partition(":")
-    if word not in words_in(FOLDER):
+    if word not in words_in(STATISTICS):
         raise unknown("statistic", text, words())
-    module = module_of(FOLDER, word)
+    module = module_of(STATISTICS, word)
     argument = getattr(module, "ARGUMENT", "")
     if not argument:
         if colon:

@@ -149,10 +149,16 @@ def processor() -> str:
     """Name of this processor, and a hash of its features: one name may stand for several
     processors.
     """
+    name, features = _host()
+    return f"{name}-{hashlib.sha256(features.encode()).hexdigest()[:8]}"
+
+
+@cache
+def _host() -> tuple[str, str]:
+    """Name and features of this processor, as LLVM has them."""
     import llvmlite.binding as llvm
 
-    features = llvm.get_host_cpu_features().flatten()
-    return f"{llvm.get_host_cpu_name()}-{hashlib.sha256(features.encode()).hexdigest()[:8]}"
+    return llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
 
 
 def runs_plain() -> bool:
@@ -290,11 +296,10 @@ def host_machine(vectors: bool = False) -> llvm.TargetMachine:
     import llvmlite.binding as llvm
 
     target = llvm.Target.from_default_triple()
-    features = llvm.get_host_cpu_features().flatten()
+    cpu, features = _host()
     if vectors and "+avx512f" in features:
         # a tenth of the time of shells
         features += ",-prefer-256-bit"
-    cpu = llvm.get_host_cpu_name()
     return target.create_target_machine(
         cpu=cpu, features=features, opt=3, reloc="static", codemodel="jitdefault", jit=True
     )

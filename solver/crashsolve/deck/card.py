@@ -12,6 +12,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from os.path import isfile
+from types import NoneType
 from typing import Annotated, ClassVar, Self, get_args
 
 from pydantic import (
@@ -19,6 +20,7 @@ from pydantic import (
     BaseModel,
     BeforeValidator,
     ConfigDict,
+    GetCoreSchemaHandler,
     ModelWrapValidatorHandler,
     ValidationError,
     ValidationInfo,
@@ -26,6 +28,7 @@ from pydantic import (
     field_validator,
     model_validator,
 )
+from pydantic_core import CoreSchema, core_schema
 
 from crashsolve.channels.units import UnitError
 from crashsolve.deck.diagnostics import (
@@ -47,7 +50,7 @@ __all__ = ["Card", "Law", "Rotation", "Vec3", "quantity", "word"]
 __all__ += ["BodyName", "ContactName", "CurveName", "FileName", "JointName", "LoadName"]
 __all__ += ["MaterialName", "MeshName", "NewName", "PartName", "Reference", "SectionName"]
 __all__ += ["SensorName", "SetName", "SpringName", "SurfaceName", "existing_file", "number_as_name"]
-__all__ += ["reference_of"]
+__all__ += ["WhereWritten", "reference_of"]
 
 # whole numbers that every part of the program counts exactly
 LARGEST_INTEGER = 2**53
@@ -284,6 +287,18 @@ def _check_bounds(
         if not holds(result, limit):
             shown_unit = "" if unit in ("", "1", "any") else f" {unit}"
             refuse(f"must be {words} {limit:g}{shown_unit}, not {shown(written)}", within=at)
+
+
+class WhereWritten:
+    """Marks an optional card whose validator is made only for decks that write the card."""
+
+    def __get_pydantic_core_schema__(self, source: object, _: GetCoreSchemaHandler) -> CoreSchema:
+        card = next(part for part in get_args(source) if part is not NoneType)
+
+        def opened(value: object, info: ValidationInfo) -> object:
+            return value if value is None else card.model_validate(value, context=info.context)
+
+        return core_schema.with_info_plain_validator_function(opened)
 
 
 class Rotation(Card):

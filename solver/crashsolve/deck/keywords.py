@@ -1,6 +1,6 @@
 """The keywords of a deck: which folder of laws, or which single card, each one stands for."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from crashsolve.deck.card import Card
 from crashsolve.deck.family import FamilyError, families
@@ -11,8 +11,7 @@ from crashsolve.deck.run_cards.units import Units
 from crashsolve.deck.run_cards.watch import Watch
 
 
-@dataclass(frozen=True)
-class Section:
+class Section(NamedTuple):
     """A keyword with named entries: the word for one, the folder of its types, the default type."""
 
     singular: str

@@ -4,7 +4,6 @@ Types are found by looking at files; only the modules a deck uses are imported.
 """
 
 import importlib
-from difflib import get_close_matches
 from functools import cache
 from os.path import isfile
 from pathlib import Path
@@ -61,6 +60,8 @@ def law_module(folder: str, word: object) -> ModuleType:
     path = card_file(folder, word) if isinstance(word, str) else None
     if not isinstance(word, str) or path is None:
         types = types_in(folder)
+        from difflib import get_close_matches
+
         near = get_close_matches(str(word), list(types), n=1, cutoff=SIMILARITY)
         advice = choices(word, types, "types")
         if isinstance(word, str) and word.isidentifier() and word[0] != "_":

@@ -2,9 +2,9 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
+from typing import NamedTuple
 
 from crashsolve.channels.units import (
     BASES,
@@ -27,8 +27,7 @@ from crashsolve.deck.source import BROKEN
 EVERY_BASE = Unit(1.0, (Fraction(1),) * len(BASES))
 
 
-@dataclass(frozen=True)
-class Foreign:
+class Foreign(NamedTuple):
     """A parameter with bare numbers, its file, and which of BASES have other units there."""
 
     name: str
@@ -105,14 +104,13 @@ class SiFloat(float):
         return float(self), self.unit, self.derived, self.foreign
 
 
-@dataclass(frozen=True)
-class Context:
+class Context(NamedTuple):
     """Properties of the file of a card: units of bare numbers, and folder.
 
     `symbols` are those units by name; `axes` the units of x and y of a curve by its use.
     """
 
-    units: Mapping[str, Unit] = field(default_factory=lambda: SI)
+    units: Mapping[str, Unit] = SI
     folder: Path = Path()
     symbols: tuple[str, ...] = SI_SYMBOLS
     axes: tuple[str, str] | None = None

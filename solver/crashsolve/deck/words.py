@@ -1,7 +1,6 @@
 """Advice on a word that a deck has wrong: the right one most like it, and those that there are."""
 
 from collections.abc import Iterable
-from difflib import get_close_matches
 
 from crashsolve.deck.renamed import RENAMED
 
@@ -63,6 +62,8 @@ def _meant(word: str, names: list[str]) -> str:
     """The name most like a word, or its present one; "" where none is."""
     if RENAMED.get(word) in names:
         return RENAMED[word]
+    from difflib import get_close_matches
+
     return next(iter(get_close_matches(word, names, n=1)), "")
 
 

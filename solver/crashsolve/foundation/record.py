@@ -4,18 +4,17 @@ A law declares its columns by lifetime: PARAMETERS (Model), HISTORY (State), OUT
 """
 
 import re
-from dataclasses import dataclass
 from inspect import cleandoc
-from typing import Any, Protocol, TypeVar
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
 V = TypeVar("V", covariant=True)
 _INTEGER_UNITS = ("index", "flag", "count")
+_OF_NUMPY = frozenset(dir(np.void))
 
 
-@dataclass(frozen=True)
-class Column:
+class Column(NamedTuple):
     """One column: `size` 1 is a scalar, 3 a vector; units "index", "flag", "count" are integers."""
 
     name: str
@@ -53,13 +52,12 @@ class Record:
         lines = re.sub(r"\n +", " ", cleandoc(table)).splitlines()
         self.columns = (*map(_column, lines), *columns)
         names = [column.name for column in self.columns]
-        repeated = {name for name in names if names.count(name) > 1}
-        if repeated:
+        if len(set(names)) < len(names):
+            repeated = {name for name in names if names.count(name) > 1}
             raise ValueError(f"columns declared twice: {sorted(repeated)}")
         # numpy's own attributes of a record would hide the column from plain Python
-        taken = [name for name in names if hasattr(np.void, name)]
-        if taken:
-            raise ValueError(f"names that numpy records have already: {taken}")
+        if taken := _OF_NUMPY.intersection(names):
+            raise ValueError(f"names that numpy records have already: {sorted(taken)}")
 
     def __add__(self, other: "Record") -> "Record":
         """Both sets of columns; a name used twice is a programming error."""

@@ -27,7 +27,6 @@ from crashsolve.model.contact import records
 from crashsolve.model.contact.body_pairs import find_body_pairs, mark_bodies
 from crashsolve.model.contact.build import build_contacts
 from crashsolve.model.contact.groups import ContactGroup, thinnest_of
-from crashsolve.model.contact.node_to_surface import loads_of_points
 from crashsolve.model.contact.pieces import cut as cut_pairs
 from crashsolve.model.contact.pieces import has_many
 from crashsolve.model.curve_steps import warn_of_unseen
@@ -50,7 +49,6 @@ from crashsolve.model.materials import fill, laws_of, refuse_different, with_con
 from crashsolve.model.model import Group, Joint, Model, State
 from crashsolve.model.motions import derivatives_read
 from crashsolve.model.nodes import IMPLICIT_STAGE, NODE, ROW, STAGE
-from crashsolve.model.partition import cut
 from crashsolve.model.phases import build_phases
 from crashsolve.model.scene import Scene
 from crashsolve.model.welded import touches_welded, with_wholes
@@ -139,6 +137,8 @@ def _arranged(model: Model, scene: Scene) -> State:
         model.integrator = "newton"
     state = _state(model, scene)
     if model.nodal_groups:
+        from crashsolve.model.contact.node_to_surface import loads_of_points
+
         model.nodal_loads = loads_of_points(len(state.points))
     if model.integrator in CHOSEN:
         model.integrator, model.choice = _choose(model, state, scene)
@@ -181,6 +181,8 @@ def _arrange(model: Model, state: State, scene: Scene) -> None:
     blocks = max((int(blocks_of(g.parameters).max()) for g in model.element_loads()), default=0)
     model.elements.block_sums = np.zeros(blocks, BLOCK_SUM.dtype)
     if scene.threads > 1:
+        from crashsolve.model.partition import cut
+
         model.threads = scene.threads
         model.elements.pieces = pieces = cut(model, state, scene.threads)
         for g in [*model.element_groups(), *model.element_loads()]:
@@ -203,8 +205,7 @@ def _share_pairs(model: Model, scene: Scene) -> None:
 
 def _build_curves(deck: Deck, scene: Scene) -> np.ndarray:
     """All curves as kernels read them; the scene learns where each begins."""
-    built = {}
-    motions = derivatives_read(deck)
+    built, motions = {}, derivatives_read(deck)
     for name, entry in deck.entries["curves"].items():
         law = _module(entry)
         with scene.building(entry):
@@ -248,8 +249,7 @@ def _sections(with_rows: bool) -> list[str]:
 
 def _build_joints(deck: Deck, scene: Scene, groups: list[Group]) -> list[Joint]:
     """Joint groups with their rows, in the order of the groups."""
-    joints = []
-    row = 0
+    joints, row = list[Joint](), 0
     sections = _sections(with_rows=True)
     kinds = [(k, e) for k in sections for e in _by_type(deck.entries[k]).values()]
     _refuse_doubles(deck, sections, scene)

@@ -4,7 +4,6 @@ A row has the constants of its material as one column, `material`, with the colu
 the group uses; `law` is the number of its own.
 """
 
-from dataclasses import replace
 from importlib import import_module
 from types import ModuleType
 from typing import TYPE_CHECKING
@@ -56,7 +55,7 @@ def with_constants(record: Record, laws: list[ModuleType]) -> "np.dtype[np.void]
 def with_memory(record: Record, laws: list[ModuleType], count: int) -> Record:
     """Columns of a part of fibres, and the history of so many of them."""
     columns = joined([law.FIBRE for law in laws]).columns
-    return record + Record(columns=tuple(replace(column, size=count) for column in columns))
+    return record + Record(columns=tuple(column._replace(size=count) for column in columns))
 
 
 def joined(records: list[Record]) -> Record:

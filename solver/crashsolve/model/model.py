@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from crashsolve.elements.shells.layout import DiscretisedShell
 
 
-@dataclass
+@dataclass(eq=False)
 class Group:
     """All entries of one type: `module` holds the kernels, one row of each array is one entry."""
 
@@ -173,7 +173,7 @@ class Group:
         return self.lost_entry == ledger.EXTERNAL_WORK
 
 
-@dataclass
+@dataclass(eq=False)
 class Joint:
     """Rows of one joint, and its bodies; its point and axis in body axes."""
 
@@ -198,7 +198,7 @@ class Joint:
         return len(self.nodes) // 2
 
 
-@dataclass
+@dataclass(eq=False)
 class Pieces:
     """Tables that several threads need beside those of one."""
 
@@ -214,7 +214,7 @@ class Pieces:
         return self.points[len(self.points) - len(self.originals) :]
 
 
-@dataclass
+@dataclass(eq=False)
 class Elements:
     """Tables of the elements of parts with points: corners, attached points, work space."""
 
@@ -236,7 +236,7 @@ class Elements:
     node_points: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
 
 
-@dataclass
+@dataclass(eq=False)
 class Model:
     """Everything a run reads and never writes."""
 
@@ -357,7 +357,7 @@ class Model:
         return [g for g in self.sensor_groups() if hasattr(g.module, "follow")]
 
 
-@dataclass
+@dataclass(eq=False)
 class State:
     """Everything a run writes, with the histories of the groups; a restart dump is exactly this."""
 

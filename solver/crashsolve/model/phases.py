@@ -1,14 +1,13 @@
 """The phases of a run: which follow each other, and when each one ends."""
 
-from dataclasses import dataclass
 from importlib import import_module
 from types import ModuleType
+from typing import NamedTuple
 
 from crashsolve.deck.building import Columns, DeckOfScene, Scene
 
 
-@dataclass(frozen=True)
-class Phase:
+class Phase(NamedTuple):
     """A stretch of the run's time [s], with the module of its type and its card."""
 
     name: str

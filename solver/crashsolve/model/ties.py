@@ -9,7 +9,6 @@ import numpy as np
 
 from crashsolve.deck.building import Scene
 from crashsolve.foundation.point import ATTACHED, TIE
-from crashsolve.ties._faces import normal_rate
 
 if TYPE_CHECKING:
     from crashsolve.deck.building import PartOfScene
@@ -57,6 +56,8 @@ def _sides(card: Tie, scene: Scene) -> tuple[PartOfScene, PartOfScene]:
 
 def _check_motion(rows: np.ndarray, card: Tie, scene: Scene) -> None:
     """Nodes begin with the motion of their positions on the faces."""
+    from crashsolve.ties._faces import normal_rate
+
     tied, faces = _sides(card, scene)
     for row in rows:
         corners, node = row["corner"] - faces.first, int(row["point"]) - tied.first

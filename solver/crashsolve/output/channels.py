@@ -7,6 +7,7 @@ left out for a scalar. Families carry the names crash engineers know from LS-DYN
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from crashsolve.deck.family import families
 
@@ -15,8 +16,7 @@ for _family in families().values():
     FAMILIES |= _family.channels or {}
 
 
-@dataclass(frozen=True)
-class Column:
+class Column(NamedTuple):
     """One quantity of every entity of a family; `component` is empty for a scalar."""
 
     quantity: str

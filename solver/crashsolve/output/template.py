@@ -6,9 +6,9 @@ where HDF5 has put them in the first.
 """
 
 import struct
-from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,8 +21,7 @@ MARK = 2.9979245812345678e-211
 SIZE_OF_TIME = 8  # [bytes]
 
 
-@dataclass(frozen=True)
-class Field:
+class Field(NamedTuple):
     """Numbers of a field of a block, as the file has them."""
 
     block: str

@@ -28,7 +28,7 @@ class World(Card):
     """
 
     position: Vec3 = quantity("m", "of their origin", (0.0, 0.0, 0.0))
-    rotation: Rotation = word("of them, to the world", default_factory=Rotation)
+    rotation: Rotation = word("of them, to the world", default_factory=Rotation.model_construct)
 
 
 class Request(Card):

@@ -50,7 +50,9 @@ class Angles(Card):
 
     root: BodyName = word("body from which the others are placed")
     position: Vec3 = quantity("m", "position of the origin of the root", default=(0.0, 0.0, 0.0))
-    rotation: Rotation = word("rotation of the root, body to world", default_factory=Rotation)
+    rotation: Rotation = word(
+        "rotation of the root, body to world", default_factory=Rotation.model_construct
+    )
     velocity: Vec3 = quantity("m/s", "velocity of the origin of the root", default=(0.0, 0.0, 0.0))
     angular_velocity: Vec3 = quantity(
         "rad/s",

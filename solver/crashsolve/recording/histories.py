@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -51,7 +51,7 @@ CARD_COLUMNS += ("first_touch", "last_release", "duration")
 FAMILY = {name: next(iter(f.channels)) for name, f in families().items() if f.channels}
 
 
-@dataclass
+@dataclass(eq=False)
 class Part:
     """A family, where its columns are at a sample, and how those that are computed are."""
 
@@ -96,8 +96,7 @@ class Part:
         return own if self.written is None else own[np.ix_(*self.written)]
 
 
-@dataclass(frozen=True)
-class Start:
+class Start(NamedTuple):
     """Attributes of an engine before its step is compiled, from which channels are made."""
 
     model: Model

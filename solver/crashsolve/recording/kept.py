@@ -7,6 +7,7 @@ history.
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,8 +18,7 @@ from crashsolve.recording import gather
 MAX_BYTES, MAX_SAMPLES = 1 << 23, 1024
 
 
-@dataclass(frozen=True)
-class Source:
+class Source(NamedTuple):
     """Where columns lie in a table of the run: numbers (n,) or (n, width) of its entities.
 
     Of a history, `half` are the bytes from its first half to the second. Of chosen rows of the
@@ -47,14 +47,13 @@ class Source:
         return [Source(numbers[:, k], self.half, own) for k in columns]
 
 
-@dataclass(frozen=True)
-class Later:
+class Later(NamedTuple):
     """Columns that are computed when the block is complete."""
 
     width: int
 
 
-@dataclass
+@dataclass(eq=False)
 class Columns:
     """Columns of one length, from one to the next; `request` computes them in place of copies."""
 

@@ -3,10 +3,10 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
-from crashsolve.channels.expression import channels_in, evaluate
 from crashsolve.channels.series import Series
 from crashsolve.deck.words import choices
 from crashsolve.output.channels import Family
@@ -25,8 +25,7 @@ OF_THE_RUN += ("energy.imbalance", "energy.largest")
 LARGEST_SO_FAR = "peak_"
 
 
-@dataclass(frozen=True)
-class Channel:
+class Channel(NamedTuple):
     """Position of a channel: family, number of the entity, and the columns of its vector."""
 
     name: str
@@ -85,6 +84,8 @@ class Samples:
         name = expression.strip()
         if name in self.values:
             return self._channel(name)
+        from crashsolve.channels.expression import evaluate
+
         return evaluate(expression, self._channel)
 
     def _channel(self, name: str) -> Series:
@@ -115,6 +116,9 @@ def find(expression: str, families: Sequence[Family]) -> list[Channel]:
     whole = _channel(expression.strip(), families)
     if whole is not None:
         return [whole]
+    # most are names
+    from crashsolve.channels.expression import channels_in
+
     channels = []
     for name in channels_in(expression):
         channel = _channel(name, families)

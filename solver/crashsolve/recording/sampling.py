@@ -4,7 +4,7 @@ The times that `expect` and `watch` ask for, by `at:T` and as ends of a window, 
 """
 
 from bisect import bisect_left
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,8 +18,7 @@ from crashsolve.deck.run_cards.watch import Watch
 SAME = 1e-9
 
 
-@dataclass(frozen=True)
-class Schedule:
+class Schedule(NamedTuple):
     """Times of the samples [s], the last one at the end; `requested` lie between the others."""
 
     start: float

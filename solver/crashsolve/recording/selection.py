@@ -7,7 +7,6 @@ that writes all, to the bit, and estimated errors are the same.
 """
 
 from collections.abc import Iterator, Sequence
-from difflib import get_close_matches
 from fnmatch import fnmatchcase
 
 from crashsolve.deck.reading.deck import Deck
@@ -90,5 +89,7 @@ def _advice(pattern: str, families: Sequence[Family], names: Sequence[str]) -> s
     if path:
         columns = [c.path.replace("/", ".") for family in holders for c in family.columns]
         return choices(path, dict.fromkeys(columns), "quantities")
+    from difflib import get_close_matches
+
     near = get_close_matches(pattern, names, n=3, cutoff=0.3) or names
     return f"a channel is family.name.quantity.component, such as {listed(near[:3])}"

@@ -8,7 +8,6 @@ from itertools import groupby
 
 import numpy as np
 
-from crashsolve.contact.cells import WALLS
 from crashsolve.model.model import ContactGroup, NodalGroup
 from crashsolve.system.engine import Engine
 
@@ -139,6 +138,8 @@ def _walls(
     """Rows of all walls that touch, and the sides of probes that they belong to (n,)."""
     rows = owner = touching
     if "other_walls" in (states.dtype.names or ()):
+        from crashsolve.contact.cells import WALLS
+
         others = states["other_walls"][in_use[touching], touching]
         for w in range(1, WALLS):
             chosen = touching[others >= w]

@@ -23,7 +23,7 @@ RADIUS = 0.04
 
 
 class HingeMarks:
-    """The balls of all hinges of a model."""
+    """The balls of all hinges of a model that has some."""
 
     def __init__(self, model: Model, nodes: np.ndarray) -> None:
         self.groups = [g for g in model.groups if families()[g.keyword].picture == MARK]
@@ -37,9 +37,7 @@ class HingeMarks:
         }
 
     def blocks(self) -> tuple[Block, ...]:
-        """One block, or none without hinges."""
-        if not len(self.start):
-            return ()
+        """The block of all balls."""
         count, n = len(self.start), len(self.ball)
         points = (self.start[:, None] + self.ball).reshape(-1, 3)
         cells = (self.triangles + n * np.arange(count)[:, None, None]).reshape(-1, 3)
@@ -50,8 +48,6 @@ class HingeMarks:
 
     def fields(self, nodes: np.ndarray) -> dict[str, dict[str, np.ndarray]]:
         """Displacements (points, 3) [m] of the balls, and how far their hinges have yielded [1]."""
-        if not len(self.start):
-            return {}
         moved = np.repeat(self._positions(nodes) - self.start, len(self.ball), axis=0)
         fields_of_marks = {"displacement": moved}
         for name in self.specs:
@@ -61,7 +57,7 @@ class HingeMarks:
 
     def _positions(self, nodes: np.ndarray) -> np.ndarray:
         """Joint points (n, 3), in the bodies that carry the axes."""
-        positions = [np.empty((0, 3))]
+        positions = []
         for g in self.groups:
             body = nodes[g.parameters["node_a"]]
             A = body["A"].reshape(-1, 3, 3)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from crashsolve.deck.family import ELEMENTS, LINE, ROUTE, families
+from crashsolve.deck.family import ELEMENTS, LINE, MARK, ROUTE, families
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.foundation.orientation import matrix, rotated_by
 from crashsolve.model.model import Group
@@ -15,14 +15,13 @@ from crashsolve.output.files import Json
 from crashsolve.simulation import body_shapes
 from crashsolve.simulation.body_shapes import Piece, outline
 from crashsolve.simulation.contact_points import ContactPoints, acts
-from crashsolve.simulation.drawn_roads import profiles
-from crashsolve.simulation.hinge_marks import HingeMarks
 from crashsolve.simulation.skins import Skin, motion_of
 from crashsolve.system.engine import Engine
 
 if TYPE_CHECKING:
     from crashsolve.deck.reading.items import Entry
     from crashsolve.elements.shells.layout import DiscretisedShell
+    from crashsolve.simulation.hinge_marks import HingeMarks
 
 VELOCITY = FieldSpec("velocity", "m/s", 3, "node")
 FORCE = FieldSpec("force", "N", 3, "node")
@@ -71,7 +70,7 @@ class Pictures:
             for name, row in zip(g.names, g.parameters, strict=True)
         ]
         self._contact_points = ContactPoints(engine)
-        self._marks = HingeMarks(engine.model, engine.state.nodes)
+        self._marks = self._hinge_marks()
         start = engine.state.nodes
         self._skins = {name: Skin(pieces, start) for name, pieces in self._pieces().items()}
         self.blocks = self._blocks()
@@ -108,9 +107,26 @@ class Pictures:
             "bodies": [piece for piece in shapes if piece[0]],
             "ground": [piece for piece in shapes if not piece[0]],
             "links": links,
-            "roads": profiles(model, nodes, self.deck.control.end_time),
+            "roads": self._roads(nodes),
         }
         return {name: parts for name, parts in pieces.items() if parts}
+
+    def _hinge_marks(self) -> HingeMarks | None:
+        """Balls of the hinges; None of a scene without hinges."""
+        model = self.engine.model
+        if not any(families()[g.keyword].picture == MARK for g in model.groups):
+            return None
+        from crashsolve.simulation.hinge_marks import HingeMarks
+
+        return HingeMarks(model, self.engine.state.nodes)
+
+    def _roads(self, nodes: np.ndarray) -> list[Piece]:
+        """Profiles below the tyres of a scene that has some."""
+        if not any(g.keyword == "tyres" for g in self.engine.model.force_groups()):
+            return []
+        from crashsolve.simulation.drawn_roads import profiles
+
+        return profiles(self.engine.model, nodes, self.deck.control.end_time)
 
     def _line_groups(self) -> dict[str, list[Group]]:
         """Groups that are lines from point to point, by the section of their family."""
@@ -167,7 +183,7 @@ class Pictures:
             cells = (("vertex", np.arange(count)[:, None]),)
             specs = (FORCE, CONTACT, HIDDEN)
             blocks.append(Block("contacts", np.zeros((count, 3)), cells, specs, is_placed=True))
-        return (*blocks, *self._marks.blocks())
+        return (*blocks, *(self._marks.blocks() if self._marks else ()))
 
     def fields(self) -> dict[str, dict[str, np.ndarray]]:
         """Displacements (points, 3) [m] and fields of all blocks at the present sample."""
@@ -197,7 +213,7 @@ class Pictures:
                 fields[block.name][GHOST] = DELETED * (values["thickness"] == 0.0)
         if self._contact_points.count:
             fields["contacts"] = self._contact_fields()
-        return fields | self._marks.fields(nodes)
+        return fields | self._marks.fields(nodes) if self._marks else fields
 
     def _meshed(self, name: str) -> DiscretisedShell:
         """A part with points as it was made."""

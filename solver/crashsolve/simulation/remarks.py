@@ -11,12 +11,8 @@ from crashsolve.model.corners import curves_of_time
 from crashsolve.model.ledger import HOURGLASS, INTERNAL, LARGEST
 from crashsolve.output.files import Json
 from crashsolve.output.peaks import Extremes
-from crashsolve.simulation.belts import belt_warnings
-from crashsolve.simulation.self_penetration import shells_through_themselves
-from crashsolve.system.contact.advice import HALFWAY
 from crashsolve.system.diagnosis import bodies_of_pair
 from crashsolve.system.engine import Engine
-from crashsolve.system.flags import contact_flags
 
 # a strain beyond round-off, and the share of the largest energy that one costs at least
 STRAINED, STORED = 1e-10, 1e-18
@@ -115,6 +111,8 @@ def deep_round_contacts(engine: Engine) -> list[str]:
 
 def deep_points(engine: Engine) -> list[str]:
     """Contacts of points and of nodes of shells that penetrated deeply."""
+    from crashsolve.system.contact.advice import HALFWAY
+
     worst: dict[str, tuple[float, float, float]] = {}
     for g in engine.model.nodal_groups:
         deepest, thick = g.depth_and_middle
@@ -132,6 +130,10 @@ def deep_points(engine: Engine) -> list[str]:
 
 def range_warnings(engine: Engine) -> list[str]:
     """Warnings of laws outside their range of validity."""
+    # when a run ends, as all that follow
+    from crashsolve.simulation.belts import belt_warnings
+    from crashsolve.simulation.self_penetration import shells_through_themselves
+
     checks = (
         *(read_beyond, deep_round_contacts, hourglass_share, crushed_hinges, compressed, crushed),
         shells_through_themselves,
@@ -152,6 +154,8 @@ def remarks(engine: Engine, extremes: Extremes, history: Path) -> Json:
 
 def contacts_below_speed_floor(engine: Engine) -> list[str]:
     """Contacts with touches that were pressed on while slower than their speed floor."""
+    from crashsolve.system.flags import contact_flags
+
     cards = {card for card, _ in contact_flags(engine.model, engine.state, "REMARKS")}
     return [engine.model.contacts[card] for card in sorted(cards)]
 

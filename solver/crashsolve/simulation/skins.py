@@ -1,6 +1,6 @@
 """Displacements and velocities of the points of all bodies that are drawn as one block."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,8 +11,7 @@ from crashsolve.simulation.body_shapes import Piece
 TOGETHER = 4096
 
 
-@dataclass(frozen=True)
-class Bodies:
+class Bodies(NamedTuple):
     """Pieces of a skin that are moved together: its points from `first` to `last`."""
 
     nodes: list[int]

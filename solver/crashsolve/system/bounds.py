@@ -10,8 +10,8 @@ The run itself is not changed.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from time import monotonic
+from typing import NamedTuple
 
 import numpy as np
 
@@ -36,8 +36,7 @@ RENEWAL_INTERVAL = 1.0
 BY_ROTATION = 0.9
 
 
-@dataclass(frozen=True)
-class Actor:
+class Actor(NamedTuple):
     """Entries of one group that act on a body: their name, and arrays of these alone."""
 
     name: str

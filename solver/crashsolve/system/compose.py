@@ -9,6 +9,8 @@ import hashlib
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
+
 from crashsolve.compiler.cache import (
     cache_folder,
     read_own,
@@ -21,7 +23,6 @@ from crashsolve.compiler.table import Tables
 from crashsolve.model.clock import NOT_FINITE
 from crashsolve.model.model import Model
 from crashsolve.system.placeholders import is_assembled, is_shared, method, placeholders
-from crashsolve.threads import sharing
 
 INTEGRATORS = "crashsolve.integrators"
 LOOPS = "crashsolve.system.loops"
@@ -105,7 +106,18 @@ def load(text: str, tables: Tables) -> Function:
         return ends_in_nan(machine_code(path, "advance", tables))
     if not tables.of_threads:
         return machine_code(path, "advance", tables)
-    return sharing.together(*machine_codes(path, ("advance", "assist"), tables))
+    from crashsolve.threads.sharing import together
+
+    return together(*machine_codes(path, ("advance", "assist"), tables))
+
+
+def arrays_of_threads(model: Model) -> list[dict[str, np.ndarray]]:
+    """Tables of its own for each thread but the first."""
+    if not is_shared(model):
+        return []
+    from crashsolve.threads import sharing
+
+    return sharing.arrays_of_threads(model)
 
 
 def ends_in_nan(advance: Function) -> Function:

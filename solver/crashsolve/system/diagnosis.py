@@ -23,11 +23,6 @@ from crashsolve.model.clock import (
 )
 from crashsolve.model.contact.groups import ContactGroup
 from crashsolve.model.model import Model, State
-from crashsolve.system.contact.advice import advice_on_depth, advice_on_gain, advice_on_hollow
-from crashsolve.system.contact.balance import largest_missing
-from crashsolve.system.gain import OVERSTATED, energy_gain, has_gain, overstates
-from crashsolve.system.joint_balance import gaining_joints
-from crashsolve.system.timestep import QUARTER
 
 # of an imbalance: a contact that has made so much is its cause
 OF_ONE = 0.5
@@ -88,6 +83,9 @@ def diagnose(model: Model, state: State, clock: np.void, ledger: np.ndarray) -> 
 
 def unbalanced(model: Model, state: State, clock: np.void, ledger: np.ndarray) -> Diagnosis:
     """An energy balance that is off, and the contact whose work nothing accounts for, if any."""
+    from crashsolve.system.contact.advice import advice_on_depth, advice_on_gain, advice_on_hollow
+    from crashsolve.system.contact.balance import largest_missing
+
     share = 100.0 * ledger[energy.IMBALANCE] / ledger[energy.LARGEST]
     cause = f"the energy balance is off by {share:.3g} % of the largest energy"
     helps = [advice_on_depth(model, card) for card in range(len(model.contacts))]
@@ -203,6 +201,9 @@ def open_joints(model: Model, state: State, clock: np.void) -> Diagnosis:
 
 def broken_joints(model: Model, state: State) -> SolverError | None:
     """The error for joints that have created or lost too much energy."""
+    # when a run ends
+    from crashsolve.system.joint_balance import gaining_joints
+
     one = gaining_joints(model, state)
     if one is None:
         return None
@@ -246,6 +247,8 @@ def collapsed_step(model: Model, state: State, limit_node: int, step: float) -> 
 
 def rotated_far(model: Model, state: State, clock: np.void) -> Diagnosis:
     """A stated step in which a body rotates so far that angles cannot be counted."""
+    from crashsolve.system.timestep import QUARTER
+
     at = int(np.linalg.norm(state.nodes["w"], axis=1).argmax())
     speed, step = float(clock["value"]), float(clock["step"])
     cause = f"it rotates by {speed * step:.3g} rad in a step of {step:.3g} s"
@@ -358,6 +361,8 @@ def find_contact_gain(model: Model, state: State, clock: np.void) -> Diagnosis:
         f"{force} has created energy: it has given its bodies {gained:.3g} J more than it took "
         f"from them ({taken:.3g} J) and stored at the start ({initial:.3g} J)"
     )
+    from crashsolve.system.contact.advice import advice_on_depth, advice_on_gain
+
     known, shorter = advice_on_gain(model, number), closer(model, state)
     known = known or advice_on_depth(model, number)
     advice = f"{known}; or {shorter}" if known else shorter
@@ -380,6 +385,8 @@ def find_law_gain(model: Model, state: State) -> Diagnosis:
 
 def _gain_of(now: np.void, stored: float, limit: float) -> tuple[float, str]:
     """Energy that a law has created, over the energy it exchanged, and in words."""
+    from crashsolve.system.gain import OVERSTATED, energy_gain, has_gain, overstates
+
     taken, initial = (
         0.5 * float(now["exchanged"] - now["work_done"]),
         float(now["initially_stored"]),

@@ -20,21 +20,18 @@ from crashsolve.model.clock import (
     STOPS_AT_SAMPLE,
     TOUCHED,
 )
-from crashsolve.model.contact.node_to_surface import make_room
 from crashsolve.model.contact.pairs import renew
 from crashsolve.model.corners import corners_in_time
 from crashsolve.model.curve_steps import LINE, steps_by_curves
 from crashsolve.model.implicit.compliance import compliance
 from crashsolve.model.model import Model, State
 from crashsolve.model.nodes import ESTIMATE
-from crashsolve.system.compose import compose, load
+from crashsolve.system.compose import arrays_of_threads, compose, load
 from crashsolve.system.contact.effective_mass import EffectiveMasses
 from crashsolve.system.contact.initial_penetration import find_impact_speeds
 from crashsolve.system.diagnosis import broken_joints, diagnose, passed_through, velocity_error
-from crashsolve.system.joint_balance import joint_warnings
 from crashsolve.system.placeholders import group_arrays, is_shared, samples_within_steps
 from crashsolve.system.swings import swing_warnings
-from crashsolve.threads.sharing import arrays_of_threads
 
 if TYPE_CHECKING:
     from crashsolve.foundation.rows import RowOfTable
@@ -256,7 +253,10 @@ class Engine:
         elif status == REBUILD:
             self._check_pass_through()
             renew(self.model.contact_groups, s)
-            make_room(self.model.nodal_groups)
+            if self.model.nodal_groups:
+                from crashsolve.model.contact.node_to_surface import make_room
+
+                make_room(self.model.nodal_groups)
             self.bind()
         else:
             raise diagnose(self.model, s, self.clock, s.ledger)
@@ -400,6 +400,8 @@ class Engine:
 
     def step_warnings(self) -> list[str]:
         """Signs that the step is too long for the forces of joints, which have no stiffness."""
+        from crashsolve.system.joint_balance import joint_warnings
+
         warnings = self._balance_warnings() + swing_warnings(self.clock, self.model.bodies)
         warnings += joint_warnings(self.model, self.state)
         cycles = int(self.clock["cycle"])
@@ -441,10 +443,8 @@ class Engine:
                     (joint.name, f"is violated by the initial positions: {worst:.3g} (SI)")
                 )
             elif (speed[part] / rows["scale"][part]).max() > ASSEMBLY * scale / self.model.size:
+                worst = speed[part].max()
                 errors.append(
-                    (
-                        joint.name,
-                        f"is violated by the initial velocities: {speed[part].max():.3g} (SI)",
-                    )
+                    (joint.name, f"is violated by the initial velocities: {worst:.3g} (SI)")
                 )
         return errors

@@ -21,7 +21,6 @@ from crashsolve.model.implicit.compliance import (
 from crashsolve.model.model import Group, Model, State
 from crashsolve.model.welded import touches_welded
 from crashsolve.system.contact.effective_mass import groups_with_effective_mass
-from crashsolve.threads.sharing import shared_arrays
 
 # groups by the functions of their laws
 JOINTS: tuple[Group, ...] = ()  # constraint rows
@@ -179,4 +178,8 @@ def group_arrays(model: Model, state: State) -> dict[str, np.ndarray]:
             arrays |= {"ties": e.ties}
         if len(e.cuts):
             arrays |= {"element_cuts": e.element_cuts, "cuts": e.cuts}
-    return arrays | (shared_arrays(model) if is_shared(model) else {})
+    if not is_shared(model):
+        return arrays
+    from crashsolve.threads.sharing import shared_arrays
+
+    return arrays | shared_arrays(model)

@@ -1,7 +1,7 @@
 """Reading a deck: files to items, items to cards, cards to a Deck; or all errors at once."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
@@ -352,10 +352,10 @@ class _Reader:
             value = {word: part for word, part in value.items() if word != without}
         context = self.contexts[item.file] if item.keyword != "units" else Context()
         if item.keyword == "curves":
-            context = replace(context, axes=self.axes.get(item.name))
+            context = context._replace(axes=self.axes.get(item.name))
             if self.diagnostics and item.name not in self.axes:
                 # its user may be among the wrong cards; these are refused anyway
-                context = replace(context, units=SI)
+                context = context._replace(units=SI)
         try:
             return kind.model_validate(value, context=context)
         except ValidationError as error:

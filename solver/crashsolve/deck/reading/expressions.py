@@ -63,8 +63,8 @@ OPERATORS: dict[type[ast.AST], Callable[..., float]] = {
 # stands behind a parameter's name that Python keeps for itself: lambda, yield, in
 OWN = "\u02b9"
 # as in 2 pi or 65 deg
-_TWO_TERMS = re.compile(r"[\d.]\s+[A-Za-z]")
-_RESERVED = re.compile(rf"(?<![\w.])({'|'.join(keyword.kwlist)})(?!\w)")
+_TWO_TERMS = r"[\d.]\s+[A-Za-z]"
+_RESERVED = rf"(?<![\w.])({'|'.join(keyword.kwlist)})(?!\w)"
 
 
 class ExpressionError(Exception):
@@ -89,11 +89,11 @@ class Expression:
             raise ExpressionError(f"the expression is longer than {MAX_LENGTH} letters")
         try:
             with warnings.catch_warnings(action="ignore"):
-                self.written = _RESERVED.sub(rf"\1{OWN}", self.text)
+                self.written = re.sub(_RESERVED, rf"\1{OWN}", self.text)
                 self.root = ast.parse(self.written, mode="eval").body
         except (SyntaxError, ValueError, MemoryError, RecursionError):
             advice = "; products have a *, and a number with a unit is a parameter of its own"
-            advice *= bool(_TWO_TERMS.search(self.text))
+            advice *= bool(re.search(_TWO_TERMS, self.text))
             raise ExpressionError(f"cannot read the expression '{self.text}'{advice}") from None
         nodes = list(ast.walk(self.root))
         for node in nodes:

@@ -1,7 +1,6 @@
 """Items that the files of a deck define under keywords, each with its positions."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -113,8 +112,7 @@ def _listed(
         yield Item(keyword, "", part, value.location(i), value.location(i), file)
 
 
-@dataclass(frozen=True)
-class Entry:
+class Entry(NamedTuple):
     """A named card of the deck, the module of its law, and where it stands."""
 
     name: str

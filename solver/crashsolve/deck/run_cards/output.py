@@ -3,17 +3,17 @@
 import math
 import re
 from itertools import pairwise
-from typing import Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import field_validator, model_validator
 
 from crashsolve.channels.series import Window
 from crashsolve.channels.units import UnitError, to_si
-from crashsolve.deck.card import Card, quantity, word
+from crashsolve.deck.card import Card, WhereWritten, quantity, word
 from crashsolve.deck.run_cards.statistic import check_window, known_statistic
 
 Pair = tuple[float, float]
-MOMENT = re.compile(r"start|end|(max|min|abs_max):.*\S|[-+]?[\d.]+([eE][-+]?\d+)? *(s|ms|us|µs)")
+MOMENT = r"start|end|(max|min|abs_max):.*\S|[-+]?[\d.]+([eE][-+]?\d+)? *(s|ms|us|µs)"
 # interval [s]: a run of any length counts those that have passed
 SHORTEST = 1e-15
 VIEWS = ("auto", "side", "front", "rear", "top", "bottom", "iso")
@@ -244,7 +244,7 @@ class Scene(Card):
                 raise ValueError(f"a moment needs its unit: {part:g} s")
             if not isinstance(part, str):
                 raise ValueError("a moment is text, such as 50 ms, start or max:CHANNEL")
-            if part != "0" and not MOMENT.fullmatch(part.strip()):
+            if part != "0" and not re.fullmatch(MOMENT, part.strip()):
                 raise ValueError(
                     f"unknown moment '{part}' (50 ms, start, end, or max:, min: or abs_max: before "
                     "a channel)"
@@ -280,4 +280,6 @@ class Output(Card):
     states: States = word("configurations", States.model_construct())
     restart: Restart = word("restart dumps", Restart.model_construct())
     log: Log = word("log lines", Log.model_construct())
-    report: Report | None = word("figures of the report; a default choice when absent", None)
+    report: Annotated[Report | None, WhereWritten()] = word(
+        "figures of the report; a default choice when absent", None
+    )

@@ -2,8 +2,7 @@
 
 from crashsolve.channels import statistic as known
 from crashsolve.channels.errors import ChannelError
-from crashsolve.channels.expression import FOLDER
-from crashsolve.channels.folder import words_in
+from crashsolve.channels.folder import FUNCTIONS, STATISTICS, words_in
 from crashsolve.channels.series import Window
 from crashsolve.deck.diagnostics import refuse
 from crashsolve.deck.words import choices
@@ -13,13 +12,14 @@ PATH = "path"  # no one number, but the whole history
 
 def channel_reported() -> str:
     """Description of a channel of a question, for the manual."""
-    functions = ", ".join(f"{word}()" for word in words_in(FOLDER))
+    functions = ", ".join(f"{word}()" for word in words_in(FUNCTIONS))
     return f"channel, or arithmetic of channels with {functions}; see theory/channels.md"
 
 
 def words_reported() -> str:
-    """The statistics as the manual lists them."""
-    return f"{', '.join(known.words())} with T in seconds"
+    """The statistics as the manual lists them, without importing them."""
+    words = ", ".join(words_in(STATISTICS))
+    return f"{words}; of at the moment [s] follows a colon, as in at:0.25"
 
 
 def known_statistic(text: str) -> str:

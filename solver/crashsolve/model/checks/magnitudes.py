@@ -16,8 +16,8 @@ solid: beams without mass and decks in units of their own have others. Cards hol
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from math import log10, pi, sqrt
+from typing import NamedTuple
 
 import numpy as np
 from pydantic import BaseModel
@@ -50,8 +50,7 @@ SHOWN = {
 }
 
 
-@dataclass(frozen=True)
-class Number:
+class Number(NamedTuple):
     """A number of a deck: section, entry and field, its unit, and its value in SI."""
 
     section: str

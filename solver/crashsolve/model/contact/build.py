@@ -33,7 +33,6 @@ from crashsolve.model.contact.doubles import TwoSided, warn_of_common_pairs
 from crashsolve.model.contact.floor import speed_floor
 from crashsolve.model.contact.groups import ContactGroup, NodalGroup
 from crashsolve.model.contact.holes import warn_of_holes
-from crashsolve.model.contact.node_to_surface import NodalBuilder
 from crashsolve.model.contact.pairs import (
     INFINITE_EXTENT,
     Block,
@@ -52,6 +51,7 @@ if TYPE_CHECKING:
 
     from crashsolve.deck.reading.deck import Deck
     from crashsolve.deck.reading.items import Entry
+    from crashsolve.model.contact.node_to_surface import NodalBuilder
     from crashsolve.model.contact.sides import Shaped
 
 NARROW = "crashsolve.contact.narrow"
@@ -94,7 +94,7 @@ def build_contacts(deck: Deck, scene: Scene) -> tuple[list[ContactGroup], list[N
     for entry in deck.entries["contacts"].values():
         measure_opposite_sides(entry.card, surfaces)
     builders: dict[str, GroupBuilder] = {}
-    nodal = NodalBuilder(scene)
+    nodal = _nodal_builder(surfaces, scene)
     for index, entry in enumerate(deck.entries["contacts"].values()):
         with scene.building(entry):
             _add_card(index, entry, surfaces, builders, nodal, scene)
@@ -107,7 +107,16 @@ def build_contacts(deck: Deck, scene: Scene) -> tuple[list[ContactGroup], list[N
     nodes = scene.placed_nodes()
     is_implicit = deck.control.integrator in IMPLICIT
     groups = [builder.finish(nodes, is_implicit) for builder in builders.values()]
-    return groups, nodal.groups
+    return groups, nodal.groups if nodal else []
+
+
+def _nodal_builder(surfaces: dict[str, Surface], scene: Scene) -> NodalBuilder | None:
+    """The builder of contacts of meshes; None of a scene without such surfaces."""
+    if not any(surface.shape in MESHED for surface in surfaces.values()):
+        return None
+    from crashsolve.model.contact.node_to_surface import NodalBuilder
+
+    return NodalBuilder(scene)
 
 
 def _add_card(
@@ -115,7 +124,7 @@ def _add_card(
     entry: Entry,
     surfaces: dict[str, Surface],
     builders: dict[str, GroupBuilder],
-    nodal: NodalBuilder,
+    nodal: NodalBuilder | None,
     scene: Scene,
 ) -> None:
     card, laws = entry.card, _laws(entry.card)
@@ -135,7 +144,7 @@ def _add_card(
         law.check(laws[0], scene, *bodies)
     for some_a in sides[0].values():
         for some_b in sides[1].values():
-            if {some_a[0].shape, some_b[0].shape} & MESHED:
+            if nodal is not None and {some_a[0].shape, some_b[0].shape} & MESHED:
                 _refuse_torsion(card, scene)
                 for a, b in product(some_a, some_b):
                     nodal.add(index, entry, a, b, gap_routine)

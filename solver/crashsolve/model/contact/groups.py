@@ -70,7 +70,7 @@ class Touching:
         return is_damper(self.friction)
 
 
-@dataclass
+@dataclass(eq=False)
 class ContactGroup(Touching):
     """All contact pairs of one gap routine, one normal law and one friction law."""
 
@@ -195,7 +195,7 @@ class ContactGroup(Touching):
         return present_tables(self)
 
 
-@dataclass
+@dataclass(eq=False)
 class NodalGroup(Touching):
     """Nodes of shells on a shape, or nodes and balls on the faces of a shell, under one card."""
 

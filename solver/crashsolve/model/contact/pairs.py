@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from crashsolve.contact.broad import near_pairs
 from crashsolve.foundation.record import Record
 from crashsolve.model.contact.groups import ContactGroup, NearPairs
 from crashsolve.model.contact.pieces import cut
@@ -38,7 +37,7 @@ INFINITE_EXTENT = 1e300
 CENTRE_AT_SEARCH = Record("r  m  3  centre of an element when the list was made")
 
 
-@dataclass
+@dataclass(eq=False)
 class Elements:
     """Elements of one side as pairing needs them; arrays over the elements."""
 
@@ -57,7 +56,7 @@ class Elements:
         return np.where(is_infinite, 0.0, self.radius - np.where(is_infinite, 0.0, self.thick))
 
 
-@dataclass
+@dataclass(eq=False)
 class Block:
     """Pairs under one contact card: elements of side a against elements of side b."""
 
@@ -165,6 +164,8 @@ class Search:
         if np.isinf(second.radius).all():
             near = self._near_planes()
         else:
+            from crashsolve.contact.broad import near_pairs
+
             near = near_pairs(
                 self.references[0]["r"],
                 first.radius,

@@ -31,7 +31,7 @@ class Surface(Shaped, Protocol):
     radius: float | None  # of curvature [m]
 
 
-@dataclass
+@dataclass(eq=False)
 class Probes:
     """The side of the probes: rows of PROBE, their radius, their part if they are shell points."""
 
@@ -55,7 +55,7 @@ class Touching:
         self.membrane = min(stiff)
 
 
-@dataclass
+@dataclass(eq=False)
 class SurfaceOfProbes:
     """A surface as gap routines see it."""
 

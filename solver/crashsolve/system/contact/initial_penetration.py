@@ -26,7 +26,7 @@ from crashsolve.system.contact.touches import closing_motion
 LEAST = 1e-200
 
 
-@dataclass
+@dataclass(eq=False)
 class Touch:
     """A point of contact that penetrates at the start."""
 
