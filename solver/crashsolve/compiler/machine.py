@@ -236,8 +236,10 @@ def _link(names: tuple[str, ...], code: bytes) -> tuple[Function, ...]:
     import llvmlite.binding as llvm
 
     llvm.initialize_native_target()
-    llvm.initialize_native_asmprinter()
-    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), host_machine())
+    unused = llvm.parse_assembly("")
+    engine = llvm.create_mcjit_compiler(unused, host_machine())
+    # compiling even an empty module takes longer than all else here
+    engine.remove_module(unused)
     for unit in pickle.loads(code):
         engine.add_object_file(llvm.ObjectFileRef.from_data(unit))
     engine.finalize_object()

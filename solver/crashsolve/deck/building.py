@@ -4,15 +4,19 @@ Frames: a body's own axes and origin are those of its card; inside, points are m
 mass centre. Nodes are rows of the node table, the ground is 0.
 """
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
 from types import ModuleType
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from crashsolve.foundation.errors import DeckError
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 # values by the names of columns of a record: numbers, vectors, indices of nodes
 Columns = dict[str, Any]
@@ -117,7 +121,7 @@ class PartOfScene(Protocol):
     def velocities(self) -> np.ndarray:
         """Velocities of the points at the start (n, 3) [m/s], with those of impulses."""
 
-    def set_of(self, name: str, field: str, scene: "Scene") -> np.ndarray:
+    def set_of(self, name: str, field: str, scene: Scene) -> np.ndarray:
         """Points of a set of its mesh; an unknown one is refused at `field`."""
 
 

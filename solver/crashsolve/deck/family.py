@@ -282,8 +282,11 @@ def families() -> dict[str, Family]:
     root = _root()
     declared = []
     files = source_files(str(root))
-    for path in map(Path, sorted(at for at in files if at.endswith(f"{os.sep}__init__.py"))):
-        if re.search(r"^FAMILY\b.*=", path.read_text("utf-8"), re.MULTILINE):
+    for file in sorted(at for at in files if at.endswith(f"{os.sep}__init__.py")):
+        with open(file, encoding="utf-8") as source:
+            text = source.read()
+        if re.search(r"^FAMILY\b.*=", text, re.MULTILINE):
+            path = Path(file)
             folder = path.parent.relative_to(root).as_posix()
             family = imported(f"{PACKAGE}.{folder.replace('/', '.')}", path).FAMILY
             if not isinstance(family, Family):

@@ -1,14 +1,16 @@
 """Words of shapes that have a centre and axes of their own within a body."""
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from crashsolve.deck.building import Columns, Scene
 from crashsolve.deck.card import BodyName, Card, Rotation, Vec3, quantity, word
 from crashsolve.foundation.orientation import matrix
 from crashsolve.foundation.record import Record
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 
 class PlacedCard(Card):
@@ -33,7 +35,7 @@ class Carrier(NamedTuple):
     shift: np.ndarray  # origin of the body that the card names, from the mass centre [m]
     axes: np.ndarray  # (3, 3) its axes in those of the carrier
 
-    def point(self, at: ArrayLike) -> np.ndarray:
+    def point(self, at: "ArrayLike") -> np.ndarray:
         """A point of the card's frame, from the mass centre of the carrier in its axes [m]."""
         return self.shift + self.axes @ np.asarray(at, float)
 
