@@ -84,3 +84,14 @@ def test_a_check_writes_no_results_and_loads_no_hdf5() -> None:
 
 def test_asking_for_the_version_loads_neither_numpy_nor_llvm() -> None:
     assert not imported("-m", "crashsolve", "--version") & {"numpy", "llvmlite", "pydantic", "h5py"}
+
+
+def test_the_matrices_of_numpy_start_no_threads() -> None:
+    script = (
+        "import os\nfrom crashsolve.cli import main\n"
+        f"main(['check', {str(BALL)!r}])\nprint(len(os.listdir('/proc/self/task')))"
+    )
+    own = {k: v for k, v in environment().items() if not k.endswith("NUM_THREADS")}
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, env=own)
+    assert done.returncode == 0, done.stderr[-2000:]
+    assert done.stdout.splitlines()[-1] == "1"
