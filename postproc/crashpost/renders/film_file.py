@@ -75,7 +75,9 @@ def _write_mp4(path: Path, frames: Iterator[np.ndarray], fps: float, size: tuple
         pass
     finally:
         writer.close()
-    raise OSError(f"the encoder failed after {count} frames; is there room on the disk?")
+    raise OSError(
+        f"the encoder failed after {count} frames; is there room on the disk and in memory?"
+    )
 
 
 def _write_gif(path: Path, frames: Iterator[np.ndarray], fps: float) -> None:
