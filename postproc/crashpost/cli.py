@@ -266,14 +266,12 @@ def _sweep(options: argparse.Namespace) -> int:
 def _report(options: argparse.Namespace) -> int:
     result = _open(options)
     from crashpost.reports.build import report
+    from crashpost.results.whole_file import write_html
     from crashpost.values.units import Units
 
     text, problems = report(result, options.pictures, Units.read(options.unit))
     output = options.output or result.folder / "report.html"
-    try:
-        output.write_text(text, encoding="utf-8", errors="xmlcharrefreplace")
-    except OSError as error:
-        raise PostError(f"{output}: {error.strerror}") from error
+    write_html(output, text)
     _say(str(output))
     if problems:
         raise PostError("; ".join(problems))

@@ -87,6 +87,26 @@ def test_values_answers_many_questions_at_once(
     assert crashpost("values", cars, path)[0] == 2
 
 
+@pytest.mark.parametrize(
+    ("entry", "words"),
+    [
+        ({"durng": [0.0, 0.1]}, "unknown field 'durng'; did you mean 'during'?"),
+        ({"during": [0.1]}, "during must be two times in seconds, not [0.1]"),
+        ({"during": ["a", "b"]}, "during must be two times in seconds, not"),
+        ({"during": 0.0}, "during must be two times in seconds, not 0.0"),
+        ({"unit": 5}, "unit must be a text such as 'mm', not 5"),
+    ],
+)
+def test_a_question_that_cannot_be_read_is_no_other_question(
+    entry: dict[str, object], words: str, cars: Path, crashpost: Command, tmp_path: Path
+) -> None:
+    path = tmp_path / "questions.json"
+    question = {"channel": "rbdout.A.velocity.x", "statistic": "max"}
+    path.write_text(json.dumps([question | entry]), "utf-8")
+    (answer,) = json.loads(crashpost("values", cars, path)[1])
+    assert words in answer["problem"]
+
+
 def test_summary_shows_status_energies_balances_peaks_and_warnings(
     cars: Path, crashpost: Command
 ) -> None:

@@ -15,6 +15,7 @@ from crashpost.renders.cutting import clamped, cut, half_space
 from crashpost.renders.drawing import Scene
 from crashpost.renders.groups import labels
 from crashpost.renders.paint_plain import Painter
+from crashpost.renders.painting import View
 from crashpost.renders.section_lines import Section, lines, weights
 from crashpost.renders.shapes import Dots, Drawing, Lines, Surface
 from crashpost.renders.tasks import strip_task
@@ -146,3 +147,10 @@ def test_long_names_keep_what_distinguishes_them() -> None:
     names = ["upper_arm_front", "lower_arm_front", "upper_arm_rear"]
     assert len({sheet.fitted(name, 10) for name in names}) == 3
     assert all(len(sheet.fitted(name, 10)) == 10 for name in names)
+
+
+def test_a_cut_that_leaves_nothing_is_refused(run: Path) -> None:
+    task = strip_task(Result(run), run / "x.png", ["0", "end"], "", cut="z>1e9")
+    scene = Scene(States(run), Appearance(cut="z>1e9"))
+    with pytest.raises(PostError, match="no body or part reaches to z>1e9"):
+        View(scene, task, [0.0, 1.0], [np.zeros(3)] * 2)

@@ -79,7 +79,7 @@ def test_round_off_is_no_difference_and_a_missing_channel_is(tmp_path: Path) -> 
     compared = compare(runs)
     noise = next(one for one in compared.differences if one.channel.startswith("jntforc"))
     assert noise.largest < 1e-8
-    assert compared.remarks == [f"1 channels in {tmp_path / '0'} only: deforc.buffer.length"]
+    assert compared.remarks == [f"1 channel in {tmp_path / '0'} only: deforc.buffer.length"]
 
 
 def test_other_times_and_a_shorter_run_are_met(tmp_path: Path) -> None:
@@ -212,3 +212,17 @@ def test_results_of_a_run_that_goes_on_are_read(tmp_path: Path) -> None:
     with h5py.File(first / "history.h5") as file:
         assert len(file["rbdout/time"]) > len(TIME)
     assert not compare([Result(first), Result(write_result(tmp_path / "b", two_cars()))]).remarks
+
+
+def test_fields_in_which_decks_differ_are_named_and_moments_left_out(tmp_path: Path) -> None:
+    """A name by a parameter must not hide another change; -1 s is no moment of a contact."""
+    results, time = [], np.linspace(0.0, 1.0, 3)
+    columns = {"first_touch": ("s", "", np.array([[-1.0], [-1.0], [0.6]]))}
+    columns["normal"] = ("N", "", np.array([[0.0], [0.0], [1.0]]))
+    for name, deck in (("a", "springs: {s: {k: 1, c: 2}}"), ("b", "springs: {s: {k: 3, c: 4}}")):
+        write_result(tmp_path / name, {"rcforc": (["x"], columns)}, time, deck_text=deck)
+        results.append(Result(tmp_path / name))
+    compared = compare(results)
+    assert compared.remarks == ["the decks differ in 2 fields: springs.s.k, springs.s.c"]
+    assert [one.channel for one in compared.differences] == ["rcforc.x.normal"]
+    assert compare(results, ["rcforc.x.first_touch"]).differences

@@ -379,6 +379,15 @@ def test_advice_is_not_what_was_done_already(tmp_path: Path) -> None:
     assert "none for 2 ms from 19.9 ms on" in str(reported.value)
 
 
+def test_samples_that_are_dense_during_contacts_alone_are_too_few(tmp_path: Path) -> None:
+    """Samples every 5 ms, and 0.1 ms apart in one of these intervals."""
+    time = np.concatenate([np.arange(0, 5) * 5e-3, 0.02 + np.arange(1, 51) * 1e-4, [0.03, 0.035]])
+    axes = {"acceleration/x": ("m/s^2", "", np.sin(200 * time)[:, None])}
+    write_result(tmp_path, {"nodout": (["dummy"], axes)}, time)
+    with pytest.raises(PostError, match=r"6 are up to 5 ms apart: give output\.history\.interval"):
+        Result(tmp_path).series("cfc(nodout.dummy.acceleration.x, 1000)")
+
+
 def test_the_load_criterion_of_a_constant_deceleration() -> None:
     """A = 20 g: free for t = sqrt(2 s / A), then held for T = 2 S / (A t), a = A (t + T) / T."""
     a, time = 20 * 9.80665, np.linspace(0, 0.15, 3001)

@@ -19,6 +19,7 @@ from crashpost.renders.colour_scale import ColourScale
 from crashpost.renders.paint_plain import Painter
 from crashpost.renders.sheet import Key
 from crashpost.renders.tasks import film_task, strip_task
+from crashpost.reports.build import report
 from crashpost.results.result import Result
 from crashpost.results.states import Block, States
 from crashsolve.output import shapes
@@ -184,3 +185,16 @@ def test_an_mp4_that_was_asked_for_is_one_or_an_error(tmp_path: Path) -> None:
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 2 and "imageio_ffmpeg" in done.stderr
     assert not path.exists() and not path.with_suffix(".gif").exists()
+
+
+def test_a_report_keeps_its_pictures_where_the_film_fails(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("imageio_ffmpeg")
+    folder = drawn_run(tmp_path / "x.results", None, (1.0, 1.0))
+    # a program that is there and encodes nothing
+    monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", "/bin/false")
+    page, problems = report(Result(folder))
+    assert "data:image/png" in page and "data:video" not in page
+    assert len(problems) == 1
+    assert problems[0].startswith("pictures: film.mp4: the encoder failed after")

@@ -12,8 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from crashpost.errors import PostError
+from crashpost.figures.overlay import different_fields
 from crashpost.results.choice import choices
 from crashpost.results.result import Result
+from crashpost.values.summary import MOMENTS
 from crashsolve.channels.display import Product, factor, is_convertible
 from crashsolve.channels.series import Series
 
@@ -61,7 +63,7 @@ def compare(results: Sequence[Result], requested: Sequence[str] = ()) -> Compare
         shared, alone = _names(results[0], other, requested)
         if not shared:
             raise PostError(f"{other.folder} and {results[0].folder} share no channel")
-        remarks += alone + _times(results[0], other)
+        remarks += alone + _decks(results[0], other) + _times(results[0], other)
         floors = _floors(results[0], other, shared)
         differences += [_difference(results[0], other, run, name, floors) for name in shared]
     return Compared(sorted(differences, key=lambda one: -one.largest), remarks)
@@ -72,15 +74,32 @@ def _names(first: Result, other: Result, requested: Sequence[str]) -> tuple[list
     if requested:
         both = [[choice.channel for choice in choices(r, requested)] for r in (first, other)]
     else:
-        both = [[c.name for c in r.channels() if c.name not in NUMERICS] for r in (first, other)]
+        both = [[c.name for c in r.channels() if _is_compared(c.name)] for r in (first, other)]
     known = [set(names) for names in both]
     remarks = []
     for at, result in enumerate((first, other)):
         only = sorted(known[at] - known[1 - at])
         if only:
             shown = ", ".join(only[:5]) + (", ..." if len(only) > 5 else "")
-            remarks.append(f"{len(only)} channels in {result.folder} only: {shown}")
+            word = "channel" if len(only) == 1 else "channels"
+            remarks.append(f"{len(only)} {word} in {result.folder} only: {shown}")
     return [name for name in both[0] if name in known[1]], remarks
+
+
+def _decks(first: Result, other: Result) -> list[str]:
+    """A remark on the fields in which decks differ: what names the results may not be all."""
+    try:
+        fields = different_fields((first, other))
+    except PostError:
+        return []
+    shown = ", ".join(fields[:5]) + (f" and {len(fields) - 5} more" if len(fields) > 5 else "")
+    of = "field" if len(fields) == 1 else "fields"
+    return [f"the decks differ in {len(fields)} {of}: {shown}"] if fields else []
+
+
+def _is_compared(name: str) -> bool:
+    """Whether a channel is one of the model; moments before the run stand for what has not been."""
+    return name not in NUMERICS and name.rpartition(".")[2] not in MOMENTS
 
 
 def _times(first: Result, other: Result) -> list[str]:

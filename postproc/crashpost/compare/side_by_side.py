@@ -12,6 +12,7 @@ from crashpost.figures.panels import PlotRequest, panels
 from crashpost.results.choice import choices
 from crashpost.results.result import Result
 from crashpost.results.table import number, text_table
+from crashpost.results.whole_file import write_html
 from crashpost.values.measured import read_test
 from crashpost.values.units import Units
 from crashpost.values.words import title
@@ -149,14 +150,7 @@ def write_page(
             f'<p class="note">{MEASURE[0].upper()}{MEASURE[1:]}.</p>' * bool(listed),
         ),
     ]
-    try:
-        options.output.write_text(
-            page(f"{results[0].title}, compared", body),
-            encoding="utf-8",
-            errors="xmlcharrefreplace",
-        )
-    except OSError as error:
-        raise PostError(f"{options.output}: {error.strerror}") from error
+    write_html(options.output, page(f"{results[0].title}, compared", body))
 
 
 def _figures(

@@ -9,6 +9,7 @@ import numpy as np
 from crashpost.errors import PostError
 from crashpost.results.choice import channels
 from crashpost.results.result import Result
+from crashpost.results.whole_file import whole_file
 from crashsolve.channels.series import Series
 
 
@@ -28,10 +29,7 @@ def export(result: Result, path: Path, words: Sequence[str]) -> int:
     write = FORMATS.get(path.suffix.lower())
     if write is None:
         raise PostError(f"{path}: name a file that ends in {', '.join(FORMATS)}")
-    try:
-        write(result, path, series)
-    except OSError as error:
-        raise PostError(f"{path}: {error.strerror or error}") from error
+    write(result, path, series)
     return len(names)
 
 
@@ -39,7 +37,7 @@ def _write_csv(result: Result, path: Path, series: dict[str, Series]) -> None:
     """A row for each sample; units in brackets behind the names."""
     columns = [one.values.tolist() for one in series.values()]
     heads = [f"{name} [{one.unit or '-'}]" for name, one in series.items()]
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with whole_file(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(["time [s]", *heads])
         writer.writerows(zip(result.time.tolist(), *columns, strict=True))
@@ -61,13 +59,17 @@ def _write_parquet(result: Result, path: Path, series: dict[str, Series]) -> Non
         unit = "s" if field.name == "time" else series[field.name].unit
         column = table.column(at)
         table = table.set_column(at, field.with_metadata({"unit": unit}), column)
-    pq.write_table(table, path)
+    with whole_file(path) as partial:
+        pq.write_table(table, partial)
 
 
 def _write_mme(result: Result, path: Path, series: dict[str, Series]) -> None:
     from crashpost.exports.mme import write_mme
 
-    write_mme(result, path, series)
+    try:
+        write_mme(result, path, series)
+    except OSError as error:
+        raise PostError(f"{path}: {error.strerror or error}") from error
 
 
 FORMATS: dict[str, Callable[[Result, Path, dict[str, Series]], None]] = {

@@ -13,6 +13,7 @@ import numpy as np
 
 from crashpost.errors import PostError
 from crashpost.results.status import Json
+from crashpost.results.whole_file import whole_file
 from crashpost.values import words
 
 try:
@@ -103,10 +104,11 @@ def save(results: Runs, figures: Sequence[Figure], path: Path) -> None:
         for panel, figure in zip(grid[:, 0], figures, strict=True):
             _draw(panel, results, figure)
             _add_legend(panel, figure.title)
-        try:
-            canvas.savefig(path, metadata=_metadata(path))
-        except (OSError, ValueError) as error:
-            raise PostError(f"{path}: {error}") from error
+        with whole_file(path) as partial:
+            try:
+                canvas.savefig(partial, metadata=_metadata(path))
+            except ValueError as error:
+                raise PostError(f"{path}: {error}") from error
 
 
 def _metadata(path: Path) -> Json:

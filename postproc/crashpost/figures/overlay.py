@@ -38,6 +38,13 @@ def names(results: Sequence[Result]) -> list[str]:
     return folders
 
 
+def different_fields(results: Sequence[Result]) -> list[str]:
+    """Positions of numbers and words that change physics and in which decks differ, parameters
+    replaced by their values; raises PostError for a broken deck.
+    """
+    return [printable(path) for path in _differing(_decks(results))]
+
+
 def _folder(result: Result) -> str:
     return printable(result.folder.resolve().name.removesuffix(".results"))
 

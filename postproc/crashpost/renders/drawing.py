@@ -115,7 +115,7 @@ class Scene:
     def extent(self, number: float) -> np.ndarray:
         """Points (n, 3) that a picture of this state must hold; the ground is infinite.
 
-        None where all that was shown is deleted, or the ground is all there is.
+        None where all that was shown is deleted or cut off, or the ground is all there is.
         """
         outermost_points = [np.empty((0, 3))]
         for name in self.drawn:
@@ -132,7 +132,9 @@ class Scene:
                 ]
         points = np.concatenate(outermost_points)
         if self.half:
-            points = clamped(points, self.half)
+            normal, offset = self.half
+            is_cut_off = not np.any(points @ normal <= offset)
+            points = points[:0] if is_cut_off else clamped(points, self.half)
         return outermost(points) if len(points) else points
 
     def footprints(self, near: np.ndarray) -> np.ndarray:

@@ -6,23 +6,18 @@ from pathlib import Path
 import numpy as np
 
 from crashpost.errors import PostError
+from crashpost.results.whole_file import whole_file
 
 ENDINGS = (".mp4", ".gif")
 
 
 def write_film(path: Path, frames: Iterator[np.ndarray], fps: float, size: tuple[int, int]) -> None:
     """Write frames (height, width, 3) one by one; raises PostError."""
-    partial = path.with_name(f".{path.stem}.partial{path.suffix}")
-    try:
+    with whole_file(path) as partial:
         if path.suffix == ".gif":
             _write_gif(partial, frames, fps)
         else:
             _write_mp4(partial, frames, fps, size)
-        partial.replace(path)
-    except OSError as error:
-        raise PostError(f"{path}: {error.strerror or error}") from error
-    finally:
-        partial.unlink(missing_ok=True)
 
 
 def can_write_mp4() -> bool:
@@ -80,7 +75,9 @@ def _write_mp4(path: Path, frames: Iterator[np.ndarray], fps: float, size: tuple
         pass
     finally:
         writer.close()
-    raise OSError(f"the encoder failed after {count} frames; is there room on the disk?")
+    raise OSError(
+        f"the encoder failed after {count} frames; is there room on the disk and in memory?"
+    )
 
 
 def _write_gif(path: Path, frames: Iterator[np.ndarray], fps: float) -> None:

@@ -21,6 +21,7 @@ from crashpost.renders.painting import Task, View, clock
 from crashpost.renders.shapes import ARROW, Drawing, Surface
 from crashpost.results.result import Result
 from crashpost.results.states import States
+from crashpost.results.whole_file import whole_file
 
 if TYPE_CHECKING:
     from types import ModuleType
@@ -100,10 +101,8 @@ WIDTH, COLOURS = 0.004, 16
 def write_page(result: Result, path: Path, **appearance: object) -> str:
     """Write the page and report its content; raises PostError."""
     text, words = page(result, **appearance)
-    try:
-        path.write_text(text, "utf-8")
-    except OSError as error:
-        raise PostError(f"{path}: {error.strerror}") from error
+    with whole_file(path) as partial:
+        partial.write_text(text, "utf-8")
     return f"{path}: {words}, {len(text) / 1e6:.1f} MB"
 
 

@@ -233,6 +233,8 @@ class View:
         if task.ghost:
             near.append(scene.extent(0) - shift[0])
         points = np.concatenate(near)
+        if not len(points) and task.cut:
+            raise PostError(f"nothing to draw: no body or part reaches to {task.cut}")
         if not len(points) and "ground" in scene.drawn:
             points = scene.positions(0, "ground")
         if not len(points):

@@ -27,6 +27,7 @@ from crashpost.renders.sheet import (
     panel,
     scale_bar,
 )
+from crashpost.results.whole_file import whole_file
 
 # width of a close-up at most [inches]
 WIDEST = 2.6
@@ -74,10 +75,11 @@ def strip(path: Path, content: Content, key: Key, sizes: Layout) -> None:
         if content.close_up:
             _close_ups(figure, content, content.close_up, sizes)
         footer(figure, key, w, sizes.footer)
-        try:
-            figure.savefig(path, dpi=DPI)
-        except (OSError, ValueError) as error:
-            raise PostError(f"{path}: {error}") from error
+        with whole_file(path) as partial:
+            try:
+                figure.savefig(partial, dpi=DPI)
+            except ValueError as error:
+                raise PostError(f"{path}: {error}") from error
 
 
 def _close_ups(figure: Figure, content: Content, close: CloseUp, sizes: Layout) -> None:

@@ -91,10 +91,13 @@ class _Report:
     def views(self) -> str:
         """Pictures and films of the run."""
         try:
-            return views(self.result, self.described, self.pictures, self.time_unit)
+            text, problem = views(self.result, self.described, self.pictures, self.time_unit)
         except PostError as error:
-            self.problems.append(f"pictures: {error}")
-            return f'<p class="problem">{escape(str(error))}</p>'
+            text, problem = "", str(error)
+        if problem:
+            self.problems.append(f"pictures: {problem}")
+            text += f'<p class="problem">{escape(problem)}</p>'
+        return text
 
     def heading(self, sections: Sequence[str]) -> str:
         state = str(self.result.status.get("state", "unknown"))

@@ -33,13 +33,14 @@ SIZE = (720, 0)
 MAX_POINTS = 1_000_000
 
 
-def views(result: Result, described: object, choice: str = "all", time_unit: str = "") -> str:
-    """The HTML of all pictures, times in this unit; "" for a run without states.
-
-    Raises PostError.
+def views(
+    result: Result, described: object, choice: str = "all", time_unit: str = ""
+) -> tuple[str, str]:
+    """The HTML of all pictures, times in this unit, and why there is no film where it failed; ""
+    for a run without states. Raises PostError.
     """
     if choice == "none" or not any((result.folder / "states").glob("[0-9]*.h5")):
-        return ""
+        return "", ""
     states = States(result.folder)
     if choice not in CHOICES:
         raise unknown("choice of pictures", choice, CHOICES)
@@ -47,13 +48,26 @@ def views(result: Result, described: object, choice: str = "all", time_unit: str
     with TemporaryDirectory() as folder:
         with_film = choice == "all" and _moves(states)
         tasks = _tasks(result, Path(folder), scenes, time_unit, with_film=with_film)
-        from crashpost.renders.painting import make
-
-        make(result.folder, tasks, lambda done, total: None, _report)
+        tasks, problem = _made(result, tasks, with_film=with_film)
         parts = [_embedded(Path(task.output), task.title) for task in tasks]
     if choice == "all" and _moves(states):
         parts.append(_rotated(result, states, scenes[0]))
-    return "".join(parts)
+    return "".join(parts), problem
+
+
+def _made(result: Result, tasks: list[Task], *, with_film: bool) -> tuple[list[Task], str]:
+    """The tasks that were painted, and why the film at their end was not; raises PostError."""
+    from crashpost.renders.painting import make
+
+    try:
+        make(result.folder, tasks, lambda done, total: None, _report)
+    except PostError as reason:
+        if not with_film:
+            raise
+        make(result.folder, tasks[:-1], lambda done, total: None, _report)
+        # without the folder that is gone
+        return tasks[:-1], str(reason).replace(f"{Path(tasks[-1].output).parent}/", "")
+    return tasks, ""
 
 
 def scenes_of(described: Any) -> list[Json]:

@@ -12,14 +12,15 @@ from pathlib import Path
 
 import numpy as np
 
-from crashpost.errors import PostError
+from crashpost.errors import PostError, unknown
 from crashpost.results.answer import answer
 from crashpost.results.result import Result
 from crashpost.results.status import Json
 from crashsolve.channels.display import factor
-from crashsolve.channels.series import covered
+from crashsolve.channels.series import Window, covered
 
 PATH = "path"
+FIELDS = ("channel", "statistic", "during", "unit")
 
 
 def answers(result: Result, questions: Path) -> list[Json]:
@@ -41,14 +42,27 @@ def _unit(requested: Json) -> str:
     return unit
 
 
+def _window(requested: Json) -> Window | None:
+    """The times asked for [s]; None for the whole run. Raises PostError."""
+    ends = requested.get("during")
+    if ends is None or ends == []:
+        return None
+    if not isinstance(ends, list) or len(ends) != 2 or not all(map(_is_number, ends)):
+        raise PostError(f"during must be two times in seconds, not {json.dumps(ends)}")
+    return float(ends[0]), float(ends[1])
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
 def _answer(result: Result, requested: Json) -> Json:
     try:
+        for name in requested:
+            if name not in FIELDS:
+                raise unknown("field", name, FIELDS)
         channel, word = str(requested["channel"]), str(requested["statistic"])
-        during = (
-            (float(requested["during"][0]), float(requested["during"][1]))
-            if requested.get("during")
-            else None
-        )
+        during = _window(requested)
         if word == PATH:
             time, values, unit = covered(result.series(channel), during)
             wanted = _unit(requested) or unit

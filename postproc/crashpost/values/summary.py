@@ -88,7 +88,8 @@ def _model(result: Result) -> str:
     )
     chosen = [f"  by output.history.channels: {', '.join(result.chosen_channels)}"]
     lines += chosen if result.chosen_channels else []
-    return "\n".join([f"history  {len(result.time)} samples{span}", *lines])
+    count = f"{len(result.time)} sample" + "s" * (len(result.time) != 1)
+    return "\n".join([f"history  {count}{span}", *lines])
 
 
 def _energies(result: Result) -> str:

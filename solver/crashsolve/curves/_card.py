@@ -42,7 +42,8 @@ def check_axis(unit: Unit | None, j: int, name: str, context: Context) -> None:
     if unit.exponents != parse_unit(wanted).exponents:
         axis = "xy"[j]
         message = f"{axis} is in {describe(unit)}, but the curve is used with {axis} in {wanted}"
-        refuse(message, within=(name,))
+        is_gravity = (unit, wanted) == (parse_unit("g"), "m/s^2")
+        refuse(message, "standard gravity is 'g0'" * is_gravity, within=(name,))
 
 
 def check_order(points: Sequence[tuple[float, float]], field: str) -> None:

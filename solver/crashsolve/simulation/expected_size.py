@@ -39,7 +39,8 @@ def expected_size(
     if deck.output.history.channels:
         count = sum(len(family.ids) * len(family.columns) for family in families)
         chosen = f" of {count} channels, by output.history.channels"
-    text = f"history of {samples:.4g} samples{chosen}: {in_words(history)}"
+    noun = "sample" if samples == 1 else "samples"
+    text = f"history of {samples:.4g} {noun}{chosen}: {in_words(history)}"
     text += f"; states: {in_words(states)}" if states else ""
     free = free_space(folder)
     if history + states > free:

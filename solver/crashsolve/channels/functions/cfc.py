@@ -80,9 +80,13 @@ def _too_rare(time: np.ndarray, steps: np.ndarray, cfc: int, wanted: float) -> s
     """Message of the sampling interval and of that which the filter class needs."""
     usual, at = float(np.median(steps)), int(np.argmax(steps))
     needs = f"cfc(..., {cfc}) needs samples every {1e3 * wanted:.4g} ms or more often"
+    advice = f"give output.history.interval {1e3 * wanted:.4g} ms or less"
     if usual > wanted * (1.0 + EQUAL):
-        has = f"not every {1e3 * usual:.6g} ms"
-        return f"{needs}, {has}: give output.history.interval {1e3 * wanted:.4g} ms or less"
+        return f"{needs}, not every {1e3 * usual:.6g} ms: {advice}"
+    gaps = int(np.sum(steps > wanted * (1.0 + EQUAL)))
+    if gaps > 1:
+        # a run samples what happens between samples more often
+        return f"{needs}, and {gaps} are up to {1e3 * float(steps[at]):.6g} ms apart: {advice}"
     return (
         f"{needs}; there is one every {1e3 * usual:.6g} ms, but none for "
         f"{1e3 * float(steps[at]):.6g} ms from {1e3 * float(time[at]):.6g} ms on: "
