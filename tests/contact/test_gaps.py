@@ -92,8 +92,8 @@ def test_no_depth_exceeds_its_bound(word: str, tmp_path: Path) -> None:
         pair.approach(seed)
         bound = group.narrow.bound(a[0], b[0], pair.bench.nodes, group.data)
         depth = pair.deepest()[0]
-        # round-off of half a metre
-        assert bound >= depth - 1e-14
+        # with its round-off: a pair that touches by it and is skipped never touches
+        assert bound >= depth
         apart += bound < 0.0
     assert apart > 5
 

@@ -66,7 +66,11 @@ def _remarks(account: Account) -> dict[str, str]:
     remarks_of, remarks = {}, account.remarks
     for name, what in (
         ("untouched", "contacts that never touched"),
-        ("below_floor", "contacts loaded below their speed_floor, damped as at rest"),
+        (
+            "below_floor",
+            "contacts loaded below their speed_floor, damped as at rest (impacts of bodies within "
+            "joints that are as slow return more than their restitution: give a lower one)",
+        ),
         ("undeformed", "parts that never deformed"),
         ("undetermined", "joints whose share of a force is arbitrary"),
         ("severity", "Severity Index, and its error by the samples"),

@@ -41,12 +41,15 @@ PARAMETERS = Record("""
     axes     1       9  rotation matrix, shape to body, by rows
     count    count      ellipsoids in the sum
     squares  m^2     9  of their semi-axes, which lie along those axes
+    angle    rad        largest last step of the search for a direction
 """)
-# directions are found to this angle [rad]; the depth is then right to its square
-ANGLE = 1e-10
-# rounding of edges against ellipsoids, over the radius of the enclosing sphere; and its maximum,
-# over the least half size
-SHARP, THINNEST = 1e-5, 0.1
+# directions are found to this angle [rad], and to a share of the rounding over the size, as of
+# _edged.py; the depth is then right to its square
+ANGLE, LAST_STEP = 1e-10, 1e-4
+# rounding of edges against ellipsoids, over the least semi-axis of those or the radius of the
+# enclosing sphere; its least, over that radius: sixteen digits resolve no sharper edge; and its
+# largest, over the least half size
+SHARP, LEAST_ROUNDING, THINNEST = 1e-5, 1e-9, 0.1
 # square of the least sine of the angle between two edges that span a direction
 PARALLEL = 1e-12
 # directions to start from, and searches for different maxima of bodies that overlap; cosine of the
@@ -54,31 +57,38 @@ PARALLEL = 1e-12
 STARTS, SEARCHES, SAME_MAXIMUM = 22, 4, 1.0 - 1e-8
 
 
-def expand(elements: Iterable[Columns], shape: ModuleType) -> list[Columns]:
+def expand(
+    elements: Iterable[Columns], shape: ModuleType, others: Sequence[Columns] = ()
+) -> list[Columns]:
     """Elements of a shape as sums of ellipsoids."""
-    return [_as_sum(element, shape.rounds(element)) for element in elements]
+    return [_as_sum(element, shape.rounds(element), ANGLE) for element in elements]
 
 
-def expand_sharp(elements: Sequence[Columns], shape: ModuleType) -> list[Columns]:
-    """Boxes or cylinders that meet ellipsoids, as sums of ellipsoids.
+def expand_sharp(
+    elements: Sequence[Columns], shape: ModuleType, others: Sequence[Columns] = ()
+) -> list[Columns]:
+    """Boxes or cylinders that meet the ellipsoids `others`, as sums of ellipsoids.
 
     The roundness of the ellipsoid is enough for a unique contact: the edges of the other shape are
-    only as round as Newton's method needs with sixteen digits.
+    only as round as Newton's method needs with sixteen digits. Off its middle a face is lower by up
+    to the rounding, which is a share of the smallest ellipsoid for that.
     """
+    least = min((min(other["semi"]) for other in others), default=np.inf)
     sums = []
     for element in elements:
-        most = THINNEST * shape.half_thickness(element)
-        edge = min(most, SHARP * shape.bounding(element)[1])
-        sums.append(_as_sum(element, shape.rounds(element | {"edge": edge})))
+        size, most = shape.bounding(element)[1], THINNEST * shape.half_thickness(element)
+        edge = min(most, max(SHARP * min(size, least), LEAST_ROUNDING * size))
+        angle = min(ANGLE, LAST_STEP * edge / size)
+        sums.append(_as_sum(element, shape.rounds(element | {"edge": edge}), angle))
     return sums
 
 
-def _as_sum(element: Columns, rounds: np.ndarray) -> Columns:
-    """`rounds`: semi-axes of the ellipsoids [m], by rows."""
+def _as_sum(element: Columns, rounds: np.ndarray, angle: float) -> Columns:
+    """`rounds`: semi-axes of the ellipsoids [m], by rows; `angle` of the last step [rad]."""
     squares = np.zeros(9)
     squares[: rounds.size] = np.square(rounds).ravel()
     kept = {name: element[name] for name in ("node", "point", "axes")}
-    return kept | {"count": len(rounds), "squares": squares}
+    return kept | {"count": len(rounds), "squares": squares, "angle": angle}
 
 
 @kernel
@@ -98,7 +108,7 @@ def search(a, b, nodes, data):
     for climb_number in range(SEARCHES):
         k = direction_number(starts, climb_number)
         start = unit_towards(direction(u, w, c, k), c) if k >= 0 else (0.0, 0.0, 1.0)
-        height, n_maximum = find_maximum(_ellipsoids, a, b, u, w, c, start, ANGLE)
+        height, n_maximum = find_maximum(_ellipsoids, a, b, u, w, c, start, min(a.angle, b.angle))
         if dot(n_maximum, n) < SAME_MAXIMUM:
             next_maximum = max(next_maximum, min(best, height))
         if height > best:
@@ -115,7 +125,7 @@ def follow(a, b, nodes, data, n):
     """Gap at the local maximum nearest to direction n."""
     u, w = axes_of(a, nodes[a.node]), axes_of(b, nodes[b.node])
     c = from_centre(a, b, nodes)
-    _, n = find_maximum(_ellipsoids, a, b, u, w, c, n, ANGLE)
+    _, n = find_maximum(_ellipsoids, a, b, u, w, c, n, min(a.angle, b.angle))
     return depth_at_maximum(a, b, u, w, c, nodes, n)
 
 

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from crashsolve.contact.narrow import _ridges, _tree, sphere_mesh
+from crashsolve.contact.narrow._ascent import ROUND_OFF
 from crashsolve.contact.narrow._frame import axes_of_a, local_position, to_shape_axes, to_world_axes
 from crashsolve.contact.narrow.cylinder_plane import lowest
 from crashsolve.contact.narrow.sphere_mesh import FACE, beyond, by_facing, nearest, outward
@@ -96,9 +97,12 @@ def gap(a, b, nodes, data):
 def bound(a, b, nodes, data):
     """Depth that the bodies do not exceed [m]: by the ball around a, and the box around the mesh or
     its nearest triangle.
+
+    With the round-off of the depth: a pair that touches by it must not be skipped.
     """
     y = local_position(b, nodes[b.node], world_position(nodes[a.node], vec(a.point)))
     ball = norm(vec(a.half)) if a.feature == RIDGES else abs(a.rho)
+    ball += ROUND_OFF * (ball + norm(y))
     # an open mesh is solid beyond its triangles
     solid = b.thickness if b.thickness < inf else 0.0
     apart = sqrt(beyond(data[0][b.root], y)) - ball - solid

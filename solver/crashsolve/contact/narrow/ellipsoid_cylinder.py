@@ -7,11 +7,11 @@ PARAMETERS_A = PARAMETERS_B = _convex.PARAMETERS
 gap, bound = _convex.gap, _convex.bound
 
 
-def expand_a(elements):
+def expand_a(elements, others=()):
     """Each ellipsoid as a sum of ellipsoids."""
     return _convex.expand(elements, ellipsoid)
 
 
-def expand_b(elements):
-    """Each cylinder as a sum of ellipsoids."""
-    return _convex.expand_sharp(elements, cylinder)
+def expand_b(elements, others=()):
+    """Each cylinder as a sum of ellipsoids; `others`: ellipsoids that it may meet."""
+    return _convex.expand_sharp(elements, cylinder, others)

@@ -75,6 +75,8 @@ class Surface:
         self.radius = self.module.curvature_radius(entry.card)
         # the smallest boxes and cylinders that it may touch, one for each side of a card
         self.others: list[Columns] = []
+        # the ellipsoids that it may touch
+        self.ellipsoids: list[Columns] = []
 
 
 class Pair:
@@ -222,10 +224,10 @@ def gap_routine(a: Shaped, b: Shaped, scene: Scene) -> tuple[ModuleType, bool]:
 
 
 def measure_opposite_sides(card: TwoSided, surfaces: dict[str, Surface]) -> None:
-    """Report the surfaces of each side of a card the thinnest box or cylinder of the other, and
-    the narrowest.
+    """Report the surfaces of each side of a card the thinnest box or cylinder of the other, the
+    narrowest, and the ellipsoids.
 
-    Writes: their `others`.
+    Writes: their `others` and `ellipsoids`.
     """
     sides = [[surfaces[name] for name in names if name in surfaces] for names in (card.a, card.b)]
     for side, facing in (sides, sides[::-1]):
@@ -235,6 +237,9 @@ def measure_opposite_sides(card: TwoSided, surfaces: dict[str, Surface]) -> None
             smallest = [min(elements, key=k) for k in (edged.least_half, edged.widest_half)]
             for surface in side:
                 surface.others.extend(smallest)
+        ellipsoids = [e for s in facing if s.shape == "ellipsoid" for e in s.elements]
+        for surface in side:
+            surface.ellipsoids.extend(ellipsoids)
 
 
 class Side:
@@ -257,9 +262,11 @@ class Side:
             return
         expand = getattr(narrow, f"expand_{self.letter}", lambda elements, *others: elements)
         first = len(self.elements)
-        is_edged = hasattr(import_module(narrow.gap.__module__), "least_half")
+        kind = import_module(narrow.gap.__module__)
+        facing = [surface.others] if hasattr(kind, "least_half") else []
+        facing += [surface.ellipsoids] if hasattr(kind, "expand_sharp") else []
         for element in surface.elements:
-            parts = expand([element], surface.others) if is_edged else expand([element])
+            parts = expand([element], *facing)
             self.elements.extend(parts)
             centre, radius, thick = _bound(surface, element)
             # a part is followed by its own point, and reaches no farther from it than the whole
