@@ -333,6 +333,20 @@ def test_three_meshes_of_one_step_state_an_order_and_a_mesh() -> None:
     assert "error 0.019 by the mesh alone; the error of a single step is not known" in text
 
 
+def test_a_number_that_meshes_do_not_bring_to_a_value_is_named_beside_the_others() -> None:
+    trials = [trial(m, 0.1, 1.0 + 0.3 / m**2) for m in (1, 2, 4)]
+    # of order log2(0.5 / 0.46) = 0.12 in the length of elements: no mesh leads to 5 % of it
+    for t, peak in zip(trials, (2.0, 1.5, 1.04), strict=True):
+        t.answers.append({"value": peak, "unit": "N"})
+    findings = [find(Watch(name, (name,), "final"), at, trials, None, 2.0)
+                for at, name in enumerate(("x", "peak"))]  # fmt: skip
+    text = _verdict(findings, trials, 0.05)
+    assert text.startswith("target 0.05: rattle, mesh x4 0.1, ")
+    assert text.endswith("none meets it in peak, which finer meshes hardly bring to a value")
+    # alone it has no mesh that would suffice
+    assert "should suffice" not in _verdict(findings[1:], trials, 0.05)
+
+
 EQUILIBRIUM = """
 control: {end_time: 1, solution: quasi_static, steps: 5}
 bodies: {m: {mass: 1, inertia: [1, 1, 1]}}
