@@ -316,6 +316,9 @@ def test_lengths_that_are_no_powers_of_2_have_their_own_ratio() -> None:
     lengths = (1.0, 1.5, 3.0)
     numbers = [np.array([1.0 + 0.01 * length**2]) for length in lengths]
     assert mesh_error(numbers, 1.0, 2.0, lengths)[0] == pytest.approx(0.01)
+    # of order 0 their differences are as ln 1.5 and ln 2
+    numbers = [np.array([1.0 + 0.01 * np.log(length)]) for length in lengths]
+    assert "do not shrink" in mesh_error(numbers, 1.0, 2.0, lengths)[1]
 
 
 CONTACT = """
