@@ -14,7 +14,7 @@ from crashsolve.foundation.errors import DeckError
 from crashsolve.integrators.rattle import ORDER
 from crashsolve.study.convergence import analyse, divergence_time, order_of_errors
 from crashsolve.study.findings import cheapest, find
-from crashsolve.study.runner import Request, _verdict
+from crashsolve.study.runner import Request, _axes, _verdict
 from crashsolve.study.runner import study as run_study
 from crashsolve.study.settings import Series, Setting, settings, suited
 from crashsolve.study.trials import Trial
@@ -345,6 +345,24 @@ def test_a_number_that_meshes_do_not_bring_to_a_value_is_named_beside_the_others
     assert text.endswith("none meets it in peak, which finer meshes hardly bring to a value")
     # alone it has no mesh that would suffice
     assert "should suffice" not in _verdict(findings[1:], trials, 0.05)
+
+
+GIVEN = """
+control: {end_time: 1}
+materials: {m: {type: elastic, young: 2e11, poisson: 0.3, density: 7850}}
+parts:
+  made: {type: shell, thickness: 1e-3, material: m,
+         mesh: {type: grid, along: [1, 0, 0], across: [0, 1, 0], elements: [2, 2]}}
+  given: {type: shell, thickness: 1e-3, material: m,
+          mesh: {type: listed, nodes: [[0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]],
+                 quads: [[1, 2, 3, 4]]}}
+"""
+
+
+def test_parts_that_are_not_divided_are_named(tmp_path: Path) -> None:
+    (tmp_path / "deck.yaml").write_text(GIVEN, "utf-8")
+    *_, last = _axes(read_deck(tmp_path / "deck.yaml"), ["rattle"], "1,2,4")
+    assert last.startswith("not divided, for their mesh is listed or of a file: given;")
 
 
 EQUILIBRIUM = """

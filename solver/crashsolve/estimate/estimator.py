@@ -177,7 +177,9 @@ class Estimator:
     def _companions_of(self, deck: Deck) -> tuple[Companions, Model]:
         """Companions of the deck with another mesh, whose channels are other columns."""
         model, state = build(deck)
-        return Estimator(deck, families_of(model, state), self.stopped).companions, model
+        companions = Estimator(deck, families_of(model, state), self.stopped).companions
+        companions.built = model, state
+        return companions, model
 
     def estimates(
         self, main: Samples, others: Sequence[Samples], meshes: Meshes | None = None
