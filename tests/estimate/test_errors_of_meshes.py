@@ -14,7 +14,14 @@ from crashsolve.channels.series import Series
 from crashsolve.deck.reading.deck import read_deck
 from crashsolve.estimate.error import Estimate
 from crashsolve.estimate.estimator import Estimator, estimate_in_memory, left_out
-from crashsolve.estimate.mesh import chance_margin, mesh_error, window_about, window_about_extreme
+from crashsolve.estimate.mesh import (
+    Meshes,
+    chance_margin,
+    mesh_error,
+    window_about,
+    window_about_extreme,
+    with_mesh,
+)
 from crashsolve.meshes._mesh import net
 from crashsolve.model.build import build
 from crashsolve.model.integrator_selection import with_chosen_method
@@ -266,6 +273,52 @@ def test_a_given_mesh_in_odd_rows_says_why_it_is_left_out(tmp_path: Path) -> Non
     assert not meshes.runs
     assert "the error estimates do not cover the mesh" in meshes.problem
     assert "rows of even numbers" in meshes.problem
+
+
+def mesh_runs(folder: Path, old: str, new: str) -> Meshes:
+    """The runs on coarser meshes of the plate with other words in its deck."""
+    path = folder / "plate.yaml"
+    path.write_text(SCENES["plate"].replace(old, new).replace("COUNT", "8"), "utf-8")
+    deck = read_deck(path)
+    model, state = build(deck)
+    return Estimator(with_chosen_method(deck, model), families_of(model, state)).mesh_runs(1.0, inf)
+
+
+def test_a_named_node_that_would_move_is_named_and_no_error_stated(tmp_path: Path) -> None:
+    # the middle of five elements is no node, and neither of three
+    meshes = mesh_runs(tmp_path, "[COUNT, COUNT]", "[5, 5]")
+    assert not meshes.runs
+    assert meshes.problem.endswith("node 'middle' of part 'p' is elsewhere on a coarser mesh")
+
+
+def test_numbers_that_coarser_meshes_keep_are_named(tmp_path: Path) -> None:
+    meshes = mesh_runs(tmp_path, "[COUNT, COUNT]", "[COUNT, 2]")
+    assert meshes.lengths == [1.0, 2.0, 4.0]
+    (remark,) = meshes.remarks
+    assert remark.startswith("coarser meshes keep parts.p.mesh.elements.2 of 2: ")
+
+
+def test_an_error_by_the_mesh_alone_says_that_of_time_is_not_known(tmp_path: Path) -> None:
+    path = tmp_path / "deck.yaml"
+    path.write_text(SCENES["cantilever"].replace("COUNT", "8").replace("WORD", "beams"), "utf-8")
+    watch = Watch("x", ("a.b.c",), "final")
+    unknown = Estimate(watch, 1.0, "m", None, 1.0, "not estimated: no further run", inf)
+    numbers = [np.array([x]) for x in (1.0, 1.03)]
+    stated = with_mesh(unknown, numbers, read_deck(path), [1.0, 2.0])
+    assert stated.error == pytest.approx(0.03)
+    assert stated.how.startswith("time not estimated: no further run; mesh 0.03 m: ")
+    # and an accuracy does not take it for reached
+    assert stated.steps == inf
+
+
+def test_lengths_that_are_no_powers_of_2_have_their_own_ratio() -> None:
+    # 6, 4 and 2 elements: x = 1 + 0.01 l^2
+    lengths = (1.0, 1.5, 3.0)
+    numbers = [np.array([1.0 + 0.01 * length**2]) for length in lengths]
+    assert mesh_error(numbers, 1.0, 2.0, lengths)[0] == pytest.approx(0.01)
+    # of order 0 their differences are as ln 1.5 and ln 2
+    numbers = [np.array([1.0 + 0.01 * np.log(length)]) for length in lengths]
+    assert "do not shrink" in mesh_error(numbers, 1.0, 2.0, lengths)[1]
 
 
 CONTACT = """

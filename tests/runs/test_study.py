@@ -14,7 +14,7 @@ from crashsolve.foundation.errors import DeckError
 from crashsolve.integrators.rattle import ORDER
 from crashsolve.study.convergence import analyse, divergence_time, order_of_errors
 from crashsolve.study.findings import cheapest, find
-from crashsolve.study.runner import Request, _verdict
+from crashsolve.study.runner import Request, _axes, _verdict
 from crashsolve.study.runner import study as run_study
 from crashsolve.study.settings import Series, Setting, settings, suited
 from crashsolve.study.trials import Trial
@@ -331,6 +331,38 @@ def test_three_meshes_of_one_step_state_an_order_and_a_mesh() -> None:
     text = _verdict([finding], trials, 0.05)
     assert text.startswith("target 0.05: rattle, mesh x4 0.1, ")
     assert "error 0.019 by the mesh alone; the error of a single step is not known" in text
+
+
+def test_a_number_that_meshes_do_not_bring_to_a_value_is_named_beside_the_others() -> None:
+    trials = [trial(m, 0.1, 1.0 + 0.3 / m**2) for m in (1, 2, 4)]
+    # of order log2(0.5 / 0.46) = 0.12 in the length of elements: no mesh leads to 5 % of it
+    for t, peak in zip(trials, (2.0, 1.5, 1.04), strict=True):
+        t.answers.append({"value": peak, "unit": "N"})
+    findings = [find(Watch(name, (name,), "final"), at, trials, None, 2.0)
+                for at, name in enumerate(("x", "peak"))]  # fmt: skip
+    text = _verdict(findings, trials, 0.05)
+    assert text.startswith("target 0.05: rattle, mesh x4 0.1, ")
+    assert text.endswith("none meets it in peak, which finer meshes hardly bring to a value")
+    # alone it has no mesh that would suffice
+    assert "should suffice" not in _verdict(findings[1:], trials, 0.05)
+
+
+GIVEN = """
+control: {end_time: 1}
+materials: {m: {type: elastic, young: 2e11, poisson: 0.3, density: 7850}}
+parts:
+  made: {type: shell, thickness: 1e-3, material: m,
+         mesh: {type: grid, along: [1, 0, 0], across: [0, 1, 0], elements: [2, 2]}}
+  given: {type: shell, thickness: 1e-3, material: m,
+          mesh: {type: listed, nodes: [[0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]],
+                 quads: [[1, 2, 3, 4]]}}
+"""
+
+
+def test_parts_that_are_not_divided_are_named(tmp_path: Path) -> None:
+    (tmp_path / "deck.yaml").write_text(GIVEN, "utf-8")
+    *_, last = _axes(read_deck(tmp_path / "deck.yaml"), ["rattle"], "1,2,4")
+    assert last.startswith("not divided, for their mesh is listed or of a file: given;")
 
 
 EQUILIBRIUM = """

@@ -18,6 +18,7 @@ import numpy as np
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.foundation.errors import SolverError
 from crashsolve.model.build import build
+from crashsolve.model.model import Model, State
 from crashsolve.recording.engines import Prepared, is_static, prepared_engine
 from crashsolve.recording.histories import Histories
 from crashsolve.recording.marching import MAX_BLOCK_SAMPLES
@@ -73,6 +74,8 @@ class Companions:
         prepared: Prepared,
     ) -> None:
         """`prepared` comes from the run, or is empty."""
+        # model and state for the first of these runs, where they have been built already
+        self.built: tuple[Model, State] | None = None
         self.deck, self.channels, self.stopped = deck, channels, stopped
         self.prepared = prepared
         self.order = order_of(deck.control.integrator)
@@ -90,7 +93,8 @@ class Companions:
 
     def _run(self, coarseness: float, start_time: float) -> Samples:
         schedule = Schedule.of(self.deck)
-        model, state = build(self.deck)
+        model, state = self.built or build(self.deck)
+        self.built = None
         if not is_static(self.deck):
             coarsen(model.control, coarseness, schedule.interval, self.order)
         engine, self.prepared = prepared_engine(self.deck, model, state, self.prepared)

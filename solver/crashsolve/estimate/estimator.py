@@ -118,8 +118,9 @@ class Estimator:
         coarser = COARSER if self.compares_with_coarser else COARSER[-1:] * isfinite(budget)
         # a multiple of a step that hardly sees a load sees as little of it
         coarser = () if finer[0] < FINER[0] else coarser
+        is_unstable = self._is_unstable(coarseness)
         try:
-            for factor in coarser:
+            for factor in () if is_unstable else coarser:
                 runs.append(self.companions.run(factor * coarseness))
         except SolverError as error:
             problems.append(f"a coarser run stopped: {error.cause}")
@@ -144,6 +145,15 @@ class Estimator:
             problems.append(OVER_BUDGET)
         return runs
 
+    def _is_unstable(self, coarseness: float) -> bool:
+        """Whether shells are beyond their critical step in coarser runs: without a limit on the
+        energy these would end, with any numbers.
+        """
+        control, parts = self.deck.control, self.deck.entries["parts"].values()
+        is_bound = self.compares_with_coarser and control.step == "auto"
+        longest = control.safety * COARSER[-1] * coarseness
+        return is_bound and longest > 1.0 and any(part.type == "shell" for part in parts)
+
     def _finer(self, coarseness: float) -> tuple[float, ...]:
         """Factors of finer runs: of a stated step that hardly sees a load, one that sees it."""
         if is_static(self.deck):
@@ -167,7 +177,9 @@ class Estimator:
     def _companions_of(self, deck: Deck) -> tuple[Companions, Model]:
         """Companions of the deck with another mesh, whose channels are other columns."""
         model, state = build(deck)
-        return Estimator(deck, families_of(model, state), self.stopped).companions, model
+        companions = Estimator(deck, families_of(model, state), self.stopped).companions
+        companions.built = model, state
+        return companions, model
 
     def estimates(
         self, main: Samples, others: Sequence[Samples], meshes: Meshes | None = None

@@ -18,7 +18,7 @@ x = 1 + l^q gives the error l^q.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from math import inf, isfinite
+from math import inf, isfinite, log
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -272,7 +272,9 @@ def mesh_error(
         len(numbers[0]) == 1
         and float((numbers[0] - numbers[1])[0] * (numbers[1] - numbers[2])[0]) < 0.0
     )
-    if reverses or one > SHRINKS * two:
+    # of order 0 differences are as the logarithms of these ratios
+    unequal = log(lengths[1]) / log(lengths[2] / lengths[1])
+    if reverses or one > SHRINKS * two * unequal:
         if one > NOTABLE * scale:
             return None, "three meshes do not converge to one value"
         if one >= MUCH_LESS * two:

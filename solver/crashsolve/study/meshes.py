@@ -74,7 +74,7 @@ def finer(deck: Deck, factor: int) -> dict[str, str]:
 
 @dataclass(frozen=True)
 class Coarser:
-    """Overrides that make elements longer, by the factor `ratio` at least; what stays as it is.
+    """Overrides that make elements longer, by the factor `ratio` at most; what stays as it is.
 
     `kept` are the numbers of elements that are too small to be divided, by their path.
     """
@@ -103,7 +103,7 @@ def coarser(deck: Deck, factor: int) -> Coarser:
     if not changes:
         path, number = next(iter(kept.items()))
         raise ValueError(f"{path} has {number}, which cannot be divided by 2 and stay above 1")
-    return Coarser(changes, min(ratios), kept)
+    return Coarser(changes, max(ratios), kept)
 
 
 def _coarse(n: int, factor: int) -> int:

@@ -16,7 +16,7 @@ from crashsolve.recording.engines import is_static
 from crashsolve.study.child_runs import cores
 from crashsolve.study.convergence import NEAR
 from crashsolve.study.findings import NOISE, Finding, cheapest, find, worst, worst_channel
-from crashsolve.study.meshes import divisible, finer
+from crashsolve.study.meshes import divisible, finer, undivided
 from crashsolve.study.methods import order_of
 from crashsolve.study.plot import draw
 from crashsolve.study.settings import (
@@ -38,6 +38,8 @@ GIVEN, EXPENSIVE = "file", "most expensive run"
 # relative error of the last sentence without a target
 USUAL = 0.05
 ONE_STEP = "the error of a single step is not known: give --steps two or more"
+# of meshes: below it halving elements leaves more than two thirds of the error
+LEAST_ORDER = 0.5
 # an overall number whose estimated error is below this is worth naming
 CONVERGED = 0.01
 
@@ -190,6 +192,11 @@ def _axes(deck: Deck, methods: Sequence[str], meshes: str) -> list[str]:
     message = [f"integrators: {', '.join(methods)}"]
     if divisible(deck):
         message.append(f"meshes: elements of all parts times {meshes.replace(',', ', ')}")
+        if meshes != "1" and (kept := undivided(deck)):
+            message.append(
+                f"not divided, for their mesh is listed or of a file: {', '.join(kept)}; "
+                "their part in the error stays"
+            )
     known = descriptions(deck)
     if len(known) == 1:
         message.append(f"deformation: {known[0]}, the only description that these parts know")
@@ -257,19 +264,37 @@ def _still_converging(findings: list[Finding]) -> str:
 
 
 def _verdict(findings: list[Finding], trials: list[Trial], target: float) -> str:
-    """The cheapest setting that meets the wanted error, or the one that would be needed."""
+    """The cheapest setting that meets the wanted error, or the one that would be needed.
+
+    Channels that meshes do not bring to a value are named, and left out where others are brought.
+    """
     absolute = [finding.watch.name for finding in findings if finding.is_absolute]
     left_out = f" (not rated, as its reference is zero: {', '.join(absolute)})" if absolute else ""
-    best = cheapest(findings, trials, target)
-    if best is not None:
-        cost = f"{best.cpu_steps:.3g} s of CPU in steps"
-        if best.cpu_steps <= NOISE:
-            cost = f"no more than {NOISE:g} s of CPU in steps, below which none is ranked"
-        error = _error_of(findings, best)
-        if any(finding.is_of_one_step for finding in findings):
-            error += f" by the mesh alone; {ONE_STEP}"
-        return f"target {target:g}: {best.setting.name}, {cost}, {error}{left_out}"
-    return _advice(findings, trials, target, left_out)
+    best, without = cheapest(findings, trials, target), ""
+    if best is None:
+        stuck = [finding for finding in findings if _is_stuck(finding, trials, target)]
+        rest = [finding for finding in findings if finding not in stuck]
+        if stuck and len(rest) > len(absolute):
+            names = ", ".join(finding.watch.name for finding in stuck)
+            without = f"; none meets it in {names}, which finer meshes hardly bring to a value"
+            findings, best = rest, cheapest(rest, trials, target)
+    if best is None:
+        return _advice(findings, trials, target, left_out) + without
+    cost = f"{best.cpu_steps:.3g} s of CPU in steps"
+    if best.cpu_steps <= NOISE:
+        cost = f"no more than {NOISE:g} s of CPU in steps, below which none is ranked"
+    error = _error_of(findings, best)
+    if any(finding.is_of_one_step for finding in findings):
+        error += f" by the mesh alone; {ONE_STEP}"
+    return f"target {target:g}: {best.setting.name}, {cost}, {error}{left_out}{without}"
+
+
+def _is_stuck(finding: Finding, trials: list[Trial], target: float) -> bool:
+    """Whether no setting meets the wanted error in a channel, nor do finer meshes soon."""
+    if finding.is_absolute or not finding.mesh_orders or cheapest([finding], trials, target):
+        return False
+    orders = [order for order in finding.mesh_orders.values() if isfinite(order)]
+    return not orders or max(orders) < LEAST_ORDER
 
 
 def _advice(findings: list[Finding], trials: list[Trial], target: float, left_out: str) -> str:
@@ -314,7 +339,7 @@ def _mesh_needed(findings: list[Finding], nearest: Trial, target: float) -> str:
     factors = []
     for finding in (f for f in findings if not f.is_absolute and f.error(nearest) > target):
         order = finding.mesh_order(nearest)
-        if not isfinite(order) or order <= 0.0:
+        if not isfinite(order) or order < LEAST_ORDER:
             return ""
         factors.append((finding.error(nearest) / target) ** (1.0 / order))
     mesh = nearest.setting.series.mesh * max(factors, default=1.0)
