@@ -250,3 +250,37 @@ watch: [{{channel: rbdout.m.acceleration.x, statistic: abs_max}}]
     else:
         # an extreme of the load is one of the acceleration
         assert abs(entry["value"] - true) <= 3.0 * entry["error"]
+
+
+@pytest.mark.parametrize("height", [0.03644, 0.0364, 0.0366])
+@pytest.mark.parametrize("damping", [2000.0, 12_310.0])
+def test_a_peak_between_few_steps_is_right_within_its_error(
+    tmp_path: Path, height: float, damping: float
+) -> None:
+    # a method of high order crosses the touch in some four steps, which samples cut
+    mass, stiffness, speed = 19.27, 1.084e8, 1.4606
+    deck = tmp_path / "deck.yaml"
+    deck.write_text(f"""
+control: {{end_time: 0.06, integrator: dormand_prince_8, tolerance: 2e-6}}
+output: {{history: {{interval: 4.525e-4}}}}
+bodies:
+  a: {{mass: {mass}, inertia: [1, 1, 1], position: [0, 0, {0.1 + height}],
+       velocity: [0, 0, {-speed}]}}
+surfaces: {{a: {{type: sphere, body: a, radius: 0.1}}, f: {{type: plane}}}}
+contacts:
+  c: {{a: [a], b: [f], normal: {{type: kelvin_voigt, stiffness: {stiffness}, damping: {damping}}}}}
+watch: [{{channel: rcforc.c.peak_normal, statistic: final}}]
+""")
+    done = crashsolve(deck, "-o", tmp_path / "r")
+    assert done.returncode == 0, done.stdout
+    (entry,) = Result(tmp_path / "r").status["watched"]
+    # delta = v / omega_d exp(-d t) sin(omega_d t)
+    d = 0.5 * damping / mass
+    rate = math.sqrt(stiffness / mass - d * d)
+    forces = []
+    for k in range(2000):
+        t = math.pi / rate * k / 2000
+        depth = speed / rate * math.exp(-d * t) * math.sin(rate * t)
+        closing = speed * math.exp(-d * t) * math.cos(rate * t) - d * depth
+        forces.append(stiffness * depth + damping * closing)
+    assert abs(entry["value"] - max(forces)) <= 10.0 * entry["error"] + 1e-6 * max(forces)

@@ -167,7 +167,7 @@ def test_a_jump_has_no_parabola_and_a_time_known_to_one_sample() -> None:
 
 
 @pytest.mark.parametrize("word", ["max", "min", "abs_max"])
-@pytest.mark.parametrize("samples", [3.3, 3.6, 4.4])
+@pytest.mark.parametrize("samples", [3.3, 3.6, 4.4, 5.5])
 def test_a_largest_value_of_few_samples_a_period_states_what_it_may_miss(
     word: str, samples: float
 ) -> None:
@@ -179,6 +179,10 @@ def test_a_largest_value_of_few_samples_a_period_states_what_it_may_miss(
         truth = np.exp(-0.1 * fine) * np.cos(2.0 * np.pi * fine + phase)
         largest = {"max": truth.max(), "min": truth.min(), "abs_max": np.abs(truth).max()}[word]
         series = Series(time, x)
+        # beside the first sample nothing tells a top from a fall
+        top = np.argmax({"max": truth, "min": -truth, "abs_max": np.abs(truth)}[word])
+        if fine[top] < time[1]:
+            continue
         off = abs(plain(series, word) - largest)
         missed = unresolved(series, word) or abs(plain(series, word) - refined(series, word))
         # parabolas through so few samples rise by a half and more of what is missed

@@ -197,14 +197,14 @@ def test_bursts_that_begin_and_end_with_a_kink_are_seen(
     model, _ = build(read_deck(path))
     starts, steps = steps_by_curves(model)
     lengths = np.diff(np.r_[starts, end])
-    # a part of so few steps is not divided further
-    assert np.ceil(lengths / steps)[np.isfinite(steps)].sum() < 100 * periods
+    # parts between bursts have steps of neighbours; round-off at kinks made a million of them
+    assert np.ceil(lengths / steps)[np.isfinite(steps)].sum() < 200 * periods
     # 16 steps a burst or more
     check(path, 2000 * periods / rate * (sqrt(1 - level**2) - level * acos(level)), 1.0 / 16**2)
 
 
 @pytest.mark.parametrize("method", first_quick(METHODS, 1))
-@pytest.mark.parametrize("start", [7.0, 40.0])
+@pytest.mark.parametrize("start", [7.0, 58.0])
 def test_a_motion_that_begins_from_almost_nothing_stops_no_method(
     method: str, start: float, tmp_path: Path
 ) -> None:

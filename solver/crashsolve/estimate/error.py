@@ -141,8 +141,13 @@ class NumberErrors:
             return replace(watch, statistic="final")
         self.channels.setdefault(followed.name, [followed])
         seen = replace(watch, channels=(followed.name,), statistic="max")
-        # a peak of one sample, as a force that begins with a jump, has no more by its steps
-        is_alone = unresolved(series_of(seen, main), "max") > 0.0
+        series = series_of(seen, main)
+        # steps see more of a peak that one sample alone shows, unless samples there are the steps;
+        # a force that begins with a jump has its peak there
+        at = max(int(np.argmax(series.values)), 1)
+        are_steps = are_among(series.time[at - 1 : at + 2], main.step_times).any()
+        is_jump = series.values[at - 1] == 0.0
+        is_alone = unresolved(series, "max") > 0.0 and (is_jump or not are_steps)
         return replace(watch, statistic="final") if is_alone else seen
 
     def _estimate(self, watch: Watch, main: Samples, others: Sequence[Samples]) -> Estimate:

@@ -18,6 +18,7 @@ from math import inf, isfinite
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.estimate.companion import HIGHEST_POWER, BudgetExceeded, Companions
 from crashsolve.estimate.error import Estimate, NumberErrors, is_as_fine
+from crashsolve.estimate.formulas import with_formulas
 from crashsolve.estimate.mesh import (
     LEAST,
     SHARE,
@@ -33,7 +34,6 @@ from crashsolve.model.build import build
 from crashsolve.model.curve_steps import unseen
 from crashsolve.model.integrator_selection import with_chosen_method
 from crashsolve.model.model import Model
-from crashsolve.model.motions import derivatives_read
 from crashsolve.output.channels import Family
 from crashsolve.recording.engines import UNPREPARED, Prepared, is_static
 from crashsolve.recording.histories import families_of
@@ -46,8 +46,6 @@ from crashsolve.study.watch import Watch, named
 
 COARSER = (4.0, 2.0)
 MESH = "the mesh"
-# words of channels that read the acceleration of a motion
-SECOND = ("acceleration", "force", "moment", "torque")
 OVER_BUDGET = "further runs would cost more than this one; control.estimate: full makes them"
 # the second where the first does not shorten the steps, or coarser ones are unstable; the third
 # where load steps of equilibria are cut by themselves
@@ -231,28 +229,6 @@ class Estimator:
             watch = replace(watch, statistic="max")
         moment = window_about(watch, control.start_time, control.last_time)
         return moment or window_about_extreme(watch, errors.history(watch, main))
-
-
-def with_formulas(estimate: Estimate, deck: Deck) -> Estimate:
-    """An estimate that is no smaller than what the cubics of formulas miss, which no run shows."""
-    curves = deck.entries["curves"].items()
-    formulas = {name: entry.card for name, entry in curves if entry.type == "formula"}
-    if not formulas or not estimate.error:
-        return estimate
-    # a run without formulas does not import them
-    formula = import_module(type(next(iter(formulas.values()))).__module__)
-    motions = derivatives_read(deck)
-    is_second = any(word in estimate.watch.channels[0] for word in SECOND)
-    # the cubics of the run (model/build.py), which are at hand
-    kept = {name: formula.sample(card, motions.get(name, 0))[3] for name, card in formulas.items()}
-    share, what = max(kept.values()), "values"
-    driving = [tolerance for name, tolerance in kept.items() if motions.get(name, 0)]
-    if is_second and driving:
-        share, what = formula.motion_tolerance(max(driving)), "accelerations"
-    if estimate.error >= share * estimate.scale:
-        return estimate
-    how = f"{estimate.how}; formulas within {share:.0e} of their {what}"
-    return replace(estimate, error=share * estimate.scale, how=how)
 
 
 def left_out(deck: Deck) -> list[str]:

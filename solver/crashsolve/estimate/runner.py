@@ -43,8 +43,9 @@ RERUNS = 2
 STRIDE = 8.0
 # a run shorter than this [s of CPU] may cost less than the estimates of its errors
 SHORT = 5.0
-# and so much at most [s of CPU], for a companion may get stuck
-MAX_FOR_SHORT = 2.0 * SHORT
+# and so many times its own cost, of which runs of a half and a quarter of the step take six,
+# between these bounds [s of CPU]: a companion whose steps are too long may get stuck
+TIMES_FOR_SHORT, MIN_FOR_SHORT, MAX_FOR_SHORT = 8.0, 1.0, 2.0 * SHORT
 # what makes errors by time smaller
 SHORTER = "shorter steps or a smaller control.tolerance"
 # digits of a printed number, and those that state a double exactly
@@ -124,7 +125,7 @@ class Estimating:
             if compares and not (self._companions and self.estimator.compares_with_coarser):
                 is_free = self.accuracy is not None or self.is_full
                 budget = inf if is_free or cpu_time < SHORT else cpu_time
-                limit = inf if is_free else MAX_FOR_SHORT
+                limit = inf if is_free else _limit_for_short(cpu_time)
                 self._companions = self.estimator.companion_runs(
                     self.coarseness, cycles, self.problems, budget, limit
                 )
@@ -250,6 +251,11 @@ class Estimating:
             "  cost of the error estimates"
             f"{pilots} {self.cpu:.3g} s of CPU, {share:.0f} % of the run's"
         )
+
+
+def _limit_for_short(cpu_time: float) -> float:
+    """What the companions of a short run of `cpu_time` [s] may take [s of CPU]."""
+    return min(max(TIMES_FOR_SHORT * cpu_time, MIN_FOR_SHORT), MAX_FOR_SHORT)
 
 
 def _unmeasured_accuracy(deck: Deck) -> DeckErrors:

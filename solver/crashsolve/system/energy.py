@@ -33,6 +33,9 @@ from crashsolve.system.kinetics import bad_node
 NOTHING = 1e-12
 # round-off of a displacement in a step, over the distance from the origin
 EPSILON = 4e-16
+# of the speed to which errors of steps are compared: a hundred steps that err by the default
+# tolerance, 1e-6, are 1 % of it
+UNRESOLVED = 0.01
 
 
 @kernel
@@ -59,14 +62,18 @@ def clear_ledger(ledger):
 def least_energy(control, nodes, unseen):
     """Energy beyond which `control.energy_limit` of it is no work over an unseen motion [J].
 
-    Of the largest applied force or torque over `unseen`, a share of the model's size or a rotation.
+    Of the largest applied force or torque over `unseen`, a share of the model's size or a rotation;
+    and that of the lightest body at a share of the speed to which errors of steps are compared.
     """
-    largest = 0.0
+    largest = lightest = 0.0
     for i in range(1, nodes.shape[0]):
         b = nodes[i]
+        lightest = max(lightest, b.mass_inv)
         largest = max(largest, control.length * norm(vec(b.force)), norm(vec(b.torque)))
     limit = control.energy_limit if control.energy_limit > 0.0 else 1.0
-    return unseen * largest / limit
+    speed = UNRESOLVED * control.least_speed
+    slow = 0.5 * speed * speed / lightest if lightest > 0.0 else 0.0
+    return max(unseen * largest / limit, slow)
 
 
 @kernel

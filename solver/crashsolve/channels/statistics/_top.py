@@ -20,7 +20,7 @@ ROUND_OFF = 1e-9
 EQUAL = 1e-11
 # of the rise of a parabola over its largest sample: what it may miss of the top
 PARABOLA = 0.1
-# of the largest rise of any parabola: least that is missed where some rise much
+# of the rise of a parabola: least that is missed where another is nearly as high
 CHANCE = 0.25
 # of the range: the rise over the largest of eight samples and more of a half wave
 RESOLVED = 0.02
@@ -151,9 +151,8 @@ def between(series: Series) -> float:
 
 def above(series: Series, largest: float, refined: float) -> float:
     """How far the continuous history may rise above the `largest` sample between samples that do
-    not resolve a half wave: up to the highest parabola; as far as any rises that is nearly as high
-    as `refined`, or, where the largest is the first or last sample, as any; by a share of that at
-    least, as the parabola by the largest may rise little by chance. 0 where all are resolved.
+    not resolve a half wave: up to the highest parabola, and as far as any rises that is nearly as
+    high as `refined`; by CHANCE of the rise of one that is less so. 0 where all are resolved.
     """
     if len(series.values) < 3:
         return 0.0
@@ -166,8 +165,9 @@ def above(series: Series, largest: float, refined: float) -> float:
     heights, rises = values + (1.0 + PARABOLA) * rises, np.where(is_unresolved, rises, 0.0)
     rivals = is_unresolved & (heights + rises > refined)
     most = float(np.max(np.maximum(rises, heights - largest)[rivals], initial=0.0))
-    is_at_end = float(np.max(values[1:-1])) < largest and max(values[0], values[-1]) >= largest
-    return max(most, (1.0 if is_at_end else CHANCE) * float(rises.max()))
+    # the parabola by the largest may rise little by chance
+    others = is_unresolved & (heights + rises / CHANCE > refined)
+    return max(most, CHANCE * float(np.max(rises[others], initial=0.0)))
 
 
 def isolated(series: Series) -> float:
