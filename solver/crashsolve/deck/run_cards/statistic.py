@@ -19,7 +19,7 @@ def channel_reported() -> str:
 def words_reported() -> str:
     """The statistics as the manual lists them, without importing them."""
     words = ", ".join(words_in(STATISTICS))
-    return f"{words}; of at the moment [s] follows a colon, as in at:0.25"
+    return f"{words}; `at` takes a time in seconds, as in at:0.25"
 
 
 def known_statistic(text: str) -> str:
