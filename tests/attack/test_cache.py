@@ -233,7 +233,7 @@ def test_a_chosen_folder_that_others_can_write_is_refused(
     below = tmp_path / "open" / "below"
     (below / "0123").mkdir(parents=True, mode=0o755)
     (tmp_path / where).chmod(mode)
-    with pytest.raises(CacheError, match=rf"others write {tmp_path / where}; chmod go-w"):
+    with pytest.raises(CacheError, match=rf"others can write to {tmp_path / where}; chmod go-w"):
         chosen(monkeypatch, below)
 
 
@@ -292,7 +292,7 @@ def test_a_chosen_folder_of_others_ends_a_run_with_one_line(tmp_path: Path) -> N
     (tmp_path / "cache").chmod(0o777)
     done = crashsolve(OSCILLATOR, "-o", tmp_path / "out", CRASHSOLVE_CACHE=str(tmp_path / "cache"))
     assert done.returncode == 5
-    assert "others write" in done.stderr
+    assert "others can write to" in done.stderr
     assert "Traceback" not in done.stderr
 
 

@@ -375,7 +375,7 @@ def test_implicit_steps_have_welds_in_place_of_welded_nodes(
 
 
 WRONG = {
-    "to: B, side: [1, 0, 0]": ("to: E, side: [1, 0, 0]", "unknown point 'E'; (points: A, B, C, D)"),
+    "to: B, side: [1, 0, 0]": ("to: E, side: [1, 0, 0]", "unknown point 'E' (points: A, B, C, D)"),
     "from: A, to: B": ("from: B, to: B", "begins and ends in one position"),
     "section: tube": ("divisions: 3", "has no section; give it one"),
     "side: [0, 0, 1]": ("damping: 0", "I_y and I_z that differ"),

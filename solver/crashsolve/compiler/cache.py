@@ -114,7 +114,8 @@ def refuse_foreign(folder: Path) -> None:
             )
         if not stat.S_ISLNK(info.st_mode) and _others_write(info):
             advice = f"chmod go-w {path}, or set {CHOSEN} to a folder of your own"
-            raise CacheError(f"compiled code cannot be in {folder}: others write {path}; {advice}")
+            message = f"compiled code cannot be in {folder}: others can write to {path}"
+            raise CacheError(f"{message}; {advice}")
 
 
 def _between_marks(folder: Path) -> Iterator[Path]:

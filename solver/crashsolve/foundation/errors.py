@@ -62,7 +62,9 @@ class DeckError(CrashsolveError):
         file = _LONG.sub(_cut, self.file) if self.file.startswith("--set ") else self.file
         location = ":".join(str(part) for part in (file, self.line, self.column) if part)
         card = f"{self.card}: " if self.card else ""
-        advice = f"; {self.advice}" if self.advice else ""
+        # a list of what is known, in brackets, belongs to the message
+        mark = " " if self.advice.startswith("(") else "; "
+        advice = f"{mark}{self.advice}" if self.advice else ""
         return printable(f"{location}: error: {card}" + _LONG.sub(_cut, f"{self.message}{advice}"))
 
 
