@@ -58,8 +58,10 @@ class Chain:
         nodes, curves = self.nodes, as_rows(self.model.curves)
         for name in ("force", "torque", "stiffness", "damping"):
             nodes[name] = 0.0
-        for p, out in zip(as_rows(self.group.parameters), as_rows(self.group.output), strict=True):
-            self.group.module.force(p, None, None, out, 0.0, 1.0, nodes, None, curves)
+        g = self.group
+        rows = (as_rows(table) for table in (g.parameters, *g.history, g.output))
+        for p, old, new, out in zip(*rows, strict=True):
+            g.module.force(p, old, new, out, 0.0, 1.0, nodes, None, curves)
         transfer_forces(self.attached, nodes)
         return float(2.0 * nodes.stiffness[1:].max())
 

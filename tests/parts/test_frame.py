@@ -55,7 +55,8 @@ def test_a_straight_bar_has_the_masses_forces_and_rates_of_the_beam(tmp_path: Pa
         p, out = g.parameters.view(np.recarray), g.output.view(np.recarray)
         for i in range(len(p)):
             force = g.module.force
-            force(p[i], None, None, out[i], 0.0, 0.0, nodes, None, None)
+            old, new = g.history[:, i].view(np.recarray)
+            force(p[i], old, new, out[i], 0.0, 0.0, nodes, None, None)
     scale = np.abs(nodes.force[line]).max()
     np.testing.assert_allclose(nodes.force[bar], nodes.force[line], atol=1e-12 * scale)
     np.testing.assert_allclose(nodes.torque[bar], nodes.torque[line], atol=1e-12 * scale)
