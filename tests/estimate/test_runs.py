@@ -22,7 +22,7 @@ from crashsolve.estimate.runner import Estimating, _line
 from crashsolve.foundation.errors import DeckErrors
 from crashsolve.model.build import build
 from crashsolve.model.ledger import EXTERNAL_WORK, IMBALANCE, LARGEST
-from crashsolve.recording.histories import Histories
+from crashsolve.recording.histories import Histories, families_of
 from crashsolve.simulation.solve import solve
 from crashsolve.study.watch import Watch
 from crashsolve.system.energy import check
@@ -319,3 +319,18 @@ def test_a_stop_while_errors_are_estimated_keeps_the_finished_run(tmp_path: Path
     # one of the coarser runs may have been through before the signal came
     assert position["value"] == pytest.approx(EXACT[X], abs=1e-4)
     assert Result(tmp_path).finished
+
+
+def test_a_finer_run_divides_load_steps_that_were_cut(tmp_path: Path) -> None:
+    path = tmp_path / "deck.yaml"
+    path.write_text(
+        "control: {end_time: 1, solution: quasi_static, steps: 2}\n"
+        "bodies: {m: {mass: 1, inertia: [1, 1, 1]}}\n"
+        "watch: [rbdout.m.position.x]\n",
+        "utf-8",
+    )
+    deck = read_deck(path)
+    estimator = Estimator(deck, families_of(*build(deck)))
+    # the start and two load steps; the same, each in four pieces
+    assert estimator._finer(1.0, 3) == (0.5, 0.25)
+    assert estimator._finer(1.0, 9) == (0.125, 0.0625)

@@ -47,10 +47,8 @@ from crashsolve.study.watch import Watch, named
 COARSER = (4.0, 2.0)
 MESH = "the mesh"
 OVER_BUDGET = "further runs would cost more than this one; control.estimate: full makes them"
-# the second where the first does not shorten the steps, or coarser ones are unstable; the third
-# where load steps of equilibria are cut by themselves
+# the second where the first does not shorten the steps, or coarser ones are unstable
 FINER = (0.5, 0.25)
-FINER_LOADS = (*FINER, 0.125)
 # of the longest step that sees a load
 APART = 2.0**-0.5
 
@@ -112,7 +110,7 @@ class Estimator:
         Writes: why one failed. Raises Abandoned.
         """
         self.companions.budget, runs = budget if isfinite(budget) else limit, list[Samples]()
-        finer = self._finer(coarseness)
+        finer = self._finer(coarseness, cycles)
         coarser = COARSER if self.compares_with_coarser else COARSER[-1:] * isfinite(budget)
         # a multiple of a step that hardly sees a load sees as little of it
         coarser = () if finer[0] < FINER[0] else coarser
@@ -128,7 +126,7 @@ class Estimator:
             return runs
         if runs:
             return runs
-        if isfinite(budget) and finer[0] == FINER[0]:
+        if isfinite(budget) and (finer[0] == FINER[0] or is_static(self.deck)):
             # a finer one would cost more than the run
             problems.append(OVER_BUDGET)
             return []
@@ -152,11 +150,19 @@ class Estimator:
         longest = control.safety * COARSER[-1] * coarseness
         return is_bound and longest > 1.0 and any(part.type == "shell" for part in parts)
 
-    def _finer(self, coarseness: float) -> tuple[float, ...]:
-        """Factors of finer runs: of a stated step that hardly sees a load, one that sees it."""
+    def _finer(self, coarseness: float, cycles: int) -> tuple[float, ...]:
+        """Factors of finer runs: of a stated step that hardly sees a load, one that sees it.
+
+        Of equilibria those that divide load steps which a run of `cycles` has cut by itself.
+        """
+        control = self.deck.control
+        if control.path == "arc_length":
+            return FINER
         if is_static(self.deck):
-            return FINER_LOADS
-        if self.deck.control.step == "auto":
+            span = control.end_time - control.start_time
+            cuts = max(round((cycles - 1) * Schedule.of(self.deck).interval / span), 1)
+            return tuple(factor / cuts for factor in FINER)
+        if control.step == "auto":
             return FINER
         shares = [share for share, _ in unseen(build(self.deck)[0]).values()]
         if not shares:
