@@ -16,9 +16,9 @@ def test_the_error_of_a_second_derivative_is_found_from_the_cubics(pieces: int) 
     x = np.linspace(0.0, 2.0 * pi, pieces + 1)
     # f'' of a cubic errs by h^2 f'''' / 12 at its ends
     exact = (x[1] - x[0]) ** 2 / 12.0
-    found = acceleration_error(x, np.sin(x), np.cos(x), None)
+    error = acceleration_error(x, np.sin(x), np.cos(x), None)
     # f'''' of two cubics is that between them, and the largest f'' is its own
-    assert found == pytest.approx(exact, rel=0.01)
+    assert error == pytest.approx(exact, rel=0.01)
     # about a root of sin, within three cubics of it
     near = acceleration_error(x, np.sin(x), np.cos(x), pi)
     assert near <= 4.0 * (x[1] - x[0]) * exact

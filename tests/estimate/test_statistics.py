@@ -179,7 +179,7 @@ def test_a_largest_value_of_few_samples_a_period_states_what_it_may_miss(
         truth = np.exp(-0.1 * fine) * np.cos(2.0 * np.pi * fine + phase)
         largest = {"max": truth.max(), "min": truth.min(), "abs_max": np.abs(truth).max()}[word]
         series = Series(time, x)
-        # beside the first sample nothing tells a top from a fall
+        # a top before the second sample may be a fall as well
         top = np.argmax({"max": truth, "min": -truth, "abs_max": np.abs(truth)}[word])
         if fine[top] < time[1]:
             continue

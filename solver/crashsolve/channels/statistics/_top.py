@@ -152,7 +152,8 @@ def between(series: Series) -> float:
 def above(series: Series, largest: float, refined: float) -> float:
     """How far the continuous history may rise above the `largest` sample between samples that do
     not resolve a half wave: up to the highest parabola, and as far as any rises that is nearly as
-    high as `refined`; by CHANCE of the rise of one that is less so. 0 where all are resolved.
+    high as `refined`; by CHANCE of the rise of one that is less so, and of any where the largest is
+    the first or last sample. 0 where all are resolved.
     """
     if len(series.values) < 3:
         return 0.0
@@ -165,8 +166,9 @@ def above(series: Series, largest: float, refined: float) -> float:
     heights, rises = values + (1.0 + PARABOLA) * rises, np.where(is_unresolved, rises, 0.0)
     rivals = is_unresolved & (heights + rises > refined)
     most = float(np.max(np.maximum(rises, heights - largest)[rivals], initial=0.0))
-    # the parabola by the largest may rise little by chance
-    others = is_unresolved & (heights + rises / CHANCE > refined)
+    # the parabola by the largest may rise little by chance, and the first and last have none
+    has_none = largest in (values[0], values[-1], -values[0], -values[-1])
+    others = is_unresolved & (has_none | (heights + rises / CHANCE > refined))
     return max(most, CHANCE * float(np.max(rises[others], initial=0.0)))
 
 
