@@ -28,6 +28,8 @@ LOADS: dict[str, dict[str, Any]] = {
     "pressures": {"a": PRESSURE, "b": {**PRESSURE, "pressure": 2e4}},
     "edge": {"a": EDGE},
     "edge in equal shares": {"a": {**EDGE, "share": "equal"}, "b": PRESSURE},
+    "tied": {"a": {**PRESSURE, "part": "tied"}, "b": PRESSURE},
+    "tied edge": {"a": {**EDGE, "part": "tied", "nodes": "u0", "force": [2, 1, 3]}},
     "named node": {"a": {**FORCE, "body": "p_tip"}, "b": PRESSURE},
     "body": {"a": {**FORCE, "body": "b"}},
     "body twice": {"a": {**FORCE, "body": "b"}, "b": {**FORCE, "body": "b", "at": [0.1, 0, 0]}},
@@ -37,7 +39,7 @@ LOADS: dict[str, dict[str, Any]] = {
 def deck(load: str, pulse: str, begin: float, length: float, **control: object) -> dict[str, Any]:
     points = [[0, 0], *([begin + length * x, y] for x, y in PULSES[pulse])]
     part = PART | ({"nodes": [{"name": "tip", "at": [0, 0, 0]}]} if load == "named node" else {})
-    return {
+    scene: dict[str, Any] = {
         "control": {"end_time": END, "estimate": "off", "integrator": "rattle"} | control,
         "curves": {"pulse": {"points": points, "extrapolate": "hold"}},
         "materials": {"m": {"type": "elastic", "young": 2e9, "poisson": 0.3, "density": 7850}},
@@ -45,6 +47,12 @@ def deck(load: str, pulse: str, begin: float, length: float, **control: object) 
         "bodies": {"b": {"mass": 2, "inertia": [0.1, 0.1, 0.1], "position": [1, 1, 1]}},
         "loads": LOADS[load],
     }
+    if load.startswith("tied"):
+        # on a face from which its edge is a thickness away
+        mesh = {"type": "grid", "at": [0.1, 0, 2e-3], "along": [0.1, 0, 0], "across": [0, 0.1, 0]}
+        scene["parts"]["tied"] = PART | {"mesh": mesh | {"elements": [1, 5]}}
+        scene["ties"] = {"seam": {"part": "tied", "nodes": "u0", "to": "p"}}
+    return scene
 
 
 def run(folder: Path, scene: dict[str, Any]) -> Any:

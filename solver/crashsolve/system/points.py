@@ -171,6 +171,12 @@ def transfer_to_bodies(clock, nodes, points, attached_points):
 
 
 @kernel
+def acceleration(b):
+    """Acceleration of a point by its forces [m/s^2]."""
+    return scale(b.mass_inv, vec(b.force))
+
+
+@kernel
 def set_attached_forces(nodes, points, attached_points):
     """Attached points take the forces that would give them the accelerations of their bodies by
     applied forces alone, without rates of rotation. Writes: points.

@@ -18,7 +18,7 @@ from crashsolve.model.ledger import (
     PART_DAMPING,
     PLASTIC,
 )
-from crashsolve.system import points
+from crashsolve.system import points, ties
 from crashsolve.system.contact import body_pairs
 from crashsolve.system.energy import (
     NOTHING,
@@ -45,6 +45,7 @@ from crashsolve.system.placeholders import (
     KICK_DRIFT_KICK,
     NODAL,
     SEARCHES,
+    TIES,
     WATCHED,
 )
 
@@ -94,6 +95,8 @@ def half_kicks(clock, nodes, scene):
     total = 0.0
     if ELEMENTS:
         points.set_attached_forces(nodes, scene.points, scene.attached_points)
+        if TIES:
+            ties.set_tied_forces(scene.points, scene.ties)
     for group in FORCES:
         for i in range(group.output.shape[0]):
             if hasattr(group.law, "present"):
@@ -111,6 +114,8 @@ def half_kicks(clock, nodes, scene):
                     )
     if ELEMENTS:
         points.clear_attached_forces(scene.points, scene.attached_points)
+        if TIES:
+            ties.clear_tied_forces(scene.points, scene.ties)
     if clock.cycle == 0:
         clock.loads_at_start = total
     rise = max(total - clock.loads_at_start, 0.0)
