@@ -171,3 +171,16 @@ def test_a_largest_value_of_a_step_has_an_error_by_chance() -> None:
     estimated = errors.estimate(Watch("d", (name,), "final"), runs[0], runs[1:])
     true = 1.0 - runs[0].values[name][-1]
     assert true / 10 < (estimated.error or 0.0) < 10 * true
+
+
+def test_a_chatter_of_the_last_digits_does_not_hide_what_samples_miss_of_a_top() -> None:
+    def history(time: np.ndarray) -> np.ndarray:
+        values: np.ndarray = 1.0 - (time - 0.525) ** 2
+        return values + 1e-9 * (-1.0) ** np.arange(len(time))
+
+    time = np.linspace(0.0, 1.0, 21)
+    runs = [Samples(time, {NAME: history(time)}, {NAME: np.ones(21)}, n) for n in (20, 10, 5)]
+    errors = NumberErrors({NAME: [Channel(NAME, FAMILY, 0, 0)]}, 2.0)
+    estimated = errors.estimate(Watch("x", (NAME,), "max"), runs[0], runs[1:])
+    # half an interval from the top
+    assert estimated.error == pytest.approx(0.025**2, rel=0.2)

@@ -194,3 +194,31 @@ def test_a_largest_value_of_many_samples_a_period_misses_nothing() -> None:
     for phase in np.linspace(0.0, 2.0 * np.pi, 24):
         series = Series(time, np.exp(-0.1 * time) * np.cos(2.0 * np.pi * time + phase))
         assert all(unresolved(series, word) == 0.0 for word in ("max", "min", "abs_max"))
+
+
+@pytest.mark.parametrize("word", ["max", "min", "abs_max"])
+@pytest.mark.parametrize("samples", [1.9, 1.96, 2.01, 2.04, 2.1, 2.4, 2.9])
+@pytest.mark.parametrize("drift", [0.0, 0.3])
+def test_a_vibration_that_alternates_from_sample_to_sample_has_no_small_error(
+    word: str, samples: float, drift: float
+) -> None:
+    def history(time: np.ndarray, phase: float) -> np.ndarray:
+        wave = np.exp(-0.1 * time) * np.cos(2.0 * np.pi * time + phase)
+        values: np.ndarray = wave + drift * np.sin(0.5 * time)
+        return values
+
+    for phase in np.linspace(0.0, 2.0 * np.pi, 24):
+        time = np.arange(0.0, 9.0, 1.0 / samples)
+        truth = history(np.linspace(0.0, time[-1], 20_001), phase)
+        largest = {"max": truth.max(), "min": truth.min(), "abs_max": np.abs(truth).max()}[word]
+        series = Series(time, history(time, phase))
+        off = abs(plain(series, word) - largest)
+        # where the samples are near the zeros, they show a tenth of the vibration and more
+        assert off <= 10.0 * unresolved(series, word), (phase, off)
+
+
+def test_what_alternates_after_a_smooth_top_is_no_part_of_it() -> None:
+    time = np.linspace(0.0, 5.0, 101)
+    chatter = np.where(time > 3.0, 0.1 * (-1.0) ** np.arange(101), 0.0)
+    series = Series(time, np.exp(-((time - 1.0) ** 2)) + chatter)
+    assert unresolved(series, "max") == 0.0

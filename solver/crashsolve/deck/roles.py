@@ -247,6 +247,13 @@ class ElementLoad(Protocol):
         """Sums over all blocks of the part, in their order. Writes: nodes, out."""
 
 
+class KickingPoints(Protocol):
+    """A load on points, whose half kick the balance of energy has to know."""
+
+    def kick_rate(self, p, out, scene, members=None):
+        """f . M^-1 F of its forces f on points and all forces F on them [W/s]."""
+
+
 class Bending(Protocol):
     """Elements whose tangent goes to the blocks of their nodes, beside the rows of `tangent`."""
 

@@ -291,10 +291,9 @@ def _sampling_error(watch: Watch, series: Series, main: Samples) -> float:
     if watch.statistic == PATH:
         return _sampling_error_inside(watch, main)
     missed = unresolved(series, watch.statistic)
-    if missed:
-        return missed
     difference = plain(series, watch.statistic) - refined(series, watch.statistic)
-    return difference + _sampling_error_inside(watch, main)
+    # a chatter of the last digits on a smooth top is not all that its samples miss
+    return missed if missed > abs(difference) else difference + _sampling_error_inside(watch, main)
 
 
 def _sum(steps: _Steps, sampling_error: float) -> float:

@@ -28,6 +28,7 @@ from crashsolve.estimate.missed_contacts import (
     with_missed_curves,
     with_missed_motions,
 )
+from crashsolve.estimate.rates import with_rates
 from crashsolve.foundation.errors import DeckError, DeckErrors, RunStopped, SolverError
 from crashsolve.output.channels import Family
 from crashsolve.output.files import Json
@@ -133,6 +134,7 @@ class Estimating:
             self.problems.append("asked to stop")
         meshes = self._meshes(cpu_time) if compares else None
         estimates = self.estimator.estimates(main, self._companions, meshes)
+        estimates = with_rates(estimates, self.estimator.channels, history)
         estimates = with_missed_contacts(estimates, missed, mass or {})
         estimates = with_missed_curves(estimates, curves)
         self.estimates = with_missed_motions(estimates, motions)

@@ -101,3 +101,15 @@ def force_on_points(
     mean = scale(0.5 * (old.factor + new.factor), vec(p.vector))
     out.loss += h * dot(mean, velocity)
     act_from_outside(nodes[0], f, cross(position, f))
+
+
+@kernel
+def kick_rate(p: Parameters, out: Output, scene, members):
+    """f . M^-1 F of the load f on its nodes and all forces F on them [W/s]."""
+    f, points, total = vec(out.force), scene.points, 0.0
+    for k in range(p.first_member, p.first_member + p.member_count):
+        b = points[members[k]]
+        # of a share by mass, s_i / m_i is the same for all
+        rate = b.mass_inv / p.member_count if p.mass == 0.0 else 1.0 / p.mass
+        total += rate * dot(f, vec(b.force))
+    return total

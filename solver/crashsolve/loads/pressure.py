@@ -119,6 +119,35 @@ def add_up(p: Parameters, out: Output, h, nodes, block_sums):
     act_from_outside(nodes[0], total, moment)
 
 
+@kernel
+def kick_rate(p: Parameters, out: Output, scene):
+    """f . M^-1 F of the pressure f on its points and all forces F on them [W/s]."""
+    filled = (p.quads + LANES - 1) // LANES
+    quads = Elements(4, p.quads, p.first_corner, p.first_block)
+    first = p.first_corner + 4 * LANES * filled
+    triangles = Elements(3, p.triangles, first, p.first_block + filled)
+    return -out.pressure * (
+        swept_acceleration(quads, scene.points, scene.corners)
+        + swept_acceleration(triangles, scene.points, scene.corners)
+    )
+
+
+@kernel
+def swept_acceleration(elements, points, corners):
+    """Sum of the areas of elements times their mean accelerations along the normals [m^3/s^2]."""
+    total, fourth = 0.0, 1.0 if elements.sides == 4 else 0.0
+    for i in range(elements.number):
+        at = elements.first + 4 * LANES * (i // LANES) + i % LANES
+        a, b = points[corners[at]], points[corners[at + LANES]]
+        c, d = points[corners[at + 2 * LANES]], points[corners[at + 3 * LANES]]
+        area = scale(0.5, cross(sub(vec(c.r), vec(a.r)), sub(vec(d.r), vec(b.r))))
+        v_dot = add_scaled(scale(a.mass_inv, vec(a.force)), b.mass_inv, vec(b.force))
+        v_dot = add_scaled(v_dot, c.mass_inv, vec(c.force))
+        v_dot = add_scaled(v_dot, fourth * d.mass_inv, vec(d.force))
+        total += dot(area, v_dot) / elements.sides
+    return total
+
+
 @apart
 def press(elements, aside, now, before, h, scene):
     """Elements of one number of sides, by blocks. Writes: scene.points, work, block_sums.

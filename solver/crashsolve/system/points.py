@@ -171,6 +171,32 @@ def transfer_to_bodies(clock, nodes, points, attached_points):
 
 
 @kernel
+def acceleration(b):
+    """Acceleration of a point by its forces [m/s^2]."""
+    return scale(b.mass_inv, vec(b.force))
+
+
+@kernel
+def set_attached_forces(nodes, points, attached_points):
+    """Attached points take the forces that would give them the accelerations of their bodies by
+    applied forces alone, without rates of rotation. Writes: points.
+    """
+    for i in range(attached_points.shape[0]):
+        attached_point = attached_points[i]
+        b, body = points[attached_point.point], nodes[attached_point.node]
+        d, w_dot = sub(vec(b.r), vec(body.r)), matvec(body.W, vec(body.torque))
+        v_dot = add_scaled(cross(w_dot, d), body.mass_inv, vec(body.force))
+        put(b.force, scale(1.0 / b.mass_inv, v_dot))
+
+
+@kernel
+def clear_attached_forces(points, attached_points):
+    """Attached points have no forces again: their bodies have them. Writes: points."""
+    for i in range(attached_points.shape[0]):
+        put(points[attached_points[i].point].force, (0.0, 0.0, 0.0))
+
+
+@kernel
 def sum_momenta(points, total):
     """Momenta of the points that are attached to no body. Writes: total."""
     zero = (0.0, 0.0, 0.0)

@@ -12,6 +12,7 @@ the mass of the point in the same shares.
 from crashsolve.foundation.columns import add_to
 from crashsolve.foundation.kernels import kernel
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, put, scale, sub, vec
+from crashsolve.system.points import acceleration
 
 
 @kernel
@@ -87,6 +88,35 @@ def unload_tied(points, ties):
         put(own.force, zero)
         put(own.torque, zero)
         own.load = own.spin_load = 0.0
+
+
+@kernel
+def set_tied_forces(points, ties):
+    """Tied points take the forces that would give them the accelerations of their faces, without
+    those by velocities. Writes: points.
+    """
+    for i in range(ties.shape[0]):
+        tie = ties[i]
+        a, b = points[tie.corner[0]], points[tie.corner[1]]
+        c, d = points[tie.corner[2]], points[tie.corner[3]]
+        of_a, of_b = acceleration(a), acceleration(b)
+        of_c, of_d = acceleration(c), acceleration(d)
+        v_dot = mean_of(tie.weight, of_a, of_b, of_c, of_d)
+        if tie.height != 0.0:
+            p, q = sub(vec(c.r), vec(a.r)), sub(vec(d.r), vec(b.r))
+            across = cross(p, q)
+            n = scale(1.0 / norm(across), across)
+            change = add(cross(sub(of_c, of_a), q), cross(p, sub(of_d, of_b)))
+            share = tie.height / norm(across)
+            v_dot = add_scaled(v_dot, share, add_scaled(change, -dot(change, n), n))
+        put(points[tie.point].force, scale(1.0 / points[tie.point].mass_inv, v_dot))
+
+
+@kernel
+def clear_tied_forces(points, ties):
+    """Tied points have no forces again: their faces have them. Writes: points."""
+    for i in range(ties.shape[0]):
+        put(points[ties[i].point].force, (0.0, 0.0, 0.0))
 
 
 @kernel

@@ -7,6 +7,7 @@ there, as a count does: no parabola, and the time is known to one sample.
 """
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from crashsolve.channels.series import Series
 
@@ -24,6 +25,9 @@ PARABOLA = 0.1
 CHANCE = 0.25
 # of the range: the rise over the largest of eight samples and more of a half wave
 RESOLVED = 0.02
+# samples on both sides of those that alternate: a vibration sampled at nearly twice its frequency
+# alternates by little where the samples are near its zeros, and not at all beside a slow motion
+BEAT = 8
 # slopes beside a jump over its own; a smooth top with one neighbour as high has 1 on the other side
 GENTLE = 0.2
 
@@ -149,11 +153,27 @@ def between(series: Series) -> float:
     return max(isolated(series), above(series, float(np.max(series.values)), top(series)[0]))
 
 
+def alternating(values: np.ndarray) -> np.ndarray:
+    """By how much the history may leave each of the samples (n,) that a vibration of nearly two
+    samples a period does not resolve: the largest change between two that are both turning points,
+    among those next to it; 0 where there are none.
+    """
+    changes = np.diff(values)
+    is_extreme = changes[:-1] * changes[1:] < 0.0
+    sizes = np.zeros(len(values))
+    if len(values) > 3:
+        between = np.where(is_extreme[:-1] & is_extreme[1:], np.abs(changes[1:-1]), 0.0)
+        padded = np.pad(between, BEAT + 2)
+        sizes = sliding_window_view(padded, 2 * BEAT + 2).max(axis=1)
+    return sizes
+
+
 def above(series: Series, largest: float, refined: float) -> float:
     """How far the continuous history may rise above the `largest` sample between samples that do
     not resolve a half wave: up to the highest parabola, and as far as any rises that is nearly as
     high as `refined`; by CHANCE of the rise of one that is less so, and of any where the largest is
-    the first or last sample. 0 where all are resolved.
+    the first or last sample; by the vibration that alternating samples show. 0 where all are
+    resolved.
     """
     if len(series.values) < 3:
         return 0.0
@@ -169,7 +189,8 @@ def above(series: Series, largest: float, refined: float) -> float:
     # the parabola by the largest may rise little by chance, and the first and last have none
     has_none = largest in (values[0], values[-1], -values[0], -values[-1])
     others = is_unresolved & (has_none | (heights + rises / CHANCE > refined))
-    return max(most, CHANCE * float(np.max(rises[others], initial=0.0)))
+    least = CHANCE * float(np.max(rises[others], initial=0.0))
+    return max(most, least, float(np.max(values + alternating(values))) - largest)
 
 
 def isolated(series: Series) -> float:

@@ -2,7 +2,7 @@
 
 from crashsolve.foundation.columns import matvec
 from crashsolve.foundation.kernels import kernel, stage
-from crashsolve.foundation.vec3 import add, cross, dot
+from crashsolve.foundation.vec3 import add, cross, dot, vec
 from crashsolve.model.clock import LAW_GAIN, RUNNING
 from crashsolve.model.ledger import (
     CONTACT_DISSIPATED,
@@ -18,7 +18,7 @@ from crashsolve.model.ledger import (
     PART_DAMPING,
     PLASTIC,
 )
-from crashsolve.system import points
+from crashsolve.system import points, ties
 from crashsolve.system.contact import body_pairs
 from crashsolve.system.energy import (
     NOTHING,
@@ -45,6 +45,7 @@ from crashsolve.system.placeholders import (
     KICK_DRIFT_KICK,
     NODAL,
     SEARCHES,
+    TIES,
     WATCHED,
 )
 
@@ -65,7 +66,7 @@ def energy(clock, nodes, scene, ledger):
     if JOINTS:
         # so far joints may stand open
         unseen = max(unseen, scene.control[0].constraint_tolerance)
-    kicked = half_kicks(clock, nodes, scene) if KICK_DRIFT_KICK and not ELEMENTS else 0.0
+    kicked = half_kicks(clock, nodes, scene) if KICK_DRIFT_KICK else 0.0
     least = max(least_energy(scene.control[0], nodes, unseen), clock.largest_work)
     close_ledger(ledger, least, kicked)
 
@@ -88,16 +89,33 @@ def half_kicks(clock, nodes, scene):
     """Energy of the last half kick by loads, whose work only the next drift does [J].
 
     Of a force f on a free mass h^2 f^2 / 8m: it does not add up over steps, but after one step of a
-    pulse on a body at rest it is all the energy that there is.
+    pulse on a body at rest it is all the energy that there is. Where other forces F - f act beside
+    f, h^2 f F / 8m: it grows no faster than they do, so that it cannot explain what they gain.
     """
     total = 0.0
+    if ELEMENTS:
+        points.set_attached_forces(nodes, scene.points, scene.attached_points)
+        if TIES:
+            ties.set_tied_forces(scene.points, scene.ties)
     for group in FORCES:
-        if hasattr(group.law, "present"):
-            for i in range(group.output.shape[0]):
+        for i in range(group.output.shape[0]):
+            if hasattr(group.law, "present"):
                 body = nodes[group.parameters[i].node]
                 f, d, torque = group.law.present(group.parameters[i], group.output[i], body.A)
-                rotation = add(cross(d, f), torque)
-                total += body.mass_inv * dot(f, f) + dot(rotation, matvec(body.W, rotation))
+                rotation = matvec(body.W, vec(body.torque))
+                total += body.mass_inv * dot(f, vec(body.force))
+                total += dot(add(cross(d, f), torque), rotation)
+            if ELEMENTS and hasattr(group.law, "kick_rate"):
+                if group.members is None:
+                    total += group.law.kick_rate(group.parameters[i], group.output[i], scene)
+                else:
+                    total += group.law.kick_rate(
+                        group.parameters[i], group.output[i], scene, group.members
+                    )
+    if ELEMENTS:
+        points.clear_attached_forces(scene.points, scene.attached_points)
+        if TIES:
+            ties.clear_tied_forces(scene.points, scene.ties)
     if clock.cycle == 0:
         clock.loads_at_start = total
     rise = max(total - clock.loads_at_start, 0.0)
