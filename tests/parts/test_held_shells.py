@@ -59,3 +59,14 @@ def test_what_supports_leave_free_falls(tmp_path: Path, method: str) -> None:
     assert last(result, "nodout.sheet_corner.displacement.x") == pytest.approx(0.015, rel=1e-9)
     assert last(result, "nodout.sheet_corner.displacement.z") == 0.0
     assert abs(last(result, "glstat.model.momentum_error")) < 1e-12
+
+
+@pytest.mark.long
+def test_what_nothing_holds_is_named(tmp_path: Path) -> None:
+    deck = tmp_path / "deck.yaml"
+    text = SHEET.replace("CONTROL", METHODS["quasi_static"]).replace("HELD", "[x, y]")
+    deck.write_text(text, "utf-8")
+    done = crashsolve(deck, "-o", tmp_path / "out")
+    assert done.returncode == 4, done.stdout + done.stderr
+    for words in ("t = 0 s", "part 'sheet'", "however far it moves", "support what can move"):
+        assert words in done.stderr
