@@ -98,7 +98,7 @@ class Companions:
         if not is_static(self.deck):
             coarsen(model.control, coarseness, schedule.interval, self.order)
         engine, self.prepared = prepared_engine(self.deck, model, state, self.prepared)
-        engine.on_pause = self._check_limits
+        engine.on_pause = engine.on_iteration = self._check_limits
         recorded = _RecordedSamples(engine, Histories(engine, needed_for(self.channels)))
         kept = recorded.histories.kept
         resampling = Resampling(engine, kept, not is_static(self.deck), recorded.take)

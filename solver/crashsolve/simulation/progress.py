@@ -5,7 +5,7 @@ import platform
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -18,6 +18,7 @@ import crashsolve
 from crashsolve.deck.dump import as_data
 from crashsolve.deck.reading.deck import Deck
 from crashsolve.foundation.errors import ExitCode
+from crashsolve.foundation.streams import report_error
 from crashsolve.model.ledger import IMBALANCE, KINETIC, LARGEST
 from crashsolve.output.files import Json
 from crashsolve.output.log import ERROR, STOPPED, Log
@@ -235,6 +236,20 @@ class Account:
                 "cpu_stages": dict(self.cpu),
             }
         )
+
+
+def end_at_once(log: Log, account: Account) -> None:
+    """End the process without a restart dump: at any moment all files are whole."""
+    text = "interrupted twice: ended at once, without a restart dump"
+    for act in (
+        lambda: log.last_words(text),
+        lambda: account.status("stopped", ExitCode.STOPPED, text),
+        lambda: report_error(text),
+    ):
+        # an interrupt at any place
+        with suppress(Exception):
+            act()
+    os._exit(ExitCode.STOPPED)
 
 
 class Pace:

@@ -5,7 +5,6 @@ Requests during the run, by signals and in control.txt, are those of requests.py
 
 from __future__ import annotations
 
-import os
 import signal
 import time
 from collections.abc import Mapping
@@ -24,7 +23,7 @@ from crashsolve.foundation.errors import (
     RunStopped,
     out_of_memory,
 )
-from crashsolve.foundation.streams import print_line, report_error
+from crashsolve.foundation.streams import print_line
 from crashsolve.model.build import build
 from crashsolve.model.integrator_selection import with_chosen_method
 from crashsolve.output.errors import OutputError
@@ -49,7 +48,7 @@ from crashsolve.simulation.forward import march
 from crashsolve.simulation.heartbeat import Heartbeat
 from crashsolve.simulation.inconsistencies import refuse_inconsistencies
 from crashsolve.simulation.pictures import Pictures
-from crashsolve.simulation.progress import Account, cpu_time, preparing, provenance
+from crashsolve.simulation.progress import Account, cpu_time, end_at_once, preparing, provenance
 from crashsolve.simulation.remarks import contacts_without_depth, touching_at_start
 from crashsolve.simulation.requests import Requests, interrupt_as_keyboard
 from crashsolve.simulation.resume import FREE, OF_ERRORS, clear_folder, differing
@@ -120,7 +119,7 @@ class Run:
         self.deck, self.engine, self.folder, self.heartbeat = deck, engine, folder, heartbeat
         self.prepared, self.log = prepared, log
         self.cpu, self.wall_begun = cpu_seconds, wall_begun
-        self.requests = Requests(folder, log, self._end_at_once)
+        self.requests = Requests(folder, log, lambda: end_at_once(log, self.account))
         self.files = ExitStack()
         self.is_estimated = self.has_begun = False
         self.estimating: Estimating | None = None
@@ -211,6 +210,7 @@ class Run:
         """Make this the engine of the run, whose state is written and whose requests are met."""
         self.engine = self.account.engine = engine
         engine.on_pause = self._handle_requests_at_once
+        engine.on_iteration = self._stop_at_once
         engine.on_message = self.log.line
         written = None
         if self.deck.output.history.channels is not None:
@@ -230,6 +230,8 @@ class Run:
         """Evaluate the initial state, unless a dump brought another; open the files."""
         cpu = cpu_time()
         if resumed is None:
+            if is_static(self.deck):
+                self.heartbeat.does("searching the equilibrium in which the run begins")
             self.engine.start()
             refuse_inconsistencies(self.deck, self.engine)
             self.overlapping = touching_at_start(self.engine)
@@ -317,7 +319,7 @@ class Run:
         assert self.estimating is not None
         model, state = build(self.deck)
         self._use_engine(prepared_engine(self.deck, model, state, self.prepared)[0])
-        self.account.phases = None
+        self.account.phases, self.has_begun = None, False
         self.estimating.set_control(self.engine.model.control)
         self.cpu |= {"steps": 0.0, "output": 0.0}
         clear_folder(self.folder)
@@ -412,19 +414,6 @@ class Run:
         advice = f"run without --restart, or into another folder; a restart may change {FREE}"
         return DeckError(str(self.deck.path), None, None, "", message, advice)
 
-    def _end_at_once(self) -> None:
-        """End the process without a restart dump: at any moment all files are whole."""
-        text = "interrupted twice: ended at once, without a restart dump"
-        for act in (
-            lambda: self.log.last_words(text),
-            lambda: self.account.status("stopped", ExitCode.STOPPED, text),
-            lambda: report_error(text),
-        ):
-            # an interrupt at any place
-            with suppress(Exception):
-                act()
-        os._exit(ExitCode.STOPPED)
-
     def handle_requests(self) -> None:
         """Act on signals and on control.txt."""
         self.requests.read()
@@ -439,6 +428,12 @@ class Run:
         self.requests.read()
         if "states" not in self.requests.words:
             self._dump_or_stop()
+
+    def _stop_at_once(self) -> None:
+        """Stop on request without a dump. Raises RunStopped."""
+        if self._is_to_stop():
+            began = "; continue with --restart" if self.has_begun else " before the run began"
+            raise RunStopped(f"stopped on request{began}")
 
     def _dump_or_stop(self) -> None:
         if self.requests.words & {"stop", "dump"}:

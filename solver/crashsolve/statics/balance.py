@@ -75,13 +75,16 @@ class Forces:
         """Work of the largest force over the model's size [J]."""
         return self._scales()[0] * self.size
 
-    def message(self) -> str:
-        """The residual, for a message."""
-        ratio = max(
+    def share_left(self) -> float:
+        """The present residual over the largest forces and moments [1]."""
+        return max(
             left / scale if scale > 0.0 else 0.0
             for left, scale in zip(self.left, self._scales(), strict=True)
         )
-        return f"{ratio:.2g} of the largest force out of balance"
+
+    def message(self) -> str:
+        """The residual, for a message."""
+        return f"{self.share_left():.2g} of the largest force out of balance"
 
 
 def _largest(g: np.ndarray) -> tuple[float, float]:

@@ -15,10 +15,12 @@ Reference: Crisfield (1991), Non-linear Finite Element Analysis of Solids and St
 import numpy as np
 
 from crashsolve.deck.run_cards.control import Control
+from crashsolve.foundation.errors import RunStopped
 from crashsolve.model import ledger as energy
 from crashsolve.model.jacobian import jacobian, whole_rows
 from crashsolve.model.model import Model, State
 from crashsolve.statics.balance import Forces, Work
+from crashsolve.statics.differences import nodes_with_other_forces
 from crashsolve.statics.elimination import eliminate
 from crashsolve.statics.equations import Tangent
 from crashsolve.statics.limit_point import Softening, exchanged, passes_limit_point
@@ -62,11 +64,12 @@ class StaticEngine(Engine):
         self.free = np.array([i for i in range(1, len(state.nodes)) if i not in attached], int)
         self.beams = [g for g in model.groups if hasattr(g.module, "forces_by_motions")]
         self.plastic_flow = PlasticFlow(self.beams)
-        self.by_differences = self._nodes_with_other_forces(attached)
+        self.by_differences = nodes_with_other_forces(model, self.free, self.beams)
         self.forces, self.work = Forces(model.size, self.tolerance), Work(self)
         self.notes: list[str] = []
         self.origin = state.nodes.copy()
         self.flutters, self.softening = False, Softening()
+        self.free_motion = ""  # name of a node that moves without an end in the load step
         self.least = self.first = 0.0  # shortest load step [s], change by the last tangent
         self.checks_limit_points, self.halvings, self.growth = True, HALVINGS, 2.0
         self.width = np.inf  # length of the last load step where they are short [s]
@@ -75,32 +78,14 @@ class StaticEngine(Engine):
         # of the last equilibrium, where there are hinges
         self.known_tangent: Tangent | None = None
 
-    def _nodes_with_other_forces(self, attached_nodes: set[int]) -> np.ndarray:
-        """Mask (n,) of the free nodes on which forces other than those of beam elements may act."""
-        named = attached_nodes | set(self.model.attached_nodes["body"])
-        for g in self.model.groups:
-            if not hasattr(g.module, "forces_by_motions"):
-                # any whole number may be a node
-                whole = [
-                    k for k in g.parameters.dtype.names or () if g.parameters[k].dtype.kind in "iu"
-                ]
-                named |= {int(i) for k in whole for i in g.parameters[k].ravel()}
-        for g in self.beams:
-            ends = zip(
-                g.parameters["node_a"].tolist(), g.parameters["node_b"].tolist(), strict=True
-            )
-            # forces on an attached node act on its body
-            named |= {i for pair in ends if attached_nodes & set(pair) for i in pair}
-        return np.isin(self.free, list(named))
-
     def start(self) -> None:
         """The equilibrium in which the run begins. Raises SolverError."""
         super().start()
         loading, clock = self.loading, self.clock
         if not loading.rising and not self.forces_at_rest(loading.start, self.state.nodes).any():
             return
-        # requests cannot be answered before the files are open
-        answer, self.on_pause = self.on_pause, lambda: None
+        # before the files are open there is nothing to dump
+        answer, self.on_pause = self.on_pause, self.on_iteration
         clock.time = loading.begin
         self._step(loading.start, loading.start)
         self.on_pause = answer
@@ -117,7 +102,7 @@ class StaticEngine(Engine):
             start_time, saved, tangent = float(clock.time), self.save_state(), self.known_tangent
             # steps towards a limit point double: a long one from nearby may jump over it
             target = equal_part(start_time, until, self.growth * self.width)
-            while (problem := self._attempt(target)) is not None:
+            while (problem := self._attempt_from(saved, target)) is not None:
                 problems.append(problem)
                 target = 0.5 * (start_time + target)
                 is_last = target - start_time < self.least
@@ -136,6 +121,18 @@ class StaticEngine(Engine):
             self.on_pause()
         if self.checks_limit_points:
             self.width = np.inf
+
+    def _attempt_from(self, saved: list[np.ndarray], target: float) -> Problem | None:
+        """Attempt a load step; a request to stop is met in the equilibrium `saved` before it.
+
+        Raises RunStopped.
+        """
+        try:
+            return self._attempt(target)
+        except RunStopped:
+            self.restore_state(saved)
+            self.on_pause()
+            raise
 
     def _attempt(self, target: float) -> Problem | None:
         """Move to the equilibrium at a time [s], or at one before it; returns why that failed."""
@@ -157,7 +154,8 @@ class StaticEngine(Engine):
         self.work.begin()
         reached = self._solve_at(target)
         if reached is None:
-            return Problem("lost", target)
+            free = self.free_motion
+            return Problem("free motion", target, free) if free else Problem("lost", target)
         target = reached
         self.work.count(start, start_time, target)
         clock.time, clock.step, clock.next_step = target, target - start_time, target - start_time
@@ -244,6 +242,7 @@ class StaticEngine(Engine):
         """Number of Newton's iterations to the equilibrium at a time [s]; 0 without convergence."""
         start, previous = self.state.nodes.copy(), np.inf
         for count in range(MAX_ITERATIONS):
+            self.on_iteration()
             change = self.correction(time, self.known_tangent if count == 0 else None)
             if count == 0:
                 self.first = self.size_of(change)
@@ -380,6 +379,7 @@ class StaticEngine(Engine):
         with self.yielding.elastic_hinges(current):
             nodes, columns = still.copy(), self.condense(self._beams(), D)
             for k in np.flatnonzero(np.repeat(self.by_differences, 6)):
+                self.on_iteration()
                 i, size = self.free[k // 6], STEP * (self.model.size if k % 6 < 3 else 1.0)
                 saved = nodes[i].copy()
                 perturb(nodes[i], int(k % 6), size)

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from crashsolve.deck.run_cards.control import Control
-from crashsolve.foundation.errors import SolverError
+from crashsolve.foundation.errors import RunStopped, SolverError
 from crashsolve.foundation.record import Record
 from crashsolve.foundation.rows import as_rows
 from crashsolve.model.model import Model, State
@@ -129,7 +129,14 @@ class PathEngine(StaticEngine):
         """Take a step, or a shorter one; returns its arc length. Raises SolverError."""
         while True:
             saved, direction = self.save_state(), self.direction.copy()
-            far = self._attempt_step(step)
+            try:
+                far = self._attempt_step(step)
+            except RunStopped:
+                self.restore_state(saved)
+                self.direction[:] = direction
+                self.clock.time = self.at.length
+                self.on_pause()
+                raise
             if far:
                 return far
             self.restore_state(saved)
@@ -177,6 +184,7 @@ class PathEngine(StaticEngine):
         self.shift(self.state.nodes, (ahead[:-1] / self._metric).reshape(-1, 6))
         previous = np.inf
         for count in range(MAX_ITERATIONS):
+            self.on_iteration()
             clock.time = time
             if time > self.end:
                 return 0

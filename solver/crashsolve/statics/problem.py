@@ -9,7 +9,8 @@ from crashsolve.system.diagnosis import curve_end
 
 class Problem:
     """Reason why there is no next equilibrium: "lost", "balance", "unstable mode", "bifurcation",
-    "jump", "limit", "lost path", "end of curve"; "total" where a run that ended is out of balance.
+    "jump", "limit", "lost path", "free motion", "end of curve"; "total" where a run that ended is
+    out of balance.
     """
 
     def __init__(self, kind: str, target: float, location: str = "the model") -> None:
@@ -27,6 +28,7 @@ class Problem:
             "jump": self._beyond_limit_point,
             "limit": self._at_limit_point,
             "lost path": self._lost_path,
+            "free motion": self._free_motion,
         }
         cause, advice = texts[self.kind](engine, moment)
         return SolverError(time, cycle, self.location, cause, advice)
@@ -40,6 +42,16 @@ class Problem:
             "prescribe its motion by a driver, whose reaction is the load; where it snaps through, "
             "follow the path of equilibria by control.path: arc_length, or set "
             "solution: transient with damping",
+        )
+
+    def _free_motion(self, engine: Equations, moment: float) -> tuple[str, str]:
+        return (
+            f"no equilibrium found for the next load step, {engine.loading.message(self.target)}: "
+            "however far it moves, the forces stay as they are "
+            f"({engine.forces.message()})",
+            "support what can move freely, rigid motions and mechanisms; where a structure "
+            "collapses plastically there is no equilibrium beyond the limit load: prescribe its "
+            "motion by a driver, whose reaction is the load",
         )
 
     def _unbalanced(self, engine: Equations, moment: float) -> tuple[str, str]:

@@ -92,12 +92,12 @@ class Engine:
         self.bind()
         self._advance = load(program or compose(model), self._present)
         self.masses = EffectiveMasses(self.model)
-        # of how the run begins, for the log
-        self.notes: list[str] = []
+        self.notes: list[str] = []  # of how the run begins, for the log
         # called from time to time between two samples; may raise
         self.on_pause: Callable[[], None] = lambda: None
-        # messages for the log
-        self.on_message: Callable[[str], None] = lambda text: None
+        # called within load steps of statics, where there is nothing to dump; may raise RunStopped
+        self.on_iteration: Callable[[], None] = lambda: None
+        self.on_message: Callable[[str], None] = lambda text: None  # for the log
         # arrays of a dump beside the State
         self.aside: dict[str, np.ndarray] = {}
         self._steps_per_call = 1 if runs_plain() else FIRST_CALL

@@ -9,7 +9,7 @@ to test: the drag takes alpha m v_half^2 h, and nothing else is lost.
 
 from crashsolve.foundation.columns import add_to, matvec
 from crashsolve.foundation.kernels import apart, inlined, kernel
-from crashsolve.foundation.point import ATTACHED
+from crashsolve.foundation.point import ATTACHED, OWN
 from crashsolve.foundation.vec3 import add, add_scaled, cross, dot, norm, put, scale, sub, vec
 from crashsolve.model.clock import NOT_FINITE
 
@@ -115,13 +115,17 @@ def transfer_reactions(nodes, points, holds):
     Writes: points, nodes.
     """
     for k in range(holds.shape[0]):
-        transfer_reaction(points[holds[k].point], nodes[0])
+        b = points[holds[k].point]
+        transfer_reaction(b, b.fixed, nodes[0])
 
 
 @kernel
-def transfer_reaction(b, ground):
-    """Take the suppressed components from force and torque. Writes: b, ground."""
-    f, t = constrained_part(vec(b.force), b.fixed), constrained_part(vec(b.torque), b.fixed >> 3)
+def transfer_reaction(b, fixed, ground):
+    """Take the suppressed components from the force and torque on a point, or on its body.
+
+    `fixed` are the bits of POINT. Writes: b, ground.
+    """
+    f, t = constrained_part(vec(b.force), fixed), constrained_part(vec(b.torque), fixed >> 3)
     put(b.force, sub(vec(b.force), f))
     put(b.torque, sub(vec(b.torque), t))
     # the reaction is -f, and its moment about the origin -r x f
@@ -143,13 +147,28 @@ def constrained_part(u, bits):
 
 @kernel
 def transfer_attached_reactions(nodes, points):
-    """Transfer the forces on suppressed motions of attached points to the ground.
+    """Transfer the forces on points without free motions, which have no body, to the ground.
 
     Writes: points, nodes.
     """
     for i in range(points.shape[0]):
-        if points[i].fixed % ATTACHED > 0:
-            transfer_reaction(points[i], nodes[0])
+        b = points[i]
+        if b.fixed < OWN and b.fixed % ATTACHED > 0:
+            transfer_reaction(b, b.fixed, nodes[0])
+
+
+@kernel
+def transfer_own_reactions(nodes, points, attached_points):
+    """Transfer the forces on suppressed motions of the bodies of points to the ground.
+
+    They bear those on their points, and those that act on every body, such as weight.
+    Writes: nodes.
+    """
+    for i in range(attached_points.shape[0]):
+        attached_point = attached_points[i]
+        fixed = points[attached_point.point].fixed
+        if fixed >= OWN and fixed % ATTACHED > 0:
+            transfer_reaction(nodes[attached_point.node], fixed, nodes[0])
 
 
 @kernel

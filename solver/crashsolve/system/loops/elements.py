@@ -39,6 +39,7 @@ def move_points(clock, h, nodes, scene):
     if ASSEMBLED:
         points.transfer_attached_reactions(nodes, scene.points)
         points.transfer_to_bodies(clock, nodes, scene.points, scene.attached_points)
+        points.transfer_own_reactions(nodes, scene.points, scene.attached_points)
     else:
         if TIES:
             ties.unload_tied(scene.points, scene.ties)
