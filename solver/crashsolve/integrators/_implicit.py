@@ -26,7 +26,7 @@ from crashsolve.model.clock import (
 from crashsolve.system.implicit.stages import (
     add_external,
     add_kick,
-    fastest_point,
+    fastest_so_far,
     next_length,
     reference_speed,
 )
@@ -174,8 +174,7 @@ def check_error(h, clock, nodes, scene):
     if not error <= control.tolerance:
         return proposed
     # of accepted steps only: velocities of a rejected one may be far off
-    fastest = fastest_point(nodes, control.length)
-    clock.fastest = max(clock.fastest, fastest, control.least_speed)
+    clock.fastest = fastest_so_far(clock, control, nodes)
     clock.error = error
     # the error of a step cut short by a sample predicts little of a longer one
     if h < clock.next_step:

@@ -40,7 +40,7 @@ from crashsolve.system.implicit.stages import (
     add_kick,
     advance_to_stage,
     estimate,
-    fastest_point,
+    fastest_so_far,
     next_length,
     project_estimate,
     reference_speed,
@@ -309,8 +309,7 @@ def check_error(h, clock, nodes, rows, saddle, scene):
     if not error <= control.tolerance:
         return proposed
     # of accepted steps only: velocities of a rejected one may be far off
-    fastest = fastest_point(nodes, control.length)
-    clock.fastest = max(clock.fastest, fastest, control.least_speed)
+    clock.fastest = fastest_so_far(clock, control, nodes)
     clock.error = error
     # a step cut short predicts little of a longer one
     if h < 0.5 * clock.next_step:

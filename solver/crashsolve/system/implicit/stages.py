@@ -110,6 +110,16 @@ def fastest_point(nodes, size):
 
 
 @kernel
+def fastest_so_far(clock, control, nodes):
+    """Largest speed of any body so far [m/s]; once anything moves, at least that of prescribed
+    motions.
+    """
+    fastest = fastest_point(nodes, control.length)
+    least = control.least_speed if fastest > LEAST_SPEED else 0.0
+    return max(clock.fastest, fastest, least)
+
+
+@kernel
 def spin_round_off(nodes):
     """Round-off of the spin W L of any body [rad/s]: much for a slender one."""
     largest = 0.0
