@@ -70,7 +70,9 @@ class EventStates:
             return self.begin()
         now, end = self._event_quantities(), float(self.engine.clock["sampled"])
         for name, value in now.items():
-            if value > self._quantities[name] and (name == FORCE or name not in self._events):
+            # a run that goes on from a dump may have had its first touch before
+            is_first = self._quantities[name] == 0.0
+            if value > self._quantities[name] and (name == FORCE or is_first):
                 self._events[name] = self._snapshot, self._snapshot_time, end
         self._quantities = now
         self._take_snapshot()
