@@ -161,6 +161,14 @@ def test_of_a_sample_only_what_is_chosen_is_copied(tmp_path: Path) -> None:
     assert [len(h.kept.tables["origins"]) for h in both] == [3, 0]
 
 
+def test_motions_of_which_one_component_is_written_are_not_judged(tmp_path: Path) -> None:
+    deck = written(tmp_path, "['rbdout.*.position.z', 'rbdout.*.acceleration.x']", "off")
+    done = crashsolve(deck, "-o", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    motions = {name for name in datasets(tmp_path / "out" / "history.h5") if "position" in name}
+    assert motions == {"rbdout/position/z"}
+
+
 @pytest.mark.parametrize(
     ("pattern", "advice"),
     [

@@ -100,7 +100,7 @@ def missed_motions(engine: Engine, history: Path, deck: Deck) -> list[MissedMoti
         if not bodies:
             return []
         # a run whose errors are estimated writes all of them (recording/selection.py)
-        words = [word for word in MOTIONS if word in file["rbdout"]]
+        words = [word for word in MOTIONS if _is_whole(file["rbdout"], word)]
         rates = [one for one in RATES if {*one[:2]} <= {*words}]
         cycles = file["glstat"]["cycle"][:, 0]
         for rows, time, of in _pieces(file["rbdout"], words, bodies):
@@ -119,6 +119,11 @@ def missed_motions(engine: Engine, history: Path, deck: Deck) -> list[MissedMoti
                     ends, mean = (float(time[k]), float(time[k + 1])), float(hidden[k, column])
                     _keep_worst(worst, MissedMotion(names[bodies[column]], *ends, rate, mean))
     return list(worst.values())
+
+
+def _is_whole(group: h5py.Group, word: str) -> bool:
+    """Whether all components of a motion are written."""
+    return word in group and all(axis in group[word] for axis in "xyz")
 
 
 def _keep_worst(worst: dict[str, MissedMotion], one: MissedMotion) -> None:
