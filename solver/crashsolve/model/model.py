@@ -276,13 +276,13 @@ class Model:
         """Laws of several branches, with an event function that states where one ends."""
         return [g for g in self.groups if hasattr(g.module, "event")]
 
-    def groups_with_friction(self) -> list[ContactGroup]:
-        """Contacts whose friction can say how far it is past the regime it was in."""
-        return [c for c in self.contact_groups if hasattr(c.friction, "regime_left")]
-
     def branching_contacts(self) -> list[ContactGroup]:
-        """Contacts whose normal force can say how far it is past the branch it was on."""
-        return [c for c in self.contact_groups if hasattr(c.normal, "branch_left")]
+        """Contacts whose normal force or friction can say how far it is past its branch."""
+        return [
+            c
+            for c in self.contact_groups
+            if hasattr(c.normal, "branch_left") or hasattr(c.friction, "regime_left")
+        ]
 
     def total_mass(self) -> float:
         """Mass of all bodies and points [kg]."""

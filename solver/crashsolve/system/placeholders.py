@@ -37,8 +37,7 @@ UNILATERAL: tuple[ContactGroup, ...] = ()  # of them, those held by impulses
 WITH_EFFECTIVE_MASS: tuple[
     ContactGroup, ...
 ] = ()  # of them, those whose damping is that of the whole touch
-SLIDING: tuple[ContactGroup, ...] = ()  # of them, those whose friction has branches
-BRANCHED: tuple[ContactGroup, ...] = ()  # of them, those whose normal force has branches
+BRANCHED: tuple[ContactGroup, ...] = ()  # of them, those whose forces have branches
 TANGENT_CONTACTS: tuple[ContactGroup, ...] = ()  # of them, those that keep all their pairs
 NODAL: tuple[NodalGroup, ...] = ()  # nodes on shapes and on the faces of shells
 
@@ -84,7 +83,6 @@ def placeholders(model: Model) -> dict[str, Any]:
         "CONTACTS": tuple(contacts),
         "UNILATERAL": tuple(c for c in contacts if c.is_unilateral),
         "WITH_EFFECTIVE_MASS": groups_with_effective_mass(model),
-        "SLIDING": tuple(model.groups_with_friction()),
         "BRANCHED": tuple(model.branching_contacts()),
         "TANGENT_CONTACTS": tuple(tangent_contacts(model)),
         "NODAL": tuple(nodal),
@@ -105,9 +103,7 @@ def placeholders(model: Model) -> dict[str, Any]:
         "THREADS": is_shared(model),
         "DENSE": samples_within_steps(model),
         "ONSETS": bool(contacts or model.branching_groups()),
-        "EVENTS": bool(
-            model.branching_groups() or model.groups_with_friction() or model.branching_contacts()
-        ),
+        "EVENTS": bool(model.branching_groups() or model.branching_contacts()),
         "BOUNDS_NEXT_STEP": bool(nodal or any(c.bounds_next_step for c in contacts)),
         "COUNTS_ROTATIONS": counts_rotations(model),
     }

@@ -12,7 +12,7 @@ from crashsolve.system.contact import (
 from crashsolve.system.loops.approach import depth_before, gaps_of
 from crashsolve.system.loops.many_pairs import before_of_pieces
 from crashsolve.system.loops.pieces import approach_in_pieces
-from crashsolve.system.placeholders import BRANCHED, BRANCHES, CONTACTS, NODAL, SLIDING
+from crashsolve.system.placeholders import BRANCHED, BRANCHES, CONTACTS, NODAL
 
 
 @kernel
@@ -54,25 +54,29 @@ def event(current, h, nodes, curves, scene):
         for i in range(p.shape[0]):
             past = group.law.event(p[i], history[current, i], h, nodes, curves)
             farthest = max(farthest, past)
-    for pairs in SLIDING:
-        farthest = max(farthest, farthest_slip(pairs, current, h, nodes, scene))
     for pairs in BRANCHED:
-        farthest = max(farthest, farthest_closing(pairs, current, h, nodes, curves, scene))
+        farthest = max(farthest, farthest_pair(pairs, current, h, nodes, curves, scene))
     return farthest
 
 
 @stage
-def farthest_slip(pairs, current, h, nodes, scene):
-    """The same of friction, whose branches are ranges of the slip speed."""
+def farthest_pair(pairs, current, h, nodes, curves, scene):
+    """The same of the pairs that touch: branches of a normal force are ranges of depth and closing
+    speed, those of friction ranges of the slip speed.
+    """
     params, history, farthest = pairs.parameters, pairs.history, -1e300
     for i in range(params.shape[0]):
         p, old = params[i], history[current, i]
         if old.active == 1:
             a, b = pairs.elements_a[p.a], pairs.elements_b[p.b]
             depth, n, x = gap_of(pairs, a, b, old, nodes, scene)
-            if depth > 0.0:
+            if hasattr(pairs.normal, "branch_left"):
+                rate, _, _, _ = touches.closing_motion(nodes[a.node], nodes[b.node], x, n)
+                past = pairs.normal.branch_left(p, old, h, depth, rate, curves)
+                farthest = max(farthest, past)
+            if hasattr(pairs.friction, "regime_left") and depth > 0.0:
                 slip = slip_of(pairs, p, n, x, nodes, scene)
-                past = h * pairs.friction.regime_left(p, old, slip)
+                past = h * pairs.friction.regime_left(p, old, slip)  # type: ignore[union-attr]
                 farthest = max(farthest, past)
     return farthest
 
@@ -91,21 +95,6 @@ def slip_of(pairs, p, n, x, nodes, scene):
     if pairs.has_radius:
         radius = max(radius, p.torsion_radius)
     return areas.combined_slip(m, w, slip, n, radius)
-
-
-@stage
-def farthest_closing(pairs, current, h, nodes, curves, scene):
-    """The same of normal forces, whose branches are ranges of depth and closing speed."""
-    params, history, farthest = pairs.parameters, pairs.history, -1e300
-    for i in range(params.shape[0]):
-        p, old = params[i], history[current, i]
-        if old.active == 1:
-            a, b = pairs.elements_a[p.a], pairs.elements_b[p.b]
-            depth, n, x = gap_of(pairs, a, b, old, nodes, scene)
-            rate, _, _, _ = touches.closing_motion(nodes[a.node], nodes[b.node], x, n)
-            past = pairs.normal.branch_left(p, old, h, depth, rate, curves)
-            farthest = max(farthest, past)
-    return farthest
 
 
 @stage
